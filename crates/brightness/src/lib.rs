@@ -1,0 +1,1 @@
+//! Basrelief: brightness fetch unit (112)

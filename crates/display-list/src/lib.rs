@@ -1,0 +1,1 @@
+//! Basrelief: the display-list trace, its readers and writers

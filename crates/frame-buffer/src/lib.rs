@@ -1,0 +1,1 @@
+//! Basrelief: frame buffer (126) and video output

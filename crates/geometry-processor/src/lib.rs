@@ -1,0 +1,1 @@
+//! Basrelief: geometry processor (102)

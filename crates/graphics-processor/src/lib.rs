@@ -1,0 +1,1 @@
+//! Basrelief: graphics processor (104)

@@ -1,0 +1,1 @@
+//! Basrelief: time, FIFOs, memories, engines and cycle accounting

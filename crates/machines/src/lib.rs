@@ -1,0 +1,1 @@
+//! Basrelief: the machines: wiring and configuration

@@ -1,0 +1,1 @@
+//! Basrelief: normal-vector mapping unit (108)

@@ -1,0 +1,44 @@
+//! Parameters of the machines: one table carries every fact about each.
+//!
+//! A unit declares its configuration once, with [`parameters!`]; from that one declaration follow the struct,
+//! its defaults, its range checks, the lines of `basrelief describe`, the JSON schema and the nearest-name hint
+//! for a mistyped key. Nothing about a parameter is written down twice.
+//!
+//! ```
+//! use basrelief_parameters::{parameters, Parameters};
+//!
+//! parameters! {
+//!     /// A divider.
+//!     pub struct DividerConfig {
+//!         /// Cycles from operand to quotient.
+//!         latency: u32 = 16, unit: "cycles", Assumed("iterative radix-4"), range: 1..=1024;
+//!         /// A new division may start every cycle.
+//!         pipelined: bool = false, unit: "", Assumed("the smaller circuit");
+//!     }
+//! }
+//!
+//! let table = DividerConfig::table();
+//! assert_eq!(table[0].key, "latency");
+//! assert_eq!(table[0].unit, "cycles");
+//! let config: DividerConfig = basrelief_parameters::load("", &[("latency", "32")]).unwrap();
+//! assert_eq!(config.latency, 32);
+//! let error = basrelief_parameters::load::<DividerConfig>("", &[("latincy", "32")]).unwrap_err();
+//! assert!(error.to_string().contains("did you mean `latency`"));
+//! ```
+
+#[cfg(test)]
+extern crate self as basrelief_parameters;
+
+mod load;
+mod table;
+
+pub use load::{ConfigError, load};
+pub use table::{Parameter, Parameters, Provenance, RangeError};
+
+/// Used by the macros; not part of the interface.
+#[doc(hidden)]
+pub mod private {
+    pub use schemars;
+    pub use serde;
+    pub use serde_json;
+}

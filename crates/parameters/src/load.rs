@@ -1,0 +1,169 @@
+//! From TOML and `key=value` pairs to a checked configuration.
+
+use crate::{Parameters, RangeError};
+use toml::{Table, Value};
+
+/// What is wrong with a configuration, where, and what to write instead.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// The text is no TOML.
+    #[error("not valid TOML: {0}")]
+    Syntax(String),
+    /// No parameter has this name.
+    #[error("unknown parameter `{key}`; did you mean `{nearest}`? (`basrelief describe` lists all)")]
+    Unknown {
+        /// As given.
+        key: String,
+        /// The nearest known name.
+        nearest: String,
+    },
+    /// The value has the wrong type.
+    #[error("`{key}`: {message}")]
+    Type {
+        /// Dotted name.
+        key: String,
+        /// What was expected.
+        message: String,
+    },
+    /// The value is out of range.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+}
+
+/// Reads a configuration: defaults, then the TOML text, then single settings in order.
+///
+/// A setting's value is TOML (`32`, `[256, 128]`, `true`); what is no TOML is taken as a string, so that
+/// `replacement.codebook=fixed` needs no quotes.
+pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result<C, ConfigError> {
+    let mut tree: Table = toml_text.parse().map_err(|e: toml::de::Error| ConfigError::Syntax(e.to_string()))?;
+    let known: Vec<String> = C::table().into_iter().map(|p| p.key).collect();
+    for (key, value) in settings {
+        check_known(key, &known)?;
+        insert(&mut tree, key, parse_value(value))?;
+    }
+    check_tree(&tree, "", &known)?;
+    let config: C = serde_path_to_error::deserialize(Value::Table(tree)).map_err(|e| ConfigError::Type {
+        key: e.path().to_string(),
+        message: e.inner().to_string().trim().to_owned(),
+    })?;
+    config.check("")?;
+    Ok(config)
+}
+
+fn parse_value(text: &str) -> Value {
+    format!("v = {text}")
+        .parse::<Table>()
+        .ok()
+        .filter(|t| t.len() == 1)
+        .and_then(|mut t| t.remove("v"))
+        .unwrap_or_else(|| Value::String(text.into()))
+}
+
+fn insert(tree: &mut Table, key: &str, value: Value) -> Result<(), ConfigError> {
+    let (path, leaf) = key.rsplit_once('.').unwrap_or(("", key));
+    let mut at = tree;
+    for part in path.split('.').filter(|p| !p.is_empty()) {
+        let next = at.entry(part).or_insert_with(|| Value::Table(Table::new()));
+        at = next.as_table_mut().ok_or_else(|| ConfigError::Type {
+            key: key.into(),
+            message: format!("`{part}` is a value, expected a table"),
+        })?;
+    }
+    at.insert(leaf.into(), value);
+    Ok(())
+}
+
+fn check_tree(tree: &Table, prefix: &str, known: &[String]) -> Result<(), ConfigError> {
+    for (name, value) in tree {
+        let key = format!("{prefix}{name}");
+        match value {
+            Value::Table(inner) if !known.contains(&key) => {
+                let group = format!("{key}.");
+                if !known.iter().any(|k| k.starts_with(&group)) {
+                    check_known(&key, known)?;
+                }
+                check_tree(inner, &group, known)?;
+            }
+            _ => check_known(&key, known)?,
+        }
+    }
+    Ok(())
+}
+
+fn check_known(key: &str, known: &[String]) -> Result<(), ConfigError> {
+    if known.iter().any(|k| k == key) {
+        return Ok(());
+    }
+    let nearest = known.iter().min_by_key(|k| distance(key, k)).cloned().unwrap_or_default();
+    Err(ConfigError::Unknown { key: key.into(), nearest })
+}
+
+/// Levenshtein distance, with a bonus for a shared last part: users forget groups more often than they mistype.
+fn distance(a: &str, b: &str) -> usize {
+    let last = |s: &str| s.rsplit('.').next().unwrap_or("").to_owned();
+    edits(a, b).min(1 + 2 * edits(&last(a), &last(b)))
+}
+
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let next = (row[j] + 1).min(row[j + 1] + 1).min(diagonal + usize::from(x != *y));
+            diagonal = std::mem::replace(&mut row[j + 1], next);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    crate::parameters! {
+        /// A search.
+        pub struct SearchConfig {
+            /// Inner products per cycle.
+            lanes: u32 = 8, unit: "inner products/cycle", Assumed("test"), range: 1..=4096;
+            /// One search may start each cycle.
+            pipelined: bool = false, unit: "", Assumed("test");
+        }
+    }
+    crate::parameter_groups! {
+        /// All.
+        pub struct All {
+            /// The search.
+            search: SearchConfig = SearchConfig { lanes: 16, ..SearchConfig::default() },
+        }
+    }
+
+    #[test]
+    fn later_settings_win_over_toml() {
+        let c: All = load("[search]\nlanes = 4", &[("search.lanes", "2")]).unwrap();
+        assert_eq!(c.search.lanes, 2);
+        assert_eq!(load::<All>("", &[]).unwrap().search.lanes, 16);
+    }
+
+    #[test]
+    fn the_table_shows_the_default_of_the_group() {
+        assert_eq!(All::table()[0].default, serde_json::json!(16));
+        assert_eq!(All::table()[0].key, "search.lanes");
+    }
+
+    #[test]
+    fn every_kind_of_mistake_is_named() {
+        let says = |toml: &str, set: &[(&str, &str)], part: &str| {
+            let e = load::<All>(toml, set).unwrap_err().to_string();
+            assert!(e.contains(part), "{e}");
+        };
+        says("", &[("search.lane", "1")], "did you mean `search.lanes`");
+        says("", &[("lanes", "1")], "did you mean `search.lanes`");
+        says("[serch]\nlanes = 1", &[], "did you mean `search.lanes`");
+        says("", &[("search.lanes", "0")], "`search.lanes` is 0, expected 1..=4096");
+        says("", &[("search.lanes", "many")], "search.lanes");
+        says("[search", &[], "not valid TOML");
+        says("", &[("search.lanes", "-1")], "search.lanes");
+    }
+}

@@ -1,0 +1,1 @@
+//! Basrelief: exact pictures and picture metrics

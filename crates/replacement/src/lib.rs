@@ -1,0 +1,1 @@
+//! Basrelief: normal-vector replacement unit (110)

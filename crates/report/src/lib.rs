@@ -1,0 +1,1 @@
+//! Basrelief: what people read and open

@@ -1,0 +1,1 @@
+//! Basrelief: glTF and OBJ import, cameras, demo scenes

@@ -1,0 +1,1 @@
+//! Basrelief: pure graphics arithmetic

@@ -1,0 +1,1 @@
+//! Basrelief: what travels on the wires of the machines
