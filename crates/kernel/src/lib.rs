@@ -1,1 +1,7 @@
-//! Basrelief: time, FIFOs, memories, engines and cycle accounting
+//! Time, FIFOs, memories, engines and cycle accounting.
+
+pub mod traffic;
+pub mod unit;
+
+pub use traffic::{Request, Traffic};
+pub use unit::{Demand, Step, Unit};

@@ -1,1 +1,24 @@
-//! Basrelief: what travels on the wires of the machines
+//! What travels on the wires: plain data, no behaviour beyond conversion.
+//!
+//! Three groups, in the order in which a picture flows through a machine:
+//! - [`model`]: what the host hands to a geometry processor: meshes, materials, textures, lights, camera;
+//! - [`polygon`]: what a geometry processor hands on: screen-space polygons. A display list records these;
+//! - [`fragment`]: what travels between the units behind the rasterizer.
+//!
+//! [`Flow`] puts control tokens in band (law 7): every wire behind the geometry processor carries `Flow<T>`.
+//!
+//! Conventions, everywhere: matrices are row-major and multiply column vectors (clip = M * \[x y z 1\]^T, OpenGL depth
+//! range); window coordinates have x to the right and **y down**, pixel (0, 0) is top left and its centre is
+//! (0.5, 0.5); depth runs from 0 (near) to 1 (far); images store their top row first; u, v follow glTF (v down).
+
+pub mod flow;
+pub mod fragment;
+pub mod model;
+pub mod polygon;
+
+pub use flow::{Control, Flow};
+pub use fragment::{Fragment, Indexes, MAX_SAMPLES, Pixel, PseudoNormals, Shaded};
+pub use model::{
+    Camera, Draw, Filter, Frame, Image, Light, LightKind, Lighting, Material, Mesh, Object, Sampler, Scene, Texture, Wrap,
+};
+pub use polygon::{ObjectInfo, Polygon, Vertex};

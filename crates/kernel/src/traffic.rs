@@ -1,0 +1,78 @@
+//! The port handle that a step is given: it takes requests and tells nothing.
+
+/// One memory request of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// Client of the unit, as numbered in the wiring.
+    pub client: u32,
+    /// Posted write rather than read.
+    pub write: bool,
+    /// Byte address.
+    pub address: u64,
+    /// Bytes, >= 1.
+    pub bytes: u32,
+}
+
+/// Requests and look-ups of one step, in order of issue. All arrive at the step's start (laws 4 and 5).
+#[derive(Clone, Debug, Default)]
+pub struct Traffic {
+    pub(crate) muted: bool,
+    pub(crate) requests: Vec<Request>,
+    pub(crate) look_ups: Vec<Request>,
+    pub(crate) fault: Option<String>,
+}
+
+impl Traffic {
+    /// A handle that answers at once and keeps no account: the functional model's.
+    pub fn muted() -> Self {
+        Self { muted: true, ..Self::default() }
+    }
+
+    /// Reads `bytes` at `address` through client `client`; the step delivers when the data are there.
+    #[inline]
+    pub fn read(&mut self, client: u32, address: u64, bytes: u32) {
+        if !self.muted {
+            self.requests.push(Request { client, write: false, address, bytes });
+        }
+    }
+
+    /// Posts a write; nothing waits for it, but it holds a credit of the client's port.
+    #[inline]
+    pub fn write(&mut self, client: u32, address: u64, bytes: u32) {
+        if !self.muted {
+            self.requests.push(Request { client, write: true, address, bytes });
+        }
+    }
+
+    /// Looks up every line that `bytes` at `address` touch, in the cache behind client `client`. Lines mentioned
+    /// before in the same step cost nothing.
+    #[inline]
+    pub fn look_up(&mut self, client: u32, address: u64, bytes: u32) {
+        if !self.muted {
+            self.look_ups.push(Request { client, write: false, address, bytes });
+        }
+    }
+
+    /// The unit cannot go on: the run ends with this message. For what only the data can show, such as a gathering
+    /// memory that is too small; say which parameter to change.
+    pub fn fault(&mut self, message: String) {
+        self.fault.get_or_insert(message);
+    }
+
+    /// Requests of this step so far; for tests of a unit.
+    pub fn requests(&self) -> &[Request] {
+        &self.requests
+    }
+
+    /// Look-ups of this step so far; for tests of a unit.
+    pub fn look_ups(&self) -> &[Request] {
+        &self.look_ups
+    }
+
+    /// Forgets the step's requests.
+    #[inline]
+    pub fn clear(&mut self) {
+        self.requests.clear();
+        self.look_ups.clear();
+    }
+}

@@ -1,0 +1,97 @@
+//! The unit contract: what a unit does to a token and how long it is busy. When is the kernel's business.
+
+use crate::traffic::Traffic;
+
+/// Which inputs the next step takes (law 3): declared from the unit's own state alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Demand {
+    /// None: a source, or a unit that still emits from what it holds.
+    Nothing,
+    /// Every input.
+    All,
+    /// Only this input, counted from 0.
+    Only(usize),
+    /// There will be no further step.
+    Finished,
+}
+
+impl Demand {
+    /// Whether input `i` is declared.
+    #[inline]
+    pub fn takes(self, i: usize) -> bool {
+        match self {
+            Demand::All => true,
+            Demand::Only(k) => k == i,
+            Demand::Nothing | Demand::Finished => false,
+        }
+    }
+}
+
+/// What a step did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<O> {
+    /// 0 or 1 token per output.
+    pub out: O,
+    /// Cycles the unit is kept, >= 1.
+    pub occupancy: u64,
+    /// Cycles from start to delivery; memory answers may come later.
+    pub latency: u64,
+    /// This step lets a frame's end token leave (law 11): its delivery ends the frame.
+    pub ends_frame: bool,
+}
+
+impl<O> Step<O> {
+    /// A step of one cycle, delivered `latency` cycles after its start.
+    #[inline]
+    pub fn after(latency: u64, out: O) -> Self {
+        Self { out, occupancy: 1, latency, ends_frame: false }
+    }
+
+    /// Keeps the unit for this many cycles.
+    #[inline]
+    #[must_use]
+    pub fn busy(mut self, occupancy: u64) -> Self {
+        self.occupancy = occupancy;
+        self
+    }
+
+    /// Marks the step that lets a frame's end token leave the machine's frame buffer.
+    #[inline]
+    #[must_use]
+    pub fn ending_frame(mut self) -> Self {
+        self.ends_frame = true;
+        self
+    }
+}
+
+/// A hardware unit.
+///
+/// `In` is `()` for a source, `Option<T>` for one input, a tuple of options for several; `step` finds `Some` exactly
+/// where [`Unit::demand`] declared the input. `Out` likewise.
+///
+/// A unit must be a function of its state and its inputs: no clock, no randomness, no shared state, no I/O. Memories
+/// give time, never data (law 6): a step issues requests through [`Traffic`] and computes with what it holds.
+pub trait Unit {
+    /// What a step pops.
+    type In;
+    /// What a step emits.
+    type Out;
+
+    /// Which inputs the next step takes.
+    fn demand(&self) -> Demand;
+
+    /// One step.
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out>;
+
+    /// Credits that the largest step needs of memory client `client` (as numbered in the wiring): requests it issues,
+    /// or distinct lines it looks up.
+    fn largest_step(&self, client: usize) -> u32 {
+        let _ = client;
+        0
+    }
+
+    /// Whether no token is held back; a run that ends while one is, has deadlocked.
+    fn is_empty(&self) -> bool {
+        true
+    }
+}
