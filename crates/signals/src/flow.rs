@@ -13,9 +13,9 @@ pub enum Control {
     Object(Arc<ObjectInfo>),
     /// The fragments that follow, up to the next control token, are of this polygon.
     Polygon(Arc<Polygon>),
-    /// The fragments that follow are indexed with these reference normals, one list per MIP level
-    /// (code books `per_polygon` and `per_object`).
-    CodeBook(Arc<Vec<Vec<[f32; 3]>>>),
+    /// The fragments that follow are indexed with these reference normals, one list per MIP level, unit vectors in
+    /// steps of 1/32767 (code books `per_polygon` and `per_object`).
+    CodeBook(Arc<Vec<Vec<[i16; 3]>>>),
     /// The frame is complete; who gathers, flushes.
     FrameEnd,
 }

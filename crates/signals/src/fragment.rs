@@ -32,8 +32,9 @@ pub struct PseudoNormals {
     pub level: [u8; MAX_SAMPLES],
     /// Share of each sample in the brightness; they sum to 1.
     pub weight: [f32; MAX_SAMPLES],
-    /// N', world space, not normalised (the inner product's order does not depend on its length).
-    pub normal: [[f32; 3]; MAX_SAMPLES],
+    /// N', world space, fixed point, scaled so that its largest component is +-32767: the order of inner products
+    /// does not depend on its length, so nothing is lost and no square root is needed (assumed).
+    pub normal: [[i16; 3]; MAX_SAMPLES],
 }
 
 /// Replacement unit (110) to brightness fetch unit (112): only indexes are kept on the surface.
