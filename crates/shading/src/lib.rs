@@ -1,1 +1,22 @@
-//! Basrelief: pure graphics arithmetic
+//! Pure graphics arithmetic that several units share: no state, no time, no I/O.
+//!
+//! - [`lighting`]: ambient + Lambert + Blinn-Phong, for CLUT entries and vertices;
+//! - [`lod`]: level of detail 0..=63, and which MIP levels it selects with which weights;
+//! - [`texture`]: which texels a sample touches, and where they lie in memory;
+//! - [`reference_normals`]: the contents of the VQ tables (121);
+//! - [`interpolation`]: attributes of a fragment from those of its triangle.
+//!
+//! Single precision throughout; double only where tables are built. Transcendental functions come from `libm`, so that
+//! every platform computes the same bits.
+
+pub mod interpolation;
+pub mod lighting;
+pub mod lod;
+pub mod reference_normals;
+pub mod texture;
+
+pub use interpolation::{fan_triangle, interpolate};
+pub use lighting::{LightVector, brightness, light_vectors};
+pub use lod::{LevelSet, lod, select_levels};
+pub use reference_normals::{Table, TableError, reference_normals};
+pub use texture::{Taps, address, decode_normal, level_offset, taps};

@@ -1,0 +1,51 @@
+//! Attributes of a fragment from those of its triangle.
+
+use basrelief_signals::{Polygon, Vertex};
+
+/// The vertices of triangle `triangle` of the polygon's fan: 0, `triangle + 1`, `triangle + 2`; `None` where the
+/// polygon has fewer.
+#[inline]
+pub fn fan_triangle(polygon: &Polygon, triangle: u16) -> Option<[&Vertex; 3]> {
+    let i = usize::from(triangle);
+    Some([polygon.vertices.first()?, polygon.vertices.get(i + 1)?, polygon.vertices.get(i + 2)?])
+}
+
+/// Attribute at perspective-correct `weights` of the second and third vertex.
+///
+/// Computed as `a + w1 (b - a) + w2 (c - a)`: an attribute that is constant over the triangle stays so to the bit.
+#[inline]
+pub fn interpolate<const N: usize>(vertices: [&[f32; N]; 3], weights: [f32; 2]) -> [f32; N] {
+    let [a, b, c] = vertices;
+    std::array::from_fn(|i| a[i] + weights[0] * (b[i] - a[i]) + weights[1] * (c[i] - a[i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    #[test]
+    fn corners_and_constants_are_exact() {
+        let v = [[1.0, 0.1], [2.0, 0.1], [4.0, 0.1]];
+        let at = |w| interpolate([&v[0], &v[1], &v[2]], w);
+        assert_eq!(at([0.0, 0.0]), v[0]);
+        assert_eq!(at([1.0, 0.0]), v[1]);
+        assert_eq!(at([0.0, 1.0]), v[2]);
+        assert_eq!(at([0.3, 0.17])[1], 0.1);
+    }
+
+    #[test]
+    fn a_fan_ends_with_its_last_vertex() {
+        let polygon = Polygon {
+            vertices: vec![Vertex::default(); 5],
+            material: Arc::default(),
+            object: 0,
+            lod: 0,
+            bump: true,
+            arrival: 0,
+        };
+        assert!(fan_triangle(&polygon, 2).is_some());
+        assert!(fan_triangle(&polygon, 3).is_none());
+        assert!(fan_triangle(&polygon, u16::MAX).is_none());
+    }
+}

@@ -1,0 +1,216 @@
+//! Reference normals: the contents of the VQ tables (121), one table per MIP level.
+
+use std::f64::consts::PI;
+
+/// Most entries of a table: indexes have 16 bits.
+pub const MAX_ENTRIES: usize = 65_536;
+
+/// How the reference normals of a table are spread over the sphere.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Table {
+    /// Spherical Fibonacci lattice: even for every number of entries (assumed).
+    #[default]
+    Fibonacci,
+    /// Face normals of a tetrahedron whose faces are divided k x k and raised to the sphere: 4 k^2 entries (stated: the
+    /// polyhedron of 256 faces; k = 8).
+    Tetrahedron,
+}
+
+/// A table that cannot be built.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TableError {
+    /// No index for it.
+    #[error("a VQ table of {0} entries: expected 1..={MAX_ENTRIES}; change `replacement.entries`")]
+    Entries(usize),
+    /// The tetrahedron has no such division.
+    #[error(
+        "a tetrahedron has 4 k^2 faces, not {entries}; set `replacement.entries` to {below} or {above}, or \
+         `replacement.table` to fibonacci"
+    )]
+    Tetrahedron {
+        /// As asked for.
+        entries: usize,
+        /// Next smaller division that exists.
+        below: usize,
+        /// Next larger division that exists.
+        above: usize,
+    },
+}
+
+/// The VQ table (121) of MIP level `level`: `entries` unit vectors in world space, in steps of 1/32767, each component
+/// quantized to `entry_bits` (8..=16, clamped).
+///
+/// Where `distinct`, level k's vectors are level 0's turned by a rotation of its own, so that quantization errors differ
+/// between levels and interpolation absorbs them (stated); otherwise every level has level 0's, for the ablation.
+pub fn reference_normals(
+    level: u8,
+    entries: usize,
+    table: Table,
+    distinct: bool,
+    entry_bits: u32,
+) -> Result<Vec<[i16; 3]>, TableError> {
+    if !(1..=MAX_ENTRIES).contains(&entries) {
+        return Err(TableError::Entries(entries));
+    }
+    let vectors = match table {
+        Table::Fibonacci => fibonacci(entries),
+        Table::Tetrahedron => tetrahedron(divisions(entries)?),
+    };
+    let turn = rotation(if distinct { level } else { 0 });
+    Ok(vectors.into_iter().map(|v| turn.map(|row| dot(row, v)).map(|c| quantize(c, entry_bits))).collect())
+}
+
+/// A component -1..=1 in steps of 1/32767, of which only those that `bits` can tell apart are used.
+fn quantize(c: f64, bits: u32) -> i16 {
+    let steps = f64::from((1_i32 << (bits.clamp(8, 16) - 1)) - 1);
+    ((c * steps).round() * (32_767.0 / steps)).round() as i16
+}
+
+/// Point i of n: height by equal area, longitude by the golden ratio.
+fn fibonacci(n: usize) -> Vec<[f64; 3]> {
+    let golden = (5f64.sqrt() - 1.0) / 2.0;
+    let point = |i: usize| {
+        let z = 1.0 - (2 * i + 1) as f64 / n as f64;
+        let turns = i as f64 * golden;
+        let angle = 2.0 * PI * (turns - turns.floor());
+        let radius = (1.0 - z * z).sqrt();
+        [radius * libm::cos(angle), radius * libm::sin(angle), z]
+    };
+    (0..n).map(point).collect()
+}
+
+fn divisions(entries: usize) -> Result<usize, TableError> {
+    let k = (1..).take_while(|k| 4 * k * k <= entries).last().unwrap_or(1);
+    if 4 * k * k == entries {
+        return Ok(k);
+    }
+    Err(TableError::Tetrahedron { entries, below: 4 * k * k, above: 4 * (k + 1) * (k + 1) })
+}
+
+const CORNERS: [[f64; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+/// Counter-clockwise seen from outside.
+const FACES: [[usize; 3]; 4] = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+
+fn tetrahedron(k: usize) -> Vec<[f64; 3]> {
+    let mut normals = Vec::with_capacity(4 * k * k);
+    for face in FACES {
+        let [a, b, c] = face.map(|i| CORNERS[i]);
+        // Points of the divided face, raised to the sphere: without that all k^2 normals of a face would be equal.
+        let point = |i: usize, j: usize| {
+            let (s, t) = (i as f64 / k as f64, j as f64 / k as f64);
+            unit(std::array::from_fn(|d| a[d] + s * (b[d] - a[d]) + t * (c[d] - a[d])))
+        };
+        for i in 0..k {
+            for j in 0..k - i {
+                normals.push(face_normal(point(i, j), point(i + 1, j), point(i, j + 1)));
+                if i + j + 2 <= k {
+                    normals.push(face_normal(point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)));
+                }
+            }
+        }
+    }
+    normals
+}
+
+fn face_normal(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
+    let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
+    unit([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let length = dot(v, v).sqrt();
+    v.map(|c| c / length)
+}
+
+/// Rotation of a level (assumed): about an axis with no symmetry of either table, by the golden angle per level, so that
+/// any two levels are at least 0.3 rad apart. Rows of the matrix; the identity for level 0.
+fn rotation(level: u8) -> [[f64; 3]; 3] {
+    let angle = f64::from(level) * PI * (3.0 - 5f64.sqrt());
+    let (s, c) = (libm::sin(angle), libm::cos(angle));
+    let [x, y, z] = unit([1.0, 2.0, 4.0]);
+    let t = 1.0 - c;
+    [
+        [t * x * x + c, t * x * y - s * z, t * x * z + s * y],
+        [t * x * y + s * z, t * y * y + c, t * y * z - s * x],
+        [t * x * z - s * y, t * y * z + s * x, t * z * z + c],
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+
+    fn set(level: u8, table: Table, distinct: bool) -> BTreeSet<[i16; 3]> {
+        reference_normals(level, 256, table, distinct, 16).unwrap().into_iter().collect()
+    }
+
+    #[test]
+    fn claim_1_no_two_levels_share_a_reference_normal() {
+        for table in [Table::Fibonacci, Table::Tetrahedron] {
+            let all: BTreeSet<[i16; 3]> = (0..8).flat_map(|level| set(level, table, true)).collect();
+            assert_eq!(all.len(), 8 * 256, "{table:?}");
+        }
+    }
+
+    #[test]
+    fn identical_tables_are_level_0s() {
+        for level in 0..8 {
+            assert_eq!(set(level, Table::Fibonacci, false), set(0, Table::Fibonacci, true));
+        }
+    }
+
+    #[test]
+    fn a_divided_tetrahedron_has_256_faces_whose_normals_point_outward() {
+        let normals = tetrahedron(8);
+        assert_eq!(normals.len(), 256);
+        let sum = normals.iter().fold([0.0; 3], |s, n| [s[0] + n[0], s[1] + n[1], s[2] + n[2]]);
+        assert!(sum.iter().all(|c| c.abs() < 1e-9), "{sum:?}");
+        for corner in CORNERS {
+            let nearest = normals.iter().map(|&n| dot(n, unit(corner))).fold(-1.0, f64::max);
+            assert!(nearest > 0.98, "{nearest}");
+        }
+    }
+
+    #[test]
+    fn tables_cover_the_sphere() {
+        // Largest angle from any direction to the nearest of 256: a perfect covering would have 0.136 rad.
+        let probes = fibonacci(5_000);
+        for (table, limit) in [(Table::Fibonacci, 0.17), (Table::Tetrahedron, 0.35)] {
+            let normals = reference_normals(3, 256, table, true, 16).unwrap();
+            let cosine =
+                |p: [f64; 3]| normals.iter().map(|n| dot(n.map(|c| f64::from(c) / 32_767.0), p)).fold(-1.0, f64::max);
+            let worst = probes.iter().map(|&p| cosine(p)).fold(1.0, f64::min);
+            assert!(libm::acos(worst) < limit, "{table:?}: {}", libm::acos(worst));
+        }
+    }
+
+    #[test]
+    fn sizes_without_a_table_say_what_to_write() {
+        let error = |n, table| reference_normals(0, n, table, true, 16).unwrap_err().to_string();
+        assert!(error(0, Table::Fibonacci).contains("1..=65536"));
+        assert!(error(65_537, Table::Fibonacci).contains("replacement.entries"));
+        assert!(error(200, Table::Tetrahedron).contains("196 or 256"));
+        assert!(error(3, Table::Tetrahedron).contains("4 or 16"));
+        assert_eq!(reference_normals(7, 65_536, Table::Tetrahedron, true, 16).unwrap().len(), 65_536);
+    }
+
+    proptest! {
+        #[test]
+        fn entries_are_unit_vectors_within_half_a_step(n in 1usize..2_000, level in 0u8..8, bits in 8u32..=16) {
+            let step = 32_767.0 / f64::from((1 << (bits - 1)) - 1);
+            for v in reference_normals(level, n, Table::Fibonacci, true, bits).unwrap() {
+                let length = dot(v.map(f64::from), v.map(f64::from)).sqrt();
+                prop_assert!((length - 32_767.0).abs() <= 0.5 * 3f64.sqrt() * (step + 1.0));
+            }
+        }
+    }
+}

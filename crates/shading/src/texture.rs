@@ -1,0 +1,242 @@
+//! Which texels a sample touches, what they weigh, and where they lie in memory.
+
+use basrelief_signals::{Filter, Image, Sampler, Texture, Wrap};
+
+/// Side of the square blocks that textures are stored in \[texels\] (assumed; Hakura and Gupta 1997 found 3 to 15 times
+/// less bandwidth than with rows).
+pub const BLOCK: u32 = 4;
+
+/// Texels of a sample and their weights.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Taps {
+    /// Texels in use: 1 (nearest) or 4 (bilinear).
+    pub count: u8,
+    /// Column and row of each, inside the image.
+    pub texel: [[u32; 2]; 4],
+    /// Shares; they sum to 1.
+    pub weight: [f32; 4],
+}
+
+/// Texels of `image` for a sample at `uv` (0..1 spans the image; NaN counts as 0, every other value is legal).
+///
+/// Wrap modes come from the sampler, the filter from the caller: it is a choice of the machine.
+#[inline]
+pub fn taps(image: &Image, sampler: &Sampler, filter: Filter, uv: [f32; 2]) -> Taps {
+    let x = place(uv[0], image.width, sampler.wrap[0]);
+    let y = place(uv[1], image.height, sampler.wrap[1]);
+    match filter {
+        Filter::Nearest => {
+            let texel = [nearest(x, image.width), nearest(y, image.height)];
+            Taps { count: 1, texel: [texel; 4], weight: [1.0, 0.0, 0.0, 0.0] }
+        }
+        Filter::Bilinear => {
+            let ([x0, x1], fx) = pair(x, image.width, sampler.wrap[0]);
+            let ([y0, y1], fy) = pair(y, image.height, sampler.wrap[1]);
+            let (gx, gy) = (1.0 - fx, 1.0 - fy);
+            Taps {
+                count: 4,
+                texel: [[x0, y0], [x1, y0], [x0, y1], [x1, y1]],
+                weight: [gx * gy, fx * gy, gx * fy, fx * fy],
+            }
+        }
+    }
+}
+
+/// Coordinate wrapped into the image, 0 ..= size \[texels\].
+///
+/// The fraction is taken before the multiplication: it works for every size at the cost of one rounding to an integer,
+/// where masking the integer part would need a power of two.
+#[inline]
+#[expect(clippy::manual_clamp, reason = "`clamp` hands a NaN on, `max` drops it")]
+fn place(u: f32, size: u32, wrap: Wrap) -> f32 {
+    let fraction = match wrap {
+        Wrap::Repeat => u - floor(u),
+        Wrap::Mirror => {
+            let t = u - 2.0 * floor(0.5 * u);
+            if t > 1.0 { 2.0 - t } else { t }
+        }
+        Wrap::Clamp => u,
+    };
+    // Infinity minus infinity and NaN end here as 0.
+    fraction.max(0.0).min(1.0) * size as f32
+}
+
+/// Round towards minus infinity. By way of an integer: without SSE 4.1 the library function costs a call. Beyond 2^31
+/// it saturates; from 2^24 on every value is whole already, so the value itself is the answer.
+#[inline]
+fn floor(x: f32) -> f32 {
+    if x.abs() < 16_777_216.0 {
+        let whole = x as i32 as f32;
+        if whole > x { whole - 1.0 } else { whole }
+    } else {
+        x
+    }
+}
+
+#[inline]
+fn nearest(x: f32, size: u32) -> u32 {
+    (x as u32).min(size.max(1) - 1)
+}
+
+/// The two texels around `x` and the share of the second.
+#[inline]
+fn pair(x: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
+    let last = size.max(1) - 1;
+    // `x - 0.5` lies in -0.5 ..= size - 0.5: one texel may stick out at either end.
+    let centred = x - 0.5;
+    if centred < 0.0 {
+        let before = if wrap == Wrap::Repeat { last } else { 0 };
+        return ([before, 0], centred + 1.0);
+    }
+    let first = (centred as u32).min(last);
+    let after = if wrap == Wrap::Repeat { 0 } else { last };
+    let second = if first == last { after } else { first + 1 };
+    ([first, second], centred - first as f32)
+}
+
+/// Texels from the start of the memory to level `level` of the texture: its offset and the finer levels, each padded to
+/// whole blocks. Constant over a polygon.
+pub fn level_offset(texture: &Texture, level: usize) -> u64 {
+    let padded = |n: u32| u64::from(n.div_ceil(BLOCK) * BLOCK);
+    texture.levels.iter().take(level).map(|i| padded(i.width) * padded(i.height)).fold(texture.offset, |a, b| a + b)
+}
+
+/// Number of the block that holds `texel` in an image of this width; blocks lie row by row.
+#[inline]
+pub fn block(width: u32, texel: [u32; 2]) -> u64 {
+    u64::from(texel[1] / BLOCK) * u64::from(width.div_ceil(BLOCK)) + u64::from(texel[0] / BLOCK)
+}
+
+/// Byte address of `texel` of level `level`, at `texel_bytes` bytes per texel: 4 x 4 blocks row by row, 16 texels row by
+/// row within each. A level that the texture does not have lies behind its last.
+pub fn address(texture: &Texture, level: usize, texel: [u32; 2], texel_bytes: u32) -> u64 {
+    let width = texture.levels.get(level).map_or(1, |image| image.width);
+    let within = u64::from((texel[1] % BLOCK) * BLOCK + texel[0] % BLOCK);
+    let block_texels = u64::from(BLOCK * BLOCK);
+    (level_offset(texture, level) + block(width, texel) * block_texels + within) * u64::from(texel_bytes)
+}
+
+/// Components of a normal from its stored form, 0..=255: `v / 127.5 - 1`. Takes filtered values too, as it is linear.
+#[inline]
+pub fn decode_normal(stored: [f32; 3]) -> [f32; 3] {
+    stored.map(|v| v / 127.5 - 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn image(width: u32, height: u32) -> Image {
+        Image { width, height, texels: vec![[0; 4]; (width * height) as usize] }
+    }
+
+    fn wrap(wrap: Wrap) -> Sampler {
+        Sampler { wrap: [wrap; 2], filter: Filter::Bilinear }
+    }
+
+    fn row(width: u32, mode: Wrap, u: f32) -> (u32, u32, f32) {
+        let t = taps(&image(width, 1), &wrap(mode), Filter::Bilinear, [u, 0.5]);
+        (t.texel[0][0], t.texel[1][0], t.weight[1] + t.weight[3])
+    }
+
+    #[test]
+    fn texel_centres_are_hit_exactly_and_edges_wrap() {
+        assert_eq!(row(4, Wrap::Repeat, 0.375), (1, 2, 0.0));
+        assert_eq!(row(4, Wrap::Repeat, 0.0), (3, 0, 0.5));
+        assert_eq!(row(4, Wrap::Repeat, 1.0), (3, 0, 0.5));
+        assert_eq!(row(4, Wrap::Repeat, 0.9375), (3, 0, 0.25));
+        assert_eq!(row(4, Wrap::Mirror, 0.0), (0, 0, 0.5));
+        assert_eq!(row(4, Wrap::Mirror, 1.625), (1, 2, 0.0));
+        assert_eq!(row(4, Wrap::Mirror, -0.375), (1, 2, 0.0));
+        assert_eq!(row(4, Wrap::Clamp, -3.0), (0, 0, 0.5));
+        assert_eq!(row(4, Wrap::Clamp, 9.0), (3, 3, 0.5));
+        assert_eq!(row(4, Wrap::Repeat, -0.25), (2, 3, 0.5));
+    }
+
+    #[test]
+    fn nearest_takes_the_texel_that_holds_the_point() {
+        let at = |mode, u| taps(&image(4, 4), &wrap(mode), Filter::Nearest, [u, 0.0]).texel[0][0];
+        assert_eq!(at(Wrap::Repeat, 0.49), 1);
+        assert_eq!(at(Wrap::Repeat, 0.5), 2);
+        assert_eq!(at(Wrap::Repeat, -0.01), 3);
+        assert_eq!(at(Wrap::Mirror, 1.01), 3);
+        assert_eq!(at(Wrap::Clamp, 7.0), 3);
+        assert_eq!(at(Wrap::Clamp, f32::NAN), 0);
+    }
+
+    #[test]
+    fn addresses_follow_blocks_and_padding() {
+        let texture = Texture {
+            id: 0,
+            name: String::new(),
+            sampler: Sampler::default(),
+            levels: vec![image(6, 5), image(3, 2), image(1, 1)],
+            offset: 32,
+        };
+        assert_eq!(address(&texture, 0, [0, 0], 4), 32 * 4);
+        assert_eq!(address(&texture, 0, [3, 1], 4), (32 + 7) * 4);
+        assert_eq!(address(&texture, 0, [4, 0], 4), (32 + 16) * 4);
+        assert_eq!(address(&texture, 0, [1, 4], 4), (32 + 33) * 4);
+        assert_eq!(address(&texture, 1, [2, 1], 3), (32 + 64 + 6) * 3);
+        assert_eq!(level_offset(&texture, 2), 32 + 64 + 16);
+        assert_eq!(level_offset(&texture, 99), 32 + 64 + 32);
+    }
+
+    #[test]
+    fn normals_decode_to_their_range() {
+        assert_eq!(decode_normal([0.0, 127.5, 255.0]), [-1.0, 0.0, 1.0]);
+    }
+
+    fn any_wrap() -> impl Strategy<Value = Wrap> {
+        prop_oneof![Just(Wrap::Repeat), Just(Wrap::Mirror), Just(Wrap::Clamp)]
+    }
+
+    proptest! {
+        #[test]
+        fn every_coordinate_lands_inside_with_weights_of_sum_one(
+            u in any::<f32>(), v in prop_oneof![any::<f32>(), -3f32..3.0], w in 1u32..70, h in 1u32..70,
+            mode in any_wrap(), nearest in any::<bool>(),
+        ) {
+            let filter = if nearest { Filter::Nearest } else { Filter::Bilinear };
+            let image = Image { width: w, height: h, texels: Vec::new() };
+            let t = taps(&image, &wrap(mode), filter, [u, v]);
+            prop_assert!((t.weight.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+            prop_assert!(t.weight.iter().all(|&s| (0.0..=1.0).contains(&s)));
+            prop_assert!(t.texel.iter().all(|&[x, y]| x < w && y < h));
+        }
+
+        #[test]
+        fn taps_equal_a_filter_in_double_precision(u in -4f64..4.0, w in 1u32..70, mode in any_wrap()) {
+            let x = f64::from(u as f32) * f64::from(w) - 0.5;
+            let fold = |i: i64| {
+                let (n, i) = (i64::from(w), i);
+                match mode {
+                    Wrap::Repeat => i.rem_euclid(n),
+                    Wrap::Clamp => i.clamp(0, n - 1),
+                    Wrap::Mirror => { let m = i.rem_euclid(2 * n); m.min(2 * n - 1 - m) }
+                }
+            };
+            // The value at a texel is its number: the filtered values must agree although the order may be mirrored.
+            let value = |i: i64| fold(i) as f64;
+            let i = x.floor() as i64;
+            let expected = value(i) + (x - x.floor()) * (value(i + 1) - value(i));
+            let (a, b, f) = row(w, mode, u as f32);
+            let got = f64::from(a) + f64::from(f) * (f64::from(b) - f64::from(a));
+            // A jump of the repeating texture is as steep as the image is wide.
+            prop_assert!((got - expected).abs() < 1e-4 * f64::from(w), "{got} {expected}");
+        }
+
+        #[test]
+        fn addresses_within_a_level_are_distinct(w in 1u32..20, h in 1u32..20) {
+            let texture = Texture {
+                id: 0, name: String::new(), sampler: Sampler::default(), levels: vec![image(w, h)], offset: 5,
+            };
+            let mut seen: Vec<u64> = (0..w * h).map(|i| address(&texture, 0, [i % w, i / w], 4)).collect();
+            seen.sort_unstable();
+            seen.dedup();
+            prop_assert_eq!(seen.len() as u32, w * h);
+            prop_assert!(seen.iter().all(|&a| a < 4 * level_offset(&texture, 1)));
+        }
+    }
+}
