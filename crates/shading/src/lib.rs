@@ -17,6 +17,6 @@ pub mod texture;
 
 pub use interpolation::{fan_triangle, interpolate};
 pub use lighting::{LightVector, brightness, light_vectors};
-pub use lod::{LevelSet, lod, select_levels};
-pub use reference_normals::{Table, TableError, reference_normals};
+pub use lod::{LEVELS, LevelSet, lod, select_levels};
+pub use reference_normals::{MAX_ENTRIES, Table, TableError, TableSet, quantize_unit, reference_normals};
 pub use texture::{Taps, address, decode_normal, level_offset, taps};

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 /// A light as the formula needs it: constant over an object, as light and viewer are at infinity or the light is
 /// evaluated at the object's centre.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LightVector {
     /// Unit vector towards the light, world space; zero where a point light lies in the object's centre.
     pub to_light: Vec3,

@@ -19,7 +19,7 @@ pub fn lod(texel_area: f32, pixel_area: f32) -> u8 {
 }
 
 /// MIP levels that a LOD selects, finest first, and their shares of the brightness.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LevelSet {
     /// Levels in use, 1..=8.
     pub count: u8,

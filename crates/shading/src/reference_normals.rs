@@ -1,5 +1,6 @@
 //! Reference normals: the contents of the VQ tables (121), one table per MIP level.
 
+use crate::lod::LEVELS;
 use std::f64::consts::PI;
 
 /// Most entries of a table: indexes have 16 bits.
@@ -40,11 +41,79 @@ pub enum TableError {
     },
 }
 
+impl Table {
+    /// Whether a table of this many entries exists.
+    ///
+    /// # Errors
+    /// Says which sizes do.
+    pub fn check(self, entries: usize) -> Result<(), TableError> {
+        if !(1..=MAX_ENTRIES).contains(&entries) {
+            return Err(TableError::Entries(entries));
+        }
+        match self {
+            Self::Fibonacci => Ok(()),
+            Self::Tetrahedron => divisions(entries).map(|_| ()),
+        }
+    }
+}
+
+/// Which VQ tables (121) a machine has: the replacement unit searches them, the brightness fetch unit lights them.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct TableSet {
+    /// Entries of each MIP level's table, unless an object fixes the number.
+    pub entries: [u32; LEVELS],
+    /// How they are spread.
+    pub table: Table,
+    /// Each level has vectors of its own.
+    pub distinct: bool,
+    /// Bits per component, 8..=16.
+    pub entry_bits: u32,
+}
+
+impl TableSet {
+    /// Entries of a level's table (a level above 7 counts as 7); `object` is the number that an object fixes.
+    #[inline]
+    pub fn entries(&self, level: u8, object: Option<u32>) -> u32 {
+        object.unwrap_or(self.entries[usize::from(level).min(LEVELS - 1)])
+    }
+
+    /// The reference normals of a level's table of `entries` entries.
+    ///
+    /// # Errors
+    /// Where there is no such table.
+    pub fn normals(&self, level: u8, entries: u32) -> Result<Vec<[i16; 3]>, TableError> {
+        reference_normals(level, entries as usize, self.table, self.distinct, self.entry_bits)
+    }
+
+    /// Checks the sizes of all levels.
+    ///
+    /// # Errors
+    /// The first level's that does not exist.
+    pub fn check(&self) -> Result<(), TableError> {
+        self.entries.iter().try_for_each(|&n| self.table.check(n as usize))
+    }
+
+    /// Bytes of one entry as loaded: three components, packed (derived).
+    pub fn entry_bytes(&self) -> u32 {
+        (3 * self.entry_bits).div_ceil(8)
+    }
+}
+
+/// Rounds a component -1..=1 to `bits` (8..=16, clamped), in steps of 1/32767: how normals are stored everywhere.
+#[inline]
+pub fn quantize_unit(c: f64, bits: u32) -> i16 {
+    let steps = f64::from((1_i32 << (bits.clamp(8, 16) - 1)) - 1);
+    ((c * steps).round() * (32_767.0 / steps)).round() as i16
+}
+
 /// The VQ table (121) of MIP level `level`: `entries` unit vectors in world space, in steps of 1/32767, each component
 /// quantized to `entry_bits` (8..=16, clamped).
 ///
 /// Where `distinct`, level k's vectors are level 0's turned by a rotation of its own, so that quantization errors differ
 /// between levels and interpolation absorbs them (stated); otherwise every level has level 0's, for the ablation.
+///
+/// # Errors
+/// Where there is no table of this size.
 pub fn reference_normals(
     level: u8,
     entries: usize,
@@ -52,21 +121,13 @@ pub fn reference_normals(
     distinct: bool,
     entry_bits: u32,
 ) -> Result<Vec<[i16; 3]>, TableError> {
-    if !(1..=MAX_ENTRIES).contains(&entries) {
-        return Err(TableError::Entries(entries));
-    }
+    table.check(entries)?;
     let vectors = match table {
         Table::Fibonacci => fibonacci(entries),
         Table::Tetrahedron => tetrahedron(divisions(entries)?),
     };
     let turn = rotation(if distinct { level } else { 0 });
-    Ok(vectors.into_iter().map(|v| turn.map(|row| dot(row, v)).map(|c| quantize(c, entry_bits))).collect())
-}
-
-/// A component -1..=1 in steps of 1/32767, of which only those that `bits` can tell apart are used.
-fn quantize(c: f64, bits: u32) -> i16 {
-    let steps = f64::from((1_i32 << (bits.clamp(8, 16) - 1)) - 1);
-    ((c * steps).round() * (32_767.0 / steps)).round() as i16
+    Ok(vectors.into_iter().map(|v| turn.map(|row| dot(row, v)).map(|c| quantize_unit(c, entry_bits))).collect())
 }
 
 /// Point i of n: height by equal area, longitude by the golden ratio.
@@ -201,6 +262,21 @@ mod tests {
         assert!(error(200, Table::Tetrahedron).contains("196 or 256"));
         assert!(error(3, Table::Tetrahedron).contains("4 or 16"));
         assert_eq!(reference_normals(7, 65_536, Table::Tetrahedron, true, 16).unwrap().len(), 65_536);
+    }
+
+    #[test]
+    fn an_object_may_fix_the_number_of_entries() {
+        let tables = TableSet {
+            entries: [256, 128, 64, 32, 16, 16, 16, 16],
+            table: Table::Fibonacci,
+            distinct: true,
+            entry_bits: 11,
+        };
+        assert_eq!([0, 2, 9].map(|k| tables.entries(k, None)), [256, 64, 16]);
+        assert_eq!(tables.entries(2, Some(100)), 100);
+        assert_eq!(tables.entry_bytes(), 5);
+        assert!(tables.check().is_ok());
+        assert!(TableSet { entries: [0; 8], ..tables }.check().is_err());
     }
 
     proptest! {

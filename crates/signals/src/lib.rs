@@ -5,6 +5,8 @@
 //! - [`polygon`]: what a geometry processor hands on: screen-space polygons. A display list records these;
 //! - [`fragment`]: what travels between the units behind the rasterizer.
 //!
+//! [`layout`] is the address map of the one memory that several units share.
+//!
 //! [`Flow`] puts control tokens in band (law 7): every wire behind the geometry processor carries `Flow<T>`.
 //!
 //! Conventions, everywhere: matrices are row-major and multiply column vectors (clip = M * \[x y z 1\]^T, OpenGL depth
@@ -13,8 +15,10 @@
 
 pub mod flow;
 pub mod fragment;
+pub mod layout;
 pub mod model;
 pub mod polygon;
+pub mod quantization_memory;
 
 pub use flow::{Control, Flow};
 pub use fragment::{Fragment, Indexes, MAX_SAMPLES, Pixel, PseudoNormals, Shaded};
