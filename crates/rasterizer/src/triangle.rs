@@ -1,0 +1,221 @@
+//! Set-up of a triangle: exact edge functions, depth and weights.
+//!
+//! Coordinates are snapped to the sub-pixel grid, from there on coverage is integer arithmetic without rounding. Limits:
+//! a coordinate is clamped to +-2^19 pixels, a grid has at most 2^10 steps per pixel, a screen at most 2^14 pixels per
+//! side; so an edge function stays below 2^61.
+
+use basrelief_signals::{Fragment, Vertex};
+use serde::{Deserialize, Serialize};
+
+/// Largest coordinate \[pixels\]; the guard band of the geometry processor is far inside.
+const MAX_COORDINATE: f64 = (1u32 << 19) as f64;
+
+/// A point on the sub-pixel grid.
+pub type Point = [i64; 2];
+
+/// Position of a vertex on the grid of 2^-`bits` pixel; NaN counts as 0.
+#[inline]
+pub fn snap(vertex: &Vertex, bits: u32) -> Point {
+    let steps = f64::from(1u32 << bits);
+    let to_grid = |v: f32| {
+        let scaled = f64::from(v).clamp(-MAX_COORDINATE, MAX_COORDINATE) * steps + 0.5;
+        // Round towards minus infinity; the library function would be a call.
+        let whole = scaled as i64;
+        whole - i64::from(whole as f64 > scaled)
+    };
+    [to_grid(vertex.position[0]), to_grid(vertex.position[1])]
+}
+
+/// Twice the signed area; positive where the corners run clockwise on the screen.
+#[inline]
+pub fn doubled_area([a, b, c]: [Point; 3]) -> i64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// An edge function: positive inside the triangle, 0 on the edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Edge {
+    /// Change per pixel in x and y, in units of 2^bits.
+    step: [i64; 2],
+    /// Value at the centre of pixel (0, 0).
+    origin: i64,
+    /// A pixel is on the inner side when `step . (x, y) + cover >= 0`: the origin less one where the top-left rule
+    /// gives the edge to the other side, in the units of `step`, rounded down. Exact, as the products are whole.
+    cover: i64,
+}
+
+impl Edge {
+    fn new(from: Point, to: Point, sign: i64, bits: u32) -> Self {
+        let half = 1i64 << (bits - 1);
+        let step = [sign * (from[1] - to[1]), sign * (to[0] - from[0])];
+        let origin = step[0] * (half - from[0]) + step[1] * (half - from[1]);
+        // y runs down: an edge is a left edge when the function grows to the right, a top edge when it grows downwards.
+        let top_left = step[0] > 0 || (step[0] == 0 && step[1] > 0);
+        Self { step, origin, cover: (origin - i64::from(!top_left)) >> bits }
+    }
+
+    #[inline]
+    fn at(&self, x: i32, y: i32, bits: u32) -> i64 {
+        ((self.step[0] * i64::from(x) + self.step[1] * i64::from(y)) << bits) + self.origin
+    }
+
+    #[inline]
+    fn covers(&self, x: i32, y: i32) -> bool {
+        self.step[0] * i64::from(x) + self.step[1] * i64::from(y) + self.cover >= 0
+    }
+
+    /// The part of `span` (first column, column behind the last) that lies on the inner side in row `y`.
+    #[inline]
+    fn clip(&self, [first, end]: [i32; 2], y: i32) -> [i32; 2] {
+        let value = self.step[1] * i64::from(y) + self.cover;
+        match self.step[0] {
+            0 if value < 0 => [first, first],
+            0 => [first, end],
+            a if a > 0 => [first.max(column(-floor_division(value, a))), end],
+            a => [first, end.min(column(floor_division(value, -a) + 1))],
+        }
+    }
+}
+
+#[inline]
+fn column(x: i64) -> i32 {
+    x.clamp(-1, i64::from(i32::MAX)) as i32
+}
+
+/// `floor(v / d)` for |v| < 2^53, d > 0. In floating point, a third of the price of the integer instruction: both are
+/// exact there, and a quotient that is not whole is at least 1 / d from the next whole number, more than rounding moves it.
+#[inline]
+fn floor_division(v: i64, d: i64) -> i64 {
+    let truncated = (v as f64 / d as f64) as i64;
+    truncated - i64::from(truncated * d > v)
+}
+
+/// The three edges of a triangle: its coverage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Edges {
+    /// Edge `i` lies opposite corner `i`; the three values sum to `area`.
+    edges: [Edge; 3],
+    /// Twice the area, > 0.
+    area: i64,
+}
+
+impl Edges {
+    /// `sign` is +-1: the winding that counts as positive. `None` where the triangle winds the other way or has no area.
+    #[inline]
+    pub fn new(corners: [Point; 3], sign: i64, bits: u32) -> Option<Self> {
+        let area = sign * doubled_area(corners);
+        let [a, b, c] = corners;
+        let edge = |from, to| Edge::new(from, to, sign, bits);
+        (area > 0).then(|| Self { edges: [edge(b, c), edge(c, a), edge(a, b)], area })
+    }
+
+    /// Whether the centre of this pixel is covered; on an edge, the top-left rule decides.
+    pub fn covers(&self, x: i32, y: i32) -> bool {
+        self.edges.iter().all(|e| e.covers(x, y))
+    }
+}
+
+/// Pixels that may be covered, the last column and row excluded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Bounds {
+    /// First column and column behind the last.
+    pub x: [i32; 2],
+    /// First row and row behind the last.
+    pub y: [i32; 2],
+}
+
+impl Bounds {
+    #[inline]
+    fn new(corners: [Point; 3], screen: [u32; 2], bits: u32) -> Option<Self> {
+        let half = 1i64 << (bits - 1);
+        let range = |axis: usize| {
+            let [a, b, c] = corners.map(|p| p[axis]);
+            let first = -((half - a.min(b).min(c)) >> bits);
+            let end = ((a.max(b).max(c) - half) >> bits) + 1;
+            [first.max(0) as i32, end.clamp(0, i64::from(screen[axis])) as i32]
+        };
+        let (x, y) = (range(0), range(1));
+        (x[0] < x[1] && y[0] < y[1]).then_some(Self { x, y })
+    }
+}
+
+/// A triangle of a fan, ready to be walked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Triangle {
+    /// Where fragments may be.
+    pub bounds: Bounds,
+    edges: Edges,
+    /// Depth of each corner \[steps of the z-buffer per unit of its edge function\].
+    depth: [f64; 3],
+    /// 1 / w of each corner, relative to the largest.
+    inverse_w: [f32; 3],
+    /// Number in the fan.
+    number: u16,
+    bits: u32,
+    z_max: u32,
+}
+
+/// What a set-up needs to know beside the vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct Raster {
+    /// Width and height \[pixels\].
+    pub screen: [u32; 2],
+    /// Sub-pixel bits, 1..=10.
+    pub bits: u32,
+    /// Largest depth value.
+    pub z_max: u32,
+}
+
+impl Triangle {
+    /// Triangle `number` of a fan that winds with `sign`; `None` where it covers no pixel.
+    pub fn new(vertices: [&Vertex; 3], number: u16, sign: i64, raster: Raster) -> Option<Self> {
+        let Raster { screen, bits, z_max } = raster;
+        let corners = vertices.map(|v| snap(v, bits));
+        let bounds = Bounds::new(corners, screen, bits)?;
+        let edges = Edges::new(corners, sign, bits)?;
+        let scale = f64::from(z_max) / edges.area as f64;
+        let depth = vertices.map(|v| f64::from(v.position[2]) * scale);
+        let inverse_w = relative(vertices.map(|v| v.position[3]));
+        Some(Self { bounds, edges, depth, inverse_w, number, bits, z_max })
+    }
+
+    /// Number in its fan.
+    pub fn number(&self) -> u16 {
+        self.number
+    }
+
+    /// Covered columns of row `y`, the last excluded; empty where the first is not below it.
+    #[inline]
+    pub fn span(&self, y: i32) -> [i32; 2] {
+        self.edges.edges.iter().fold(self.bounds.x, |span, edge| edge.clip(span, y))
+    }
+
+    /// The fragment of a covered pixel: all terms of the sums are >= 0, so nothing cancels.
+    #[inline]
+    pub fn fragment(&self, x: i32, y: i32) -> Fragment {
+        let Edges { edges, area } = &self.edges;
+        let (e1, e2) = (edges[1].at(x, y, self.bits), edges[2].at(x, y, self.bits));
+        let e0 = area - e1 - e2;
+        let z = e0 as f64 * self.depth[0] + e1 as f64 * self.depth[1] + e2 as f64 * self.depth[2];
+        let q = [e0 as f32 * self.inverse_w[0], e1 as f32 * self.inverse_w[1], e2 as f32 * self.inverse_w[2]];
+        let sum = q[0] + q[1] + q[2];
+        Fragment {
+            x: x as u16,
+            y: y as u16,
+            z: ((z + 0.5) as u32).min(self.z_max),
+            weights: [q[1] / sum, q[2] / sum],
+            triangle: self.number,
+        }
+    }
+}
+
+/// 1 / w relative to the largest: products with edge functions can then neither overflow nor all vanish. A set that is
+/// not positive and finite, which only a damaged trace can hold, counts as equal.
+fn relative(inverse_w: [f32; 3]) -> [f32; 3] {
+    let [a, b, c] = inverse_w;
+    if inverse_w.iter().all(|q| *q > 0.0 && q.is_finite()) {
+        inverse_w.map(|q| (q / a.max(b).max(c)).max(1e-12))
+    } else {
+        [1.0; 3]
+    }
+}

@@ -1,0 +1,281 @@
+//! The rasterizer.
+
+use crate::config::RasterizerConfig;
+use crate::state::RasterizerState;
+use crate::triangle::{Edges, Raster, Triangle, doubled_area, snap};
+use crate::walk::Walk;
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::fan_triangle;
+use basrelief_signals::{Control, Flow, Fragment, Polygon, layout};
+use std::sync::Arc;
+
+/// Polygons in, fragments out: one per step, in order, behind the control token of their polygon.
+///
+/// Fill rule: a pixel belongs to a polygon when its centre lies inside, or on a top or left edge. Polygons that share an
+/// edge neither share nor miss a pixel of it, also where snapping to the sub-pixel grid has made one slightly concave.
+/// A polygon's winding is that of its snapped outline; one without area has no fragments, its control token passes.
+#[derive(Clone, Debug, Default)]
+pub struct Rasterizer {
+    /// Parameters.
+    pub config: RasterizerConfig,
+    /// Everything it remembers.
+    pub state: RasterizerState,
+}
+
+impl Rasterizer {
+    /// A rasterizer at power-on.
+    pub fn new(config: RasterizerConfig) -> Self {
+        Self { config, state: RasterizerState::default() }
+    }
+
+    /// Takes a control token; the cycles that it keeps the unit.
+    fn take(&mut self, control: &Control) -> u64 {
+        match control {
+            Control::Frame(frame) => {
+                self.state.screen = [frame.width, frame.height].map(|side| side.min(layout::MAX_SIDE));
+                1
+            }
+            Control::Polygon(polygon) => self.begin(polygon),
+            Control::Object(_) | Control::CodeBook(_) | Control::FrameEnd => 1,
+        }
+    }
+
+    fn begin(&mut self, polygon: &Arc<Polygon>) -> u64 {
+        let triangles = triangles(polygon);
+        self.state.counters.polygons += 1;
+        self.state.counters.triangles += u64::from(triangles);
+        let bits = self.config.subpixel_bits;
+        let area = |t| fan_triangle(polygon, t).map_or(0, |v| doubled_area(v.map(|v| snap(v, bits))));
+        let (positive, negative) = (0..triangles).map(area).fold((0i64, 0i64), |(p, n), a| {
+            // A damaged trace can wind so often that the sum leaves the range.
+            (p.saturating_add(a.max(0)), n.saturating_add(a.min(0)))
+        });
+        self.state.winding = (positive + negative).signum();
+        self.state.folded = positive > 0 && negative < 0;
+        self.state.walk = Walk::default();
+        self.state.next_triangle = 0;
+        self.state.polygon = Some(Arc::clone(polygon));
+        self.advance();
+        (u64::from(self.config.setup_cycles) * u64::from(triangles)).max(1)
+    }
+
+    /// On to the next fragment of the polygon; past the last, the unit is ready for the next control token.
+    #[inline]
+    fn advance(&mut self) {
+        loop {
+            while self.state.walk.advance() {
+                if !self.state.folded || self.owns_pixel() {
+                    return;
+                }
+            }
+            if !self.enter_triangle() {
+                self.state.polygon = None;
+                return;
+            }
+        }
+    }
+
+    /// Sets up the next triangle of the fan that has pixels.
+    fn enter_triangle(&mut self) -> bool {
+        let Some(polygon) = &self.state.polygon else { return false };
+        let raster = Raster {
+            screen: self.state.screen,
+            bits: self.config.subpixel_bits,
+            z_max: u32::MAX >> 32u32.saturating_sub(self.config.z_bits).min(31),
+        };
+        let set_up = |t| Triangle::new(fan_triangle(polygon, t)?, t, self.state.winding, raster);
+        let Some(triangle) = (self.state.next_triangle..triangles(polygon)).find_map(set_up) else { return false };
+        self.state.next_triangle = triangle.number() + 1;
+        self.state.walk = Walk::new(triangle, self.config.block);
+        true
+    }
+
+    /// In a folded polygon, triangles of the fan overlap: a pixel is inside where more of them wind with the polygon
+    /// than against it, and it goes to the first that winds with it.
+    fn owns_pixel(&self) -> bool {
+        let Some(polygon) = &self.state.polygon else { return false };
+        let [x, y] = self.state.walk.pixel();
+        let bits = self.config.subpixel_bits;
+        let covers = |t, sign| {
+            let edges = fan_triangle(polygon, t).and_then(|v| Edges::new(v.map(|v| snap(v, bits)), sign, bits));
+            edges.is_some_and(|e| e.covers(x, y))
+        };
+        let with = |t: &u16| covers(*t, self.state.winding);
+        let against = |t: &u16| covers(*t, -self.state.winding);
+        let all = 0..triangles(polygon);
+        let first = all.clone().find(with);
+        first == Some(self.state.walk.triangle.number())
+            && all.clone().filter(with).count() > all.filter(against).count()
+    }
+
+    #[inline]
+    fn emit(&mut self) -> Option<Fragment> {
+        let polygon = self.state.polygon.as_ref()?;
+        self.state.counters.fragments += 1;
+        self.state.counters.bump_fragments += u64::from(polygon.bump);
+        let fragment = self.state.walk.fragment();
+        self.advance();
+        Some(fragment)
+    }
+}
+
+/// Triangles of the polygon's fan.
+fn triangles(polygon: &Polygon) -> u16 {
+    u16::try_from(polygon.vertices.len().saturating_sub(2)).unwrap_or(u16::MAX)
+}
+
+impl Unit for Rasterizer {
+    type In = Option<Control>;
+    type Out = Option<Flow<Fragment>>;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        if self.state.polygon.is_some() { Demand::Nothing } else { Demand::All }
+    }
+
+    #[inline]
+    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+        let latency = u64::from(self.config.latency);
+        match input {
+            Some(control) => {
+                let occupancy = self.take(&control);
+                Step::after(latency, Some(Flow::Control(control))).busy(occupancy)
+            }
+            None => Step::after(latency, self.emit().map(Flow::Item)),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.state.polygon.is_none()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use basrelief_signals::{Camera, Frame, Vertex};
+
+    fn frame(width: u32, height: u32) -> Control {
+        let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+        Control::Frame(Arc::new(Frame { index: 0, width, height, camera, lights: Vec::new() }))
+    }
+
+    fn polygon(corners: &[[f32; 4]]) -> Control {
+        let vertices = corners.iter().map(|&position| Vertex { position, ..Vertex::default() }).collect();
+        let polygon = Polygon { vertices, material: Arc::default(), object: 0, lod: 0, bump: true, arrival: 0 };
+        Control::Polygon(Arc::new(polygon))
+    }
+
+    fn step(unit: &mut Rasterizer, input: Option<Control>) -> Step<Option<Flow<Fragment>>> {
+        assert_eq!(unit.demand() == Demand::All, input.is_some());
+        unit.step(input, &mut Traffic::default())
+    }
+
+    fn fragments(unit: &mut Rasterizer) -> Vec<Fragment> {
+        let mut all = Vec::new();
+        while unit.demand() == Demand::Nothing {
+            assert!(!unit.is_empty());
+            match step(unit, None).out {
+                Some(Flow::Item(fragment)) => all.push(fragment),
+                other => panic!("{other:?}"),
+            }
+        }
+        all
+    }
+
+    fn drawn(config: RasterizerConfig, corners: &[[f32; 4]]) -> Vec<Fragment> {
+        let mut unit = Rasterizer::new(config);
+        step(&mut unit, Some(frame(64, 48)));
+        step(&mut unit, Some(polygon(corners)));
+        fragments(&mut unit)
+    }
+
+    #[test]
+    fn control_goes_first_and_is_charged_the_set_up() {
+        let mut unit = Rasterizer::new(RasterizerConfig { setup_cycles: 5, ..RasterizerConfig::default() });
+        assert_eq!(step(&mut unit, Some(frame(8, 8))).occupancy, 1);
+        let square = polygon(&[[1.0, 1.0, 0.0, 1.0], [3.0, 1.0, 0.0, 1.0], [3.0, 2.0, 0.0, 1.0], [1.0, 2.0, 0.0, 1.0]]);
+        let first = step(&mut unit, Some(square.clone()));
+        assert_eq!((first.out, first.occupancy, first.latency), (Some(Flow::Control(square)), 10, 8));
+        let places: Vec<_> = fragments(&mut unit).iter().map(|f| (f.x, f.y)).collect();
+        assert_eq!(places.len(), 2);
+        assert_eq!(step(&mut unit, Some(Control::FrameEnd)).out, Some(Flow::Control(Control::FrameEnd)));
+        let counters = unit.state.counters;
+        assert_eq!((counters.polygons, counters.triangles, counters.fragments, counters.bump_fragments), (1, 2, 2, 2));
+    }
+
+    #[test]
+    fn a_polygon_without_pixels_passes_its_control_and_nothing_else() {
+        for corners in [
+            [[1.1, 1.1, 0.0, 1.0], [1.2, 1.1, 0.0, 1.0], [1.2, 1.2, 0.0, 1.0]],
+            [[1.0, 1.0, 0.0, 1.0], [5.0, 5.0, 0.0, 1.0], [9.0, 9.0, 0.0, 1.0]],
+            [[-9.0, 1.0, 0.0, 1.0], [-5.0, 5.0, 0.0, 1.0], [-9.0, 9.0, 0.0, 1.0]],
+            [[f32::NAN, 1.0, 0.0, 1.0], [f32::NAN, 5.0, 0.0, 1.0], [f32::NAN, 9.0, 0.0, 1.0]],
+        ] {
+            assert!(drawn(RasterizerConfig::default(), &corners).is_empty());
+        }
+        assert!(drawn(RasterizerConfig::default(), &[]).is_empty());
+    }
+
+    #[test]
+    fn blocks_are_finished_row_of_blocks_by_row_of_blocks() {
+        let square = [[0.0, 0.0, 0.0, 1.0], [8.0, 0.0, 0.0, 1.0], [0.0, 8.0, 0.0, 1.0]];
+        let order: Vec<_> =
+            drawn(RasterizerConfig::default(), &square).iter().map(|f| (f.y / 4, f.x / 4, f.y % 4, f.x % 4)).collect();
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        assert_eq!(order, sorted);
+        assert_eq!(order.len(), 8 * 7 / 2);
+    }
+
+    #[test]
+    fn depth_is_the_plane_through_the_vertices_in_steps_of_the_z_buffer() {
+        let corners = [[0.5, 0.5, 0.0, 1.0], [32.5, 0.5, 1.0, 1.0], [0.5, 32.5, 0.5, 1.0]];
+        for z_bits in [16, 24, 32] {
+            let max = u32::MAX >> (32 - z_bits);
+            for f in drawn(RasterizerConfig { z_bits, ..RasterizerConfig::default() }, &corners) {
+                let z = (f64::from(f.x) + 0.5 * f64::from(f.y)) / 32.0 * f64::from(max);
+                assert!((f64::from(f.z) - z).abs() <= 0.501, "{f:?} {z}");
+            }
+        }
+        let beyond = [[0.0, 0.0, -1.0, 1.0], [9.0, 0.0, 2.0, 1.0], [0.0, 9.0, 2.0, 1.0]];
+        let all = drawn(RasterizerConfig::default(), &beyond);
+        assert_eq!(all.iter().map(|f| f.z).min(), Some(0));
+        assert_eq!(all.iter().map(|f| f.z).max(), Some((1 << 24) - 1));
+    }
+
+    #[test]
+    fn weights_are_perspective_correct() {
+        // A road that runs away from the viewer: half way up the screen is 1 / (1 + w ratio) of the way.
+        let corners = [[0.5, 40.5, 0.0, 1.0], [16.5, 0.5, 0.0, 0.25], [32.5, 40.5, 0.0, 1.0]];
+        let all = drawn(RasterizerConfig::default(), &corners);
+        let middle = all.iter().find(|f| (f.x, f.y) == (16, 20)).expect("inside");
+        assert!((middle.weights[0] - 0.2).abs() < 1e-6, "{middle:?}");
+        assert!((middle.weights[1] - 0.4).abs() < 1e-6, "{middle:?}");
+    }
+
+    #[test]
+    fn a_damaged_one_over_w_is_no_nan() {
+        for q in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            let corners = [[0.0, 0.0, 0.0, q], [9.0, 0.0, 0.0, 1.0], [0.0, 9.0, 0.0, 1.0]];
+            let all = drawn(RasterizerConfig::default(), &corners);
+            assert!(!all.is_empty() && all.iter().all(|f| f.weights.iter().all(|w| (0.0..=1.0).contains(w))));
+        }
+    }
+
+    #[test]
+    fn huge_coordinates_cover_the_screen() {
+        for reach in [32768.0, 1e6, 1e30, f32::INFINITY] {
+            let corners = [
+                [-reach, -reach, 0.0, 1.0],
+                [reach, -reach, 0.0, 1.0],
+                [reach, reach, 0.0, 1.0],
+                [-reach, reach, 0.0, 1.0],
+            ];
+            for subpixel_bits in [1, 8, 10] {
+                let all = drawn(RasterizerConfig { subpixel_bits, ..RasterizerConfig::default() }, &corners);
+                assert_eq!(all.len(), 64 * 48);
+            }
+        }
+    }
+}
