@@ -69,6 +69,12 @@ impl Traffic {
         &self.look_ups
     }
 
+    /// Whether the step issued nothing.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.requests.is_empty() && self.look_ups.is_empty()
+    }
+
     /// Forgets the step's requests.
     #[inline]
     pub fn clear(&mut self) {

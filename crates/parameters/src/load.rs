@@ -42,10 +42,8 @@ pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result
         insert(&mut tree, key, parse_value(value))?;
     }
     check_tree(&tree, "", &known)?;
-    let config: C = serde_path_to_error::deserialize(Value::Table(tree)).map_err(|e| ConfigError::Type {
-        key: e.path().to_string(),
-        message: e.inner().to_string().trim().to_owned(),
-    })?;
+    let config: C = serde_path_to_error::deserialize(Value::Table(tree))
+        .map_err(|e| ConfigError::Type { key: e.path().to_string(), message: e.inner().to_string().trim().to_owned() })?;
     config.check("")?;
     Ok(config)
 }
@@ -64,10 +62,9 @@ fn insert(tree: &mut Table, key: &str, value: Value) -> Result<(), ConfigError> 
     let mut at = tree;
     for part in path.split('.').filter(|p| !p.is_empty()) {
         let next = at.entry(part).or_insert_with(|| Value::Table(Table::new()));
-        at = next.as_table_mut().ok_or_else(|| ConfigError::Type {
-            key: key.into(),
-            message: format!("`{part}` is a value, expected a table"),
-        })?;
+        at = next
+            .as_table_mut()
+            .ok_or_else(|| ConfigError::Type { key: key.into(), message: format!("`{part}` is a value, expected a table") })?;
     }
     at.insert(leaf.into(), value);
     Ok(())

@@ -29,6 +29,7 @@ pub enum Filter {
 
 /// Wrap modes in u and v, and the filter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Sampler {
     /// Wrap mode in u, then in v.
     pub wrap: [Wrap; 2],
@@ -66,6 +67,7 @@ pub struct Texture {
 
 /// Coefficients of the lighting formula `ka + kd * max(N.L, 0) + ks * max(N.H, 0)^n`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Lighting {
     /// Ambient coefficient, 0..=1.
     pub ka: f32,

@@ -1,0 +1,47 @@
+//! Conserved cycle accounting (law 9).
+
+use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
+
+/// Why a unit did not work in a cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Cause {
+    /// Input `i` was the first declared one without a visible token.
+    Starved(usize),
+    /// Client `i` had too few credits, or an answer on it was being waited for.
+    Memory(usize),
+    /// Output `i` was the first without a slot.
+    Blocked(usize),
+}
+
+/// Where a unit's cycles went, by number of input, client and output.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Account {
+    /// Cycles at work.
+    pub busy: u64,
+    /// Cycles after its last step.
+    pub done: u64,
+    /// Cycles without a visible token, by input.
+    pub starved: [u64; MAX_LINKS],
+    /// Cycles waiting for credits or answers, by client.
+    pub memory: [u64; MAX_CLIENTS],
+    /// Cycles without a slot, by output.
+    pub blocked: [u64; MAX_LINKS],
+}
+
+impl Account {
+    /// Charges `cycles` to `cause`.
+    #[inline]
+    pub fn charge(&mut self, cause: Cause, cycles: u64) {
+        match cause {
+            Cause::Starved(i) => self.starved[i] += cycles,
+            Cause::Memory(i) => self.memory[i] += cycles,
+            Cause::Blocked(i) => self.blocked[i] += cycles,
+        }
+    }
+
+    /// All cycles accounted for.
+    pub fn total(&self) -> u64 {
+        let sum = |v: &[u64]| v.iter().sum::<u64>();
+        self.busy + self.done + sum(&self.starved) + sum(&self.memory) + sum(&self.blocked)
+    }
+}

@@ -1,0 +1,42 @@
+//! Time, counted in cycles from 0.
+
+use serde::{Deserialize, Serialize};
+use std::{fmt, ops};
+
+/// A point in time \[cycles\].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Cycle(pub u64);
+
+impl Cycle {
+    /// Power-on.
+    pub const ZERO: Self = Self(0);
+    /// Not known yet, later than every known time; in a finished run: never.
+    pub const UNKNOWN: Self = Self(u64::MAX);
+
+    /// Whether the time is known.
+    #[inline]
+    pub fn is_known(self) -> bool {
+        self != Self::UNKNOWN
+    }
+
+    /// Cycles from `earlier` to here; 0 where `earlier` is later.
+    #[inline]
+    pub fn since(self, earlier: Self) -> u64 {
+        self.0.saturating_sub(earlier.0)
+    }
+}
+
+impl ops::Add<u64> for Cycle {
+    type Output = Self;
+    #[inline]
+    fn add(self, cycles: u64) -> Self {
+        Self(self.0.saturating_add(cycles))
+    }
+}
+
+impl fmt::Display for Cycle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_known() { write!(f, "cycle {}", self.0) } else { f.write_str("never") }
+    }
+}

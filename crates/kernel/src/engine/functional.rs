@@ -1,0 +1,55 @@
+//! The functional model: the same steps, without time; memories answer at once (law 6, claim 10).
+
+use super::fault_of;
+use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
+use crate::{Demand, Stage, Traffic, Unit};
+
+struct Walk {
+    traffic: Traffic,
+    stepped: bool,
+    fault: Option<String>,
+}
+
+impl Visitor for Walk {
+    #[inline]
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        &mut self,
+        stage: &mut Stage<U>,
+        mut inputs: I,
+        mut outputs: O,
+        _: Clients<'_>,
+    ) {
+        while self.fault.is_none() {
+            let demand = stage.unit.demand();
+            let ready = demand != Demand::Finished
+                && (0..inputs.count()).all(|i| !demand.takes(i) || !inputs.link(i).is_empty())
+                && (0..outputs.count()).all(|i| outputs.link(i).has_room());
+            if !ready {
+                return;
+            }
+            let step = stage.unit.step(inputs.take(demand), &mut self.traffic);
+            outputs.put(step.out);
+            stage.clock.steps += 1;
+            self.stepped = true;
+            self.fault = fault_of(&mut self.traffic, stage.name());
+        }
+    }
+}
+
+pub(super) fn run<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) -> bool) -> Result<(), String> {
+    let mut walk = Walk { traffic: Traffic::muted(), stepped: true, fault: None };
+    for round in 1_u64.. {
+        walk.stepped = false;
+        machine.wire(&mut walk);
+        if let Some(fault) = walk.fault {
+            return Err(fault);
+        }
+        if !walk.stepped {
+            break;
+        }
+        if round.is_multiple_of(256) && !progress(machine) {
+            return Err("stopped".into());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,101 @@
+//! The engines: three ways to run the same unit code.
+
+mod functional;
+mod ticked;
+mod timed;
+
+use crate::report::{RunReport, conclude};
+use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
+use crate::{Clock, Probe, Stage, Traffic, Unit};
+
+/// How to run a machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Engine {
+    /// Time-stamped dataflow: every token carries its time, idle cycles are not visited.
+    #[default]
+    Timed,
+    /// Visits every unit in every cycle: slow, obviously right; the oracle.
+    Ticked,
+}
+
+/// Bounds of a run and what to do as it goes.
+pub struct Limits<'a, M> {
+    /// No step starts in this cycle or later; the run then ends as [`Outcome::Limit`](crate::Outcome::Limit).
+    pub max_cycles: u64,
+    /// Called every now and then with the machine, to show progress and to take finished frames away; `false` stops
+    /// the run as [`Outcome::Stopped`](crate::Outcome::Stopped).
+    pub progress: &'a mut dyn FnMut(&mut M) -> bool,
+}
+
+/// Runs `machine` to its end.
+pub fn run<M: Machine>(machine: &mut M, engine: Engine) -> RunReport {
+    run_with(machine, engine, &mut crate::NoProbe, Limits { max_cycles: u64::MAX, progress: &mut |_| true })
+}
+
+/// Runs `machine` under a probe, within limits.
+pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &mut P, limits: Limits<'_, M>) -> RunReport {
+    attach(machine);
+    let halt = match engine {
+        Engine::Timed => timed::run(machine, probe, limits),
+        Engine::Ticked => ticked::run(machine, probe, limits),
+    };
+    conclude(machine, halt)
+}
+
+/// Runs the same steps without time, with memories that answer at once: the functional model (law 6). Returns the
+/// fault, if a unit raised one.
+pub fn run_functional<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) -> bool) -> Result<(), String> {
+    functional::run(machine, progress)
+}
+
+/// Why an engine stopped.
+pub(crate) enum Halt {
+    /// No step can ever start.
+    Quiet,
+    /// The limit of cycles.
+    Limit(u64),
+    /// The caller asked to stop.
+    Stopped,
+    /// A unit cannot go on.
+    Fault(String),
+}
+
+/// Learns the topology before the first step: who has which clients, and which memories are private.
+fn attach<M: Machine>(machine: &mut M) {
+    #[derive(Default)]
+    struct Attach(Vec<Vec<usize>>);
+    impl Visitor for Attach {
+        fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+            &mut self,
+            _: &mut Stage<U>,
+            _: I,
+            mut outputs: O,
+            clients: Clients<'_>,
+        ) {
+            Clock::attach(&mut outputs, &clients);
+            self.0.push(clients.ids.to_vec());
+        }
+    }
+    let mut all = Attach::default();
+    machine.wire(&mut all);
+    machine.memories().find_private(&all.0);
+}
+
+/// Delivers what is known by now, for every stage; used after the last memory answers.
+struct Land;
+impl Visitor for Land {
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        &mut self,
+        stage: &mut Stage<U>,
+        _: I,
+        mut outputs: O,
+        mut clients: Clients<'_>,
+    ) {
+        stage.clock.land_known(&mut outputs, &mut clients);
+    }
+}
+
+/// A fault, prefixed with the unit that raised it.
+fn fault_of(traffic: &mut Traffic, name: &str) -> Option<String> {
+    traffic.fault.take().map(|f| format!("{name}: {f}"))
+}

@@ -1,0 +1,135 @@
+//! `ticked`: every unit in every cycle. Each cycle of each unit is charged as it passes, and occupancies are counted
+//! cycle by cycle, so that nothing of the timed engine's interval arithmetic is shared.
+
+use super::{Halt, Land, Limits, fault_of};
+use crate::stage::{next_start, split_wait};
+use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
+use crate::{Cause, Cycle, Demand, Probe, Stage, Traffic, Unit};
+
+/// One cycle of all stages.
+struct Tick<'p, P> {
+    probe: &'p mut P,
+    traffic: Traffic,
+    now: Cycle,
+    stage: usize,
+    fired: bool,
+    /// The last cycle in which something already decided still happens.
+    horizon: Cycle,
+    fault: Option<String>,
+}
+
+impl<P: Probe> Tick<'_, P> {
+    fn work<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        &mut self,
+        stage: &mut Stage<U>,
+        demand: Demand,
+        wires: (&mut I, &mut O, &mut Clients<'_>),
+    ) {
+        for (cause, from, to) in std::mem::take(&mut stage.clock.waits) {
+            stage.clock.charge(self.probe, self.stage, cause, from, to);
+        }
+        stage.clock.fire(&mut stage.unit, demand, self.now, wires, &mut self.traffic);
+        self.fired = true;
+        if P::ON {
+            self.probe.worked(self.stage, self.now, stage.clock.free);
+        }
+        if self.traffic.fault.is_some() && self.fault.is_none() {
+            self.fault = fault_of(&mut self.traffic, stage.name());
+        }
+    }
+}
+
+impl<P: Probe> Visitor for Tick<'_, P> {
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        &mut self,
+        stage: &mut Stage<U>,
+        mut inputs: I,
+        mut outputs: O,
+        mut clients: Clients<'_>,
+    ) {
+        let now = self.now;
+        if stage.clock.free <= now
+            && let Some(next) = next_start(&stage.unit, &stage.clock, &inputs, &outputs, &clients)
+        {
+            if next.at <= now {
+                self.work(stage, next.demand, (&mut inputs, &mut outputs, &mut clients));
+            } else {
+                let waits = &mut stage.clock.waits;
+                let wires = (&inputs, &outputs, &clients);
+                split_wait(&stage.unit, next.demand, wires, (now, now + 1), |cause, from, to| join(waits, cause, from, to));
+            }
+        }
+        self.horizon = self.horizon.max(stage.clock.free);
+        for i in 0..outputs.count() {
+            self.horizon = self.horizon.max(outputs.link(i).last_visible().unwrap_or_default());
+        }
+        self.stage += 1;
+    }
+}
+
+fn join(waits: &mut Vec<(Cause, Cycle, Cycle)>, cause: Cause, from: Cycle, to: Cycle) {
+    match waits.last_mut() {
+        Some(last) if last.0 == cause && last.2 == from => last.2 = to,
+        _ => waits.push((cause, from, to)),
+    }
+}
+
+/// Counts slots held at the end of a cycle.
+struct CountHeld(Cycle);
+impl Visitor for CountHeld {
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        &mut self,
+        _: &mut Stage<U>,
+        _: I,
+        mut outputs: O,
+        _: Clients<'_>,
+    ) {
+        for i in 0..outputs.count() {
+            outputs.link_mut(i).count_held(self.0);
+        }
+    }
+}
+
+/// Whether any stage has a known next start.
+struct AnyStart(bool);
+impl Visitor for AnyStart {
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        &mut self,
+        stage: &mut Stage<U>,
+        inputs: I,
+        outputs: O,
+        clients: Clients<'_>,
+    ) {
+        let next = next_start(&stage.unit, &stage.clock, &inputs, &outputs, &clients);
+        self.0 |= next.is_some_and(|next| next.at.is_known());
+    }
+}
+
+pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, probe: &mut P, limits: Limits<'_, M>) -> Halt {
+    machine.memories().share_all();
+    let mut tick =
+        Tick { probe, traffic: Traffic::default(), now: Cycle::ZERO, stage: 0, fired: false, horizon: Cycle::ZERO, fault: None };
+    loop {
+        if tick.now.0 >= limits.max_cycles {
+            let mut any = AnyStart(false);
+            machine.wire(&mut any);
+            return if any.0 { Halt::Limit(limits.max_cycles) } else { Halt::Quiet };
+        }
+        (tick.stage, tick.fired, tick.horizon) = (0, false, Cycle::ZERO);
+        machine.wire(&mut tick);
+        if let Some(fault) = tick.fault {
+            return Halt::Fault(fault);
+        }
+        machine.memories().serve_all();
+        machine.wire(&mut Land);
+        machine.wire(&mut CountHeld(tick.now));
+        let horizon = tick.horizon.max(machine.memories().last_answer());
+        if !tick.fired && horizon <= tick.now {
+            return Halt::Quiet;
+        }
+        tick.now = tick.now + 1;
+        if tick.now.0.is_multiple_of(4096) && !(limits.progress)(machine) {
+            return Halt::Stopped;
+        }
+    }
+}

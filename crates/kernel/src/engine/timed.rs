@@ -1,0 +1,78 @@
+//! `timed`: every stage runs ahead as far as its inputs, outputs and credits are known; when none can go on, the
+//! memories answer what nothing still to come can precede. Cost is O(tokens x stages), whatever the cycles.
+
+use super::{Halt, Land, Limits, fault_of};
+use crate::stage::{next_start, split_wait};
+use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
+use crate::{Cycle, Probe, Stage, Traffic, Unit};
+
+/// One walk over all stages.
+struct RunAhead<'p, P> {
+    probe: &'p mut P,
+    traffic: Traffic,
+    end: Cycle,
+    stage: usize,
+    moved: bool,
+    limited: bool,
+    fault: Option<String>,
+}
+
+impl<P: Probe> Visitor for RunAhead<'_, P> {
+    #[inline]
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        &mut self,
+        stage: &mut Stage<U>,
+        mut inputs: I,
+        mut outputs: O,
+        mut clients: Clients<'_>,
+    ) {
+        let number = self.stage;
+        self.stage += 1;
+        self.moved |= stage.clock.land_known(&mut outputs, &mut clients);
+        while let Some(next) = next_start(&stage.unit, &stage.clock, &inputs, &outputs, &clients) {
+            if next.at >= self.end {
+                self.limited |= next.at.is_known();
+                return;
+            }
+            let free = stage.clock.free;
+            if next.at > free {
+                let (unit, clock, probe) = (&stage.unit, &mut stage.clock, &mut *self.probe);
+                let wires = (&inputs, &outputs, &clients);
+                split_wait(unit, next.demand, wires, (free, next.at), |cause, from, to| {
+                    clock.charge(probe, number, cause, from, to)
+                });
+            }
+            let wires = (&mut inputs, &mut outputs, &mut clients);
+            stage.clock.fire(&mut stage.unit, next.demand, next.at, wires, &mut self.traffic);
+            self.moved = true;
+            if P::ON {
+                self.probe.worked(number, next.at, stage.clock.free);
+            }
+            if self.traffic.fault.is_some() {
+                self.fault = fault_of(&mut self.traffic, stage.name());
+                self.end = Cycle::ZERO;
+                return;
+            }
+        }
+    }
+}
+
+pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, probe: &mut P, limits: Limits<'_, M>) -> Halt {
+    let end = Cycle(limits.max_cycles);
+    let mut walk = RunAhead { probe, traffic: Traffic::default(), end, stage: 0, moved: false, limited: false, fault: None };
+    for round in 1_u64.. {
+        (walk.stage, walk.moved, walk.limited) = (0, false, false);
+        machine.wire(&mut walk);
+        if let Some(fault) = walk.fault {
+            return Halt::Fault(fault);
+        }
+        if !walk.moved && !machine.memories().serve_safe() {
+            break;
+        }
+        if round.is_multiple_of(256) && !(limits.progress)(machine) {
+            return Halt::Stopped;
+        }
+    }
+    machine.wire(&mut Land);
+    if walk.limited { Halt::Limit(limits.max_cycles) } else { Halt::Quiet }
+}

@@ -1,0 +1,261 @@
+//! The untyped half of a FIFO: times, occupancy, and the laws that govern them.
+
+use crate::Cycle;
+
+/// Times of one slot.
+#[derive(Clone, Copy, Debug)]
+struct Times {
+    /// Start of the step that fills it: the slot is held from here.
+    reserved: Cycle,
+    /// When its token can be popped.
+    visible: Cycle,
+    /// When its token was popped: the slot is held up to and including this cycle.
+    popped: Cycle,
+}
+
+/// Laws 1, 2 and 10 of one FIFO, without its tokens.
+///
+/// The ring keeps, for each slot, when it was reserved, when its token becomes visible and when it was popped. So the
+/// start of the next step at either end is known without any clock.
+#[derive(Clone, Debug)]
+pub struct Link {
+    name: String,
+    depth: usize,
+    latency: u64,
+    ring: Box<[Times]>,
+    pushed: u64,
+    delivered: u64,
+    popped: u64,
+    last_visible: Option<Cycle>,
+    /// Answers the producer's steps wait for, `clients` per slot; kept after the pop (law 9).
+    awaits: Box<[Cycle]>,
+    clients: usize,
+    occupancy: Occupancy,
+}
+
+/// Law 10: pushes and pops are each monotone, so events up to min(last push, last pop) are settled.
+#[derive(Clone, Debug, Default)]
+struct Occupancy {
+    histogram: Vec<u64>,
+    pushes: u64,
+    pops: u64,
+    settled_to: Cycle,
+    /// The ticked engine counts literally: slots held in the last cycle counted, and that cycle.
+    counted: Option<(usize, Cycle)>,
+}
+
+impl Occupancy {
+    fn advance(&mut self, to: Cycle) {
+        let held = (self.pushes - self.pops) as usize;
+        self.histogram[held] += to.since(self.settled_to);
+        self.settled_to = self.settled_to.max(to);
+    }
+}
+
+impl Link {
+    /// A link of `depth` slots whose tokens are visible `latency` cycles after delivery; both at least 1.
+    ///
+    /// # Panics
+    /// If depth or latency is 0: the laws of time need both.
+    pub fn new(name: &str, depth: usize, latency: u64) -> Self {
+        assert!(depth >= 1, "FIFO {name}: depth 0, expected at least 1 (law 1)");
+        assert!(latency >= 1, "FIFO {name}: latency 0, expected at least 1 (law 1)");
+        let empty = Times { reserved: Cycle::ZERO, visible: Cycle::UNKNOWN, popped: Cycle::UNKNOWN };
+        Self {
+            name: name.into(),
+            depth,
+            latency,
+            ring: vec![empty; depth.next_power_of_two()].into(),
+            pushed: 0,
+            delivered: 0,
+            popped: 0,
+            last_visible: None,
+            awaits: Box::default(),
+            clients: 0,
+            occupancy: Occupancy { histogram: vec![0; depth + 1], ..Occupancy::default() },
+        }
+    }
+
+    /// Its name in the machine.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Slots.
+    pub fn depth(&self) -> usize {
+        self.depth
+    }
+
+    /// Tokens inside, delivered or not.
+    #[inline]
+    pub fn len(&self) -> usize {
+        (self.pushed - self.popped) as usize
+    }
+
+    /// Whether no token is inside.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether another token finds a slot; for the functional model, which knows no time.
+    #[inline]
+    pub fn has_room(&self) -> bool {
+        self.len() < self.depth
+    }
+
+    /// Tokens pushed so far.
+    pub fn tokens(&self) -> u64 {
+        self.pushed
+    }
+
+    /// The last cycle in which a token became visible.
+    pub fn last_visible(&self) -> Option<Cycle> {
+        self.last_visible
+    }
+
+    #[inline]
+    pub(crate) fn slot(&self, token: u64) -> usize {
+        token as usize & (self.ring.len() - 1)
+    }
+
+    /// Slot of the front token and of the next push.
+    #[inline]
+    pub(crate) fn ends(&self) -> (usize, usize) {
+        (self.slot(self.popped), self.slot(self.pushed))
+    }
+
+    /// When the front token is visible; unknown while there is none or its delivery is not known.
+    #[inline]
+    pub fn front_visible(&self) -> Cycle {
+        if self.popped < self.delivered { self.ring[self.slot(self.popped)].visible } else { Cycle::UNKNOWN }
+    }
+
+    /// The first cycle in which the next push finds a slot (law 2): the cycle after the pop of token n - depth.
+    #[inline]
+    pub fn room_at(&self) -> Cycle {
+        match self.pushed.checked_sub(self.depth as u64) {
+            None => Cycle::ZERO,
+            Some(oldest) if oldest < self.popped => self.ring[self.slot(oldest)].popped + 1,
+            Some(_) => Cycle::UNKNOWN,
+        }
+    }
+
+    /// Law 9: until when the oldest slot holder, which keeps the next push waiting, waits itself for `client`'s answer.
+    /// Meaningful while the FIFO is full; unknown while the answer is.
+    #[inline]
+    pub fn oldest_awaits(&self, client: usize) -> Cycle {
+        match self.pushed.checked_sub(self.depth as u64) {
+            Some(oldest) if client < self.clients => self.awaits[self.slot(oldest) * self.clients + client],
+            _ => Cycle::ZERO,
+        }
+    }
+
+    /// Tells how many memory clients the producer has, so that each slot can keep their answers.
+    pub(crate) fn set_clients(&mut self, clients: usize) {
+        self.clients = clients;
+        self.awaits = vec![Cycle::ZERO; self.ring.len() * clients].into();
+    }
+
+    /// Records until when the next token to be delivered waits for each client's answer.
+    #[inline]
+    pub(crate) fn set_awaits(&mut self, answers: &[Cycle]) {
+        let slot = self.slot(self.delivered);
+        self.awaits[slot * self.clients..][..answers.len()].copy_from_slice(answers);
+    }
+
+    /// Reserves a slot at the start of the step that fills it.
+    #[inline]
+    pub(crate) fn reserve(&mut self, start: Cycle) {
+        self.settle(start);
+        let slot = self.slot(self.pushed);
+        self.ring[slot] = Times { reserved: start, visible: Cycle::UNKNOWN, popped: Cycle::UNKNOWN };
+        self.awaits[slot * self.clients..(slot + 1) * self.clients].fill(Cycle::ZERO);
+        self.pushed += 1;
+    }
+
+    /// Delivers the oldest reserved token (law 1): visible from max(d + f, visible time of the token before it + 1).
+    #[inline]
+    pub(crate) fn deliver(&mut self, delivered: Cycle) {
+        let earliest = delivered + self.latency;
+        let visible = self.last_visible.map_or(earliest, |last| earliest.max(last + 1));
+        let slot = self.slot(self.delivered);
+        self.ring[slot].visible = visible;
+        self.last_visible = Some(visible);
+        self.delivered += 1;
+    }
+
+    /// Pops the front token.
+    #[inline]
+    pub(crate) fn pop(&mut self, at: Cycle) {
+        let slot = self.slot(self.popped);
+        self.ring[slot].popped = at;
+        self.popped += 1;
+    }
+
+    /// A push and delivery, or a pop, without time: the functional model.
+    #[inline]
+    pub(crate) fn count_push(&mut self) {
+        self.pushed += 1;
+        self.delivered += 1;
+    }
+
+    /// See [`Link::count_push`].
+    #[inline]
+    pub(crate) fn count_pop(&mut self) {
+        self.popped += 1;
+    }
+
+    /// Settles occupancy up to `now`, the time of the next push: all pops before it are known, by law 2.
+    #[inline]
+    fn settle(&mut self, now: Cycle) {
+        if self.occupancy.counted.is_some() {
+            return;
+        }
+        loop {
+            let push = (self.occupancy.pushes < self.pushed).then(|| self.ring[self.slot(self.occupancy.pushes)].reserved);
+            let pop = (self.occupancy.pops < self.popped).then(|| self.ring[self.slot(self.occupancy.pops)].popped + 1);
+            match (push, pop) {
+                (Some(push), Some(pop)) if push <= pop => self.settle_push(push),
+                (_, Some(pop)) if pop <= now => self.settle_pop(pop),
+                _ => return,
+            }
+        }
+    }
+
+    #[inline]
+    fn settle_push(&mut self, at: Cycle) {
+        self.occupancy.advance(at);
+        self.occupancy.pushes += 1;
+    }
+
+    #[inline]
+    fn settle_pop(&mut self, at: Cycle) {
+        self.occupancy.advance(at);
+        self.occupancy.pops += 1;
+    }
+
+    /// Settles the rest of a run of `total` cycles and returns the histogram: `histogram[k]` cycles with k slots held.
+    pub(crate) fn finish(&mut self, total: u64) -> &[u64] {
+        if let Some((held, last)) = self.occupancy.counted {
+            // The ticked engine learns that a run is over one cycle late.
+            self.occupancy.histogram[held] -= (last + 1).since(Cycle(total));
+            return &self.occupancy.histogram;
+        }
+        self.settle(Cycle(total));
+        while self.occupancy.pushes < self.pushed {
+            let at = self.ring[self.slot(self.occupancy.pushes)].reserved;
+            self.settle_push(at);
+        }
+        self.settle(Cycle(total));
+        self.occupancy.advance(Cycle(total));
+        &self.occupancy.histogram
+    }
+
+    /// Counts the slots held in cycle `now`, after the actions of that cycle: law 10 read literally.
+    pub(crate) fn count_held(&mut self, now: Cycle) {
+        let last = self.popped.checked_sub(1).map(|last| self.ring[self.slot(last)].popped);
+        let held = self.len() + usize::from(last == Some(now));
+        self.occupancy.histogram[held] += 1;
+        self.occupancy.counted = Some((held, now));
+    }
+}

@@ -1,0 +1,226 @@
+//! Memories (law 4): banks of open rows, one data bus, ports served in order of arrival.
+
+use crate::{Cycle, MemoryConfig};
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+
+/// What a port moved and how it was served.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct PortCounts {
+    /// Read requests.
+    pub reads: u64,
+    /// Write requests.
+    pub writes: u64,
+    /// Bytes asked for by reads.
+    pub read_bytes: u64,
+    /// Bytes given by writes.
+    pub write_bytes: u64,
+    /// Bursts moved; a request that is not aligned moves more bytes than it asks for.
+    pub bursts: u64,
+    /// Bursts that found their row open.
+    pub row_hits: u64,
+    /// Bursts that found their bank closed.
+    pub row_closed: u64,
+    /// Bursts that found another row open.
+    pub row_conflicts: u64,
+    /// Cycles that requests waited for the command bus or their bank, beyond the one cycle each needs.
+    pub wait_cycles: u64,
+}
+
+/// A request that has arrived and is not served yet.
+#[derive(Clone, Copy, Debug)]
+struct Queued {
+    arrival: Cycle,
+    address: u64,
+    bytes: u32,
+    write: bool,
+}
+
+/// One port of a memory.
+#[derive(Clone, Debug)]
+pub(crate) struct Port {
+    pub(crate) name: String,
+    pub(crate) memory: usize,
+    outstanding: u64,
+    /// Answer times of the last requests, by number of issue; never decreasing.
+    answers: Box<[Cycle]>,
+    pub(crate) issued: u64,
+    served: u64,
+    last_answer: Cycle,
+    queue: VecDeque<Queued>,
+    pub(crate) counts: PortCounts,
+}
+
+impl Port {
+    pub(crate) fn new(name: &str, memory: usize, outstanding: u32) -> Self {
+        let ring = (outstanding as usize).max(1).next_power_of_two();
+        Self {
+            name: name.into(),
+            memory,
+            outstanding: u64::from(outstanding),
+            answers: vec![Cycle::ZERO; ring].into(),
+            issued: 0,
+            served: 0,
+            last_answer: Cycle::ZERO,
+            queue: VecDeque::new(),
+            counts: PortCounts::default(),
+        }
+    }
+
+    /// The first cycle with at least `credits` free credits; unknown while that depends on an answer not known yet.
+    #[inline]
+    pub(crate) fn credits_at(&self, credits: u32) -> Cycle {
+        match (self.issued + u64::from(credits)).checked_sub(self.outstanding) {
+            None | Some(0) => Cycle::ZERO,
+            Some(returns) => self.answer(returns - 1),
+        }
+    }
+
+    /// Answer time of request `number`; unknown until it is served. A request that left the ring has been answered
+    /// before any step that may still ask (it needed that credit), so its time is as good as 0.
+    #[inline]
+    pub(crate) fn answer(&self, number: u64) -> Cycle {
+        if number >= self.served {
+            Cycle::UNKNOWN
+        } else if number + (self.answers.len() as u64) < self.issued {
+            Cycle::ZERO
+        } else {
+            self.answers[number as usize & (self.answers.len() - 1)]
+        }
+    }
+
+    #[inline]
+    pub(crate) fn issue(&mut self, arrival: Cycle, address: u64, bytes: u32, write: bool) -> u64 {
+        self.queue.push_back(Queued { arrival, address, bytes: bytes.max(1), write });
+        self.issued += 1;
+        self.issued - 1
+    }
+
+    #[inline]
+    pub(crate) fn next_arrival(&self) -> Option<Cycle> {
+        self.queue.front().map(|q| q.arrival)
+    }
+
+    pub(crate) fn last_answer(&self) -> Cycle {
+        self.last_answer
+    }
+}
+
+/// One bank: its open row and when it is free.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bank {
+    free: Cycle,
+    row: Option<u64>,
+}
+
+/// Splits a number by a divisor fixed at construction: a shift where the divisor is a power of two, as it nearly
+/// always is (a division costs ten times as much).
+#[derive(Clone, Copy, Debug)]
+struct Divisor {
+    by: u64,
+    shift: Option<u32>,
+}
+
+impl Divisor {
+    fn new(by: u32) -> Self {
+        let by = u64::from(by.max(1));
+        Self { by, shift: by.is_power_of_two().then(|| by.trailing_zeros()) }
+    }
+
+    #[inline]
+    fn split(self, n: u64) -> (u64, u64) {
+        match self.shift {
+            Some(s) => (n >> s, n & (self.by - 1)),
+            None => (n / self.by, n % self.by),
+        }
+    }
+}
+
+/// One memory.
+#[derive(Clone, Debug)]
+pub(crate) struct Memory {
+    pub(crate) name: String,
+    pub(crate) config: MemoryConfig,
+    burst: Divisor,
+    row: Divisor,
+    banks_by: Divisor,
+    banks: Vec<Bank>,
+    command: Option<Cycle>,
+    bus: Cycle,
+    /// End of the last burst: the memory moved data up to the cycle before.
+    pub(crate) data_end: Cycle,
+    /// Whether a single stage uses it, so that nothing need be ordered against others.
+    pub(crate) private: bool,
+}
+
+impl Memory {
+    pub(crate) fn new(name: &str, config: &MemoryConfig) -> Self {
+        Self {
+            name: name.into(),
+            burst: Divisor::new(config.burst_bytes),
+            row: Divisor::new(config.row_bytes),
+            banks_by: Divisor::new(config.banks),
+            banks: vec![Bank::default(); config.banks.max(1) as usize],
+            config: config.clone(),
+            command: None,
+            bus: Cycle::ZERO,
+            data_end: Cycle::ZERO,
+            private: false,
+        }
+    }
+
+    /// Cycles from a request's arrival to the earliest possible answer.
+    pub(crate) fn least_latency(&self) -> u64 {
+        1 + u64::from(self.config.cas) + u64::from(self.config.burst_cycles)
+    }
+
+    /// Serves the oldest request of `port`.
+    pub(crate) fn serve(&mut self, port: &mut Port) {
+        let Some(q) = port.queue.pop_front() else { return };
+        let (first, _) = self.burst.split(q.address);
+        let (last, _) = self.burst.split(q.address + u64::from(q.bytes) - 1);
+        let mut end = Cycle::ZERO;
+        for burst in first..=last {
+            let (command, burst_end) = self.burst(q.arrival, burst, &mut port.counts);
+            if burst == first {
+                port.counts.wait_cycles += command.since(q.arrival + 1);
+            }
+            end = burst_end;
+        }
+        port.counts.bursts += last - first + 1;
+        let (requests, bytes) = if q.write {
+            (&mut port.counts.writes, &mut port.counts.write_bytes)
+        } else {
+            (&mut port.counts.reads, &mut port.counts.read_bytes)
+        };
+        *requests += 1;
+        *bytes += u64::from(q.bytes);
+        self.data_end = self.data_end.max(end);
+        port.last_answer = port.last_answer.max(end);
+        let slot = port.served as usize & (port.answers.len() - 1);
+        port.answers[slot] = port.last_answer;
+        port.served += 1;
+    }
+
+    /// Moves one burst: its command cycle and its end.
+    #[inline]
+    fn burst(&mut self, arrival: Cycle, burst: u64, counts: &mut PortCounts) -> (Cycle, Cycle) {
+        let (row_number, _) = self.row.split(burst * self.burst.by);
+        let (row, bank) = self.banks_by.split(row_number);
+        let bank = &mut self.banks[bank as usize];
+        let c = &self.config;
+        let (count, wait) = match bank.row {
+            Some(open) if open == row => (&mut counts.row_hits, c.cas),
+            None => (&mut counts.row_closed, c.rcd + c.cas),
+            Some(_) => (&mut counts.row_conflicts, c.rp + c.rcd + c.cas),
+        };
+        *count += 1;
+        let after_last = self.command.map_or(Cycle::ZERO, |last| last + 1);
+        let command = (arrival + 1).max(after_last).max(bank.free);
+        let end = (command + u64::from(wait)).max(self.bus) + u64::from(c.burst_cycles);
+        self.command = Some(command);
+        self.bus = end;
+        *bank = Bank { free: end, row: Some(row) };
+        (command, end)
+    }
+}

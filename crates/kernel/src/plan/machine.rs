@@ -1,0 +1,123 @@
+//! A machine whose wiring walks a plan.
+
+use super::unit::Token;
+use super::{Kind, Plan, PlanUnit, PlannedUnit};
+use crate::{CacheConfig, Clients, Fifo, Machine, MemoryConfig, MemorySystem, Stage, Visitor};
+use std::collections::BTreeMap;
+
+/// A stage and the numbers of its FIFOs and clients.
+#[derive(Clone, Debug)]
+struct Placed {
+    stage: Stage<PlanUnit>,
+    inputs: Vec<usize>,
+    outputs: Vec<usize>,
+    clients: Vec<usize>,
+}
+
+/// A machine built from a plan.
+#[derive(Clone, Debug)]
+pub struct PlanMachine {
+    fifos: Vec<Fifo<Token>>,
+    stages: Vec<Placed>,
+    memories: MemorySystem,
+}
+
+impl PlanMachine {
+    /// Builds the machine; an unknown name is an error that says which.
+    pub fn new(plan: &Plan) -> Result<Self, String> {
+        let fifos: Vec<_> = plan.fifos.iter().map(|f| Fifo::new(&f.name, f.depth, f.latency)).collect();
+        let numbers: BTreeMap<&str, usize> = plan.fifos.iter().enumerate().map(|(i, f)| (f.name.as_str(), i)).collect();
+        let mut memories = MemorySystem::default();
+        let ports = add_memories(plan, &mut memories);
+        let find = |names: &[String]| -> Result<Vec<usize>, String> {
+            names.iter().map(|n| numbers.get(n.as_str()).copied().ok_or(format!("no FIFO named {n}"))).collect()
+        };
+        let mut stages = Vec::new();
+        for unit in &plan.units {
+            let (clients, of_request) = clients_of(plan, unit, &ports)?;
+            stages.push(Placed {
+                stage: Stage::new(&unit.name, PlanUnit::new(unit, of_request)),
+                inputs: find(&unit.inputs)?,
+                outputs: find(&unit.outputs)?,
+                clients,
+            });
+        }
+        Ok(Self { fifos, stages, memories })
+    }
+}
+
+/// Adds every memory and port; a port that a cache stands on gets that cache. Returns client numbers by port name.
+fn add_memories<'p>(plan: &'p Plan, memories: &mut MemorySystem) -> BTreeMap<&'p str, usize> {
+    let mut ports = BTreeMap::new();
+    for m in &plan.memories {
+        let config = MemoryConfig {
+            burst_bytes: m.burst_bytes,
+            burst_cycles: m.burst_cycles,
+            banks: m.banks,
+            row_bytes: m.row_bytes,
+            cas: m.cas,
+            rcd: m.rcd,
+            rp: m.rp,
+            ..MemoryConfig::default()
+        };
+        let memory = memories.add_memory(&m.name, &config);
+        for p in &m.ports {
+            let client = match plan.caches.iter().find(|c| c.port == p.name) {
+                None => memories.add_client(&p.name, memory, p.outstanding),
+                Some(c) => {
+                    let cache = CacheConfig {
+                        line_bytes: c.line_bytes,
+                        sets: c.sets,
+                        ways: c.ways,
+                        hit_latency: c.hit_latency,
+                        lookups_per_cycle: c.lookups_per_cycle,
+                    };
+                    memories.add_cached_client(&p.name, memory, p.outstanding, &c.name, &cache)
+                }
+            };
+            ports.insert(p.name.as_str(), client);
+        }
+    }
+    ports
+}
+
+/// A unit's clients in order of first mention, and which of them each of its requests uses.
+fn clients_of(plan: &Plan, unit: &PlannedUnit, ports: &BTreeMap<&str, usize>) -> Result<(Vec<usize>, Vec<u32>), String> {
+    let find = |port: &str| ports.get(port).copied().ok_or(format!("no port named {port}"));
+    match &unit.kind {
+        Kind::Access { requests } => {
+            let mut clients = Vec::new();
+            let mut of_request = Vec::new();
+            for r in requests {
+                let client = find(&r.port)?;
+                let at = clients.iter().position(|&c| c == client).unwrap_or_else(|| {
+                    clients.push(client);
+                    clients.len() - 1
+                });
+                of_request.push(at as u32);
+            }
+            Ok((clients, of_request))
+        }
+        Kind::Cached { cache, .. } => {
+            let cache = plan.caches.iter().find(|c| c.name == *cache).ok_or(format!("no cache named {cache}"))?;
+            Ok((vec![find(&cache.port)?], vec![]))
+        }
+        _ => Ok((vec![], vec![])),
+    }
+}
+
+impl Machine for PlanMachine {
+    fn wire<V: Visitor>(&mut self, v: &mut V) {
+        for placed in &mut self.stages {
+            let mut fifos: Vec<Option<&mut Fifo<Token>>> = self.fifos.iter_mut().map(Some).collect();
+            let mut pick =
+                |numbers: &[usize]| -> Vec<&mut Fifo<Token>> { numbers.iter().filter_map(|&i| fifos[i].take()).collect() };
+            let (inputs, outputs) = (pick(&placed.inputs), pick(&placed.outputs));
+            v.stage(&mut placed.stage, inputs, outputs, Clients::of(&mut self.memories, &placed.clients));
+        }
+    }
+
+    fn memories(&mut self) -> &mut MemorySystem {
+        &mut self.memories
+    }
+}

@@ -1,0 +1,66 @@
+//! Probes: what every unit did when. A type parameter of the engines, so that `NoProbe` costs nothing.
+
+use crate::{Cause, Cycle};
+
+/// Watches a run. Stages are numbered in the order of the wiring; intervals are half-open; those of one stage come in
+/// order of time, those of different stages interleave as the engine pleases.
+pub trait Probe {
+    /// Whether to call at all; known at compile time.
+    const ON: bool = true;
+    /// Stage `stage` was kept by a step.
+    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle);
+    /// Stage `stage` waited for `cause`.
+    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle);
+}
+
+/// Watches nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoProbe;
+
+impl Probe for NoProbe {
+    const ON: bool = false;
+    fn worked(&mut self, _: usize, _: Cycle, _: Cycle) {}
+    fn waited(&mut self, _: usize, _: Cause, _: Cycle, _: Cycle) {}
+}
+
+/// One interval of a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Interval {
+    /// Number of the stage in the wiring.
+    pub stage: usize,
+    /// Why it waited; `None` while it worked.
+    pub cause: Option<Cause>,
+    /// First cycle.
+    pub from: Cycle,
+    /// Cycle after the last.
+    pub to: Cycle,
+}
+
+/// Keeps every interval, neighbours of the same kind joined.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Recorder {
+    /// Per stage, in order of time.
+    pub stages: Vec<Vec<Interval>>,
+}
+
+impl Recorder {
+    fn add(&mut self, new: Interval) {
+        if self.stages.len() <= new.stage {
+            self.stages.resize(new.stage + 1, Vec::new());
+        }
+        let stage = &mut self.stages[new.stage];
+        match stage.last_mut() {
+            Some(last) if last.cause == new.cause && last.to == new.from => last.to = new.to,
+            _ => stage.push(new),
+        }
+    }
+}
+
+impl Probe for Recorder {
+    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+        self.add(Interval { stage, cause: None, from, to });
+    }
+    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+        self.add(Interval { stage, cause: Some(cause), from, to });
+    }
+}

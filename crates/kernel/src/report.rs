@@ -1,0 +1,245 @@
+//! What a run came to: outcome, accounting, occupancy, traffic.
+
+use crate::engine::Halt;
+use crate::stage::split_wait;
+use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
+use crate::{Account, CacheCounts, Cause, Cycle, Demand, PortCounts, Stage, Unit};
+
+/// How a run ended (law 8).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Sources exhausted, FIFOs empty, no unit holds tokens.
+    Complete,
+    /// Nothing can ever start again, and something is left; the text names every stuck unit.
+    Deadlock(String),
+    /// The limit of cycles was reached.
+    Limit,
+    /// The caller stopped it.
+    Stopped,
+    /// A unit could not go on, and says why.
+    Fault(String),
+}
+
+/// A unit's part of the report. Inputs, outputs and clients stand in the order of the wiring.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnitReport {
+    /// Name in the block diagram.
+    pub name: String,
+    /// Steps made.
+    pub steps: u64,
+    /// Where its cycles went; sums to the total.
+    pub account: Account,
+    /// Names of its input FIFOs.
+    pub inputs: Vec<String>,
+    /// Names of its output FIFOs.
+    pub outputs: Vec<String>,
+    /// Names of its memory clients.
+    pub clients: Vec<String>,
+}
+
+/// A FIFO's part of the report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FifoReport {
+    /// Name.
+    pub name: String,
+    /// Slots.
+    pub depth: usize,
+    /// Tokens that went through.
+    pub tokens: u64,
+    /// `histogram[k]` = cycles with k slots held; sums to the total (law 10).
+    pub histogram: Vec<u64>,
+}
+
+impl FifoReport {
+    /// Most slots ever held.
+    pub fn high_water(&self) -> usize {
+        self.histogram.iter().rposition(|&n| n > 0).unwrap_or(0)
+    }
+}
+
+/// A memory's part of the report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemoryReport {
+    /// Name.
+    pub name: String,
+    /// Its ports, in order of number.
+    pub ports: Vec<PortReport>,
+}
+
+/// A memory port's part of the report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PortReport {
+    /// The client behind it.
+    pub client: String,
+    /// What it moved.
+    pub counts: PortCounts,
+}
+
+/// A cache's part of the report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CacheReport {
+    /// Name.
+    pub name: String,
+    /// What its look-ups found.
+    pub counts: CacheCounts,
+}
+
+/// What a run came to. Equal, byte for byte, whatever the engine.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RunReport {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Cycles in all: 1 + the last cycle in which anything moved.
+    pub total: u64,
+    /// Cycles of each frame (law 11); what is left of the total is drain.
+    pub frames: Vec<u64>,
+    /// In the order of the wiring.
+    pub units: Vec<UnitReport>,
+    /// In the order of the wiring, by producer.
+    pub fifos: Vec<FifoReport>,
+    /// In the order in which they were added.
+    pub memories: Vec<MemoryReport>,
+    /// In the order in which they were added.
+    pub caches: Vec<CacheReport>,
+}
+
+/// Looks at every stage at rest: what is left, and the last cycle in which anything moved.
+#[derive(Default)]
+struct Survey {
+    last: Option<Cycle>,
+    stuck: bool,
+    frame_ends: Vec<Cycle>,
+}
+
+impl Visitor for Survey {
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        &mut self,
+        stage: &mut Stage<U>,
+        inputs: I,
+        outputs: O,
+        _: Clients<'_>,
+    ) {
+        if stage.clock.steps > 0 {
+            self.last = self.last.max(Some(Cycle(stage.clock.free.0 - 1)));
+        }
+        for i in 0..outputs.count() {
+            self.last = self.last.max(outputs.link(i).last_visible());
+        }
+        self.stuck |= (0..inputs.count()).any(|i| !inputs.link(i).is_empty());
+        self.stuck |= !stage.unit.is_empty() || stage.unit.demand() == Demand::Nothing;
+        self.frame_ends.append(&mut stage.clock.frame_ends);
+    }
+}
+
+/// Writes every stage's and FIFO's part of the report.
+struct Conclude {
+    complete: bool,
+    total: Cycle,
+    units: Vec<UnitReport>,
+    fifos: Vec<FifoReport>,
+    stuck: Vec<String>,
+}
+
+impl Visitor for Conclude {
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        &mut self,
+        stage: &mut Stage<U>,
+        inputs: I,
+        mut outputs: O,
+        clients: Clients<'_>,
+    ) {
+        let free = stage.clock.free;
+        let demand = stage.unit.demand();
+        let mut account = stage.clock.account.clone();
+        account.busy -= free.since(self.total);
+        if demand == Demand::Finished || (self.complete && stage.clock.steps > 0) {
+            account.done += self.total.since(free);
+        } else {
+            let mut last = None;
+            split_wait(&stage.unit, demand, (&inputs, &outputs, &clients), (free, self.total), |cause, from, to| {
+                account.charge(cause, to.since(from));
+                last = Some(cause);
+            });
+            if let Some(cause) = last {
+                self.stuck.push(explain(stage.name(), cause, &inputs, &outputs, &clients));
+            }
+        }
+        let names = |ids: &[usize]| -> Vec<String> {
+            clients.system.as_deref().map_or(Vec::new(), |s| ids.iter().map(|&c| s.client_name(c).to_owned()).collect())
+        };
+        self.units.push(UnitReport {
+            name: stage.name().into(),
+            steps: stage.clock.steps,
+            account,
+            inputs: (0..inputs.count()).map(|i| inputs.link(i).name().to_owned()).collect(),
+            outputs: (0..outputs.count()).map(|i| outputs.link(i).name().to_owned()).collect(),
+            clients: names(clients.ids),
+        });
+        for i in 0..outputs.count() {
+            let link = outputs.link_mut(i);
+            let (name, depth, tokens) = (link.name().to_owned(), link.depth(), link.tokens());
+            self.fifos.push(FifoReport { name, depth, tokens, histogram: link.finish(self.total.0).to_vec() });
+        }
+    }
+}
+
+/// One line on a unit that cannot go on: what it waits for, and how full that is.
+fn explain<I: Inputs, O: Outputs>(name: &str, cause: Cause, inputs: &I, outputs: &O, clients: &Clients<'_>) -> String {
+    let fill = |link: &crate::Link| format!("`{}` ({} of {} slots)", link.name(), link.len(), link.depth());
+    match cause {
+        Cause::Starved(i) => format!("`{name}` waits for a token from {}", fill(inputs.link(i))),
+        Cause::Blocked(i) => format!("`{name}` waits for a slot in {}", fill(outputs.link(i))),
+        Cause::Memory(i) => {
+            let port = clients.system.as_deref().map_or("", |s| s.client_name(clients.ids[i]));
+            format!("`{name}` waits for memory port `{port}`")
+        }
+    }
+}
+
+/// Ends a run: outcome, total, and everybody's part.
+pub(crate) fn conclude<M: Machine>(machine: &mut M, halt: Halt) -> RunReport {
+    let mut survey = Survey::default();
+    machine.wire(&mut survey);
+    let data_end = machine.memories().data_end();
+    let quiet_total = survey.last.map_or(0, |c| c.0 + 1).max(data_end.0);
+    let (complete, total) = match halt {
+        Halt::Quiet => (!survey.stuck, quiet_total.max(1)),
+        Halt::Limit(max) => (false, max),
+        Halt::Stopped | Halt::Fault(_) => (false, quiet_total),
+    };
+    let mut parts = Conclude { complete, total: Cycle(total), units: vec![], fifos: vec![], stuck: vec![] };
+    machine.wire(&mut parts);
+    let outcome = match halt {
+        Halt::Quiet if complete => Outcome::Complete,
+        Halt::Quiet => Outcome::Deadlock(deadlock_text(total, &parts.stuck)),
+        Halt::Limit(_) => Outcome::Limit,
+        Halt::Stopped => Outcome::Stopped,
+        Halt::Fault(text) => Outcome::Fault(text),
+    };
+    let system = machine.memories();
+    let ports_of = |memory: usize| -> Vec<PortReport> {
+        let ports = system.ports().iter().filter(|p| p.memory == memory);
+        ports.map(|p| PortReport { client: p.name.clone(), counts: p.counts }).collect()
+    };
+    RunReport {
+        outcome,
+        total,
+        frames: frames(&survey.frame_ends, total),
+        units: parts.units,
+        fifos: parts.fifos,
+        memories: (system.memories().iter().enumerate())
+            .map(|(m, memory)| MemoryReport { name: memory.name.clone(), ports: ports_of(m) })
+            .collect(),
+        caches: system.caches().iter().map(|c| CacheReport { name: c.name.clone(), counts: c.counts }).collect(),
+    }
+}
+
+fn deadlock_text(total: u64, stuck: &[String]) -> String {
+    let units = stuck.join("; ");
+    format!("deadlock after {total} cycles: {units}. Give the FIFO that is full more slots (fifo.<name>.depth)")
+}
+
+fn frames(ends: &[Cycle], total: u64) -> Vec<u64> {
+    let mut before = Cycle::ZERO;
+    ends.iter().filter(|end| end.0 <= total).map(|&end| end.since(std::mem::replace(&mut before, end))).collect()
+}

@@ -1,0 +1,304 @@
+//! A unit in its place: when it is free, what it has in flight, where its cycles went.
+
+use crate::account::{Account, Cause};
+use crate::cache::LookUp;
+use crate::probe::Probe;
+use crate::wiring::{Clients, Inputs, MAX_CLIENTS, Outputs};
+use crate::{Cycle, Demand, Traffic, Unit};
+use std::collections::VecDeque;
+
+/// A unit together with its times.
+#[derive(Clone, Debug)]
+pub struct Stage<U> {
+    name: String,
+    /// The unit; its state may be read between runs.
+    pub unit: U,
+    pub(crate) clock: Clock,
+}
+
+impl<U: Unit> Stage<U> {
+    /// A unit under the name it has in the block diagram.
+    pub fn new(name: &str, unit: U) -> Self {
+        Self { name: name.into(), unit, clock: Clock::default() }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Steps made so far.
+    pub fn steps(&self) -> u64 {
+        self.clock.steps
+    }
+}
+
+/// A step that waits for memory answers, or for such a step ahead of it.
+#[derive(Clone, Debug)]
+struct InFlight {
+    /// Start + latency: it is not delivered before.
+    base: Cycle,
+    /// Outputs that got a token.
+    mask: u32,
+    ends_frame: bool,
+    /// Look-ups of this step, per client, at the front of the client's queue.
+    look_ups: [u16; MAX_CLIENTS],
+    /// Number of the last read per client, plus one; 0 for none.
+    reads: [u64; MAX_CLIENTS],
+    /// Answers known so far.
+    answers: [Cycle; MAX_CLIENTS],
+}
+
+impl InFlight {
+    fn new(base: Cycle, mask: u32, ends_frame: bool) -> Self {
+        let (look_ups, reads, answers) = Default::default();
+        Self { base, mask, ends_frame, look_ups, reads, answers }
+    }
+}
+
+/// The times of a stage.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Clock {
+    pub(crate) free: Cycle,
+    pub(crate) steps: u64,
+    pub(crate) account: Account,
+    /// Waits since the last step, cycle by cycle; the ticked engine's.
+    pub(crate) waits: Vec<(Cause, Cycle, Cycle)>,
+    in_flight: VecDeque<InFlight>,
+    look_ups: [VecDeque<LookUp>; MAX_CLIENTS],
+    /// Deliveries that ended a frame, not yet collected.
+    pub(crate) frame_ends: Vec<Cycle>,
+}
+
+/// What is known of the start of the next step.
+pub(crate) struct Start {
+    pub(crate) at: Cycle,
+    pub(crate) demand: Demand,
+}
+
+/// The earliest start of the unit's next step (law 3); `None` if it will make no further step.
+#[inline]
+pub(crate) fn next_start<U: Unit, I: Inputs, O: Outputs>(
+    unit: &U,
+    clock: &Clock,
+    inputs: &I,
+    outputs: &O,
+    clients: &Clients<'_>,
+) -> Option<Start> {
+    let demand = unit.demand();
+    if demand == Demand::Finished {
+        return None;
+    }
+    let mut at = clock.free;
+    for i in (0..inputs.count()).filter(|&i| demand.takes(i)) {
+        at = at.max(inputs.link(i).front_visible());
+    }
+    if let Some(system) = clients.system.as_deref() {
+        for (i, &client) in clients.ids.iter().enumerate() {
+            at = at.max(system.credits_at(client, unit.largest_step(i)));
+        }
+    }
+    for i in 0..outputs.count() {
+        at = at.max(outputs.link(i).room_at());
+    }
+    Some(Start { at, demand })
+}
+
+/// Splits the wait from `from` to `to` into its causes (law 9), in order, and hands each to `charge`.
+///
+/// In each cycle the first cause that applies counts; every condition, once met, stays met until the step starts. So
+/// the causes follow each other in the order in which they are tried, and a running maximum splits the interval.
+pub(crate) fn split_wait<U: Unit, I: Inputs, O: Outputs>(
+    unit: &U,
+    demand: Demand,
+    wires: (&I, &O, &Clients<'_>),
+    (from, to): (Cycle, Cycle),
+    mut charge: impl FnMut(Cause, Cycle, Cycle),
+) {
+    let (inputs, outputs, clients) = wires;
+    let mut at = from;
+    let mut until = |cause: Cause, end: Cycle| {
+        let end = end.min(to);
+        if end > at {
+            charge(cause, at, end);
+            at = end;
+        }
+    };
+    for i in (0..inputs.count()).filter(|&i| demand.takes(i)) {
+        until(Cause::Starved(i), inputs.link(i).front_visible());
+    }
+    if let Some(system) = clients.system.as_deref() {
+        for (i, &client) in clients.ids.iter().enumerate() {
+            until(Cause::Memory(i), system.credits_at(client, unit.largest_step(i)));
+        }
+    }
+    for i in 0..outputs.count() {
+        let link = outputs.link(i);
+        let room = link.room_at();
+        for client in answer_order(clients) {
+            until(Cause::Memory(client), link.oldest_awaits(client).min(room));
+        }
+        until(Cause::Blocked(i), room);
+    }
+}
+
+/// A stage's clients in the order in which their memories serve them.
+fn answer_order(clients: &Clients<'_>) -> impl Iterator<Item = usize> + use<> {
+    let mut order: [usize; MAX_CLIENTS] = std::array::from_fn(|i| i);
+    let count = clients.ids.len();
+    if let (Some(system), true) = (clients.system.as_deref(), count > 1) {
+        order[..count].sort_by_key(|&i| system.service_rank(clients.ids[i]));
+    }
+    order.into_iter().take(count)
+}
+
+impl Clock {
+    /// Makes one step at `start`.
+    #[inline]
+    pub(crate) fn fire<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        &mut self,
+        unit: &mut U,
+        demand: Demand,
+        start: Cycle,
+        wires: (&mut I, &mut O, &mut Clients<'_>),
+        traffic: &mut Traffic,
+    ) {
+        let (inputs, outputs, clients) = wires;
+        let item = inputs.pop(demand, start);
+        let step = unit.step(item, traffic);
+        if step.occupancy == 0 {
+            traffic.fault("a step kept its unit for 0 cycles, expected at least 1 (law 3)".into());
+        }
+        let mask = outputs.reserve(start, step.out);
+        let mut occupancy = step.occupancy;
+        if traffic.is_empty() && self.in_flight.is_empty() {
+            self.deliver(start + step.latency, mask, step.ends_frame, outputs);
+        } else {
+            let mut flight = InFlight::new(start + step.latency, mask, step.ends_frame);
+            occupancy = occupancy.max(self.issue(start, &mut flight, clients, traffic));
+            traffic.clear();
+            if !self.in_flight.is_empty() || !self.land(&mut flight, outputs, clients) {
+                self.in_flight.push_back(flight);
+            }
+        }
+        self.account.busy += occupancy;
+        self.free = start + occupancy;
+        self.steps += 1;
+    }
+
+    /// Issues a step's look-ups and requests; returns the least occupancy that its look-ups need (law 5).
+    fn issue(&mut self, start: Cycle, flight: &mut InFlight, clients: &mut Clients<'_>, traffic: &Traffic) -> u64 {
+        let Some(system) = clients.system.as_deref_mut() else { return 1 };
+        for r in &traffic.look_ups {
+            let client = clients.ids[r.client as usize];
+            let line_bytes = system.line_bytes(client);
+            let (first, last) = (r.address / line_bytes, (r.address + u64::from(r.bytes.max(1)) - 1) / line_bytes);
+            for line in first..=last {
+                self.look_up(system, client, start, line, (r.client as usize, flight));
+            }
+        }
+        for r in &traffic.requests {
+            let number = system.issue(clients.ids[r.client as usize], start, r.address, r.bytes, r.write);
+            if !r.write {
+                flight.reads[r.client as usize] = number + 1;
+            }
+        }
+        let mut least = 1;
+        for (i, &client) in clients.ids.iter().enumerate() {
+            let lines = u64::from(flight.look_ups[i]);
+            least = least.max(lines.div_ceil(system.lookups_per_cycle(client)));
+            system.serve_if_private(client);
+        }
+        least
+    }
+
+    /// Looks a line up unless this step has done so before (distinct lines, in order of first mention).
+    #[inline]
+    fn look_up(
+        &mut self,
+        system: &mut crate::MemorySystem,
+        client: usize,
+        start: Cycle,
+        line: u64,
+        (i, flight): (usize, &mut InFlight),
+    ) {
+        let mine = flight.look_ups[i] as usize;
+        let queue = &mut self.look_ups[i];
+        if queue.iter().rev().take(mine).any(|l| l.line == line) {
+            return;
+        }
+        queue.push_back(system.look_up(client, start, line));
+        flight.look_ups[i] += 1;
+    }
+
+    /// Delivers the steps in flight whose answers are known by now, and tells whether there were any. To be called
+    /// before looking at the next start.
+    #[inline]
+    pub(crate) fn land_known<O: Outputs>(&mut self, outputs: &mut O, clients: &mut Clients<'_>) -> bool {
+        let before = self.in_flight.len();
+        while let Some(mut flight) = self.in_flight.pop_front() {
+            if !self.land(&mut flight, outputs, clients) {
+                self.in_flight.push_front(flight);
+                break;
+            }
+        }
+        self.in_flight.len() < before
+    }
+
+    /// Delivers one step if all its answers are known.
+    #[inline]
+    fn land<O: Outputs>(&mut self, flight: &mut InFlight, outputs: &mut O, clients: &mut Clients<'_>) -> bool {
+        let mut delivered = flight.base;
+        if let Some(system) = clients.system.as_deref_mut() {
+            for (i, &client) in clients.ids.iter().enumerate() {
+                while flight.look_ups[i] > 0 {
+                    let Some(look_up) = self.look_ups[i].front() else { break };
+                    let Some(answer) = system.resolve(client, *look_up) else { return false };
+                    self.look_ups[i].pop_front();
+                    flight.look_ups[i] -= 1;
+                    flight.answers[i] = answer;
+                }
+                if let Some(number) = flight.reads[i].checked_sub(1) {
+                    let answer = system.answer(client, number);
+                    if !answer.is_known() {
+                        return false;
+                    }
+                    flight.answers[i] = flight.answers[i].max(answer);
+                    flight.reads[i] = 0;
+                }
+                delivered = delivered.max(flight.answers[i]);
+            }
+        }
+        for i in (0..outputs.count()).filter(|i| flight.mask & 1 << i != 0) {
+            outputs.link_mut(i).set_awaits(&flight.answers[..clients.ids.len()]);
+        }
+        self.deliver(delivered, flight.mask, flight.ends_frame, outputs);
+        true
+    }
+
+    #[inline]
+    fn deliver<O: Outputs>(&mut self, delivered: Cycle, mask: u32, ends_frame: bool, outputs: &mut O) {
+        for i in (0..outputs.count()).filter(|i| mask & 1 << i != 0) {
+            outputs.link_mut(i).deliver(delivered);
+        }
+        if ends_frame {
+            self.frame_ends.push(delivered);
+        }
+    }
+
+    /// Starts a run: tells the outputs how many clients may hold them up.
+    pub(crate) fn attach<O: Outputs>(outputs: &mut O, clients: &Clients<'_>) {
+        for i in 0..outputs.count() {
+            outputs.link_mut(i).set_clients(clients.ids.len());
+        }
+    }
+
+    /// Charges a wait to the account and shows it to the probe.
+    #[inline]
+    pub(crate) fn charge<P: Probe>(&mut self, probe: &mut P, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+        self.account.charge(cause, to.since(from));
+        if P::ON {
+            probe.waited(stage, cause, from, to);
+        }
+    }
+}

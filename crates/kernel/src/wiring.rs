@@ -1,0 +1,215 @@
+//! Wiring: how a machine shows its block diagram to the visitors that run, account for and describe it.
+
+use crate::{Cycle, Demand, Fifo, Link, MemorySystem, Stage, Unit};
+
+/// Most inputs or outputs of one unit.
+pub const MAX_LINKS: usize = 8;
+/// Most memory clients of one unit.
+pub const MAX_CLIENTS: usize = 4;
+
+/// A bundle of FIFOs at one end of a unit: `()`, `&mut Fifo<T>`, a tuple of two, or a vector.
+pub trait Wires {
+    /// Number of FIFOs.
+    fn count(&self) -> usize;
+    /// Times of FIFO `i`.
+    fn link(&self, i: usize) -> &Link;
+    /// Mutable times of FIFO `i`.
+    fn link_mut(&mut self, i: usize) -> &mut Link;
+}
+
+/// What a unit pops from.
+pub trait Inputs: Wires {
+    /// What a step is given.
+    type Item;
+    /// Pops what `demand` declares, at `at`.
+    fn pop(&mut self, demand: Demand, at: Cycle) -> Self::Item;
+    /// Pops what `demand` declares, without time.
+    fn take(&mut self, demand: Demand) -> Self::Item;
+}
+
+/// What a unit pushes to.
+pub trait Outputs: Wires {
+    /// What a step emits.
+    type Item;
+    /// Reserves slots for what is emitted; bit i of the answer: FIFO i got a token.
+    fn reserve(&mut self, start: Cycle, item: Self::Item) -> u32;
+    /// Puts what is emitted, without time.
+    fn put(&mut self, item: Self::Item);
+}
+
+impl Wires for () {
+    fn count(&self) -> usize {
+        0
+    }
+    fn link(&self, _: usize) -> &Link {
+        unreachable!("no FIFO here")
+    }
+    fn link_mut(&mut self, _: usize) -> &mut Link {
+        unreachable!("no FIFO here")
+    }
+}
+
+impl Inputs for () {
+    type Item = ();
+    fn pop(&mut self, _: Demand, _: Cycle) {}
+    fn take(&mut self, _: Demand) {}
+}
+
+impl Outputs for () {
+    type Item = ();
+    fn reserve(&mut self, _: Cycle, (): ()) -> u32 {
+        0
+    }
+    fn put(&mut self, (): ()) {}
+}
+
+impl<T> Wires for &mut Fifo<T> {
+    #[inline]
+    fn count(&self) -> usize {
+        1
+    }
+    #[inline]
+    fn link(&self, _: usize) -> &Link {
+        &self.link
+    }
+    #[inline]
+    fn link_mut(&mut self, _: usize) -> &mut Link {
+        &mut self.link
+    }
+}
+
+impl<T> Inputs for &mut Fifo<T> {
+    type Item = Option<T>;
+    #[inline]
+    fn pop(&mut self, demand: Demand, at: Cycle) -> Option<T> {
+        self.pop_if(demand.takes(0), at)
+    }
+    #[inline]
+    fn take(&mut self, demand: Demand) -> Option<T> {
+        self.take_if(demand.takes(0))
+    }
+}
+
+impl<T> Outputs for &mut Fifo<T> {
+    type Item = Option<T>;
+    #[inline]
+    fn reserve(&mut self, start: Cycle, item: Option<T>) -> u32 {
+        Fifo::reserve(self, start, item)
+    }
+    #[inline]
+    fn put(&mut self, item: Option<T>) {
+        Fifo::put(self, item);
+    }
+}
+
+impl<A, B> Wires for (&mut Fifo<A>, &mut Fifo<B>) {
+    #[inline]
+    fn count(&self) -> usize {
+        2
+    }
+    #[inline]
+    fn link(&self, i: usize) -> &Link {
+        if i == 0 { &self.0.link } else { &self.1.link }
+    }
+    #[inline]
+    fn link_mut(&mut self, i: usize) -> &mut Link {
+        if i == 0 { &mut self.0.link } else { &mut self.1.link }
+    }
+}
+
+impl<A, B> Inputs for (&mut Fifo<A>, &mut Fifo<B>) {
+    type Item = (Option<A>, Option<B>);
+    #[inline]
+    fn pop(&mut self, demand: Demand, at: Cycle) -> Self::Item {
+        (self.0.pop_if(demand.takes(0), at), self.1.pop_if(demand.takes(1), at))
+    }
+    #[inline]
+    fn take(&mut self, demand: Demand) -> Self::Item {
+        (self.0.take_if(demand.takes(0)), self.1.take_if(demand.takes(1)))
+    }
+}
+
+impl<A, B> Outputs for (&mut Fifo<A>, &mut Fifo<B>) {
+    type Item = (Option<A>, Option<B>);
+    #[inline]
+    fn reserve(&mut self, start: Cycle, (a, b): Self::Item) -> u32 {
+        Fifo::reserve(self.0, start, a) | Fifo::reserve(self.1, start, b) << 1
+    }
+    #[inline]
+    fn put(&mut self, (a, b): Self::Item) {
+        Fifo::put(self.0, a);
+        Fifo::put(self.1, b);
+    }
+}
+
+/// Any number of FIFOs of one type, for machines that are built from a plan.
+impl<T> Wires for Vec<&mut Fifo<T>> {
+    fn count(&self) -> usize {
+        self.len()
+    }
+    fn link(&self, i: usize) -> &Link {
+        &self[i].link
+    }
+    fn link_mut(&mut self, i: usize) -> &mut Link {
+        &mut self[i].link
+    }
+}
+
+impl<T> Inputs for Vec<&mut Fifo<T>> {
+    type Item = Vec<Option<T>>;
+    fn pop(&mut self, demand: Demand, at: Cycle) -> Self::Item {
+        self.iter_mut().enumerate().map(|(i, f)| f.pop_if(demand.takes(i), at)).collect()
+    }
+    fn take(&mut self, demand: Demand) -> Self::Item {
+        self.iter_mut().enumerate().map(|(i, f)| f.take_if(demand.takes(i))).collect()
+    }
+}
+
+impl<T> Outputs for Vec<&mut Fifo<T>> {
+    type Item = Vec<Option<T>>;
+    fn reserve(&mut self, start: Cycle, item: Self::Item) -> u32 {
+        self.iter_mut().zip(item).enumerate().fold(0, |mask, (i, (f, x))| mask | Fifo::reserve(f, start, x) << i)
+    }
+    fn put(&mut self, item: Self::Item) {
+        self.iter_mut().zip(item).for_each(|(f, x)| Fifo::put(f, x));
+    }
+}
+
+/// The memory clients of one stage, in the order in which its unit numbers them.
+#[derive(Debug)]
+pub struct Clients<'a> {
+    pub(crate) system: Option<&'a mut MemorySystem>,
+    pub(crate) ids: &'a [usize],
+}
+
+impl<'a> Clients<'a> {
+    /// For a unit that touches no memory.
+    pub fn none() -> Self {
+        Self { system: None, ids: &[] }
+    }
+
+    /// Clients `ids` of the machine's memories.
+    pub fn of(system: &'a mut MemorySystem, ids: &'a [usize]) -> Self {
+        Self { system: Some(system), ids }
+    }
+}
+
+/// Who walks a machine's wiring: engines, accounting, reports.
+pub trait Visitor {
+    /// One stage with its wires.
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        &mut self,
+        stage: &mut Stage<U>,
+        inputs: I,
+        outputs: O,
+        clients: Clients<'_>,
+    );
+}
+
+/// A machine: its `wire` function is its block diagram, and the only place where the topology stands.
+pub trait Machine {
+    /// Shows every stage to `v`, always in the same order.
+    fn wire<V: Visitor>(&mut self, v: &mut V);
+    /// The memories that its stages share.
+    fn memories(&mut self) -> &mut MemorySystem;
+}
