@@ -1,0 +1,83 @@
+//! Ambient, Lambert and Blinn-Phong, per pixel.
+
+use basrelief_signals::{Frame, Light, LightKind, Lighting};
+use glam::DVec3;
+
+/// The lights of a frame as one object sees them, with its material's coefficients.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Illumination {
+    ambient: f64,
+    diffuse: f64,
+    specular: f64,
+    exponent: f64,
+    beams: Vec<Beam>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Beam {
+    to_light: DVec3,
+    half: DVec3,
+    intensity: f64,
+}
+
+impl Illumination {
+    /// Light on an object around `centre` in the given frame.
+    pub fn new(frame: &Frame, lighting: &Lighting, centre: [f32; 3]) -> Self {
+        let to_viewer = DVec3::from(frame.camera.to_viewer).normalize_or_zero();
+        let beam = |light: &Light| {
+            let to_light = direction(light, centre);
+            Beam { to_light, half: (to_light + to_viewer).normalize_or_zero(), intensity: f64::from(light.intensity) }
+        };
+        Self {
+            ambient: f64::from(lighting.ka),
+            diffuse: f64::from(lighting.kd),
+            specular: f64::from(lighting.ks),
+            exponent: f64::from(lighting.n),
+            beams: frame.lights.iter().map(beam).collect(),
+        }
+    }
+
+    /// Ambient plus diffuse, and specular brightness of a surface with this unit normal.
+    pub fn on(&self, normal: DVec3) -> (f64, f64) {
+        let mut diffuse = 0.0;
+        let mut specular = 0.0;
+        for beam in &self.beams {
+            diffuse += beam.intensity * normal.dot(beam.to_light).max(0.0);
+            specular += beam.intensity * libm::pow(normal.dot(beam.half).max(0.0), self.exponent);
+        }
+        (self.ambient + self.diffuse * diffuse, self.specular * specular)
+    }
+}
+
+fn direction(light: &Light, centre: [f32; 3]) -> DVec3 {
+    let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+    match light.kind {
+        LightKind::Directional { to_light } => wide(to_light).normalize_or_zero(),
+        LightKind::Point { position } => (wide(position) - wide(centre)).normalize_or_zero(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use basrelief_signals::Camera;
+
+    fn frame(lights: Vec<Light>) -> Frame {
+        let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
+        Frame { index: 0, width: 1, height: 1, camera, lights }
+    }
+
+    #[test]
+    fn lights_add_and_point_lights_shine_from_the_objects_centre() {
+        let lighting = Lighting { ka: 0.25, kd: 0.5, ks: 0.125, n: 2.0 };
+        let behind = LightKind::Directional { to_light: [0.0, 0.0, -1.0] };
+        let point = LightKind::Point { position: [5.0, 0.0, 9.0] };
+        let lights = [(behind, 1.0), (point, 0.5)].map(|(kind, intensity)| Light { kind, intensity });
+        let light = Illumination::new(&frame(lights.to_vec()), &lighting, [5.0, 0.0, 2.0]);
+        assert_eq!(light.on(DVec3::Z), (0.25 + 0.5 * 0.5, 0.125 * 0.5));
+        assert_eq!(light.on(DVec3::NEG_Z), (0.25 + 0.5, 0.0));
+        let (diffuse, specular) = light.on(DVec3::new(0.6, 0.0, 0.8));
+        assert!((diffuse - (0.25 + 0.5 * 0.5 * 0.8)).abs() < 1e-12);
+        assert!((specular - 0.125 * 0.5 * 0.64).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,221 @@
+//! LDR-FLIP: the difference a viewer sees when two pictures alternate.
+//!
+//! P. Andersson, J. Nilsson, T. Akenine-Moeller, M. Oskarsson, K. Astroem and M. D. Fairchild: FLIP: A Difference
+//! Evaluator for Alternating Images. Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020. Section numbers below are
+//! those of the paper. The spatial filters are sums of Gaussians and therefore separable: two passes of 21 taps
+//! instead of 441.
+
+use super::filter::{Kernel, Rim, Window};
+use super::{SizeMismatch, covered, mean, same_size};
+use crate::Picture;
+use std::f64::consts::PI;
+
+/// Pixels per degree of visual angle: 0.7 m from a 0.7 m wide monitor of 3840 pixels.
+const PIXELS_PER_DEGREE: f64 = 67.0;
+/// Exponent of the colour difference (4.1.3).
+const COLOR_EXPONENT: f64 = 0.7;
+/// Share of the largest colour difference that is mapped to [`TURN_VALUE`] (4.1.3).
+const TURN_SHARE: f64 = 0.4;
+const TURN_VALUE: f64 = 0.95;
+/// Width of the feature detectors \[degrees\] (4.2.1).
+const FEATURE_WIDTH: f64 = 0.082;
+/// Pixels that a filter reaches: three standard deviations of the widest Gaussian, rounded up.
+const COLOR_RADIUS: usize = 10;
+const FEATURE_RADIUS: usize = 9;
+
+/// Illuminant D65.
+const WHITE: [f64; 3] = [0.950_428_545_377_180_2, 1.0, 1.088_900_370_798_128];
+/// Linear sRGB to XYZ, row by row.
+const TO_XYZ: [[f64; 3]; 3] = [
+    [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
+    [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
+    [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
+];
+/// XYZ to linear sRGB, row by row.
+const FROM_XYZ: [[f64; 3]; 3] = [
+    [3.241_003_232_976_358, -1.537_398_969_488_785, -0.498_615_881_996_363],
+    [-0.969_224_252_202_516, 1.875_929_983_695_176, 0.041_554_226_340_085],
+    [0.055_639_419_851_975, -0.204_011_206_123_91, 1.057_148_977_187_533],
+];
+
+/// Mean FLIP error of the pixels covered in either picture, 0..=1; 0 if nothing is covered.
+///
+/// # Errors
+/// If the pictures differ in size.
+pub fn flip(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
+    same_size(exact, other)?;
+    let Some(window) = reach(exact, other) else { return Ok(0.0) };
+    let planes = Planes::new();
+    let [left, right] = [exact, other].map(|picture| planes.seen(picture, &window));
+    let largest = largest_color_difference();
+    let picture_width = exact.width as usize;
+    Ok(mean(exact, other, 0.0, |i| {
+        let (column, row) = (i % picture_width - window.columns.start, i / picture_width - window.rows.start);
+        let at = row * window.width() + column;
+        let color = redistributed(libm::pow(distance(left.lab(at), right.lab(at)), COLOR_EXPONENT), largest);
+        let feature = feature_difference(&left, &right, at);
+        if color == 0.0 { 0.0 } else { libm::pow(color, 1.0 - feature) }
+    }))
+}
+
+/// The covered pixels and what their filters reach.
+fn reach(exact: &Picture, other: &Picture) -> Option<Window> {
+    let (width, height) = (exact.width as usize, exact.height as usize);
+    let mut pixels = covered(exact, other).map(|i| (i % width, i / width));
+    let (x, y) = pixels.next()?;
+    let grow = |(low, high): (usize, usize), at: usize| (low.min(at), high.max(at));
+    let (columns, rows) = pixels.fold(((x, x), (y, y)), |(columns, rows), (x, y)| (grow(columns, x), grow(rows, y)));
+    let reached =
+        |(low, high): (usize, usize), size: usize| low.saturating_sub(COLOR_RADIUS)..(high + COLOR_RADIUS + 1).min(size);
+    Some(Window { columns: reached(columns, width), rows: reached(rows, height) })
+}
+
+/// What the eye makes of a picture: filtered colour, and strength of edges and points in its luminance.
+struct Seen {
+    /// Filtered luminance and the two chrominances (YCxCz).
+    color: [Vec<f64>; 3],
+    edges: [Vec<f64>; 2],
+    points: [Vec<f64>; 2],
+}
+
+impl Seen {
+    /// Filtered colour, saturated to what a monitor shows, in Hunt-adjusted CIELAB.
+    fn lab(&self, at: usize) -> [f64; 3] {
+        let [y, cx, cz] = [0, 1, 2].map(|k| self.color[k][at]);
+        let relative_y = (y + 16.0) / 116.0;
+        let xyz = [(relative_y + cx / 500.0) * WHITE[0], relative_y * WHITE[1], (relative_y - cz / 200.0) * WHITE[2]];
+        hunt_adjusted_lab(times(&FROM_XYZ, xyz).map(|c| c.clamp(0.0, 1.0)))
+    }
+}
+
+/// Filters, built once per comparison.
+struct Planes {
+    linear: Vec<f64>,
+    /// Gaussians of the contrast sensitivity of luminance, red-green, and (two, with their weights) blue-yellow.
+    luminance: Kernel,
+    red_green: Kernel,
+    blue_yellow: [(f64, Kernel); 2],
+    smooth: Kernel,
+    slope: Kernel,
+    bend: Kernel,
+}
+
+impl Planes {
+    fn new() -> Self {
+        let deviation = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
+        let gauss = |x: f64| libm::exp(-x * x / (2.0 * deviation * deviation));
+        let feature = |f: &dyn Fn(f64) -> f64| Kernel::new(FEATURE_RADIUS, f).normalised();
+        Self {
+            linear: (0..=255u8).map(|value| linear(f64::from(value) / 255.0)).collect(),
+            luminance: sensitivity(0.0047).normalised(),
+            red_green: sensitivity(0.0053).normalised(),
+            blue_yellow: blue_yellow(),
+            smooth: feature(&gauss),
+            slope: feature(&|x| -x * gauss(x)),
+            bend: feature(&|x| (x * x / (deviation * deviation) - 1.0) * gauss(x)),
+        }
+    }
+
+    fn seen(&self, picture: &Picture, window: &Window) -> Seen {
+        let [y, cx, cz] = self.opponent(picture, window);
+        let width = window.width();
+        let both = |plane: &[f64], across: &Kernel, down: &Kernel| {
+            down.down(&across.across(plane, width, Rim::Extended), width, Rim::Extended)
+        };
+        let lightness: Vec<f64> = y.iter().map(|y| (y + 16.0) / 116.0).collect();
+        let [first, second] = self.blue_yellow.each_ref().map(|(weight, kernel)| (weight, both(&cz, kernel, kernel)));
+        let chroma = first.1.iter().zip(&second.1).map(|(a, b)| a * first.0 + b * second.0).collect();
+        Seen {
+            color: [both(&y, &self.luminance, &self.luminance), both(&cx, &self.red_green, &self.red_green), chroma],
+            edges: [both(&lightness, &self.slope, &self.smooth), both(&lightness, &self.smooth, &self.slope)],
+            points: [both(&lightness, &self.bend, &self.smooth), both(&lightness, &self.smooth, &self.bend)],
+        }
+    }
+
+    /// The picture in YCxCz, a linear opponent space (4.1.1), plane by plane.
+    fn opponent(&self, picture: &Picture, window: &Window) -> [Vec<f64>; 3] {
+        let mut planes = [(); 3].map(|()| Vec::with_capacity(window.pixels()));
+        for row in window.rows.clone() {
+            let start = row * picture.width as usize;
+            for rgb in &picture.rgb[start + window.columns.start..start + window.columns.end] {
+                let [x, y, z] = relative_xyz(rgb.map(|c| self.linear[usize::from(c)]));
+                for (plane, value) in planes.iter_mut().zip([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]) {
+                    plane.push(value);
+                }
+            }
+        }
+        planes
+    }
+}
+
+/// One Gaussian of a contrast sensitivity function, in pixels: exp(-pi^2 d^2 / b) at d degrees (4.1.1).
+fn sensitivity(b: f64) -> Kernel {
+    Kernel::new(COLOR_RADIUS, |x| libm::exp(-(PI * x / PIXELS_PER_DEGREE) * (PI * x / PIXELS_PER_DEGREE) / b))
+}
+
+/// Blue-yellow is the sum of two Gaussians a * sqrt(pi / b) * exp(..), which as a whole sums to 1: each is normalised
+/// by itself and keeps its share.
+fn blue_yellow() -> [(f64, Kernel); 2] {
+    let parts = [(34.1, 0.04), (13.5, 0.025)].map(|(a, b)| {
+        let kernel = sensitivity(b);
+        let sum: f64 = kernel.0.iter().sum();
+        (a * (PI / b).sqrt() * sum * sum, kernel.normalised())
+    });
+    let total = parts[0].0 + parts[1].0;
+    parts.map(|(share, kernel)| (share / total, kernel))
+}
+
+/// Difference of edges or points, whichever differs more, 0..=1 (4.2).
+fn feature_difference(left: &Seen, right: &Seen, at: usize) -> f64 {
+    let strength = |pair: &[Vec<f64>; 2]| (pair[0][at] * pair[0][at] + pair[1][at] * pair[1][at]).sqrt();
+    let edges = (strength(&left.edges) - strength(&right.edges)).abs();
+    let points = (strength(&left.points) - strength(&right.points)).abs();
+    (edges.max(points) * std::f64::consts::FRAC_1_SQRT_2).sqrt().min(1.0)
+}
+
+/// HyAB distance (4.1.2).
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let [l, u, v] = [0, 1, 2].map(|k| a[k] - b[k]);
+    l.abs() + (u * u + v * v).sqrt()
+}
+
+/// Between green and blue, the farthest apart of the colours a monitor shows, raised to [`COLOR_EXPONENT`].
+fn largest_color_difference() -> f64 {
+    let [green, blue] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(hunt_adjusted_lab);
+    libm::pow(distance(green, blue), COLOR_EXPONENT)
+}
+
+/// Compresses large differences into [`TURN_VALUE`]..=1 (4.1.3).
+fn redistributed(difference: f64, largest: f64) -> f64 {
+    let turn = TURN_SHARE * largest;
+    if difference < turn {
+        TURN_VALUE / turn * difference
+    } else {
+        TURN_VALUE + (difference - turn) / (largest - turn) * (1.0 - TURN_VALUE)
+    }
+}
+
+/// CIELAB with chroma scaled by lightness, as colours look less colourful in the dark (4.1.2).
+fn hunt_adjusted_lab(linear_rgb: [f64; 3]) -> [f64; 3] {
+    let [x, y, z] = relative_xyz(linear_rgb).map(|t| {
+        const DELTA: f64 = 6.0 / 29.0;
+        if t > DELTA * DELTA * DELTA { libm::cbrt(t) } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
+    });
+    let lightness = 116.0 * y - 16.0;
+    [lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z)]
+}
+
+/// XYZ over that of white.
+fn relative_xyz(linear_rgb: [f64; 3]) -> [f64; 3] {
+    let [x, y, z] = times(&TO_XYZ, linear_rgb);
+    [x / WHITE[0], y / WHITE[1], z / WHITE[2]]
+}
+
+fn times(matrix: &[[f64; 3]; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
+    matrix.map(|row| row[0] * x + row[1] * y + row[2] * z)
+}
+
+/// sRGB decoding, 0..=1.
+fn linear(value: f64) -> f64 {
+    if value > 0.04045 { libm::pow((value + 0.055) / 1.055, 2.4) } else { value / 12.92 }
+}

@@ -1,0 +1,43 @@
+//! Choices that the exact picture shares with the machine it judges.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How textures and normal maps are filtered. It decides for every texture, whatever the texture's own
+/// `sampler.filter` says: the picture is to be exact in one stated sense, and Mesa is asked the same way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TextureFilter {
+    /// The texel of level 0 that holds the sample point.
+    Nearest,
+    /// Four texels of level 0, weighted.
+    Bilinear,
+    /// Four texels each of the two levels next to the level of detail of the pixel, weighted; the level of detail is
+    /// log2 of the longer of the two footprint axes \[texels of level 0 per pixel\].
+    #[default]
+    Trilinear,
+}
+
+/// What the highlight is coloured with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Components {
+    /// base * (diffuse + specular): one brightness, as in the patent.
+    #[default]
+    Combined,
+    /// base * diffuse + specular.
+    Separate,
+}
+
+/// Options of an exact picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Options {
+    /// Texture filter, for colour textures and normal maps.
+    pub filter: TextureFilter,
+    /// Colour of the highlight.
+    pub components: Components,
+    /// Reverses the normals of back faces, as glTF asks of double-sided materials. Off by default: neither the
+    /// machines nor the Mesa tool that these pictures are checked against do it.
+    pub two_sided_lighting: bool,
+}

@@ -1,0 +1,53 @@
+//! A finished picture.
+
+/// RGB, 8 bits each, and which pixels were drawn. Background is black and not covered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Width \[pixels\].
+    pub width: u32,
+    /// Height \[pixels\].
+    pub height: u32,
+    /// `width * height` pixels, top row first.
+    pub rgb: Vec<[u8; 3]>,
+    /// Pixels that some polygon covered; same shape as `rgb`.
+    pub covered: Vec<bool>,
+}
+
+impl Picture {
+    /// A picture that is all background.
+    pub fn new(width: u32, height: u32) -> Self {
+        let pixels = width as usize * height as usize;
+        Self { width, height, rgb: vec![[0; 3]; pixels], covered: vec![false; pixels] }
+    }
+
+    /// RGBA, 8 bits each, rows from the top: covered pixels have alpha 255, the background is 0, 0, 0, 0.
+    pub fn to_rgba(&self) -> Vec<u8> {
+        let pixel = |(rgb, covered): (&[u8; 3], &bool)| [rgb[0], rgb[1], rgb[2], if *covered { 255 } else { 0 }];
+        self.rgb.iter().zip(&self.covered).flat_map(pixel).collect()
+    }
+}
+
+/// 0..=1 to 0..=255 as OpenGL does it: saturated, rounded half up. Not a number becomes 0.
+pub(crate) fn to_8_bits(channel: f64) -> u8 {
+    (channel.clamp(0.0, 1.0) * 255.0 + 0.5).floor() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_is_half_up_and_saturates() {
+        assert_eq!(to_8_bits(0.5 / 255.0), 1);
+        assert_eq!(to_8_bits(0.499 / 255.0), 0);
+        assert_eq!([to_8_bits(-1.0), to_8_bits(7.0), to_8_bits(f64::NAN)], [0, 255, 0]);
+    }
+
+    #[test]
+    fn background_is_transparent_black() {
+        let mut picture = Picture::new(2, 1);
+        picture.rgb[1] = [1, 2, 3];
+        picture.covered[1] = true;
+        assert_eq!(picture.to_rgba(), [0, 0, 0, 0, 1, 2, 3, 255]);
+    }
+}

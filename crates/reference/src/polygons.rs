@@ -1,0 +1,92 @@
+//! The exact picture of a display list.
+
+use crate::raster::Corner;
+use crate::renderer::Renderer;
+use crate::surface::{Attributes, Surface};
+use crate::{Options, Picture};
+use basrelief_signals::{Frame, Material, ObjectInfo, Polygon, Vertex};
+use glam::{DVec2, DVec3};
+use std::sync::Arc;
+
+/// Draws window-space polygons as they stream by; memory does not grow with their number.
+///
+/// Polygons are clipped and culled already, and drawn whatever their winding; counter-clockwise on the screen counts as
+/// the front where [`Options::two_sided_lighting`] asks. Bump flag, LOD, vertex brightness and arrival are the
+/// machines' business and not looked at. Coordinates that are not finite leave their triangle out.
+#[derive(Clone, Debug)]
+pub struct PolygonRenderer {
+    size: [u32; 2],
+    options: Options,
+    frame: Option<Arc<Frame>>,
+    centre: [f32; 3],
+    material: Option<Arc<Material>>,
+    renderer: Renderer,
+}
+
+impl PolygonRenderer {
+    /// A renderer of pictures of `width` x `height` pixels.
+    pub fn new(width: u32, height: u32, options: Options) -> Self {
+        Self {
+            size: [width, height],
+            options,
+            frame: None,
+            centre: [0.0; 3],
+            material: None,
+            renderer: Renderer::new(width, height),
+        }
+    }
+
+    /// View and lights of the polygons that follow. Polygons ahead of the first frame are not drawn. Call
+    /// [`PolygonRenderer::finish`] between the frames of a sequence.
+    pub fn frame(&mut self, frame: &Frame) {
+        self.frame = Some(Arc::new(frame.clone()));
+        self.material = None;
+    }
+
+    /// The object that the polygons that follow belong to: point lights are evaluated at its centre.
+    pub fn object(&mut self, object: &ObjectInfo) {
+        self.centre = object.centre;
+        self.material = None;
+    }
+
+    /// Draws a polygon, as a fan around its first vertex.
+    pub fn polygon(&mut self, polygon: &Polygon) {
+        if !self.material.as_ref().is_some_and(|current| Arc::ptr_eq(current, &polygon.material)) {
+            let Some(frame) = &self.frame else { return };
+            self.renderer.surface(Surface::new(self.options, frame, &polygon.material, self.centre));
+            self.material = Some(polygon.material.clone());
+        }
+        let Some((first, rest)) = polygon.vertices.split_first() else { return };
+        for pair in rest.windows(2) {
+            if let [second, third] = pair {
+                self.renderer.triangle([first, second, third].map(corner), false, false);
+            }
+        }
+    }
+
+    /// The picture so far; the renderer starts the next one, under the frame and object it knows.
+    pub fn finish(&mut self) -> Picture {
+        let [width, height] = self.size;
+        self.material = None;
+        std::mem::replace(&mut self.renderer, Renderer::new(width, height)).finish()
+    }
+}
+
+fn corner(vertex: &Vertex) -> Corner {
+    let [x, y, depth, inverse_w] = vertex.position.map(f64::from);
+    let [tx, ty, tz, handedness] = vertex.tangent.map(f64::from);
+    let [r, g, b, _] = vertex.color.map(f64::from);
+    Corner {
+        window: DVec2::new(x, y),
+        depth,
+        inverse_w,
+        attributes: Attributes {
+            normal: DVec3::from(vertex.normal.map(f64::from)),
+            tangent: DVec3::new(tx, ty, tz),
+            handedness,
+            uv: DVec2::from(vertex.uv.map(f64::from)),
+            uv_normal: DVec2::from(vertex.uv_normal.map(f64::from)),
+            color: DVec3::new(r, g, b),
+        },
+    }
+}

@@ -1,0 +1,98 @@
+//! The exact picture of a scene.
+
+use crate::clip::{ClipVertex, clipped, inside};
+use crate::raster::Corner;
+use crate::renderer::Renderer;
+use crate::surface::{Attributes, Surface};
+use crate::{Options, Picture};
+use basrelief_signals::{Frame, Mesh, Object, Scene};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
+
+/// Draws the objects of a scene under one of its frames (or any other).
+///
+/// Vertex normals and tangents are brought to world space and normalised there, then interpolated unnormalised. Where
+/// the world transform mirrors, front faces stay front faces; the handedness of tangents is taken as stored, as glTF
+/// viewers do. Triangles whose indices or coordinates make no sense are left out.
+pub fn draw_scene(scene: &Scene, frame: &Frame, options: &Options) -> Picture {
+    let mut renderer = Renderer::new(frame.width, frame.height);
+    for object in &scene.objects {
+        draw_object(&mut renderer, object, frame, *options);
+    }
+    renderer.finish()
+}
+
+/// Centre of an object: that of the axis-aligned box of its positions in world space; the origin where it has none.
+pub fn object_centre(object: &Object) -> [f32; 3] {
+    let world = row_major(&object.world);
+    let mut corners = object.mesh.positions.iter().map(|&p| world.transform_point3(wide(p)));
+    let Some(first) = corners.next() else { return [0.0; 3] };
+    let (low, high) = corners.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
+    ((low + high) * 0.5).as_vec3().to_array()
+}
+
+fn draw_object(renderer: &mut Renderer, object: &Object, frame: &Frame, options: Options) {
+    let world = row_major(&object.world);
+    let mirrored = DMat3::from_mat4(world).determinant() < 0.0;
+    let cull = !object.material.double_sided;
+    renderer.surface(Surface::new(options, frame, &object.material, object_centre(object)));
+    let vertices = transformed(&object.mesh, world, row_major(&frame.camera.view_projection));
+    let size = DVec2::new(f64::from(frame.width), f64::from(frame.height));
+    for indices in object.mesh.indices.chunks_exact(3) {
+        let [Some(a), Some(b), Some(c)] = [0, 1, 2].map(|i| vertices.get(indices[i] as usize)) else { continue };
+        if [a, b, c].into_iter().all(inside) {
+            renderer.triangle([a, b, c].map(|v| projected(v, size)), mirrored, cull);
+            continue;
+        }
+        let polygon: Vec<_> = clipped([*a, *b, *c]).iter().map(|v| projected(v, size)).collect();
+        for pair in polygon.windows(2).skip(1) {
+            renderer.triangle([polygon[0], pair[0], pair[1]], mirrored, cull);
+        }
+    }
+}
+
+fn transformed(mesh: &Mesh, world: DMat4, view_projection: DMat4) -> Vec<ClipVertex> {
+    let linear = DMat3::from_mat4(world);
+    let cofactors = cofactors(linear);
+    let vertex = |(i, &position): (usize, &[f32; 3])| {
+        let [r, g, b, _] = mesh.colors.get(i).map_or([1.0; 4], |color| color.map(f64::from));
+        let [tx, ty, tz, handedness] = mesh.tangents.get(i).map_or([0.0; 4], |tangent| tangent.map(f64::from));
+        ClipVertex {
+            position: view_projection * world.transform_point3(wide(position)).extend(1.0),
+            attributes: Attributes {
+                normal: (cofactors * mesh.normals.get(i).map_or(DVec3::ZERO, |&n| wide(n))).normalize_or_zero(),
+                tangent: (linear * DVec3::new(tx, ty, tz)).normalize_or_zero(),
+                handedness,
+                uv: mesh.uv.get(i).map_or(DVec2::ZERO, |uv| DVec2::from(uv.map(f64::from))),
+                uv_normal: mesh.uv_normal.get(i).map_or(DVec2::ZERO, |uv| DVec2::from(uv.map(f64::from))),
+                color: DVec3::new(r, g, b),
+            },
+        }
+    };
+    mesh.positions.iter().enumerate().map(vertex).collect()
+}
+
+/// Matrix of cofactors with the sign of the determinant: the inverse transpose up to a positive factor, and defined
+/// for singular matrices too (an object flattened into a plane keeps its normals).
+fn cofactors(linear: DMat3) -> DMat3 {
+    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
+    let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign
+}
+
+fn projected(vertex: &ClipVertex, size: DVec2) -> Corner {
+    let DVec4 { x, y, z, w } = vertex.position;
+    Corner {
+        window: DVec2::new(0.5 + 0.5 * x / w, 0.5 - 0.5 * y / w) * size,
+        depth: 0.5 + 0.5 * z / w,
+        inverse_w: 1.0 / w,
+        attributes: vertex.attributes,
+    }
+}
+
+fn row_major(values: &[f64; 16]) -> DMat4 {
+    DMat4::from_cols_array(values).transpose()
+}
+
+fn wide(v: [f32; 3]) -> DVec3 {
+    DVec3::from(v.map(f64::from))
+}
