@@ -9,6 +9,7 @@ mod fifo;
 mod link;
 mod memory;
 mod memory_system;
+mod occupancy;
 pub mod plan;
 mod probe;
 mod report;

@@ -1,12 +1,11 @@
 //! The untyped half of a FIFO: times, occupancy, and the laws that govern them.
 
 use crate::Cycle;
+use crate::occupancy::Occupancy;
 
 /// Times of one slot.
 #[derive(Clone, Copy, Debug)]
 struct Times {
-    /// Start of the step that fills it: the slot is held from here.
-    reserved: Cycle,
     /// When its token can be popped.
     visible: Cycle,
     /// When its token was popped: the slot is held up to and including this cycle.
@@ -15,7 +14,7 @@ struct Times {
 
 /// Laws 1, 2 and 10 of one FIFO, without its tokens.
 ///
-/// The ring keeps, for each slot, when it was reserved, when its token becomes visible and when it was popped. So the
+/// The ring keeps, for each slot, when its token becomes visible and when it was popped. So the
 /// start of the next step at either end is known without any clock.
 #[derive(Clone, Debug)]
 pub struct Link {
@@ -33,25 +32,6 @@ pub struct Link {
     occupancy: Occupancy,
 }
 
-/// Law 10: pushes and pops are each monotone, so events up to min(last push, last pop) are settled.
-#[derive(Clone, Debug, Default)]
-struct Occupancy {
-    histogram: Vec<u64>,
-    pushes: u64,
-    pops: u64,
-    settled_to: Cycle,
-    /// The ticked engine counts literally: slots held in the last cycle counted, and that cycle.
-    counted: Option<(usize, Cycle)>,
-}
-
-impl Occupancy {
-    fn advance(&mut self, to: Cycle) {
-        let held = (self.pushes - self.pops) as usize;
-        self.histogram[held] += to.since(self.settled_to);
-        self.settled_to = self.settled_to.max(to);
-    }
-}
-
 impl Link {
     /// A link of `depth` slots whose tokens are visible `latency` cycles after delivery; both at least 1.
     ///
@@ -60,7 +40,7 @@ impl Link {
     pub fn new(name: &str, depth: usize, latency: u64) -> Self {
         assert!(depth >= 1, "FIFO {name}: depth 0, expected at least 1 (law 1)");
         assert!(latency >= 1, "FIFO {name}: latency 0, expected at least 1 (law 1)");
-        let empty = Times { reserved: Cycle::ZERO, visible: Cycle::UNKNOWN, popped: Cycle::UNKNOWN };
+        let empty = Times { visible: Cycle::UNKNOWN, popped: Cycle::UNKNOWN };
         Self {
             name: name.into(),
             depth,
@@ -72,7 +52,7 @@ impl Link {
             last_visible: None,
             awaits: Box::default(),
             clients: 0,
-            occupancy: Occupancy { histogram: vec![0; depth + 1], ..Occupancy::default() },
+            occupancy: Occupancy::new(depth),
         }
     }
 
@@ -166,10 +146,11 @@ impl Link {
     /// Reserves a slot at the start of the step that fills it.
     #[inline]
     pub(crate) fn reserve(&mut self, start: Cycle) {
-        self.settle(start);
-        let slot = self.slot(self.pushed);
-        self.ring[slot] = Times { reserved: start, visible: Cycle::UNKNOWN, popped: Cycle::UNKNOWN };
-        self.awaits[slot * self.clients..(slot + 1) * self.clients].fill(Cycle::ZERO);
+        self.occupancy.push(start);
+        if self.clients > 0 {
+            let slot = self.slot(self.pushed);
+            self.awaits[slot * self.clients..(slot + 1) * self.clients].fill(Cycle::ZERO);
+        }
         self.pushed += 1;
     }
 
@@ -189,6 +170,7 @@ impl Link {
     pub(crate) fn pop(&mut self, at: Cycle) {
         let slot = self.slot(self.popped);
         self.ring[slot].popped = at;
+        self.occupancy.pop(at);
         self.popped += 1;
     }
 
@@ -205,57 +187,15 @@ impl Link {
         self.popped += 1;
     }
 
-    /// Settles occupancy up to `now`, the time of the next push: all pops before it are known, by law 2.
-    #[inline]
-    fn settle(&mut self, now: Cycle) {
-        if self.occupancy.counted.is_some() {
-            return;
-        }
-        loop {
-            let push = (self.occupancy.pushes < self.pushed).then(|| self.ring[self.slot(self.occupancy.pushes)].reserved);
-            let pop = (self.occupancy.pops < self.popped).then(|| self.ring[self.slot(self.occupancy.pops)].popped + 1);
-            match (push, pop) {
-                (Some(push), Some(pop)) if push <= pop => self.settle_push(push),
-                (_, Some(pop)) if pop <= now => self.settle_pop(pop),
-                _ => return,
-            }
-        }
-    }
-
-    #[inline]
-    fn settle_push(&mut self, at: Cycle) {
-        self.occupancy.advance(at);
-        self.occupancy.pushes += 1;
-    }
-
-    #[inline]
-    fn settle_pop(&mut self, at: Cycle) {
-        self.occupancy.advance(at);
-        self.occupancy.pops += 1;
-    }
-
-    /// Settles the rest of a run of `total` cycles and returns the histogram: `histogram[k]` cycles with k slots held.
+    /// Settles a run of `total` cycles and returns the histogram: `histogram[k]` cycles with k slots held (law 10).
     pub(crate) fn finish(&mut self, total: u64) -> &[u64] {
-        if let Some((held, last)) = self.occupancy.counted {
-            // The ticked engine learns that a run is over one cycle late.
-            self.occupancy.histogram[held] -= (last + 1).since(Cycle(total));
-            return &self.occupancy.histogram;
-        }
-        self.settle(Cycle(total));
-        while self.occupancy.pushes < self.pushed {
-            let at = self.ring[self.slot(self.occupancy.pushes)].reserved;
-            self.settle_push(at);
-        }
-        self.settle(Cycle(total));
-        self.occupancy.advance(Cycle(total));
-        &self.occupancy.histogram
+        self.occupancy.finish(Cycle(total))
     }
 
     /// Counts the slots held in cycle `now`, after the actions of that cycle: law 10 read literally.
     pub(crate) fn count_held(&mut self, now: Cycle) {
         let last = self.popped.checked_sub(1).map(|last| self.ring[self.slot(last)].popped);
         let held = self.len() + usize::from(last == Some(now));
-        self.occupancy.histogram[held] += 1;
-        self.occupancy.counted = Some((held, now));
+        self.occupancy.count(held, now);
     }
 }

@@ -1,0 +1,107 @@
+//! Occupancy of a FIFO (law 10): slots reserved or filled, from reservation through pop.
+
+use crate::Cycle;
+
+/// Events logged before they are settled in one sweep. Settling each push as it came cost 100 instructions per token,
+/// a sweep costs 20.
+const LOG: usize = 256;
+
+/// The histogram of one FIFO's occupancy.
+///
+/// Pushes and pops are each monotone, so all events up to min(last push, last pop) are settled: no event still to come
+/// can be earlier. What is left over is at most one ring of pushes.
+#[derive(Clone, Debug)]
+pub(crate) struct Occupancy {
+    histogram: Vec<u64>,
+    pushes: Vec<Cycle>,
+    /// The cycles after the pops: slots are free from here.
+    frees: Vec<Cycle>,
+    held: usize,
+    settled_to: Cycle,
+    /// The ticked engine counts literally: slots held in the last cycle counted, and that cycle.
+    counted: Option<(usize, Cycle)>,
+}
+
+impl Occupancy {
+    pub(crate) fn new(depth: usize) -> Self {
+        Self {
+            histogram: vec![0; depth + 1],
+            pushes: Vec::with_capacity(LOG + depth),
+            frees: Vec::with_capacity(LOG + depth),
+            held: 0,
+            settled_to: Cycle::ZERO,
+            counted: None,
+        }
+    }
+
+    /// A slot is reserved at `at`.
+    #[inline]
+    pub(crate) fn push(&mut self, at: Cycle) {
+        self.pushes.push(at);
+        if self.pushes.len() >= LOG {
+            self.settle();
+        }
+    }
+
+    /// A token is popped at `at`.
+    #[inline]
+    pub(crate) fn pop(&mut self, at: Cycle) {
+        self.frees.push(at + 1);
+    }
+
+    fn advance(&mut self, to: Cycle) {
+        self.histogram[self.held] += to.since(self.settled_to);
+        self.settled_to = self.settled_to.max(to);
+    }
+
+    /// Merges what both logs cover, and keeps the rest.
+    fn settle(&mut self) {
+        if self.counted.is_some() {
+            self.pushes.clear();
+            self.frees.clear();
+            return;
+        }
+        let (mut pushed, mut freed) = (0, 0);
+        while let (Some(&push), Some(&free)) = (self.pushes.get(pushed), self.frees.get(freed)) {
+            // In one cycle a slot may be freed and another reserved; the count in between lasts 0 cycles. Reserving
+            // first keeps `held` above 0, but it may exceed the depth: free first where both fall together.
+            if push < free {
+                self.advance(push);
+                self.held += 1;
+                pushed += 1;
+            } else {
+                self.advance(free);
+                self.held -= 1;
+                freed += 1;
+            }
+        }
+        self.pushes.drain(..pushed);
+        self.frees.drain(..freed);
+    }
+
+    /// Settles the rest of a run of `total` cycles.
+    pub(crate) fn finish(&mut self, total: Cycle) -> &[u64] {
+        if let Some((held, last)) = self.counted {
+            // The ticked engine learns that a run is over one cycle late.
+            self.histogram[held] -= (last + 1).since(total);
+            return &self.histogram;
+        }
+        self.settle();
+        for push in std::mem::take(&mut self.pushes) {
+            self.advance(push);
+            self.held += 1;
+        }
+        for free in std::mem::take(&mut self.frees) {
+            self.advance(free.min(total));
+            self.held -= 1;
+        }
+        self.advance(total);
+        &self.histogram
+    }
+
+    /// Counts one cycle.
+    pub(crate) fn count(&mut self, held: usize, now: Cycle) {
+        self.histogram[held] += 1;
+        self.counted = Some((held, now));
+    }
+}
