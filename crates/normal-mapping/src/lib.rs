@@ -1,1 +1,20 @@
-//! Basrelief: normal-vector mapping unit (108)
+//! Normal-vector mapping unit (108): reads the normal map (118) of each selected MIP level and turns it into the
+//! surface's frame: one pseudo-normal N' per fragment and level.
+//!
+//! ```text
+//! Flow<Fragment> -> [ select levels | taps | filter | rotate | scale ] -> Flow<PseudoNormals>
+//!                                      |
+//!                          normal-map cache (client 0), memory (116)
+//! ```
+
+mod config;
+mod distinct;
+mod lines;
+mod rotate;
+mod state;
+mod unit;
+
+pub use config::{FilterAt, NormalMappingConfig};
+pub use distinct::DistinctCounter;
+pub use state::{Counters, NormalMappingState};
+pub use unit::NormalMapping;

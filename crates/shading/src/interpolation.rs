@@ -10,13 +10,36 @@ pub fn fan_triangle(polygon: &Polygon, triangle: u16) -> Option<[&Vertex; 3]> {
     Some([polygon.vertices.first()?, polygon.vertices.get(i + 1)?, polygon.vertices.get(i + 2)?])
 }
 
-/// Attribute at perspective-correct `weights` of the second and third vertex.
+/// Attributes over a triangle: their value at the first vertex and what the other two add.
 ///
-/// Computed as `a + w1 (b - a) + w2 (c - a)`: an attribute that is constant over the triangle stays so to the bit.
+/// `N` attributes side by side, so that the compiler may use vector registers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gradient<const N: usize> {
+    first: [f32; N],
+    second: [f32; N],
+    third: [f32; N],
+}
+
+impl<const N: usize> Gradient<N> {
+    /// From the attributes of the three vertices.
+    #[inline]
+    pub fn new([a, b, c]: [&[f32; N]; 3]) -> Self {
+        let less = |p: &[f32; N]| std::array::from_fn(|i| p[i] - a[i]);
+        Self { first: *a, second: less(b), third: less(c) }
+    }
+
+    /// Attributes at perspective-correct `weights` of the second and third vertex: `a + w1 (b - a) + w2 (c - a)`, so that
+    /// what is constant over the triangle stays so to the bit.
+    #[inline]
+    pub fn at(&self, weights: [f32; 2]) -> [f32; N] {
+        std::array::from_fn(|i| self.first[i] + weights[0] * self.second[i] + weights[1] * self.third[i])
+    }
+}
+
+/// One attribute at `weights` of a triangle; see [`Gradient::at`].
 #[inline]
 pub fn interpolate<const N: usize>(vertices: [&[f32; N]; 3], weights: [f32; 2]) -> [f32; N] {
-    let [a, b, c] = vertices;
-    std::array::from_fn(|i| a[i] + weights[0] * (b[i] - a[i]) + weights[1] * (c[i] - a[i]))
+    Gradient::new(vertices).at(weights)
 }
 
 #[cfg(test)]

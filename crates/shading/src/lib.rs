@@ -1,6 +1,7 @@
 //! Pure graphics arithmetic that several units share: no state, no time, no I/O.
 //!
 //! - [`lighting`]: ambient + Lambert + Blinn-Phong, for CLUT entries and vertices;
+//! - [`area`]: areas of polygons on the screen and in a texture, and the LOD that follows;
 //! - [`lod`]: level of detail 0..=63, and which MIP levels it selects with which weights;
 //! - [`texture`]: which texels a sample touches, and where they lie in memory;
 //! - [`reference_normals`]: the contents of the VQ tables (121);
@@ -9,14 +10,16 @@
 //! Single precision throughout; double only where tables are built. Transcendental functions come from `libm`, so that
 //! every platform computes the same bits.
 
+pub mod area;
 pub mod interpolation;
 pub mod lighting;
 pub mod lod;
 pub mod reference_normals;
 pub mod texture;
 
-pub use interpolation::{fan_triangle, interpolate};
+pub use area::{doubled_area, polygon_lod};
+pub use interpolation::{Gradient, fan_triangle, interpolate};
 pub use lighting::{LightVector, brightness, light_vectors};
 pub use lod::{LEVELS, LevelSet, lod, select_levels};
 pub use reference_normals::{MAX_ENTRIES, Table, TableError, TableSet, quantize_unit, reference_normals};
-pub use texture::{Taps, address, decode_normal, level_offset, taps};
+pub use texture::{Taps, address, decode_normal, level_offset, tap_offsets, taps, texel_offset};

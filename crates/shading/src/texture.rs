@@ -11,7 +11,8 @@ pub const BLOCK: u32 = 4;
 pub struct Taps {
     /// Texels in use: 1 (nearest) or 4 (bilinear).
     pub count: u8,
-    /// Column and row of each, inside the image.
+    /// Column and row of each, inside the image: upper left, upper right, lower left, lower right; all the same where
+    /// one is in use.
     pub texel: [[u32; 2]; 4],
     /// Shares; they sum to 1.
     pub weight: [f32; 4],
@@ -61,37 +62,46 @@ fn place(u: f32, size: u32, wrap: Wrap) -> f32 {
     fraction.max(0.0).min(1.0) * size as f32
 }
 
-/// Round towards minus infinity. By way of an integer: without SSE 4.1 the library function costs a call. Beyond 2^31
-/// it saturates; from 2^24 on every value is whole already, so the value itself is the answer.
+/// Adding it rounds |x| <= 2^22 to a whole number, which then stands in the low 22 bits: around it, single precision has
+/// steps of 1.
+const WHOLE: f32 = 12_582_912.0;
+
+/// Round towards minus infinity. By way of a sum: without SSE 4.1 the library function costs a call, and a conversion to
+/// an integer and back costs the checks for what does not fit.
 #[inline]
 fn floor(x: f32) -> f32 {
-    if x.abs() < 16_777_216.0 {
-        let whole = x as i32 as f32;
-        if whole > x { whole - 1.0 } else { whole }
+    if x.abs() < 4_194_304.0 {
+        let nearest = (x + WHOLE) - WHOLE;
+        if nearest > x { nearest - 1.0 } else { nearest }
     } else {
         x
     }
 }
 
+/// Whole part and fraction of -0.5 ..= 2^22.
+#[inline]
+fn split(x: f32) -> (i32, f32) {
+    let shifted = x + WHOLE;
+    let whole = shifted.to_bits() as i32 - WHOLE.to_bits() as i32;
+    let fraction = x - (shifted - WHOLE);
+    if fraction < 0.0 { (whole - 1, fraction + 1.0) } else { (whole, fraction) }
+}
+
 #[inline]
 fn nearest(x: f32, size: u32) -> u32 {
-    (x as u32).min(size.max(1) - 1)
+    (split(x).0 as u32).min(size.max(1) - 1)
 }
 
 /// The two texels around `x` and the share of the second.
 #[inline]
 fn pair(x: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
-    let last = size.max(1) - 1;
+    let last = size.max(1) as i32 - 1;
     // `x - 0.5` lies in -0.5 ..= size - 0.5: one texel may stick out at either end.
-    let centred = x - 0.5;
-    if centred < 0.0 {
-        let before = if wrap == Wrap::Repeat { last } else { 0 };
-        return ([before, 0], centred + 1.0);
-    }
-    let first = (centred as u32).min(last);
-    let after = if wrap == Wrap::Repeat { 0 } else { last };
-    let second = if first == last { after } else { first + 1 };
-    ([first, second], centred - first as f32)
+    let (first, fraction) = split(x - 0.5);
+    let (before, after) = if wrap == Wrap::Repeat { (last, 0) } else { (0, last) };
+    let second = if first >= last { after } else { first + 1 };
+    let first = if first < 0 { before } else { first };
+    ([first as u32, second as u32], fraction)
 }
 
 /// Texels from the start of the memory to level `level` of the texture: its offset and the finer levels, each padded to
@@ -101,25 +111,42 @@ pub fn level_offset(texture: &Texture, level: usize) -> u64 {
     texture.levels.iter().take(level).map(|i| padded(i.width) * padded(i.height)).fold(texture.offset, |a, b| a + b)
 }
 
-/// Number of the block that holds `texel` in an image of this width; blocks lie row by row.
+/// Texels from the start of a level of this width to `texel`: 4 x 4 blocks row by row, 16 texels row by row within each.
 #[inline]
-pub fn block(width: u32, texel: [u32; 2]) -> u64 {
-    u64::from(texel[1] / BLOCK) * u64::from(width.div_ceil(BLOCK)) + u64::from(texel[0] / BLOCK)
+pub fn texel_offset(width: u32, texel: [u32; 2]) -> u64 {
+    column_offset(texel[0]) + row_offset(width, texel[1])
 }
 
-/// Byte address of `texel` of level `level`, at `texel_bytes` bytes per texel: 4 x 4 blocks row by row, 16 texels row by
-/// row within each. A level that the texture does not have lies behind its last.
+/// [`texel_offset`] of each tap. Column and row contribute apart, and four taps lie in two of each.
+#[inline]
+pub fn tap_offsets(width: u32, taps: &Taps) -> [u64; 4] {
+    let [[x0, y0], [x1, _], [_, y1], _] = taps.texel;
+    let (left, right) = (column_offset(x0), column_offset(x1));
+    let (upper, lower) = (row_offset(width, y0), row_offset(width, y1));
+    [left + upper, right + upper, left + lower, right + lower]
+}
+
+#[inline]
+fn column_offset(x: u32) -> u64 {
+    u64::from(x / BLOCK) * u64::from(BLOCK * BLOCK) + u64::from(x % BLOCK)
+}
+
+#[inline]
+fn row_offset(width: u32, y: u32) -> u64 {
+    u64::from(y / BLOCK) * u64::from(width.div_ceil(BLOCK)) * u64::from(BLOCK * BLOCK) + u64::from(y % BLOCK * BLOCK)
+}
+
+/// Byte address of `texel` of level `level`, at `texel_bytes` bytes per texel. A level that the texture does not have
+/// lies behind its last. Who asks often keeps [`level_offset`].
 pub fn address(texture: &Texture, level: usize, texel: [u32; 2], texel_bytes: u32) -> u64 {
     let width = texture.levels.get(level).map_or(1, |image| image.width);
-    let within = u64::from((texel[1] % BLOCK) * BLOCK + texel[0] % BLOCK);
-    let block_texels = u64::from(BLOCK * BLOCK);
-    (level_offset(texture, level) + block(width, texel) * block_texels + within) * u64::from(texel_bytes)
+    (level_offset(texture, level) + texel_offset(width, texel)) * u64::from(texel_bytes)
 }
 
 /// Components of a normal from its stored form, 0..=255: `v / 127.5 - 1`. Takes filtered values too, as it is linear.
 #[inline]
-pub fn decode_normal(stored: [f32; 3]) -> [f32; 3] {
-    stored.map(|v| v / 127.5 - 1.0)
+pub fn decode_normal<const N: usize>(stored: [f32; N]) -> [f32; N] {
+    stored.map(|v| v * (1.0 / 127.5) - 1.0)
 }
 
 #[cfg(test)]
@@ -204,6 +231,7 @@ mod tests {
             prop_assert!((t.weight.iter().sum::<f32>() - 1.0).abs() < 1e-5);
             prop_assert!(t.weight.iter().all(|&s| (0.0..=1.0).contains(&s)));
             prop_assert!(t.texel.iter().all(|&[x, y]| x < w && y < h));
+            prop_assert_eq!(tap_offsets(w, &t), t.texel.map(|p| texel_offset(w, p)));
         }
 
         #[test]

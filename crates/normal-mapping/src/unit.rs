@@ -1,0 +1,213 @@
+//! The unit and its step.
+
+use crate::lines::Lines;
+use crate::rotate::{TangentFrame, fixed_point};
+use crate::{Counters, FilterAt, NormalMappingConfig, NormalMappingState};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::{Gradient, LEVELS, Taps, decode_normal, fan_triangle, level_offset, select_levels, taps};
+use basrelief_signals::{Control, Flow, Fragment, Image, MAX_SAMPLES, Polygon, PseudoNormals};
+use std::sync::Arc;
+
+/// Normal-vector mapping unit (108).
+///
+/// Client 0 is the cache in front of the normal-map memory (116). One fragment per step; pseudo-normals leave at
+/// `normals_per_cycle`.
+#[derive(Clone, Debug)]
+pub struct NormalMapping {
+    config: NormalMappingConfig,
+    levels: u8,
+    lines: Lines,
+    state: NormalMappingState,
+    /// Of the triangle that the last fragment was in; follows from the state.
+    setup: Option<Setup>,
+}
+
+/// Attributes over a triangle; follows from polygon and triangle.
+#[derive(Clone, Debug)]
+struct Setup {
+    triangle: u16,
+    /// Normal, tangent, coordinates of the normal map.
+    attributes: Gradient<8>,
+    handedness: f32,
+}
+
+impl Setup {
+    fn new(polygon: &Polygon, triangle: u16) -> Option<Self> {
+        let corners = fan_triangle(polygon, triangle)?;
+        let [a, b, c] = corners.map(|v| {
+            let ([nx, ny, nz], [tx, ty, tz, _], [u, v]) = (v.normal, v.tangent, v.uv_normal);
+            [nx, ny, nz, tx, ty, tz, u, v]
+        });
+        Some(Self { triangle, attributes: Gradient::new([&a, &b, &c]), handedness: corners[0].tangent[3] })
+    }
+}
+
+impl NormalMapping {
+    /// A unit that selects `levels` MIP levels per polygon (`brightness.levels`), behind a cache with lines of
+    /// `line_bytes` bytes (a power of two).
+    ///
+    /// With [`NormalMappingConfig::samples`] above [`MAX_SAMPLES`] the coarsest samples are dropped: the machine's
+    /// configuration rejects that.
+    pub fn new(config: NormalMappingConfig, levels: u8, line_bytes: u32) -> Self {
+        let lines = Lines::new(config.texel_bytes, line_bytes);
+        Self { config, levels, lines, state: NormalMappingState::default(), setup: None }
+    }
+
+    /// State; for checkpoints.
+    pub fn state(&self) -> &NormalMappingState {
+        &self.state
+    }
+
+    /// Puts a state back; the default resets.
+    pub fn set_state(&mut self, state: NormalMappingState) {
+        self.state = state;
+        self.setup = None;
+    }
+
+    /// What was counted.
+    pub fn counters(&self) -> &Counters {
+        &self.state.counters
+    }
+
+    fn begin_polygon(&mut self, polygon: &Arc<Polygon>) {
+        let map = polygon.material.normal_map.as_deref();
+        // Without a map N' = N at every level: the levels still have different VQ tables.
+        let set = select_levels(polygon.lod, self.levels, map.map_or(LEVELS, |m| m.levels.len()));
+        if let Some(map) = map {
+            self.state.base = std::array::from_fn(|i| level_offset(map, usize::from(set.level[i])));
+        }
+        self.state.levels = set;
+        self.state.polygon = Some(Arc::clone(polygon));
+        self.setup = None;
+    }
+
+    fn map(&mut self, fragment: Fragment, traffic: &mut Traffic) -> PseudoNormals {
+        let mut out = PseudoNormals { fragment, ..PseudoNormals::default() };
+        self.sample(&mut out, traffic);
+        if out.count == 0 {
+            // No polygon was announced, or it has no such triangle: a normal without direction.
+            push(&mut out, 0, 1.0, [0; 3]);
+        }
+        let counters = &mut self.state.counters;
+        counters.fragments += 1;
+        counters.pseudo_normals += u64::from(out.count);
+        out.normal[..usize::from(out.count)].iter().for_each(|&n| counters.distinct.insert(n));
+        out
+    }
+
+    fn sample(&mut self, out: &mut PseudoNormals, traffic: &mut Traffic) -> Option<()> {
+        let NormalMappingState { polygon, levels, base, counters } = &mut self.state;
+        let polygon = polygon.as_deref()?;
+        if self.setup.as_ref().is_none_or(|s| s.triangle != out.fragment.triangle) {
+            self.setup = Setup::new(polygon, out.fragment.triangle);
+        }
+        let setup = self.setup.as_ref()?;
+        counters.bump_fragments += u64::from(polygon.bump);
+        let [nx, ny, nz, tx, ty, tz, u, v] = setup.attributes.at(out.fragment.weights);
+        let selected = (0..usize::from(levels.count)).map(|i| (levels.level[i], levels.weight[i], base[i]));
+        let Some(map) = polygon.material.normal_map.as_deref() else {
+            let normal = fixed_point([nx, ny, nz], self.config.normal_bits);
+            selected.for_each(|(level, weight, _)| push(out, level, weight, normal));
+            return Some(());
+        };
+        let frame = TangentFrame::new([nx, ny, nz], [tx, ty, tz], setup.handedness);
+        let scale = polygon.material.normal_scale;
+        for (level, weight, base) in selected {
+            let image = map.levels.get(usize::from(level))?;
+            let taps = taps(image, &map.sampler, self.config.filter, [u, v]);
+            self.lines.look_up(image.width, base, &taps, traffic);
+            counters.texels += u64::from(taps.count);
+            let pseudo_normal = |stored| {
+                let [x, y, z, _] = decode_normal(stored);
+                fixed_point(frame.rotate([x * scale, y * scale, z]), self.config.normal_bits)
+            };
+            match self.config.filter_at {
+                FilterAt::Normal => push(out, level, weight, pseudo_normal(filtered(image, &taps))),
+                FilterAt::Brightness => {
+                    for i in 0..usize::from(taps.count) {
+                        push(out, level, weight * taps.weight[i], pseudo_normal(stored(image, taps.texel[i])));
+                    }
+                }
+            }
+        }
+        Some(())
+    }
+}
+
+/// Adds a sample; a ninth is dropped.
+#[inline]
+fn push(out: &mut PseudoNormals, level: u8, weight: f32, normal: [i16; 3]) {
+    let i = usize::from(out.count);
+    if i < MAX_SAMPLES {
+        out.level[i] = level;
+        out.weight[i] = weight;
+        out.normal[i] = normal;
+        out.count += 1;
+    }
+}
+
+/// A texel as stored, 0..=255 per component; one that the image lacks (its texels are short) points straight up.
+///
+/// All four components, although alpha means nothing: four fit a vector register, three do not.
+#[inline]
+fn stored(image: &Image, [x, y]: [u32; 2]) -> [f32; 4] {
+    let at = y as usize * image.width as usize + x as usize;
+    let [r, g, b, a] = image.texels.get(at).copied().unwrap_or([128, 128, 255, 255]);
+    [f32::from(r), f32::from(g), f32::from(b), f32::from(a)]
+}
+
+/// The weighted sum of the taps, as stored: decoding is linear, so it can follow once.
+#[inline]
+fn filtered(image: &Image, taps: &Taps) -> [f32; 4] {
+    let [p, q, r, s] = taps.texel;
+    let a = stored(image, p);
+    if taps.count == 1 {
+        return a;
+    }
+    let (b, c, d) = (stored(image, q), stored(image, r), stored(image, s));
+    let [wa, wb, wc, wd] = taps.weight;
+    let mut sum = [0.0; 4];
+    for i in 0..4 {
+        sum[i] = (wa * a[i] + wb * b[i]) + (wc * c[i] + wd * d[i]);
+    }
+    sum
+}
+
+impl Unit for NormalMapping {
+    type In = Option<Flow<Fragment>>;
+    type Out = Option<Flow<PseudoNormals>>;
+
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+
+    #[inline]
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let latency = u64::from(self.config.latency);
+        match input {
+            Some(Flow::Item(fragment)) => {
+                let out = self.map(fragment, traffic);
+                let occupancy = u32::from(out.count).div_ceil(self.config.normals_per_cycle.max(1));
+                Step::after(latency, Some(Flow::Item(out))).busy(u64::from(occupancy))
+            }
+            Some(Flow::Control(control)) => {
+                if let Control::Polygon(polygon) = &control {
+                    self.begin_polygon(polygon);
+                }
+                Step::after(latency, Some(Flow::Control(control)))
+            }
+            None => Step::after(latency, None),
+        }
+    }
+
+    fn largest_step(&self, client: usize) -> u32 {
+        if client != 0 {
+            return 0;
+        }
+        u32::from(self.levels.clamp(1, LEVELS as u8)) * self.config.taps() * self.lines.per_texel
+    }
+}
+
+#[cfg(test)]
+#[path = "unit_tests.rs"]
+mod tests;

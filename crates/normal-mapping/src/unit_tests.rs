@@ -1,0 +1,206 @@
+//! The unit at step level.
+
+use super::*;
+use basrelief_signals::{Filter, Material, Sampler, Texture, Vertex};
+use proptest::prelude::*;
+
+/// A map whose level k has `side >> k` texels per side, filled by `texel(level, x, y)`.
+fn map(side: u32, levels: u32, texel: impl Fn(u32, u32, u32) -> [u8; 3]) -> Arc<Texture> {
+    let image = |k: u32| {
+        let n = (side >> k).max(1);
+        let at = |i: u32| texel(k, i % n, i / n);
+        Image { width: n, height: n, texels: (0..n * n).map(at).map(|[r, g, b]| [r, g, b, 255]).collect() }
+    };
+    let levels = (0..levels).map(image).collect();
+    Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0 })
+}
+
+/// A unit square in the plane z = 0 facing +z, u along x, v against y (glTF).
+fn square(lod: u8, normal_map: Option<Arc<Texture>>) -> Arc<Polygon> {
+    let vertex = |u: f32, v: f32| Vertex { tangent: [1.0, 0.0, 0.0, 1.0], uv_normal: [u, v], ..Vertex::default() };
+    let vertices = vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(1.0, 1.0), vertex(0.0, 1.0)];
+    let material = Arc::new(Material { normal_map, ..Material::default() });
+    Arc::new(Polygon { vertices, material, object: 0, lod, bump: true, arrival: 0 })
+}
+
+fn fragment(u: f32, v: f32) -> Fragment {
+    // Triangle 0 of the fan is (0,0), (1,0), (1,1): weights u - v and v.
+    Fragment { x: 3, y: 4, z: 5, weights: [u - v, v], triangle: 0 }
+}
+
+fn unit(config: NormalMappingConfig, levels: u8, polygon: Arc<Polygon>) -> NormalMapping {
+    let mut unit = NormalMapping::new(config, levels, 64);
+    let control = Flow::Control(Control::Polygon(polygon));
+    let step = unit.step(Some(control.clone().into_item_type()), &mut Traffic::default());
+    assert_eq!(step.out, Some(control));
+    unit
+}
+
+trait IntoItemType {
+    fn into_item_type(self) -> Flow<Fragment>;
+}
+
+impl IntoItemType for Flow<PseudoNormals> {
+    fn into_item_type(self) -> Flow<Fragment> {
+        match self {
+            Flow::Control(c) => Flow::Control(c),
+            Flow::Item(p) => Flow::Item(p.fragment),
+        }
+    }
+}
+
+fn mapped(unit: &mut NormalMapping, at: Fragment, traffic: &mut Traffic) -> PseudoNormals {
+    match unit.step(Some(Flow::Item(at)), traffic).out {
+        Some(Flow::Item(p)) => p,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn claims_1_and_5_each_selected_level_reads_its_own_map() {
+    // Level k leans along +x for even k and along +y for odd k.
+    let lean = map(16, 5, |k, _, _| if k % 2 == 0 { [255, 128, 128] } else { [128, 255, 128] });
+    let mut unit = unit(NormalMappingConfig::default(), 2, square(3, Some(lean)));
+    let p = mapped(&mut unit, fragment(0.4, 0.2), &mut Traffic::default());
+    assert_eq!((p.count, &p.level[..2], &p.weight[..2]), (2, &[0, 1][..], &[5.0 / 8.0, 3.0 / 8.0][..]));
+    assert_eq!(p.normal[0][0], 32_767);
+    assert_eq!(p.normal[1][1], 32_767);
+    assert!(p.normal[0][1].abs() < 200 && p.normal[1][0].abs() < 200);
+    assert_eq!((p.fragment.x, p.fragment.y, p.fragment.z), (3, 4, 5));
+}
+
+#[test]
+fn green_leans_against_v() {
+    let up = map(4, 1, |_, _, _| [128, 255, 128]);
+    let mut left_handed = (*square(0, Some(up))).clone();
+    left_handed.vertices.iter_mut().for_each(|v| v.tangent[3] = -1.0);
+    let mut unit = unit(NormalMappingConfig::default(), 1, Arc::new(left_handed));
+    assert_eq!(mapped(&mut unit, fragment(0.5, 0.5), &mut Traffic::default()).normal[0][1], -32_767);
+}
+
+#[test]
+fn without_a_map_or_with_scale_zero_n_prime_is_n() {
+    let mut bare = unit(NormalMappingConfig::default(), 2, square(3, None));
+    let p = mapped(&mut bare, fragment(0.4, 0.2), &mut Traffic::default());
+    assert_eq!((p.count, p.normal[0], p.normal[1]), (2, [0, 0, 32_767], [0, 0, 32_767]));
+    let mut flat = (*square(0, Some(map(4, 1, |_, _, _| [255, 0, 200])))).clone();
+    flat.material = Arc::new(Material { normal_scale: 0.0, ..(*flat.material).clone() });
+    let mut flat = unit(NormalMappingConfig::default(), 1, Arc::new(flat));
+    assert_eq!(mapped(&mut flat, fragment(0.4, 0.2), &mut Traffic::default()).normal[0], [0, 0, 32_767]);
+}
+
+#[test]
+fn four_searches_when_brightness_is_filtered() {
+    let config = NormalMappingConfig { filter_at: FilterAt::Brightness, ..NormalMappingConfig::default() };
+    assert_eq!(config.samples(2), 8);
+    let ramp = map(8, 4, |_, x, y| [(16 * x) as u8, (16 * y) as u8, 255]);
+    let mut unit = unit(config, 2, square(3, Some(ramp)));
+    let p = mapped(&mut unit, fragment(0.5, 0.3), &mut Traffic::default());
+    assert_eq!(p.count, 8);
+    assert!((p.weight.iter().sum::<f32>() - 1.0).abs() < 1e-6);
+    assert!((p.weight[..4].iter().sum::<f32>() - 5.0 / 8.0).abs() < 1e-6);
+    assert_eq!(p.level, [0, 0, 0, 0, 1, 1, 1, 1]);
+    assert_ne!(p.normal[0], p.normal[3]);
+}
+
+#[test]
+fn a_footprint_within_a_block_is_one_line() {
+    let flat = map(16, 1, |_, _, _| [128, 128, 255]);
+    let mut unit = unit(NormalMappingConfig::default(), 1, square(0, Some(flat)));
+    let lines = |unit: &mut NormalMapping, u, v| {
+        let mut traffic = Traffic::default();
+        mapped(unit, fragment(u, v), &mut traffic);
+        traffic.look_ups().iter().map(|r| r.address / 64).collect::<Vec<_>>()
+    };
+    assert_eq!(lines(&mut unit, 2.0 / 16.0, 2.0 / 16.0), [0]);
+    assert_eq!(lines(&mut unit, 4.0 / 16.0, 2.0 / 16.0), [0, 1]);
+    assert_eq!(lines(&mut unit, 4.0 / 16.0, 4.0 / 16.0), [0, 1, 4, 5]);
+    assert_eq!(unit.counters().texels, 12);
+}
+
+#[test]
+fn control_passes_and_the_unit_holds_nothing() {
+    let mut unit = NormalMapping::new(NormalMappingConfig::default(), 2, 64);
+    let step = unit.step(Some(Flow::Control(Control::FrameEnd)), &mut Traffic::default());
+    assert_eq!(step.out, Some(Flow::Control(Control::FrameEnd)));
+    assert_eq!(unit.demand(), Demand::All);
+    assert!(unit.is_empty());
+}
+
+#[test]
+fn a_fragment_without_a_triangle_has_no_direction() {
+    let mut unit = unit(NormalMappingConfig::default(), 2, square(0, None));
+    let stray = Fragment { triangle: 77, ..Fragment::default() };
+    let p = mapped(&mut unit, stray, &mut Traffic::default());
+    assert_eq!((p.count, p.weight[0], p.normal[0]), (1, 1.0, [0; 3]));
+}
+
+#[test]
+fn occupancy_follows_the_number_of_samples() {
+    let mut unit = unit(NormalMappingConfig::default(), 3, square(19, None));
+    let step = unit.step(Some(Flow::Item(fragment(0.5, 0.5))), &mut Traffic::default());
+    assert_eq!((step.occupancy, step.latency), (2, 12));
+}
+
+#[test]
+fn the_state_survives_a_checkpoint() {
+    let mut a = unit(NormalMappingConfig::default(), 2, square(3, Some(map(8, 4, |k, x, _| [x as u8, k as u8, 255]))));
+    mapped(&mut a, fragment(0.3, 0.1), &mut Traffic::default());
+    let text = serde_json::to_string(a.state()).unwrap();
+    let mut b = NormalMapping::new(NormalMappingConfig::default(), 2, 64);
+    b.set_state(serde_json::from_str(&text).unwrap());
+    assert_eq!(a.state(), b.state());
+    let at = fragment(0.7, 0.6);
+    assert_eq!(mapped(&mut a, at, &mut Traffic::default()), mapped(&mut b, at, &mut Traffic::default()));
+}
+
+proptest! {
+    #[test]
+    fn bilinear_normals_agree_with_double_precision(u in 0f32..1.0, t in 0f32..1.0) {
+        let (side, v) = (8u32, u * t);
+        let texel = |_: u32, x: u32, y: u32| [(x * 37 % 256) as u8, (y * 53 % 256) as u8, 255 - (x * y % 100) as u8];
+        let mut unit = unit(NormalMappingConfig::default(), 1, square(0, Some(map(side, 1, texel))));
+        let at = fragment(u, v);
+        let p = mapped(&mut unit, at, &mut Traffic::default());
+        let uv = [f64::from(at.weights[0] + at.weights[1]), f64::from(at.weights[1])];
+        let [x, y] = uv.map(|c| c * f64::from(side) - 0.5);
+        let wrapped = |i: f64| (i as i64).rem_euclid(i64::from(side)) as u32;
+        let mut n = [0.0; 3];
+        for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+            let weight = (1.0 - (x - x.floor() - dx).abs()) * (1.0 - (y - y.floor() - dy).abs());
+            let stored = texel(0, wrapped(x.floor() + dx), wrapped(y.floor() + dy));
+            for i in 0..3 {
+                n[i] += weight * (f64::from(stored[i]) / 127.5 - 1.0);
+            }
+        }
+        let largest = n.iter().fold(0f64, |m, c| m.max(c.abs()));
+        for i in 0..3 {
+            prop_assert!((f64::from(p.normal[0][i]) - 32_767.0 * n[i] / largest).abs() < 3.0, "{:?} {:?}", p.normal[0], n);
+        }
+    }
+
+    #[test]
+    fn no_step_exceeds_the_largest(
+        u in any::<f32>(), v in any::<f32>(), lod in 0u8..64, levels in 1u8..=8, line in 2u32..=8, texel_bytes in 1u32..=8,
+        brightness in any::<bool>(), nearest in any::<bool>(), side in 0u32..6, triangle in 0u16..4,
+    ) {
+        let filter = if nearest { Filter::Nearest } else { Filter::Bilinear };
+        let filter_at = if brightness { FilterAt::Brightness } else { FilterAt::Normal };
+        let config = NormalMappingConfig { filter, filter_at, texel_bytes, ..NormalMappingConfig::default() };
+        let mut unit = NormalMapping::new(config, levels, 1 << line);
+        let polygon = square(lod, Some(map(1 << side, 8, |_, _, _| [1, 2, 3])));
+        unit.step(Some(Flow::Control(Control::Polygon(polygon))), &mut Traffic::default());
+        let mut traffic = Traffic::default();
+        let at = Fragment { weights: [u, v], triangle, ..Fragment::default() };
+        let p = mapped(&mut unit, at, &mut traffic);
+        prop_assert!(p.count >= 1 && usize::from(p.count) <= MAX_SAMPLES);
+        let mut lines: Vec<u64> = traffic
+            .look_ups()
+            .iter()
+            .flat_map(|r| (r.address >> line)..=((r.address + u64::from(r.bytes) - 1) >> line))
+            .collect();
+        lines.sort_unstable();
+        lines.dedup();
+        prop_assert!(lines.len() <= unit.largest_step(0) as usize);
+    }
+}
