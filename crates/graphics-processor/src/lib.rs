@@ -1,1 +1,20 @@
-//! Basrelief: graphics processor (104)
+//! Graphics processor (104): textures, blends with the brightness, and tests depth.
+//!
+//! ```text
+//!  brightness fetch unit (112) --> shaded ----+
+//!                                             +--> graphics processor (104) --> (z-test) --> frame buffer (126)
+//!  distributor ---------------> fragments ----+           |                        |
+//!                                                  texture cache, held      z-cache, z-buffer
+//!                                                         +-- graphics-data memory (124) --+
+//! ```
+
+pub mod blend;
+pub mod config;
+pub mod depth;
+pub mod state;
+pub mod unit;
+
+pub use config::{DepthConfig, DrawOrder, GraphicsConfig, Mip};
+pub use depth::{DepthState, DepthTest, Placed};
+pub use state::{GraphicsCounters, GraphicsState, Held, Phase};
+pub use unit::GraphicsProcessor;

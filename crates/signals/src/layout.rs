@@ -16,3 +16,8 @@ pub const HELD_RESULTS: u64 = 1 << 30;
 pub const MAX_SIDE: u32 = 1 << 14;
 /// Largest picture \[pixels\]: with 4 bytes per pixel, and sides rounded up to whole blocks, it fits its buffer.
 pub const MAX_PIXELS: u64 = 1 << 24;
+
+/// Whether a picture of this size has room.
+pub fn fits(width: u32, height: u32) -> bool {
+    width <= MAX_SIDE && height <= MAX_SIDE && u64::from(width) * u64::from(height) <= MAX_PIXELS
+}

@@ -1,0 +1,25 @@
+//! Parameters of the frame buffer (126) and of the video output.
+
+use basrelief_parameters::parameters;
+
+parameters! {
+    /// Frame buffer (126).
+    pub struct FrameBufferConfig {
+        /// A pixel in memory.
+        pixel_bytes: u32 = 4, unit: "bytes", Assumed("RGB, 8 bits each, padded to a word"), range: 1..=4;
+        /// From start to delivery.
+        latency: u32 = 1, unit: "cycles", Assumed("a register"), range: 0..=4096;
+    }
+}
+
+parameters! {
+    /// Video output.
+    pub struct VideoOutConfig {
+        /// Finished frames are read; off: no traffic.
+        enabled: bool = true, unit: "", Assumed("a picture is looked at");
+        /// Largest read.
+        burst_bytes: u32 = 256, unit: "bytes", Assumed("four lines of 4 x 4 pixels"), range: 4..=65_536;
+        /// A read may start this often.
+        cycles_per_read: u32 = 1, unit: "cycles", Assumed("as fast as the memory gives it; a pixel clock is slower"), range: 1..=1_000_000;
+    }
+}

@@ -1,0 +1,54 @@
+//! The colour of a pixel.
+
+use basrelief_shading::Taps;
+use basrelief_signals::Image;
+
+/// Filtered RGB of the texels that `taps` names, 0..=1 each.
+#[inline]
+pub fn filtered(image: &Image, taps: &Taps) -> [f32; 3] {
+    let mut sum = [0.0; 3];
+    for (&[column, row], &weight) in taps.texel.iter().zip(&taps.weight).take(usize::from(taps.count)) {
+        let texel = image.texels.get(row as usize * image.width as usize + column as usize);
+        for (sum, &stored) in sum.iter_mut().zip(texel.copied().unwrap_or_default().iter()) {
+            *sum += weight * f32::from(stored);
+        }
+    }
+    sum.map(|c| c / 255.0)
+}
+
+/// `base * brightness + highlight` in 8 bits each: saturating, halves rounded up.
+#[inline]
+pub fn blended(base: [f32; 3], brightness: f32, highlight: f32) -> [u8; 3] {
+    // The conversion saturates at both ends.
+    base.map(|c| ((c * brightness + highlight) * 255.0 + 0.5) as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn eight_bits_saturate_and_round_half_up() {
+        assert_eq!(blended([1.0, 0.5, 0.0], 1.0, 0.0), [255, 128, 0]);
+        assert_eq!(blended([1.0, 0.5, 0.0], 3.0, 0.0), [255, 255, 0]);
+        assert_eq!(blended([1.0, 0.5, 0.0], 0.0, 0.5), [128; 3]);
+        assert_eq!(blended([-1.0, f32::NAN, 1.0], 1.0, 0.0), [0, 0, 255]);
+    }
+
+    #[test]
+    fn filtering_weighs_texels() {
+        let image = Image { width: 2, height: 1, texels: vec![[0, 51, 255, 255], [255, 51, 0, 0]] };
+        let taps = Taps { count: 2, texel: [[0, 0], [1, 0], [9, 9], [9, 9]], weight: [0.25, 0.75, 9.0, 9.0] };
+        assert_eq!(filtered(&image, &taps), [0.75, 0.2, 0.25]);
+    }
+
+    proptest! {
+        #[test]
+        fn within_half_a_step_of_the_exact_value(c in 0f32..1.5, b in 0f32..1.5, h in 0f32..0.5) {
+            let exact = ((f64::from(c) * f64::from(b) + f64::from(h)) * 255.0).clamp(0.0, 255.0);
+            let [drawn, ..] = blended([c; 3], b, h);
+            prop_assert!((f64::from(drawn) - exact).abs() <= 0.5001, "{drawn} {exact}");
+        }
+    }
+}

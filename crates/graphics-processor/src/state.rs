@@ -1,0 +1,67 @@
+//! State of the graphics processor (104).
+
+use basrelief_signals::{Control, Fragment, Polygon, Shaded};
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// Which input the next step takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    /// No fragments can come: the next control token from both inputs at once.
+    #[default]
+    Control,
+    /// Fragments of a polygon, or the control token that ends them, from this input.
+    Fragments(usize),
+    /// The twin, from this input, of the control token that ended the fragments.
+    Twin(usize),
+}
+
+/// What waits to be drawn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Held {
+    /// Control; costs no room, as the display list is kept by the host.
+    Control(Control),
+    /// A fragment of a bump target, with its brightness.
+    Bump(Shaded),
+    /// A fragment of another polygon.
+    Plain(Fragment),
+}
+
+/// What the graphics processor has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GraphicsCounters {
+    /// Pixels drawn.
+    pub pixels: u64,
+    /// Of these, with a colour texture.
+    pub textured: u64,
+    /// Results held until the end of their list.
+    pub held: u64,
+    /// Most results held at a time.
+    pub most_held: u64,
+}
+
+/// Everything the graphics processor remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GraphicsState {
+    /// What is taken next.
+    pub phase: Phase,
+    /// The control token whose twin is awaited.
+    pub pending: Option<Control>,
+    /// The polygon that is being drawn.
+    pub polygon: Option<Arc<Polygon>>,
+    /// MIP level of its colour texture.
+    pub level: usize,
+    /// Start of that level \[texels from the start of the colour textures\].
+    pub level_offset: u64,
+    /// What waits for the end of the list, in order.
+    pub held: VecDeque<Held>,
+    /// The end has come: what is held is being drawn.
+    pub drawing: bool,
+    /// Results written to the graphics-data memory (124) since the list began.
+    pub results_written: u64,
+    /// Results read back.
+    pub results_read: u64,
+    /// Counters.
+    pub counters: GraphicsCounters,
+}

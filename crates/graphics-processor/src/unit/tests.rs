@@ -1,0 +1,214 @@
+use super::*;
+use basrelief_signals::{Image, Material, Sampler, Vertex};
+
+fn texture(levels: &[[u8; 4]]) -> Arc<Texture> {
+    let side = |k: usize| 1u32 << (levels.len() - 1 - k);
+    let level = |(k, &texel): (usize, &[u8; 4])| Image {
+        width: side(k),
+        height: side(k),
+        texels: vec![texel; (side(k) * side(k)) as usize],
+    };
+    let levels = levels.iter().enumerate().map(level).collect();
+    Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 1600 })
+}
+
+/// A triangle of 4 x 4 / 2 pixels, the texture mapped once over it.
+fn polygon(bump: bool, material: Material) -> Control {
+    let vertex = |x: f32, y: f32, brightness| Vertex {
+        position: [4.0 * x, 4.0 * y, 0.5, 1.0],
+        uv: [x, y],
+        color: [1.0, 0.5, 1.0, 1.0],
+        brightness,
+        ..Vertex::default()
+    };
+    let vertices = vec![vertex(0.0, 0.0, [0.2, 0.1]), vertex(1.0, 0.0, [0.6, 0.1]), vertex(0.0, 1.0, [0.2, 0.5])];
+    let material = Arc::new(material);
+    Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump, arrival: 0 }))
+}
+
+fn shaded(x: u16, brightness: f32, highlight: f32) -> Flow<Shaded> {
+    Flow::Item(Shaded { fragment: fragment(x), brightness, highlight })
+}
+
+fn fragment(x: u16) -> Fragment {
+    Fragment { x, y: 1, z: 7, weights: [0.5, 0.25], triangle: 0 }
+}
+
+/// Feeds both inputs as the unit demands, until they are empty; the tokens out, and the traffic of each step.
+struct Bench {
+    unit: GraphicsProcessor,
+    inputs: (Vec<Flow<Shaded>>, Vec<Flow<Fragment>>),
+    out: Vec<Flow<Pixel>>,
+    traffic: Vec<Traffic>,
+}
+
+impl Bench {
+    fn new(config: GraphicsConfig, separate: bool) -> Self {
+        let unit = GraphicsProcessor::new(config, separate);
+        Self { unit, inputs: Default::default(), out: Vec::new(), traffic: Vec::new() }
+    }
+
+    fn control(mut self, control: &Control) -> Self {
+        self.inputs.0.push(Flow::Control(control.clone()));
+        self.inputs.1.push(Flow::Control(control.clone()));
+        self
+    }
+
+    fn bump(mut self, token: Flow<Shaded>) -> Self {
+        self.inputs.0.push(token);
+        self
+    }
+
+    fn plain(mut self, fragment: Fragment) -> Self {
+        self.inputs.1.push(Flow::Item(fragment));
+        self
+    }
+
+    fn run(mut self) -> Self {
+        let mut a = std::mem::take(&mut self.inputs.0).into_iter();
+        let mut b = std::mem::take(&mut self.inputs.1).into_iter();
+        loop {
+            let demand = self.unit.demand();
+            let input = (if demand.takes(0) { a.next() } else { None }, if demand.takes(1) { b.next() } else { None });
+            if (demand.takes(0) && input.0.is_none()) || (demand.takes(1) && input.1.is_none()) {
+                assert!(a.next().is_none() && b.next().is_none(), "stuck at {demand:?}");
+                return self;
+            }
+            let mut traffic = Traffic::default();
+            self.out.extend(self.unit.step(input, &mut traffic).out);
+            for client in 0..2 {
+                let requests = traffic.requests().iter().filter(|r| r.client == client).count();
+                let look_ups = traffic.look_ups().iter().filter(|r| r.client == client).count();
+                assert!((requests + look_ups) as u32 <= self.unit.largest_step(client as usize));
+            }
+            self.traffic.push(traffic);
+        }
+    }
+
+    fn pixels(&self) -> Vec<Pixel> {
+        self.out.iter().filter_map(|t| if let Flow::Item(p) = t { Some(*p) } else { None }).collect()
+    }
+}
+
+#[test]
+fn the_order_of_the_list_is_restored_and_control_leaves_once() {
+    let (bump, plain) = (polygon(true, Material::default()), polygon(false, Material::default()));
+    for draw in [DrawOrder::Streamed, DrawOrder::AfterList] {
+        let bench = Bench::new(GraphicsConfig { draw, ..GraphicsConfig::default() }, false)
+            .control(&bump)
+            .bump(shaded(1, 1.0, 0.0))
+            .bump(shaded(2, 1.0, 0.0))
+            .control(&plain)
+            .plain(fragment(3))
+            .control(&bump)
+            .control(&plain)
+            .plain(fragment(4))
+            .control(&Control::FrameEnd)
+            .run();
+        let marks: Vec<u16> = bench
+            .out
+            .iter()
+            .map(|t| match t {
+                Flow::Item(p) => p.x,
+                Flow::Control(Control::FrameEnd) => 99,
+                Flow::Control(c) => {
+                    if *c == bump {
+                        10
+                    } else {
+                        20
+                    }
+                }
+            })
+            .collect();
+        assert_eq!(marks, [10, 1, 2, 20, 3, 10, 20, 4, 99], "{draw:?}");
+        assert!(bench.unit.is_empty());
+        assert_eq!(bench.unit.state.counters.pixels, 4);
+    }
+}
+
+#[test]
+fn a_bump_target_is_blended_with_its_brightness_and_highlight() {
+    let material = Material { base_color: [0.5, 1.0, 1.0, 1.0], ..Material::default() };
+    let bench =
+        Bench::new(GraphicsConfig::default(), true).control(&polygon(true, material)).bump(shaded(1, 0.5, 0.25)).run();
+    assert_eq!(bench.pixels(), [Pixel { x: 1, y: 1, z: 7, rgb: [128, 128, 191] }]);
+}
+
+#[test]
+fn other_polygons_carry_brightness_at_the_vertices_both_terms_together_or_apart() {
+    let material = Material { base_color: [0.5, 1.0, 1.0, 1.0], ..Material::default() };
+    let rgb = |separate| {
+        let plain = polygon(false, material.clone());
+        Bench::new(GraphicsConfig::default(), separate).control(&plain).plain(fragment(1)).run().pixels()[0].rgb
+    };
+    // Brightness 0.4 and 0.2 at the fragment.
+    let eight = |v: f32| (v * 255.0).round() as u8;
+    assert_eq!(rgb(false), [eight(0.3), eight(0.3), eight(0.6)]);
+    assert_eq!(rgb(true), [eight(0.4), eight(0.4), eight(0.6)]);
+}
+
+#[test]
+fn the_texture_level_is_chosen_by_the_polygons_own_texel_to_pixel_ratio() {
+    // 8 x 8 texels on 4 x 4 pixels: LOD 8, level 1.
+    let map = texture(&[[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255; 4]]);
+    let material = Material { color_texture: Some(map), ..Material::default() };
+    let run = |config: GraphicsConfig| {
+        Bench::new(config, false).control(&polygon(true, material.clone())).bump(shaded(1, 1.0, 0.0)).run()
+    };
+    let nearest = run(GraphicsConfig::default());
+    assert_eq!(nearest.pixels()[0].rgb, [0, 128, 0]);
+    let base = layout::COLOR_TEXTURES + (1600 + 64) * 4;
+    let addresses: Vec<u64> = nearest.traffic[1].look_ups().iter().map(|r| r.address - base).collect();
+    // uv (0.5, 0.25) of 4 x 4 texels: columns 1 and 2, rows 0 and 1.
+    assert_eq!(addresses, [4, 8, 20, 24]);
+    assert_eq!(nearest.unit.state.counters.textured, 1);
+    let off = run(GraphicsConfig { mip: Mip::Off, filter: Filter::Nearest, ..GraphicsConfig::default() });
+    assert_eq!(off.pixels()[0].rgb, [255, 0, 0]);
+    assert_eq!(off.traffic[1].look_ups().len(), 1);
+}
+
+#[test]
+fn held_results_are_written_then_read_back_in_order() {
+    let config =
+        GraphicsConfig { draw: DrawOrder::AfterList, held_bytes: 8, blend_cycles: 3, ..GraphicsConfig::default() };
+    let bump = polygon(true, Material::default());
+    let mut bench = Bench::new(config, false);
+    for _ in 0..2 {
+        bench =
+            bench.control(&bump).bump(shaded(1, 1.0, 0.0)).bump(shaded(2, 1.0, 0.0)).control(&Control::FrameEnd).run();
+        let requests: Vec<_> = bench
+            .traffic
+            .iter()
+            .flat_map(Traffic::requests)
+            .map(|r| (r.write, r.address - layout::HELD_RESULTS, r.bytes))
+            .collect();
+        assert_eq!(requests, [(true, 0, 8), (true, 8, 8), (false, 0, 8), (false, 8, 8)], "each frame starts afresh");
+        bench.traffic.clear();
+    }
+    assert_eq!((bench.unit.state.counters.held, bench.unit.state.counters.most_held), (4, 2));
+}
+
+#[test]
+fn results_beyond_the_room_are_a_fault_that_names_the_parameter() {
+    let config =
+        GraphicsConfig { draw: DrawOrder::AfterList, held_bytes: 8, hold_bytes: 15, ..GraphicsConfig::default() };
+    let bench = Bench::new(config, false)
+        .control(&polygon(true, Material::default()))
+        .bump(shaded(1, 1.0, 0.0))
+        .bump(shaded(2, 1.0, 0.0))
+        .run();
+    assert!(format!("{:?}", bench.traffic[1]).contains("fault: None"));
+    assert!(format!("{:?}", bench.traffic[2]).contains("graphics.hold_bytes"));
+}
+
+#[test]
+fn twins_that_differ_and_misplaced_fragments_are_faults() {
+    let mut unit = GraphicsProcessor::default();
+    let mut traffic = Traffic::default();
+    unit.step((Some(shaded(1, 1.0, 0.0)), Some(Flow::Item(fragment(1)))), &mut traffic);
+    assert!(format!("{traffic:?}").contains("a fragment where a control token was due"));
+    let mut traffic = Traffic::default();
+    let frame_end = Control::FrameEnd;
+    unit.step((Some(Flow::Control(polygon(true, Material::default()))), Some(Flow::Control(frame_end))), &mut traffic);
+    assert!(format!("{traffic:?}").contains("different control tokens"));
+}
