@@ -1,0 +1,179 @@
+//! Checks of a command by itself: finite numbers, ranges, lengths. Every command passes them on its way in and out.
+
+use crate::command::*;
+use crate::error::{ErrorKind, Fault};
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
+/// Window coordinates lie within this many pixels around the origin: room for the geometry processor's guard band,
+/// and small enough for exact fixed-point edge functions.
+pub const GUARD_BAND: f32 = 32_768.0;
+/// Largest arrival \[cycles\]: every JSON reader holds integers up to 2^53 exactly.
+const MAX_ARRIVAL: u64 = 1 << 53;
+const MAX_OFFSET: u64 = 1 << 40;
+const MAX_LIGHTS: usize = 1024;
+const MAX_ENTRIES: u32 = 65_536;
+const SIDES: RangeInclusive<u32> = 1..=MAX_SIDE;
+
+pub(crate) fn check(command: &Command) -> Result<(), Fault> {
+    match command {
+        Command::Begin(begin) => check_begin(begin),
+        Command::Texture(texture) => check_texture(texture),
+        Command::Material(material) => check_material(material),
+        Command::Frame(frame) => check_frame(frame),
+        Command::Object(object) => check_object(object),
+        Command::Polygon(polygon) => check_polygon(polygon),
+        Command::Expect(expectation) => check_expectation(expectation),
+        Command::FrameEnd(_) | Command::End(_) => Ok(()),
+    }
+}
+
+fn check_begin(begin: &Begin) -> Result<(), Fault> {
+    if begin.format != FORMAT {
+        return Err(Fault::new("format", format!("is {:?}, expected {FORMAT:?}: no display list", begin.format)));
+    }
+    check_version(begin.version)?;
+    within("width", begin.width, SIDES)?;
+    within("height", begin.height, SIDES)
+}
+
+pub(crate) fn check_version(version: u32) -> Result<(), Fault> {
+    if version != VERSION {
+        let message = format!("is {version}, this reader knows {VERSION}: record the trace again, or update");
+        return Err(Fault::new("version", message).of_kind(ErrorKind::Unsupported));
+    }
+    Ok(())
+}
+
+fn check_texture(texture: &TextureDefinition) -> Result<(), Fault> {
+    within("width", texture.width, SIDES)?;
+    within("height", texture.height, SIDES)?;
+    within("levels", texture.levels, 1..=texture.width.max(texture.height).ilog2() + 1)?;
+    if !texture.offset.is_multiple_of(16) || texture.offset >= MAX_OFFSET {
+        let message = format!("is {}, expected a multiple of 16 below 2^40 (levels fill whole 4 x 4 blocks)", texture.offset);
+        return Err(Fault::new("offset", message));
+    }
+    match (&texture.data, &texture.file) {
+        (Some(data), None) => check_length(texture, data.0.len() as u64, "data"),
+        (None, Some(file)) => check_file_name(file),
+        (None, None) => Err(Fault::new("data", "missing: give `data` (base64) or `file`")),
+        (Some(_), Some(_)) => Err(Fault::new("file", "stands beside `data`: give one of the two")),
+    }
+}
+
+/// Whether `bytes` bytes are what the levels need; `field` is where they come from.
+pub(crate) fn check_length(texture: &TextureDefinition, bytes: u64, field: &str) -> Result<(), Fault> {
+    let expected = texture.texel_count() * texture.kind.texel_bytes();
+    if bytes != expected {
+        let (levels, width, height) = (texture.levels, texture.width, texture.height);
+        let message = format!("holds {bytes} bytes, expected {expected}: {levels} level(s) from {width} x {height} on");
+        return Err(Fault::new(field, message));
+    }
+    Ok(())
+}
+
+/// A trace from elsewhere must not reach outside the folder it lies in.
+fn check_file_name(file: &str) -> Result<(), Fault> {
+    let plain = |part: &str| !matches!(part, "" | "." | "..") && !part.contains(['\\', ':', '\0']);
+    if file.split('/').all(plain) {
+        return Ok(());
+    }
+    Err(Fault::new("file", format!("is {file:?}, expected a relative path below the trace's folder, such as \"wall.rgb\"")))
+}
+
+fn check_material(material: &MaterialDefinition) -> Result<(), Fault> {
+    finite("base_color", &[material.base_color])?;
+    finite("normal_scale", &[[material.normal_scale]])?;
+    let lighting = &material.lighting;
+    within("lighting.ka", lighting.ka, 0.0..=1.0)?;
+    within("lighting.kd", lighting.kd, 0.0..=1.0)?;
+    within("lighting.ks", lighting.ks, 0.0..=1.0)?;
+    within("lighting.n", lighting.n, 1.0..=1000.0)
+}
+
+fn check_frame(frame: &FrameBegin) -> Result<(), Fault> {
+    let camera = &frame.camera;
+    let values =
+        [("view_projection", &camera.view_projection[..]), ("to_light", &camera.to_light), ("to_viewer", &camera.to_viewer)];
+    for (field, row) in values {
+        if !row.iter().all(|value| value.is_finite()) {
+            return Err(Fault::new(format!("camera.{field}"), "holds a number that is not finite"));
+        }
+    }
+    if !(1..=MAX_LIGHTS).contains(&frame.lights.len()) {
+        return Err(Fault::new("lights", format!("holds {} lights, expected 1..={MAX_LIGHTS}", frame.lights.len())));
+    }
+    for (i, light) in frame.lights.iter().enumerate() {
+        let (LightRecord::Directional { to_light: [x, y, z], intensity } | LightRecord::Point { position: [x, y, z], intensity }) =
+            *light;
+        finite(&format!("lights[{i}]"), &[[x, y, z, intensity]])?;
+    }
+    Ok(())
+}
+
+fn check_object(object: &ObjectBegin) -> Result<(), Fault> {
+    finite("centre", &[object.centre])?;
+    object.entries.map_or(Ok(()), |entries| within("entries", entries, 1..=MAX_ENTRIES))
+}
+
+fn check_polygon(polygon: &PolygonRecord) -> Result<(), Fault> {
+    within("lod", polygon.lod, 0..=63)?;
+    within("arrival", polygon.arrival, 0..=MAX_ARRIVAL)?;
+    let count = polygon.position.len();
+    if !(3..=MAX_VERTICES).contains(&count) {
+        return Err(Fault::new("position", format!("holds {count} vertices, expected 3..={MAX_VERTICES}")));
+    }
+    for (i, position) in polygon.position.iter().enumerate() {
+        check_position(position).map_err(|message| Fault::new(format!("position[{i}]"), message))?;
+    }
+    attribute("normal", &polygon.normal, count)?;
+    attribute("tangent", &polygon.tangent, count)?;
+    attribute("uv", &polygon.uv, count)?;
+    attribute("uv_normal", &polygon.uv_normal, count)?;
+    attribute("color", &polygon.color, count)?;
+    attribute("brightness", &polygon.brightness, count)
+}
+
+fn check_position(&[x, y, depth, reciprocal_w]: &[f32; 4]) -> Result<(), String> {
+    let band = -GUARD_BAND..=GUARD_BAND;
+    if !band.contains(&x) || !band.contains(&y) {
+        return Err(format!("x, y is {x}, {y}, expected within +-{GUARD_BAND} pixels: clip the polygon"));
+    }
+    if !(0.0..=1.0).contains(&depth) {
+        return Err(format!("depth is {depth}, expected 0..=1: clip the polygon"));
+    }
+    if !(reciprocal_w > 0.0 && reciprocal_w.is_finite()) {
+        return Err(format!("1 / w is {reciprocal_w}, expected a positive number: clip the polygon"));
+    }
+    Ok(())
+}
+
+fn attribute<const N: usize>(field: &str, rows: &[[f32; N]], count: usize) -> Result<(), Fault> {
+    if !rows.is_empty() && rows.len() != count {
+        return Err(Fault::new(field, format!("holds {} vertices, expected {count} as in `position`, or none", rows.len())));
+    }
+    finite(field, rows)
+}
+
+fn check_expectation(expectation: &Expectation) -> Result<(), Fault> {
+    match expectation.config.iter().find(|(_, setting)| !setting.is_finite()) {
+        Some((key, _)) => Err(Fault::new(format!("config.{key}"), "holds a number that is not finite")),
+        None => Ok(()),
+    }
+}
+
+fn within<T: PartialOrd + Display>(field: &str, value: T, range: RangeInclusive<T>) -> Result<(), Fault> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    Err(Fault::new(field, format!("is {value}, expected {}..={}", range.start(), range.end())))
+}
+
+fn finite<const N: usize>(field: &str, rows: &[[f32; N]]) -> Result<(), Fault> {
+    if rows.as_flattened().iter().all(|value| value.is_finite()) {
+        return Ok(());
+    }
+    let bad = rows.iter().position(|row| !row.iter().all(|value| value.is_finite())).unwrap_or(0);
+    let place = if rows.len() > 1 { format!("{field}[{bad}]") } else { field.into() };
+    Err(Fault::new(place, "holds a number that is not finite (too large for 32 bits, or NaN)"))
+}

@@ -1,0 +1,376 @@
+//! The commands of a display list, as they stand in a trace: plain data, one type per command.
+
+use crate::data::{Digest, Texels};
+use crate::setting::Setting;
+use basrelief_signals::{Camera, Light, LightKind, Lighting, Sampler};
+use schemars::JsonSchema;
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
+use std::collections::BTreeMap;
+
+/// Value of `begin.format`.
+pub const FORMAT: &str = "basrelief-display-list";
+/// Version of the format that this crate reads and writes.
+pub const VERSION: u32 = 1;
+/// Most texels or pixels per side.
+pub const MAX_SIDE: u32 = 16_384;
+/// Most vertices of a polygon.
+pub const MAX_VERTICES: usize = 64;
+
+/// One command: one line of a trace, or one record of its binary twin.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Command {
+    /// Opens the trace.
+    Begin(Begin),
+    /// Defines a texture.
+    Texture(TextureDefinition),
+    /// Defines a material.
+    Material(MaterialDefinition),
+    /// Opens a frame.
+    Frame(FrameBegin),
+    /// The polygons that follow belong to this object.
+    Object(ObjectBegin),
+    /// Draws a polygon.
+    Polygon(PolygonRecord),
+    /// Closes the frame.
+    FrameEnd(FrameEnd),
+    /// What a machine should make of this trace; any number of them, outside frames.
+    Expect(Box<Expectation>),
+    /// Closes the trace.
+    End(End),
+}
+
+impl Command {
+    /// Names of all commands, in the order of their numbers in the binary form.
+    pub const NAMES: [&'static str; 9] =
+        ["begin", "texture", "material", "frame", "object", "polygon", "frame_end", "expect", "end"];
+
+    /// Name, as it stands in a line.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Begin(_) => "begin",
+            Self::Texture(_) => "texture",
+            Self::Material(_) => "material",
+            Self::Frame(_) => "frame",
+            Self::Object(_) => "object",
+            Self::Polygon(_) => "polygon",
+            Self::FrameEnd(_) => "frame_end",
+            Self::Expect(_) => "expect",
+            Self::End(_) => "end",
+        }
+    }
+}
+
+/// Declares a command with optional fields, which take their type's default where missing. Text omits them then; the
+/// binary form, which has no field names, always holds every field. (serde's own `skip_serializing_if` cannot tell
+/// the two forms apart.)
+macro_rules! fields {
+    ($(#[$about:meta])* pub struct $name:ident {
+        $($(#[$doc:meta])* $field:ident: $type:ty,)*
+    } optional {
+        $($(#[$optional_doc:meta])* $optional:ident: $optional_type:ty,)*
+    }) => {
+        $(#[$about])*
+        #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            $($(#[$doc])* pub $field: $type,)*
+            $($(#[$optional_doc])* #[serde(default)] pub $optional: $optional_type,)*
+        }
+
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                let every = !serializer.is_human_readable();
+                let fields: &[bool] = &[
+                    $({ let _ = &self.$field; true },)*
+                    $(every || self.$optional != <$optional_type as Default>::default(),)*
+                ];
+                let shown = fields.iter().filter(|shown| **shown).count();
+                let mut out = serializer.serialize_struct(stringify!($name), shown)?;
+                $(out.serialize_field(stringify!($field), &self.$field)?;)*
+                $(if every || self.$optional != <$optional_type as Default>::default() {
+                    out.serialize_field(stringify!($optional), &self.$optional)?;
+                })*
+                out.end()
+            }
+        }
+    };
+}
+
+/// First command: what the trace is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Begin {
+    /// Always `basrelief-display-list`.
+    pub format: String,
+    /// Version of the format.
+    pub version: u32,
+    /// Width of every picture \[pixels\], 1..=16384.
+    #[schemars(range(min = 1, max = MAX_SIDE))]
+    pub width: u32,
+    /// Height of every picture \[pixels\], 1..=16384.
+    #[schemars(range(min = 1, max = MAX_SIDE))]
+    pub height: u32,
+    /// What made the trace. No version and no date, so that an unchanged trace keeps its hash.
+    pub generator: String,
+}
+
+impl Begin {
+    /// Of a trace made by this project's geometry processor (102).
+    pub fn new(width: u32, height: u32) -> Self {
+        Self { format: FORMAT.into(), version: VERSION, width, height, generator: "basrelief".into() }
+    }
+}
+
+/// What a texture is used as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TextureKind {
+    /// Ordinary texture: RGBA, 4 bytes per texel.
+    Color,
+    /// Texture (118) of normals: RGB, 3 bytes per texel.
+    Normal,
+}
+
+impl TextureKind {
+    /// Bytes per texel in a trace.
+    pub fn texel_bytes(self) -> u64 {
+        match self {
+            Self::Color => 4,
+            Self::Normal => 3,
+        }
+    }
+}
+
+fields! {
+    /// Defines a texture. Its texels stand either here (`data`) or in a file beside the trace (`file`): all levels,
+    /// finest first, rows from the top, 8 bits per channel; each level has max(1, floor(size / 2)) texels per side of
+    /// the one before.
+    pub struct TextureDefinition {
+        /// Number; colour textures and normal maps share one numbering. Defined once.
+        id: u32,
+        /// For messages.
+        name: String,
+        /// Use, and with it the channels.
+        kind: TextureKind,
+        /// Wrap and filter.
+        sampler: Sampler,
+        /// Width of level 0 \[texels\], 1..=16384.
+        #[schemars(range(min = 1, max = MAX_SIDE))]
+        width: u32,
+        /// Height of level 0 \[texels\], 1..=16384.
+        #[schemars(range(min = 1, max = MAX_SIDE))]
+        height: u32,
+        /// Number of levels, from 1 up to the one of 1 x 1 texel.
+        #[schemars(range(min = 1, max = 15))]
+        levels: u32,
+        /// Texels ahead of it in its memory, each level padded to whole 4 x 4 blocks: a multiple of 16 below 2^40.
+        offset: u64,
+        /// Digest of the texels' bytes.
+        sha256: Digest,
+    } optional {
+        /// The texels.
+        data: Option<Texels>,
+        /// File that holds the texels, by a relative path with `/` between its parts.
+        file: Option<String>,
+    }
+}
+
+impl TextureDefinition {
+    /// Width and height of each level, finest first.
+    pub fn level_sizes(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let (width, height) = (self.width, self.height);
+        (0..self.levels).map(move |k| {
+            let side = |side: u32| side.checked_shr(k).unwrap_or(0).max(1);
+            (side(width), side(height))
+        })
+    }
+
+    /// Texels of all levels.
+    pub fn texel_count(&self) -> u64 {
+        self.level_sizes().map(|(width, height)| u64::from(width) * u64::from(height)).sum()
+    }
+}
+
+fields! {
+    /// Defines a material.
+    pub struct MaterialDefinition {
+        /// Number. Defined once.
+        id: u32,
+        /// For messages.
+        name: String,
+        /// RGBA factor.
+        base_color: [f32; 4],
+        /// Multiplies x and y of the tangent-space normal.
+        normal_scale: f32,
+        /// Lighting coefficients.
+        lighting: Lighting,
+    } optional {
+        /// Number of a colour texture defined before.
+        color_texture: Option<u32>,
+        /// Number of a normal map defined before.
+        normal_map: Option<u32>,
+        /// Back faces are drawn too.
+        double_sided: bool,
+    }
+}
+
+/// A light of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum LightRecord {
+    /// At infinity.
+    Directional {
+        /// Unit vector towards the light, world space.
+        to_light: [f32; 3],
+        /// Multiplies the diffuse and specular terms.
+        intensity: f32,
+    },
+    /// At a point, evaluated at each object's centre.
+    Point {
+        /// World space.
+        position: [f32; 3],
+        /// Multiplies the diffuse and specular terms.
+        intensity: f32,
+    },
+}
+
+impl From<&Light> for LightRecord {
+    fn from(light: &Light) -> Self {
+        let intensity = light.intensity;
+        match light.kind {
+            LightKind::Directional { to_light } => Self::Directional { to_light, intensity },
+            LightKind::Point { position } => Self::Point { position, intensity },
+        }
+    }
+}
+
+impl From<&LightRecord> for Light {
+    fn from(light: &LightRecord) -> Self {
+        match *light {
+            LightRecord::Directional { to_light, intensity } => Self { kind: LightKind::Directional { to_light }, intensity },
+            LightRecord::Point { position, intensity } => Self { kind: LightKind::Point { position }, intensity },
+        }
+    }
+}
+
+/// Opens a frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FrameBegin {
+    /// Counted from 0.
+    pub index: u32,
+    /// The view.
+    pub camera: Camera,
+    /// All lights, 1..=1024.
+    #[schemars(length(min = 1, max = 1024))]
+    pub lights: Vec<LightRecord>,
+}
+
+fields! {
+    /// The polygons that follow belong to this object; the object before it is complete.
+    pub struct ObjectBegin {
+        /// Number.
+        id: u32,
+        /// For messages.
+        name: String,
+        /// Centre in world space, where point lights are evaluated.
+        centre: [f32; 3],
+    } optional {
+        /// Number of reference normals, where the model fixes it, 1..=65536.
+        #[schemars(range(min = 1, max = 65_536))]
+        entries: Option<u32>,
+    }
+}
+
+fields! {
+    /// Draws a convex polygon as a fan around its first vertex. The arrays have one item per vertex; one in which
+    /// every vertex has its default may be left out.
+    pub struct PolygonRecord {
+        /// Number of the current object.
+        object: u32,
+        /// Number of a material defined before.
+        material: u32,
+        /// Level of detail.
+        #[schemars(range(max = 63))]
+        lod: u8,
+        /// Bump target.
+        bump: bool,
+        /// Cycle in which the geometry processor (102) would have delivered it unblocked; never falls.
+        #[schemars(range(max = 9_007_199_254_740_992_u64))]
+        arrival: u64,
+        /// Window x and y \[pixels, y down, within +-32768\], depth 0..=1, 1 / w of the clip-space position (> 0).
+        #[schemars(length(min = 3, max = MAX_VERTICES))]
+        position: Vec<[f32; 4]>,
+    } optional {
+        /// Unit normal, world space. Default: 0, 0, 1.
+        normal: Vec<[f32; 3]>,
+        /// Tangent, world space, and handedness. Default: 0, 0, 0, 0.
+        tangent: Vec<[f32; 4]>,
+        /// Coordinates of the colour texture. Default: 0, 0.
+        uv: Vec<[f32; 2]>,
+        /// Coordinates of the normal map. Default: 0, 0.
+        uv_normal: Vec<[f32; 2]>,
+        /// Vertex colour, RGBA. Default: 1, 1, 1, 1.
+        color: Vec<[f32; 4]>,
+        /// Brightness of a polygon that is no bump target: ambient + diffuse, specular. Default: 1, 0.
+        brightness: Vec<[f32; 2]>,
+    }
+}
+
+/// Closes a frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FrameEnd {}
+
+/// Bytes moved by one client of a memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExpectedTraffic {
+    /// Bytes read.
+    pub read_bytes: u64,
+    /// Bytes written.
+    pub write_bytes: u64,
+}
+
+fields! {
+    /// What a machine should make of this trace: replaying the trace is a test of itself. What is left out is not
+    /// checked.
+    pub struct Expectation {} optional {
+        /// Machine, such as `bump`.
+        machine: Option<String>,
+        /// Settings other than the defaults, by dotted name.
+        config: BTreeMap<String, Setting>,
+        /// Total \[cycles\].
+        cycles: Option<u64>,
+        /// Of each frame \[cycles\].
+        frames: Vec<u64>,
+        /// Bytes by memory and client.
+        memories: BTreeMap<String, BTreeMap<String, ExpectedTraffic>>,
+        /// Digests of the RGB8 rows of each picture, in order of time.
+        images: Vec<Digest>,
+    }
+}
+
+impl Default for Expectation {
+    /// Expects nothing.
+    fn default() -> Self {
+        Self {
+            machine: None,
+            config: BTreeMap::new(),
+            cycles: None,
+            frames: Vec::new(),
+            memories: BTreeMap::new(),
+            images: Vec::new(),
+        }
+    }
+}
+
+/// Last command: without it a trace is truncated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct End {
+    /// Number of commands before this one.
+    pub commands: u64,
+}

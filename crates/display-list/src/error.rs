@@ -1,0 +1,120 @@
+//! What is wrong with a trace, where, and what to do.
+
+use std::fmt;
+use std::io;
+
+/// Where in a trace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// JSON Lines: line, counted from 1, and column \[bytes, from 1\] where known.
+    Line {
+        /// Line number.
+        line: u64,
+        /// Column; `None` where the line as a whole is meant.
+        column: Option<usize>,
+    },
+    /// Binary form: record, counted from 1.
+    Record(u64),
+    /// While writing: command, counted from 1.
+    Command(u64),
+    /// The input as a whole: its first bytes.
+    Start,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line { line, column: Some(column) } => write!(f, "line {line}, column {column}"),
+            Self::Line { line, column: None } => write!(f, "line {line}"),
+            Self::Record(record) => write!(f, "record {record}"),
+            Self::Command(command) => write!(f, "command {command}"),
+            Self::Start => write!(f, "start of the trace"),
+        }
+    }
+}
+
+/// What kind of trouble.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// The reader or writer below failed; the trace may be in order.
+    Io,
+    /// The trace stops before its `end`.
+    Truncated,
+    /// The trace says something that is not allowed.
+    Malformed,
+    /// The trace may be in order, but this build cannot read or write it.
+    Unsupported,
+}
+
+/// An error in a trace. Its text names place, command and field, what was expected and what to do; who knows the name
+/// of the file puts it in front.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TraceError {
+    /// Where.
+    pub place: Place,
+    /// What kind.
+    pub kind: ErrorKind,
+    /// Command and field, such as `polygon.position[2]`; empty where no command could be made out.
+    pub path: String,
+    /// What was found, what was expected, what to do.
+    pub message: String,
+}
+
+impl fmt::Display for TraceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.place)?;
+        if !self.path.is_empty() {
+            write!(f, "{}: ", self.path)?;
+        }
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for TraceError {}
+
+impl TraceError {
+    pub(crate) fn new(place: Place, kind: ErrorKind, path: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { place, kind, path: path.into(), message: message.into() }
+    }
+
+    /// A failed read. An end that the layer below did not expect (a compressed frame cut short) is a truncation.
+    pub(crate) fn read(place: Place, error: &io::Error) -> Self {
+        if error.kind() == io::ErrorKind::UnexpectedEof {
+            return Self::truncated(place, &format!("the input ends early ({error})"));
+        }
+        Self::new(place, ErrorKind::Io, "", format!("cannot read: {error}"))
+    }
+
+    pub(crate) fn write(place: Place, error: &io::Error) -> Self {
+        Self::new(place, ErrorKind::Io, "", format!("cannot write: {error}"))
+    }
+
+    pub(crate) fn truncated(place: Place, what: &str) -> Self {
+        Self::new(place, ErrorKind::Truncated, "", format!("{what}: the trace is truncated; record or copy it again"))
+    }
+}
+
+/// What is wrong with a command, before it is known where the command stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Fault {
+    kind: ErrorKind,
+    field: String,
+    message: String,
+}
+
+impl Fault {
+    pub(crate) fn new(field: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { kind: ErrorKind::Malformed, field: field.into(), message: message.into() }
+    }
+
+    pub(crate) fn of_kind(mut self, kind: ErrorKind) -> Self {
+        self.kind = kind;
+        self
+    }
+
+    /// The error of command `name` at `place`.
+    pub(crate) fn at(self, place: Place, name: &str) -> TraceError {
+        let dot = if self.field.is_empty() { "" } else { "." };
+        TraceError::new(place, self.kind, format!("{name}{dot}{}", self.field), self.message)
+    }
+}

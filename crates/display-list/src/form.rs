@@ -1,0 +1,183 @@
+//! The four forms of a trace and the layer that undoes or does the compression.
+
+use std::io::{self, BufRead, BufReader, BufWriter, Chain, Cursor, Read, Write};
+
+/// First bytes of the binary form. As in PNG, a first byte above 127 and both kinds of line end show up a transfer
+/// that took the file for text.
+pub(crate) const BINARY_MAGIC: [u8; 8] = *b"\x89BDL\r\n\x1a\n";
+const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
+
+/// How commands are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// JSON Lines: one command per line.
+    #[default]
+    JsonLines,
+    /// The binary twin: magic bytes, version, then each command as a length (32 bits, little endian) and a postcard
+    /// record.
+    Binary,
+}
+
+/// Form of a trace; told apart on reading by its first bytes, never by a file's name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Form {
+    /// How commands are written.
+    pub encoding: Encoding,
+    /// Whether all of it is compressed with zstd.
+    pub compressed: bool,
+}
+
+impl Form {
+    /// All forms.
+    pub const ALL: [Self; 4] = [
+        Self { encoding: Encoding::JsonLines, compressed: false },
+        Self { encoding: Encoding::JsonLines, compressed: true },
+        Self { encoding: Encoding::Binary, compressed: false },
+        Self { encoding: Encoding::Binary, compressed: true },
+    ];
+
+    /// The form to write into a file of this name: `.jsonl` or `.bdl`, each with `.zst` behind it if compressed.
+    pub fn for_file_name(name: &str) -> Option<Self> {
+        let (name, compressed) = name.strip_suffix(".zst").map_or((name, false), |stem| (stem, true));
+        let encoding = match name.rsplit_once('.')?.1 {
+            "jsonl" => Encoding::JsonLines,
+            "bdl" => Encoding::Binary,
+            _ => return None,
+        };
+        Some(Self { encoding, compressed })
+    }
+}
+
+/// A reader whose first bytes were looked at and put back.
+type Peeked<R> = Chain<Cursor<Vec<u8>>, R>;
+
+#[cfg(feature = "zstd")]
+type Decoder<R> = zstd::Decoder<'static, BufReader<Peeked<R>>>;
+
+fn peek<R: Read>(mut reader: R) -> io::Result<(Vec<u8>, Peeked<R>)> {
+    let mut head = Vec::new();
+    reader.by_ref().take(BINARY_MAGIC.len() as u64).read_to_end(&mut head)?;
+    Ok((head.clone(), Cursor::new(head).chain(reader)))
+}
+
+/// Uncompressed bytes of a trace.
+pub(crate) enum Source<R: Read> {
+    Plain(BufReader<Peeked<R>>),
+    #[cfg(feature = "zstd")]
+    Zstd(Box<BufReader<Peeked<Decoder<R>>>>),
+}
+
+impl<R: Read> Source<R> {
+    /// The source and the first bytes of what it will give.
+    pub(crate) fn open(reader: R) -> io::Result<(Vec<u8>, Self)> {
+        let (head, reader) = peek(reader)?;
+        if head.starts_with(&ZSTD_MAGIC) {
+            return Self::decompress(reader);
+        }
+        Ok((head, Self::Plain(BufReader::new(reader))))
+    }
+
+    #[cfg(feature = "zstd")]
+    fn decompress(reader: Peeked<R>) -> io::Result<(Vec<u8>, Self)> {
+        let (head, reader) = peek(zstd::Decoder::new(reader)?)?;
+        Ok((head, Self::Zstd(Box::new(BufReader::with_capacity(1 << 16, reader)))))
+    }
+
+    #[cfg(not(feature = "zstd"))]
+    fn decompress(_: Peeked<R>) -> io::Result<(Vec<u8>, Self)> {
+        Err(no_compression())
+    }
+}
+
+#[cfg(not(feature = "zstd"))]
+fn no_compression() -> io::Error {
+    let message = "this build has no zstd (feature `zstd` of basrelief-display-list): use the uncompressed form";
+    io::Error::new(io::ErrorKind::Unsupported, message)
+}
+
+impl<R: Read> Read for Source<R> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Plain(reader) => reader.read(into),
+            #[cfg(feature = "zstd")]
+            Self::Zstd(reader) => reader.read(into),
+        }
+    }
+}
+
+impl<R: Read> BufRead for Source<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        match self {
+            Self::Plain(reader) => reader.fill_buf(),
+            #[cfg(feature = "zstd")]
+            Self::Zstd(reader) => reader.fill_buf(),
+        }
+    }
+
+    fn consume(&mut self, amount: usize) {
+        match self {
+            Self::Plain(reader) => reader.consume(amount),
+            #[cfg(feature = "zstd")]
+            Self::Zstd(reader) => reader.consume(amount),
+        }
+    }
+}
+
+/// Takes the uncompressed bytes of a trace.
+pub(crate) enum Sink<W: Write> {
+    Plain(BufWriter<W>),
+    #[cfg(feature = "zstd")]
+    Zstd(Box<zstd::Encoder<'static, W>>),
+}
+
+impl<W: Write> Sink<W> {
+    pub(crate) fn create(writer: W, compressed: bool) -> io::Result<Self> {
+        if compressed { Self::compress(writer) } else { Ok(Self::Plain(BufWriter::with_capacity(1 << 16, writer))) }
+    }
+
+    #[cfg(feature = "zstd")]
+    fn compress(writer: W) -> io::Result<Self> {
+        let mut encoder = zstd::Encoder::new(writer, zstd::DEFAULT_COMPRESSION_LEVEL)?;
+        encoder.include_checksum(true)?;
+        Ok(Self::Zstd(Box::new(encoder)))
+    }
+
+    #[cfg(not(feature = "zstd"))]
+    fn compress(_: W) -> io::Result<Self> {
+        Err(no_compression())
+    }
+
+    pub(crate) fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match self {
+            Self::Plain(writer) => writer.write_all(bytes),
+            #[cfg(feature = "zstd")]
+            Self::Zstd(encoder) => encoder.write_all(bytes),
+        }
+    }
+
+    pub(crate) fn finish(self) -> io::Result<W> {
+        let mut writer = match self {
+            Self::Plain(writer) => writer.into_inner().map_err(io::IntoInnerError::into_error)?,
+            #[cfg(feature = "zstd")]
+            Self::Zstd(encoder) => encoder.finish()?,
+        };
+        writer.flush()?;
+        Ok(writer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_name_tells_the_form_to_write() {
+        let name = |name| Form::for_file_name(name);
+        assert_eq!(name("helmet.dl.jsonl"), Some(Form::ALL[0]));
+        assert_eq!(name("a/helmet.jsonl.zst"), Some(Form::ALL[1]));
+        assert_eq!(name("helmet.bdl"), Some(Form::ALL[2]));
+        assert_eq!(name("helmet.bdl.zst"), Some(Form::ALL[3]));
+        assert_eq!(name("helmet.glb"), None);
+        assert_eq!(name("zst"), None);
+    }
+}

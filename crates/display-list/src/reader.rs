@@ -1,0 +1,255 @@
+//! Reads a trace of any form as a stream of commands.
+
+use crate::check::{check, check_version};
+use crate::command::{Begin, Command};
+use crate::error::{ErrorKind, Fault, Place, TraceError};
+use crate::form::{BINARY_MAGIC, Encoding, Source};
+use crate::sequence::Order;
+use serde::Deserialize;
+use std::io::{self, BufRead, Read};
+
+/// Longest line or record \[bytes\], but for textures.
+const LIMIT: u64 = 16 << 20;
+/// Longest line or record of a texture \[bytes\].
+const TEXTURE_LIMIT: u64 = 512 << 20;
+/// Buffers larger than this are given back after use \[bytes\].
+const KEEP: usize = 1 << 20;
+
+/// A stream of commands, `begin` and `end` included. Each passed the checks of a command by itself (finite numbers,
+/// ranges, lengths), and `begin` stands first, `end` last with the right count. A trace that stops without `end` is
+/// an error. After an error the iterator ends.
+///
+/// One command is in memory at a time; what a file says about sizes drives no allocation, only the bytes that arrive.
+pub struct Reader<R: Read> {
+    source: Source<R>,
+    encoding: Encoding,
+    order: Order,
+    begin: Begin,
+    given_begin: bool,
+    failed: bool,
+    buffer: Vec<u8>,
+}
+
+/// Opens a trace of any form, told apart by its first bytes, and reads its `begin`.
+///
+/// # Errors
+/// If the input cannot be read, is no display list, or has another version.
+pub fn open<R: Read>(reader: R) -> Result<Reader<R>, TraceError> {
+    let (head, source) = Source::open(reader).map_err(|e| open_error(&e))?;
+    let encoding = if head.starts_with(&BINARY_MAGIC) { Encoding::Binary } else { Encoding::JsonLines };
+    if encoding == Encoding::JsonLines && !head.is_empty() && !head.starts_with(b"{") {
+        let message = r#"no display list: expected JSON Lines that open with {"begin", their binary twin, or either in zstd"#;
+        return Err(TraceError::new(Place::Start, ErrorKind::Malformed, "", message));
+    }
+    let mut reader = Reader {
+        source,
+        encoding,
+        order: Order::default(),
+        begin: Begin::new(1, 1),
+        given_begin: false,
+        failed: false,
+        buffer: Vec::new(),
+    };
+    if encoding == Encoding::Binary {
+        reader.read_header()?;
+    }
+    reader.begin = match reader.command()? {
+        Command::Begin(begin) => begin,
+        other => return Err(Fault::new("", "stands first; expected `begin`").at(reader.place(), other.name())),
+    };
+    Ok(reader)
+}
+
+fn open_error(error: &io::Error) -> TraceError {
+    if error.kind() == io::ErrorKind::Unsupported {
+        return TraceError::new(Place::Start, ErrorKind::Unsupported, "", error.to_string());
+    }
+    TraceError::read(Place::Start, error)
+}
+
+impl<R: Read> Reader<R> {
+    /// The first command.
+    pub fn begin(&self) -> &Begin {
+        &self.begin
+    }
+
+    /// Where the last command stands; while one is being read, where that one does.
+    pub(crate) fn place(&self) -> Place {
+        self.place_of(self.order.count().max(1))
+    }
+
+    fn next_place(&self) -> Place {
+        self.place_of(self.order.count() + 1)
+    }
+
+    fn place_of(&self, number: u64) -> Place {
+        match self.encoding {
+            Encoding::JsonLines => Place::Line { line: number, column: None },
+            Encoding::Binary => Place::Record(number),
+        }
+    }
+
+    fn read_header(&mut self) -> Result<(), TraceError> {
+        self.fill(BINARY_MAGIC.len() as u64 + 4)?;
+        let version = self.buffer.last_chunk().copied().map_or(0, u32::from_le_bytes);
+        check_version(version).map_err(|fault| fault.at(Place::Start, "begin"))
+    }
+
+    fn command(&mut self) -> Result<Command, TraceError> {
+        let command = match self.encoding {
+            Encoding::JsonLines => self.line()?,
+            Encoding::Binary => self.record()?,
+        };
+        if self.buffer.capacity() > KEEP {
+            self.buffer = Vec::new();
+        }
+        let place = self.next_place();
+        self.order.accept(&command).and_then(|()| check(&command)).map_err(|fault| fault.at(place, command.name()))?;
+        if self.order.ended() {
+            self.expect_nothing()?;
+        }
+        Ok(command)
+    }
+
+    fn line(&mut self) -> Result<Command, TraceError> {
+        self.buffer.clear();
+        self.line_up_to(LIMIT)?;
+        if self.buffer.len() as u64 == LIMIT && self.buffer.starts_with(br#"{"texture""#) {
+            self.line_up_to(TEXTURE_LIMIT - LIMIT)?;
+        }
+        if self.buffer.pop_if(|last| *last == b'\n').is_none() {
+            return Err(self.unfinished_line());
+        }
+        serde_json::from_slice(&self.buffer).map_err(|_| self.line_error())
+    }
+
+    fn line_up_to(&mut self, limit: u64) -> Result<(), TraceError> {
+        let place = self.next_place();
+        let mut source = self.source.by_ref().take(limit);
+        source.read_until(b'\n', &mut self.buffer).map_err(|e| TraceError::read(place, &e)).map(drop)
+    }
+
+    fn unfinished_line(&self) -> TraceError {
+        let place = self.next_place();
+        match self.buffer.len() as u64 {
+            0 => TraceError::truncated(place, "expected a command, at the latest `end`"),
+            LIMIT | TEXTURE_LIMIT => too_long(place, self.buffer.len() as u64),
+            _ => TraceError::truncated(place, "the line stops without a line end"),
+        }
+    }
+
+    /// Reads the line a second time, slowly, to name the field.
+    fn line_error(&self) -> TraceError {
+        let place = self.next_place();
+        if self.order.count() == 0
+            && let Some(fault) = other_version(&self.buffer)
+        {
+            return fault.at(place, "begin");
+        }
+        let mut json = serde_json::Deserializer::from_slice(&self.buffer);
+        let (path, error) = match serde_path_to_error::deserialize::<_, Command>(&mut json) {
+            Err(error) => (error.path().to_string(), error.into_inner()),
+            Ok(_) => match json.end() {
+                Err(error) => (String::new(), error),
+                Ok(()) => return TraceError::new(place, ErrorKind::Malformed, "", "not a command"),
+            },
+        };
+        let text = error.to_string();
+        let text = text.rsplit_once(" at line ").map_or(text.as_str(), |(text, _)| text);
+        let at = match place {
+            Place::Line { line, .. } => Place::Line { line, column: Some(error.column()) },
+            other => other,
+        };
+        let path = if path == "." { String::new() } else { path };
+        let message = if path.is_empty() { text.replace("unknown variant", "unknown command") } else { text.into() };
+        TraceError::new(at, ErrorKind::Malformed, path, message)
+    }
+
+    fn record(&mut self) -> Result<Command, TraceError> {
+        let place = self.next_place();
+        self.fill(4)?;
+        let length = self.buffer.last_chunk().copied().map_or(0, u32::from_le_bytes);
+        let first = self.source.fill_buf().map_err(|e| TraceError::read(place, &e))?.first().copied();
+        let name = first.and_then(|number| Command::NAMES.get(usize::from(number)));
+        if u64::from(length) > limit(name == Some(&"texture")) {
+            return Err(too_long(place, u64::from(length)));
+        }
+        self.fill(u64::from(length))?;
+        let malformed = |what: String| {
+            let message = format!("not a valid record ({what}): the file is damaged, or not of this version");
+            TraceError::new(place, ErrorKind::Malformed, name.copied().unwrap_or("unknown command"), message)
+        };
+        match postcard::take_from_bytes(&self.buffer) {
+            Ok((_, rest)) if !rest.is_empty() => Err(malformed(format!("{} bytes too many", rest.len()))),
+            Ok((command, _)) => Ok(command),
+            Err(error) => Err(malformed(error.to_string())),
+        }
+    }
+
+    /// Fills the buffer with exactly this many bytes. It grows with what arrives: the count is not to be trusted.
+    fn fill(&mut self, bytes: u64) -> Result<(), TraceError> {
+        let place = self.next_place();
+        self.buffer.clear();
+        let mut source = self.source.by_ref().take(bytes);
+        let got = source.read_to_end(&mut self.buffer).map_err(|e| TraceError::read(place, &e))?;
+        match got as u64 {
+            got if got == bytes => Ok(()),
+            0 => Err(TraceError::truncated(place, "expected a command, at the latest `end`")),
+            got => Err(TraceError::truncated(place, &format!("{got} of {bytes} bytes are there"))),
+        }
+    }
+
+    fn expect_nothing(&mut self) -> Result<(), TraceError> {
+        let place = self.next_place();
+        if self.source.fill_buf().map_err(|e| TraceError::read(place, &e))?.is_empty() {
+            return Ok(());
+        }
+        Err(TraceError::new(place, ErrorKind::Malformed, "", "something stands after `end`; nothing may follow it"))
+    }
+}
+
+impl<R: Read> Iterator for Reader<R> {
+    type Item = Result<Command, TraceError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if !self.given_begin {
+            self.given_begin = true;
+            return Some(Ok(Command::Begin(self.begin.clone())));
+        }
+        if self.failed || self.order.ended() {
+            return None;
+        }
+        let command = self.command();
+        self.failed = command.is_err();
+        Some(command)
+    }
+}
+
+/// Longest line or record \[bytes\].
+pub(crate) fn limit(texture: bool) -> u64 {
+    if texture { TEXTURE_LIMIT } else { LIMIT }
+}
+
+pub(crate) fn too_long(place: Place, bytes: u64) -> TraceError {
+    let message = format!(
+        "{bytes} bytes or more in one command, expected at most {} MiB for a texture and {} MiB for others: \
+         put large texels into a `file` beside the trace",
+        TEXTURE_LIMIT >> 20,
+        LIMIT >> 20
+    );
+    TraceError::new(place, ErrorKind::Malformed, "", message)
+}
+
+/// A `begin` of another version may have other fields: then the version is the news, not the field.
+fn other_version(line: &[u8]) -> Option<Fault> {
+    #[derive(Deserialize)]
+    struct Probe {
+        begin: Version,
+    }
+    #[derive(Deserialize)]
+    struct Version {
+        version: u32,
+    }
+    let probe: Probe = serde_json::from_slice(line).ok()?;
+    check_version(probe.begin.version).err()
+}

@@ -1,0 +1,298 @@
+//! From what travels on the wires to commands: recording, and the hash of an input.
+
+use crate::command::*;
+use crate::data::{Digest, Texels};
+use crate::error::{Fault, Place, TraceError};
+use crate::form::Form;
+use crate::sequence::Nesting;
+use crate::writer::{Writer, write_line};
+use basrelief_signals::{Control, Frame, Material, ObjectInfo, Polygon, Texture, Vertex};
+use sha2::{Digest as _, Sha256};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::sync::Arc;
+
+/// Records control tokens as a trace. [Reading](crate::Resolver) it gives equal tokens.
+pub struct Recorder<W: Write> {
+    writer: Writer<W>,
+    describer: Describer,
+}
+
+impl<W: Write> Recorder<W> {
+    /// Opens a trace of this form and writes `begin`.
+    ///
+    /// # Errors
+    /// If `writer` fails, `begin` holds what is not allowed, or this build lacks the form.
+    pub fn new(writer: W, form: Form, begin: Begin) -> Result<Self, TraceError> {
+        let mut writer = Writer::new(writer, form)?;
+        let describer = Describer::new(&begin);
+        writer.write(&Command::Begin(begin))?;
+        Ok(Self { writer, describer })
+    }
+
+    /// Records a token; textures and materials are defined ahead of their first use.
+    ///
+    /// # Errors
+    /// If the token is none of a display list, is out of order, or holds what a trace must not; or if the writer below
+    /// fails.
+    pub fn record(&mut self, control: &Control) -> Result<(), TraceError> {
+        let Self { writer, describer } = self;
+        describer.describe(control, &mut |command| writer.write(command))
+    }
+
+    /// Writes the expectations and `end`; gives the writer back.
+    ///
+    /// # Errors
+    /// If a frame is open or none was recorded, or the writer below fails.
+    pub fn finish(mut self, expectations: Vec<Expectation>) -> Result<W, TraceError> {
+        for expectation in expectations {
+            self.writer.write(&Command::Expect(Box::new(expectation)))?;
+        }
+        let end = Command::End(End { commands: self.writer.count() });
+        let place = Place::Command(self.writer.count() + 1);
+        self.describer.nesting.accept(&end).map_err(|fault| fault.at(place, end.name()))?;
+        self.writer.write(&end)?;
+        self.writer.finish()
+    }
+}
+
+/// Hash of an input: SHA-256 over the canonical JSON lines of its commands, without `expect` and `end`, all texels
+/// inline. A scene and its recorded trace have the same one; for a recorded trace in JSON Lines it is what
+/// `grep -vE '^\{"(expect|end)"' | sha256sum` says.
+pub struct CanonicalHash {
+    hash: Sha256,
+    describer: Describer,
+    line: Vec<u8>,
+}
+
+impl CanonicalHash {
+    /// Of an input that opens so.
+    pub fn new(begin: &Begin) -> Self {
+        let mut hash = Self { hash: Sha256::new(), describer: Describer::new(begin), line: Vec::new() };
+        feed(&mut hash.hash, &mut hash.line, &Command::Begin(begin.clone()));
+        hash
+    }
+
+    /// Takes the next token.
+    ///
+    /// # Errors
+    /// As [`Recorder::record`], but for what only writing checks.
+    pub fn update(&mut self, control: &Control) -> Result<(), TraceError> {
+        let Self { hash, describer, line } = self;
+        describer.describe(control, &mut |command| {
+            feed(hash, line, command);
+            Ok(())
+        })
+    }
+
+    /// The hash of all tokens taken.
+    pub fn finish(self) -> Digest {
+        Digest(self.hash.finalize().into())
+    }
+}
+
+fn feed(hash: &mut Sha256, line: &mut Vec<u8>, command: &Command) {
+    line.clear();
+    // Writing into memory cannot fail, nor can a command: it has no keys but names.
+    if write_line(command, line).is_ok() {
+        hash.update(&line);
+    }
+}
+
+/// Says control tokens as commands, and defines what they use at its first use.
+struct Describer {
+    width: u32,
+    height: u32,
+    nesting: Nesting,
+    count: u64,
+    textures: BTreeMap<u32, (TextureKind, Arc<Texture>)>,
+    materials: BTreeMap<u32, Arc<Material>>,
+}
+
+type Emit<'a> = dyn FnMut(&Command) -> Result<(), TraceError> + 'a;
+
+impl Describer {
+    fn new(begin: &Begin) -> Self {
+        Self {
+            width: begin.width,
+            height: begin.height,
+            nesting: Nesting::default(),
+            count: 1,
+            textures: BTreeMap::new(),
+            materials: BTreeMap::new(),
+        }
+    }
+
+    fn describe(&mut self, control: &Control, emit: &mut Emit<'_>) -> Result<(), TraceError> {
+        let command = match control {
+            Control::Frame(frame) => Command::Frame(self.frame(frame)?),
+            Control::Object(object) => Command::Object(object_begin(object)),
+            Control::Polygon(polygon) => {
+                self.define_material(&polygon.material, emit)?;
+                Command::Polygon(polygon_record(polygon))
+            }
+            Control::FrameEnd => Command::FrameEnd(FrameEnd {}),
+            Control::CodeBook(_) => {
+                let fault = Fault::new("", "is made behind the geometry processor and belongs in no display list");
+                return Err(self.error(fault, "code book"));
+            }
+        };
+        self.emit(&command, emit)
+    }
+
+    fn emit(&mut self, command: &Command, emit: &mut Emit<'_>) -> Result<(), TraceError> {
+        self.nesting.accept(command).map_err(|fault| self.error(fault, command.name()))?;
+        self.count += 1;
+        emit(command)
+    }
+
+    fn error(&self, fault: Fault, name: &str) -> TraceError {
+        fault.at(Place::Command(self.count + 1), name)
+    }
+
+    fn frame(&self, frame: &Frame) -> Result<FrameBegin, TraceError> {
+        if (frame.width, frame.height) != (self.width, self.height) {
+            let Self { width, height, .. } = self;
+            let message = format!("is {} x {}, expected {width} x {height} as in `begin`", frame.width, frame.height);
+            return Err(self.error(Fault::new("size", message), "frame"));
+        }
+        let lights = frame.lights.iter().map(LightRecord::from).collect();
+        Ok(FrameBegin { index: frame.index, camera: frame.camera, lights })
+    }
+
+    fn define_material(&mut self, material: &Arc<Material>, emit: &mut Emit<'_>) -> Result<(), TraceError> {
+        if let Some(known) = self.materials.get(&material.id) {
+            return same(known, material).map_err(|fault| self.error(fault, "material"));
+        }
+        for (kind, texture) in [(TextureKind::Color, &material.color_texture), (TextureKind::Normal, &material.normal_map)] {
+            if let Some(texture) = texture {
+                self.define_texture(kind, texture, emit)?;
+            }
+        }
+        self.emit(&Command::Material(material_definition(material)), emit)?;
+        self.materials.insert(material.id, Arc::clone(material));
+        Ok(())
+    }
+
+    fn define_texture(&mut self, kind: TextureKind, texture: &Arc<Texture>, emit: &mut Emit<'_>) -> Result<(), TraceError> {
+        if let Some((known_kind, known)) = self.textures.get(&texture.id) {
+            let known = if *known_kind == kind { same(known, texture) } else { Err(two_uses(texture.id)) };
+            return known.map_err(|fault| self.error(fault, "texture"));
+        }
+        let definition = texture_definition(kind, texture).map_err(|fault| self.error(fault, "texture"))?;
+        self.emit(&Command::Texture(definition), emit)?;
+        self.textures.insert(texture.id, (kind, Arc::clone(texture)));
+        Ok(())
+    }
+}
+
+/// Whether what has the same number is the same; the same place in memory is the usual and cheap case.
+fn same<T: PartialEq + Numbered>(known: &Arc<T>, found: &Arc<T>) -> Result<(), Fault> {
+    if Arc::ptr_eq(known, found) || known == found {
+        return Ok(());
+    }
+    Err(Fault::new("id", format!("is {}, the number of a different one before; give each its own", found.number())))
+}
+
+trait Numbered {
+    fn number(&self) -> u32;
+}
+
+impl Numbered for Material {
+    fn number(&self) -> u32 {
+        self.id
+    }
+}
+
+impl Numbered for Texture {
+    fn number(&self) -> u32 {
+        self.id
+    }
+}
+
+fn two_uses(id: u32) -> Fault {
+    Fault::new("kind", format!("texture {id} is used as colour and as normal map; give each use a texture of its own"))
+}
+
+fn texture_definition(kind: TextureKind, texture: &Texture) -> Result<TextureDefinition, Fault> {
+    let first = texture.levels.first().ok_or_else(|| Fault::new("levels", "is 0, expected at least one level"))?;
+    let bytes = texel_bytes(kind, texture);
+    let definition = TextureDefinition {
+        id: texture.id,
+        name: texture.name.clone(),
+        kind,
+        sampler: texture.sampler,
+        width: first.width,
+        height: first.height,
+        levels: texture.levels.len() as u32,
+        offset: texture.offset,
+        sha256: Digest::of(&bytes),
+        data: Some(Texels(bytes)),
+        file: None,
+    };
+    for (k, (level, size)) in texture.levels.iter().zip(definition.level_sizes()).enumerate() {
+        let texels = u64::from(level.width) * u64::from(level.height);
+        if (level.width, level.height) != size || level.texels.len() as u64 != texels {
+            let (width, height, count) = (level.width, level.height, level.texels.len());
+            let message = format!("is {width} x {height} with {count} texels, expected {} x {}", size.0, size.1);
+            return Err(Fault::new(format!("levels[{k}]"), message));
+        }
+        if kind == TextureKind::Normal && level.texels.iter().any(|texel| texel[3] != u8::MAX) {
+            return Err(Fault::new(format!("levels[{k}]"), "is of a normal map and has alpha; expected 255 throughout"));
+        }
+    }
+    Ok(definition)
+}
+
+fn texel_bytes(kind: TextureKind, texture: &Texture) -> Vec<u8> {
+    let texels = texture.levels.iter().flat_map(|level| &level.texels);
+    match kind {
+        TextureKind::Color => texels.flatten().copied().collect(),
+        TextureKind::Normal => texels.flat_map(|&[r, g, b, _]| [r, g, b]).collect(),
+    }
+}
+
+fn material_definition(material: &Material) -> MaterialDefinition {
+    let number = |texture: &Option<Arc<Texture>>| texture.as_ref().map(|texture| texture.id);
+    MaterialDefinition {
+        id: material.id,
+        name: material.name.clone(),
+        base_color: material.base_color,
+        normal_scale: material.normal_scale,
+        lighting: material.lighting,
+        color_texture: number(&material.color_texture),
+        normal_map: number(&material.normal_map),
+        double_sided: material.double_sided,
+    }
+}
+
+fn object_begin(object: &ObjectInfo) -> ObjectBegin {
+    ObjectBegin { id: object.id, name: object.name.clone(), centre: object.centre, entries: object.entries }
+}
+
+fn polygon_record(polygon: &Polygon) -> PolygonRecord {
+    let vertices = &polygon.vertices;
+    PolygonRecord {
+        object: polygon.object,
+        material: polygon.material.id,
+        lod: polygon.lod,
+        bump: polygon.bump,
+        arrival: polygon.arrival,
+        position: vertices.iter().map(|v| v.position).collect(),
+        normal: attribute(vertices, |v| v.normal),
+        tangent: attribute(vertices, |v| v.tangent),
+        uv: attribute(vertices, |v| v.uv),
+        uv_normal: attribute(vertices, |v| v.uv_normal),
+        color: attribute(vertices, |v| v.color),
+        brightness: attribute(vertices, |v| v.brightness),
+    }
+}
+
+/// Empty where every vertex has the default, compared by bits: -0 is not 0.
+fn attribute<const N: usize>(vertices: &[Vertex], of: impl Fn(&Vertex) -> [f32; N]) -> Vec<[f32; N]> {
+    let default = of(&Vertex::default()).map(f32::to_bits);
+    if vertices.iter().all(|v| of(v).map(f32::to_bits) == default) {
+        return Vec::new();
+    }
+    vertices.iter().map(of).collect()
+}

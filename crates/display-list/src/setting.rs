@@ -1,0 +1,248 @@
+//! Values of parameters, as expectations hold them.
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::borrow::Cow;
+use std::fmt;
+
+/// A single value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Scalar {
+    /// A switch.
+    Bool(bool),
+    /// A whole number.
+    Integer(i64),
+    /// Any other number, finite.
+    Number(f64),
+    /// A choice.
+    Text(String),
+}
+
+/// Value of a parameter in an expectation. [`Display`](fmt::Display) writes it as TOML, as `--set` takes it.
+///
+/// Lists hold no lists: no parameter needs it, and a reader of untrusted bytes that recursed could be driven out of
+/// its stack.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Setting {
+    /// One value.
+    One(Scalar),
+    /// One value per level.
+    List(Vec<Scalar>),
+}
+
+impl Setting {
+    pub(crate) fn is_finite(&self) -> bool {
+        let finite = |scalar: &Scalar| !matches!(scalar, Scalar::Number(number) if !number.is_finite());
+        match self {
+            Self::One(scalar) => finite(scalar),
+            Self::List(list) => list.iter().all(finite),
+        }
+    }
+}
+
+impl fmt::Display for Scalar {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Bool(value) => write!(f, "{value}"),
+            Self::Integer(value) => write!(f, "{value}"),
+            Self::Number(value) => write!(f, "{value:?}"),
+            Self::Text(value) => write_toml_string(f, value),
+        }
+    }
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::One(scalar) => write!(f, "{scalar}"),
+            Self::List(list) => {
+                f.write_str("[")?;
+                for (i, value) in list.iter().enumerate() {
+                    write!(f, "{}{value}", if i == 0 { "" } else { ", " })?;
+                }
+                f.write_str("]")
+            }
+        }
+    }
+}
+
+fn write_toml_string(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
+    f.write_str("\"")?;
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => write!(f, "\\{c}")?,
+            _ if c.is_control() => write!(f, "\\u{:04x}", u32::from(c))?,
+            _ => write!(f, "{c}")?,
+        }
+    }
+    f.write_str("\"")
+}
+
+/// The binary form does not describe itself, so there a scalar is an ordinary enum, and a setting says whether it is
+/// a list.
+#[derive(Serialize, Deserialize)]
+enum Tagged<'a> {
+    Bool(bool),
+    Integer(i64),
+    Number(f64),
+    Text(Cow<'a, str>),
+}
+
+impl Serialize for Scalar {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match (self, serializer.is_human_readable()) {
+            (Self::Bool(value), true) => value.serialize(serializer),
+            (Self::Integer(value), true) => value.serialize(serializer),
+            (Self::Number(value), true) => value.serialize(serializer),
+            (Self::Text(value), true) => value.serialize(serializer),
+            (Self::Bool(value), false) => Tagged::Bool(*value).serialize(serializer),
+            (Self::Integer(value), false) => Tagged::Integer(*value).serialize(serializer),
+            (Self::Number(value), false) => Tagged::Number(*value).serialize(serializer),
+            (Self::Text(value), false) => Tagged::Text(value.into()).serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Scalar {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        if deserializer.is_human_readable() {
+            return deserializer.deserialize_any(ScalarVisitor);
+        }
+        Ok(match Tagged::deserialize(deserializer)? {
+            Tagged::Bool(value) => Self::Bool(value),
+            Tagged::Integer(value) => Self::Integer(value),
+            Tagged::Number(value) => Self::Number(value),
+            Tagged::Text(value) => Self::Text(value.into_owned()),
+        })
+    }
+}
+
+impl Serialize for Setting {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match (self, serializer.is_human_readable()) {
+            (Self::One(scalar), true) => scalar.serialize(serializer),
+            (Self::List(list), true) => list.serialize(serializer),
+            (Self::One(scalar), false) => (false, std::slice::from_ref(scalar)).serialize(serializer),
+            (Self::List(list), false) => (true, list).serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Setting {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        if deserializer.is_human_readable() {
+            return deserializer.deserialize_any(SettingVisitor);
+        }
+        let (is_list, mut items) = <(bool, Vec<Scalar>)>::deserialize(deserializer)?;
+        match (is_list, items.len(), items.pop()) {
+            (false, 1, Some(scalar)) => Ok(Self::One(scalar)),
+            (false, count, _) => Err(D::Error::custom(format_args!("{count} values, expected one"))),
+            (true, _, last) => {
+                items.extend(last);
+                Ok(Self::List(items))
+            }
+        }
+    }
+}
+
+struct ScalarVisitor;
+
+impl Visitor<'_> for ScalarVisitor {
+    type Value = Scalar;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a switch, a number or a text")
+    }
+
+    fn visit_bool<E: Error>(self, value: bool) -> Result<Scalar, E> {
+        Ok(Scalar::Bool(value))
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Scalar, E> {
+        Ok(Scalar::Integer(value))
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Scalar, E> {
+        let out_of_range = |_| E::custom(format_args!("{value} is too large, expected at most {}", i64::MAX));
+        i64::try_from(value).map(Scalar::Integer).map_err(out_of_range)
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Scalar, E> {
+        Ok(Scalar::Number(value))
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<Scalar, E> {
+        Ok(Scalar::Text(value.into()))
+    }
+}
+
+struct SettingVisitor;
+
+impl<'de> Visitor<'de> for SettingVisitor {
+    type Value = Setting;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a switch, a number, a text, or a list of these")
+    }
+
+    fn visit_bool<E: Error>(self, value: bool) -> Result<Setting, E> {
+        ScalarVisitor.visit_bool(value).map(Setting::One)
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Setting, E> {
+        ScalarVisitor.visit_i64(value).map(Setting::One)
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Setting, E> {
+        ScalarVisitor.visit_u64(value).map(Setting::One)
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Setting, E> {
+        ScalarVisitor.visit_f64(value).map(Setting::One)
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<Setting, E> {
+        ScalarVisitor.visit_str(value).map(Setting::One)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Setting, A::Error> {
+        let mut list = Vec::new();
+        while let Some(item) = items.next_element()? {
+            list.push(item);
+        }
+        Ok(Setting::List(list))
+    }
+}
+
+impl JsonSchema for Setting {
+    fn schema_name() -> Cow<'static, str> {
+        "Setting".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "Value of a parameter: a switch, a number, a text, or a list of these.",
+            "type": ["boolean", "number", "string", "array"],
+            "items": { "type": ["boolean", "number", "string"] }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_setting_is_written_as_toml() {
+        let setting: Setting = serde_json::from_str(r#"[256, 0.5, "a\"b\n", true]"#).unwrap();
+        assert_eq!(setting.to_string(), r#"[256, 0.5, "a\"b\u000a", true]"#);
+    }
+
+    #[test]
+    fn an_integer_beyond_64_bits_is_no_setting() {
+        assert!(serde_json::from_str::<Setting>("18446744073709551615").is_err());
+        assert!(serde_json::from_str::<Setting>("null").is_err());
+        assert!(serde_json::from_str::<Setting>("[[1]]").is_err());
+    }
+}

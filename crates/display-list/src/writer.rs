@@ -1,0 +1,105 @@
+//! Writes a stream of commands in any form.
+
+use crate::check::check;
+use crate::command::{Command, End, VERSION};
+use crate::error::{ErrorKind, Place, TraceError};
+use crate::form::{BINARY_MAGIC, Encoding, Form, Sink};
+use crate::reader::{limit, open, too_long};
+use crate::sequence::Order;
+use std::io::{self, Read, Write};
+
+/// Writes commands. Each passes the same checks as on reading, so that what was written can be read.
+pub struct Writer<W: Write> {
+    sink: Sink<W>,
+    encoding: Encoding,
+    order: Order,
+    buffer: Vec<u8>,
+}
+
+impl<W: Write> Writer<W> {
+    /// A writer of this form. Output is buffered; call [`Writer::finish`] at the end.
+    ///
+    /// # Errors
+    /// If `writer` fails, or the form is compressed and this build has no zstd.
+    pub fn new(writer: W, form: Form) -> Result<Self, TraceError> {
+        let start = |e: io::Error| {
+            let kind = if e.kind() == io::ErrorKind::Unsupported { ErrorKind::Unsupported } else { ErrorKind::Io };
+            TraceError::new(Place::Start, kind, "", format!("cannot write: {e}"))
+        };
+        let mut sink = Sink::create(writer, form.compressed).map_err(start)?;
+        if form.encoding == Encoding::Binary {
+            sink.write_all(&BINARY_MAGIC).map_err(start)?;
+            sink.write_all(&VERSION.to_le_bytes()).map_err(start)?;
+        }
+        Ok(Self { sink, encoding: form.encoding, order: Order::default(), buffer: Vec::new() })
+    }
+
+    /// Writes a command: first `begin`.
+    ///
+    /// # Errors
+    /// If the command is out of order or holds what is not allowed, or if the writer below fails.
+    pub fn write(&mut self, command: &Command) -> Result<(), TraceError> {
+        let place = Place::Command(self.order.count() + 1);
+        let checked = check(command).and_then(|()| self.order.accept(command));
+        checked.map_err(|fault| fault.at(place, command.name()))?;
+        self.buffer.clear();
+        match self.encoding {
+            Encoding::JsonLines => write_line(command, &mut self.buffer).map_err(|e| TraceError::write(place, &e))?,
+            Encoding::Binary => self.encode(command, place)?,
+        }
+        let bytes = self.buffer.len() as u64;
+        if bytes > limit(matches!(command, Command::Texture(_))) {
+            return Err(too_long(place, bytes));
+        }
+        self.sink.write_all(&self.buffer).map_err(|e| TraceError::write(place, &e))
+    }
+
+    fn encode(&mut self, command: &Command, place: Place) -> Result<(), TraceError> {
+        let failed = |what: String| TraceError::new(place, ErrorKind::Io, command.name(), format!("cannot write: {what}"));
+        self.buffer.extend([0; 4]);
+        self.buffer = postcard::to_extend(command, std::mem::take(&mut self.buffer)).map_err(|e| failed(e.to_string()))?;
+        let length = u32::try_from(self.buffer.len() - 4).map_err(|_| failed("longer than 4 GiB".into()))?;
+        if let Some(head) = self.buffer.first_chunk_mut() {
+            *head = length.to_le_bytes();
+        }
+        Ok(())
+    }
+
+    /// Commands written so far.
+    pub fn count(&self) -> u64 {
+        self.order.count()
+    }
+
+    /// Writes `end`, unless it was written, and all that is buffered; gives the writer back.
+    ///
+    /// # Errors
+    /// If no command was written, or the writer below fails.
+    pub fn finish(mut self) -> Result<W, TraceError> {
+        if !self.order.ended() {
+            self.write(&Command::End(End { commands: self.count() }))?;
+        }
+        let place = Place::Command(self.count());
+        self.sink.finish().map_err(|e| TraceError::write(place, &e))
+    }
+}
+
+/// The canonical line of a command, with its line end.
+pub(crate) fn write_line(command: &Command, line: &mut Vec<u8>) -> io::Result<()> {
+    serde_json::to_writer(&mut *line, command)?;
+    line.push(b'\n');
+    Ok(())
+}
+
+/// Turns a trace of any form into another form without loss; JSON Lines come out canonical: no spaces, fields in a
+/// fixed order, optional ones left out where they have their default, shortest decimals. Gives the count of commands.
+///
+/// # Errors
+/// If the trace is malformed or truncated, or reading or writing fails.
+pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: Form) -> Result<u64, TraceError> {
+    let mut out = Writer::new(writer, form)?;
+    for command in open(reader)? {
+        out.write(&command?)?;
+    }
+    let count = out.count();
+    out.finish().map(|_| count)
+}

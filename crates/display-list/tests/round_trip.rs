@@ -1,0 +1,129 @@
+//! Nothing is lost on the way in, out, or from form to form.
+
+mod common;
+
+use basrelief_display_list::*;
+use common::*;
+use proptest::prelude::*;
+
+/// Equal to the bit: -0 is not 0, which `==` would let pass.
+fn same(a: &impl std::fmt::Debug, b: &impl std::fmt::Debug) -> bool {
+    format!("{a:?}") == format!("{b:?}")
+}
+
+fn commands(bytes: &[u8]) -> Vec<Command> {
+    open(bytes).unwrap().collect::<Result<_, _>>().unwrap()
+}
+
+fn converted(bytes: &[u8], form: Form) -> Vec<u8> {
+    let mut out = Vec::new();
+    convert(bytes, &mut out, form).unwrap();
+    out
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn what_was_recorded_resolves_to_equal_controls(controls in controls(), form in 0..4usize) {
+        let resolved = resolve(&record(&controls, Form::ALL[form]).unwrap()).unwrap();
+        prop_assert!(same(&resolved, &controls));
+    }
+
+    #[test]
+    fn every_form_converts_into_every_other_without_loss(controls in controls(), from in 0..4usize, to in 0..4usize) {
+        let original = record(&controls, Form::ALL[from]).unwrap();
+        let there = converted(&original, Form::ALL[to]);
+        prop_assert!(same(&commands(&there), &commands(&original)));
+        prop_assert_eq!(converted(&there, Form::ALL[from]), original);
+    }
+
+    #[test]
+    fn a_recorded_trace_has_the_hash_of_its_input(controls in controls(), form in 0..4usize) {
+        let replayed = resolve(&record(&controls, Form::ALL[form]).unwrap()).unwrap();
+        prop_assert_eq!(hash(&replayed), hash(&controls));
+        let text = String::from_utf8(record(&controls, Form::default()).unwrap()).unwrap();
+        let kept: String = text.split_inclusive('\n').filter(|line| !line.starts_with(r#"{"end""#)).collect();
+        prop_assert_eq!(Digest::of(kept.as_bytes()), hash(&controls));
+    }
+
+    #[test]
+    fn settings_survive_both_encodings(value in setting()) {
+        let mut expectation = Expectation::default();
+        expectation.config.insert("replacement.entries".into(), value);
+        for form in Form::ALL {
+            let mut recorder = Recorder::new(Vec::new(), form, Begin::new(8, 8)).unwrap();
+            for control in resolve(SAMPLE.as_bytes()).unwrap() {
+                recorder.record(&control).unwrap();
+            }
+            let bytes = recorder.finish(vec![expectation.clone()]).unwrap();
+            let mut resolver = Resolver::new(bytes.as_slice(), NoFiles).unwrap();
+            prop_assert!(resolver.by_ref().all(|item| item.is_ok()));
+            prop_assert!(same(&resolver.expectations(), &std::slice::from_ref(&expectation)));
+        }
+    }
+}
+
+fn setting() -> impl Strategy<Value = Setting> {
+    let scalar = prop_oneof![
+        any::<bool>().prop_map(Scalar::Bool),
+        any::<i64>().prop_map(Scalar::Integer),
+        any::<f64>().prop_filter("finite", |x| x.is_finite()).prop_map(Scalar::Number),
+        any::<String>().prop_map(Scalar::Text),
+    ];
+    prop_oneof![scalar.clone().prop_map(Setting::One), proptest::collection::vec(scalar, 0..4).prop_map(Setting::List)]
+}
+
+#[test]
+fn the_sample_is_canonical_and_survives_every_form() {
+    for form in Form::ALL {
+        let bytes = sample_as(form);
+        assert_eq!(String::from_utf8(converted(&bytes, Form::default())).unwrap(), SAMPLE);
+        assert_eq!(commands(&bytes), commands(SAMPLE.as_bytes()));
+    }
+}
+
+#[test]
+fn the_first_bytes_tell_the_form() {
+    let heads = Form::ALL.map(|form| sample_as(form)[..4].to_vec());
+    assert_eq!(heads, [b"{\"be".to_vec(), vec![0x28, 0xb5, 0x2f, 0xfd], b"\x89BDL".to_vec(), vec![0x28, 0xb5, 0x2f, 0xfd]]);
+}
+
+#[test]
+fn expectations_are_there_after_the_end() {
+    let mut resolver = Resolver::new(SAMPLE.as_bytes(), NoFiles).unwrap();
+    assert_eq!((resolver.begin().width, resolver.begin().height), (8, 8));
+    assert!(resolver.by_ref().all(|item| item.is_ok()));
+    let [expectation] = resolver.expectations() else { panic!("one expectation") };
+    assert_eq!(expectation.cycles, Some(100));
+    assert_eq!(expectation.config["replacement.entries"].to_string(), "[256, 128]");
+    assert_eq!(expectation.memories["graphics"]["z"].write_bytes, 64);
+}
+
+#[test]
+fn texels_may_lie_in_a_file_beside_the_trace() {
+    let mut inline = commands(SAMPLE.as_bytes());
+    let mut taken = Vec::new();
+    for command in &mut inline {
+        if let Command::Texture(texture) = command {
+            texture.file = Some(format!("texels/{}.raw", texture.id));
+            taken.push(texture.data.take().unwrap().0);
+        }
+    }
+    let mut writer = Writer::new(Vec::new(), Form::default()).unwrap();
+    inline.iter().for_each(|command| writer.write(command).unwrap());
+    let beside = writer.finish().unwrap();
+    let files = |cut: usize| {
+        let taken = taken.clone();
+        move |name: &str| -> std::io::Result<Box<dyn std::io::Read>> {
+            let i = ["texels/0.raw", "texels/1.raw"].iter().position(|known| *known == name).unwrap();
+            Ok(Box::new(std::io::Cursor::new(taken[i][cut..].to_vec())))
+        }
+    };
+    let controls: Result<Vec<_>, _> = Resolver::new(beside.as_slice(), files(0)).unwrap().map(|i| i.map(|i| i.0)).collect();
+    assert_eq!(controls.unwrap(), resolve(SAMPLE.as_bytes()).unwrap());
+    let short = Resolver::new(beside.as_slice(), files(1)).unwrap().find_map(Result::err).unwrap();
+    assert!(short.to_string().contains("texture.file: holds 15 bytes, expected 16"), "{short}");
+    let none = Resolver::new(beside.as_slice(), NoFiles).unwrap().find_map(Result::err).unwrap();
+    assert_eq!((none.kind, none.path.as_str()), (ErrorKind::Io, "texture.file"));
+}
