@@ -112,12 +112,12 @@ struct Survey {
 }
 
 impl Visitor for Survey {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
         &mut self,
         stage: &mut Stage<U>,
         inputs: I,
         outputs: O,
-        _: Clients<'_>,
+        _: Clients<'_, M>,
     ) {
         if stage.clock.steps > 0 {
             self.last = self.last.max(Some(Cycle(stage.clock.free.0 - 1)));
@@ -141,12 +141,12 @@ struct Conclude {
 }
 
 impl Visitor for Conclude {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
         &mut self,
         stage: &mut Stage<U>,
         inputs: I,
         mut outputs: O,
-        clients: Clients<'_>,
+        clients: Clients<'_, M>,
     ) {
         let free = stage.clock.free;
         let demand = stage.unit.demand();
@@ -165,7 +165,7 @@ impl Visitor for Conclude {
             }
         }
         let names = |ids: &[usize]| -> Vec<String> {
-            clients.system.as_deref().map_or(Vec::new(), |s| ids.iter().map(|&c| s.client_name(c).to_owned()).collect())
+            clients.system().map_or(Vec::new(), |s| ids.iter().map(|&c| s.client_name(c).to_owned()).collect())
         };
         self.units.push(UnitReport {
             name: stage.name().into(),
@@ -173,7 +173,7 @@ impl Visitor for Conclude {
             account,
             inputs: (0..inputs.count()).map(|i| inputs.link(i).name().to_owned()).collect(),
             outputs: (0..outputs.count()).map(|i| outputs.link(i).name().to_owned()).collect(),
-            clients: names(clients.ids),
+            clients: names(clients.ids()),
         });
         for i in 0..outputs.count() {
             let link = outputs.link_mut(i);
@@ -184,13 +184,19 @@ impl Visitor for Conclude {
 }
 
 /// One line on a unit that cannot go on: what it waits for, and how full that is.
-fn explain<I: Inputs, O: Outputs>(name: &str, cause: Cause, inputs: &I, outputs: &O, clients: &Clients<'_>) -> String {
+fn explain<I: Inputs, O: Outputs, const M: bool>(
+    name: &str,
+    cause: Cause,
+    inputs: &I,
+    outputs: &O,
+    clients: &Clients<'_, M>,
+) -> String {
     let fill = |link: &crate::Link| format!("`{}` ({} of {} slots)", link.name(), link.len(), link.depth());
     match cause {
         Cause::Starved(i) => format!("`{name}` waits for a token from {}", fill(inputs.link(i))),
         Cause::Blocked(i) => format!("`{name}` waits for a slot in {}", fill(outputs.link(i))),
         Cause::Memory(i) => {
-            let port = clients.system.as_deref().map_or("", |s| s.client_name(clients.ids[i]));
+            let port = clients.system().map_or("", |s| s.client_name(clients.ids()[i]));
             format!("`{name}` waits for memory port `{port}`")
         }
     }

@@ -78,12 +78,12 @@ pub(crate) struct Start {
 
 /// The earliest start of the unit's next step (law 3); `None` if it will make no further step.
 #[inline]
-pub(crate) fn next_start<U: Unit, I: Inputs, O: Outputs>(
+pub(crate) fn next_start<U: Unit, I: Inputs, O: Outputs, const M: bool>(
     unit: &U,
     clock: &Clock,
     inputs: &I,
     outputs: &O,
-    clients: &Clients<'_>,
+    clients: &Clients<'_, M>,
 ) -> Option<Start> {
     let demand = unit.demand();
     if demand == Demand::Finished {
@@ -93,8 +93,8 @@ pub(crate) fn next_start<U: Unit, I: Inputs, O: Outputs>(
     for i in (0..inputs.count()).filter(|&i| demand.takes(i)) {
         at = at.max(inputs.link(i).front_visible());
     }
-    if let Some(system) = clients.system.as_deref() {
-        for (i, &client) in clients.ids.iter().enumerate() {
+    if let Some(system) = clients.system() {
+        for (i, &client) in clients.ids().iter().enumerate() {
             at = at.max(system.credits_at(client, unit.largest_step(i)));
         }
     }
@@ -108,10 +108,10 @@ pub(crate) fn next_start<U: Unit, I: Inputs, O: Outputs>(
 ///
 /// In each cycle the first cause that applies counts; every condition, once met, stays met until the step starts. So
 /// the causes follow each other in the order in which they are tried, and a running maximum splits the interval.
-pub(crate) fn split_wait<U: Unit, I: Inputs, O: Outputs>(
+pub(crate) fn split_wait<U: Unit, I: Inputs, O: Outputs, const M: bool>(
     unit: &U,
     demand: Demand,
-    wires: (&I, &O, &Clients<'_>),
+    wires: (&I, &O, &Clients<'_, M>),
     (from, to): (Cycle, Cycle),
     mut charge: impl FnMut(Cause, Cycle, Cycle),
 ) {
@@ -127,8 +127,8 @@ pub(crate) fn split_wait<U: Unit, I: Inputs, O: Outputs>(
     for i in (0..inputs.count()).filter(|&i| demand.takes(i)) {
         until(Cause::Starved(i), inputs.link(i).front_visible());
     }
-    if let Some(system) = clients.system.as_deref() {
-        for (i, &client) in clients.ids.iter().enumerate() {
+    if let Some(system) = clients.system() {
+        for (i, &client) in clients.ids().iter().enumerate() {
             until(Cause::Memory(i), system.credits_at(client, unit.largest_step(i)));
         }
     }
@@ -143,11 +143,11 @@ pub(crate) fn split_wait<U: Unit, I: Inputs, O: Outputs>(
 }
 
 /// A stage's clients in the order in which their memories serve them.
-fn answer_order(clients: &Clients<'_>) -> impl Iterator<Item = usize> + use<> {
+fn answer_order<const M: bool>(clients: &Clients<'_, M>) -> impl Iterator<Item = usize> + use<M> {
     let mut order: [usize; MAX_CLIENTS] = std::array::from_fn(|i| i);
-    let count = clients.ids.len();
-    if let (Some(system), true) = (clients.system.as_deref(), count > 1) {
-        order[..count].sort_by_key(|&i| system.service_rank(clients.ids[i]));
+    let count = clients.ids().len();
+    if let (Some(system), true) = (clients.system(), count > 1) {
+        order[..count].sort_by_key(|&i| system.service_rank(clients.ids()[i]));
     }
     order.into_iter().take(count)
 }
@@ -155,12 +155,12 @@ fn answer_order(clients: &Clients<'_>) -> impl Iterator<Item = usize> + use<> {
 impl Clock {
     /// Makes one step at `start`.
     #[inline]
-    pub(crate) fn fire<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+    pub(crate) fn fire<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
         &mut self,
         unit: &mut U,
         demand: Demand,
         start: Cycle,
-        wires: (&mut I, &mut O, &mut Clients<'_>),
+        wires: (&mut I, &mut O, &mut Clients<'_, M>),
         traffic: &mut Traffic,
     ) {
         let (inputs, outputs, clients) = wires;
@@ -171,7 +171,7 @@ impl Clock {
         }
         let mask = outputs.reserve(start, step.out);
         let mut occupancy = step.occupancy;
-        if traffic.is_empty() && self.in_flight.is_empty() {
+        if !M || (traffic.is_empty() && self.in_flight.is_empty()) {
             self.deliver(start + step.latency, mask, step.ends_frame, outputs);
         } else {
             let mut flight = InFlight::new(start + step.latency, mask, step.ends_frame);
@@ -187,10 +187,17 @@ impl Clock {
     }
 
     /// Issues a step's look-ups and requests; returns the least occupancy that its look-ups need (law 5).
-    fn issue(&mut self, start: Cycle, flight: &mut InFlight, clients: &mut Clients<'_>, traffic: &Traffic) -> u64 {
-        let Some(system) = clients.system.as_deref_mut() else { return 1 };
+    fn issue<const M: bool>(
+        &mut self,
+        start: Cycle,
+        flight: &mut InFlight,
+        clients: &mut Clients<'_, M>,
+        traffic: &Traffic,
+    ) -> u64 {
+        let ids = clients.ids();
+        let Some(system) = clients.system_mut() else { return 1 };
         for r in &traffic.look_ups {
-            let client = clients.ids[r.client as usize];
+            let client = ids[r.client as usize];
             let line_bytes = system.line_bytes(client);
             let (first, last) = (r.address / line_bytes, (r.address + u64::from(r.bytes.max(1)) - 1) / line_bytes);
             for line in first..=last {
@@ -198,13 +205,13 @@ impl Clock {
             }
         }
         for r in &traffic.requests {
-            let number = system.issue(clients.ids[r.client as usize], start, r.address, r.bytes, r.write);
+            let number = system.issue(ids[r.client as usize], start, r.address, r.bytes, r.write);
             if !r.write {
                 flight.reads[r.client as usize] = number + 1;
             }
         }
         let mut least = 1;
-        for (i, &client) in clients.ids.iter().enumerate() {
+        for (i, &client) in ids.iter().enumerate() {
             let lines = u64::from(flight.look_ups[i]);
             least = least.max(lines.div_ceil(system.lookups_per_cycle(client)));
             system.serve_if_private(client);
@@ -234,7 +241,10 @@ impl Clock {
     /// Delivers the steps in flight whose answers are known by now, and tells whether there were any. To be called
     /// before looking at the next start.
     #[inline]
-    pub(crate) fn land_known<O: Outputs>(&mut self, outputs: &mut O, clients: &mut Clients<'_>) -> bool {
+    pub(crate) fn land_known<O: Outputs, const M: bool>(&mut self, outputs: &mut O, clients: &mut Clients<'_, M>) -> bool {
+        if !M {
+            return false;
+        }
         let before = self.in_flight.len();
         while let Some(mut flight) = self.in_flight.pop_front() {
             if !self.land(&mut flight, outputs, clients) {
@@ -247,10 +257,11 @@ impl Clock {
 
     /// Delivers one step if all its answers are known.
     #[inline]
-    fn land<O: Outputs>(&mut self, flight: &mut InFlight, outputs: &mut O, clients: &mut Clients<'_>) -> bool {
+    fn land<O: Outputs, const M: bool>(&mut self, flight: &mut InFlight, outputs: &mut O, clients: &mut Clients<'_, M>) -> bool {
         let mut delivered = flight.base;
-        if let Some(system) = clients.system.as_deref_mut() {
-            for (i, &client) in clients.ids.iter().enumerate() {
+        let ids = clients.ids();
+        if let Some(system) = clients.system_mut() {
+            for (i, &client) in ids.iter().enumerate() {
                 while flight.look_ups[i] > 0 {
                     let Some(look_up) = self.look_ups[i].front() else { break };
                     let Some(answer) = system.resolve(client, *look_up) else { return false };
@@ -270,7 +281,7 @@ impl Clock {
             }
         }
         for i in (0..outputs.count()).filter(|i| flight.mask & 1 << i != 0) {
-            outputs.link_mut(i).set_awaits(&flight.answers[..clients.ids.len()]);
+            outputs.link_mut(i).set_awaits(&flight.answers[..ids.len()]);
         }
         self.deliver(delivered, flight.mask, flight.ends_frame, outputs);
         true
@@ -287,9 +298,9 @@ impl Clock {
     }
 
     /// Starts a run: tells the outputs how many clients may hold them up.
-    pub(crate) fn attach<O: Outputs>(outputs: &mut O, clients: &Clients<'_>) {
+    pub(crate) fn attach<O: Outputs, const M: bool>(outputs: &mut O, clients: &Clients<'_, M>) {
         for i in 0..outputs.count() {
-            outputs.link_mut(i).set_clients(clients.ids.len());
+            outputs.link_mut(i).set_clients(clients.ids().len());
         }
     }
 

@@ -12,12 +12,12 @@ struct Walk {
 
 impl Visitor for Walk {
     #[inline]
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
         &mut self,
         stage: &mut Stage<U>,
         mut inputs: I,
         mut outputs: O,
-        _: Clients<'_>,
+        _: Clients<'_, M>,
     ) {
         while self.fault.is_none() {
             let demand = stage.unit.demand();

@@ -61,19 +61,19 @@ pub(crate) enum Halt {
 }
 
 /// Learns the topology before the first step: who has which clients, and which memories are private.
-fn attach<M: Machine>(machine: &mut M) {
+fn attach(machine: &mut impl Machine) {
     #[derive(Default)]
     struct Attach(Vec<Vec<usize>>);
     impl Visitor for Attach {
-        fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+        fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
             &mut self,
             _: &mut Stage<U>,
             _: I,
             mut outputs: O,
-            clients: Clients<'_>,
+            clients: Clients<'_, M>,
         ) {
             Clock::attach(&mut outputs, &clients);
-            self.0.push(clients.ids.to_vec());
+            self.0.push(clients.ids().to_vec());
         }
     }
     let mut all = Attach::default();
@@ -84,12 +84,12 @@ fn attach<M: Machine>(machine: &mut M) {
 /// Delivers what is known by now, for every stage; used after the last memory answers.
 struct Land;
 impl Visitor for Land {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
         &mut self,
         stage: &mut Stage<U>,
         _: I,
         mut outputs: O,
-        mut clients: Clients<'_>,
+        mut clients: Clients<'_, M>,
     ) {
         stage.clock.land_known(&mut outputs, &mut clients);
     }

@@ -19,11 +19,11 @@ struct Tick<'p, P> {
 }
 
 impl<P: Probe> Tick<'_, P> {
-    fn work<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+    fn work<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
         &mut self,
         stage: &mut Stage<U>,
         demand: Demand,
-        wires: (&mut I, &mut O, &mut Clients<'_>),
+        wires: (&mut I, &mut O, &mut Clients<'_, M>),
     ) {
         for (cause, from, to) in std::mem::take(&mut stage.clock.waits) {
             stage.clock.charge(self.probe, self.stage, cause, from, to);
@@ -40,12 +40,12 @@ impl<P: Probe> Tick<'_, P> {
 }
 
 impl<P: Probe> Visitor for Tick<'_, P> {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
         &mut self,
         stage: &mut Stage<U>,
         mut inputs: I,
         mut outputs: O,
-        mut clients: Clients<'_>,
+        mut clients: Clients<'_, M>,
     ) {
         let now = self.now;
         if stage.clock.free <= now
@@ -77,12 +77,12 @@ fn join(waits: &mut Vec<(Cause, Cycle, Cycle)>, cause: Cause, from: Cycle, to: C
 /// Counts slots held at the end of a cycle.
 struct CountHeld(Cycle);
 impl Visitor for CountHeld {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
         &mut self,
         _: &mut Stage<U>,
         _: I,
         mut outputs: O,
-        _: Clients<'_>,
+        _: Clients<'_, M>,
     ) {
         for i in 0..outputs.count() {
             outputs.link_mut(i).count_held(self.0);
@@ -93,12 +93,12 @@ impl Visitor for CountHeld {
 /// Whether any stage has a known next start.
 struct AnyStart(bool);
 impl Visitor for AnyStart {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
         &mut self,
         stage: &mut Stage<U>,
         inputs: I,
         outputs: O,
-        clients: Clients<'_>,
+        clients: Clients<'_, M>,
     ) {
         let next = next_start(&stage.unit, &stage.clock, &inputs, &outputs, &clients);
         self.0 |= next.is_some_and(|next| next.at.is_known());

@@ -19,12 +19,12 @@ struct RunAhead<'p, P> {
 
 impl<P: Probe> Visitor for RunAhead<'_, P> {
     #[inline]
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>>(
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
         &mut self,
         stage: &mut Stage<U>,
         mut inputs: I,
         mut outputs: O,
-        mut clients: Clients<'_>,
+        mut clients: Clients<'_, M>,
     ) {
         let number = self.stage;
         self.stage += 1;
