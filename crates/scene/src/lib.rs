@@ -1,1 +1,81 @@
-//! Basrelief: glTF and OBJ import, cameras, demo scenes
+//! From models to scenes: glTF 2.0 and OBJ import, cameras, MIP pyramids and the demo scenes.
+//!
+//! What comes out is a [`Scene`]: objects, frames, and one sentence for everything that was left out. A model's other
+//! files are read through [`Files`], so that the same importer runs where there is no file system.
+
+mod camera;
+mod error;
+mod files;
+mod gltf;
+mod model;
+mod normals;
+mod obj;
+mod picture;
+pub mod pyramid;
+mod tangents;
+mod textures;
+mod view;
+
+pub use camera::{read_camera, write_camera};
+pub use error::SceneError;
+pub use files::{Directory, Files, MAX_FILE_BYTES, Memory};
+pub use view::ViewOptions;
+
+use basrelief_signals::{Draw, Scene};
+use error::Warnings;
+use model::Model;
+use std::path::Path;
+use std::sync::Arc;
+use view::Setting;
+
+/// Imports a model: GLB and glTF are told by their content, OBJ by the ending of its name.
+///
+/// `name` is the file's name, for messages and as the scene's name; `files` gives what the model refers to.
+///
+/// # Errors
+/// Neither of the formats, corrupt, a required extension that is not supported, over a limit, or nothing to draw.
+pub fn load(bytes: &[u8], name: &str, files: &dyn Files, options: &ViewOptions) -> Result<Scene, SceneError> {
+    let mut warnings = Warnings::default();
+    let model = import(bytes, name, files, &mut warnings).map_err(|e| e.in_file(name))?;
+    let frames = Setting::still(model.bounds, model.camera, model.lamps).frames(options)?;
+    Ok(Scene { name: name.into(), objects: model.objects, frames, warnings: warnings.into_vec() })
+}
+
+/// Imports a model from the file system; what it refers to is looked for in its folder.
+///
+/// # Errors
+/// As [`load`], and where the file cannot be read.
+pub fn load_path(path: &Path, options: &ViewOptions) -> Result<Scene, SceneError> {
+    let shown = path.display().to_string();
+    let bytes = files::read_regular(path)
+        .map_err(|e| SceneError::at("", format!("cannot be read: {e}")).expected("a .glb, .gltf or .obj file").in_file(&shown))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    load(&bytes, &shown, &Directory::new(folder), options)
+}
+
+fn import(bytes: &[u8], name: &str, files: &dyn Files, warnings: &mut Warnings) -> Result<Model, SceneError> {
+    let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
+    let first = bytes.iter().find(|b| !b.is_ascii_whitespace());
+    if bytes.starts_with(gltf::glb::MAGIC) || ending == "glb" {
+        gltf::import_glb(bytes, files, warnings)
+    } else if ending == "gltf" || (ending != "obj" && first == Some(&b'{')) {
+        gltf::import_json(bytes, files, warnings)
+    } else if ending == "obj" {
+        obj::import(bytes, files, warnings)
+    } else {
+        Err(SceneError::at("", "no known model format")
+            .expected("a .glb, .gltf or .obj file")
+            .cure("convert the model to one of these"))
+    }
+}
+
+/// What the host hands to the geometry processor: every frame with all objects and their triangles.
+pub fn draws(scene: &Scene) -> impl Iterator<Item = Draw> + '_ {
+    scene.frames.iter().flat_map(|frame| {
+        let objects = scene.objects.iter().flat_map(|object| {
+            let triangles = object.mesh.indices.len() / 3;
+            std::iter::once(Draw::Object(Arc::clone(object))).chain((0..triangles as u32).map(Draw::Triangle))
+        });
+        std::iter::once(Draw::Frame(Arc::clone(frame))).chain(objects).chain(std::iter::once(Draw::FrameEnd))
+    })
+}

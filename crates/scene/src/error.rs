@@ -1,0 +1,115 @@
+//! One error type for every reader of this crate.
+
+use std::fmt::{Display, Formatter, Result as FmtResult};
+
+/// What is wrong with an input, where, what was expected, and what to do about it.
+///
+/// Reads as `FILE: PLACE: what is wrong; expected ...; what to do`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, thiserror::Error)]
+pub struct SceneError {
+    /// File as the user named it, or as the model refers to it.
+    pub file: String,
+    /// JSON pointer, line or byte offset within the file; empty where the whole file is meant.
+    pub place: String,
+    /// What was found.
+    pub what: String,
+    /// What would have been right.
+    pub expected: String,
+    /// What the user can do; may be empty.
+    pub cure: String,
+}
+
+impl Display for SceneError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> FmtResult {
+        for part in [&self.file, &self.place] {
+            if !part.is_empty() {
+                write!(f, "{part}: ")?;
+            }
+        }
+        write!(f, "{}", self.what)?;
+        if !self.expected.is_empty() {
+            write!(f, "; expected {}", self.expected)?;
+        }
+        if !self.cure.is_empty() {
+            write!(f, "; {}", self.cure)?;
+        }
+        Ok(())
+    }
+}
+
+impl SceneError {
+    /// An error at a place of the file that is being read; [`SceneError::in_file`] adds its name.
+    pub(crate) fn at(place: impl Into<String>, what: impl Into<String>) -> Self {
+        Self { place: place.into(), what: what.into(), ..Self::default() }
+    }
+
+    /// Says what would have been right.
+    #[must_use]
+    pub(crate) fn expected(mut self, expected: impl Into<String>) -> Self {
+        self.expected = expected.into();
+        self
+    }
+
+    /// Says what to do.
+    #[must_use]
+    pub(crate) fn cure(mut self, cure: impl Into<String>) -> Self {
+        self.cure = cure.into();
+        self
+    }
+
+    /// Adds what was noticed before the error: it may be the reason.
+    #[must_use]
+    pub(crate) fn with_notes(mut self, notes: &[String]) -> Self {
+        if !notes.is_empty() {
+            self.what = format!("{} (noticed before: {})", self.what, notes.join("; "));
+        }
+        self
+    }
+
+    /// Names the file, unless an inner reader has named a more precise one.
+    #[must_use]
+    pub(crate) fn in_file(mut self, file: &str) -> Self {
+        if self.file.is_empty() {
+            self.file = file.into();
+        }
+        self
+    }
+}
+
+/// Sentences on what was left out or replaced, each kept once.
+#[derive(Debug, Default)]
+pub(crate) struct Warnings {
+    sentences: Vec<String>,
+    dropped: usize,
+}
+
+/// More than this many different sentences help nobody.
+const MOST_WARNINGS: usize = 100;
+
+impl Warnings {
+    /// Adds a sentence, unless it was said before.
+    pub(crate) fn add(&mut self, sentence: impl Into<String>) {
+        let sentence = sentence.into();
+        if self.sentences.contains(&sentence) {
+            return;
+        }
+        if self.sentences.len() < MOST_WARNINGS {
+            self.sentences.push(sentence);
+        } else {
+            self.dropped += 1;
+        }
+    }
+
+    /// The sentences so far.
+    pub(crate) fn sentences(&self) -> &[String] {
+        &self.sentences
+    }
+
+    /// All sentences, in order.
+    pub(crate) fn into_vec(mut self) -> Vec<String> {
+        if self.dropped > 0 {
+            self.sentences.push(format!("{} further warnings are not shown", self.dropped));
+        }
+        self.sentences
+    }
+}

@@ -1,0 +1,158 @@
+//! Buffers and buffer views.
+
+use super::check::resolve;
+use super::json::{Buffer, BufferView, Document, Int};
+use crate::SceneError;
+use crate::files::{Files, read_reference, shorten};
+use base64::Engine;
+use base64::engine::DecodePaddingMode;
+use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
+use std::borrow::Cow;
+
+/// All buffers of a document. One without data is legal as long as nothing reads it: some exporters leave such
+/// placeholders for extensions.
+pub(crate) struct Buffers<'a> {
+    data: Vec<Option<Cow<'a, [u8]>>>,
+}
+
+impl<'a> Buffers<'a> {
+    /// Loads every buffer: from the GLB's BIN chunk (`bin`, where `container` says the file is a GLB), a data URI or a
+    /// file.
+    pub(crate) fn load(document: &Document, container: Container<'a>, files: &dyn Files) -> Result<Self, SceneError> {
+        let load = |(i, buffer)| load_buffer(i, buffer, container, files);
+        let data = document.buffers.iter().enumerate().map(load).collect::<Result<_, _>>()?;
+        for (i, view) in document.buffer_views.iter().enumerate() {
+            check_view(document, i, view)?;
+        }
+        Ok(Self { data })
+    }
+
+    /// The bytes of a buffer view.
+    pub(crate) fn view(&self, document: &Document, index: Int, place: impl FnOnce() -> String) -> Result<&[u8], SceneError> {
+        let view = resolve(&document.buffer_views, "bufferViews", index, place)?;
+        let data = self.data.get(view.buffer.index()).and_then(|d| d.as_deref()).ok_or_else(|| {
+            SceneError::at(format!("/buffers/{}", view.buffer.0), "has no data: neither a uri nor a BIN chunk")
+                .expected(format!("data, since /bufferViews/{} is read", index.0))
+                .cure("export the model again")
+        })?;
+        let start = view.byte_offset.index();
+        // The views are checked against lengths that the data are known to have.
+        Ok(data.get(start..start.saturating_add(view.byte_length.index())).unwrap_or_default())
+    }
+}
+
+/// What the buffers come in.
+#[derive(Clone, Copy)]
+pub(crate) enum Container<'a> {
+    /// A `.gltf` file.
+    Json,
+    /// A `.glb` file and its BIN chunk.
+    Glb(Option<&'a [u8]>),
+}
+
+fn check_view(document: &Document, i: usize, view: &BufferView) -> Result<(), SceneError> {
+    let place = || format!("/bufferViews/{i}/byteLength");
+    let buffer = resolve(&document.buffers, "buffers", view.buffer, || format!("/bufferViews/{i}/buffer"))?;
+    if view.byte_length.0 == 0 {
+        return Err(SceneError::at(place(), "is 0").expected("at least 1"));
+    }
+    let end = view.byte_offset.0.checked_add(view.byte_length.0);
+    if end.is_none_or(|end| end > buffer.byte_length.0) {
+        let (length, offset) = (view.byte_length.0, view.byte_offset.0);
+        return Err(SceneError::at(place(), format!("{length} bytes from byte {offset} on do not fit"))
+            .expected(format!("a range within buffer {}, which has {} bytes", view.buffer.0, buffer.byte_length.0))
+            .cure("export the model again"));
+    }
+    Ok(())
+}
+
+fn load_buffer<'a>(
+    i: usize,
+    buffer: &Buffer,
+    container: Container<'a>,
+    files: &dyn Files,
+) -> Result<Option<Cow<'a, [u8]>>, SceneError> {
+    let place = format!("/buffers/{i}");
+    if buffer.byte_length.0 == 0 {
+        return Err(SceneError::at(format!("{place}/byteLength"), "is 0").expected("at least 1"));
+    }
+    let data = match (&buffer.uri, container) {
+        (Some(uri), _) => Cow::Owned(read_uri(uri, files, &format!("{place}/uri"))?),
+        (None, Container::Glb(Some(bin))) if i == 0 => Cow::Borrowed(bin),
+        (None, Container::Glb(None)) if i == 0 => {
+            return Err(SceneError::at(place, "the GLB file has no BIN chunk")
+                .expected("one, since this buffer has no uri")
+                .cure("export the model again"));
+        }
+        (None, _) => return Ok(None),
+    };
+    if (data.len() as u64) < buffer.byte_length.0 {
+        let what = format!("is {}, but the data have {} bytes", buffer.byte_length.0, data.len());
+        return Err(SceneError::at(format!("{place}/byteLength"), what)
+            .expected("no more than there is")
+            .cure("the data are cut off: export or download them again"));
+    }
+    Ok(Some(data))
+}
+
+/// The bytes that a URI stands for: a data URI, or a file relative to the model.
+pub(crate) fn read_uri(uri: &str, files: &dyn Files, place: &str) -> Result<Vec<u8>, SceneError> {
+    if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+        return decode_data_uri(uri).ok_or_else(|| {
+            SceneError::at(place, format!("invalid data URI `{}`", shorten(uri)))
+                .expected("`data:[type];base64,` and base64 text, or `data:[type],` and percent-encoded bytes")
+                .cure("export the model again")
+        });
+    }
+    let name = percent_decode(uri).ok_or_else(|| {
+        SceneError::at(place, format!("`{}` has a wrong percent escape", shorten(uri))).expected("%XX, in UTF-8")
+    })?;
+    read_reference(files, &name, place)
+}
+
+/// Readers differ on padding and on bits beyond the end; exporters do, too.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &base64::alphabet::STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent).with_decode_allow_trailing_bits(true),
+);
+
+fn decode_data_uri(uri: &str) -> Option<Vec<u8>> {
+    let (head, data) = uri.split_once(',')?;
+    if head.to_ascii_lowercase().ends_with(";base64") { BASE64.decode(data.trim()).ok() } else { percent_bytes(data) }
+}
+
+fn percent_decode(uri: &str) -> Option<String> {
+    String::from_utf8(percent_bytes(uri)?).ok()
+}
+
+fn percent_bytes(text: &str) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.bytes();
+    while let Some(byte) = rest.next() {
+        if byte == b'%' {
+            let digit = |b: Option<u8>| char::from(b?).to_digit(16);
+            bytes.push((digit(rest.next())? * 16 + digit(rest.next())?) as u8);
+        } else {
+            bytes.push(byte);
+        }
+    }
+    Some(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::Memory;
+
+    #[test]
+    fn uris_are_decoded() {
+        let files = Memory::default().with("a b.bin", *b"xyz");
+        assert_eq!(read_uri("a%20b.bin", &files, "").unwrap(), b"xyz");
+        assert_eq!(read_uri("data:application/octet-stream;base64,AAEC", &files, "").unwrap(), [0, 1, 2]);
+        assert_eq!(read_uri("data:;base64,AA", &files, "").unwrap(), [0]);
+        assert_eq!(read_uri("data:text/plain,x%00", &files, "").unwrap(), [b'x', 0]);
+        for bad in ["data:", "data:;base64,A*", "a%2", "a%zz", "%ff", "http://a/b", "/a", "é"] {
+            assert!(read_uri(bad, &files, "").is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! Primitives to meshes.
+
+use super::accessor::{Accessors, Component, Format};
+use super::json::{Int, Primitive, TextureTransform};
+use crate::SceneError;
+use crate::error::Warnings;
+use crate::normals;
+use crate::tangents;
+use basrelief_signals::Mesh;
+use glam::DVec3;
+
+/// What the material asks of a primitive's texture coordinates.
+#[derive(Clone, Default)]
+pub(crate) struct UvRequest {
+    /// Which TEXCOORD set.
+    pub set: u64,
+    /// `KHR_texture_transform`, to be baked in.
+    pub transform: Option<TextureTransform>,
+}
+
+/// Texture coordinates that a primitive must provide; `None` where the material has no such texture.
+#[derive(Clone, Default)]
+pub(crate) struct Needs {
+    pub color: Option<UvRequest>,
+    pub normal_map: Option<UvRequest>,
+}
+
+/// Reads primitives of one document.
+pub(crate) struct Geometry<'a> {
+    pub accessors: &'a Accessors<'a>,
+    /// `KHR_mesh_quantization` is declared.
+    pub quantized: bool,
+}
+
+/// Which formats a vertex attribute may have.
+#[derive(Clone, Copy)]
+enum Semantic {
+    Position,
+    Direction,
+    TexCoord,
+    Color,
+}
+
+impl Semantic {
+    fn allows(self, format: Format, quantized: bool) -> bool {
+        use Component::{F32, I8, I16, U8, U16, U32};
+        let narrow = matches!(format.component, I8 | U8 | I16 | U16);
+        match (self, format.component) {
+            (_, F32) => true,
+            (_, U32) => false,
+            (Self::Position, _) => quantized && narrow,
+            (Self::Direction, I8 | I16) => quantized && format.normalized,
+            (Self::Direction, _) => false,
+            (Self::TexCoord, U8 | U16) => quantized || format.normalized,
+            (Self::TexCoord, _) => quantized,
+            (Self::Color, U8 | U16) => format.normalized,
+            (Self::Color, _) => false,
+        }
+    }
+
+    fn expected(self) -> &'static str {
+        match self {
+            Self::Position => "float (with KHR_mesh_quantization also bytes and shorts)",
+            Self::Direction => "float (with KHR_mesh_quantization also normalized signed bytes and shorts)",
+            Self::TexCoord => "float, normalized unsigned byte or short (with KHR_mesh_quantization any byte or short)",
+            Self::Color => "float, normalized unsigned byte or short",
+        }
+    }
+}
+
+impl Geometry<'_> {
+    /// The mesh of a primitive; `None` where it has no triangles.
+    pub(crate) fn mesh(
+        &self,
+        primitive: &Primitive,
+        needs: &Needs,
+        place: &str,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Mesh>, SceneError> {
+        let mode = primitive.mode.map_or(TRIANGLES, |m| m.0);
+        if mode < TRIANGLES {
+            warnings.add(format!("{place} draws points or lines: skipped"));
+            return Ok(None);
+        }
+        if !primitive.targets.is_empty() {
+            warnings.add(format!("{place}: morph targets are ignored: drawn at rest"));
+        }
+        let Some(positions) = self.attribute::<3>(primitive, "POSITION", None, Semantic::Position, place)? else {
+            warnings.add(format!("{place} has no POSITION: skipped"));
+            return Ok(None);
+        };
+        let indices = self.triangles(primitive, mode, positions.len(), place, warnings)?;
+        if indices.is_empty() {
+            warnings.add(format!("{place} has no triangle: skipped"));
+            return Ok(None);
+        }
+        let mut mesh = Mesh { positions, indices, ..Mesh::default() };
+        self.fill(&mut mesh, primitive, needs, place, warnings)?;
+        Ok(Some(mesh))
+    }
+
+    /// Everything beside positions and indices.
+    fn fill(
+        &self,
+        mesh: &mut Mesh,
+        primitive: &Primitive,
+        needs: &Needs,
+        place: &str,
+        warnings: &mut Warnings,
+    ) -> Result<(), SceneError> {
+        let count = Some(mesh.positions.len());
+        mesh.uv = self.uv(primitive, needs.color.as_ref(), mesh.positions.len(), place, warnings)?;
+        mesh.uv_normal = self.uv(primitive, needs.normal_map.as_ref(), mesh.positions.len(), place, warnings)?;
+        mesh.colors = self.attribute(primitive, "COLOR_0", count, Semantic::Color, place)?.unwrap_or_default();
+        for color in &mut mesh.colors {
+            *color = color.map(|c| c.clamp(0.0, 1.0));
+        }
+        let normals = self.attribute::<3>(primitive, "NORMAL", count, Semantic::Direction, place)?;
+        let tangents = self.attribute::<4>(primitive, "TANGENT", count, Semantic::Direction, place)?;
+        let has_normals = normals.is_some();
+        match normals {
+            Some(normals) => mesh.normals = unit_normals(normals, mesh, place, warnings),
+            None => {
+                // Room for the split vertices: 72 bytes each.
+                self.accessors.charge(72 * mesh.indices.len() as u64, place)?;
+                flatten(mesh);
+            }
+        }
+        if needs.normal_map.is_none() {
+            return Ok(());
+        }
+        match tangents.filter(|_| has_normals) {
+            Some(given) => {
+                mesh.tangents = given.iter().zip(&mesh.normals).map(|(t, n)| tangents::repair(*t, *n)).collect();
+            }
+            None => {
+                self.accessors.charge(72 * mesh.indices.len() as u64, place)?;
+                tangents::generate(mesh);
+            }
+        }
+        Ok(())
+    }
+
+    fn uv(
+        &self,
+        primitive: &Primitive,
+        request: Option<&UvRequest>,
+        count: usize,
+        place: &str,
+        warnings: &mut Warnings,
+    ) -> Result<Vec<[f32; 2]>, SceneError> {
+        let Some(request) = request else { return Ok(Vec::new()) };
+        let name = format!("TEXCOORD_{}", request.set);
+        let uv = self.attribute::<2>(primitive, &name, Some(count), Semantic::TexCoord, place)?;
+        let mut uv = uv.unwrap_or_else(|| {
+            warnings.add(format!("{place} has no {name}, which its material asks for: all (0, 0)"));
+            vec![[0.0; 2]; count]
+        });
+        if let Some(transform) = &request.transform {
+            bake(transform, &mut uv);
+            if uv.iter().flatten().any(|c| !c.is_finite()) {
+                return Err(SceneError::at(place, "its KHR_texture_transform makes texture coordinates infinite")
+                    .expected("a transform of ordinary size"));
+            }
+        }
+        Ok(uv)
+    }
+
+    /// An attribute with one element per vertex.
+    fn attribute<const N: usize>(
+        &self,
+        primitive: &Primitive,
+        name: &str,
+        count: Option<usize>,
+        semantic: Semantic,
+        place: &str,
+    ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
+        let Some(index) = primitive.attributes.get(name) else { return Ok(None) };
+        let place = format!("{place}/attributes/{name}");
+        let (format, elements) = self.accessors.describe(*index, &place)?;
+        let width_fits = format.is_vector(N) || (matches!(semantic, Semantic::Color) && format.is_vector(3));
+        if !width_fits || !semantic.allows(format, self.quantized) {
+            return Err(SceneError::at(place, format!("accessor {} is {}", index.0, format.name()))
+                .expected(format!("VEC{N} of {}", semantic.expected()))
+                .cure("export the model again"));
+        }
+        if let Some(count) = count.filter(|c| *c as u64 != elements) {
+            return Err(SceneError::at(place, format!("accessor {} has {elements} elements", index.0))
+                .expected(format!("{count}, as many as POSITION")));
+        }
+        self.accessors.floats(*index, &place).map(Some)
+    }
+
+    /// Vertex numbers of all triangles, without those that use a vertex twice.
+    fn triangles(
+        &self,
+        primitive: &Primitive,
+        mode: u64,
+        vertices: usize,
+        place: &str,
+        warnings: &mut Warnings,
+    ) -> Result<Vec<u32>, SceneError> {
+        let order = match primitive.indices {
+            Some(index) => self.indices(index, vertices, &format!("{place}/indices"))?,
+            None => (0..vertices as u32).collect(),
+        };
+        if mode == TRIANGLES && order.len() % 3 != 0 {
+            warnings.add(format!("{place}: {} vertices are no whole number of triangles: the rest is left out", order.len()));
+        }
+        self.accessors.charge(12 * order.len() as u64, place)?;
+        Ok(triangulate(&order, mode))
+    }
+
+    fn indices(&self, index: Int, vertices: usize, place: &str) -> Result<Vec<u32>, SceneError> {
+        let order = self.accessors.indices(index, place)?;
+        match order.iter().enumerate().find(|(_, i)| **i as usize >= vertices) {
+            Some((k, i)) => Err(SceneError::at(place, format!("index {k} of accessor {} is {i}", index.0))
+                .expected(format!("indices below {vertices}, the number of vertices"))
+                .cure("export the model again")),
+            None => Ok(order),
+        }
+    }
+}
+
+const TRIANGLES: u64 = 4;
+const TRIANGLE_STRIP: u64 = 5;
+
+/// Separate triangles out of a list, strip or fan (glTF 2.0, section 3.7.2.1: each keeps the winding of the first).
+fn triangulate(order: &[u32], mode: u64) -> Vec<u32> {
+    let triangles: Box<dyn Iterator<Item = [u32; 3]>> = match mode {
+        TRIANGLES => Box::new(order.as_chunks::<3>().0.iter().copied()),
+        TRIANGLE_STRIP => Box::new(order.windows(3).enumerate().filter_map(|(i, w)| {
+            let [a, b, c] = *w.first_chunk()?;
+            Some(if i % 2 == 0 { [a, b, c] } else { [a, c, b] })
+        })),
+        _ => {
+            let hub = order.first().copied().unwrap_or_default();
+            let rim = order.get(1..).unwrap_or_default();
+            Box::new(rim.windows(2).filter_map(move |w| w.first_chunk().map(|[a, b]| [*a, *b, hub])))
+        }
+    };
+    triangles.filter(|[a, b, c]| a != b && b != c && c != a).flatten().collect()
+}
+
+/// Makes normals unit; those without direction are computed from the faces around.
+fn unit_normals(given: Vec<[f32; 3]>, mesh: &Mesh, place: &str, warnings: &mut Warnings) -> Vec<[f32; 3]> {
+    let vector = |n: &[f32; 3]| DVec3::from_array(n.map(f64::from));
+    if given.iter().all(|n| vector(n).try_normalize().is_some()) {
+        return given.iter().map(|n| normals::unit(vector(n), DVec3::Z)).collect();
+    }
+    warnings.add(format!("{place} has normals of length 0: computed from the faces around them"));
+    let computed = normals::smooth(&mesh.positions, &mesh.indices);
+    given.iter().zip(computed).map(|(n, c)| normals::unit(vector(n), DVec3::from_array(c.map(f64::from)))).collect()
+}
+
+/// Gives each triangle its own vertices and flat normals, as glTF asks for where there are none.
+fn flatten(mesh: &mut Mesh) {
+    fn pick<T: Copy>(list: &[T], indices: &[u32]) -> Vec<T> {
+        if list.is_empty() { Vec::new() } else { indices.iter().filter_map(|i| list.get(*i as usize).copied()).collect() }
+    }
+    let faces = normals::flat(&mesh.positions, &mesh.indices);
+    mesh.normals = faces.into_iter().flat_map(|n| [n; 3]).collect();
+    mesh.positions = pick(&mesh.positions, &mesh.indices);
+    mesh.uv = pick(&mesh.uv, &mesh.indices);
+    mesh.uv_normal = pick(&mesh.uv_normal, &mesh.indices);
+    mesh.colors = pick(&mesh.colors, &mesh.indices);
+    mesh.indices = (0..mesh.positions.len() as u32).collect();
+}
+
+/// `KHR_texture_transform`: translation * rotation * scale, the rotation counter-clockwise as seen in the image.
+fn bake(transform: &TextureTransform, uv: &mut [[f32; 2]]) {
+    let (sin, cos) = (libm::sin(transform.rotation), libm::cos(transform.rotation));
+    for point in uv {
+        let u = f64::from(point[0]) * transform.scale[0];
+        let v = f64::from(point[1]) * transform.scale[1];
+        *point = [(cos * u + sin * v + transform.offset[0]) as f32, (-sin * u + cos * v + transform.offset[1]) as f32];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_keep_their_winding() {
+        assert_eq!(triangulate(&[0, 1, 2, 3, 4], TRIANGLE_STRIP), [0, 1, 2, 1, 3, 2, 2, 3, 4]);
+        assert_eq!(triangulate(&[0, 1, 2, 3], 6), [1, 2, 0, 2, 3, 0]);
+        assert_eq!(triangulate(&[0, 1, 2, 3], TRIANGLES), [0, 1, 2]);
+        assert_eq!(triangulate(&[0, 1, 1, 2, 3], TRIANGLE_STRIP), [1, 2, 3], "degenerate ones join strips");
+        for mode in [4, 5, 6] {
+            assert!(triangulate(&[], mode).is_empty() && triangulate(&[0, 1], mode).is_empty());
+        }
+    }
+
+    /// The matrices of the extension's text: T * R * S with R = [cos sin; -sin cos].
+    #[test]
+    fn the_texture_transform_scales_then_rotates_then_moves() {
+        let transform =
+            TextureTransform { offset: [0.5, 0.0], rotation: std::f64::consts::FRAC_PI_2, scale: [2.0, 3.0], tex_coord: None };
+        let mut uv = [[1.0, 0.0], [0.0, 1.0]];
+        bake(&transform, &mut uv);
+        for (got, expected) in uv.iter().zip([[0.5, -2.0], [3.5, 0.0]]) {
+            assert!((got[0] - expected[0]).abs() < 1e-6 && (got[1] - expected[1]).abs() < 1e-6, "{got:?}");
+        }
+    }
+}

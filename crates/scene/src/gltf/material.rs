@@ -1,0 +1,201 @@
+//! Materials and their textures.
+
+use super::buffers::{Buffers, read_uri};
+use super::check::resolve;
+use super::geometry::{Needs, UvRequest};
+use super::json::{Document, Int, MaterialDef, TextureInfo};
+use crate::SceneError;
+use crate::error::Warnings;
+use crate::files::{Files, shorten};
+use crate::picture;
+use crate::textures::{Content, TextureStore};
+use basrelief_signals::{Filter, Material, Sampler, Texture, Wrap};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// A material and what it asks of the primitives that use it.
+#[derive(Clone)]
+pub(crate) struct Surface {
+    pub material: Arc<Material>,
+    pub needs: Needs,
+}
+
+/// Builds the materials of one document.
+pub(crate) struct Materials<'a> {
+    pub document: &'a Document,
+    pub buffers: &'a Buffers<'a>,
+    pub files: &'a dyn Files,
+    pub store: TextureStore,
+    /// Textures made so far, by picture, sampler and use.
+    shared: Vec<(usize, Sampler, Content, Arc<Texture>)>,
+    /// By number in the document; the last is the default material.
+    surfaces: Vec<Option<Surface>>,
+}
+
+impl<'a> Materials<'a> {
+    pub(crate) fn new(document: &'a Document, buffers: &'a Buffers<'a>, files: &'a dyn Files) -> Self {
+        let surfaces = vec![None; document.materials.len() + 1];
+        Self { document, buffers, files, store: TextureStore::default(), shared: Vec::new(), surfaces }
+    }
+
+    /// The material of a primitive; built at its first use, so that textures of unused ones are not decoded.
+    pub(crate) fn surface(&mut self, index: Option<Int>, warnings: &mut Warnings) -> Result<Surface, SceneError> {
+        let i = index.map_or(self.document.materials.len(), Int::index);
+        if let Some(Some(surface)) = self.surfaces.get(i) {
+            return Ok(surface.clone());
+        }
+        let document = self.document;
+        let surface = match document.materials.get(i) {
+            Some(definition) => self.build(i, definition, warnings)?,
+            None => {
+                let material = Material { id: i as u32, name: "default".into(), ..Material::default() };
+                Surface { material: Arc::new(material), needs: Needs::default() }
+            }
+        };
+        if let Some(slot) = self.surfaces.get_mut(i) {
+            *slot = Some(surface.clone());
+        }
+        Ok(surface)
+    }
+
+    fn build(&mut self, i: usize, def: &MaterialDef, warnings: &mut Warnings) -> Result<Surface, SceneError> {
+        let place = format!("/materials/{i}");
+        warn_of_omissions(def, &place, warnings);
+        let pbr = def.pbr_metallic_roughness.as_ref();
+        let color_info = pbr.and_then(|p| p.base_color_texture.as_ref());
+        let color = self.texture(color_info, Content::Color, warnings)?;
+        let normal_info = def.normal_texture.as_ref();
+        let normal_map = self.texture(normal_info, Content::Normals, warnings)?;
+        let factor = pbr.map_or([1.0; 4], |p| p.base_color_factor);
+        if factor.iter().any(|c| !(0.0..=1.0).contains(c)) {
+            return Err(SceneError::at(format!("{place}/pbrMetallicRoughness/baseColorFactor"), format!("is {factor:?}"))
+                .expected("four numbers, each 0..=1"));
+        }
+        let scale = normal_info.and_then(|n| n.scale).unwrap_or(1.0) as f32;
+        if !scale.is_finite() {
+            return Err(
+                SceneError::at(format!("{place}/normalTexture/scale"), "is out of range").expected("a single-precision number")
+            );
+        }
+        let needs = Needs {
+            color: color_info.filter(|_| color.is_some()).map(request),
+            normal_map: normal_info.filter(|_| normal_map.is_some()).map(request),
+        };
+        let material = Material {
+            id: i as u32,
+            name: def.name.clone().unwrap_or_else(|| format!("material {i}")),
+            base_color: factor.map(|c| c as f32),
+            color_texture: color,
+            normal_map,
+            normal_scale: scale,
+            double_sided: def.double_sided,
+            ..Material::default()
+        };
+        Ok(Surface { material: Arc::new(material), needs })
+    }
+
+    /// The texture that a material refers to; `None` where there is none, or none that can be read.
+    fn texture(
+        &mut self,
+        info: Option<&TextureInfo>,
+        content: Content,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Arc<Texture>>, SceneError> {
+        let Some(info) = info else { return Ok(None) };
+        let place = format!("/textures/{}", info.index.0);
+        let texture = resolve(&self.document.textures, "textures", info.index, || place.clone())?;
+        for name in texture.extensions.keys() {
+            warnings.add(format!("{place}: the extension `{name}` is not supported: its picture is not used"));
+        }
+        let Some(source) = texture.source else {
+            warnings.add(format!("{place} has no source that can be read: drawn without it"));
+            return Ok(None);
+        };
+        let sampler = self.sampler(texture.sampler)?;
+        let same =
+            |(s, w, c, _): &&(usize, Sampler, Content, Arc<Texture>)| *s == source.index() && *w == sampler && *c == content;
+        if let Some((_, _, _, shared)) = self.shared.iter().find(same) {
+            return Ok(Some(shared.clone()));
+        }
+        let (bytes, name) = self.image(source)?;
+        let texture = self.store.decode(&bytes, &name, sampler, content).map_err(|e| named(e, source))?;
+        self.shared.push((source.index(), sampler, content, texture.clone()));
+        Ok(Some(texture))
+    }
+
+    fn sampler(&self, index: Option<Int>) -> Result<Sampler, SceneError> {
+        let Some(index) = index else { return Ok(Sampler::default()) };
+        let place = || format!("/samplers/{}", index.0);
+        let definition = resolve(&self.document.samplers, "samplers", index, place)?;
+        let wrap = |mode: Option<Int>, field: &str| match mode.map(|m| m.0) {
+            None | Some(10497) => Ok(Wrap::Repeat),
+            Some(33648) => Ok(Wrap::Mirror),
+            Some(33071) => Ok(Wrap::Clamp),
+            Some(other) => Err(SceneError::at(format!("{}/{field}", place()), format!("wrap mode {other}"))
+                .expected("10497 (repeat), 33648 (mirrored repeat) or 33071 (clamp to edge)")),
+        };
+        let filter = match definition.mag_filter.map(|m| m.0) {
+            None | Some(9729) => Filter::Bilinear,
+            Some(9728) => Filter::Nearest,
+            Some(other) => {
+                return Err(SceneError::at(format!("{}/magFilter", place()), format!("filter {other}"))
+                    .expected("9728 (nearest) or 9729 (linear)"));
+            }
+        };
+        Ok(Sampler { wrap: [wrap(definition.wrap_s, "wrapS")?, wrap(definition.wrap_t, "wrapT")?], filter })
+    }
+
+    /// Bytes and name of a picture file.
+    fn image(&self, index: Int) -> Result<(Cow<'a, [u8]>, String), SceneError> {
+        let place = format!("/images/{}", index.0);
+        let image = resolve(&self.document.images, "images", index, || place.clone())?;
+        let buffers: &'a Buffers<'a> = self.buffers;
+        let bytes = match (&image.uri, image.buffer_view) {
+            (Some(uri), _) => Cow::Owned(read_uri(uri, self.files, &format!("{place}/uri"))?),
+            (None, Some(view)) => Cow::Borrowed(buffers.view(self.document, view, || format!("{place}/bufferView"))?),
+            (None, None) => {
+                return Err(SceneError::at(place, "has neither a uri nor a bufferView").expected("one of them"));
+            }
+        };
+        let from_uri = image.uri.as_deref().filter(|u| !u.starts_with("data:")).map(shorten);
+        let name = image.name.clone().or(from_uri).unwrap_or_else(|| format!("image {}", index.0));
+        Ok((bytes, name))
+    }
+
+    /// Looks at the pictures that no drawn material uses: a missing or unknown one is worth a warning, but no more.
+    pub(crate) fn check_unused(&self, warnings: &mut Warnings) {
+        for i in 0..self.document.images.len() {
+            if self.shared.iter().any(|(used, ..)| *used == i) {
+                continue;
+            }
+            match self.image(Int(i as u64)) {
+                Ok((bytes, name)) if picture::sniff(&bytes).is_none() => {
+                    warnings.add(format!("/images/{i}: `{name}` is neither PNG nor JPEG (nothing drawn uses it)"));
+                }
+                Ok(_) => {}
+                Err(e) => warnings.add(format!("{e} (nothing drawn uses it)")),
+            }
+        }
+    }
+}
+
+/// Adds the pointer to an error of a picture, which knows only its file.
+fn named(mut error: SceneError, source: Int) -> SceneError {
+    error.place = format!("/images/{}", source.0);
+    error
+}
+
+fn request(info: &TextureInfo) -> UvRequest {
+    let transform = info.extensions.transform.clone();
+    let set = transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(info.tex_coord);
+    UvRequest { set: set.0, transform }
+}
+
+fn warn_of_omissions(definition: &MaterialDef, place: &str, warnings: &mut Warnings) {
+    if let Some(mode) = definition.alpha_mode.as_deref().filter(|m| *m != "OPAQUE") {
+        warnings.add(format!("{place}: alphaMode {mode} is not supported: drawn opaque"));
+    }
+    for name in definition.extensions.keys() {
+        warnings.add(format!("the extension `{name}` is not supported: drawn without it"));
+    }
+}

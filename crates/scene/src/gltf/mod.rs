@@ -1,0 +1,166 @@
+//! glTF 2.0: `.gltf` with external files or data URIs, and `.glb`.
+//!
+//! The JSON is read into structs of this crate ([`json`]), not those of a glTF library: the known ones either reject what
+//! can be drawn or panic on offsets beyond the end, and none says where in the file the fault lies.
+
+mod accessor;
+mod buffers;
+mod check;
+mod geometry;
+pub(crate) mod glb;
+mod json;
+mod material;
+mod nodes;
+pub(crate) mod parse;
+mod scene;
+
+use crate::SceneError;
+use crate::camera::rows;
+use crate::error::Warnings;
+use crate::files::Files;
+use crate::model::{Model, bounds};
+use accessor::Accessors;
+use basrelief_signals::{Material, Mesh, Object};
+use buffers::{Buffers, Container};
+use geometry::Geometry;
+use glam::DMat4;
+use json::{Document, Extras, Node, Primitive};
+use material::Materials;
+use nodes::Placed;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Most vertices of all objects together: a mesh may be placed many times.
+const MAX_PLACED_VERTICES: usize = 1 << 27;
+
+/// Imports a `.glb` file.
+pub(crate) fn import_glb(bytes: &[u8], files: &dyn Files, warnings: &mut Warnings) -> Result<Model, SceneError> {
+    let glb = glb::parse(bytes, warnings)?;
+    import(glb.json, Container::Glb(glb.bin), files, warnings)
+}
+
+/// Imports a `.gltf` file.
+pub(crate) fn import_json(bytes: &[u8], files: &dyn Files, warnings: &mut Warnings) -> Result<Model, SceneError> {
+    import(bytes, Container::Json, files, warnings)
+}
+
+fn import(json: &[u8], container: Container<'_>, files: &dyn Files, warnings: &mut Warnings) -> Result<Model, SceneError> {
+    let document = parse::parse(json)?;
+    check::check(&document, warnings)?;
+    let buffers = Buffers::load(&document, container, files)?;
+    let accessors = Accessors::new(&document, &buffers)?;
+    let nodes = nodes::place(&document, warnings)?;
+    let camera = scene::camera(&document, &nodes, warnings)?;
+    let quantized = document.extensions_used.iter().any(|e| e == "KHR_mesh_quantization");
+    let mut importer = Importer {
+        document: &document,
+        geometry: Geometry { accessors: &accessors, quantized },
+        materials: Materials::new(&document, &buffers, files),
+        primitives: BTreeMap::new(),
+        objects: Vec::new(),
+        vertices: 0,
+    };
+    importer.draw_nodes(&nodes, warnings)?;
+    importer.materials.check_unused(warnings);
+    let objects = importer.objects;
+    if objects.is_empty() {
+        accessors.check_finite()?;
+        return Err(nothing_to_draw(&document).with_notes(warnings.sentences()));
+    }
+    let bounds = bounds(&objects);
+    let lamps = scene::lamps(&document, &nodes, bounds.centre(), warnings)?;
+    Ok(Model { objects, bounds, camera, lamps })
+}
+
+fn nothing_to_draw(document: &Document) -> SceneError {
+    let (place, cure) = if document.meshes.is_empty() {
+        ("/meshes", "the file has no mesh: export the model with its geometry")
+    } else {
+        ("/scene", "its meshes are in no visible node of the scene, or have no triangles: export the model with them")
+    };
+    SceneError::at(place, "nothing to draw").expected("at least one triangle in the scene").cure(cure)
+}
+
+/// A primitive ready to be placed.
+type Built = (Arc<Mesh>, Arc<Material>, Extras);
+
+/// Collects objects; meshes that several nodes use are shared.
+struct Importer<'a> {
+    document: &'a Document,
+    geometry: Geometry<'a>,
+    materials: Materials<'a>,
+    primitives: BTreeMap<(usize, usize), Option<Built>>,
+    objects: Vec<Arc<Object>>,
+    vertices: usize,
+}
+
+impl Importer<'_> {
+    /// Draws the meshes of the nodes; those of the file, where it has no nodes at all.
+    fn draw_nodes(&mut self, nodes: &[Placed], warnings: &mut Warnings) -> Result<(), SceneError> {
+        let document = self.document;
+        for placed in nodes {
+            let Some(node) = document.nodes.get(placed.index) else { continue };
+            let Some(mesh) = node.mesh else { continue };
+            if node.skin.is_some() {
+                warnings.add(format!("/nodes/{}: its skin is ignored: drawn unposed, where the node stands", placed.index));
+            }
+            if placed.world.determinant() == 0.0 {
+                warnings.add(format!("/nodes/{} is scaled to nothing: not drawn", placed.index));
+                continue;
+            }
+            self.draw_mesh(mesh.index(), placed.world, Some(node), warnings)?;
+        }
+        if document.nodes.is_empty() && !document.meshes.is_empty() {
+            warnings.add("the file has no nodes: all its meshes are drawn where they are");
+            for mesh in 0..document.meshes.len() {
+                self.draw_mesh(mesh, DMat4::IDENTITY, None, warnings)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn draw_mesh(&mut self, mesh: usize, world: DMat4, node: Option<&Node>, warnings: &mut Warnings) -> Result<(), SceneError> {
+        let document = self.document;
+        let Some(definition) = document.meshes.get(mesh) else { return Ok(()) };
+        let node_name = node.and_then(|n| n.name.clone());
+        let base = node_name.or(definition.name.clone()).unwrap_or_else(|| format!("mesh {mesh}"));
+        for (i, primitive) in definition.primitives.iter().enumerate() {
+            let Some((built, material, extras)) = self.primitive((mesh, i), primitive, warnings)? else { continue };
+            self.vertices = self.vertices.saturating_add(built.positions.len());
+            if self.vertices > MAX_PLACED_VERTICES {
+                return Err(SceneError::at(format!("/meshes/{mesh}"), "is placed so often that there is too much to draw")
+                    .expected(format!("at most {MAX_PLACED_VERTICES} vertices in all places")));
+            }
+            let own = node.map(|n| n.extras).unwrap_or_default();
+            self.objects.push(Arc::new(Object {
+                id: self.objects.len() as u32,
+                name: if definition.primitives.len() > 1 { format!("{base} / {i}") } else { base.clone() },
+                mesh: built,
+                world: rows(world),
+                material,
+                entries: own.entries.or(extras.entries),
+                bump: own.bump.or(extras.bump),
+            }));
+        }
+        Ok(())
+    }
+
+    /// The mesh and material of a primitive, built once.
+    fn primitive(
+        &mut self,
+        key: (usize, usize),
+        primitive: &Primitive,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Built>, SceneError> {
+        if let Some(built) = self.primitives.get(&key) {
+            return Ok(built.clone());
+        }
+        let place = format!("/meshes/{}/primitives/{}", key.0, key.1);
+        let surface = self.materials.surface(primitive.material, warnings)?;
+        let mesh = self.geometry.mesh(primitive, &surface.needs, &place, warnings)?;
+        let extras = primitive.material.and_then(|m| self.document.materials.get(m.index())).map(|m| m.extras);
+        let built = mesh.map(|mesh| (Arc::new(mesh), surface.material, extras.unwrap_or_default()));
+        self.primitives.insert(key, built.clone());
+        Ok(built)
+    }
+}

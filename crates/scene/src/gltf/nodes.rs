@@ -1,0 +1,130 @@
+//! The node hierarchy.
+
+use super::json::{Document, Int, Node};
+use crate::SceneError;
+use crate::error::Warnings;
+use glam::{DMat4, DQuat, DVec3, DVec4};
+
+/// A node in the world.
+pub(crate) struct Placed {
+    /// Number in the document.
+    pub index: usize,
+    /// Object to world.
+    pub world: DMat4,
+}
+
+/// The visible nodes of the scene to draw, parents before children, siblings in order, with their world matrices.
+///
+/// The walk keeps its own stack, so that a chain of a million nodes is no danger.
+pub(crate) fn place(document: &Document, warnings: &mut Warnings) -> Result<Vec<Placed>, SceneError> {
+    let has_parent = check_tree(document)?;
+    let mut stack: Vec<Placed> =
+        roots(document, &has_parent, warnings)?.into_iter().rev().map(|index| Placed { index, world: DMat4::IDENTITY }).collect();
+    let mut placed = Vec::new();
+    while let Some(Placed { index, world: parent }) = stack.pop() {
+        let Some(node) = document.nodes.get(index).filter(|n| visible(n)) else { continue };
+        let world = parent * local(node, index)?;
+        if !world.is_finite() {
+            return Err(
+                SceneError::at(format!("/nodes/{index}"), "its world matrix overflows").expected("transforms of ordinary size")
+            );
+        }
+        stack.extend(node.children.iter().rev().map(|child| Placed { index: child.index(), world }));
+        placed.push(Placed { index, world });
+    }
+    Ok(placed)
+}
+
+fn visible(node: &Node) -> bool {
+    node.extensions.as_ref().and_then(|e| e.visibility.as_ref()).is_none_or(|v| v.visible)
+}
+
+/// Checks that the nodes are trees; whether each has a parent.
+fn check_tree(document: &Document) -> Result<Vec<bool>, SceneError> {
+    let mut has_parent = vec![false; document.nodes.len()];
+    for (i, node) in document.nodes.iter().enumerate() {
+        for (j, child) in node.children.iter().enumerate() {
+            if let Some(seen) = has_parent.get_mut(child.index()) {
+                if *seen {
+                    return Err(SceneError::at(
+                        format!("/nodes/{i}/children/{j}"),
+                        format!("node {} has a parent already", child.0),
+                    )
+                    .expected("one parent per node at most")
+                    .cure("copy the node for its second place"));
+                }
+                *seen = true;
+            }
+        }
+    }
+    // One parent at most, so a node that no root leads to lies on a loop or below one.
+    let mut reached: Vec<bool> = has_parent.iter().map(|p| !p).collect();
+    let mut stack: Vec<usize> = (0..reached.len()).filter(|i| reached.get(*i) == Some(&true)).collect();
+    while let Some(i) = stack.pop() {
+        for child in document.nodes.get(i).map_or(&[][..], |n| &n.children) {
+            if let Some(seen) = reached.get_mut(child.index()) {
+                *seen = true;
+                stack.push(child.index());
+            }
+        }
+    }
+    match reached.iter().position(|r| !r) {
+        Some(i) => Err(SceneError::at(format!("/nodes/{i}"), "is its own ancestor, or a descendant of one that is")
+            .expected("trees of nodes")
+            .cure("remove the loop from `children`")),
+        None => Ok(has_parent),
+    }
+}
+
+/// Roots of what is to be drawn: of the default scene, else the first one, else all nodes without a parent.
+fn roots(document: &Document, has_parent: &[bool], warnings: &mut Warnings) -> Result<Vec<usize>, SceneError> {
+    if document.scenes.is_empty() && document.scene.is_none() {
+        if !document.nodes.is_empty() {
+            warnings.add("the file has no scene: all its nodes are drawn");
+        }
+        return Ok((0..has_parent.len()).filter(|i| has_parent.get(*i) == Some(&false)).collect());
+    }
+    let number = document.scene.unwrap_or(Int(0));
+    let scene = super::check::resolve(&document.scenes, "scenes", number, || "/scene".into())?;
+    if document.scenes.len() > 1 {
+        warnings.add(format!("the file has {} scenes: number {} is drawn", document.scenes.len(), number.0));
+    }
+    let mut taken = has_parent.to_vec();
+    let mut roots = Vec::new();
+    for (j, root) in scene.nodes.iter().enumerate() {
+        match taken.get_mut(root.index()) {
+            Some(seen) if !*seen => {
+                *seen = true;
+                roots.push(root.index());
+            }
+            _ => {
+                return Err(SceneError::at(
+                    format!("/scenes/{}/nodes/{j}", number.0),
+                    format!("node {} is a child of another node, or listed twice", root.0),
+                )
+                .expected("root nodes, each once"));
+            }
+        }
+    }
+    Ok(roots)
+}
+
+fn local(node: &Node, index: usize) -> Result<DMat4, SceneError> {
+    let place = |field: &str| format!("/nodes/{index}/{field}");
+    if let Some(matrix) = &node.matrix {
+        let matrix = DMat4::from_cols_array(matrix);
+        if matrix.row(3) != DVec4::W {
+            return Err(SceneError::at(place("matrix"), "its bottom row is not 0 0 0 1")
+                .expected("an affine transform, in column-major order"));
+        }
+        return Ok(matrix);
+    }
+    let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+    let length = rotation.length();
+    if !(length.is_finite() && length > 0.0) {
+        return Err(SceneError::at(place("rotation"), format!("quaternion of length {length}")).expected("length 1"));
+    }
+    let scale = DVec3::from_array(node.scale.unwrap_or([1.0; 3]));
+    let translation = DVec3::from_array(node.translation.unwrap_or_default());
+    Ok(DMat4::from_scale_rotation_translation(scale, rotation.normalize(), translation))
+}

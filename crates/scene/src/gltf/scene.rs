@@ -1,0 +1,133 @@
+//! Cameras and lights of a document.
+
+use super::json::{CameraDef, Document, LightDef};
+use super::nodes::Placed;
+use crate::SceneError;
+use crate::camera::{Lens, Viewpoint};
+use crate::error::Warnings;
+use crate::view::Lamp;
+use glam::{DMat4, DVec3};
+
+/// The camera of the first node that has one.
+pub(crate) fn camera(document: &Document, nodes: &[Placed], warnings: &mut Warnings) -> Result<Option<Viewpoint>, SceneError> {
+    for (i, definition) in document.cameras.iter().enumerate() {
+        lens(definition, i)?;
+    }
+    let mut used = nodes.iter().filter_map(|n| Some((n, document.nodes.get(n.index)?.camera?)));
+    let Some((node, index)) = used.next() else { return Ok(None) };
+    if used.next().is_some() {
+        warnings.add(format!("several nodes have cameras: that of /nodes/{} is used", node.index));
+    }
+    let definition = super::check::resolve(&document.cameras, "cameras", index, || format!("/nodes/{}/camera", node.index))?;
+    let viewpoint = Viewpoint::placed(node.world, lens(definition, index.index())?);
+    if viewpoint.is_none() {
+        warnings.add(format!("the transform of /nodes/{} flattens its camera: not used", node.index));
+    }
+    Ok(viewpoint)
+}
+
+fn lens(camera: &CameraDef, i: usize) -> Result<Lens, SceneError> {
+    let fail =
+        |field: &str, what: String, expected: &str| Err(SceneError::at(format!("/cameras/{i}/{field}"), what).expected(expected));
+    match (camera.kind.as_str(), camera.perspective, camera.orthographic) {
+        ("perspective", Some(p), _) => {
+            let far = p.zfar.unwrap_or(f64::INFINITY);
+            if !(p.yfov > 0.0 && p.yfov < std::f64::consts::PI) {
+                return fail("perspective/yfov", format!("is {}", p.yfov), "an angle between 0 and pi");
+            }
+            if !(p.znear > 0.0 && far > p.znear) {
+                return fail("perspective/znear", format!("is {}, zfar {far}", p.znear), "0 < znear < zfar");
+            }
+            Ok(Lens::Perspective { field: p.yfov, near: p.znear, far })
+        }
+        ("orthographic", _, Some(o)) => {
+            if o.xmag == 0.0 || o.ymag == 0.0 {
+                let field = if o.xmag == 0.0 { "orthographic/xmag" } else { "orthographic/ymag" };
+                return fail(field, "is 0".into(), "half the size of the view");
+            }
+            if !(o.znear >= 0.0 && o.zfar > o.znear) {
+                return fail("orthographic", format!("znear is {}, zfar {}", o.znear, o.zfar), "0 <= znear < zfar");
+            }
+            Ok(Lens::Orthographic { half_height: o.ymag.abs(), near: o.znear, far: o.zfar })
+        }
+        ("perspective" | "orthographic", ..) => fail(&camera.kind, "is missing".into(), "an object with the camera's numbers"),
+        (other, ..) => fail("type", format!("`{other}`"), "perspective or orthographic"),
+    }
+}
+
+/// The lights of the drawn nodes. Intensities in a file are physical (lux, candela); what these devices have is a factor
+/// of the lighting formula, so they are scaled for the strongest to be 1 at the model's centre.
+pub(crate) fn lamps(
+    document: &Document,
+    nodes: &[Placed],
+    centre: DVec3,
+    warnings: &mut Warnings,
+) -> Result<Vec<(Lamp, f64)>, SceneError> {
+    let definitions = document.extensions.lights.as_ref().map_or(&[][..], |l| &l.lights);
+    for (i, definition) in definitions.iter().enumerate() {
+        check_light(definition, i)?;
+    }
+    let mut lamps = Vec::new();
+    for node in nodes {
+        let reference = document.nodes.get(node.index).and_then(|n| n.extensions.as_ref()?.light.as_ref());
+        let Some(definition) = reference.and_then(|r| definitions.get(r.light.index())) else { continue };
+        let lamp = lamp(definition, node, warnings)?;
+        let illuminance = luminance(definition, warnings) * falloff(lamp, centre);
+        if illuminance > 0.0 {
+            lamps.push((lamp, illuminance));
+        }
+    }
+    let strongest = lamps.iter().map(|(_, i)| *i).fold(0.0, f64::max);
+    if lamps.iter().any(|(_, i)| *i != 1.0) {
+        warnings.add("intensities of lights are physical: scaled so that the strongest is 1 at the model's centre");
+    }
+    Ok(lamps.into_iter().map(|(lamp, i)| (lamp, i / strongest)).collect())
+}
+
+fn check_light(light: &LightDef, i: usize) -> Result<(), SceneError> {
+    let place = |field: &str| format!("/extensions/KHR_lights_punctual/lights/{i}/{field}");
+    if !["directional", "point", "spot"].contains(&light.kind.as_str()) {
+        return Err(SceneError::at(place("type"), format!("`{}`", light.kind)).expected("directional, point or spot"));
+    }
+    if light.intensity < 0.0 || light.color.iter().any(|c| *c < 0.0) {
+        return Err(SceneError::at(place("intensity"), "a light that takes light away").expected("no negative number"));
+    }
+    Ok(())
+}
+
+fn lamp(light: &LightDef, node: &Placed, warnings: &mut Warnings) -> Result<Lamp, SceneError> {
+    let DMat4 { z_axis, w_axis, .. } = node.world;
+    if light.kind == "directional" {
+        // It shines along -z.
+        return Ok(Lamp::Directional(z_axis.truncate().normalize_or(DVec3::Z)));
+    }
+    if light.kind == "spot" {
+        warnings.add(format!("the spot light of /nodes/{} is drawn as a point light", node.index));
+    }
+    let position = w_axis.truncate();
+    if !position.as_vec3().is_finite() {
+        return Err(SceneError::at(format!("/nodes/{}", node.index), "its light lies beyond single precision")
+            .expected("a transform of ordinary size"));
+    }
+    Ok(Lamp::Point(position))
+}
+
+/// Brightness of a light of this colour (Rec. 709); these devices have white light only.
+fn luminance(light: &LightDef, warnings: &mut Warnings) -> f64 {
+    let [r, g, b] = light.color;
+    if r != g || g != b {
+        warnings.add("coloured lights are drawn white, with the luminance of their colour (Rec. 709)");
+    }
+    (0.2126 * r + 0.7152 * g + 0.0722 * b) * light.intensity
+}
+
+/// What a light's distance makes of its intensity, at the model's centre.
+fn falloff(lamp: Lamp, centre: DVec3) -> f64 {
+    match lamp {
+        Lamp::Directional(_) => 1.0,
+        Lamp::Point(p) => {
+            let squared = (p - centre).length_squared();
+            if squared > 0.0 { 1.0 / squared } else { 1.0 }
+        }
+    }
+}

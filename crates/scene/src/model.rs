@@ -1,0 +1,27 @@
+//! What an importer yields.
+
+use crate::camera::{Bounds, Viewpoint};
+use crate::view::Lamp;
+use basrelief_signals::Object;
+use glam::{DMat4, DVec3};
+use std::sync::Arc;
+
+/// A model without the user's wishes.
+pub(crate) struct Model {
+    /// In drawing order.
+    pub objects: Vec<Arc<Object>>,
+    /// Around all vertices, in the world.
+    pub bounds: Bounds,
+    /// The file's camera.
+    pub camera: Option<Viewpoint>,
+    /// The file's lights.
+    pub lamps: Vec<(Lamp, f64)>,
+}
+
+/// Box around all vertices in the world.
+pub(crate) fn bounds(objects: &[Arc<Object>]) -> Bounds {
+    Bounds::around(objects.iter().flat_map(|object| {
+        let world = DMat4::from_cols_array(&object.world).transpose();
+        object.mesh.positions.iter().map(move |p| world.transform_point3(DVec3::from_array(p.map(f64::from))))
+    }))
+}

@@ -1,0 +1,192 @@
+//! Wavefront OBJ and MTL.
+//!
+//! Read with a parser of this crate: the error messages of the known library have no line numbers, and it takes
+//! non-finite numbers and unknown text for granted.
+
+mod mtl;
+mod parse;
+
+use crate::SceneError;
+use crate::error::Warnings;
+use crate::files::{Files, read_reference, shorten};
+use crate::model::{Model, bounds};
+use crate::textures::{Content, TextureStore};
+use crate::{normals, tangents};
+use basrelief_signals::{Filter, Material, Mesh, Object, Sampler, Texture, Wrap};
+use glam::DVec3;
+use mtl::{Map, MtlMaterial};
+use parse::{Corner, Group, NONE, Obj};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Height of white over black \[texels\] where a bump map says `-bm 1` (assumed: the format does not say).
+const BUMP_HEIGHT: f64 = 4.0;
+
+const IDENTITY: [f64; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
+
+/// Imports an OBJ file.
+pub(crate) fn import(bytes: &[u8], files: &dyn Files, warnings: &mut Warnings) -> Result<Model, SceneError> {
+    let obj = parse::parse(bytes, warnings)?;
+    if obj.groups.is_empty() {
+        return Err(SceneError::at("", "nothing to draw")
+            .expected("at least one face (`f`)")
+            .cure("export the model with its faces")
+            .with_notes(warnings.sentences()));
+    }
+    let mut materials = Materials { files, store: TextureStore::default(), shared: Vec::new() };
+    let library = materials.libraries(&obj.libraries, warnings)?;
+    let smooth = smooth_normals(&obj);
+    let mut by_name: BTreeMap<&str, Arc<Material>> = BTreeMap::new();
+    let mut objects = Vec::new();
+    for group in &obj.groups {
+        let material = match by_name.get(group.material.as_str()) {
+            Some(material) => material.clone(),
+            None => materials.build(by_name.len() as u32, &group.material, &library, warnings)?,
+        };
+        by_name.insert(&group.material, material.clone());
+        let mesh = build_mesh(&obj, group, &smooth, &material, warnings);
+        objects.push(Arc::new(Object {
+            id: objects.len() as u32,
+            name: object_name(group),
+            mesh: Arc::new(mesh),
+            world: IDENTITY,
+            material,
+            entries: None,
+            bump: None,
+        }));
+    }
+    Ok(Model { bounds: bounds(&objects), objects, camera: None, lamps: Vec::new() })
+}
+
+fn object_name(group: &Group) -> String {
+    let parts: Vec<&str> = [group.object.as_str(), group.material.as_str()].into_iter().filter(|p| !p.is_empty()).collect();
+    if parts.is_empty() { "object".into() } else { parts.join(" / ") }
+}
+
+/// Smooth normals per position, over the whole file; empty where every corner has its own.
+fn smooth_normals(obj: &Obj) -> Vec<[f32; 3]> {
+    let triangles = || obj.groups.iter().flat_map(|g| &g.triangles).flatten();
+    if triangles().all(|corner| corner[2] != NONE) {
+        return Vec::new();
+    }
+    let indices: Vec<u32> = triangles().map(|corner| corner[0]).collect();
+    normals::smooth(&obj.positions, &indices)
+}
+
+/// The mesh of a group: one vertex for each different corner.
+fn build_mesh(obj: &Obj, group: &Group, smooth: &[[f32; 3]], material: &Material, warnings: &mut Warnings) -> Mesh {
+    let mut mesh = Mesh::default();
+    let textured = material.color_texture.is_some() || material.normal_map.is_some();
+    let mut vertices: BTreeMap<Corner, u32> = BTreeMap::new();
+    for corner in group.triangles.iter().flatten() {
+        let next = mesh.positions.len() as u32;
+        let vertex = *vertices.entry(*corner).or_insert(next);
+        mesh.indices.push(vertex);
+        if vertex < next {
+            continue;
+        }
+        let [position, uv, normal] = corner.map(|i| i as usize);
+        mesh.positions.push(obj.positions.get(position).copied().unwrap_or_default());
+        let own = obj.normals.get(normal).map(|n| DVec3::from_array(n.map(f64::from)));
+        let fallback = smooth.get(position).copied().unwrap_or([0.0, 0.0, 1.0]);
+        mesh.normals.push(own.and_then(DVec3::try_normalize).map_or(fallback, |n| n.as_vec3().to_array()));
+        if !obj.colors.is_empty() {
+            mesh.colors.push(obj.colors.get(position).copied().unwrap_or([1.0; 4]));
+        }
+        if textured {
+            if uv == NONE as usize {
+                warnings.add(format!("`{}` has faces without texture coordinates: all (0, 0)", object_name(group)));
+            }
+            // OBJ's v runs up, glTF's down.
+            mesh.uv.push(obj.uv.get(uv).map_or([0.0; 2], |[u, v]| [*u, 1.0 - v]));
+        }
+    }
+    if material.normal_map.is_some() {
+        mesh.uv_normal = mesh.uv.clone();
+        tangents::generate(&mut mesh);
+    }
+    if material.color_texture.is_none() {
+        mesh.uv.clear();
+    }
+    mesh
+}
+
+/// Builds materials and loads their pictures.
+struct Materials<'a> {
+    files: &'a dyn Files,
+    store: TextureStore,
+    /// Textures made so far; `None` for a picture that is missing.
+    shared: Vec<(Map, Content, Option<Arc<Texture>>)>,
+}
+
+impl Materials<'_> {
+    /// Reads all material libraries; a missing one is a warning.
+    fn libraries(&self, names: &[String], warnings: &mut Warnings) -> Result<Vec<MtlMaterial>, SceneError> {
+        let mut all = Vec::new();
+        for name in names {
+            let name = name.replace('\\', "/");
+            match read_reference(self.files, &name, "mtllib") {
+                Ok(bytes) => {
+                    let mut materials = mtl::parse(&bytes, warnings).map_err(|e| e.in_file(&name))?;
+                    let folder = name.rfind('/').map_or("", |end| &name[..=end]);
+                    for map in materials.iter_mut().flat_map(|m| [&mut m.color, &mut m.bump, &mut m.normal]).flatten() {
+                        map.file.insert_str(0, folder);
+                    }
+                    all.extend(materials);
+                }
+                Err(e) => warnings.add(format!("{e}; drawn without its materials")),
+            }
+        }
+        Ok(all)
+    }
+
+    fn build(
+        &mut self,
+        id: u32,
+        name: &str,
+        library: &[MtlMaterial],
+        warnings: &mut Warnings,
+    ) -> Result<Arc<Material>, SceneError> {
+        // Without culling: OBJ does not say which side of a face is meant.
+        let plain = Material { id, name: name.into(), double_sided: true, ..Material::default() };
+        let Some(definition) = library.iter().find(|m| m.name == name) else {
+            if !name.is_empty() && !library.is_empty() {
+                warnings.add(format!("material `{}` is in no library: drawn white", shorten(name)));
+            }
+            return Ok(Arc::new(plain));
+        };
+        let color_texture = self.texture(definition.color.as_ref(), Content::Color, warnings)?;
+        let normal_map = match (&definition.normal, &definition.bump) {
+            (Some(normal), _) => self.texture(Some(normal), Content::Normals, warnings)?,
+            (None, bump) => {
+                let height = BUMP_HEIGHT * bump.as_ref().map_or(1.0, |m| m.multiplier);
+                self.texture(bump.as_ref(), Content::Heights(height), warnings)?
+            }
+        };
+        let [r, g, b] = definition.diffuse;
+        Ok(Arc::new(Material { base_color: [r, g, b, 1.0], color_texture, normal_map, ..plain }))
+    }
+
+    fn texture(
+        &mut self,
+        map: Option<&Map>,
+        content: Content,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Arc<Texture>>, SceneError> {
+        let Some(map) = map else { return Ok(None) };
+        if let Some((_, _, texture)) = self.shared.iter().find(|(m, c, _)| m == map && *c == content) {
+            return Ok(texture.clone());
+        }
+        let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
+        let sampler = Sampler { wrap: [wrap; 2], filter: Filter::Bilinear };
+        let texture = match read_reference(self.files, &map.file, "MTL") {
+            Ok(bytes) => Some(self.store.decode(&bytes, &map.file, sampler, content)?),
+            Err(e) => {
+                warnings.add(format!("{e}; drawn without it"));
+                None
+            }
+        };
+        self.shared.push((map.clone(), content, texture.clone()));
+        Ok(texture)
+    }
+}

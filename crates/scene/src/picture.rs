@@ -1,0 +1,126 @@
+//! PNG and JPEG decoding within limits.
+
+use crate::SceneError;
+use basrelief_signals::Image;
+use image::{ImageError, ImageFormat, ImageReader, Limits};
+use std::io::Cursor;
+
+/// Most texels per side.
+pub(crate) const MAX_SIDE: u32 = 16_384;
+
+/// Most texels of one picture: decoding takes up to 8 bytes for each, beside what is already there.
+const MAX_PICTURE: u64 = 1 << 26;
+
+/// Memory that a decoder may take beyond its result \[bytes\].
+const SCRATCH: u64 = 1 << 26;
+
+/// Decodes a PNG or JPEG file, told apart by content, into RGBA with 8 bits each (16-bit files are rounded).
+///
+/// # Errors
+/// Neither PNG nor JPEG, corrupt, over [`MAX_SIDE`], or more than `most_texels`.
+pub(crate) fn decode(bytes: &[u8], name: &str, most_texels: u64) -> Result<Image, SceneError> {
+    let most_texels = most_texels.min(MAX_PICTURE);
+    let fail = |what: String| SceneError { file: name.into(), ..SceneError::at("", what) };
+    let format = sniff(bytes).ok_or_else(|| {
+        fail(format!("neither PNG nor JPEG{}", look_alike(bytes)))
+            .expected("a PNG or JPEG picture, whatever its file name says")
+            .cure("convert it")
+    })?;
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(4 * most_texels + SCRATCH);
+    reader.limits(limits);
+    let (width, height) =
+        ImageReader::with_format(Cursor::new(bytes), format).into_dimensions().map_err(|e| corrupt(&fail, format, &e))?;
+    if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+        return Err(fail(format!("picture is {width} x {height} texels"))
+            .expected(format!("1..={MAX_SIDE} per side"))
+            .cure("scale it down"));
+    }
+    if u64::from(width) * u64::from(height) > most_texels {
+        return Err(fail(format!("picture of {width} x {height} texels is too much: room for {most_texels} is left"))
+            .expected("at most 2^26 texels per picture and 2^27 in all textures of a scene")
+            .cure("scale the textures down"));
+    }
+    let pixels = reader.decode().map_err(|e| corrupt(&fail, format, &e))?.into_rgba8();
+    let texels = pixels.pixels().map(|p| p.0).collect();
+    Ok(Image { width: pixels.width(), height: pixels.height(), texels })
+}
+
+/// The format that the first bytes announce.
+pub(crate) fn sniff(bytes: &[u8]) -> Option<ImageFormat> {
+    if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
+        Some(ImageFormat::Png)
+    } else if bytes.starts_with(&[0xff, 0xd8, 0xff]) {
+        Some(ImageFormat::Jpeg)
+    } else {
+        None
+    }
+}
+
+/// What else it looks like, to make the message useful.
+fn look_alike(bytes: &[u8]) -> &'static str {
+    match bytes {
+        [] => " (the file is empty)",
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => " (a WebP picture)",
+        [0xab, b'K', b'T', b'X', ..] => " (a KTX texture)",
+        [b'D', b'D', b'S', b' ', ..] => " (a DDS texture)",
+        [b'G', b'I', b'F', b'8', ..] => " (a GIF picture)",
+        [b'B', b'M', ..] => " (a BMP picture)",
+        [0x89, b'P', b'N', b'G', ..] => " (a PNG whose signature was damaged, as by a text-mode transfer)",
+        _ => "",
+    }
+}
+
+fn corrupt(fail: &impl Fn(String) -> SceneError, format: ImageFormat, error: &ImageError) -> SceneError {
+    fail(format!("corrupt or unsupported {}: {error}", if format == ImageFormat::Png { "PNG" } else { "JPEG" }))
+        .expected("a complete picture")
+        .cure("open it in a picture editor and save it again, or fetch it again")
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use image::{DynamicImage, ImageBuffer, Luma, Rgba};
+
+    /// A PNG file of this picture.
+    pub(crate) fn png(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
+        let picture = ImageBuffer::from_fn(width, height, |x, y| Rgba(texel(x, y)));
+        let mut bytes = Cursor::new(Vec::new());
+        DynamicImage::ImageRgba8(picture).write_to(&mut bytes, ImageFormat::Png).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn texels_come_top_row_first() {
+        let image = decode(&png(2, 2, |x, y| [x as u8, y as u8, 7, 9]), "a.jpg", 4).unwrap();
+        assert_eq!(image.texels, [[0, 0, 7, 9], [1, 0, 7, 9], [0, 1, 7, 9], [1, 1, 7, 9]]);
+    }
+
+    #[test]
+    fn sixteen_bits_become_eight() {
+        let picture = ImageBuffer::from_fn(2, 1, |x, _| Luma([if x == 0 { 65535u16 } else { 257 * 20 }]));
+        let mut bytes = Cursor::new(Vec::new());
+        DynamicImage::ImageLuma16(picture).write_to(&mut bytes, ImageFormat::Png).unwrap();
+        let image = decode(&bytes.into_inner(), "a.png", 2).unwrap();
+        assert_eq!(image.texels, [[255, 255, 255, 255], [20, 20, 20, 255]]);
+    }
+
+    #[test]
+    fn a_picture_over_the_limit_is_not_decoded() {
+        let error = decode(&png(3, 3, |_, _| [0; 4]), "big.png", 8).unwrap_err().to_string();
+        assert!(error.starts_with("big.png: picture of 3 x 3 texels is too much"), "{error}");
+    }
+
+    #[test]
+    fn every_truncation_is_an_error_that_names_the_file() {
+        let whole = png(4, 4, |x, y| [(x * 60) as u8, (y * 60) as u8, 5, 255]);
+        // The checksum of the end chunk is not needed to have all texels.
+        for end in 0..whole.len() - 12 {
+            let error = decode(&whole[..end], "cut.png", 16).unwrap_err();
+            assert!(error.to_string().starts_with("cut.png: "), "{error}");
+        }
+    }
+}

@@ -1,0 +1,267 @@
+//! MIP pyramids of colour textures, normal maps and height maps.
+//!
+//! Each level has `max(1, floor(size / 2))` texels per side and covers the one before it with 2 x 2 boxes. Where a side
+//! is odd its last row or column has no partner: it joins the last box, which then averages three (not dropped, as
+//! some drivers do: at the edge of a wrapping texture the loss would show as a seam).
+
+use basrelief_signals::{Image, Wrap};
+use std::ops::Range;
+
+/// Levels of a normal map, 0..=7: what the LOD range 0..=63 can address.
+pub const NORMAL_LEVELS: usize = 8;
+
+/// A grey image of heights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightMap {
+    /// Width \[texels\], at least 1.
+    pub width: u32,
+    /// Height \[texels\], at least 1.
+    pub height: u32,
+    /// `width * height` heights, top row first; 1 is `strength` texels high.
+    pub heights: Vec<f64>,
+}
+
+/// Levels of a colour texture, down to 1 x 1: the mean of the stored values, rounded half up.
+pub fn color_levels(base: Image) -> Vec<Image> {
+    levels(base, usize::MAX, mean_color)
+}
+
+/// Levels of a normal map: mean of the decoded normals, made unit again. Level 0 keeps its texels as they are, only
+/// alpha becomes 255.
+pub fn normal_levels(mut base: Image) -> Vec<Image> {
+    for texel in &mut base.texels {
+        texel[3] = 255;
+    }
+    levels(base, NORMAL_LEVELS, mean_normal)
+}
+
+/// Normal map of a height map, level by level: the heights are filtered, then differentiated.
+///
+/// `strength` is the height \[texels of level 0\] of 1.0. Level k holds `normalize(-dh/dcol, dh/drow, 1)` with central
+/// differences over its own texels, divided by 2^k since they are 2^k level-0 texels wide.
+pub fn height_levels(base: HeightMap, strength: f64, wrap: [Wrap; 2]) -> Vec<Image> {
+    let mut map = base;
+    let mut images = Vec::new();
+    let mut scale = strength;
+    loop {
+        images.push(differentiate(&map, scale, wrap));
+        if images.len() == NORMAL_LEVELS || (map.width == 1 && map.height == 1) {
+            return images;
+        }
+        map = halve_heights(&map);
+        scale *= 0.5;
+    }
+}
+
+/// The heights of a picture: the mean of its red, green and blue, 0..=1.
+pub fn heights_of(image: &Image) -> HeightMap {
+    let height = |t: &[u8; 4]| (f64::from(t[0]) + f64::from(t[1]) + f64::from(t[2])) / (3.0 * 255.0);
+    HeightMap { width: image.width, height: image.height, heights: image.texels.iter().map(height).collect() }
+}
+
+/// The unit normal that a texel stores; a zero vector gives (0, 0, 1).
+pub fn decode_normal(texel: [u8; 4]) -> [f64; 3] {
+    normalize([0, 1, 2].map(|i| f64::from(texel[i]) / 127.5 - 1.0))
+}
+
+/// The texel that stores a unit normal: round(127.5 * (n + 1)), alpha 255.
+pub fn encode_normal(normal: [f64; 3]) -> [u8; 4] {
+    let [x, y, z] = normal.map(|n| (127.5 * (n + 1.0)).round().clamp(0.0, 255.0) as u8);
+    [x, y, z, 255]
+}
+
+fn levels(base: Image, most: usize, mean: fn(&Image, Range<u32>, Range<u32>) -> [u8; 4]) -> Vec<Image> {
+    let mut all = Vec::new();
+    let mut last = base;
+    while all.len() + 1 < most && (last.width > 1 || last.height > 1) {
+        let next = halve(&last, mean);
+        all.push(std::mem::replace(&mut last, next));
+    }
+    all.push(last);
+    all
+}
+
+fn halve(image: &Image, mean: fn(&Image, Range<u32>, Range<u32>) -> [u8; 4]) -> Image {
+    let (width, height) = (half(image.width), half(image.height));
+    let texels = boxes(image.width, image.height).map(|(x, y)| mean(image, x, y)).collect();
+    Image { width, height, texels }
+}
+
+fn half(size: u32) -> u32 {
+    (size / 2).max(1)
+}
+
+/// Columns and rows of every box of the next level, row by row.
+fn boxes(width: u32, height: u32) -> impl Iterator<Item = (Range<u32>, Range<u32>)> {
+    (0..half(height)).flat_map(move |y| (0..half(width)).map(move |x| (span(x, width), span(y, height))))
+}
+
+fn span(i: u32, size: u32) -> Range<u32> {
+    2 * i..if i + 1 == half(size) { size } else { 2 * i + 2 }
+}
+
+/// Numbers of the texels in a box.
+fn texels_in(width: u32, x: Range<u32>, y: Range<u32>) -> impl Iterator<Item = usize> {
+    y.flat_map(move |row| x.clone().map(move |column| row as usize * width as usize + column as usize))
+}
+
+fn mean_color(image: &Image, x: Range<u32>, y: Range<u32>) -> [u8; 4] {
+    let count = (x.len() * y.len()) as u32;
+    let mut sum = [0u32; 4];
+    for texel in texels_in(image.width, x, y).filter_map(|i| image.texels.get(i)) {
+        for (s, t) in sum.iter_mut().zip(texel) {
+            *s += u32::from(*t);
+        }
+    }
+    sum.map(|s| ((s + count / 2) / count) as u8)
+}
+
+fn mean_normal(image: &Image, x: Range<u32>, y: Range<u32>) -> [u8; 4] {
+    let mut sum = [0.0; 3];
+    for texel in texels_in(image.width, x, y).filter_map(|i| image.texels.get(i)) {
+        for (s, n) in sum.iter_mut().zip(decode_normal(*texel)) {
+            *s += n;
+        }
+    }
+    encode_normal(normalize(sum))
+}
+
+fn halve_heights(map: &HeightMap) -> HeightMap {
+    let mean = |(x, y): (Range<u32>, Range<u32>)| {
+        let count = (x.len() * y.len()) as f64;
+        texels_in(map.width, x, y).filter_map(|i| map.heights.get(i)).sum::<f64>() / count
+    };
+    HeightMap { width: half(map.width), height: half(map.height), heights: boxes(map.width, map.height).map(mean).collect() }
+}
+
+fn differentiate(map: &HeightMap, scale: f64, wrap: [Wrap; 2]) -> Image {
+    let at = |column: i64, row: i64| {
+        let (x, y) = (wrapped(column, map.width, wrap[0]), wrapped(row, map.height, wrap[1]));
+        map.heights.get(y * map.width as usize + x).copied().unwrap_or_default()
+    };
+    let normal = |i: u64| {
+        let (column, row) = ((i % u64::from(map.width)) as i64, (i / u64::from(map.width)) as i64);
+        let slope_right = scale * (at(column + 1, row) - at(column - 1, row)) / 2.0;
+        let slope_down = scale * (at(column, row + 1) - at(column, row - 1)) / 2.0;
+        encode_normal(normalize([-slope_right, slope_down, 1.0]))
+    };
+    let count = u64::from(map.width) * u64::from(map.height);
+    Image { width: map.width, height: map.height, texels: (0..count).map(normal).collect() }
+}
+
+fn wrapped(i: i64, size: u32, wrap: Wrap) -> usize {
+    let size = i64::from(size);
+    let inside = match wrap {
+        Wrap::Repeat => i.rem_euclid(size),
+        Wrap::Clamp => i.clamp(0, size - 1),
+        Wrap::Mirror => {
+            let folded = i.rem_euclid(2 * size);
+            folded.min(2 * size - 1 - folded)
+        }
+    };
+    inside as usize
+}
+
+fn normalize(v: [f64; 3]) -> [f64; 3] {
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    if length > 0.0 && length.is_finite() { v.map(|c| c / length) } else { [0.0, 0.0, 1.0] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn image(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> Image {
+        let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect();
+        Image { width, height, texels }
+    }
+
+    #[test]
+    fn four_texels_average_with_rounding_half_up() {
+        let levels = color_levels(image(2, 2, |x, y| [(x + 2 * y) as u8, 255, 0, 1]));
+        assert_eq!(levels[1].texels, [[2, 255, 0, 1]], "(0 + 1 + 2 + 3 + 2) >> 2 = 2");
+    }
+
+    #[test]
+    fn an_odd_edge_joins_the_last_box() {
+        let levels = color_levels(image(5, 1, |x, _| [(x * 10) as u8; 4]));
+        assert_eq!(levels.iter().map(|l| l.width).collect::<Vec<_>>(), [5, 2, 1]);
+        assert_eq!(levels[1].texels, [[5; 4], [30; 4]]);
+    }
+
+    #[test]
+    fn a_normal_map_keeps_eight_levels_and_a_colour_texture_all() {
+        let base = image(1024, 4, |_, _| [128, 128, 255, 0]);
+        assert_eq!(normal_levels(base.clone()).len(), 8);
+        assert_eq!(color_levels(base).len(), 11);
+    }
+
+    #[test]
+    fn opposite_normals_cancel_to_the_surface_normal() {
+        let levels = normal_levels(image(2, 1, |x, _| if x == 0 { [255, 0, 0, 9] } else { [0, 255, 255, 9] }));
+        assert_eq!(levels[0].texels[0], [255, 0, 0, 255]);
+        assert_eq!(levels[1].texels[0], encode_normal([0.0, 0.0, 1.0]));
+    }
+
+    /// Heights rise to the right: the surface leans to the left, so red is below the middle; rising downwards makes
+    /// green larger, since +Y points up the image.
+    #[test]
+    fn slopes_have_the_signs_of_the_gltf_convention() {
+        let ramp = |dx: f64, dy: f64| HeightMap {
+            width: 4,
+            height: 4,
+            heights: (0..16).map(|i| dx * f64::from(i % 4) + dy * f64::from(i / 4)).collect(),
+        };
+        let centre = |levels: Vec<Image>| levels[0].texels[5];
+        let diagonal = std::f64::consts::FRAC_1_SQRT_2;
+        let clamp = [Wrap::Clamp; 2];
+        assert_eq!(centre(height_levels(ramp(1.0, 0.0), 1.0, clamp)), encode_normal([-diagonal, 0.0, diagonal]));
+        assert_eq!(centre(height_levels(ramp(0.0, 1.0), 1.0, clamp)), encode_normal([0.0, diagonal, diagonal]));
+    }
+
+    #[test]
+    fn a_slope_stays_the_same_on_every_level() {
+        let ramp = HeightMap { width: 64, height: 64, heights: (0..4096).map(|i| f64::from(i % 64)).collect() };
+        for (k, level) in height_levels(ramp, 0.5, [Wrap::Clamp; 2]).iter().enumerate().take(5) {
+            let middle = (level.height / 2 * level.width + level.width / 2) as usize;
+            let expected = encode_normal(normalize([-0.5, 0.0, 1.0]));
+            assert_eq!(level.texels[middle], expected, "level {k}");
+        }
+    }
+
+    #[test]
+    fn wrapping_follows_the_sampler() {
+        assert_eq!([-1, 4, 9].map(|i| wrapped(i, 4, Wrap::Repeat)), [3, 0, 1]);
+        assert_eq!([-1, 4, 9].map(|i| wrapped(i, 4, Wrap::Clamp)), [0, 3, 3]);
+        assert_eq!([-1, 4, 9].map(|i| wrapped(i, 4, Wrap::Mirror)), [0, 3, 1]);
+    }
+
+    proptest! {
+        #[test]
+        fn sizes_halve_and_a_constant_stays_constant(width in 1u32..40, height in 1u32..40, value in any::<[u8; 4]>()) {
+            let levels = color_levels(image(width, height, |_, _| value));
+            let mut size = (width, height);
+            for level in &levels {
+                prop_assert_eq!((level.width, level.height), size);
+                prop_assert_eq!(level.texels.len() as u32, size.0 * size.1);
+                prop_assert!(level.texels.iter().all(|t| *t == value));
+                size = (half(size.0), half(size.1));
+            }
+            prop_assert_eq!((levels[levels.len() - 1].width, levels[levels.len() - 1].height), (1, 1));
+        }
+
+        #[test]
+        fn every_level_of_a_height_map_stores_unit_normals(
+            heights in proptest::collection::vec(0.0f64..1.0, 35), strength in 0.0f64..20.0
+        ) {
+            for level in height_levels(HeightMap { width: 7, height: 5, heights }, strength, [Wrap::Repeat; 2]) {
+                for t in &level.texels {
+                    let length: f64 = [0, 1, 2].map(|i| f64::from(t[i]) / 127.5 - 1.0).iter().map(|c| c * c).sum();
+                    prop_assert!((length.sqrt() - 1.0).abs() < 0.01);
+                    prop_assert_eq!(t[3], 255);
+                }
+            }
+        }
+    }
+}

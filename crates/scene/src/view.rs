@@ -1,0 +1,246 @@
+//! From what the user and the model say about the view to the frames of a scene.
+
+use crate::SceneError;
+use crate::camera::{AUTO_VIEW, Bounds, View, Viewpoint, check_camera, direction, rows, turn};
+use basrelief_signals::{Camera, Frame, Light, LightKind};
+use glam::{DMat4, DVec3};
+use std::sync::Arc;
+
+/// Direction to the light where nobody says otherwise (assumed); normalised.
+const DEFAULT_LIGHT: [f64; 3] = [0.4, 0.8, 0.45];
+
+/// Most pixels per side: coordinates of fragments have 16 bits, and a frame buffer must fit in memory.
+const MAX_SIDE: u32 = 16_384;
+
+/// Most frames of one scene.
+const MAX_FRAMES: u32 = 1_000_000;
+
+/// What the user asks of the view. The default leaves everything to the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewOptions {
+    /// Width and height of the picture \[pixels\], each 1..=16384.
+    pub size: [u32; 2],
+    /// Replaces the camera and the lights of the model.
+    pub camera: Option<Camera>,
+    /// The camera turns by this angle around the vertical axis through the model's centre, over all frames \[degrees\];
+    /// `None` leaves it to the model.
+    pub orbit_degrees: Option<f64>,
+    /// Number of frames, 1..=1000000; `None` leaves it to the model.
+    pub frames: Option<u32>,
+    /// Direction to a light at infinity that replaces all others; need not have length 1.
+    pub light: Option<[f64; 3]>,
+    /// The light turns by this angle around the vertical axis, over all frames \[degrees\]; `None` leaves it to the
+    /// model.
+    pub light_orbit_degrees: Option<f64>,
+}
+
+impl Default for ViewOptions {
+    fn default() -> Self {
+        Self { size: [640, 480], camera: None, orbit_degrees: None, frames: None, light: None, light_orbit_degrees: None }
+    }
+}
+
+/// A light in double precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Lamp {
+    /// Unit direction towards it.
+    Directional(DVec3),
+    /// Place.
+    Point(DVec3),
+}
+
+/// What a model or a demo says about its view.
+pub(crate) struct Setting {
+    /// Around all vertices, in the world.
+    pub bounds: Bounds,
+    /// The model's camera.
+    pub camera: Option<Viewpoint>,
+    /// The model's lights, with their intensities.
+    pub lamps: Vec<(Lamp, f64)>,
+    /// Frames, where the user does not say.
+    pub frames: u32,
+    /// Orbit of the light \[degrees\], where the user does not say.
+    pub light_orbit: f64,
+}
+
+impl Setting {
+    /// The setting of a model without animation.
+    pub(crate) fn still(bounds: Bounds, camera: Option<Viewpoint>, lamps: Vec<(Lamp, f64)>) -> Self {
+        Self { bounds, camera, lamps, frames: 1, light_orbit: 0.0 }
+    }
+
+    /// All frames, in order.
+    pub(crate) fn frames(&self, options: &ViewOptions) -> Result<Vec<Arc<Frame>>, SceneError> {
+        let [width, height] = options.size;
+        let sides = 1..=MAX_SIDE;
+        if !sides.contains(&width) || !sides.contains(&height) {
+            return Err(SceneError::at("size", format!("{width}x{height}")).expected(format!("1..={MAX_SIDE} pixels per side")));
+        }
+        let count = options.frames.unwrap_or(self.frames);
+        if !(1..=MAX_FRAMES).contains(&count) {
+            return Err(SceneError::at("frames", count.to_string()).expected(format!("1..={MAX_FRAMES}")));
+        }
+        let orbit = finite(options.orbit_degrees.unwrap_or(0.0), "orbit")?;
+        let light_orbit = finite(options.light_orbit_degrees.unwrap_or(self.light_orbit), "light-orbit")?;
+        let view = self.first_view(options)?;
+        let lamps = self.first_lamps(options)?;
+        let frame = |index: u32| {
+            let part = f64::from(index) / f64::from(count);
+            let view = self.orbit(view, part * orbit);
+            let lamps: Vec<_> = lamps.iter().map(|(lamp, i)| (self.turn_lamp(*lamp, part * light_orbit), *i)).collect();
+            Arc::new(Frame { index, width, height, camera: self.camera(view, &lamps), lights: lights(&lamps) })
+        };
+        Ok((0..count).map(frame).collect())
+    }
+
+    fn first_view(&self, options: &ViewOptions) -> Result<View, SceneError> {
+        if let Some(camera) = &options.camera {
+            let camera = check_camera(camera)?;
+            let view_projection = DMat4::from_cols_array(&camera.view_projection).transpose();
+            return Ok(View { view_projection, to_viewer: DVec3::from_array(camera.to_viewer) });
+        }
+        let [width, height] = options.size.map(f64::from);
+        let viewpoint = self.camera.unwrap_or_else(|| Viewpoint::framing(&self.bounds, AUTO_VIEW));
+        Ok(viewpoint.view(width / height, self.bounds.centre()))
+    }
+
+    fn first_lamps(&self, options: &ViewOptions) -> Result<Vec<(Lamp, f64)>, SceneError> {
+        if let Some(light) = options.light {
+            return Ok(vec![(Lamp::Directional(direction(light, "light")?), 1.0)]);
+        }
+        if let Some(camera) = &options.camera {
+            return Ok(vec![(Lamp::Directional(direction(camera.to_light, "/to_light")?), 1.0)]);
+        }
+        if self.lamps.is_empty() {
+            return Ok(vec![(Lamp::Directional(direction(DEFAULT_LIGHT, "light")?), 1.0)]);
+        }
+        Ok(self.lamps.clone())
+    }
+
+    /// The camera turned around the vertical axis through the centre: the world turned the other way.
+    fn orbit(&self, view: View, degrees: f64) -> View {
+        if degrees == 0.0 {
+            return view;
+        }
+        let centre = self.bounds.centre();
+        let world = DMat4::from_translation(centre) * turn(-degrees) * DMat4::from_translation(-centre);
+        View { view_projection: view.view_projection * world, to_viewer: turn(degrees).transform_vector3(view.to_viewer) }
+    }
+
+    fn turn_lamp(&self, lamp: Lamp, degrees: f64) -> Lamp {
+        let centre = self.bounds.centre();
+        match lamp {
+            _ if degrees == 0.0 => lamp,
+            Lamp::Directional(to_light) => Lamp::Directional(turn(degrees).transform_vector3(to_light)),
+            Lamp::Point(p) => Lamp::Point(centre + turn(degrees).transform_vector3(p - centre)),
+        }
+    }
+
+    /// The view as reported; a point light is seen from the model's centre.
+    fn camera(&self, view: View, lamps: &[(Lamp, f64)]) -> Camera {
+        let to_light = match lamps.first() {
+            Some((Lamp::Directional(to_light), _)) => *to_light,
+            Some((Lamp::Point(p), _)) => (*p - self.bounds.centre()).normalize_or(DVec3::Y),
+            None => DVec3::Y,
+        };
+        Camera {
+            view_projection: rows(view.view_projection),
+            to_light: to_light.to_array(),
+            to_viewer: view.to_viewer.to_array(),
+        }
+    }
+}
+
+fn finite(degrees: f64, name: &str) -> Result<f64, SceneError> {
+    if degrees.is_finite() {
+        Ok(degrees)
+    } else {
+        Err(SceneError::at(name, degrees.to_string()).expected("a finite angle in degrees"))
+    }
+}
+
+fn lights(lamps: &[(Lamp, f64)]) -> Vec<Light> {
+    let kind = |lamp: Lamp| match lamp {
+        Lamp::Directional(to_light) => LightKind::Directional { to_light: to_light.as_vec3().to_array() },
+        Lamp::Point(position) => LightKind::Point { position: position.as_vec3().to_array() },
+    };
+    lamps.iter().map(|(lamp, intensity)| Light { kind: kind(*lamp), intensity: *intensity as f32 }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Lens;
+    use glam::DVec4;
+
+    fn setting(lamps: Vec<(Lamp, f64)>) -> Setting {
+        Setting::still(Bounds { low: DVec3::new(1., 0., 0.), high: DVec3::new(3., 2., 2.) }, None, lamps)
+    }
+
+    #[test]
+    fn frame_k_of_n_turns_by_k_nths_of_the_angle() {
+        let options = ViewOptions { orbit_degrees: Some(360.0), frames: Some(4), ..ViewOptions::default() };
+        let frames = setting(vec![]).frames(&options).unwrap();
+        let azimuth = |f: &Frame| libm::atan2(f.camera.to_viewer[0], f.camera.to_viewer[2]).to_degrees();
+        for (k, frame) in frames.iter().enumerate() {
+            let expected = [30.0, 120.0, -150.0, -60.0][k];
+            assert!((azimuth(frame) - expected).abs() < 1e-9, "{}", azimuth(frame));
+            let centre = DMat4::from_cols_array(&frame.camera.view_projection).transpose() * DVec4::new(2., 1., 1., 1.);
+            assert!(centre.x.abs() < 1e-9 && centre.y.abs() < 1e-9, "the centre stays in the middle");
+        }
+        // Looking from the other side mirrors left and right of the model.
+        let x = |f: &Frame| (DMat4::from_cols_array(&f.camera.view_projection).transpose() * DVec4::new(3., 1., 1., 1.)).x;
+        assert!((x(&frames[0]) + x(&frames[2])).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_light_turns_with_its_own_orbit() {
+        let options = ViewOptions {
+            light: Some([0., 0., 5.]),
+            light_orbit_degrees: Some(180.0),
+            frames: Some(2),
+            ..ViewOptions::default()
+        };
+        let frames = setting(vec![]).frames(&options).unwrap();
+        assert_eq!(frames[0].camera.to_light, [0., 0., 1.]);
+        let turned = DVec3::from_array(frames[1].camera.to_light);
+        assert!((turned - DVec3::X).length() < 1e-12, "{turned:?}");
+        assert_eq!(frames[0].camera.view_projection, frames[1].camera.view_projection);
+    }
+
+    #[test]
+    fn the_users_light_goes_before_the_camera_files_and_that_before_the_models() {
+        let camera = Camera { view_projection: rows(DMat4::IDENTITY), to_light: [1., 0., 0.], to_viewer: [0., 0., 1.] };
+        let lamps = vec![(Lamp::Point(DVec3::new(2., 11., 1.)), 0.5), (Lamp::Directional(DVec3::Z), 1.0)];
+        let first = |options: ViewOptions| setting(lamps.clone()).frames(&options).unwrap()[0].clone();
+        let own = first(ViewOptions::default());
+        assert_eq!((own.lights.len(), own.camera.to_light), (2, [0., 1., 0.]));
+        let file = ViewOptions { camera: Some(camera), ..ViewOptions::default() };
+        assert_eq!(first(file.clone()).camera, camera);
+        let user = first(ViewOptions { light: Some([0., -2., 0.]), ..file });
+        assert_eq!((user.lights.len(), user.camera.to_light), (1, [0., -1., 0.]));
+    }
+
+    #[test]
+    fn absurd_wishes_are_refused() {
+        let refuses = |options: ViewOptions| setting(vec![]).frames(&options).unwrap_err();
+        let d = ViewOptions::default;
+        refuses(ViewOptions { size: [0, 4], ..d() });
+        refuses(ViewOptions { size: [4, 100_000], ..d() });
+        refuses(ViewOptions { frames: Some(0), ..d() });
+        refuses(ViewOptions { light: Some([0.0; 3]), ..d() });
+        refuses(ViewOptions { light: Some([f64::NAN; 3]), ..d() });
+        refuses(ViewOptions { orbit_degrees: Some(f64::INFINITY), ..d() });
+    }
+
+    #[test]
+    fn a_model_camera_is_used_and_an_orthographic_viewer_stands_on_its_axis() {
+        let lens = Lens::Orthographic { half_height: 1.0, near: 0.1, far: 10.0 };
+        let mut s = setting(vec![]);
+        s.camera = Viewpoint::placed(DMat4::from_translation(DVec3::new(0., 0., 5.)), lens);
+        let frame = &s.frames(&ViewOptions { size: [200, 100], ..ViewOptions::default() }).unwrap()[0];
+        assert_eq!(frame.camera.to_viewer, [0., 0., 1.]);
+        let clip = DMat4::from_cols_array(&frame.camera.view_projection).transpose() * DVec4::new(2., 1., 0., 1.);
+        assert_eq!((clip.x, clip.y, clip.w), (1.0, 1.0, 1.0), "twice as wide as high");
+    }
+}
