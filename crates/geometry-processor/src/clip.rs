@@ -1,0 +1,147 @@
+//! Clipping against the view volume.
+//!
+//! Near and far are exact. At the sides, a polygon is cut only where it leaves the guard band: the rasterizer ignores
+//! what is off the screen, and an edge that is not cut stays exactly the edge of its neighbour.
+
+use crate::transform::Corner;
+use basrelief_signals::Vertex;
+use glam::{Vec3, Vec4};
+
+/// Half width and height of the guard band in half widths and heights of the screen (assumed): 4.5 screens to each side
+/// of the centre of the widest picture are 74,000 pixels, well inside the rasterizer's range.
+const GUARD: f32 = 8.0;
+
+/// What is left of a triangle.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Clipped {
+    /// All corners are outside the same side of the view volume.
+    Outside,
+    /// The corners; unchanged, or cut.
+    Polygon {
+        /// In order, 3..=9 unless it degenerates.
+        corners: Vec<Corner>,
+        /// The triangle was cut.
+        cut: bool,
+    },
+}
+
+/// Signed distances to the six planes, >= 0 inside; the sides stand `reach` times as far out as those of the screen.
+fn distances(clip: Vec4, reach: f32) -> [f32; 6] {
+    let Vec4 { x, y, z, w } = clip;
+    let side = reach * w;
+    [z + w, w - z, side + x, side - x, side + y, side - y]
+}
+
+/// Clips a triangle with finite coordinates.
+pub fn clip(triangle: [Corner; 3]) -> Clipped {
+    let outside = triangle.map(|c| distances(c.clip, 1.0).map(|d| d < 0.0));
+    if (0..6).any(|plane| outside.iter().all(|o| o[plane])) {
+        return Clipped::Outside;
+    }
+    let mut corners = triangle.to_vec();
+    let mut cut = false;
+    for plane in 0..6 {
+        let distance = |c: &Corner| distances(c.clip, GUARD)[plane];
+        if corners.iter().any(|c| distance(c) < 0.0) {
+            corners = cut_at(&corners, distance);
+            cut = true;
+        }
+    }
+    Clipped::Polygon { corners, cut }
+}
+
+/// The part on the inner side (Sutherland and Hodgman). A new corner is computed from the inner to the outer end of its
+/// edge, whichever comes first: triangles that share the edge get the same corner.
+fn cut_at(corners: &[Corner], distance: impl Fn(&Corner) -> f32) -> Vec<Corner> {
+    let mut kept = Vec::with_capacity(corners.len() + 1);
+    let successors = corners.iter().cycle().skip(1);
+    for (here, next) in corners.iter().zip(successors) {
+        let (d, e) = (distance(here), distance(next));
+        if d >= 0.0 {
+            kept.push(*here);
+        }
+        match (d >= 0.0, e >= 0.0) {
+            (true, false) => kept.push(between(here, next, d / (d - e))),
+            (false, true) => kept.push(between(next, here, e / (e - d))),
+            _ => {}
+        }
+    }
+    kept
+}
+
+/// The corner at share `t` of the way from `a` to `b`.
+fn between(a: &Corner, b: &Corner, t: f32) -> Corner {
+    fn mix<const N: usize>(a: [f32; N], b: [f32; N], t: f32) -> [f32; N] {
+        std::array::from_fn(|i| a[i] + t * (b[i] - a[i]))
+    }
+    let (p, q) = (&a.vertex, &b.vertex);
+    let normal = Vec3::from(mix(p.normal, q.normal, t)).normalize_or(Vec3::from(p.normal));
+    let tangent = Vec4::from(mix(p.tangent, q.tangent, t)).truncate().normalize_or_zero();
+    Corner {
+        clip: a.clip + t * (b.clip - a.clip),
+        vertex: Vertex {
+            normal: normal.to_array(),
+            tangent: tangent.extend(p.tangent[3]).to_array(),
+            uv: mix(p.uv, q.uv, t),
+            uv_normal: mix(p.uv_normal, q.uv_normal, t),
+            color: mix(p.color, q.color, t),
+            ..Vertex::default()
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn corner(x: f32, y: f32, z: f32, w: f32) -> Corner {
+        Corner { clip: Vec4::new(x, y, z, w), vertex: Vertex { uv: [x, y], ..Vertex::default() } }
+    }
+
+    fn any_corner() -> impl Strategy<Value = Corner> {
+        (-20f32..20.0, -20f32..20.0, -3f32..3.0, -2f32..2.0).prop_map(|(x, y, z, w)| corner(x, y, z, w))
+    }
+
+    #[test]
+    fn inside_nothing_changes_outside_nothing_is_left() {
+        let inside = [corner(-1.0, 0.0, 0.0, 1.0), corner(1.0, -1.0, -1.0, 1.0), corner(4.0, 1.0, 1.0, 1.0)];
+        assert_eq!(clip(inside), Clipped::Polygon { corners: inside.to_vec(), cut: false });
+        assert_eq!(clip(inside.map(|c| corner(c.clip.x, 1.5, 0.0, 1.0))), Clipped::Outside);
+        assert_eq!(clip(inside.map(|c| corner(c.clip.x, 0.0, 0.0, -1.0))), Clipped::Outside);
+    }
+
+    #[test]
+    fn the_near_plane_cuts_one_corner_into_two() {
+        let t = [corner(0.0, 0.0, -3.0, 1.0), corner(1.0, 0.0, 1.0, 1.0), corner(0.0, 1.0, 1.0, 1.0)];
+        let Clipped::Polygon { corners, cut } = clip(t) else { panic!("something is left") };
+        assert!(cut);
+        assert_eq!(corners.len(), 4);
+        assert_eq!(corners[0].clip, Vec4::new(0.5, 0.0, -1.0, 1.0));
+        assert_eq!(corners[0].vertex.uv, [0.5, 0.0]);
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_left_is_inside_and_has_at_most_nine_corners(t in [any_corner(), any_corner(), any_corner()]) {
+            if let Clipped::Polygon { corners, .. } = clip(t) {
+                prop_assert!(corners.len() <= 9);
+                for c in &corners {
+                    let scale = c.clip.abs().max_element();
+                    prop_assert!(distances(c.clip, GUARD).iter().all(|d| *d >= -1e-4 * scale.max(1.0)), "{c:?}");
+                }
+            }
+        }
+
+        #[test]
+        fn a_shared_edge_is_cut_at_the_same_corner(a in any_corner(), b in any_corner(), c in any_corner(), d in any_corner()) {
+            let near = |c: &Corner| distances(c.clip, GUARD)[0];
+            prop_assume!((near(&a) < 0.0) != (near(&b) < 0.0));
+            let new = |corners: Vec<Corner>, old: [Corner; 3]| -> Vec<Corner> {
+                corners.into_iter().filter(|p| !old.contains(p)).collect()
+            };
+            let (left, right) = (new(cut_at(&[a, b, c], near), [a, b, c]), new(cut_at(&[b, a, d], near), [b, a, d]));
+            prop_assert!(left.iter().any(|p| right.contains(p)), "{left:?} {right:?}");
+        }
+    }
+}

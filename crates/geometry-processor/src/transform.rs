@@ -1,0 +1,162 @@
+//! Object to clip and world space.
+
+use basrelief_signals::{Mesh, Object, Vertex};
+use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Vec3, Vec4};
+use serde::{Deserialize, Serialize};
+
+/// A vertex in clip space; the `position` of its attributes is still empty.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Corner {
+    /// Clip-space position.
+    pub clip: Vec4,
+    /// Attributes, world space.
+    pub vertex: Vertex,
+}
+
+/// Matrices of an object in a frame: products in double precision, then rounded once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Transform {
+    /// Object to clip space.
+    clip: Mat4,
+    /// Directions, object to world space.
+    direction: Mat3,
+    /// Normals, object to world space, up to a positive factor.
+    normal: Mat3,
+    /// The world matrix turns counter-clockwise into clockwise.
+    pub mirrored: bool,
+}
+
+/// From row-major storage.
+fn matrix(rows: &[f64; 16]) -> DMat4 {
+    DMat4::from_cols_array(rows).transpose()
+}
+
+impl Transform {
+    /// For an object with this world matrix under this view projection, both row-major.
+    pub fn new(view_projection: &[f64; 16], world: &[f64; 16]) -> Self {
+        let clip = matrix(view_projection) * matrix(world);
+        let direction = DMat3::from_mat4(matrix(world));
+        let mirrored = direction.determinant() < 0.0;
+        Self { clip: clip.as_mat4(), direction: direction.as_mat3(), normal: normal_matrix(&direction), mirrored }
+    }
+
+    /// Vertex `index` of the mesh; `None` where there is none.
+    pub fn vertex(&self, mesh: &Mesh, index: u32) -> Option<Corner> {
+        let i = index as usize;
+        let position = Vec3::from(*mesh.positions.get(i)?);
+        let unset = Vertex::default();
+        let normal = self.normal * Vec3::from(mesh.normals.get(i).copied().unwrap_or(unset.normal));
+        let [x, y, z, w] = mesh.tangents.get(i).copied().unwrap_or(unset.tangent);
+        let tangent = (self.direction * Vec3::new(x, y, z)).normalize_or_zero();
+        // cross(N, T) of a mirrored frame points the other way: the sign keeps the bitangent on the surface's v.
+        let handedness = if self.mirrored { -w } else { w };
+        let vertex = Vertex {
+            normal: normal.normalize_or(Vec3::Z).to_array(),
+            tangent: tangent.extend(handedness).to_array(),
+            uv: mesh.uv.get(i).copied().unwrap_or(unset.uv),
+            uv_normal: mesh.uv_normal.get(i).copied().unwrap_or(unset.uv_normal),
+            color: mesh.colors.get(i).copied().unwrap_or(unset.color),
+            ..unset
+        };
+        Some(Corner { clip: self.clip * position.extend(1.0), vertex })
+    }
+}
+
+/// Inverse transpose up to a positive factor, by cofactors: it exists for flattened objects too. Scaled to one, so that
+/// no size of object leaves the range of single precision.
+fn normal_matrix(direction: &DMat3) -> Mat3 {
+    let [x, y, z] = [direction.x_axis, direction.y_axis, direction.z_axis];
+    let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+    let largest = cofactors.to_cols_array().iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+    let sign = if direction.determinant() < 0.0 { -1.0 } else { 1.0 };
+    if largest > 0.0 { (cofactors * (sign / largest)).as_mat3() } else { Mat3::IDENTITY }
+}
+
+/// Centre of the axis-aligned box of the object's vertices in world space; the origin of an object without any.
+pub fn centre(object: &Object) -> [f32; 3] {
+    let world = matrix(&object.world);
+    let mut points = object.mesh.positions.iter().map(|p| world.transform_point3(Vec3::from(*p).as_dvec3()));
+    let first = points.next().unwrap_or_else(|| world.transform_point3(DVec3::ZERO));
+    let (low, high) = points.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
+    (0.5 * (low + high)).as_vec3().to_array()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::sync::Arc;
+
+    const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+    fn world(linear: [f64; 9]) -> [f64; 16] {
+        let [a, b, c, d, e, f, g, h, i] = linear;
+        [a, b, c, 5.0, d, e, f, -7.0, g, h, i, 9.0, 0.0, 0.0, 0.0, 1.0]
+    }
+
+    fn mesh(normal: Vec3, tangent: Vec3, w: f32) -> Mesh {
+        let tangents = vec![tangent.extend(w).to_array()];
+        Mesh { positions: vec![[1.0, 2.0, 3.0]], normals: vec![normal.to_array()], tangents, ..Mesh::default() }
+    }
+
+    #[test]
+    fn matrices_are_row_major() {
+        let t = Transform::new(&IDENTITY, &world([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]));
+        let corner = t.vertex(&mesh(Vec3::Z, Vec3::X, 1.0), 0).expect("vertex 0");
+        assert_eq!(corner.clip.to_array(), [6.0, -5.0, 12.0, 1.0]);
+        assert!(t.vertex(&mesh(Vec3::Z, Vec3::X, 1.0), 1).is_none());
+    }
+
+    #[test]
+    fn the_centre_is_that_of_the_box_in_world_space() {
+        let mesh = Mesh { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], ..Mesh::default() };
+        let linear = [1.0, 1.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        let object = |mesh| Object {
+            id: 0,
+            name: String::new(),
+            mesh: Arc::new(mesh),
+            world: world(linear),
+            material: Arc::default(),
+            entries: None,
+            bump: None,
+        };
+        assert_eq!(centre(&object(mesh)), [5.5, -7.0, 9.0]);
+        assert_eq!(centre(&object(Mesh::default())), [5.0, -7.0, 9.0]);
+    }
+
+    fn unit_vector() -> impl Strategy<Value = Vec3> {
+        [-1f32..1.0, -1f32..1.0, -1f32..1.0]
+            .prop_map(Vec3::from)
+            .prop_filter("long enough", |v| v.length() > 0.1)
+            .prop_map(Vec3::normalize)
+    }
+
+    proptest! {
+        #[test]
+        fn normals_stay_perpendicular_outward_and_the_bitangent_follows_the_surface(
+            m in prop::array::uniform9(-2f64..2.0), n in unit_vector(), t in unit_vector(), left in any::<bool>(),
+        ) {
+            let linear = DMat3::from_cols_array(&m).transpose();
+            prop_assume!(linear.determinant().abs() > 0.2);
+            let t = (t - n * n.dot(t)).normalize_or(n.any_orthonormal_vector());
+            let w = if left { -1.0 } else { 1.0 };
+            let bitangent = n.cross(t) * w;
+            let corner = Transform::new(&IDENTITY, &world(m)).vertex(&mesh(n, t, w), 0).expect("vertex 0");
+            let (normal, tangent) = (Vec3::from(corner.vertex.normal), Vec4::from(corner.vertex.tangent));
+            let to_world = |v: Vec3| (linear * v.as_dvec3()).as_vec3();
+            prop_assert!((normal.length() - 1.0).abs() < 1e-5 && (tangent.truncate().length() - 1.0).abs() < 1e-5);
+            prop_assert!(normal.dot(to_world(t)).abs() < 1e-4 && normal.dot(to_world(bitangent)).abs() < 1e-4);
+            prop_assert!(normal.dot(to_world(n)) > 0.0, "outward");
+            prop_assert!((normal.cross(tangent.truncate()) * tangent.w).dot(to_world(bitangent)) > 0.0, "handedness");
+        }
+
+        #[test]
+        fn the_size_of_an_object_does_not_matter(scale in prop_oneof![Just(1e-20f64), Just(1e-3), Just(1e12)], n in unit_vector()) {
+            let at = |s: f64| {
+                let t = Transform::new(&IDENTITY, &world([s, 0.0, 0.0, 0.0, 2.0 * s, 0.0, 0.0, 0.0, s]));
+                Vec3::from(t.vertex(&mesh(n, Vec3::X, 1.0), 0).expect("vertex 0").vertex.normal)
+            };
+            prop_assert!(at(scale).distance(at(1.0)) < 1e-5);
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! The geometry processor (102).
+
+use crate::clip::{Clipped, clip};
+use crate::config::{BumpConfig, GeometryConfig, Targets};
+use crate::state::GeometryState;
+use crate::transform::{Corner, Transform, centre};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::{brightness, doubled_area, light_vectors, polygon_lod};
+use basrelief_signals::{Control, Draw, Frame, Object, ObjectInfo, Polygon, Vertex};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// Geometry processor (102): transforms, clips, culls and projects indexed triangles; gives each polygon its LOD and
+/// decides whether it is a bump target. A triangle becomes one convex polygon or none.
+///
+/// Dropped as degenerate: a triangle without object or frame, or with a vertex that is not there; one with a clip-space
+/// coordinate that is not finite; a polygon with fewer than three corners, a w that is not positive, or a window area
+/// that is zero or not finite.
+///
+/// Frame, object and frame-end commands take one cycle, triangles what their vertices and set-up take, and at least one.
+/// Polygons that are no bump target carry their brightness at the vertices (Gouraud), at the same cost (assumed).
+#[derive(Clone, Debug, Default)]
+pub struct GeometryProcessor {
+    /// Parameters.
+    pub config: GeometryConfig,
+    /// Parameters of the bump decision.
+    pub bump: BumpConfig,
+    /// Everything it remembers.
+    pub state: GeometryState,
+}
+
+/// Why a triangle became no polygon.
+enum Dropped {
+    Outside,
+    Culled,
+    Degenerate,
+}
+
+impl GeometryProcessor {
+    /// A geometry processor at power-on.
+    pub fn new(config: GeometryConfig, bump: BumpConfig) -> Self {
+        Self { config, bump, state: GeometryState::default() }
+    }
+
+    fn begin_object(&mut self, object: Arc<Object>) -> ObjectInfo {
+        let centre = centre(&object);
+        if let Some(frame) = &self.state.frame {
+            self.state.transform = Transform::new(&frame.camera.view_projection, &object.world);
+            self.state.lights = light_vectors(frame, centre);
+        }
+        self.state.cache.clear();
+        let info = ObjectInfo { id: object.id, name: object.name.clone(), centre, entries: object.entries };
+        self.state.object = Some(object);
+        info
+    }
+
+    /// Triangle `number` of the current object, and the cycles it keeps the unit.
+    fn triangle(&mut self, number: u32) -> (Option<Polygon>, u64) {
+        let before = self.state.counters.vertices;
+        self.state.counters.triangles += 1;
+        let polygon = match self.polygon(number) {
+            Ok(polygon) => Some(polygon),
+            Err(reason) => {
+                let counters = &mut self.state.counters;
+                *match reason {
+                    Dropped::Outside => &mut counters.outside,
+                    Dropped::Culled => &mut counters.culled,
+                    Dropped::Degenerate => &mut counters.degenerate,
+                } += 1;
+                None
+            }
+        };
+        let vertices = self.state.counters.vertices - before;
+        let cycles = vertices * u64::from(self.config.cycles_per_vertex) + u64::from(self.config.cycles_per_polygon);
+        (polygon, cycles.max(1))
+    }
+
+    fn polygon(&mut self, number: u32) -> Result<Polygon, Dropped> {
+        let object = self.state.object.clone().ok_or(Dropped::Degenerate)?;
+        let frame = self.state.frame.clone().ok_or(Dropped::Degenerate)?;
+        let triangle = self.corners(&object, number).ok_or(Dropped::Degenerate)?;
+        if !triangle.iter().all(|c| c.clip.is_finite()) {
+            return Err(Dropped::Degenerate);
+        }
+        let Clipped::Polygon { corners, cut } = clip(triangle) else { return Err(Dropped::Outside) };
+        self.state.counters.clipped += u64::from(cut);
+        let mut vertices = project(&corners, &frame).ok_or(Dropped::Degenerate)?;
+        self.face(&object, &mut vertices)?;
+        let material = Arc::clone(&object.material);
+        let lod = match (&material.normal_map, &material.color_texture) {
+            (Some(map), _) => polygon_lod(&vertices, map, |v| v.uv_normal),
+            (None, Some(texture)) => polygon_lod(&vertices, texture, |v| v.uv),
+            (None, None) => 0,
+        };
+        let bump = object.bump.unwrap_or(self.is_target(&object, lod));
+        if !bump {
+            for vertex in &mut vertices {
+                vertex.brightness = brightness(Vec3::from(vertex.normal), &material.lighting, &self.state.lights);
+            }
+        }
+        self.state.counters.polygons += 1;
+        self.state.counters.bump_polygons += u64::from(bump);
+        Ok(Polygon { vertices, material, object: object.id, lod, bump, arrival: self.state.arrival })
+    }
+
+    /// Transformed corners of a triangle, from the vertex cache where they are there.
+    fn corners(&mut self, object: &Object, number: u32) -> Option<[Corner; 3]> {
+        let first = (number as usize).checked_mul(3)?;
+        let &[a, b, c] = object.mesh.indices.get(first..first.checked_add(3)?)? else { return None };
+        Some([self.vertex(object, a)?, self.vertex(object, b)?, self.vertex(object, c)?])
+    }
+
+    fn vertex(&mut self, object: &Object, index: u32) -> Option<Corner> {
+        if let Some(corner) = self.state.cache.get(index) {
+            self.state.counters.vertex_cache_hits += 1;
+            return Some(corner);
+        }
+        let corner = self.state.transform.vertex(&object.mesh, index)?;
+        self.state.counters.vertices += 1;
+        self.state.cache.insert(index, corner, self.config.vertex_cache as usize);
+        Some(corner)
+    }
+
+    /// Drops what faces away or has no area; turns the normals of a visible back face where that is asked for.
+    fn face(&self, object: &Object, vertices: &mut [Vertex]) -> Result<(), Dropped> {
+        let area = doubled_area(vertices.iter().map(|v| [v.position[0], v.position[1]]));
+        if area == 0.0 || !area.is_finite() {
+            return Err(Dropped::Degenerate);
+        }
+        // y runs down: counter-clockwise is negative.
+        let front = (area < 0.0) != self.state.transform.mirrored;
+        if !front && !object.material.double_sided {
+            return Err(Dropped::Culled);
+        }
+        if !front && self.config.two_sided_lighting {
+            // Normal, tangent and bitangent = cross(normal, tangent) * w all turn round.
+            for vertex in vertices {
+                vertex.normal = vertex.normal.map(|c| -c);
+                vertex.tangent = vertex.tangent.map(|c| -c);
+            }
+        }
+        Ok(())
+    }
+
+    fn is_target(&self, object: &Object, lod: u8) -> bool {
+        let candidate = self.bump.targets == Targets::All || object.material.normal_map.is_some();
+        candidate && lod <= self.bump.max_lod
+    }
+}
+
+/// Window coordinates; `None` where there is no polygon in front of the viewer.
+fn project(corners: &[Corner], frame: &Frame) -> Option<Vec<Vertex>> {
+    let half = [0.5 * frame.width as f32, 0.5 * frame.height as f32];
+    let visible = corners.len() >= 3 && corners.iter().all(|c| c.clip.w >= f32::MIN_POSITIVE);
+    let window = |c: &Corner| {
+        let inverse_w = 1.0 / c.clip.w;
+        let [x, y, z] = (c.clip.truncate() * inverse_w).to_array();
+        let position = [half[0] + half[0] * x, half[1] - half[1] * y, 0.5 + 0.5 * z, inverse_w];
+        Vertex { position, ..c.vertex }
+    };
+    visible.then(|| corners.iter().map(window).collect())
+}
+
+impl Unit for GeometryProcessor {
+    type In = Option<Draw>;
+    type Out = Option<Control>;
+
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+
+    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+        let latency = u64::from(self.config.latency);
+        self.state.arrival = self.state.elapsed + latency;
+        let (out, occupancy) = match input {
+            Some(Draw::Frame(frame)) => {
+                self.state.frame = Some(Arc::clone(&frame));
+                self.state.object = None;
+                (Some(Control::Frame(frame)), 1)
+            }
+            Some(Draw::Object(object)) => (Some(Control::Object(Arc::new(self.begin_object(object)))), 1),
+            Some(Draw::Triangle(number)) => {
+                let (polygon, cycles) = self.triangle(number);
+                (polygon.map(|p| Control::Polygon(Arc::new(p))), cycles)
+            }
+            Some(Draw::FrameEnd) => (Some(Control::FrameEnd), 1),
+            None => (None, 1),
+        };
+        self.state.elapsed += occupancy;
+        Step::after(latency, out).busy(occupancy)
+    }
+}
+
+#[cfg(test)]
+mod tests;
