@@ -1,1 +1,26 @@
-//! Basrelief: normal-vector replacement unit (110)
+//! Normal-vector replacement unit (110): replaces each pseudo-normal N' by the nearest reference normal of its level's
+//! VQ table (121) and hands on only the index.
+//!
+//! ```text
+//! Flow<PseudoNormals> -> [ table resident? | gather, cluster | search ] -> Flow<Indexes>
+//!                             |                  |
+//!              client 0: VQ tables (121)   client 1: gathered N'      both in memory (120)
+//! ```
+//!
+//! Erratum of the patent: it says to take the *smallest* normalized inner product, which would be the opposite vector.
+//! The nearest has the *largest*; ties go to the lowest index.
+
+mod code_book;
+mod config;
+mod gather;
+mod search;
+mod state;
+mod tables;
+mod unit;
+
+pub use code_book::build_code_book;
+pub use config::{CodeBookMode, PerLevel, ReplacementConfig, Tables};
+pub use gather::Gather;
+pub use search::NearestSearch;
+pub use state::{Counters, ReplacementState};
+pub use unit::Replacement;

@@ -42,11 +42,8 @@ mod tests {
 
     #[test]
     fn lod_is_that_of_the_area_ratio() {
-        let vertex = |x: f32, y: f32| Vertex {
-            position: [x + 100.0, y + 50.0, 0.5, 1.0],
-            uv: [x / 64.0, y / 64.0],
-            ..Vertex::default()
-        };
+        let vertex =
+            |x: f32, y: f32| Vertex { position: [x + 100.0, y + 50.0, 0.5, 1.0], uv: [x / 64.0, y / 64.0], ..Vertex::default() };
         let polygon = [vertex(0.0, 0.0), vertex(16.0, 0.0), vertex(16.0, 16.0), vertex(0.0, 16.0)];
         let at = |side: u32| {
             let texels = Vec::new();

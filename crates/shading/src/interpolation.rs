@@ -59,14 +59,8 @@ mod tests {
 
     #[test]
     fn a_fan_ends_with_its_last_vertex() {
-        let polygon = Polygon {
-            vertices: vec![Vertex::default(); 5],
-            material: Arc::default(),
-            object: 0,
-            lod: 0,
-            bump: true,
-            arrival: 0,
-        };
+        let polygon =
+            Polygon { vertices: vec![Vertex::default(); 5], material: Arc::default(), object: 0, lod: 0, bump: true, arrival: 0 };
         assert!(fan_triangle(&polygon, 2).is_some());
         assert!(fan_triangle(&polygon, 3).is_none());
         assert!(fan_triangle(&polygon, u16::MAX).is_none());

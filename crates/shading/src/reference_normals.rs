@@ -7,9 +7,7 @@ use std::f64::consts::PI;
 pub const MAX_ENTRIES: usize = 65_536;
 
 /// How the reference normals of a table are spread over the sphere.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Table {
     /// Spherical Fibonacci lattice: even for every number of entries (assumed).
@@ -247,8 +245,7 @@ mod tests {
         let probes = fibonacci(5_000);
         for (table, limit) in [(Table::Fibonacci, 0.17), (Table::Tetrahedron, 0.35)] {
             let normals = reference_normals(3, 256, table, true, 16).unwrap();
-            let cosine =
-                |p: [f64; 3]| normals.iter().map(|n| dot(n.map(|c| f64::from(c) / 32_767.0), p)).fold(-1.0, f64::max);
+            let cosine = |p: [f64; 3]| normals.iter().map(|n| dot(n.map(|c| f64::from(c) / 32_767.0), p)).fold(-1.0, f64::max);
             let worst = probes.iter().map(|&p| cosine(p)).fold(1.0, f64::min);
             assert!(libm::acos(worst) < limit, "{table:?}: {}", libm::acos(worst));
         }
@@ -266,12 +263,8 @@ mod tests {
 
     #[test]
     fn an_object_may_fix_the_number_of_entries() {
-        let tables = TableSet {
-            entries: [256, 128, 64, 32, 16, 16, 16, 16],
-            table: Table::Fibonacci,
-            distinct: true,
-            entry_bits: 11,
-        };
+        let tables =
+            TableSet { entries: [256, 128, 64, 32, 16, 16, 16, 16], table: Table::Fibonacci, distinct: true, entry_bits: 11 };
         assert_eq!([0, 2, 9].map(|k| tables.entries(k, None)), [256, 64, 16]);
         assert_eq!(tables.entries(2, Some(100)), 100);
         assert_eq!(tables.entry_bytes(), 5);

@@ -34,11 +34,7 @@ pub fn taps(image: &Image, sampler: &Sampler, filter: Filter, uv: [f32; 2]) -> T
             let ([x0, x1], fx) = pair(x, image.width, sampler.wrap[0]);
             let ([y0, y1], fy) = pair(y, image.height, sampler.wrap[1]);
             let (gx, gy) = (1.0 - fx, 1.0 - fy);
-            Taps {
-                count: 4,
-                texel: [[x0, y0], [x1, y0], [x0, y1], [x1, y1]],
-                weight: [gx * gy, fx * gy, gx * fy, fx * fy],
-            }
+            Taps { count: 4, texel: [[x0, y0], [x1, y0], [x0, y1], [x1, y1]], weight: [gx * gy, fx * gy, gx * fy, fx * fy] }
         }
     }
 }

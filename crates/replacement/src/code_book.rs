@@ -1,0 +1,151 @@
+//! Code books: reference normals from the surface's own N' (spec variants (b) and (e)).
+
+use crate::NearestSearch;
+use basrelief_shading::quantize_unit;
+
+/// A direction and how often it occurs.
+type Weighted = ([i16; 3], i64);
+
+/// At most `entries` reference normals for `normals`, by k-means: seeds as far from each other as can be, then `passes`
+/// times every direction goes to its nearest reference normal and each of those to the mean of its directions.
+///
+/// Directions are unit vectors of `entry_bits` bits before they are clustered; where no more than `entries` of them are
+/// distinct, they are the code book. The zero vector has no direction and is left out; a book of nothing else holds the
+/// zero vector. Everything is counted in whole numbers but the length of a mean, in a fixed order: the same bits
+/// everywhere. Ascending order in the first case, order of the seeds in the second.
+pub fn build_code_book(normals: impl Iterator<Item = [i16; 3]>, entries: u32, passes: u32, entry_bits: u32) -> Vec<[i16; 3]> {
+    let directions = count_directions(normals, entry_bits);
+    let entries = entries.max(1) as usize;
+    if directions.is_empty() {
+        return vec![[0; 3]];
+    }
+    if directions.len() <= entries {
+        return directions.into_iter().map(|(d, _)| d).collect();
+    }
+    let mut book = seeds(&directions, entries);
+    for _ in 0..passes {
+        let moved = means(&directions, &book, entry_bits);
+        if moved == book {
+            break;
+        }
+        book = moved;
+    }
+    book
+}
+
+fn count_directions(normals: impl Iterator<Item = [i16; 3]>, bits: u32) -> Vec<Weighted> {
+    let mut all: Vec<[i16; 3]> = normals.map(|n| unit(n.map(i64::from), bits)).filter(|d| *d != [0; 3]).collect();
+    all.sort_unstable();
+    let mut counted: Vec<Weighted> = Vec::new();
+    for direction in all {
+        match counted.last_mut() {
+            Some((last, count)) if *last == direction => *count += 1,
+            _ => counted.push((direction, 1)),
+        }
+    }
+    counted
+}
+
+/// The vector at unit length in steps of 1/32767; zero stays zero.
+fn unit(v: [i64; 3], bits: u32) -> [i16; 3] {
+    let v = v.map(|c| c as f64);
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    if length > 0.0 { v.map(|c| quantize_unit(c / length, bits)) } else { [0; 3] }
+}
+
+/// Each next seed is the direction farthest from all before it (the lowest of several); the first is the most frequent.
+fn seeds(directions: &[Weighted], entries: usize) -> Vec<[i16; 3]> {
+    let mut book = Vec::with_capacity(entries);
+    let mut next = directions.iter().rev().max_by_key(|(_, count)| *count).map(|(d, _)| *d);
+    let mut nearest = vec![i64::MIN; directions.len()];
+    while let Some(seed) = next.filter(|_| book.len() < entries) {
+        book.push(seed);
+        for (best, (direction, _)) in nearest.iter_mut().zip(directions) {
+            *best = (*best).max(dot(seed, *direction));
+        }
+        next = nearest.iter().zip(directions).min_by_key(|(best, _)| **best).map(|(_, (d, _))| *d);
+    }
+    book
+}
+
+fn dot(a: [i16; 3], b: [i16; 3]) -> i64 {
+    (0..3).map(|i| i64::from(a[i]) * i64::from(b[i])).sum()
+}
+
+/// One pass; a reference normal that no direction goes to stays where it is.
+fn means(directions: &[Weighted], book: &[[i16; 3]], bits: u32) -> Vec<[i16; 3]> {
+    let search = NearestSearch::new(book, directions.len());
+    let mut sums = vec![[0_i64; 3]; book.len()];
+    for (direction, count) in directions {
+        if let Some(sum) = sums.get_mut(usize::from(search.nearest(*direction))) {
+            for (s, c) in sum.iter_mut().zip(direction) {
+                *s += i64::from(*c) * count;
+            }
+        }
+    }
+    let mean = |(sum, old): (&[i64; 3], &[i16; 3])| if *sum == [0; 3] { *old } else { unit(*sum, bits) };
+    sums.iter().zip(book).map(mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use basrelief_shading::{Table, reference_normals};
+    use proptest::prelude::*;
+
+    #[test]
+    fn few_distinct_normals_are_the_book() {
+        let normals = [[0, 0, 5], [0, 7, 0], [0, 0, 9], [0; 3], [0, 7, 0]];
+        let book = build_code_book(normals.into_iter(), 2, 8, 16);
+        assert_eq!(book, [[0, 0, 32_767], [0, 32_767, 0]]);
+        assert_eq!(build_code_book([[0; 3]; 4].into_iter(), 2, 8, 16), [[0; 3]]);
+    }
+
+    #[test]
+    fn clusters_are_found() {
+        // Three tight bunches; three entries must end in their middles.
+        let bunch = |x: i16, y: i16, z: i16| (-5..=5).map(move |d| [x + 10 * d, y - 10 * d, z + 5 * d]);
+        let normals = bunch(30_000, 300, 200).chain(bunch(-200, 30_000, 0)).chain(bunch(100, 200, -30_000));
+        let mut book = build_code_book(normals, 3, 8, 16);
+        book.sort_unstable();
+        for (entry, axis, sign) in [(book[0], 1, 1), (book[1], 2, -1), (book[2], 0, 1)] {
+            assert!(entry[axis] * sign > 32_700, "{book:?}");
+        }
+    }
+
+    /// Mean squared distance between unit normals and their entries, in units of the unit vector.
+    fn error(normals: &[[i16; 3]], book: &[[i16; 3]]) -> f64 {
+        let search = NearestSearch::new(book, normals.len());
+        let one = |n: &[i16; 3]| {
+            let q = book[usize::from(search.nearest(*n))];
+            (0..3).map(|i| (f64::from(n[i] - q[i]) / 32_767.0).powi(2)).sum::<f64>()
+        };
+        normals.iter().map(one).sum::<f64>() / normals.len() as f64
+    }
+
+    #[test]
+    fn a_book_of_its_own_beats_the_fixed_table_of_the_same_size() {
+        // A cap of the sphere, as a polygon's normals are.
+        let sphere = reference_normals(0, 20_000, Table::Fibonacci, true, 16).unwrap();
+        let cap: Vec<[i16; 3]> = sphere.into_iter().filter(|n| n[2] > 26_000).collect();
+        let fixed = reference_normals(1, 64, Table::Fibonacci, true, 16).unwrap();
+        let book = build_code_book(cap.iter().copied(), 64, 8, 16);
+        assert_eq!(book.len(), 64);
+        assert!(error(&cap, &book) < 0.2 * error(&cap, &fixed));
+        let seeded = build_code_book(cap.iter().copied(), 64, 0, 16);
+        assert!(error(&cap, &book) < error(&cap, &seeded));
+    }
+
+    proptest! {
+        #[test]
+        fn never_more_than_asked_for(
+            normals in prop::collection::vec(prop::array::uniform3(-99i16..99), 1..300), entries in 1u32..40,
+        ) {
+            let book = build_code_book(normals.iter().copied(), entries, 3, 10);
+            prop_assert!((1..=entries as usize).contains(&book.len()));
+            let mut mirrored = normals.clone();
+            mirrored.reverse();
+            prop_assert_eq!(book, build_code_book(mirrored.into_iter(), entries, 3, 10));
+        }
+    }
+}

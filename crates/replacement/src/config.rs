@@ -1,0 +1,143 @@
+//! Parameters of the normal-vector replacement unit (110).
+
+use basrelief_parameters::parameters;
+use basrelief_shading::{LEVELS, MAX_ENTRIES, Table, TableSet};
+use serde::{Deserialize, Serialize};
+
+/// One number for all MIP levels, or one per level; a list shorter than 8 goes on with its last number.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(untagged)]
+pub enum PerLevel {
+    /// The same at every level.
+    One(u32),
+    /// From level 0 (finest) on.
+    Levels(Vec<u32>),
+}
+
+impl PerLevel {
+    /// The number of each level.
+    pub fn levels(&self) -> [u32; LEVELS] {
+        match self {
+            Self::One(n) => [*n; LEVELS],
+            Self::Levels(list) => {
+                let last = list.last().copied().unwrap_or(0);
+                std::array::from_fn(|k| list.get(k).copied().unwrap_or(last))
+            }
+        }
+    }
+}
+
+/// Range of a [`PerLevel`]: every number lies in it, and a list has 1 to 8.
+#[derive(Clone)]
+struct EachWithin(std::ops::RangeInclusive<u32>);
+
+impl EachWithin {
+    fn contains(&self, value: &PerLevel) -> bool {
+        match value {
+            PerLevel::One(n) => self.0.contains(n),
+            PerLevel::Levels(list) => (1..=LEVELS).contains(&list.len()) && list.iter().all(|n| self.0.contains(n)),
+        }
+    }
+}
+
+impl std::fmt::Debug for EachWithin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:?}, or a list of 1 to {LEVELS} of these", self.0)
+    }
+}
+
+/// Whether the tables of two levels differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Tables {
+    /// Each level has reference normals of its own: quantization errors differ, interpolation absorbs them.
+    #[default]
+    Different,
+    /// Every level has those of level 0: the ablation.
+    Identical,
+}
+
+/// Where the reference normals come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CodeBookMode {
+    /// Tables fixed in advance.
+    #[default]
+    Fixed,
+    /// From each polygon's own N'.
+    PerPolygon,
+    /// From all N' of an object.
+    PerObject,
+}
+
+parameters! {
+    /// Normal-vector replacement unit (110).
+    pub struct ReplacementConfig {
+        /// Reference normals per VQ table (121): one number, or one per MIP level.
+        entries: PerLevel = PerLevel::One(256), unit: "reference normals", Stated("256 by default at level 0; the count may fall per level"), range: EachWithin(1..=MAX_ENTRIES as u32);
+        /// How the reference normals are spread: fibonacci or tetrahedron (4 k^2 entries).
+        table: Table = Table::Fibonacci, unit: "", Assumed("even for every number of entries; the stated tetrahedron divided 8 x 8 is not");
+        /// Whether each level has reference normals of its own: different or identical.
+        tables: Tables = Tables::Different, unit: "", Stated("each level has a different set of vectors, even where counts are equal");
+        /// Width of each component of a table entry.
+        entry_bits: u32 = 16, unit: "bits", Assumed("no coarser than N'"), range: 8..=16;
+        /// Inner products per cycle of one search.
+        lanes: u32 = 64, unit: "inner products/cycle", Assumed("a search of 256 in 4 cycles"), range: 1..=65536;
+        /// A new search may start every cycle: the lanes are there ceil(entries / lanes) times.
+        pipelined: bool = true, unit: "", Assumed("one pseudo-normal per cycle, as the units around it");
+        /// Cycles that a search takes beside its inner products.
+        latency: u32 = 4, unit: "cycles", Assumed("multiply 1, add 1, maximum 2"), range: 1..=1024;
+        /// Added to the MIP level to choose table and CLUT: an object of less importance takes coarser ones.
+        vq_bias: u8 = 0, unit: "levels", Stated("a far or unimportant object may take a coarser table"), range: 0..=7;
+        /// Where the reference normals come from: fixed, per_polygon or per_object.
+        codebook: CodeBookMode = CodeBookMode::Fixed, unit: "", Stated("tables fixed in advance; dynamic ones are the variants");
+        /// VQ tables that the unit holds; the least recently used goes first.
+        resident_tables: u32 = 8, unit: "tables", Assumed("one per MIP level"), range: 1..=64;
+        /// Bytes of one read while a VQ table is loaded.
+        load_bytes: u32 = 64, unit: "bytes", Assumed("one burst"), range: 1..=4096;
+        /// Passes of the clustering of a code book.
+        kmeans_iterations: u32 = 8, unit: "passes", Assumed("the error hardly falls after that"), range: 1..=64;
+        /// Room for gathered pseudo-normals in memory (120).
+        gather_bytes: u64 = 16 << 20, unit: "bytes", Assumed("two levels of 1.4 M fragments"), range: 1..=1_u64 << 32;
+    }
+}
+
+impl ReplacementConfig {
+    /// The VQ tables (121) that follow from entries, spread and width.
+    pub fn table_set(&self) -> TableSet {
+        TableSet {
+            entries: self.entries.levels(),
+            table: self.table,
+            distinct: self.tables == Tables::Different,
+            entry_bits: self.entry_bits,
+        }
+    }
+
+    /// Cycles of one search of `entries` reference normals, beside the latency.
+    pub fn search_cycles(&self, entries: u32) -> u64 {
+        u64::from(entries.div_ceil(self.lanes.max(1)).max(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_one_number_or_one_per_level() {
+        let load = |set: &[(&str, &str)]| basrelief_parameters::load::<ReplacementConfig>("", set);
+        assert_eq!(load(&[("entries", "64")]).unwrap().entries.levels(), [64; 8]);
+        let falling = load(&[("entries", "[256, 128, 64]")]).unwrap();
+        assert_eq!(falling.entries.levels(), [256, 128, 64, 64, 64, 64, 64, 64]);
+        for wrong in ["0", "65537", "[]", "[256, 0]", "[1,1,1,1,1,1,1,1,1]"] {
+            let error = load(&[("entries", wrong)]).unwrap_err().to_string();
+            assert!(error.contains("`entries`") && error.contains("1..=65536, or a list of 1 to 8"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_search_takes_entries_over_lanes() {
+        let config = ReplacementConfig { lanes: 64, ..ReplacementConfig::default() };
+        assert_eq!([1, 64, 65, 256].map(|n| config.search_cycles(n)), [1, 1, 2, 4]);
+    }
+}

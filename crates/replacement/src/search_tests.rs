@@ -1,0 +1,118 @@
+//! The grid against the scan that it replaces.
+
+use super::*;
+use basrelief_shading::{Table, reference_normals};
+use proptest::prelude::*;
+
+/// The definition.
+fn scan(normals: &[[i16; 3]], n: [i16; 3]) -> u16 {
+    let mut best = (i64::MIN, 0);
+    for (i, q) in normals.iter().enumerate() {
+        let dot = (0..3).map(|k| i64::from(q[k]) * i64::from(n[k])).sum();
+        if dot > best.0 {
+            best = (dot, i as u16);
+        }
+    }
+    best.1
+}
+
+/// A generator of its own: `proptest` would take minutes for as many.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn normal(&mut self) -> [i16; 3] {
+        let [a, b, c] = [self.next(), self.next(), self.next()];
+        // Every fourth is short, where ties are common.
+        let shift = if a % 4 == 0 { 12 } else { 0 };
+        [a, b, c].map(|v| ((v >> 20) as i16) >> shift)
+    }
+}
+
+#[test]
+fn equals_the_scan_for_a_million_directions_per_table() {
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    for (table, entries, bits, searches) in [
+        (Table::Fibonacci, 256, 16, 150_000),
+        (Table::Fibonacci, 64, 16, 300_000),
+        (Table::Tetrahedron, 256, 8, 150_000),
+        (Table::Fibonacci, 7, 16, 1_000_000),
+        (Table::Fibonacci, 1_000, 8, 50_000),
+        (Table::Fibonacci, 1, 16, 1_000),
+    ] {
+        let normals = reference_normals(3, entries, table, true, bits).unwrap();
+        let search = NearestSearch::new(&normals, usize::MAX);
+        for _ in 0..searches {
+            let n = random.normal();
+            assert_eq!(search.nearest(n), scan(&normals, n), "{table:?} {entries} {n:?}");
+        }
+    }
+}
+
+#[test]
+fn equals_the_scan_on_the_edges_of_all_cells() {
+    let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
+    let search = NearestSearch::new(&normals, usize::MAX);
+    let edges: Vec<i16> = (-16..=16).flat_map(|i| [-1, 0, 1].map(|d| (i * 2_048 + d).clamp(-32_768, 32_767) as i16)).collect();
+    for &a in &edges {
+        for &b in &edges {
+            for n in [[32_767, a, b], [a, -32_768, b], [b, a, 32_767], [a, b, -32_767], [-32_767, a, b]] {
+                assert_eq!(search.nearest(n), scan(&normals, n), "{n:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_zero_vector_ties_and_takes_the_lowest_index() {
+    let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
+    assert_eq!(NearestSearch::new(&normals, 1_000_000).nearest([0; 3]), 0);
+    assert_eq!(NearestSearch::new(&[], 10).nearest([1, 2, 3]), 0);
+}
+
+#[test]
+fn erratum_the_nearest_has_the_largest_inner_product() {
+    let normals = [[0, 0, -32_767], [0, 0, 32_767], [0, 0, 32_767]];
+    assert_eq!(NearestSearch::new(&normals, 1_000_000).nearest([0, 0, 9]), 1);
+}
+
+#[test]
+fn a_cell_of_a_full_table_has_few_candidates() {
+    let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
+    let search = NearestSearch::new(&normals, usize::MAX);
+    let mean = search.candidates.len() as f64 / (search.starts.len() - 1) as f64;
+    assert!(mean < 5.0, "{mean} candidates per cell");
+    assert_eq!(NearestSearch::new(&normals, 8).cells, 1);
+}
+
+proptest! {
+    /// Clustered tables with duplicates, as code books are, and any effort.
+    #[test]
+    fn equals_the_scan_for_any_table(
+        normals in prop::collection::vec(prop::array::uniform3(-40i16..40), 1..60),
+        directions in prop::collection::vec(prop::array::uniform3(-50i16..50), 200),
+        effort in prop_oneof![Just(0usize), Just(2_000), Just(usize::MAX)],
+    ) {
+        let search = NearestSearch::new(&normals, effort);
+        for n in directions {
+            prop_assert_eq!(search.nearest(n), scan(&normals, n), "{:?}", n);
+        }
+    }
+
+    #[test]
+    fn equals_the_scan_for_extreme_components(
+        normals in prop::collection::vec(prop::array::uniform3(any::<i16>()), 1..40),
+        directions in prop::collection::vec(prop::array::uniform3(any::<i16>()), 100),
+    ) {
+        let search = NearestSearch::new(&normals, usize::MAX);
+        for n in directions {
+            prop_assert_eq!(search.nearest(n), scan(&normals, n), "{:?}", n);
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! What the replacement unit (110) keeps between steps.
+
+use crate::Gather;
+use basrelief_shading::LEVELS;
+use basrelief_signals::{ObjectInfo, PseudoNormals};
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// A VQ table as the unit knows it: MIP level and number of entries.
+pub(crate) type TableKey = (u8, u32);
+
+/// What is left to read of a VQ table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct TableLoad {
+    pub(crate) address: u64,
+    pub(crate) bytes: u64,
+}
+
+/// Resident tables, what waits for a table, what is gathered for a code book, and the counters.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ReplacementState {
+    /// The object that the fragments belong to.
+    pub(crate) object: Option<Arc<ObjectInfo>>,
+    /// Polygons since the object began.
+    pub(crate) polygons: u64,
+    /// Tables held, most recently used first.
+    pub(crate) resident: Vec<TableKey>,
+    /// Tables being loaded, in order.
+    pub(crate) loads: VecDeque<TableLoad>,
+    /// The fragment that waits for them.
+    pub(crate) pending: Option<PseudoNormals>,
+    /// Code books: what is held back.
+    pub(crate) gather: Gather,
+    pub(crate) counters: Counters,
+}
+
+/// What the unit counts.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counters {
+    /// Searches made, one per sample.
+    pub searches: u64,
+    /// VQ tables loaded.
+    pub table_loads: u64,
+    /// Bytes read for that.
+    pub table_load_bytes: u64,
+    /// Code books built.
+    pub code_books: u64,
+    /// Cycles of clustering.
+    pub clustering_cycles: u64,
+    /// Bytes of N' written for code books; as many are read back.
+    pub gathered_bytes: u64,
+    /// Which indexes occurred at each level, one bit each.
+    used: [Vec<u64>; LEVELS],
+}
+
+impl Counters {
+    /// Distinct indexes that occurred at each level: reference normals used. Code books share the numbering.
+    pub fn reference_normals_used(&self) -> [u32; LEVELS] {
+        std::array::from_fn(|k| self.used[k].iter().map(|word| word.count_ones()).sum())
+    }
+
+    #[inline]
+    pub(crate) fn count_search(&mut self, level: u8, index: u16) {
+        self.searches += 1;
+        let used = &mut self.used[usize::from(level).min(LEVELS - 1)];
+        let word = usize::from(index) / 64;
+        if word >= used.len() {
+            used.resize(word + 1, 0);
+        }
+        used[word] |= 1 << (index % 64);
+    }
+}

@@ -1,0 +1,330 @@
+//! The unit and its step.
+
+use crate::state::{TableKey, TableLoad};
+use crate::tables::HostTables;
+use crate::{CodeBookMode, Counters, NearestSearch, ReplacementConfig, ReplacementState, build_code_book};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::{LEVELS, TableError};
+use basrelief_signals::{Control, Flow, Indexes, MAX_SAMPLES, PseudoNormals, quantization_memory};
+use std::sync::Arc;
+
+/// VQ tables (121) are read through this client.
+const TABLES: u32 = 0;
+/// Gathered pseudo-normals are written and read through this one.
+const GATHERED: u32 = 1;
+
+/// Normal-vector replacement unit (110).
+///
+/// A fragment whose VQ table is not resident starts loading it, one read per step; the step that issues the last read
+/// also searches, since its answer is the last to come. With code books, fragments are gathered in memory (120) up to
+/// the end of the polygon or object; then the unit clusters, sends the code book, and sends what it held.
+#[derive(Clone, Debug)]
+pub struct Replacement {
+    config: ReplacementConfig,
+    normal_bits: u32,
+    state: ReplacementState,
+    tables: HostTables,
+    /// Search structures of the current code book; they follow from the state.
+    book: Option<Vec<NearestSearch>>,
+}
+
+type Out = Step<Option<Flow<Indexes>>>;
+
+impl Replacement {
+    /// A unit for pseudo-normals of `normal_bits` bits per component.
+    ///
+    /// # Errors
+    /// Where a level's table does not exist (a tetrahedron has 4 k^2 faces).
+    pub fn new(config: ReplacementConfig, normal_bits: u32) -> Result<Self, TableError> {
+        let set = config.table_set();
+        set.check()?;
+        Ok(Self { config, normal_bits, state: ReplacementState::default(), tables: HostTables::new(set), book: None })
+    }
+
+    /// State; for checkpoints.
+    pub fn state(&self) -> &ReplacementState {
+        &self.state
+    }
+
+    /// Puts a state back; the default resets.
+    pub fn set_state(&mut self, state: ReplacementState) {
+        self.state = state;
+        self.book = None;
+    }
+
+    /// What was counted.
+    pub fn counters(&self) -> &Counters {
+        &self.state.counters
+    }
+
+    /// Level of table and CLUT for a sample's MIP level.
+    #[inline]
+    fn table_level(&self, level: u8) -> u8 {
+        level.saturating_add(self.config.vq_bias).min(LEVELS as u8 - 1)
+    }
+
+    fn fixed_by_object(&self) -> Option<u32> {
+        self.state.object.as_ref().and_then(|o| o.entries)
+    }
+
+    fn quiet(&self) -> Out {
+        Step::after(u64::from(self.config.latency), None)
+    }
+
+    fn item(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
+        if self.config.codebook != CodeBookMode::Fixed {
+            return self.gather(normals, traffic);
+        }
+        self.request_tables(&normals);
+        if self.state.loads.is_empty() {
+            return self.replace(&normals, traffic);
+        }
+        self.state.pending = Some(normals);
+        self.load(traffic)
+    }
+
+    fn control(&mut self, control: Control) -> Out {
+        let gather = &mut self.state.gather;
+        if gather.is_empty() {
+            return self.pass(control);
+        }
+        let ends = match control {
+            Control::Polygon(_) => self.config.codebook == CodeBookMode::PerPolygon,
+            Control::Frame(_) | Control::Object(_) | Control::FrameEnd => true,
+            Control::CodeBook(_) => false,
+        };
+        if ends {
+            gather.ending = Some(control);
+        } else {
+            gather.held.push_back(Flow::Control(control));
+        }
+        self.quiet()
+    }
+
+    /// A control token takes effect and travels on.
+    fn pass(&mut self, control: Control) -> Out {
+        match &control {
+            Control::Object(object) => {
+                self.state.object = Some(Arc::clone(object));
+                self.state.polygons = 0;
+            }
+            Control::Polygon(_) => self.state.polygons += 1,
+            _ => {}
+        }
+        Step::after(u64::from(self.config.latency), Some(Flow::Control(control)))
+    }
+
+    /// A step that takes no input: it loads, clusters, or sends what was gathered.
+    fn resume(&mut self, traffic: &mut Traffic) -> Out {
+        if self.state.pending.is_some() {
+            self.load(traffic)
+        } else if self.state.gather.is_flushing() {
+            if self.state.gather.book.is_some() { self.send(traffic) } else { self.cluster() }
+        } else {
+            self.quiet()
+        }
+    }
+}
+
+/// VQ tables fixed in advance.
+impl Replacement {
+    /// Marks the tables of a fragment as used, and queues those that are not resident.
+    #[inline]
+    fn request_tables(&mut self, normals: &PseudoNormals) {
+        let object = self.fixed_by_object();
+        for &level in normals.level.iter().take(usize::from(normals.count)) {
+            let level = self.table_level(level);
+            let key = (level, self.tables.set().entries(level, object));
+            match self.state.resident.iter().position(|k| *k == key) {
+                Some(at) => self.state.resident[..=at].rotate_right(1),
+                None => self.admit(key),
+            }
+        }
+    }
+
+    fn admit(&mut self, key: TableKey) {
+        let bytes = u64::from(key.1) * u64::from(self.tables.set().entry_bytes());
+        self.state.resident.truncate(self.config.resident_tables.max(1) as usize - 1);
+        self.state.resident.insert(0, key);
+        self.state.loads.push_back(TableLoad { address: quantization_memory::vq_table(key.0), bytes });
+        self.state.counters.table_loads += 1;
+        self.state.counters.table_load_bytes += bytes;
+    }
+
+    /// Issues one read; after the last one the waiting fragment is searched.
+    fn load(&mut self, traffic: &mut Traffic) -> Out {
+        if let Some(load) = self.state.loads.front_mut() {
+            let bytes = load.bytes.min(u64::from(self.config.load_bytes)).max(1);
+            traffic.read(TABLES, load.address, bytes as u32);
+            load.address += bytes;
+            load.bytes = load.bytes.saturating_sub(bytes);
+            if load.bytes == 0 {
+                self.state.loads.pop_front();
+            }
+        }
+        if !self.state.loads.is_empty() {
+            return self.quiet();
+        }
+        match self.state.pending.take() {
+            Some(normals) => self.replace(&normals, traffic),
+            None => self.quiet(),
+        }
+    }
+
+    /// Searches every sample of a fragment in the table or code book of its level.
+    #[inline]
+    fn replace(&mut self, normals: &PseudoNormals, traffic: &mut Traffic) -> Out {
+        let object = self.fixed_by_object();
+        let mut out = Indexes { fragment: normals.fragment, weight: normals.weight, ..Indexes::default() };
+        out.count = normals.count.min(MAX_SAMPLES as u8);
+        let mut serial = 0;
+        let mut pipelined = 0;
+        for i in 0..usize::from(out.count) {
+            let level = self.table_level(normals.level[i]);
+            let search = match &self.book {
+                Some(book) => book.get(usize::from(level)).ok_or(TableError::Entries(0)),
+                None => self.tables.table(level, object),
+            };
+            match search {
+                Ok(search) => {
+                    let cycles = self.config.search_cycles(search.entries());
+                    serial += cycles;
+                    pipelined = pipelined.max(i as u64 + cycles);
+                    out.index[i] = search.nearest(normals.normal[i]);
+                }
+                Err(error) => {
+                    let name = self.state.object.as_ref().map_or("", |o| o.name.as_str());
+                    traffic.fault(format!("object `{name}` fixes its number of reference normals: {error}"));
+                }
+            }
+            out.level[i] = level;
+            self.state.counters.count_search(level, out.index[i]);
+        }
+        let (occupancy, cycles) = if self.config.pipelined { (u64::from(out.count), pipelined) } else { (serial, serial) };
+        Step::after(u64::from(self.config.latency) + cycles, Some(Flow::Item(out))).busy(occupancy.max(1))
+    }
+}
+
+/// Code books.
+impl Replacement {
+    fn item_bytes(&self, normals: &PseudoNormals) -> u32 {
+        (3 * self.normal_bits).div_ceil(8) * u32::from(normals.count.clamp(1, MAX_SAMPLES as u8))
+    }
+
+    fn gather(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
+        let bytes = self.item_bytes(&normals);
+        let needed = self.state.gather.written + u64::from(bytes);
+        if needed > self.config.gather_bytes {
+            traffic.fault(self.overflow(needed));
+            return self.quiet();
+        }
+        traffic.write(GATHERED, quantization_memory::GATHERED + self.state.gather.written, bytes);
+        self.state.gather.written = needed;
+        self.state.gather.held.push_back(Flow::Item(normals));
+        self.state.counters.gathered_bytes += u64::from(bytes);
+        self.quiet()
+    }
+
+    fn overflow(&self, needed: u64) -> String {
+        let (id, name) = self.state.object.as_ref().map_or((0, ""), |o| (o.id, o.name.as_str()));
+        let (what, instead) = match self.config.codebook {
+            CodeBookMode::PerPolygon => (format!("polygon {} of object {id} `{name}`", self.state.polygons), "fixed"),
+            _ => (format!("object {id} `{name}`"), "per_polygon"),
+        };
+        format!(
+            "the pseudo-normals of {what} need {needed} bytes so far, but `replacement.gather_bytes` is {}; raise it, or set \
+             `replacement.codebook` to {instead}",
+            self.config.gather_bytes
+        )
+    }
+
+    /// Builds the code book of the batch: one list per table level in use. The step takes as long as the inner products of
+    /// all passes do.
+    fn cluster(&mut self) -> Out {
+        let object = self.fixed_by_object();
+        let mut lists = vec![Vec::new(); LEVELS];
+        let mut products = 0;
+        for (level, list) in lists.iter_mut().enumerate() {
+            let normals: Vec<[i16; 3]> = self.state.gather.of_level(level as u8, |sample| self.table_level(sample)).collect();
+            if normals.is_empty() {
+                continue;
+            }
+            let entries = self.tables.set().entries(level as u8, object);
+            let passes = self.config.kmeans_iterations;
+            *list = build_code_book(normals.iter().copied(), entries, passes, self.config.entry_bits);
+            // Fewer distinct normals than entries: one pass finds that out.
+            let passes = if list.len() < entries as usize { 1 } else { passes };
+            products += u64::from(passes) * normals.len() as u64 * list.len() as u64;
+        }
+        let cycles = products.div_ceil(u64::from(self.config.lanes.max(1))).max(1);
+        self.state.counters.code_books += 1;
+        self.state.counters.clustering_cycles += cycles;
+        let book = Arc::new(lists);
+        self.book = None;
+        self.state.gather.book = Some(Arc::clone(&book));
+        let latency = cycles + u64::from(self.config.latency);
+        Step::after(latency, Some(Flow::Control(Control::CodeBook(book)))).busy(cycles)
+    }
+
+    /// Sends the next of what was gathered; at last the control token that ended the batch.
+    fn send(&mut self, traffic: &mut Traffic) -> Out {
+        match self.state.gather.held.pop_front() {
+            Some(Flow::Item(normals)) => {
+                let bytes = self.item_bytes(&normals);
+                traffic.read(GATHERED, quantization_memory::GATHERED + self.state.gather.read, bytes);
+                self.state.gather.read += u64::from(bytes);
+                self.prepare_book();
+                self.replace(&normals, traffic)
+            }
+            Some(Flow::Control(control)) => self.pass(control),
+            None => {
+                self.book = None;
+                match std::mem::take(&mut self.state.gather).ending {
+                    Some(control) => self.pass(control),
+                    None => self.quiet(),
+                }
+            }
+        }
+    }
+
+    fn prepare_book(&mut self) {
+        if self.book.is_none()
+            && let Some(book) = &self.state.gather.book
+        {
+            let searches = self.state.gather.held.len();
+            self.book = Some(book.iter().map(|list| NearestSearch::new(list, searches)).collect());
+        }
+    }
+}
+
+impl Unit for Replacement {
+    type In = Option<Flow<PseudoNormals>>;
+    type Out = Option<Flow<Indexes>>;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        if self.state.pending.is_some() || self.state.gather.is_flushing() { Demand::Nothing } else { Demand::All }
+    }
+
+    #[inline]
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        match input {
+            Some(Flow::Item(normals)) => self.item(normals, traffic),
+            Some(Flow::Control(control)) => self.control(control),
+            None => self.resume(traffic),
+        }
+    }
+
+    fn largest_step(&self, client: usize) -> u32 {
+        let fixed = self.config.codebook == CodeBookMode::Fixed;
+        u32::from((client == TABLES as usize && fixed) || (client == GATHERED as usize && !fixed))
+    }
+
+    fn is_empty(&self) -> bool {
+        self.state.pending.is_none() && self.state.gather.is_empty()
+    }
+}
+
+#[cfg(test)]
+#[path = "unit_tests.rs"]
+mod tests;
