@@ -5,9 +5,12 @@ use crate::error::{ErrorKind, Fault};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-/// Window coordinates lie within this many pixels around the origin: room for the geometry processor's guard band,
-/// and small enough for exact fixed-point edge functions.
-pub const GUARD_BAND: f32 = 32_768.0;
+/// Window coordinates lie within this many pixels around the origin: beyond any geometry processor's guard band, and
+/// small enough for exact fixed-point edge functions in 64 bits.
+pub const GUARD_BAND: f32 = (1 << 19) as f32;
+/// Depth is 0..=1, but corners cut at the near or far plane may lie beyond by the rounding of z / w, which is not small
+/// where w is. Who draws, clamps.
+const DEPTH: RangeInclusive<f32> = -1.0..=2.0;
 /// Largest arrival \[cycles\]: every JSON reader holds integers up to 2^53 exactly.
 const MAX_ARRIVAL: u64 = 1 << 53;
 const MAX_OFFSET: u64 = 1 << 40;
@@ -139,8 +142,8 @@ fn check_position(&[x, y, depth, reciprocal_w]: &[f32; 4]) -> Result<(), String>
     if !band.contains(&x) || !band.contains(&y) {
         return Err(format!("x, y is {x}, {y}, expected within +-{GUARD_BAND} pixels: clip the polygon"));
     }
-    if !(0.0..=1.0).contains(&depth) {
-        return Err(format!("depth is {depth}, expected 0..=1: clip the polygon"));
+    if !DEPTH.contains(&depth) {
+        return Err(format!("depth is {depth}, expected 0..=1, rounding apart: clip the polygon"));
     }
     if !(reciprocal_w > 0.0 && reciprocal_w.is_finite()) {
         return Err(format!("1 / w is {reciprocal_w}, expected a positive number: clip the polygon"));

@@ -300,7 +300,7 @@ fields! {
         /// Cycle in which the geometry processor (102) would have delivered it unblocked; never falls.
         #[schemars(range(max = 9_007_199_254_740_992_u64))]
         arrival: u64,
-        /// Window x and y \[pixels, y down, within +-32768\], depth 0..=1, 1 / w of the clip-space position (> 0).
+        /// Window x and y \[pixels, y down, within +-2^19\], depth 0..=1, 1 / w of the clip-space position (> 0).
         #[schemars(length(min = 3, max = MAX_VERTICES))]
         position: Vec<[f32; 4]>,
     } optional {

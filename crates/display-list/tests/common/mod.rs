@@ -46,7 +46,7 @@ fn array<const N: usize>() -> impl Strategy<Value = [f32; N]> {
 }
 
 fn vertex() -> impl Strategy<Value = Vertex> {
-    let position = (-32768.0f32..=32768.0, -32768.0f32..=32768.0, 0.0f32..=1.0, 1e-6f32..1e6);
+    let position = (-524288.0f32..=524288.0, -524288.0f32..=524288.0, 0.0f32..=1.0, 1e-6f32..1e6);
     let full = (position, array(), array(), array(), array(), array(), array()).prop_map(
         |((x, y, z, w), normal, tangent, uv, uv_normal, color, brightness)| Vertex {
             position: [x, y, z, w],

@@ -1,0 +1,28 @@
+//! Traces of all forms: no input may panic, hang or take memory out of proportion; what resolves can be recorded, and
+//! converts into every form and back.
+
+#![no_main]
+
+use basrelief_display_list::{Form, NoFiles, Recorder, Resolver, convert};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let mut canonical = Vec::new();
+    if convert(bytes, &mut canonical, Form::default()).is_err() {
+        return;
+    }
+    for form in Form::ALL {
+        let (mut there, mut back) = (Vec::new(), Vec::new());
+        convert(canonical.as_slice(), &mut there, form).expect("a valid trace converts");
+        convert(there.as_slice(), &mut back, Form::default()).expect("a converted trace converts");
+        assert!(back == canonical, "{form:?} lost something");
+    }
+    let Ok(resolver) = Resolver::new(bytes, NoFiles) else { return };
+    let begin = resolver.begin().clone();
+    let Ok(controls) = resolver.collect::<Result<Vec<_>, _>>() else { return };
+    let mut recorder = Recorder::new(Vec::new(), Form::default(), begin).expect("a valid begin");
+    for (control, _) in &controls {
+        recorder.record(control).expect("what resolves can be recorded");
+    }
+    recorder.finish(Vec::new()).expect("what resolves can be recorded");
+});
