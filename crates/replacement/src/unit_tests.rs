@@ -36,7 +36,7 @@ fn polygon() -> Control {
 }
 
 /// Runs a list of tokens through the unit; what came out, and all requests.
-fn run(unit: &mut Replacement, input: Vec<Flow<PseudoNormals>>) -> (Vec<Step<Option<Flow<Indexes>>>>, Vec<Request>) {
+fn run(unit: &mut Replacement, input: Vec<Flow<PseudoNormals>>) -> (Vec<Out>, Vec<Request>) {
     let (mut steps, mut requests) = (Vec::new(), Vec::new());
     let mut input = input.into_iter();
     loop {
@@ -55,11 +55,11 @@ fn run(unit: &mut Replacement, input: Vec<Flow<PseudoNormals>>) -> (Vec<Step<Opt
     (steps, requests)
 }
 
-fn out(steps: &[Step<Option<Flow<Indexes>>>]) -> Vec<&Flow<Indexes>> {
+fn out(steps: &[Out]) -> Vec<&Flow<Indexes>> {
     steps.iter().filter_map(|s| s.out.as_ref()).collect()
 }
 
-fn indexes(steps: &[Step<Option<Flow<Indexes>>>]) -> Vec<Indexes> {
+fn indexes(steps: &[Out]) -> Vec<Indexes> {
     let item = |f: &&Flow<Indexes>| match f {
         Flow::Item(i) => Some(*i),
         Flow::Control(_) => None,
@@ -164,7 +164,7 @@ fn cycles_follow_lanes_and_pipelining() {
     assert_eq!(timing(256, false), (2, 4 + 2));
 }
 
-fn gathered(mode: CodeBookMode) -> (Replacement, Vec<Step<Option<Flow<Indexes>>>>, Vec<Request>) {
+fn gathered(mode: CodeBookMode) -> (Replacement, Vec<Out>, Vec<Request>) {
     let mut unit = Replacement::new(ReplacementConfig { codebook: mode, ..config() }, 16).unwrap();
     let item = |x: u16| Flow::Item(sample(x, &[(0, [x as i16, 100, 7]), (1, [100, x as i16, 7])]));
     let input = vec![
@@ -183,7 +183,7 @@ fn gathered(mode: CodeBookMode) -> (Replacement, Vec<Step<Option<Flow<Indexes>>>
     (unit, steps, requests)
 }
 
-fn shape(steps: &[Step<Option<Flow<Indexes>>>]) -> String {
+fn shape(steps: &[Out]) -> String {
     let letter = |f: &&Flow<Indexes>| match f {
         Flow::Item(i) => char::from(b'0' + i.fragment.x as u8),
         Flow::Control(Control::Object(_)) => 'O',
