@@ -4,6 +4,7 @@
 //! a coordinate is clamped to +-2^19 pixels, a grid has at most 2^10 steps per pixel, a screen at most 2^14 pixels per
 //! side; so an edge function stays below 2^61.
 
+use crate::config::MAX_BLOCK;
 use basrelief_signals::{Fragment, Vertex};
 use serde::{Deserialize, Serialize};
 
@@ -64,15 +65,18 @@ impl Edge {
         self.step[0] * i64::from(x) + self.step[1] * i64::from(y) + self.cover >= 0
     }
 
-    /// The part of `span` (first column, column behind the last) that lies on the inner side in row `y`.
+    /// Cuts the spans (first column, column behind the last) of the rows from `top` on to what lies on the inner side.
+    /// The sign is looked at once, not in every row, and the divisions of the rows do not wait for each other.
     #[inline]
-    fn clip(&self, [first, end]: [i32; 2], y: i32) -> [i32; 2] {
-        let value = self.step[1] * i64::from(y) + self.cover;
-        match self.step[0] {
-            0 if value < 0 => [first, first],
-            0 => [first, end],
-            a if a > 0 => [first.max(column(-floor_division(value, a))), end],
-            a => [first, end.min(column(floor_division(value, -a) + 1))],
+    fn clip(&self, top: i32, spans: &mut [[i32; 2]]) {
+        let [a, b] = self.step;
+        let rows = (i64::from(top)..).map(|y| b * y + self.cover).zip(spans);
+        if a > 0 {
+            rows.for_each(|(value, span)| span[0] = span[0].max(column(-floor_division(value, a))));
+        } else if a < 0 {
+            rows.for_each(|(value, span)| span[1] = span[1].min(column(floor_division(value, -a) + 1)));
+        } else {
+            rows.filter(|(value, _)| *value < 0).for_each(|(_, span)| *span = [0, 0]);
         }
     }
 }
@@ -184,10 +188,17 @@ impl Triangle {
         self.number
     }
 
-    /// Covered columns of row `y`, the last excluded; empty where the first is not below it.
+    /// Covered columns of `count` rows from `top` on, the last excluded; empty where the first is not below it.
     #[inline]
-    pub fn span(&self, y: i32) -> [i32; 2] {
-        self.edges.edges.iter().fold(self.bounds.x, |span, edge| edge.clip(span, y))
+    pub fn spans(&self, top: i32, count: i32, spans: &mut [[i32; 2]; MAX_BLOCK]) {
+        let Bounds { x, y: [first, end] } = self.bounds;
+        let (skip, take) = ((first - top).max(0) as usize, count.min(end - top) as usize);
+        *spans = [[0, 0]; MAX_BLOCK];
+        let Some(rows) = spans.get_mut(skip..take) else { return };
+        rows.fill(x);
+        for edge in &self.edges.edges {
+            edge.clip(top.max(first), rows);
+        }
     }
 
     /// The fragment of a covered pixel: all terms of the sums are >= 0, so nothing cancels.
@@ -195,15 +206,15 @@ impl Triangle {
     pub fn fragment(&self, x: i32, y: i32) -> Fragment {
         let Edges { edges, area } = &self.edges;
         let (e1, e2) = (edges[1].at(x, y, self.bits), edges[2].at(x, y, self.bits));
-        let e0 = area - e1 - e2;
-        let z = e0 as f64 * self.depth[0] + e1 as f64 * self.depth[1] + e2 as f64 * self.depth[2];
-        let q = [e0 as f32 * self.inverse_w[0], e1 as f32 * self.inverse_w[1], e2 as f32 * self.inverse_w[2]];
-        let sum = q[0] + q[1] + q[2];
+        let share = [area - e1 - e2, e1, e2].map(|e| e as f64);
+        let z = share[0] * self.depth[0] + share[1] * self.depth[1] + share[2] * self.depth[2];
+        let q: [f32; 3] = std::array::from_fn(|i| share[i] as f32 * self.inverse_w[i]);
+        let scale = 1.0 / (q[0] + q[1] + q[2]);
         Fragment {
             x: x as u16,
             y: y as u16,
             z: ((z + 0.5) as u32).min(self.z_max),
-            weights: [q[1] / sum, q[2] / sum],
+            weights: [q[1] * scale, q[2] * scale],
             triangle: self.number,
         }
     }
