@@ -1,1 +1,22 @@
-//! Basrelief: brightness fetch unit (112)
+//! Brightness fetch unit (112): the brightness of each index from the CLUT (122) of its level, interpolated between
+//! levels.
+//!
+//! ```text
+//! Flow<Indexes> -> [ CLUTs up to date? | look up | weigh ] -> Flow<Shaded>
+//!                        |                  |
+//!          client 1: recalculated entries   client 0: CLUT cache       both of memory (120)
+//! ```
+//!
+//! A CLUT holds the brightness of every reference normal for an assumed light: when light, viewer, material or reference
+//! normals change, the CLUTs are recalculated before the next fragment. The writes go through to the cache (assumed: it
+//! watches them, so no line is stale).
+
+mod clut;
+mod config;
+mod state;
+mod unit;
+
+pub use clut::{Clut, Setting};
+pub use config::{BrightnessConfig, Components, Source};
+pub use state::{BrightnessState, Counters};
+pub use unit::BrightnessFetch;

@@ -1,0 +1,147 @@
+//! CLUTs (122): brightness by index.
+
+use crate::{BrightnessConfig, Components, Source};
+use basrelief_shading::{LEVELS, LightVector, TableError, TableSet, brightness};
+use basrelief_signals::Lighting;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Reference normals, one list per MIP level.
+pub(crate) type Book = Arc<Vec<Vec<[i16; 3]>>>;
+
+/// What the entries of a CLUT depend on: if none of it changes, nothing is recalculated.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Setting {
+    /// Coefficients of the material.
+    pub lighting: Lighting,
+    /// Lights as seen from the object; a directional light does not depend on its place.
+    pub lights: Vec<LightVector>,
+    /// Number of reference normals that the object fixes.
+    pub entries: Option<u32>,
+    /// Code book in place of the fixed tables.
+    pub book: Option<Book>,
+}
+
+/// The CLUTs (122) of all levels.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Clut {
+    /// `[ambient + diffuse (+ specular), specular]` of each entry, one list per level.
+    levels: [Vec<[f32; 2]>; LEVELS],
+}
+
+impl Clut {
+    /// Brightness at an index; an entry that does not exist is black.
+    #[inline]
+    pub fn fetch(&self, level: u8, index: u16) -> [f32; 2] {
+        let entries = &self.levels[usize::from(level).min(LEVELS - 1)];
+        entries.get(usize::from(index)).copied().unwrap_or_default()
+    }
+
+    /// Entries of each level.
+    pub fn entries(&self) -> [usize; LEVELS] {
+        std::array::from_fn(|k| self.levels[k].len())
+    }
+
+    /// Calculates all entries.
+    ///
+    /// # Errors
+    /// Where the object fixes a number of entries for which there is no table.
+    pub(crate) fn calculate(
+        config: &BrightnessConfig,
+        setting: &Setting,
+        normals: &mut NormalTables,
+    ) -> Result<Self, TableError> {
+        let scale = Scale::new(config, setting);
+        let mut clut = Self::default();
+        for level in 0..LEVELS {
+            let list = match &setting.book {
+                Some(book) => book.get(level).map_or(&[][..], Vec::as_slice),
+                None => normals.of(level as u8, setting.entries)?,
+            };
+            clut.levels[level] = list.iter().map(|&n| scale.entry(n, setting)).collect();
+        }
+        Ok(clut)
+    }
+}
+
+/// From the lighting formula to an entry.
+struct Scale {
+    combined: bool,
+    /// Full scale of each value: the largest brightness possible, every light facing the surface and the viewer (assumed).
+    full: [f32; 2],
+    /// Steps of full scale; `None` where entries are exact.
+    steps: Option<f32>,
+}
+
+impl Scale {
+    fn new(config: &BrightnessConfig, setting: &Setting) -> Self {
+        let light: f32 = setting.lights.iter().map(|l| l.intensity).sum();
+        let Lighting { ka, kd, ks, .. } = setting.lighting;
+        let combined = config.components == Components::Combined;
+        let full = if combined { [ka + (kd + ks) * light, 0.0] } else { [ka + kd * light, ks * light] };
+        let steps = (config.source == Source::Clut).then(|| ((1_u32 << config.bits.min(16)) - 1) as f32);
+        Self { combined, full, steps }
+    }
+
+    fn entry(&self, normal: [i16; 3], setting: &Setting) -> [f32; 2] {
+        let unit = Vec3::from(normal.map(|c| f32::from(c) / 32_767.0));
+        let [diffuse, specular] = brightness(unit, &setting.lighting, &setting.lights);
+        let exact = if self.combined { [diffuse + specular, 0.0] } else { [diffuse, specular] };
+        match self.steps {
+            Some(steps) => std::array::from_fn(|i| quantize(exact[i], self.full[i], steps)),
+            None => exact,
+        }
+    }
+}
+
+/// `value` rounded to one of `steps` steps of `full`, and clamped to it; 0 where full scale has no meaning.
+fn quantize(value: f32, full: f32, steps: f32) -> f32 {
+    if full > 0.0 && full.is_finite() { (value / full * steps).round().clamp(0.0, steps) / steps * full } else { 0.0 }
+}
+
+/// Fixed tables' reference normals, kept for the object last asked for: they follow from the configuration.
+#[derive(Clone, Debug)]
+pub(crate) struct NormalTables {
+    set: TableSet,
+    /// Lists of the object that fixes `object` entries; all levels or none.
+    lists: Vec<Vec<[i16; 3]>>,
+    object: Option<u32>,
+}
+
+impl NormalTables {
+    pub(crate) fn new(set: TableSet) -> Self {
+        Self { set, lists: Vec::new(), object: None }
+    }
+
+    fn of(&mut self, level: u8, object: Option<u32>) -> Result<&[[i16; 3]], TableError> {
+        if self.lists.is_empty() || self.object != object {
+            let list = |level| self.set.normals(level, self.set.entries(level, object));
+            self.lists = (0..LEVELS as u8).map(list).collect::<Result<_, _>>()?;
+            self.object = object;
+        }
+        Ok(self.lists.get(usize::from(level)).map_or(&[], Vec::as_slice))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn quantization_stays_within_half_a_step(v in 0f32..1.3, bits in 4u32..=16) {
+            let steps = ((1 << bits) - 1) as f32;
+            let q = quantize(v, 1.3, steps);
+            prop_assert!((q - v).abs() <= 0.5 * 1.3 / steps * 1.001);
+            prop_assert!((q / 1.3 * steps - (q / 1.3 * steps).round()).abs() < 0.02);
+        }
+    }
+
+    #[test]
+    fn beyond_full_scale_saturates() {
+        assert_eq!(quantize(2.0, 1.3, 255.0), 1.3);
+        assert_eq!(quantize(2.0, 0.0, 255.0), 0.0);
+    }
+}

@@ -1,0 +1,53 @@
+//! What the brightness fetch unit (112) keeps between steps.
+
+use crate::{Clut, Setting};
+use basrelief_shading::LEVELS;
+use basrelief_signals::{Frame, Indexes, ObjectInfo};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// A recalculation under way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Rebuild {
+    /// Level being written.
+    pub(crate) level: usize,
+    /// Entries of it written so far.
+    pub(crate) written: usize,
+}
+
+/// Frame, object and what the next fragments ask for; the CLUTs and what they were calculated for; the counters.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BrightnessState {
+    pub(crate) frame: Option<Arc<Frame>>,
+    pub(crate) object: Option<Arc<ObjectInfo>>,
+    /// What the fragments that come are to be lit with.
+    pub(crate) wanted: Setting,
+    /// `wanted.lights` is to be evaluated again: frame or object changed.
+    pub(crate) lights_changed: bool,
+    /// Control came since the CLUTs were last compared with `wanted`.
+    pub(crate) check: bool,
+    /// What the CLUTs hold.
+    pub(crate) held: Option<Setting>,
+    pub(crate) clut: Clut,
+    /// Where each level's CLUT starts \[bytes\].
+    pub(crate) base: [u64; LEVELS],
+    pub(crate) rebuild: Option<Rebuild>,
+    /// The fragment that waits for it.
+    pub(crate) pending: Option<Indexes>,
+    pub(crate) counters: Counters,
+}
+
+/// What the unit counts.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counters {
+    /// Fragments that got a brightness.
+    pub fragments: u64,
+    /// CLUT entries read, or computed where the source is direct.
+    pub samples: u64,
+    /// Times that the CLUTs were recalculated.
+    pub rebuilds: u64,
+    /// Cycles of that.
+    pub rebuild_cycles: u64,
+    /// Bytes written for that.
+    pub rebuild_bytes: u64,
+}
