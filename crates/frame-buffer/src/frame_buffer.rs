@@ -210,9 +210,7 @@ mod tests {
     #[test]
     fn the_last_pixel_stays_and_the_rest_is_black_and_uncovered() {
         let mut unit = FrameBuffer::default();
-        for token in
-            [frame(3, 5, 2), pixel(4, 1, [1, 2, 3]), pixel(4, 1, [7, 8, 9]), pixel(5, 0, [9; 3]), pixel(0, 2, [9; 3])]
-        {
+        for token in [frame(3, 5, 2), pixel(4, 1, [1, 2, 3]), pixel(4, 1, [7, 8, 9]), pixel(5, 0, [9; 3]), pixel(0, 2, [9; 3])] {
             step(&mut unit, token);
         }
         let (_, done) = step(&mut unit, END);

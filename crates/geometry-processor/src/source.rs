@@ -189,8 +189,7 @@ mod tests {
             let name = String::new();
             Arc::new(Object { id, name, mesh, world: [0.0; 16], material: Arc::default(), entries: None, bump: None })
         };
-        let scene =
-            Scene { frames: vec![frame(0), frame(1)], objects: vec![object(0, 2), object(1, 0)], ..Scene::default() };
+        let scene = Scene { frames: vec![frame(0), frame(1)], objects: vec![object(0, 2), object(1, 0)], ..Scene::default() };
         let mut source = SceneSource::new(SceneDraws::new(Arc::new(scene)));
         let mut seen = String::new();
         while source.demand() == Demand::Nothing {

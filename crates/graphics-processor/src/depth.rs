@@ -194,11 +194,7 @@ mod tests {
         let mut writes = |token| {
             let mut traffic = Traffic::default();
             unit.step(Some(token), &mut traffic);
-            traffic
-                .requests()
-                .iter()
-                .map(|r| (r.client, r.write, r.address - layout::Z_BUFFER, r.bytes))
-                .collect::<Vec<_>>()
+            traffic.requests().iter().map(|r| (r.client, r.write, r.address - layout::Z_BUFFER, r.bytes)).collect::<Vec<_>>()
         };
         assert!(writes(fragment(0, 0, 5)).is_empty());
         assert!(writes(fragment(3, 3, 5)).is_empty());

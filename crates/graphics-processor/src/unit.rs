@@ -51,9 +51,7 @@ impl GraphicsProcessor {
     /// The two tokens are twins: the control takes effect, or waits for the end of the list.
     fn accept(&mut self, control: Control, twin: &Control, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
         if !twins(&control, twin) {
-            traffic.fault(
-                "graphics processor: its two inputs carry different control tokens; report this as a defect".into(),
-            );
+            traffic.fault("graphics processor: its two inputs carry different control tokens; report this as a defect".into());
         }
         self.state.phase = match &control {
             Control::Polygon(polygon) => Phase::Fragments(usize::from(!polygon.bump)),

@@ -104,8 +104,7 @@ impl Rasterizer {
         let against = |t: &u16| covers(*t, -self.state.winding);
         let all = 0..triangles(polygon);
         let first = all.clone().find(with);
-        first == Some(self.state.walk.triangle.number())
-            && all.clone().filter(with).count() > all.filter(against).count()
+        first == Some(self.state.walk.triangle.number()) && all.clone().filter(with).count() > all.filter(against).count()
     }
 
     #[inline]
@@ -266,12 +265,8 @@ mod tests {
     #[test]
     fn huge_coordinates_cover_the_screen() {
         for reach in [32768.0, 1e6, 1e30, f32::INFINITY] {
-            let corners = [
-                [-reach, -reach, 0.0, 1.0],
-                [reach, -reach, 0.0, 1.0],
-                [reach, reach, 0.0, 1.0],
-                [-reach, reach, 0.0, 1.0],
-            ];
+            let corners =
+                [[-reach, -reach, 0.0, 1.0], [reach, -reach, 0.0, 1.0], [reach, reach, 0.0, 1.0], [-reach, reach, 0.0, 1.0]];
             for subpixel_bits in [1, 8, 10] {
                 let all = drawn(RasterizerConfig { subpixel_bits, ..RasterizerConfig::default() }, &corners);
                 assert_eq!(all.len(), 64 * 48);

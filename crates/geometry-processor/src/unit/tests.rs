@@ -136,8 +136,7 @@ fn a_triangle_through_the_near_plane_becomes_one_polygon_in_front_of_it() {
     let mut long = mesh();
     long.positions = vec![[0.0, -0.5, 2.0], [0.5, -0.5, -2.0], [-0.5, -0.4, -2.0]];
     let mut unit = GeometryProcessor::default();
-    let draws =
-        [frame(PERSPECTIVE), object(long, IDENTITY, Material { double_sided: true, ..Material::default() }, None)];
+    let draws = [frame(PERSPECTIVE), object(long, IDENTITY, Material { double_sided: true, ..Material::default() }, None)];
     let polygon = polygon(&mut unit, draws).expect("visible");
     assert_eq!(polygon.vertices.len(), 4);
     assert!(polygon.vertices.iter().all(|v| (-1e-5..=1.00001).contains(&v.position[2]) && v.position[3] > 0.3));
@@ -181,15 +180,10 @@ fn vertices_in_the_cache_cost_nothing() {
     strip.normals.push([0.0, 0.0, 1.0]);
     strip.indices = vec![0, 1, 2, 2, 1, 3];
     let costs = |vertex_cache| {
-        let config =
-            GeometryConfig { cycles_per_vertex: 10, cycles_per_polygon: 3, vertex_cache, ..GeometryConfig::default() };
+        let config = GeometryConfig { cycles_per_vertex: 10, cycles_per_polygon: 3, vertex_cache, ..GeometryConfig::default() };
         let mut unit = GeometryProcessor::new(config, BumpConfig::default());
-        let draws = [
-            frame(IDENTITY),
-            object(strip.clone(), IDENTITY, Material::default(), None),
-            Draw::Triangle(0),
-            Draw::Triangle(1),
-        ];
+        let draws =
+            [frame(IDENTITY), object(strip.clone(), IDENTITY, Material::default(), None), Draw::Triangle(0), Draw::Triangle(1)];
         draws.map(|d| step(&mut unit, d).occupancy)
     };
     assert_eq!(costs(16), [1, 1, 33, 13]);

@@ -129,8 +129,7 @@ fn the_order_of_the_list_is_restored_and_control_leaves_once() {
 #[test]
 fn a_bump_target_is_blended_with_its_brightness_and_highlight() {
     let material = Material { base_color: [0.5, 1.0, 1.0, 1.0], ..Material::default() };
-    let bench =
-        Bench::new(GraphicsConfig::default(), true).control(&polygon(true, material)).bump(shaded(1, 0.5, 0.25)).run();
+    let bench = Bench::new(GraphicsConfig::default(), true).control(&polygon(true, material)).bump(shaded(1, 0.5, 0.25)).run();
     assert_eq!(bench.pixels(), [Pixel { x: 1, y: 1, z: 7, rgb: [128, 128, 191] }]);
 }
 
@@ -169,13 +168,11 @@ fn the_texture_level_is_chosen_by_the_polygons_own_texel_to_pixel_ratio() {
 
 #[test]
 fn held_results_are_written_then_read_back_in_order() {
-    let config =
-        GraphicsConfig { draw: DrawOrder::AfterList, held_bytes: 8, blend_cycles: 3, ..GraphicsConfig::default() };
+    let config = GraphicsConfig { draw: DrawOrder::AfterList, held_bytes: 8, blend_cycles: 3, ..GraphicsConfig::default() };
     let bump = polygon(true, Material::default());
     let mut bench = Bench::new(config, false);
     for _ in 0..2 {
-        bench =
-            bench.control(&bump).bump(shaded(1, 1.0, 0.0)).bump(shaded(2, 1.0, 0.0)).control(&Control::FrameEnd).run();
+        bench = bench.control(&bump).bump(shaded(1, 1.0, 0.0)).bump(shaded(2, 1.0, 0.0)).control(&Control::FrameEnd).run();
         let requests: Vec<_> = bench
             .traffic
             .iter()
@@ -190,8 +187,7 @@ fn held_results_are_written_then_read_back_in_order() {
 
 #[test]
 fn results_beyond_the_room_are_a_fault_that_names_the_parameter() {
-    let config =
-        GraphicsConfig { draw: DrawOrder::AfterList, held_bytes: 8, hold_bytes: 15, ..GraphicsConfig::default() };
+    let config = GraphicsConfig { draw: DrawOrder::AfterList, held_bytes: 8, hold_bytes: 15, ..GraphicsConfig::default() };
     let bench = Bench::new(config, false)
         .control(&polygon(true, Material::default()))
         .bump(shaded(1, 1.0, 0.0))
