@@ -3,6 +3,7 @@
 mod account;
 mod cache;
 mod config;
+pub mod contract;
 mod cycle;
 mod engine;
 mod fifo;

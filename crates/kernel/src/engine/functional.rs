@@ -31,7 +31,7 @@ impl Visitor for Walk {
             outputs.put(step.out);
             stage.clock.steps += 1;
             self.stepped = true;
-            self.fault = fault_of(&mut self.traffic, stage.name());
+            self.fault = fault_of(&mut self.traffic, stage.name(), None);
         }
     }
 }

@@ -6,7 +6,7 @@ mod timed;
 
 use crate::report::{RunReport, conclude};
 use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
-use crate::{Clock, Probe, Stage, Traffic, Unit};
+use crate::{Clock, Cycle, Probe, Stage, Traffic, Unit};
 
 /// How to run a machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,7 +95,8 @@ impl Visitor for Land {
     }
 }
 
-/// A fault, prefixed with the unit that raised it.
-fn fault_of(traffic: &mut Traffic, name: &str) -> Option<String> {
-    traffic.fault.take().map(|f| format!("{name}: {f}"))
+/// A fault, prefixed with the unit that raised it and, where there is time, the cycle in which its step started.
+fn fault_of(traffic: &mut Traffic, name: &str, start: Option<Cycle>) -> Option<String> {
+    let cycle = start.map_or_else(String::new, |start| format!(", {start}"));
+    traffic.fault.take().map(|f| format!("{name}{cycle}: {f}"))
 }

@@ -34,7 +34,7 @@ impl<P: Probe> Tick<'_, P> {
             self.probe.worked(self.stage, self.now, stage.clock.free);
         }
         if self.traffic.fault.is_some() && self.fault.is_none() {
-            self.fault = fault_of(&mut self.traffic, stage.name());
+            self.fault = fault_of(&mut self.traffic, stage.name(), Some(self.now));
         }
     }
 }

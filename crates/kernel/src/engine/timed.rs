@@ -49,7 +49,7 @@ impl<P: Probe> Visitor for RunAhead<'_, P> {
                 self.probe.worked(number, next.at, stage.clock.free);
             }
             if self.traffic.fault.is_some() {
-                self.fault = fault_of(&mut self.traffic, stage.name());
+                self.fault = fault_of(&mut self.traffic, stage.name(), Some(next.at));
                 self.end = Cycle::ZERO;
                 return;
             }

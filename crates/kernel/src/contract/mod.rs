@@ -1,0 +1,154 @@
+//! What every unit must keep, as tests: a source, a sink, a bench around one unit, and the unit contract.
+//!
+//! A unit crate states its contract once per configuration worth testing. The macro makes a module of tests of it:
+//!
+//! ```
+//! use basrelief_kernel::{Demand, Step, Traffic, Unit, unit_contract};
+//!
+//! /// Sums what it reads about each token; keeps a read of 8 bytes and a cached table look-up per step.
+//! #[derive(Clone, Default)]
+//! struct Sum {
+//!     state: u64,
+//! }
+//!
+//! impl Unit for Sum {
+//!     type In = Option<u64>;
+//!     type Out = Option<u64>;
+//!     fn demand(&self) -> Demand {
+//!         Demand::All
+//!     }
+//!     fn step(&mut self, input: Option<u64>, traffic: &mut Traffic) -> Step<Option<u64>> {
+//!         let token = input.unwrap_or(0);
+//!         traffic.read(0, 8 * token, 8);
+//!         traffic.look_up(1, 4 * token, 4);
+//!         self.state += token;
+//!         Step::after(2, Some(self.state)).busy(1 + token % 3)
+//!     }
+//!     fn largest_step(&self, _client: usize) -> u32 {
+//!         1
+//!     }
+//! }
+//!
+//! unit_contract! {
+//!     name: sum,
+//!     unit: Sum::default(),
+//!     inputs: (0..100).collect(),
+//!     // One per memory client of the unit, in its numbering; leave the line out where it has none.
+//!     clients: [Client::Port, Client::Cache { line_bytes: 64 }],
+//!     // How to copy the state out and put it back; leave the line out where the unit has none.
+//!     state: |unit| unit.state => |unit, state| unit.state = state,
+//! }
+//!
+//! // The same, as one call: for units that are built at run time.
+//! # use basrelief_kernel::contract::{Client, Contract};
+//! Contract::new(Sum::default(), (0..100).collect())
+//!     .clients(&[Client::Port, Client::Cache { line_bytes: 64 }])
+//!     .state(|unit| unit.state, |unit, state| unit.state = state)
+//!     .check_all()?;
+//! # Ok::<(), basrelief_kernel::contract::Broken>(())
+//! ```
+//!
+//! `inputs` is a `Vec` for a unit of one input, `(Vec, Vec)` for two, `()` for a source. It must be a whole run: every
+//! token is taken, and whatever gathers is flushed by its last one. Tokens need `Clone` (and `Debug + PartialEq` where
+//! they come out). What is checked stands at the methods of [`Contract`].
+//!
+//! [`Source`] and [`Sink`] are ordinary units, for machines that a test wires itself. A failed expectation names the
+//! sink, the cycle, the token and both values:
+//!
+//! ```
+//! use basrelief_kernel::contract::{Sink, Source};
+//! use basrelief_kernel::{Clients, Engine, Fifo, Machine, MemorySystem, Outcome, Stage, Visitor, run};
+//!
+//! struct Wire {
+//!     source: Stage<Source<std::ops::Range<u32>>>,
+//!     fifo: Fifo<u32>,
+//!     sink: Stage<Sink<u32>>,
+//!     memories: MemorySystem,
+//! }
+//!
+//! impl Machine for Wire {
+//!     fn wire<V: Visitor>(&mut self, v: &mut V) {
+//!         v.stage(&mut self.source, (), &mut self.fifo, Clients::none());
+//!         v.stage(&mut self.sink, &mut self.fifo, (), Clients::none());
+//!     }
+//!     fn memories(&mut self) -> &mut MemorySystem {
+//!         &mut self.memories
+//!     }
+//! }
+//!
+//! let mut machine = Wire {
+//!     source: Stage::new("source", Source::new(0..3).with_gaps(&[9])),
+//!     fifo: Fifo::new("wire", 2, 1),
+//!     sink: Stage::new("sink", Sink::expect([0, 1, 7])),
+//!     memories: MemorySystem::default(),
+//! };
+//! let report = run(&mut machine, Engine::Timed);
+//! assert_eq!(report.outcome, Outcome::Fault("sink, cycle 21: token 2: got 2, expected 7".into()));
+//! ```
+
+mod bench;
+mod check;
+mod guard;
+mod sink;
+mod source;
+
+pub use bench::{Back, Bench, Emitted, Front, Inlet, Outlet, Popped, Setting};
+pub use check::{Broken, Contract};
+pub use sink::Sink;
+pub use source::Source;
+
+/// What is behind a memory client of the unit under test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Client {
+    /// A port of the memory.
+    Port,
+    /// A cache in front of a port.
+    Cache {
+        /// Bytes per line; a power of two.
+        line_bytes: u32,
+    },
+}
+
+/// The unit contract as a module of tests, one per promise of [`Contract`](crate::contract::Contract). See the
+/// [module](crate::contract) for an example.
+#[macro_export]
+macro_rules! unit_contract {
+    (name: $name:ident, unit: $unit:expr, inputs: $inputs:expr
+     $(, clients: [$($client:expr),* $(,)?])? $(, state: $get:expr => $set:expr)? $(,)?) => {
+        #[cfg(test)]
+        mod $name {
+            #[allow(unused_imports, reason = "a contract may need nothing from around it")]
+            use super::*;
+            #[allow(unused_imports, reason = "a unit may have no memory client")]
+            use $crate::contract::Client;
+
+            fn contract() -> $crate::contract::Contract<
+                impl $crate::Unit<In: $crate::contract::Popped, Out: $crate::contract::Emitted> + Clone + 'static,
+            > {
+                $crate::contract::Contract::new($unit, $inputs)
+                    $(.clients(&[$($client),*]))?
+                    $(.state($get, $set))?
+            }
+
+            $crate::unit_contract! { @tests
+                reset_is_idempotent
+                runs_are_deterministic
+                no_token_is_lost_or_doubled
+                back_pressure_changes_no_token
+                steps_keep_within_largest_step
+                state_round_trips
+                accounting_sums_to_the_total
+                engines_report_the_same
+                nothing_is_left_at_the_end
+            }
+        }
+    };
+    (@tests $($check:ident)*) => {
+        $(#[test]
+        fn $check() {
+            if let Err(broken) = contract().$check() {
+                panic!("{broken}");
+            }
+        })*
+    };
+}

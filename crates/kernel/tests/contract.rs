@@ -1,0 +1,155 @@
+//! The unit contract: units that keep it pass, and each way to break it is caught and named.
+
+use basrelief_kernel::contract::{Client, Contract, Sink, Source};
+use basrelief_kernel::{Demand, Step, Traffic, Unit, unit_contract};
+use std::cell::Cell;
+use std::rc::Rc;
+
+/// A source on trial.
+fn counter() -> Source<std::ops::Range<u32>> {
+    Source::new(0..40).with_gaps(&[0, 2])
+}
+
+unit_contract! { name: source, unit: counter(), inputs: () }
+unit_contract! { name: sink, unit: Sink::<u8>::new().with_occupancy(&[1, 3]), inputs: (0..40).collect() }
+
+/// Pairs two inputs; two tokens of the first to one of the second, and emits sum and difference on two outputs.
+#[derive(Clone, Default)]
+struct Butterfly {
+    held: Option<i64>,
+}
+
+impl Unit for Butterfly {
+    type In = (Option<i64>, Option<i64>);
+    type Out = (Option<i64>, Option<i64>);
+    fn demand(&self) -> Demand {
+        if self.held.is_some() { Demand::All } else { Demand::Only(0) }
+    }
+    fn step(&mut self, (a, b): Self::In, _: &mut Traffic) -> Step<Self::Out> {
+        match (self.held.take(), a, b) {
+            (Some(h), Some(a), Some(b)) => Step::after(3, (Some(h + a + b), Some(h + a - b))).busy(2),
+            (None, Some(a), None) => {
+                self.held = Some(a);
+                Step::after(0, (None, None))
+            }
+            _ => unreachable!("a step is given what demand declared"),
+        }
+    }
+    fn is_empty(&self) -> bool {
+        self.held.is_none()
+    }
+}
+
+unit_contract! {
+    name: butterfly,
+    unit: Butterfly::default(),
+    inputs: ((0..60).collect(), (100..130).collect()),
+    state: |unit| unit.held => |unit, held| unit.held = held,
+}
+
+/// Emits each token three times; reads, writes and looks up as it does so. Its switches break one promise each.
+#[derive(Clone, Default)]
+struct Triple {
+    held: (u64, u32),
+    /// Not part of the state.
+    unsaved: u64,
+    steps: Rc<Cell<u64>>,
+    greedy: bool,
+    forgetful: bool,
+    shared: bool,
+    hoards: bool,
+}
+
+impl Unit for Triple {
+    type In = Option<u64>;
+    type Out = Option<u64>;
+    fn demand(&self) -> Demand {
+        if self.held.1 > 0 { Demand::Nothing } else { Demand::All }
+    }
+    fn step(&mut self, input: Option<u64>, traffic: &mut Traffic) -> Step<Option<u64>> {
+        if let Some(token) = input {
+            self.held = (token, 3);
+        }
+        let token = self.held.0;
+        self.held.1 -= 1;
+        self.unsaved += 1;
+        self.steps.set(self.steps.get() + 1);
+        traffic.look_up(0, 96 * token, 64);
+        traffic.look_up(0, 96 * token + 4, 4);
+        traffic.read(1, 8 * token, 8);
+        traffic.write(1, 8 * token, 8);
+        if self.greedy && token == 7 {
+            traffic.read(1, 0, 8);
+        }
+        let out = match () {
+            () if self.forgetful => self.unsaved,
+            () if self.shared => self.steps.get(),
+            () => token,
+        };
+        Step::after(1, Some(out)).busy(1 + token % 2)
+    }
+    fn largest_step(&self, _: usize) -> u32 {
+        2
+    }
+    fn is_empty(&self) -> bool {
+        self.held.1 == 0 && !self.hoards
+    }
+}
+
+const CLIENTS: [Client; 2] = [Client::Cache { line_bytes: 64 }, Client::Port];
+
+unit_contract! {
+    name: triple,
+    unit: Triple::default(),
+    inputs: (0..30).collect(),
+    clients: [Client::Cache { line_bytes: 64 }, Client::Port],
+    state: |unit| unit.held => |unit, held| unit.held = held,
+}
+
+fn contract(unit: Triple) -> Contract<Triple> {
+    Contract::new(unit, (0..30).collect()).clients(&CLIENTS).state(|unit| unit.held, |unit, held| unit.held = held)
+}
+
+#[test]
+fn a_step_beyond_the_largest_is_named() {
+    let broken = contract(Triple { greedy: true, ..Triple::default() }).steps_keep_within_largest_step().unwrap_err();
+    assert!(broken.what.starts_with("unit, cycle "), "{broken}");
+    assert!(broken.what.ends_with("a step needs 3 credits of client 1, largest_step(1) declared 2"), "{broken}");
+}
+
+#[test]
+fn a_client_that_is_not_listed_is_named() {
+    let contract = Contract::new(Triple::default(), (0..30).collect());
+    let broken = contract.clients(&[Client::Cache { line_bytes: 64 }]).check_all().unwrap_err();
+    assert!(broken.what.ends_with("a step uses client 1, but the contract gives it 1"), "{broken}");
+    let contract = Contract::new(Triple::default(), (0..30).collect());
+    let broken = contract.clients(&[Client::Port, Client::Port]).check_all().unwrap_err();
+    assert!(broken.what.ends_with("a step looks up a line in client 0, which has no cache"), "{broken}");
+}
+
+#[test]
+fn state_that_is_not_saved_is_found() {
+    let contract = contract(Triple { forgetful: true, ..Triple::default() });
+    let broken = contract.state_round_trips().unwrap_err();
+    assert!(broken.what.ends_with("token 1: got 1, expected 2"), "{broken}");
+    let broken = contract.reset_is_idempotent().unwrap_err();
+    assert!(broken.what.ends_with("token 0: got 91, expected 1"), "{broken}");
+}
+
+#[test]
+fn state_shared_between_clones_is_found() {
+    let broken = contract(Triple { shared: true, ..Triple::default() }).runs_are_deterministic().unwrap_err();
+    assert!(broken.what.contains("token 0: got 91, expected 1"), "{broken}");
+}
+
+#[test]
+fn a_token_held_back_is_a_deadlock_that_names_the_unit() {
+    let broken = contract(Triple { hoards: true, ..Triple::default() }).nothing_is_left_at_the_end().unwrap_err();
+    assert!(broken.what.contains("`unit` waits for a token from `input_0` (0 of 1 slots)"), "{broken}");
+}
+
+#[test]
+fn a_unit_that_never_works_is_no_proof() {
+    let broken = Contract::new(Triple::default(), vec![]).clients(&CLIENTS).check_all().unwrap_err();
+    assert!(broken.what.contains("made no step"), "{broken}");
+}
