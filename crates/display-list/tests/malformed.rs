@@ -227,6 +227,18 @@ fn a_record_is_named_by_number_and_command() {
     assert_eq!(error_of(&missing).kind, ErrorKind::Truncated);
 }
 
+#[test]
+fn a_number_that_is_not_finite_is_refused_in_binary() {
+    let whole = sample_as(Form { encoding: Encoding::Binary, compressed: false });
+    let at = whole.windows(4).position(|bytes| bytes == 0.25f32.to_le_bytes()).unwrap();
+    for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let mut bytes = whole.clone();
+        bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
+        let error = error_of(&bytes).to_string();
+        assert!(error.starts_with("record 4: material.base_color: holds a number that is not finite"), "{error}");
+    }
+}
+
 /// Numbers in a file drive no allocation and no work: each of these would take gigabytes or minutes if they did.
 #[test]
 fn bombs_are_cheap_errors() {
