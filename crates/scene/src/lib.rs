@@ -4,6 +4,7 @@
 //! files are read through [`Files`], so that the same importer runs where there is no file system.
 
 mod camera;
+mod demo;
 mod error;
 mod files;
 mod gltf;
@@ -17,6 +18,7 @@ mod textures;
 mod view;
 
 pub use camera::{read_camera, write_camera};
+pub use demo::{DEMOS, DemoInfo, demo};
 pub use error::SceneError;
 pub use files::{Directory, Files, MAX_FILE_BYTES, Memory};
 pub use view::ViewOptions;

@@ -132,7 +132,7 @@ fn the_sample_models_import() {
 
 fn check_mesh(mesh: &basrelief_signals::Mesh, bump: bool) {
     let count = mesh.positions.len();
-    assert!(mesh.indices.len() % 3 == 0 && mesh.indices.iter().all(|i| (*i as usize) < count));
+    assert!(mesh.indices.len().is_multiple_of(3) && mesh.indices.iter().all(|i| (*i as usize) < count));
     assert_eq!(mesh.normals.len(), count);
     assert_eq!(mesh.tangents.len(), if bump { count } else { 0 });
     assert_eq!(mesh.uv_normal.len(), if bump { count } else { 0 });

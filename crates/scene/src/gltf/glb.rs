@@ -79,7 +79,7 @@ fn chunk(bytes: &[u8], offset: usize) -> Result<(u32, &[u8]), SceneError> {
     }
     let length = word(bytes, offset)? as usize;
     let kind = word(bytes, offset + 4)?;
-    if length % 4 != 0 {
+    if !length.is_multiple_of(4) {
         return Err(broken(offset, &format!("chunk length {length}")).expected("a multiple of 4"));
     }
     let start = offset + CHUNK_HEADER_BYTES;

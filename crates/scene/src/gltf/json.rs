@@ -29,7 +29,7 @@ impl<'de> Deserialize<'de> for Int {
             }
             fn visit_f64<E: Error>(self, v: f64) -> Result<Int, E> {
                 // 2^53: above it a fraction of zero says nothing.
-                if v >= 0.0 && v <= 9_007_199_254_740_992.0 && v.floor() == v {
+                if (0.0..=9_007_199_254_740_992.0).contains(&v) && v.floor() == v {
                     Ok(Int(v as u64))
                 } else {
                     Err(E::invalid_value(serde::de::Unexpected::Float(v), &self))

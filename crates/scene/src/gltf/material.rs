@@ -162,6 +162,16 @@ impl<'a> Materials<'a> {
         Ok((bytes, name))
     }
 
+    /// Decodes every picture: for files of which nothing is drawn, to find out why.
+    pub(crate) fn check_pictures(&mut self) -> Result<(), SceneError> {
+        for i in 0..self.document.images.len() {
+            let index = Int(i as u64);
+            let (bytes, name) = self.image(index)?;
+            self.store.decode(&bytes, &name, Sampler::default(), Content::Color).map_err(|e| named(e, index))?;
+        }
+        Ok(())
+    }
+
     /// Looks at the pictures that no drawn material uses: a missing or unknown one is worth a warning, but no more.
     pub(crate) fn check_unused(&self, warnings: &mut Warnings) {
         for i in 0..self.document.images.len() {

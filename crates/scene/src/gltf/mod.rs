@@ -62,9 +62,11 @@ fn import(json: &[u8], container: Container<'_>, files: &dyn Files, warnings: &m
     };
     importer.draw_nodes(&nodes, warnings)?;
     importer.materials.check_unused(warnings);
-    let objects = importer.objects;
+    let objects = std::mem::take(&mut importer.objects);
     if objects.is_empty() {
+        // The reason may be a fault in what would have been drawn.
         accessors.check_finite()?;
+        importer.materials.check_pictures()?;
         return Err(nothing_to_draw(&document).with_notes(warnings.sentences()));
     }
     let bounds = bounds(&objects);

@@ -1,0 +1,89 @@
+//! A coin in relief under a circling light.
+
+use super::framing;
+use super::lettering::distance;
+use super::pattern::{noise, smoothstep};
+use super::stage::{Grid, PI, Point, Stage, Workshop};
+use basrelief_signals::Mesh;
+use glam::{DMat4, DVec2, DVec3};
+
+/// Thickness of the coin, its radius being 1.
+const THICKNESS: f64 = 0.16;
+
+/// A gold coin on its back. Its relief - a sun, an inscription, a ring of beads - is a height map of 512 x 512 texels on a
+/// flat disc. The light circles once in eight frames: at every frame the tables of brightness (CLUTs) are computed anew,
+/// while the indices on the surface stay the same.
+pub(super) fn build() -> Stage {
+    let mut shop = Workshop::default();
+    let relief = shop.heights("relief", 512, 11.0, |u, v| height(DVec2::new(2.0 * u - 1.0, 1.0 - 2.0 * v) * 1.01));
+    let reeds = shop.heights("reeds", 64, 5.0, |u, _| 0.5 + 0.5 * libm::cos(2.0 * PI * u));
+    let gold = [1.0, 0.80, 0.38];
+    let face = shop.material("gold, struck", gold, None, Some(relief));
+    let edge = shop.material("gold, reeded", gold, None, Some(reeds));
+    shop.place("face", disc(), DMat4::IDENTITY, &face);
+    shop.place("edge", rim(), DMat4::IDENTITY, &edge);
+    let stage = shop.stage(framing([-0.72, -THICKNESS, -0.72], [0.72, 0.0, 0.72], 0.0, 52.0), [-0.75, 0.6, 0.45]);
+    Stage { frames: 8, light_orbit: 360.0, ..stage }
+}
+
+/// The upper side: rings around the centre, u to the right and v to the front.
+fn disc() -> Mesh {
+    let grid = Grid { columns: 96, rows: 10, collapsed_top: true, collapsed_bottom: false };
+    grid.mesh(|s, t| {
+        let (sin, cos) = (libm::sin(2.0 * PI * s), libm::cos(2.0 * PI * s));
+        let position = DVec3::new(cos * t, 0.0, -sin * t);
+        // The map reaches a little beyond the disc, so that no texel of the other side is filtered in.
+        let uv = [position.x, position.z].map(|c| 0.5 + 0.5 * c / 1.01);
+        Point { position, normal: DVec3::Y, tangent: DVec3::X, uv }
+    })
+}
+
+/// The edge, with 120 reeds.
+fn rim() -> Mesh {
+    Grid::open(96, 2).mesh(|s, t| {
+        let (sin, cos) = (libm::sin(2.0 * PI * s), libm::cos(2.0 * PI * s));
+        let normal = DVec3::new(sin, 0.0, cos);
+        Point { position: normal - DVec3::Y * (THICKNESS * t), normal, tangent: DVec3::new(cos, 0.0, -sin), uv: [120.0 * s, t] }
+    })
+}
+
+/// Height at a point of the unit disc, x to the right, y up.
+fn height(p: DVec2) -> f64 {
+    let r = p.length();
+    let border = smoothstep(0.915, 0.94, r);
+    let field = 0.10 + 0.02 * noise(0.5 + 0.5 * p.x, 0.5 + 0.5 * p.y, 24, 5);
+    let angle = libm::atan2(p.x, p.y);
+    field + (0.9 - field) * border.max(beads(r, angle)).max(inscription(r, angle)).max(sun(r, angle))
+}
+
+fn beads(r: f64, angle: f64) -> f64 {
+    const COUNT: f64 = 80.0;
+    let turn = angle / (2.0 * PI) * COUNT;
+    let along = (turn - turn.round()) / COUNT * 2.0 * PI * 0.875;
+    let squared = (along * along + (r - 0.875) * (r - 0.875)) / (0.026 * 0.026);
+    0.8 * (1.0 - squared).max(0.0).sqrt()
+}
+
+/// BASRELIEF along the upper side, upright as seen from the middle.
+fn inscription(r: f64, angle: f64) -> f64 {
+    const TEXT: &str = "BASRELIEF";
+    const UNIT: f64 = 0.030;
+    const BASE: f64 = 0.61;
+    // Letters are 4 units wide and stand 6.4 apart, on a circle of radius BASE.
+    let place = angle * BASE / UNIT / 6.4 + TEXT.len() as f64 / 2.0;
+    let Some(letter) = TEXT.chars().nth(if place < 0.0 { usize::MAX } else { place as usize }) else { return 0.0 };
+    let point = DVec2::new((place - place.floor()) * 6.4 - 1.2, (r - BASE) / UNIT);
+    0.75 * (1.0 - smoothstep(0.25, 0.95, distance(letter, point)))
+}
+
+/// A disc with sixteen rays, every other one short.
+fn sun(r: f64, angle: f64) -> f64 {
+    const RAYS: f64 = 16.0;
+    let turn = angle / (2.0 * PI) * RAYS;
+    let reach = if turn.round().rem_euclid(2.0) < 1.0 { 0.54 } else { 0.42 };
+    let across = ((turn - turn.round()) / RAYS * 2.0 * PI).abs() * r;
+    let width = 0.055 * ((reach - r) / (reach - 0.2)).clamp(0.0, 1.0);
+    let ray = if width > 0.0 { (1.0 - across / width).max(0.0) * smoothstep(0.20, 0.26, r) } else { 0.0 };
+    let dome = (1.0 - (r / 0.19) * (r / 0.19)).max(0.0).sqrt();
+    (0.85 * dome).max(0.8 * ray.min(1.0))
+}

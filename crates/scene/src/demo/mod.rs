@@ -1,0 +1,192 @@
+//! Demo scenes, all generated: the same on every machine, to the bit.
+
+mod brick;
+mod coin;
+mod golf_ball;
+mod lettering;
+mod mixed;
+mod pattern;
+mod sphere;
+mod stage;
+
+use crate::camera::{Bounds, Viewpoint};
+use crate::model::bounds;
+use crate::view::{Lamp, Setting};
+use crate::{SceneError, ViewOptions};
+use basrelief_signals::Scene;
+use stage::Stage;
+
+/// A demo scene.
+#[derive(Clone, Copy, Debug)]
+pub struct DemoInfo {
+    /// As given to [`demo`].
+    pub name: &'static str,
+    /// What it shows, in a sentence.
+    pub about: &'static str,
+    build: fn() -> Stage,
+}
+
+/// All demos, the default one first.
+pub const DEMOS: &[DemoInfo] = &[
+    DemoInfo {
+        name: "golf-ball",
+        about: "A golf ball: 336 dimples in a normal map on a smooth sphere.",
+        build: golf_ball::build,
+    },
+    DemoInfo {
+        name: "coin",
+        about: "Relief on a coin while the light circles around it: the tables of brightness change with every frame.",
+        build: coin::build,
+    },
+    DemoInfo {
+        name: "brick",
+        about: "A brick wall and a paved floor that run to the horizon, so that every LOD 0..=63 occurs.",
+        build: brick::build,
+    },
+    DemoInfo { name: "mixed", about: "Bump targets, textured and plain polygons in front of each other.", build: mixed::build },
+    DemoInfo {
+        name: "sphere",
+        about: "The benchmark: a woven sphere of 20,000 triangles with a normal map of 512 x 512 texels.",
+        build: sphere::build,
+    },
+];
+
+/// Builds a demo scene. What the options leave open is the demo's choice.
+///
+/// # Errors
+/// No demo of this name; options out of range.
+pub fn demo(name: &str, options: &ViewOptions) -> Result<Scene, SceneError> {
+    let info = DEMOS.iter().find(|d| d.name == name).ok_or_else(|| {
+        let names: Vec<&str> = DEMOS.iter().map(|d| d.name).collect();
+        SceneError::at("demo", format!("no demo is called `{name}`")).expected(names.join(", "))
+    })?;
+    let stage = (info.build)();
+    let setting = Setting {
+        bounds: bounds(&stage.objects),
+        camera: Some(stage.camera),
+        lamps: vec![(Lamp::Directional(stage.to_light), 1.0)],
+        frames: stage.frames,
+        light_orbit: stage.light_orbit,
+    };
+    Ok(Scene { name: name.into(), frames: setting.frames(options)?, objects: stage.objects, warnings: Vec::new() })
+}
+
+/// The camera that frames a box, from this azimuth and elevation \[degrees\], its field of view 30 degrees.
+fn framing(low: [f64; 3], high: [f64; 3], azimuth: f64, elevation: f64) -> Viewpoint {
+    Viewpoint::framing(&Bounds { low: low.into(), high: high.into() }, [azimuth, elevation, 30.0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use basrelief_signals::{Mesh, Object};
+    use glam::{DVec2, DVec3};
+
+    fn all() -> impl Iterator<Item = Scene> {
+        DEMOS.iter().map(|d| demo(d.name, &ViewOptions::default()).unwrap())
+    }
+
+    fn corners(mesh: &Mesh) -> impl Iterator<Item = [usize; 3]> + '_ {
+        mesh.indices.as_chunks::<3>().0.iter().map(|t| t.map(|i| i as usize))
+    }
+
+    fn vector(v: [f32; 3]) -> DVec3 {
+        DVec3::from_array(v.map(f64::from))
+    }
+
+    /// Positions per u and per v over a triangle; `None` where the texture has no area there.
+    fn gradients(mesh: &Mesh, t: [usize; 3]) -> Option<[DVec3; 2]> {
+        let p = t.map(|i| vector(mesh.positions[i]));
+        let uv = t.map(|i| DVec2::from_array(mesh.uv_normal[i].map(f64::from)));
+        let (a, b) = (uv[1] - uv[0], uv[2] - uv[0]);
+        let area = a.perp_dot(b);
+        let (e, f) = (p[1] - p[0], p[2] - p[0]);
+        (area.abs() > 1e-12).then(|| [(e * b.y - f * a.y) / area, (f * a.x - e * b.x) / area])
+    }
+
+    fn check_object(object: &Object) {
+        let mesh = &object.mesh;
+        for t in corners(mesh) {
+            let [a, b, c] = t.map(|i| vector(mesh.positions[i]));
+            let face = (b - a).cross(c - a).normalize();
+            for i in t {
+                let normal = vector(mesh.normals[i]);
+                assert!((normal.length() - 1.0).abs() < 1e-6);
+                assert!(face.dot(normal) > 0.5, "{}: the front is counter-clockwise", object.name);
+            }
+            if object.material.normal_map.is_none() {
+                continue;
+            }
+            let Some([along_u, along_v]) = gradients(mesh, t) else { continue };
+            for i in t {
+                let [x, y, z, w] = mesh.tangents[i];
+                let (normal, tangent) = (vector(mesh.normals[i]), vector([x, y, z]));
+                let bitangent = normal.cross(tangent) * f64::from(w);
+                assert!(tangent.dot(normal).abs() < 1e-6 && (tangent.length() - 1.0).abs() < 1e-6);
+                assert!(tangent.dot(along_u.normalize()) > 0.7, "{}: tangents follow u", object.name);
+                assert!(bitangent.dot(along_v.normalize()) < -0.7, "{}: bitangents oppose v", object.name);
+            }
+        }
+    }
+
+    #[test]
+    fn tangent_frames_follow_the_texture() {
+        all().flat_map(|s| s.objects).for_each(|o| check_object(&o));
+    }
+
+    #[test]
+    fn demos_are_the_same_every_time() {
+        let again = |name| demo(name, &ViewOptions::default()).unwrap();
+        assert_eq!(again("coin"), again("coin"));
+        assert!(again("coin").frames.len() > 1, "its light circles");
+    }
+
+    #[test]
+    fn an_unknown_demo_is_told_the_known_ones() {
+        let error = demo("bricks", &ViewOptions::default()).unwrap_err().to_string();
+        assert!(error.contains("golf-ball, coin, brick, mixed, sphere"), "{error}");
+    }
+
+    #[test]
+    fn the_benchmark_has_twenty_thousand_triangles() {
+        let scene = demo("sphere", &ViewOptions::default()).unwrap();
+        assert_eq!(scene.objects.iter().map(|o| o.mesh.indices.len() / 3).sum::<usize>(), 20_000);
+        let map = scene.objects[0].material.normal_map.as_ref().unwrap();
+        assert_eq!((map.levels[0].width, map.levels[0].height, map.levels.len()), (512, 512, 8));
+    }
+
+    #[test]
+    fn mixed_has_every_kind_of_polygon() {
+        let scene = demo("mixed", &ViewOptions::default()).unwrap();
+        let kinds: Vec<_> =
+            scene.objects.iter().map(|o| (o.material.normal_map.is_some(), o.material.color_texture.is_some())).collect();
+        for kind in [(true, true), (true, false), (false, true), (false, false)] {
+            assert!(kinds.contains(&kind), "{kind:?}");
+        }
+        assert!(scene.objects.iter().any(|o| o.entries.is_some()) && scene.objects.iter().any(|o| o.bump == Some(false)));
+    }
+
+    /// LOD of every triangle that lies within the picture: 8 log2 of the texels per pixel.
+    #[test]
+    fn brick_reaches_every_lod() {
+        let scene = demo("brick", &ViewOptions::default()).unwrap();
+        let camera = glam::DMat4::from_cols_array(&scene.frames[0].camera.view_projection).transpose();
+        let mut seen = [false; 64];
+        for object in &scene.objects {
+            let texels = f64::from(object.material.normal_map.as_ref().unwrap().levels[0].width);
+            for t in corners(&object.mesh) {
+                let clip = t.map(|i| camera * vector(object.mesh.positions[i]).extend(1.0));
+                if clip.iter().any(|c| c.truncate().abs().max_element() > c.w) {
+                    continue;
+                }
+                let window = clip.map(|c| DVec2::new(c.x / c.w * 320.0, c.y / c.w * 240.0));
+                let uv = t.map(|i| DVec2::from_array(object.mesh.uv_normal[i].map(f64::from)) * texels);
+                let area = |p: [DVec2; 3]| (p[1] - p[0]).perp_dot(p[2] - p[0]).abs();
+                let lod = (4.0 * libm::log2(area(uv) / area(window))).round().clamp(0.0, 63.0);
+                seen[lod as usize] = true;
+            }
+        }
+        let missing: Vec<_> = (0..64).filter(|l| !seen[*l]).collect();
+        assert!(missing.is_empty(), "LODs that do not occur: {missing:?}");
+    }
+}

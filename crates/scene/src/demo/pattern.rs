@@ -1,0 +1,117 @@
+//! Patterns over the unit square that repeat without seams.
+
+use glam::DVec2;
+
+/// 0 below `low`, 1 above `high`, smooth between.
+pub(super) fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// A number in 0..1 that looks arbitrary but depends on the arguments only.
+pub(super) fn scatter(x: i64, y: i64, seed: u32) -> f64 {
+    let mut h = (x as u32).wrapping_mul(0x85eb_ca6b) ^ (y as u32).wrapping_mul(0xc2b2_ae35) ^ seed.wrapping_mul(0x27d4_eb2f);
+    for _ in 0..2 {
+        h ^= h >> 15;
+        h = h.wrapping_mul(0x2c1b_3c6d);
+        h ^= h >> 13;
+    }
+    f64::from(h) / 4_294_967_296.0
+}
+
+/// Smooth noise in 0..1 on a lattice of `cells` per side.
+fn lattice_noise(u: f64, v: f64, cells: i64, seed: u32) -> f64 {
+    let (x, y) = (u * cells as f64, v * cells as f64);
+    let (i, j) = (x.floor(), y.floor());
+    let (fx, fy) = (smoothstep(0.0, 1.0, x - i), smoothstep(0.0, 1.0, y - j));
+    let at = |di: i64, dj: i64| scatter((i as i64 + di).rem_euclid(cells), (j as i64 + dj).rem_euclid(cells), seed);
+    let row = |dj: i64| at(0, dj) + (at(1, dj) - at(0, dj)) * fx;
+    row(0) + (row(1) - row(0)) * fy
+}
+
+/// Noise of several scales, 0..1, the coarsest with `cells` per side.
+pub(super) fn noise(u: f64, v: f64, cells: i64, seed: u32) -> f64 {
+    (0..4).map(|k| lattice_noise(u, v, cells << k, seed + k) / f64::from(2u32 << k)).sum::<f64>() / 0.9375
+}
+
+/// Courses of stones: how many bricks and courses per tile, every other course shifted by half a brick.
+#[derive(Clone, Copy)]
+pub(super) struct Masonry {
+    pub bricks: i64,
+    pub courses: i64,
+    pub seed: u32,
+}
+
+impl Masonry {
+    /// The brick at a point, and how far inside it the point is \[courses\]: negative in the mortar.
+    fn locate(&self, u: f64, v: f64) -> ((i64, i64), f64) {
+        // Weathered edges are not straight.
+        let waver = 0.05 * (noise(u, v, 16, self.seed + 9) - 0.5);
+        let y = v * self.courses as f64;
+        let course = (y.floor() as i64).rem_euclid(self.courses);
+        let x = u * self.bricks as f64 + 0.5 * (course % 2) as f64;
+        let brick = (x.floor() as i64).rem_euclid(self.bricks);
+        let length = self.courses as f64 / self.bricks as f64;
+        let inside = |f: f64| f.min(1.0 - f);
+        let edge = (inside(x - x.floor()) * length).min(inside(y - y.floor()));
+        ((brick, course), edge - 0.05 + waver)
+    }
+
+    /// Height, 0..1.
+    pub(super) fn height(&self, u: f64, v: f64) -> f64 {
+        let ((i, j), edge) = self.locate(u, v);
+        let face = 0.7 + 0.15 * scatter(i, j, self.seed) + 0.15 * noise(u, v, 32, self.seed + 1);
+        let mortar = 0.15 + 0.12 * noise(u, v, 64, self.seed + 2);
+        mortar + (face - mortar) * smoothstep(-0.01, 0.09, edge)
+    }
+
+    /// Share of stone (1) against mortar (0), and the stone's own shade, 0..1.
+    pub(super) fn stone(&self, u: f64, v: f64) -> (f64, f64) {
+        let ((i, j), edge) = self.locate(u, v);
+        let shade = 0.65 * scatter(i, j, self.seed + 3) + 0.35 * noise(u, v, 24, self.seed + 4);
+        (smoothstep(-0.01, 0.03, edge), shade)
+    }
+}
+
+/// Height of a plain weave with this many threads per side (even), 0..1.
+pub(super) fn weave(u: f64, v: f64, threads: f64) -> f64 {
+    let p = DVec2::new(u, v) * threads;
+    let cell = p.floor();
+    let f = p - cell - 0.5;
+    let over = (cell.x + cell.y).rem_euclid(2.0) < 1.0;
+    let (across, along) = if over { (f.y, f.x) } else { (f.x, f.y) };
+    // A round thread that rises in the middle of its cell and dives under its neighbours.
+    let round = (1.0 - (across / 0.48) * (across / 0.48)).max(0.0).sqrt();
+    round * (1.0 - 1.6 * along * along)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns_repeat_without_seams() {
+        let wall = Masonry { bricks: 6, courses: 12, seed: 1 };
+        for k in 0..50 {
+            let t = f64::from(k) / 50.0;
+            for f in [|u, v| noise(u, v, 4, 7), |u, v| weave(u, v, 8.0)] as [fn(f64, f64) -> f64; 2] {
+                assert!((f(t, 0.0) - f(t, 1.0)).abs() < 1e-9 && (f(0.0, t) - f(1.0, t)).abs() < 1e-9);
+            }
+            assert!((wall.height(t, 0.0) - wall.height(t, 1.0)).abs() < 1e-9);
+            assert!((wall.height(0.0, t) - wall.height(1.0, t)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn heights_stay_between_zero_and_one() {
+        let wall = Masonry { bricks: 6, courses: 12, seed: 1 };
+        for i in 0..100 {
+            for j in 0..100 {
+                let (u, v) = (f64::from(i) / 100.0, f64::from(j) / 100.0);
+                for h in [wall.height(u, v), wall.stone(u, v).0, wall.stone(u, v).1, noise(u, v, 4, 1), weave(u, v, 6.0)] {
+                    assert!((0.0..=1.0).contains(&h), "{h}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! What demos are built with: curved surfaces, textures, materials.
+
+use crate::camera::Viewpoint;
+use crate::pyramid::{HeightMap, color_levels, height_levels, normal_levels};
+use crate::textures::{Content, TextureStore};
+use basrelief_signals::{Filter, Image, Material, Mesh, Object, Sampler, Texture, Wrap};
+use glam::{DMat4, DVec3};
+use std::sync::Arc;
+
+/// A demo without the user's wishes.
+pub(super) struct Stage {
+    pub objects: Vec<Arc<Object>>,
+    pub camera: Viewpoint,
+    /// Unit direction.
+    pub to_light: DVec3,
+    pub frames: u32,
+    /// Degrees over all frames.
+    pub light_orbit: f64,
+}
+
+/// A point of a surface.
+pub(super) struct Point {
+    pub position: DVec3,
+    pub normal: DVec3,
+    /// Direction of growing u.
+    pub tangent: DVec3,
+    pub uv: [f64; 2],
+}
+
+/// A surface over the unit square: s to the right, t down, as seen from its front; u must grow with s or be mapped
+/// without mirroring. A side may be collapsed to a point, as at the poles of a sphere.
+pub(super) struct Grid {
+    pub columns: u32,
+    pub rows: u32,
+    /// The first row of vertices is a point.
+    pub collapsed_top: bool,
+    /// The last row of vertices is a point.
+    pub collapsed_bottom: bool,
+}
+
+impl Grid {
+    /// No side collapsed.
+    pub(super) fn open(columns: u32, rows: u32) -> Self {
+        Self { columns, rows, collapsed_top: false, collapsed_bottom: false }
+    }
+
+    /// The mesh of a surface.
+    pub(super) fn mesh(&self, point: impl Fn(f64, f64) -> Point) -> Mesh {
+        let mut mesh = Mesh::default();
+        for j in 0..=self.rows {
+            for i in 0..=self.columns {
+                let p = point(f64::from(i) / f64::from(self.columns), f64::from(j) / f64::from(self.rows));
+                let t = p.tangent.as_vec3();
+                mesh.positions.push(p.position.as_vec3().to_array());
+                mesh.normals.push(p.normal.as_vec3().to_array());
+                mesh.tangents.push([t.x, t.y, t.z, 1.0]);
+                mesh.uv.push(p.uv.map(|c| c as f32));
+            }
+        }
+        mesh.uv_normal = mesh.uv.clone();
+        mesh.indices = self.indices();
+        mesh
+    }
+
+    fn indices(&self) -> Vec<u32> {
+        let mut indices = Vec::new();
+        for j in 0..self.rows {
+            for i in 0..self.columns {
+                let a = j * (self.columns + 1) + i;
+                let (b, c, d) = (a + self.columns + 1, a + self.columns + 2, a + 1);
+                if !(self.collapsed_top && j == 0) {
+                    indices.extend([a, b, d]);
+                }
+                if !(self.collapsed_bottom && j + 1 == self.rows) {
+                    indices.extend([d, b, c]);
+                }
+            }
+        }
+        indices
+    }
+}
+
+/// A unit sphere; its poles lie on the y axis, u runs east from -z, v from the north pole to the south pole.
+pub(super) fn sphere(columns: u32, rows: u32, tiles: [f64; 2]) -> Mesh {
+    let grid = Grid { columns, rows, collapsed_top: true, collapsed_bottom: true };
+    grid.mesh(|s, t| {
+        // A pole is many vertices; each serves the triangle to the left of its column, so it looks half a column west.
+        let pole = t == 0.0 || t == 1.0;
+        let shift = if t == 0.0 { -0.5 } else { 0.5 } / f64::from(columns);
+        let s = if pole { s + shift } else { s };
+        let position = direction(s, t);
+        let east = direction(s + 0.25, 0.5);
+        Point { position, normal: position, tangent: east, uv: [s * tiles[0], t * tiles[1]] }
+    })
+}
+
+/// Direction of a point of a picture of the whole sphere, u and v in 0..=1.
+pub(super) fn direction(u: f64, v: f64) -> DVec3 {
+    let (longitude, polar) = (u * 2.0 * PI, v * PI);
+    // The exact poles would be missed by a rounding error.
+    let ring = if v == 0.0 || v == 1.0 { 0.0 } else { libm::sin(polar) };
+    DVec3::new(-ring * libm::sin(longitude), libm::cos(polar), -ring * libm::cos(longitude))
+}
+
+pub(super) const PI: f64 = std::f64::consts::PI;
+
+/// Makes textures and objects, numbering them.
+#[derive(Default)]
+pub(super) struct Workshop {
+    store: TextureStore,
+    materials: u32,
+    objects: Vec<Arc<Object>>,
+}
+
+impl Workshop {
+    /// A repeating normal map from heights over the unit square, `height` texels high.
+    pub(super) fn heights(&mut self, name: &str, size: u32, height: f64, at: impl Fn(f64, f64) -> f64) -> Arc<Texture> {
+        let heights = texel_centres(size, size).map(|[u, v]| at(u, v)).collect();
+        let wrap = [Wrap::Repeat; 2];
+        let levels = height_levels(HeightMap { width: size, height: size, heights }, height, wrap);
+        self.store.add(name, sampler(wrap), Content::Heights(height), levels)
+    }
+
+    /// A normal map from unit tangent-space normals, repeating in u only.
+    pub(super) fn normals(&mut self, name: &str, size: [u32; 2], at: impl Fn(f64, f64) -> DVec3) -> Arc<Texture> {
+        let texels = texel_centres(size[0], size[1]).map(|[u, v]| crate::pyramid::encode_normal(at(u, v).to_array()));
+        let levels = normal_levels(Image { width: size[0], height: size[1], texels: texels.collect() });
+        self.store.add(name, sampler([Wrap::Repeat, Wrap::Clamp]), Content::Normals, levels)
+    }
+
+    /// A repeating colour texture; components 0..=1.
+    pub(super) fn colors(&mut self, name: &str, size: [u32; 2], at: impl Fn(f64, f64) -> DVec3) -> Arc<Texture> {
+        let texel = |c: DVec3| {
+            let [r, g, b] = (c.clamp(DVec3::ZERO, DVec3::ONE) * 255.0).round().to_array().map(|c| c as u8);
+            [r, g, b, 255]
+        };
+        let texels = texel_centres(size[0], size[1]).map(|[u, v]| texel(at(u, v))).collect();
+        let levels = color_levels(Image { width: size[0], height: size[1], texels });
+        self.store.add(name, sampler([Wrap::Repeat; 2]), Content::Color, levels)
+    }
+
+    /// A material of this colour and these textures.
+    pub(super) fn material(
+        &mut self,
+        name: &str,
+        color: [f32; 3],
+        color_texture: Option<Arc<Texture>>,
+        normal_map: Option<Arc<Texture>>,
+    ) -> Arc<Material> {
+        let id = self.materials;
+        self.materials += 1;
+        let base_color = [color[0], color[1], color[2], 1.0];
+        Arc::new(Material { id, name: name.into(), base_color, color_texture, normal_map, ..Material::default() })
+    }
+
+    /// Places a mesh in the world, leaving it to the machine how it is drawn.
+    pub(super) fn place(&mut self, name: &str, mesh: Mesh, world: DMat4, material: &Arc<Material>) {
+        self.place_as(name, mesh, world, material, None, None);
+    }
+
+    /// Places a mesh whose number of reference normals, or whose bump mapping, was decided when it was modelled.
+    pub(super) fn place_as(
+        &mut self,
+        name: &str,
+        mut mesh: Mesh,
+        world: DMat4,
+        material: &Arc<Material>,
+        entries: Option<u32>,
+        bump: Option<bool>,
+    ) {
+        if material.color_texture.is_none() {
+            mesh.uv.clear();
+        }
+        if material.normal_map.is_none() {
+            mesh.uv_normal.clear();
+            mesh.tangents.clear();
+        }
+        self.objects.push(Arc::new(Object {
+            id: self.objects.len() as u32,
+            name: name.into(),
+            mesh: Arc::new(mesh),
+            world: crate::camera::rows(world),
+            material: material.clone(),
+            entries,
+            bump,
+        }));
+    }
+
+    /// The finished stage, one frame, under a light from this direction.
+    pub(super) fn stage(self, camera: Viewpoint, to_light: [f64; 3]) -> Stage {
+        let to_light = DVec3::from_array(to_light).normalize_or(DVec3::Y);
+        Stage { objects: self.objects, camera, to_light, frames: 1, light_orbit: 0.0 }
+    }
+}
+
+fn sampler(wrap: [Wrap; 2]) -> Sampler {
+    Sampler { wrap, filter: Filter::Bilinear }
+}
+
+fn texel_centres(width: u32, height: u32) -> impl Iterator<Item = [f64; 2]> {
+    let centre = |i: u32, size: u32| (f64::from(i) + 0.5) / f64::from(size);
+    (0..height).flat_map(move |y| (0..width).map(move |x| [centre(x, width), centre(y, height)]))
+}
