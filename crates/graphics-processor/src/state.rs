@@ -8,12 +8,12 @@ use std::sync::Arc;
 /// Which input the next step takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// No fragments can come: the next control token from both inputs at once.
+    /// No fragments can come: the next control token, from input 0.
     #[default]
     Control,
     /// Fragments of a polygon, or the control token that ends them, from this input.
     Fragments(usize),
-    /// The twin, from this input, of the control token that ended the fragments.
+    /// The twin, from this input, of a control token.
     Twin(usize),
 }
 

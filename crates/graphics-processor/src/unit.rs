@@ -20,8 +20,8 @@ const RESULTS: u32 = 1;
 /// Colour = texture * base colour * vertex colour * brightness + highlight, 8 bits each, saturating; without a texture
 /// the brightness itself times the colours. Other polygons carry their brightness at the vertices.
 ///
-/// The order is that of the control tokens, of which each input carries a twin: behind a polygon's token, fragments come
-/// from the input that its bump flag names, up to the next control token there.
+/// The order is that of the control tokens on input 0. Fragments of bump targets follow there; those of a polygon that is
+/// no bump target come on input 1, between a twin of the polygon's token and a twin of the token that ends it.
 #[derive(Clone, Debug, Default)]
 pub struct GraphicsProcessor {
     /// Parameters.
@@ -38,21 +38,39 @@ impl GraphicsProcessor {
         Self { config, separate, state: GraphicsState::default() }
     }
 
-    /// Takes a control token from one input: the first of a pair, or the one that was awaited from `other`'s twin.
-    fn pair(&mut self, control: Control, other: usize, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
+    /// A control token on the way through (106), which carries the order. Polygons that are no bump target, and what ends
+    /// them, have a twin on the other way.
+    fn control(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
         if let Some(twin) = self.state.pending.take() {
-            return self.accept(control, &twin, traffic);
+            return self.accept_twin(control, &twin, traffic);
+        }
+        if is_plain(&control) {
+            self.state.pending = Some(control);
+            self.state.phase = Phase::Twin(1);
+            return None;
+        }
+        self.accept(control)
+    }
+
+    /// A control token on the straight way.
+    fn straight(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
+        if let Some(twin) = self.state.pending.take() {
+            return self.accept_twin(control, &twin, traffic);
         }
         self.state.pending = Some(control);
-        self.state.phase = Phase::Twin(other);
+        self.state.phase = Phase::Twin(0);
         None
     }
 
-    /// The two tokens are twins: the control takes effect, or waits for the end of the list.
-    fn accept(&mut self, control: Control, twin: &Control, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
+    fn accept_twin(&mut self, control: Control, twin: &Control, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
         if !twins(&control, twin) {
             traffic.fault("graphics processor: its two inputs carry different control tokens; report this as a defect".into());
         }
+        self.accept(control)
+    }
+
+    /// The control takes effect, or waits for the end of the list.
+    fn accept(&mut self, control: Control) -> Option<Flow<Pixel>> {
         self.state.phase = match &control {
             Control::Polygon(polygon) => Phase::Fragments(usize::from(!polygon.bump)),
             _ => Phase::Control,
@@ -189,6 +207,10 @@ fn nearest_level(polygon: &Polygon, texture: &Texture) -> usize {
     usize::from(select_levels(lod, 1, texture.levels.len()).level[0])
 }
 
+fn is_plain(control: &Control) -> bool {
+    matches!(control, Control::Polygon(polygon) if !polygon.bump)
+}
+
 /// Whether two control tokens are the same. Twins share what they point to, so that the deep comparison is for restored
 /// checkpoints only.
 fn twins(a: &Control, b: &Control) -> bool {
@@ -210,7 +232,7 @@ impl Unit for GraphicsProcessor {
             return Demand::Nothing;
         }
         match self.state.phase {
-            Phase::Control => Demand::All,
+            Phase::Control => Demand::Only(0),
             Phase::Fragments(input) | Phase::Twin(input) => Demand::Only(input),
         }
     }
@@ -221,9 +243,8 @@ impl Unit for GraphicsProcessor {
         let (out, occupancy) = match input {
             (Some(Flow::Item(shaded)), None) => self.result(Held::Bump(shaded), traffic),
             (None, Some(Flow::Item(fragment))) => self.result(Held::Plain(fragment), traffic),
-            (Some(Flow::Control(control)), None) => (self.pair(control, 1, traffic), 1),
-            (None, Some(Flow::Control(control))) => (self.pair(control, 0, traffic), 1),
-            (Some(Flow::Control(control)), Some(Flow::Control(twin))) => (self.accept(control, &twin, traffic), 1),
+            (Some(Flow::Control(control)), None) => (self.control(control, traffic), 1),
+            (None, Some(Flow::Control(control))) => (self.straight(control, traffic), 1),
             (None, None) => (self.draw_held(traffic), blend),
             (Some(_), Some(_)) => (misplaced(traffic), 1),
         };

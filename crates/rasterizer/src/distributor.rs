@@ -7,13 +7,17 @@ use serde::{Deserialize, Serialize};
 /// Everything the distributor remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DistributorState {
-    /// The polygon that is passing is a bump target.
-    pub bump: bool,
+    /// The polygon that is passing is no bump target.
+    pub plain: bool,
 }
 
 /// Sends fragments of bump targets to output 0 (the bump-mapping processor (106)), others to output 1 (the graphics
-/// processor (104)). Control goes to both: each twin marks the same place in the order, by which the graphics processor
-/// merges them again.
+/// processor (104)).
+///
+/// All control goes to output 0, which so carries the order. Output 1 gets twins of two control tokens per polygon that is
+/// no bump target: its own, and the one that ends it. By these the graphics processor merges the ways again, and the way
+/// past (106) stays empty while bump targets are gathered there, however many. (Twins of all control tokens were tried on
+/// paper: a code book per object would then deadlock on objects of more polygons than FIFO `plain_fragments` has slots.)
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Distributor {
     /// Everything it remembers.
@@ -33,13 +37,13 @@ impl Unit for Distributor {
     fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
         let out = match input {
             Some(Flow::Control(control)) => {
-                if let Control::Polygon(polygon) = &control {
-                    self.state.bump = polygon.bump;
-                }
-                (Some(Flow::Control(control.clone())), Some(Flow::Control(control)))
+                let ends_plain = self.state.plain;
+                self.state.plain = matches!(&control, Control::Polygon(polygon) if !polygon.bump);
+                let twin = (ends_plain || self.state.plain).then(|| Flow::Control(control.clone()));
+                (Some(Flow::Control(control)), twin)
             }
-            Some(item) if self.state.bump => (Some(item), None),
-            other => (None, other),
+            Some(item) if self.state.plain => (None, Some(item)),
+            other => (other, None),
         };
         Step::after(0, out)
     }
@@ -58,15 +62,18 @@ mod tests {
     }
 
     #[test]
-    fn control_goes_both_ways_fragments_one() {
+    fn control_carries_the_order_on_the_first_way_and_brackets_plain_polygons_on_the_second() {
         let mut unit = Distributor::default();
         let mut step = |token: &Flow<Fragment>| unit.step(Some(token.clone()), &mut Traffic::default()).out;
         let fragment = Flow::Item(Fragment { x: 3, ..Fragment::default() });
-        for bump in [true, false, true] {
+        let mut plain_before = false;
+        for bump in [true, false, false, true, true] {
             let control = polygon(bump);
-            assert_eq!(step(&control), (Some(control.clone()), Some(control)));
+            let twin = (plain_before || !bump).then(|| control.clone());
+            assert_eq!(step(&control), (Some(control.clone()), twin));
             let expected = if bump { (Some(fragment.clone()), None) } else { (None, Some(fragment.clone())) };
             assert_eq!(step(&fragment), expected);
+            plain_before = !bump;
         }
     }
 }

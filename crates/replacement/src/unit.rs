@@ -26,6 +26,9 @@ pub struct Replacement {
     tables: HostTables,
     /// Search structures of the current code book; they follow from the state.
     book: Option<Vec<NearestSearch>>,
+    /// Number and levels of the samples of a fragment that found all tables resident: using them again in the same order
+    /// leaves their order of use as it is, so the next fragment of the kind need not look.
+    settled: Option<(u8, [u8; MAX_SAMPLES])>,
 }
 
 type Out = Step<Option<Flow<Indexes>>>;
@@ -38,7 +41,14 @@ impl Replacement {
     pub fn new(config: ReplacementConfig, normal_bits: u32) -> Result<Self, TableError> {
         let set = config.table_set();
         set.check()?;
-        Ok(Self { config, normal_bits, state: ReplacementState::default(), tables: HostTables::new(set), book: None })
+        Ok(Self {
+            config,
+            normal_bits,
+            state: ReplacementState::default(),
+            tables: HostTables::new(set),
+            book: None,
+            settled: None,
+        })
     }
 
     /// State; for checkpoints.
@@ -50,6 +60,7 @@ impl Replacement {
     pub fn set_state(&mut self, state: ReplacementState) {
         self.state = state;
         self.book = None;
+        self.settled = None;
     }
 
     /// What was counted.
@@ -89,7 +100,8 @@ impl Replacement {
             return self.pass(control);
         }
         let ends = match control {
-            Control::Polygon(_) => self.config.codebook == CodeBookMode::PerPolygon,
+            // A polygon that is no bump target waits beside this unit for what is ahead of it: a batch never spans one.
+            Control::Polygon(ref polygon) => !polygon.bump || self.config.codebook == CodeBookMode::PerPolygon,
             Control::Frame(_) | Control::Object(_) | Control::FrameEnd => true,
             Control::CodeBook(_) => false,
         };
@@ -107,6 +119,7 @@ impl Replacement {
             Control::Object(object) => {
                 self.state.object = Some(Arc::clone(object));
                 self.state.polygons = 0;
+                self.settled = None;
             }
             Control::Polygon(_) => self.state.polygons += 1,
             _ => {}
@@ -131,6 +144,9 @@ impl Replacement {
     /// Marks the tables of a fragment as used, and queues those that are not resident.
     #[inline]
     fn request_tables(&mut self, normals: &PseudoNormals) {
+        if self.settled == Some((normals.count, normals.level)) {
+            return;
+        }
         let object = self.fixed_by_object();
         for &level in normals.level.iter().take(usize::from(normals.count)) {
             let level = self.table_level(level);
@@ -140,6 +156,7 @@ impl Replacement {
                 None => self.admit(key),
             }
         }
+        self.settled = self.state.loads.is_empty().then_some((normals.count, normals.level));
     }
 
     fn admit(&mut self, key: TableKey) {
