@@ -1,2 +1,33 @@
-//! The command line.
-fn main() {}
+//! The command line: a thin layer that parses options, opens files and decides exit codes.
+//!
+//! 0 success, 1 bad input or a failed check, 2 wrong usage, 130 interrupted.
+
+mod args;
+mod commands;
+mod error;
+mod input;
+mod interrupt;
+mod outputs;
+mod progress;
+
+use clap::Parser;
+use error::Failure;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = args::Cli::parse();
+    interrupt::listen();
+    match commands::dispatch(cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            let interrupted = interrupt::asked();
+            match &failure {
+                _ if interrupted => eprintln!("interrupted; nothing was written"),
+                // A reader that closed our standard output early has seen what it wanted.
+                Failure::BrokenPipe => {}
+                other => eprintln!("error: {other}"),
+            }
+            ExitCode::from(if interrupted { 130 } else { failure.exit_code() })
+        }
+    }
+}

@@ -69,7 +69,7 @@ pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, probe: &mut P, limits: 
         if !walk.moved && !machine.memories().serve_safe() {
             break;
         }
-        if round.is_multiple_of(256) && !(limits.progress)(machine) {
+        if round.is_multiple_of(16) && !(limits.progress)(machine) {
             return Halt::Stopped;
         }
     }

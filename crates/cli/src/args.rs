@@ -1,0 +1,282 @@
+//! The command line. Every option says its unit of measure and its default; what is said here is what `--help` shows.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Cycle-level simulator of patented shading devices: what does this pipeline cost, why, and what picture do I get?
+#[derive(Debug, Parser)]
+#[command(name = "basrelief", version, max_term_width = 110, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Print errors only.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Draw an embedded scene and write picture, exact picture and report.
+    Demo(DemoArgs),
+    /// Draw a model (glTF 2.0, GLB, OBJ) or replay a recorded display list.
+    Run(RunArgs),
+    /// Record what the geometry processor hands on as a display list.
+    Record(RecordArgs),
+    /// Turn a display list from one form into another (JSON Lines or binary, plain or zstd), without loss.
+    Convert(ConvertArgs),
+    /// Replay traces and check the expectations they carry.
+    Verify(VerifyArgs),
+    /// Show a machine: block diagram, units, parameters with unit, default and provenance.
+    Describe(DescribeArgs),
+    /// List what changed between two reports, largest first.
+    Compare(CompareArgs),
+    /// Print a JSON schema.
+    Schema(SchemaArgs),
+}
+
+/// The machines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum MachineName {
+    /// Sony's quantized bump-mapping processor.
+    #[default]
+    Bump,
+}
+
+/// The engines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum EngineName {
+    /// Time-stamped dataflow: fast.
+    #[default]
+    Timed,
+    /// Every unit in every cycle: slow, the oracle. The report is the same.
+    Ticked,
+}
+
+/// Which machine, and how it is set up.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Machine")]
+pub struct MachineArgs {
+    /// The machine.
+    #[arg(long, value_enum, default_value_t)]
+    pub machine: MachineName,
+    /// Parameters from a TOML file.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// One parameter, over those of the file; repeatable. `basrelief describe` lists all.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub settings: Vec<(String, String)>,
+}
+
+/// How to look at a scene.
+#[derive(Clone, Debug, Default, PartialEq, Args)]
+#[command(next_help_heading = "View (scenes only: a display list carries its own)")]
+pub struct ViewArgs {
+    /// Size of the picture [pixels; default 640x480].
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// View from a file: view_projection (row-major, clip = M [x y z 1]^T), to_light, to_viewer.
+    #[arg(long, value_name = "FILE")]
+    pub camera: Option<PathBuf>,
+    /// Number of pictures.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub frames: Option<u32>,
+    /// Turn the camera about the model by this much over all frames [degrees].
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
+    pub orbit: Option<f64>,
+    /// Direction to the light, in world space, instead of the scene's lights.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = direction)]
+    pub light: Option<[f64; 3]>,
+    /// Turn the light about the vertical axis by this much over all frames [degrees].
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
+    pub light_orbit: Option<f64>,
+}
+
+/// How to simulate, and what to write.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Simulation")]
+pub struct SimulationArgs {
+    /// The engine.
+    #[arg(long, value_enum, default_value_t)]
+    pub engine: EngineName,
+    /// No time: the same steps with memories that answer at once; the same picture, no cycles.
+    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline"])]
+    pub functional: bool,
+    /// Stop after this many cycles, with exit code 1 and the state so far.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_cycles: Option<u64>,
+    /// Folder for pictures and report; created where absent.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+    /// Print the report to standard output, and nothing else.
+    #[arg(long)]
+    pub json: bool,
+    /// Write the tables as report.csv too.
+    #[arg(long)]
+    pub csv: bool,
+    /// Write what every unit did when, as a Perfetto trace (open at ui.perfetto.dev).
+    #[arg(long, value_name = "FILE")]
+    pub timeline: Option<PathBuf>,
+}
+
+/// Arguments of `demo`.
+#[derive(Clone, Debug, Args)]
+pub struct DemoArgs {
+    /// Which scene; see the list below.
+    #[arg(default_value = DEFAULT_DEMO)]
+    pub name: String,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub simulation: SimulationArgs,
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// The scene of `basrelief demo`.
+pub const DEFAULT_DEMO: &str = "golf-ball";
+
+/// Arguments of `run`.
+#[derive(Clone, Debug, Args)]
+pub struct RunArgs {
+    /// A model or a display list; `-` reads a display list from standard input.
+    pub input: PathBuf,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub simulation: SimulationArgs,
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// Arguments of `record`.
+#[derive(Clone, Debug, Args)]
+pub struct RecordArgs {
+    /// A model, or `demo:NAME`.
+    pub input: PathBuf,
+    /// The display list to write: .jsonl or .bdl, with .zst compressed; `-` writes JSON Lines to standard output.
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Simulate it too, and store cycles, bytes and picture hashes in it as expectations.
+    #[arg(long)]
+    pub expect: bool,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// Arguments of `convert`.
+#[derive(Clone, Debug, Args)]
+pub struct ConvertArgs {
+    /// The display list to read, in any form; `-` is standard input.
+    pub input: PathBuf,
+    /// The display list to write: .jsonl or .bdl, with .zst compressed; `-` writes JSON Lines to standard output.
+    pub output: PathBuf,
+}
+
+/// Arguments of `verify`.
+#[derive(Clone, Debug, Args)]
+pub struct VerifyArgs {
+    /// Traces, or folders of them.
+    #[arg(required = true)]
+    pub paths: Vec<PathBuf>,
+    /// Write what the machine does now into the traces, instead of checking it. Review the difference.
+    #[arg(long)]
+    pub bless: bool,
+    /// Check with this engine; without it, with both.
+    #[arg(long, value_enum)]
+    pub engine: Option<EngineName>,
+}
+
+/// Arguments of `describe`.
+#[derive(Clone, Debug, Args)]
+pub struct DescribeArgs {
+    /// The machine.
+    #[arg(value_enum, default_value_t)]
+    pub machine: MachineName,
+    /// Print the table of parameters as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `compare`.
+#[derive(Clone, Debug, Args)]
+pub struct CompareArgs {
+    /// The report before: a report.json, or the folder that holds it.
+    pub a: PathBuf,
+    /// The report after.
+    pub b: PathBuf,
+    /// Exit with 1 if anything grew worse by more than this [percent].
+    #[arg(long, value_name = "PERCENT", value_parser = finite)]
+    pub fail_over: Option<f64>,
+    /// Print the comparison as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `schema`.
+#[derive(Clone, Debug, Args)]
+pub struct SchemaArgs {
+    /// Of what.
+    #[arg(value_enum)]
+    pub of: SchemaName,
+}
+
+/// What has a schema.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SchemaName {
+    /// One line of a display list.
+    Trace,
+    /// report.json.
+    Report,
+    /// The machine's parameters.
+    Config,
+    /// A `--camera` file.
+    Camera,
+}
+
+fn key_value(text: &str) -> Result<(String, String), String> {
+    let (key, value) = text.split_once('=').ok_or("expected KEY=VALUE, such as replacement.entries=64")?;
+    Ok((key.trim().into(), value.trim().into()))
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let expected = "expected WIDTHxHEIGHT, each 1..=16384, such as 640x480";
+    let (width, height) = text.split_once(['x', 'X']).ok_or(expected)?;
+    let side = |s: &str| s.trim().parse::<u32>().ok().filter(|n| (1..=16384).contains(n)).ok_or(expected);
+    Ok([side(width)?, side(height)?])
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| "expected a finite number".into())
+}
+
+fn direction(text: &str) -> Result<[f64; 3], String> {
+    let expected = "expected X,Y,Z, not all zero, such as 0.4,0.8,0.45";
+    let parts: Vec<f64> = text.split(',').map(|p| finite(p.trim())).collect::<Result<_, _>>().map_err(|_| expected)?;
+    let vector: [f64; 3] = parts.try_into().map_err(|_| expected)?;
+    if vector.iter().all(|c| *c == 0.0) { Err(expected.into()) } else { Ok(vector) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn values_are_checked_where_they_are_given() {
+        assert_eq!(size("640x480"), Ok([640, 480]));
+        assert!(size("0x480").is_err() && size("640").is_err() && size("99999x2").is_err());
+        assert_eq!(direction("1, -2,3.5"), Ok([1.0, -2.0, 3.5]));
+        assert!(direction("0,0,0").is_err() && direction("1,2").is_err() && direction("1,NaN,2").is_err());
+        assert_eq!(key_value("a.b=[1, 2]"), Ok(("a.b".into(), "[1, 2]".into())));
+        assert!(key_value("a.b").is_err());
+    }
+}

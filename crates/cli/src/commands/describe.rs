@@ -1,0 +1,48 @@
+//! `basrelief describe`: block diagram, units, parameters with unit, default and provenance.
+
+use crate::args::DescribeArgs;
+use crate::error::{Done, print};
+use basrelief_machines::bump::{BumpProcessorConfig, DIAGRAM, UNITS};
+use basrelief_parameters::{Parameter, Parameters};
+use basrelief_scene::demo::DEMOS;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// Prints what the machine is.
+pub fn describe(args: &DescribeArgs) -> Done {
+    let table = BumpProcessorConfig::table();
+    if args.json {
+        let list: Vec<Value> = table.iter().map(as_json).collect();
+        return print(&format!("{:#}\n", Value::Array(list)));
+    }
+    let mut text = format!("bump - Sony's quantized bump-mapping processor\n\n{DIAGRAM}\nUnits\n");
+    for u in UNITS {
+        let numeral = if u.numeral.is_empty() { String::new() } else { format!("({})", u.numeral) };
+        let _ = writeln!(text, "  {:<15} {numeral:<6} {}\n{:26}{}", u.name, u.role, "", u.code);
+    }
+    text.push_str("\nParameters (--set KEY=VALUE, or TOML by --config)\n");
+    table.iter().for_each(|p| entry(&mut text, p));
+    text.push_str("\nDemo scenes\n");
+    for d in DEMOS {
+        let _ = writeln!(text, "  {:<10} {}", d.name, d.about);
+    }
+    print(&text)
+}
+
+fn as_json(p: &Parameter) -> Value {
+    json!({
+        "key": p.key, "default": p.default, "unit": p.unit, "range": p.range, "about": p.doc,
+        "provenance": {"kind": p.provenance.kind(), "text": p.provenance.text()},
+    })
+}
+
+fn entry(text: &mut String, p: &Parameter) {
+    let default = match &p.default {
+        Value::String(s) => s.clone(),
+        other => other.to_string(),
+    };
+    let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
+    let range = if p.range.is_empty() { String::new() } else { format!("   [{}]", p.range) };
+    let _ = writeln!(text, "\n  {} = {default}{unit}{range}", p.key);
+    let _ = writeln!(text, "      {}\n      {}: {}", p.doc, p.provenance.kind(), p.provenance.text());
+}

@@ -1,0 +1,139 @@
+//! Opening what a command works on: models, demos, display lists, configurations.
+
+use crate::args::{MachineArgs, ViewArgs};
+use crate::error::{Done, Failure};
+use crate::interrupt::Interruptible;
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_parameters::ConfigError;
+use basrelief_scene::{ViewOptions, demo, load_path, read_camera};
+use basrelief_signals::Scene;
+use std::cell::Cell;
+use std::fs::{self, File};
+use std::io::{self, BufReader, Read};
+use std::path::{Component, Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// What is simulated.
+pub enum Input {
+    /// Goes through the geometry processor.
+    Scene(Arc<Scene>),
+    /// What a geometry processor handed on.
+    Trace(TraceFile),
+}
+
+/// An open display list.
+pub struct TraceFile {
+    /// Its bytes.
+    pub reader: Box<dyn Read>,
+    /// Its size, where it is a file.
+    pub bytes: Option<u64>,
+    /// Bytes read so far.
+    pub read: Rc<Cell<u64>>,
+    /// As the user named it.
+    pub name: String,
+    /// Where files that it refers to lie.
+    pub folder: PathBuf,
+}
+
+/// Counts what passes.
+struct Counting<R>(R, Rc<Cell<u64>>);
+
+impl<R: Read> Read for Counting<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let n = self.0.read(buffer)?;
+        self.1.set(self.1.get() + n as u64);
+        Ok(n)
+    }
+}
+
+impl TraceFile {
+    /// Opens a display list; `-` is standard input.
+    pub fn open(path: &Path) -> Done<Self> {
+        let read = Rc::new(Cell::new(0));
+        if path == Path::new("-") {
+            let reader = Box::new(Counting(Interruptible(io::stdin()), Rc::clone(&read)));
+            return Ok(Self { reader, bytes: None, read, name: "standard input".into(), folder: PathBuf::new() });
+        }
+        let file = File::open(path).map_err(Failure::file(path, "be read"))?;
+        let bytes = file.metadata().ok().filter(fs::Metadata::is_file).map(|m| m.len());
+        let reader = Box::new(Counting(Interruptible(BufReader::new(file)), Rc::clone(&read)));
+        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        Ok(Self { reader, bytes, read, name: path.display().to_string(), folder })
+    }
+}
+
+/// Opens files beside a trace; names with `..` or an absolute path are refused.
+pub fn beside(folder: &Path) -> impl FnMut(&str) -> io::Result<Box<dyn Read>> + 'static {
+    let folder = folder.to_path_buf();
+    move |name| {
+        let plain = Path::new(name).components().all(|c| matches!(c, Component::Normal(_)));
+        if !plain {
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "expected a relative name without `..`"));
+        }
+        Ok(Box::new(BufReader::new(File::open(folder.join(name))?)))
+    }
+}
+
+/// Opens a model, a demo (`demo:NAME`) or a display list.
+pub fn open(path: &Path, view: &ViewArgs) -> Done<Input> {
+    let text = path.to_string_lossy();
+    if let Some(name) = text.strip_prefix("demo:") {
+        return demo_scene(name, view).map(Input::Scene);
+    }
+    if path == Path::new("-") || is_trace(path)? {
+        if *view != ViewArgs::default() {
+            return Err(Failure::Usage("a display list carries its own view: --size, --camera, --frames, --orbit, --light and --light-orbit are for scenes".into()));
+        }
+        return TraceFile::open(path).map(Input::Trace);
+    }
+    let scene = load_path(path, &view_options(view)?).map_err(Failure::bad)?;
+    Ok(Input::Scene(Arc::new(scene)))
+}
+
+/// An embedded scene.
+pub fn demo_scene(name: &str, view: &ViewArgs) -> Done<Arc<Scene>> {
+    demo::demo(name, &view_options(view)?).map(Arc::new).map_err(|e| Failure::Usage(e.to_string()))
+}
+
+/// Whether a file is a display list: by its first bytes, not by its name.
+fn is_trace(path: &Path) -> Done<bool> {
+    let mut start = Vec::new();
+    let file = File::open(path).map_err(Failure::file(path, "be read"))?;
+    file.take(64).read_to_end(&mut start).map_err(Failure::file(path, "be read"))?;
+    Ok(basrelief_display_list::looks_like_trace(&start))
+}
+
+/// The view as the importer takes it.
+pub fn view_options(view: &ViewArgs) -> Done<ViewOptions> {
+    let camera = match &view.camera {
+        None => None,
+        Some(path) => {
+            let text = fs::read_to_string(path).map_err(Failure::file(path, "be read"))?;
+            Some(read_camera(&text, &path.display().to_string()).map_err(Failure::bad)?)
+        }
+    };
+    let default = ViewOptions::default();
+    Ok(ViewOptions {
+        size: view.size.unwrap_or(default.size),
+        camera,
+        frames: view.frames.unwrap_or(default.frames),
+        orbit_degrees: view.orbit.unwrap_or(default.orbit_degrees),
+        light: view.light,
+        light_orbit_degrees: view.light_orbit.unwrap_or(default.light_orbit_degrees),
+    })
+}
+
+/// The machine's parameters: defaults, then the file, then single settings.
+pub fn config(args: &MachineArgs) -> Done<BumpProcessorConfig> {
+    let text = match &args.config {
+        None => String::new(),
+        Some(path) => fs::read_to_string(path).map_err(Failure::file(path, "be read"))?,
+    };
+    if let Some(path) = &args.config {
+        basrelief_parameters::load::<BumpProcessorConfig>(&text, &[])
+            .map_err(|e: ConfigError| Failure::Bad(format!("{}: {e}", path.display())))?;
+    }
+    let settings: Vec<(&str, &str)> = args.settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
+    basrelief_parameters::load(&text, &settings).map_err(|e| Failure::Usage(format!("--set: {e}")))
+}

@@ -1,0 +1,88 @@
+//! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
+
+use super::BumpProcessorConfig;
+use basrelief_kernel::FifoConfig;
+use basrelief_signals::MAX_SAMPLES;
+
+/// Parameters that do not fit together.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{key}`: {message}")]
+pub struct ConfigProblem {
+    /// The parameter to change.
+    pub key: String,
+    /// What is wrong, what was expected, what to do.
+    pub message: String,
+}
+
+fn problem(key: &str, message: String) -> Result<(), ConfigProblem> {
+    Err(ConfigProblem { key: key.into(), message })
+}
+
+/// There is no VQ table as configured.
+pub(super) fn no_table(e: basrelief_shading::TableError) -> ConfigProblem {
+    ConfigProblem { key: "replacement.entries".into(), message: e.to_string() }
+}
+
+/// Checks what spans parameters.
+pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
+    let samples = c.normal_mapping.samples(c.brightness.levels) as usize;
+    if samples > MAX_SAMPLES {
+        return problem(
+            "normal_mapping.filter_at",
+            format!("{samples} pseudo-normals per fragment, a token holds {MAX_SAMPLES}; set brightness.levels to 2 or less, or normal_mapping.filter_at = normal"),
+        );
+    }
+    c.replacement.table_set().check().map_err(no_table)?;
+    for (name, line_bytes) in [
+        ("normal_map", c.cache.normal_map.line_bytes),
+        ("clut", c.cache.clut.line_bytes),
+        ("color_texture", c.cache.color_texture.line_bytes),
+        ("depth", c.cache.depth.line_bytes),
+    ] {
+        if !line_bytes.is_power_of_two() {
+            return problem(&format!("cache.{name}.line_bytes"), format!("is {line_bytes}, expected a power of two"));
+        }
+    }
+    Ok(())
+}
+
+/// A FIFO, the latency of the unit that fills it \[cycles\], and the least cycles between two of that unit's tokens.
+struct Feed<'a> {
+    name: &'a str,
+    fifo: &'a FifoConfig,
+    latency: u32,
+    occupancy: u32,
+}
+
+/// FIFOs that cannot hold full rate (law 2): one sentence each, with the rate that they allow. Memory latency comes on
+/// top and is not looked at here.
+pub fn warnings(c: &BumpProcessorConfig) -> Vec<String> {
+    let f = &c.fifo;
+    let feed = |name, fifo, latency| Feed { name, fifo, latency, occupancy: 1 };
+    let search = c.replacement.search_cycles(c.replacement.entries.levels()[0]) as u32;
+    let feeds = [
+        Feed { occupancy: c.geometry.cycles_per_polygon.max(1), ..feed("polygons", &f.polygons, c.geometry.latency) },
+        feed("fragments", &f.fragments, c.rasterizer.latency),
+        feed("tested_fragments", &f.tested_fragments, c.depth.latency),
+        feed("pseudo_normals", &f.pseudo_normals, c.normal_mapping.latency),
+        Feed {
+            occupancy: if c.replacement.pipelined { 1 } else { search },
+            ..feed("indexes", &f.indexes, c.replacement.latency + search)
+        },
+        feed("shaded", &f.shaded, c.brightness.latency),
+        Feed { occupancy: c.graphics.blend_cycles, ..feed("pixels", &f.pixels, c.graphics.latency) },
+        feed("tested_pixels", &f.tested_pixels, c.depth.latency),
+    ];
+    feeds.iter().filter_map(slow).collect()
+}
+
+fn slow(feed: &Feed<'_>) -> Option<String> {
+    let held = u64::from(feed.latency) + u64::from(feed.fifo.latency) + 1;
+    let (needed, depth) = (held.div_ceil(u64::from(feed.occupancy.max(1))), u64::from(feed.fifo.depth));
+    (depth < needed).then(|| {
+        format!(
+            "fifo.{}.depth = {depth} allows {depth} tokens in {held} cycles (unit latency {} + FIFO latency {} + 1); full rate needs {needed}",
+            feed.name, feed.latency, feed.fifo.latency
+        )
+    })
+}

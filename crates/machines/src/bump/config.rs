@@ -1,0 +1,141 @@
+//! All parameters of the bump-mapping processor, in the order of its block diagram.
+
+use basrelief_brightness::BrightnessConfig;
+use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
+use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
+use basrelief_graphics_processor::{DepthConfig, GraphicsConfig};
+use basrelief_kernel::{CacheConfig, FifoConfig, MemoryConfig};
+use basrelief_normal_mapping::NormalMappingConfig;
+use basrelief_parameters::{parameter_groups, parameters};
+use basrelief_rasterizer::RasterizerConfig;
+use basrelief_replacement::ReplacementConfig;
+use serde::{Deserialize, Serialize};
+
+/// A FIFO of `depth` slots.
+fn slots(depth: u32) -> FifoConfig {
+    FifoConfig { depth, ..FifoConfig::default() }
+}
+
+parameters! {
+    /// The machine's clock; turns cycles into seconds in the report and changes no cycle.
+    pub struct ClockConfig {
+        /// Cycles per second.
+        hz: u64 = 200_000_000, unit: "Hz", Assumed("graphics hardware of the patent's time"), range: 1_u64..=100_000_000_000;
+    }
+}
+
+parameters! {
+    /// The exact picture: float64, no quantization.
+    pub struct ReferenceConfig {
+        /// Texture filter of the exact picture: nearest, bilinear (both on level 0) or trilinear.
+        filter: ReferenceFilter = ReferenceFilter::Trilinear, unit: "", Assumed("what two-level interpolation approximates");
+    }
+}
+
+/// Texture filter of the exact picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ReferenceFilter {
+    /// The texel of level 0 that holds the sample point.
+    Nearest,
+    /// Four texels of level 0, weighted.
+    Bilinear,
+    /// Four texels each of two levels, by the level of detail of the pixel.
+    #[default]
+    Trilinear,
+}
+
+parameter_groups! {
+    /// FIFOs of the bump-mapping processor, by name. Defaults hold full rate (law 2): latency of the producer + FIFO
+    /// latency + 1, and on the way out of a unit that waits for memory its loaded latency too.
+    pub struct FifoConfigs {
+        /// Host to geometry processor: triangles.
+        draws: FifoConfig = slots(16),
+        /// Geometry processor to rasterizer: the display list.
+        polygons: FifoConfig = slots(16),
+        /// Rasterizer to z-test or distributor: fragments.
+        fragments: FifoConfig = slots(32),
+        /// Z-test to distributor, with early z.
+        tested_fragments: FifoConfig = slots(64),
+        /// Distributor to normal-vector mapping unit: fragments of bump targets.
+        bump_fragments: FifoConfig = slots(16),
+        /// Distributor to graphics processor: other fragments.
+        plain_fragments: FifoConfig = slots(64),
+        /// Mapping unit to replacement unit: pseudo-normals N'.
+        pseudo_normals: FifoConfig = slots(64),
+        /// Replacement unit to brightness fetch unit: indexes.
+        indexes: FifoConfig = slots(32),
+        /// Brightness fetch unit to graphics processor: brightness.
+        shaded: FifoConfig = slots(64),
+        /// Graphics processor to frame buffer, or to the z-test without early z: pixels.
+        pixels: FifoConfig = slots(64),
+        /// Z-test to frame buffer, without early z.
+        tested_pixels: FifoConfig = slots(64),
+        /// Frame buffer to video output: finished frames.
+        finished_frames: FifoConfig = slots(2),
+    }
+}
+
+parameter_groups! {
+    /// The three memories.
+    pub struct MemoryConfigs {
+        /// Normal-map memory (116).
+        normal_map: MemoryConfig = MemoryConfig { outstanding: 16, ..MemoryConfig::default() },
+        /// Quantization-vector memory (120): VQ tables (121) and CLUTs (122).
+        quantization: MemoryConfig = MemoryConfig::default(),
+        /// Graphics-data memory (124), with the frame buffer (126).
+        graphics: MemoryConfig = MemoryConfig { outstanding: 16, ..MemoryConfig::default() },
+    }
+}
+
+parameter_groups! {
+    /// The caches in front of the memories.
+    pub struct CacheConfigs {
+        /// Normal-map texels, for the mapping unit (108).
+        normal_map: CacheConfig = CacheConfig::default(),
+        /// CLUT entries, for the brightness fetch unit (112).
+        clut: CacheConfig = CacheConfig { sets: 16, ways: 2, ..CacheConfig::default() },
+        /// Colour texels, for the graphics processor (104).
+        color_texture: CacheConfig = CacheConfig::default(),
+        /// Z values, for the z-test.
+        depth: CacheConfig = CacheConfig { sets: 32, lookups_per_cycle: 1, ..CacheConfig::default() },
+    }
+}
+
+parameter_groups! {
+    /// All parameters of the bump-mapping processor.
+    pub struct BumpProcessorConfig {
+        /// Clock.
+        clock: ClockConfig = ClockConfig::default(),
+        /// How a display list is fed.
+        display_list: DisplayListConfig = DisplayListConfig::default(),
+        /// Which polygons are bump targets.
+        bump: BumpConfig = BumpConfig::default(),
+        /// Geometry processor (102).
+        geometry: GeometryConfig = GeometryConfig::default(),
+        /// Rasterizer.
+        rasterizer: RasterizerConfig = RasterizerConfig::default(),
+        /// Z-test.
+        depth: DepthConfig = DepthConfig::default(),
+        /// Normal-vector mapping unit (108).
+        normal_mapping: NormalMappingConfig = NormalMappingConfig::default(),
+        /// Normal-vector replacement unit (110).
+        replacement: ReplacementConfig = ReplacementConfig::default(),
+        /// Brightness fetch unit (112).
+        brightness: BrightnessConfig = BrightnessConfig::default(),
+        /// Graphics processor (104).
+        graphics: GraphicsConfig = GraphicsConfig::default(),
+        /// Frame buffer (126).
+        frame_buffer: FrameBufferConfig = FrameBufferConfig::default(),
+        /// Video output.
+        video_out: VideoOutConfig = VideoOutConfig::default(),
+        /// FIFOs.
+        fifo: FifoConfigs = FifoConfigs::default(),
+        /// Memories.
+        memory: MemoryConfigs = MemoryConfigs::default(),
+        /// Caches.
+        cache: CacheConfigs = CacheConfigs::default(),
+        /// The exact picture that the machine's is compared with.
+        reference: ReferenceConfig = ReferenceConfig::default(),
+    }
+}

@@ -1,0 +1,80 @@
+//! What stands in front of the rasterizer: the host with the geometry processor (102), or a recorded display list.
+
+use super::BumpProcessorConfig;
+use crate::counts::Counts;
+use crate::fifo;
+use basrelief_geometry_processor::{DisplayListSource, GeometryProcessor, SceneSource};
+use basrelief_kernel::{Clients, Fifo, Stage, Visitor};
+use basrelief_signals::{Control, Draw};
+use std::fmt::Display;
+
+/// The way in: whatever ends in the FIFO `polygons`.
+pub trait FrontEnd {
+    /// Shows its stages to `v`.
+    fn wire<V: Visitor>(&mut self, v: &mut V, polygons: &mut Fifo<Control>);
+    /// What its units counted.
+    fn counts(&self, counts: &mut Counts);
+}
+
+/// Host and geometry processor (102): draws a scene.
+#[derive(Debug)]
+pub struct SceneFront<I: Iterator<Item = Draw>> {
+    host: Stage<SceneSource<I>>,
+    draws: Fifo<Draw>,
+    geometry: Stage<GeometryProcessor>,
+}
+
+impl<I: Iterator<Item = Draw>> SceneFront<I> {
+    /// A front end that draws `draws`.
+    pub fn new(draws: I, config: &BumpProcessorConfig) -> Self {
+        Self {
+            host: Stage::new("host", SceneSource::new(draws)),
+            draws: fifo("draws", &config.fifo.draws),
+            geometry: Stage::new("geometry", GeometryProcessor::new(config.geometry.clone(), config.bump.clone())),
+        }
+    }
+}
+
+impl<I: Iterator<Item = Draw>> FrontEnd for SceneFront<I> {
+    fn wire<V: Visitor>(&mut self, v: &mut V, polygons: &mut Fifo<Control>) {
+        v.stage(&mut self.host, (), &mut self.draws, Clients::none());
+        v.stage(&mut self.geometry, &mut self.draws, polygons, Clients::none());
+    }
+
+    fn counts(&self, counts: &mut Counts) {
+        let c = &self.geometry.unit.state.counters;
+        counts.add("triangles", c.triangles);
+        counts.add("triangles_outside", c.outside);
+        counts.add("triangles_culled", c.culled);
+        counts.add("triangles_degenerate", c.degenerate);
+        counts.add("polygons_clipped", c.clipped);
+        counts.add("polygons", c.polygons);
+        counts.add("bump_polygons", c.bump_polygons);
+        counts.add("vertices_transformed", c.vertices);
+        counts.add("vertex_cache_hits", c.vertex_cache_hits);
+    }
+}
+
+/// A recorded display list: what a geometry processor handed on.
+#[derive(Debug)]
+pub struct TraceFront<I> {
+    display_list: Stage<DisplayListSource<I>>,
+}
+
+impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> TraceFront<I> {
+    /// A front end that replays `controls`.
+    pub fn new(controls: I, config: &BumpProcessorConfig) -> Self {
+        let source = DisplayListSource::new(config.display_list.clone(), controls);
+        Self { display_list: Stage::new("display-list", source) }
+    }
+}
+
+impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> FrontEnd for TraceFront<I> {
+    fn wire<V: Visitor>(&mut self, v: &mut V, polygons: &mut Fifo<Control>) {
+        v.stage(&mut self.display_list, (), polygons, Clients::none());
+    }
+
+    fn counts(&self, counts: &mut Counts) {
+        counts.add("display_list_commands", self.display_list.unit.state.commands);
+    }
+}

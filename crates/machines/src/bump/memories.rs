@@ -1,0 +1,53 @@
+//! The three memories and their clients.
+
+use super::BumpProcessorConfig;
+use basrelief_kernel::MemorySystem;
+
+/// Numbers of the clients, by unit, in the order in which the unit counts them.
+///
+/// Ports are numbered in the order of the pipeline's end first: what drains the machine goes before what fills it, when
+/// both arrive in one cycle (assumed; the reverse order was tried on paper only).
+#[derive(Clone, Debug)]
+pub(super) struct ClientNumbers {
+    pub(super) mapping: [usize; 1],
+    pub(super) replacement: [usize; 2],
+    pub(super) brightness: [usize; 2],
+    pub(super) graphics: [usize; 2],
+    pub(super) depth: [usize; 2],
+    pub(super) frame_buffer: [usize; 1],
+    pub(super) video_out: [usize; 1],
+}
+
+/// Builds memories (116), (120), (124) with their ports and caches.
+pub(super) fn build(config: &BumpProcessorConfig) -> (MemorySystem, ClientNumbers) {
+    let (memory, cache) = (&config.memory, &config.cache);
+    let mut m = MemorySystem::default();
+    let normal_map = m.add_memory("normal_map", &memory.normal_map);
+    let quantization = m.add_memory("quantization", &memory.quantization);
+    let graphics = m.add_memory("graphics", &memory.graphics);
+    let on_normal_map = memory.normal_map.outstanding;
+    let on_quantization = memory.quantization.outstanding;
+    let on_graphics = memory.graphics.outstanding;
+    let clients = ClientNumbers {
+        mapping: [m.add_cached_client("texels", normal_map, on_normal_map, "normal_map", &cache.normal_map)],
+        brightness: [
+            m.add_cached_client("clut_read", quantization, on_quantization, "clut", &cache.clut),
+            m.add_client("clut_write", quantization, on_quantization),
+        ],
+        replacement: [
+            m.add_client("tables", quantization, on_quantization),
+            m.add_client("gathered", quantization, on_quantization),
+        ],
+        frame_buffer: [m.add_client("pixel_write", graphics, on_graphics)],
+        graphics: [
+            m.add_cached_client("color_texels", graphics, on_graphics, "color_texture", &cache.color_texture),
+            m.add_client("held", graphics, on_graphics),
+        ],
+        depth: [
+            m.add_cached_client("z_read", graphics, on_graphics, "depth", &cache.depth),
+            m.add_client("z_write", graphics, on_graphics),
+        ],
+        video_out: [m.add_client("video_out", graphics, on_graphics)],
+    };
+    (m, clients)
+}

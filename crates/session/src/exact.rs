@@ -1,0 +1,47 @@
+//! The exact pictures that the machine's are held against.
+
+use crate::tee::Seen;
+use basrelief_brightness::Components;
+use basrelief_machines::bump::{BumpProcessorConfig, ReferenceFilter};
+use basrelief_reference::{self as reference, Options, Picture, TextureFilter, draw_scene};
+use basrelief_signals::Scene;
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Where exact pictures come from.
+pub(crate) enum Exact {
+    /// Nobody wants any.
+    None,
+    /// The scene itself.
+    Scene(Arc<Scene>, Options),
+    /// The polygons of a trace, drawn as they passed.
+    Trace(Rc<RefCell<Seen>>),
+}
+
+impl Exact {
+    /// The exact picture of frame `index`; frames are asked for in order.
+    pub(crate) fn picture(&self, index: usize) -> Option<Picture> {
+        match self {
+            Self::None => None,
+            Self::Scene(scene, options) => scene.frames.get(index).map(|frame| draw_scene(scene, frame, options)),
+            Self::Trace(seen) => seen.borrow_mut().exact.pop_front(),
+        }
+    }
+}
+
+/// The choices that exact picture and machine share.
+pub(crate) fn options_of(config: &BumpProcessorConfig) -> Options {
+    Options {
+        filter: match config.reference.filter {
+            ReferenceFilter::Nearest => TextureFilter::Nearest,
+            ReferenceFilter::Bilinear => TextureFilter::Bilinear,
+            ReferenceFilter::Trilinear => TextureFilter::Trilinear,
+        },
+        components: match config.brightness.components {
+            Components::Combined => reference::Components::Combined,
+            Components::Separate => reference::Components::Separate,
+        },
+        two_sided_lighting: config.geometry.two_sided_lighting,
+    }
+}

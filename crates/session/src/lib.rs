@@ -1,0 +1,38 @@
+//! From input to report in one call: the machine, the exact picture, the metrics and the report put together, without a
+//! file system and without a clock of its own.
+//!
+//! A program that loads a trace, runs the machine and reads its report:
+//!
+//! ```
+//! use basrelief_session::{NoProbe, Settings, Source, Unobserved, run};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let bytes = basrelief_session::doc_trace();
+//! let source = Source::trace(std::io::Cursor::new(bytes), "quad.dl.jsonl");
+//! let run = run(source, &Settings::default(), &mut Unobserved, &mut NoProbe)?;
+//! let report = run.report;
+//! let cycles = report.cycles.as_ref().map_or(0, |c| c.total);
+//! println!("{cycles} cycles, picture {}", report.image[0].sha256);
+//! # assert!(cycles > 0);
+//! # Ok(())
+//! # }
+//! ```
+
+mod exact;
+mod observer;
+mod record;
+mod run;
+mod settings;
+mod tee;
+
+pub use basrelief_kernel::NoProbe;
+pub use observer::{Observer, Pictures, Unobserved, picture_name};
+pub use record::{begin_of, display_list, hash_of};
+pub use run::{Run, SessionError, run};
+pub use settings::{Settings, Source};
+
+/// A trace of one grey quad, for the example above.
+#[doc(hidden)]
+pub fn doc_trace() -> Vec<u8> {
+    include_bytes!("quad.dl.jsonl").to_vec()
+}

@@ -1,0 +1,42 @@
+//! Watching a run from outside.
+
+use basrelief_reference::{Picture, Quality};
+
+/// A finished frame, as the machine and as the exact renderer drew it.
+#[derive(Debug)]
+pub struct Pictures<'a> {
+    /// Number of the frame, from 0.
+    pub index: usize,
+    /// The machine's.
+    pub machine: &'a Picture,
+    /// The exact one, and how far the machine's is from it.
+    pub exact: Option<(&'a Picture, Quality)>,
+}
+
+/// Watches a run.
+pub trait Observer {
+    /// So many of `total` commands have entered the machine; `false` stops the run.
+    fn progress(&mut self, commands: u64, total: Option<u64>) -> bool {
+        let _ = (commands, total);
+        true
+    }
+
+    /// A frame is finished.
+    ///
+    /// # Errors
+    /// What keeps the observer from taking it; stops the run.
+    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+        let _ = pictures;
+        Ok(())
+    }
+}
+
+/// Watches nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unobserved;
+impl Observer for Unobserved {}
+
+/// Name of a picture's file: `image.png`, or `image-0001.png` and on where there are several.
+pub fn picture_name(kind: &str, index: usize, several: bool) -> String {
+    if several { format!("{kind}-{:04}.png", index + 1) } else { format!("{kind}.png") }
+}

@@ -1,0 +1,59 @@
+//! What to run, and how.
+
+use basrelief_display_list::{Files, NoFiles};
+use basrelief_kernel::Engine;
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_signals::Scene;
+use std::io::Read;
+use std::sync::Arc;
+
+/// What is drawn.
+pub enum Source {
+    /// A scene: goes through the geometry processor.
+    Scene(Arc<Scene>),
+    /// A display list in any form, read once, as a stream.
+    Trace {
+        /// Its bytes.
+        reader: Box<dyn Read>,
+        /// The files beside it.
+        files: Box<dyn Files>,
+        /// For messages and the report.
+        name: String,
+    },
+}
+
+impl Source {
+    /// A display list that stands alone.
+    pub fn trace(reader: impl Read + 'static, name: &str) -> Self {
+        Self::Trace { reader: Box::new(reader), files: Box::new(NoFiles), name: name.into() }
+    }
+}
+
+/// How to run.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// All parameters.
+    pub config: BumpProcessorConfig,
+    /// The engine; `None` is the functional model, without time.
+    pub engine: Option<Engine>,
+    /// No step starts in this cycle or later.
+    pub max_cycles: u64,
+    /// Draw the exact picture too, and measure against it.
+    pub exact: bool,
+    /// Seconds on a clock that does not run backwards, for the host figures; libraries read none themselves. It must
+    /// not influence anything else, and does not.
+    pub clock: fn() -> f64,
+}
+
+impl Default for Settings {
+    /// Default machine, timed engine, exact picture, no clock.
+    fn default() -> Self {
+        Self {
+            config: BumpProcessorConfig::default(),
+            engine: Some(Engine::Timed),
+            max_cycles: u64::MAX,
+            exact: true,
+            clock: || 0.0,
+        }
+    }
+}
