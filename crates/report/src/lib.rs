@@ -1,1 +1,22 @@
-//! Basrelief: what people read and open
+//! What people read and open: the report of a run, its tables, its time line, and the explained difference of two.
+//!
+//! | module | what it makes |
+//! |---|---|
+//! | [`model`], [`build`](mod@build) | [`Report`]: `report.json`, under a published [`schema`] |
+//! | [`derived`] | figures with unit and formula: cycles per fragment, GB/s, hit rates |
+//! | [`blame`] | what limits a run, in one sentence that follows from the accounting |
+//! | [`text`] | the tables of the terminal |
+//!
+//! Nothing here opens a file, reads a clock or prints: writers are arguments, host figures are arguments, tables are
+//! strings. A report without its `host` part is the same to the bit whatever the engine, machine or thread count.
+
+pub mod blame;
+pub mod build;
+pub mod derived;
+pub mod model;
+#[cfg(test)]
+mod samples;
+pub mod text;
+
+pub use build::Facts;
+pub use model::{ReadError, Report, SCHEMA, schema};

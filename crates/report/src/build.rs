@@ -1,0 +1,198 @@
+//! From what a run came to, to its report.
+
+use crate::derived::derive;
+use crate::model::{
+    Cache, Client, Cycles, Fifo, Figure, Input, Memory, Outcome, OutcomeKind, Picture, PictureQuality, Report, SCHEMA, Size, Unit,
+};
+use basrelief_kernel as kernel;
+use basrelief_signals::Camera;
+use indexmap::IndexMap;
+
+/// What the kernel cannot know about a run.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    /// The machine, as `--machine` names it.
+    pub machine: String,
+    /// What was drawn.
+    pub input: Input,
+    /// The machine's configuration, every default filled in. `clock.hz` turns cycles into seconds;
+    /// `memory.<name>.burst_cycles` turns bursts into bus cycles.
+    pub config: serde_json::Value,
+    /// Of the last frame.
+    pub camera: Camera,
+    /// Of the pictures.
+    pub size: Size,
+    /// The patent's reference numerals, by name of unit.
+    pub numerals: IndexMap<String, u32>,
+    /// Figures of the device; `fragments` is what cycles and bytes are divided by.
+    pub device: IndexMap<String, Figure>,
+    /// Against the exact pictures.
+    pub quality: Option<PictureQuality>,
+    /// In order of time, the final picture last.
+    pub image: Vec<Picture>,
+    /// One sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Report {
+    /// Report of a run with time.
+    pub fn timed(facts: Facts, run: &kernel::RunReport) -> Self {
+        let numerals = facts.numerals.clone();
+        let mut report = Self::functional(facts, &run.outcome);
+        report.cycles = Some(cycles(run));
+        report.units = Some(run.units.iter().map(|u| (u.name.clone(), unit(u, &run.fifos, &numerals))).collect());
+        report.fifos = Some(run.fifos.iter().map(|f| (f.name.clone(), fifo(f))).collect());
+        report.memories = Some(run.memories.iter().map(|m| (m.name.clone(), memory(m))).collect());
+        report.caches = Some(run.caches.iter().map(|c| (c.name.clone(), cache(&c.counts))).collect());
+        report.derived = derive(&report);
+        report
+    }
+
+    /// Report of a functional run: the same steps, but no time, so neither cycles nor traffic.
+    pub fn functional(facts: Facts, outcome: &kernel::Outcome) -> Self {
+        Self {
+            schema: SCHEMA.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            machine: facts.machine,
+            input: facts.input,
+            outcome: outcome.into(),
+            config: facts.config,
+            camera: facts.camera,
+            size: facts.size,
+            cycles: None,
+            units: None,
+            fifos: None,
+            memories: None,
+            caches: None,
+            device: facts.device,
+            quality: facts.quality,
+            image: facts.image,
+            derived: IndexMap::new(),
+            warnings: facts.warnings,
+            host: None,
+        }
+    }
+
+    /// Adds the host's figures: seconds from start to end, and from the first to the last simulated step.
+    #[must_use]
+    pub fn with_host(mut self, wall_s: f64, simulate_s: f64) -> Self {
+        let rate = |n: f64| if simulate_s > 0.0 { n / simulate_s } else { 0.0 };
+        self.host = Some(crate::model::Host {
+            wall_s,
+            simulate_s,
+            cycles_per_s: self.cycles.as_ref().map(|c| rate(c.total as f64)),
+            fragments_per_s: rate(self.device_number("fragments").unwrap_or(0.0)),
+        });
+        self
+    }
+}
+
+impl From<&kernel::Outcome> for Outcome {
+    fn from(outcome: &kernel::Outcome) -> Self {
+        let (kind, message) = match outcome {
+            kernel::Outcome::Complete => (OutcomeKind::Complete, None),
+            kernel::Outcome::Deadlock(text) => (OutcomeKind::Deadlock, Some(text.clone())),
+            kernel::Outcome::Limit => (OutcomeKind::Limit, None),
+            kernel::Outcome::Stopped => (OutcomeKind::Stopped, None),
+            kernel::Outcome::Fault(text) => (OutcomeKind::Fault, Some(text.clone())),
+        };
+        Self { kind, message }
+    }
+}
+
+fn cycles(run: &kernel::RunReport) -> Cycles {
+    let drain = run.total.saturating_sub(run.frames.iter().sum());
+    Cycles { total: run.total, frames: run.frames.clone(), drain }
+}
+
+fn unit(unit: &kernel::UnitReport, fifos: &[kernel::FifoReport], numerals: &IndexMap<String, u32>) -> Unit {
+    let named = |names: &[String], counts: &[u64]| names.iter().cloned().zip(counts.iter().copied()).collect();
+    let ends = if unit.outputs.is_empty() { &unit.inputs } else { &unit.outputs };
+    Unit {
+        numeral: numerals.get(&unit.name).copied(),
+        steps: unit.steps,
+        tokens: fifos.iter().filter(|f| ends.contains(&f.name)).map(|f| f.tokens).sum(),
+        busy: unit.account.busy,
+        starved: named(&unit.inputs, &unit.account.starved),
+        blocked: named(&unit.outputs, &unit.account.blocked),
+        memory: named(&unit.clients, &unit.account.memory),
+        done: unit.account.done,
+    }
+}
+
+fn fifo(fifo: &kernel::FifoReport) -> Fifo {
+    Fifo {
+        depth: fifo.depth as u64,
+        tokens: fifo.tokens,
+        high_water: fifo.high_water() as u64,
+        histogram: fifo.histogram.clone(),
+    }
+}
+
+fn memory(memory: &kernel::MemoryReport) -> Memory {
+    Memory { clients: memory.ports.iter().map(|p| (p.client.clone(), client(&p.counts))).collect() }
+}
+
+fn client(counts: &kernel::PortCounts) -> Client {
+    Client {
+        reads: counts.reads,
+        writes: counts.writes,
+        read_bytes: counts.read_bytes,
+        write_bytes: counts.write_bytes,
+        bursts: counts.bursts,
+        row_hits: counts.row_hits,
+        row_misses: counts.row_closed + counts.row_conflicts,
+        row_conflicts: counts.row_conflicts,
+        wait_cycles: counts.wait_cycles,
+    }
+}
+
+fn cache(counts: &kernel::CacheCounts) -> Cache {
+    Cache {
+        look_ups: counts.hits + counts.misses + counts.merged,
+        hits: counts.hits,
+        misses: counts.misses,
+        merged: counts.merged,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::model::OutcomeKind;
+    use crate::samples;
+
+    #[test]
+    fn every_cycle_of_every_unit_is_accounted_for() {
+        let report = samples::simulated();
+        let total = report.cycles.as_ref().unwrap().total;
+        assert_eq!(report.outcome.kind, OutcomeKind::Complete);
+        for (name, u) in report.units.as_ref().unwrap() {
+            let waits = u.starved.values().chain(u.blocked.values()).chain(u.memory.values()).sum::<u64>();
+            assert_eq!(u.busy + u.done + waits, total, "{name}");
+        }
+        for (name, f) in report.fifos.as_ref().unwrap() {
+            assert_eq!(f.histogram.iter().sum::<u64>(), total, "{name}");
+        }
+    }
+
+    #[test]
+    fn tokens_of_a_unit_are_those_it_emitted_or_took() {
+        let units = samples::simulated().units.unwrap();
+        assert_eq!(units["source"].tokens, samples::TOKENS);
+        assert_eq!(units["sink"].tokens, samples::TOKENS);
+    }
+
+    #[test]
+    fn frames_and_drain_sum_to_the_total() {
+        let cycles = samples::balanced().cycles.unwrap();
+        assert_eq!(cycles.frames.iter().sum::<u64>() + cycles.drain, cycles.total);
+    }
+
+    #[test]
+    fn host_rates_are_per_second_of_simulation() {
+        let host = samples::balanced().with_host(4.0, 2.0).host.unwrap();
+        let total = samples::balanced().cycles.unwrap().total as f64;
+        assert_eq!(host.cycles_per_s, Some(total / 2.0));
+        assert_eq!(samples::functional().with_host(1.0, 0.0).host.unwrap().fragments_per_s, 0.0);
+    }
+}

@@ -1,0 +1,112 @@
+//! Figures that follow from others, each with its unit and its formula, rounded to 6 decimals so that the text of a
+//! report is the same on every host. A figure whose divisor is 0 or unknown is left out.
+
+use crate::model::{Client, Derived, Report};
+use indexmap::IndexMap;
+
+/// Rounds to 6 decimals, halves away from zero.
+pub fn round6(x: f64) -> f64 {
+    let scaled = x * 1e6;
+    if scaled.abs() < 9e15 { scaled.round() / 1e6 } else { x }
+}
+
+#[derive(Default)]
+struct Figures(IndexMap<String, Derived>);
+
+impl Figures {
+    fn ratio(&mut self, name: impl Into<String>, (above, below): (f64, f64), unit: &str, formula: impl Into<String>) {
+        let value = above / below;
+        if value.is_finite() {
+            self.0.insert(name.into(), Derived { value: round6(value), unit: unit.into(), formula: formula.into() });
+        }
+    }
+}
+
+/// All figures that follow from a timed report; none from a functional one.
+pub fn derive(report: &Report) -> IndexMap<String, Derived> {
+    let mut figures = Figures::default();
+    let Some(cycles) = &report.cycles else { return figures.0 };
+    let total = cycles.total as f64;
+    let hz = report.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).unwrap_or(0.0);
+    let fragments = report.device_number("fragments").unwrap_or(0.0);
+
+    figures.ratio("cycles_per_fragment", (total, fragments), "cycles", "cycles.total / device.fragments");
+    figures.ratio("time_ms", (1e3 * total, hz), "ms", "1000 * cycles.total / config.clock.hz");
+    let frames = cycles.frames.len() as f64;
+    let drawing = total - cycles.drain as f64;
+    if frames > 0.0 {
+        let formula = "1000 * sum(cycles.frames) / (count(cycles.frames) * config.clock.hz)";
+        figures.ratio("frame_ms", (1e3 * drawing, frames * hz), "ms", formula);
+        let formula = "config.clock.hz * count(cycles.frames) / sum(cycles.frames)";
+        figures.ratio("frames_per_s", (hz * frames, drawing), "1/s", formula);
+    }
+    let formula = "device.fragments * config.clock.hz / cycles.total / 1e6";
+    figures.ratio("fill_rate", (fragments * hz / 1e6, total), "M fragments/s", formula);
+    memories(report, &mut figures, (total, hz, fragments));
+    for (name, c) in report.caches.iter().flatten() {
+        let formula = format!("caches.{name}.hits / caches.{name}.look_ups");
+        figures.ratio(format!("{name}.hit_rate"), (c.hits as f64, c.look_ups as f64), "1", formula);
+    }
+    for (name, u) in report.units.iter().flatten() {
+        let formula = format!("units.{name}.busy / cycles.total");
+        figures.ratio(format!("{name}.utilisation"), (u.busy as f64, total), "1", formula);
+    }
+    figures.0
+}
+
+fn memories(report: &Report, figures: &mut Figures, (total, hz, fragments): (f64, f64, f64)) {
+    for (name, memory) in report.memories.iter().flatten() {
+        let sum = |f: fn(&Client) -> u64| memory.clients.values().map(|c| f(c) as f64).sum::<f64>();
+        let bytes = sum(Client::bytes);
+        let bytes_text = format!("sum(memories.{name}.clients.*.{{read_bytes, write_bytes}})");
+        let formula = format!("{bytes_text} / device.fragments");
+        figures.ratio(format!("{name}.bytes_per_fragment"), (bytes, fragments), "bytes", formula);
+        let formula = format!("{bytes_text} * config.clock.hz / cycles.total / 1e9");
+        figures.ratio(format!("{name}.gb_per_s"), (bytes * hz / 1e9, total), "GB/s", formula);
+        let (hits, bursts) = (sum(|c| c.row_hits), sum(|c| c.bursts));
+        let formula = format!("sum(memories.{name}.clients.*.row_hits) / sum(memories.{name}.clients.*.bursts)");
+        figures.ratio(format!("{name}.row_hit_rate"), (hits, bursts), "1", formula);
+        if let Some(burst_cycles) = burst_cycles(report, name) {
+            let formula = format!("sum(memories.{name}.clients.*.bursts) * config.memory.{name}.burst_cycles / cycles.total");
+            figures.ratio(format!("{name}.bus_utilisation"), (bursts * burst_cycles, total), "1", formula);
+        }
+    }
+}
+
+fn burst_cycles(report: &Report, memory: &str) -> Option<f64> {
+    report.config.get("memory")?.get(memory)?.get("burst_cycles")?.as_f64()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+
+    #[test]
+    fn figures_follow_from_their_formulas() {
+        let derived = samples::balanced().derived;
+        assert_eq!(derived["cycles_per_fragment"].value, 5.0);
+        assert_eq!(derived["time_ms"].value, 5.0);
+        assert_eq!(derived["replacement.utilisation"].value, 0.97);
+        assert_eq!(derived["graphics.bytes_per_fragment"].value, 8.0);
+        assert_eq!(derived["graphics.gb_per_s"].value, 0.32);
+        assert_eq!(derived["graphics.bus_utilisation"].value, 0.24);
+    }
+
+    #[test]
+    fn nothing_is_divided_by_zero() {
+        let mut report = samples::balanced();
+        report.device.clear();
+        report.config = serde_json::json!({});
+        let derived = derive(&report);
+        assert!(!derived.contains_key("cycles_per_fragment") && !derived.contains_key("time_ms"));
+        assert!(derived.values().all(|d| d.value.is_finite()));
+    }
+
+    #[test]
+    fn rounding_is_to_six_decimals() {
+        assert_eq!(round6(1.0 / 3.0), 0.333333);
+        assert_eq!(round6(-2.0 / 3.0), -0.666667);
+        assert_eq!(round6(1e300), 1e300);
+    }
+}

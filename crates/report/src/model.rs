@@ -1,0 +1,402 @@
+//! The report as it stands in `report.json`: plain data, fields in fixed order, maps in the order of the block diagram.
+
+use basrelief_reference::Quality;
+use basrelief_signals::Camera;
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Format and version of a report.
+pub const SCHEMA: &str = "basrelief-report/1";
+
+/// One run. Everything but `host` is the same to the bit whatever engine, host or number of threads made it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Report {
+    /// `basrelief-report/1`.
+    pub schema: String,
+    /// Version of the simulator.
+    pub version: String,
+    /// The machine, as `--machine` names it.
+    pub machine: String,
+    /// What was drawn.
+    pub input: Input,
+    /// How the run ended.
+    pub outcome: Outcome,
+    /// The machine's configuration, every default filled in, in groups as in TOML.
+    pub config: serde_json::Value,
+    /// Camera, light and view of the last frame.
+    pub camera: Camera,
+    /// Size of the pictures.
+    pub size: Size,
+    /// Simulated time; this and the next four are absent from a functional run, which has no time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cycles: Option<Cycles>,
+    /// Where the cycles of each unit went, by name, in the order of the block diagram.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub units: Option<IndexMap<String, Unit>>,
+    /// How full each FIFO was, by name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fifos: Option<IndexMap<String, Fifo>>,
+    /// What each memory moved, by name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub memories: Option<IndexMap<String, Memory>>,
+    /// What each cache's look-ups found, by name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub caches: Option<IndexMap<String, Cache>>,
+    /// Figures of the device, as the machine names them: fragments, searches, table look-ups ...
+    pub device: IndexMap<String, Figure>,
+    /// The machine's pictures against the exact ones; absent where none were drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub quality: Option<PictureQuality>,
+    /// The pictures in order of time, the final one last.
+    pub image: Vec<Picture>,
+    /// Figures that follow from the others, each with its formula.
+    pub derived: IndexMap<String, Derived>,
+    /// What the reader should know, one sentence each.
+    pub warnings: Vec<String>,
+    /// How fast the host was: the only part that differs between equal runs; absent where reports are to be compared.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub host: Option<Host>,
+}
+
+/// What was drawn.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Input {
+    /// `scene`, `demo`, `trace` ...
+    pub kind: String,
+    /// File name or name of the demo, without the path.
+    pub name: String,
+    /// SHA-256 of the canonical commands, in hexadecimal.
+    pub sha256: String,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Outcome {
+    /// In one word.
+    pub kind: OutcomeKind,
+    /// What is stuck, or what went wrong.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+}
+
+/// How a run ended, in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OutcomeKind {
+    /// Sources exhausted, FIFOs empty, no unit holds tokens.
+    Complete,
+    /// Nothing could ever start again, and something was left.
+    Deadlock,
+    /// The limit of cycles was reached.
+    Limit,
+    /// The caller stopped it.
+    Stopped,
+    /// A unit could not go on.
+    Fault,
+}
+
+/// Width and height of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Size {
+    /// \[pixels\].
+    pub width: u32,
+    /// \[pixels\].
+    pub height: u32,
+}
+
+/// Simulated time \[cycles\].
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Cycles {
+    /// 1 + the last cycle in which anything moved.
+    pub total: u64,
+    /// From the end of one frame to the end of the next.
+    pub frames: Vec<u64>,
+    /// From the end of the last frame to the end of the run. `frames` and `drain` sum to `total`.
+    pub drain: u64,
+}
+
+/// Where a unit's cycles went. busy + starved + blocked + memory + done = `cycles.total`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Unit {
+    /// The patent's reference numeral.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub numeral: Option<u32>,
+    /// Steps made.
+    pub steps: u64,
+    /// Tokens emitted, over all outputs; of a unit without outputs, tokens taken.
+    pub tokens: u64,
+    /// Cycles at work.
+    pub busy: u64,
+    /// Cycles without a visible token, by input FIFO; every input is listed.
+    pub starved: IndexMap<String, u64>,
+    /// Cycles without a free slot, by output FIFO; every output is listed.
+    pub blocked: IndexMap<String, u64>,
+    /// Cycles waiting for credits or answers, by memory client; every client is listed.
+    pub memory: IndexMap<String, u64>,
+    /// Cycles after its last step.
+    pub done: u64,
+}
+
+/// How full a FIFO was.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Fifo {
+    /// Slots.
+    pub depth: u64,
+    /// Tokens that were pushed.
+    pub tokens: u64,
+    /// Most slots ever held.
+    pub high_water: u64,
+    /// `histogram[k]` = cycles with k slots held, k = 0 ..= depth; sums to `cycles.total`.
+    pub histogram: Vec<u64>,
+}
+
+/// What a memory moved.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Memory {
+    /// By name, in order of port number.
+    pub clients: IndexMap<String, Client>,
+}
+
+/// What one client of a memory moved and how it was served.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Client {
+    /// Read requests.
+    pub reads: u64,
+    /// Write requests.
+    pub writes: u64,
+    /// Bytes asked for by reads.
+    pub read_bytes: u64,
+    /// Bytes given by writes.
+    pub write_bytes: u64,
+    /// Bursts moved; a request that is not aligned moves more bytes than it asks for.
+    pub bursts: u64,
+    /// Bursts that found their row open.
+    pub row_hits: u64,
+    /// Bursts that did not: bank closed, or another row open.
+    pub row_misses: u64,
+    /// Those of `row_misses` that found another row open.
+    pub row_conflicts: u64,
+    /// Cycles that requests waited for the command bus or their bank.
+    pub wait_cycles: u64,
+}
+
+impl Client {
+    /// Bytes asked for, read and written.
+    pub fn bytes(&self) -> u64 {
+        self.read_bytes.saturating_add(self.write_bytes)
+    }
+}
+
+/// What a cache's look-ups found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Cache {
+    /// hits + misses + merged.
+    pub look_ups: u64,
+    /// The line was there.
+    pub hits: u64,
+    /// The line was requested from memory.
+    pub misses: u64,
+    /// The line was on its way.
+    pub merged: u64,
+}
+
+/// One figure of a device.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Figure {
+    /// How many.
+    Count(u64),
+    /// How much.
+    Real(f64),
+    /// In words.
+    Text(String),
+    /// One per level, object, frame ...
+    List(Vec<Figure>),
+}
+
+impl From<u64> for Figure {
+    fn from(n: u64) -> Self {
+        Self::Count(n)
+    }
+}
+
+impl From<f64> for Figure {
+    fn from(x: f64) -> Self {
+        Self::Real(x)
+    }
+}
+
+impl From<&str> for Figure {
+    fn from(text: &str) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+impl<T: Into<Figure>> From<Vec<T>> for Figure {
+    fn from(list: Vec<T>) -> Self {
+        Self::List(list.into_iter().map(Into::into).collect())
+    }
+}
+
+impl Figure {
+    /// Its value, if it is a number.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Count(n) => Some(*n as f64),
+            Self::Real(x) => Some(*x),
+            Self::Text(_) | Self::List(_) => None,
+        }
+    }
+}
+
+/// The machine's pictures against the exact ones.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PictureQuality {
+    /// Of the final picture.
+    #[serde(flatten)]
+    pub last: Quality,
+    /// Of each picture in order of time; empty where only the final one was compared.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub frames: Vec<Quality>,
+}
+
+/// A picture that was written.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Picture {
+    /// File name, without the path.
+    pub file: String,
+    /// SHA-256 of its RGB rows, 8 bits per component, top row first, in hexadecimal; not of the file.
+    pub sha256: String,
+}
+
+/// A figure that follows from others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Derived {
+    /// Rounded to 6 decimals.
+    pub value: f64,
+    /// Unit of measure; `1` for a ratio.
+    pub unit: String,
+    /// How it follows, in names of this report.
+    pub formula: String,
+}
+
+/// How fast the host was.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Host {
+    /// From start to end \[s\].
+    pub wall_s: f64,
+    /// From the first to the last simulated step, without import, reference, metrics or writing \[s\].
+    pub simulate_s: f64,
+    /// Simulated cycles per second of `simulate_s`; absent from a functional run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cycles_per_s: Option<f64>,
+    /// Fragments per second of `simulate_s`.
+    pub fragments_per_s: f64,
+}
+
+/// A text that is no report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// Not JSON, or a field is missing or has the wrong type.
+    #[error("not a report: at `{field}`: {message}; `basrelief schema report` prints the format")]
+    Format {
+        /// Path of the field.
+        field: String,
+        /// What was expected, and line and column.
+        message: String,
+    },
+    /// A report of another version.
+    #[error("field `schema` is `{found}`, expected `{SCHEMA}`: make the report again with this version")]
+    Version {
+        /// What stands there.
+        found: String,
+    },
+}
+
+impl Report {
+    /// The report as indented JSON, with a line feed at the end.
+    ///
+    /// # Errors
+    /// If `config` holds what is no JSON; a value made by `serde_json::to_value` never does.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self).map(|text| text + "\n")
+    }
+
+    /// Reads what [`Report::to_json`] wrote.
+    ///
+    /// # Errors
+    /// If the text is no report, or one of another version.
+    pub fn from_json(text: &str) -> Result<Self, ReadError> {
+        let mut json = serde_json::Deserializer::from_str(text);
+        let format = |field: String, message: String| ReadError::Format { field, message };
+        let report: Self =
+            serde_path_to_error::deserialize(&mut json).map_err(|e| format(e.path().to_string(), e.inner().to_string()))?;
+        json.end().map_err(|e| format(".".into(), e.to_string()))?;
+        if report.schema == SCHEMA { Ok(report) } else { Err(ReadError::Version { found: report.schema }) }
+    }
+
+    /// Number of figure `name` of the device.
+    pub fn device_number(&self, name: &str) -> Option<f64> {
+        self.device.get(name).and_then(Figure::number)
+    }
+}
+
+/// The JSON schema of a report.
+pub fn schema() -> serde_json::Value {
+    let mut schema = schemars::schema_for!(Report);
+    if let Some(title) = schema.get_mut("properties").and_then(|p| p.pointer_mut("/schema")) {
+        title["const"] = SCHEMA.into();
+    }
+    schema.to_value()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+
+    #[test]
+    fn a_report_keeps_to_its_schema() {
+        let validator = jsonschema::validator_for(&schema()).unwrap();
+        for report in [samples::balanced(), samples::functional()] {
+            let json = serde_json::to_value(&report).unwrap();
+            let errors: Vec<String> = validator.iter_errors(&json).map(|e| format!("{}: {e}", e.instance_path())).collect();
+            assert!(errors.is_empty(), "{errors:?}");
+        }
+        let mut other = serde_json::to_value(samples::balanced()).unwrap();
+        other["schema"] = "basrelief-report/2".into();
+        assert!(!validator.is_valid(&other));
+        other["schema"] = SCHEMA.into();
+        other["cycles"]["total"] = "many".into();
+        assert!(!validator.is_valid(&other));
+    }
+
+    #[test]
+    fn json_goes_there_and_back() {
+        for report in [samples::balanced(), samples::functional()] {
+            assert_eq!(Report::from_json(&report.to_json().unwrap()).unwrap(), report);
+        }
+    }
+
+    #[test]
+    fn a_functional_report_has_no_time() {
+        let json = serde_json::to_value(samples::functional()).unwrap();
+        for part in ["cycles", "units", "fifos", "memories", "caches", "host"] {
+            assert!(json.get(part).is_none(), "{part}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_report_is_refused_with_its_place() {
+        let says = |text: &str, part: &str| {
+            let message = Report::from_json(text).unwrap_err().to_string();
+            assert!(message.contains(part), "{message}");
+        };
+        says("", "line 1");
+        let good = samples::balanced().to_json().unwrap();
+        says(&good.replace("basrelief-report/1", "basrelief-report/9"), "`basrelief-report/9`");
+        says(&good.replacen("\"total\": 1", "\"total\": -1", 1), "cycles.total");
+        says(&format!("{good} x"), "trailing");
+    }
+}

@@ -1,0 +1,190 @@
+//! Hand-made reports for the tests of this crate, and one that the kernel made.
+
+use crate::build::Facts;
+use crate::derived::derive;
+use crate::model::{
+    Cache, Client, Cycles, Fifo, Figure, Input, Memory, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
+};
+use basrelief_kernel::plan::{Plan, PlanMachine};
+use basrelief_kernel::{Engine, Outcome, RunReport};
+use basrelief_reference::Quality;
+use basrelief_signals::Camera;
+use serde_json::json;
+
+/// Tokens that the source of [`plan`] emits.
+pub const TOKENS: u64 = 40;
+/// Cycles of the hand-made runs.
+pub const TOTAL: u64 = 1_000_000;
+
+pub fn facts() -> Facts {
+    let mut view_projection = [0.0; 16];
+    [0, 5, 10, 15].into_iter().for_each(|i| view_projection[i] = 1.0);
+    let figure = |name: &str, value: Figure| (name.to_owned(), value);
+    Facts {
+        machine: "bump".into(),
+        input: Input { kind: "demo".into(), name: "coin".into(), sha256: "ab".repeat(32) },
+        config: json!({
+            "clock": {"hz": 200_000_000},
+            "memory": {"graphics": {"burst_cycles": 4}, "normal_map": {"burst_cycles": 4}},
+            "replacement": {"entries": 256, "lanes": 8},
+        }),
+        camera: Camera { view_projection, to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] },
+        size: Size { width: 640, height: 480 },
+        numerals: [("normal-mapping".to_owned(), 108), ("replacement".to_owned(), 110)].into_iter().collect(),
+        device: [
+            figure("fragments", 200_000.into()),
+            figure("bump_fragments", 180_000.into()),
+            figure("reference_normals_used", vec![250_u64, 121].into()),
+            figure("clut_rebuild_share", 0.015.into()),
+            figure("codebook", "fixed".into()),
+        ]
+        .into_iter()
+        .collect(),
+        quality: Some(PictureQuality { last: Quality { psnr_db: 41.25, ssim: 0.987654, flip: 0.0321 }, frames: vec![] }),
+        image: vec![
+            Picture { file: "image-0001.png".into(), sha256: "01".repeat(32) },
+            Picture { file: "image.png".into(), sha256: "02".repeat(32) },
+        ],
+        warnings: vec!["material `rim`: emissive texture left out".into()],
+    }
+}
+
+pub fn functional() -> Report {
+    Report::functional(facts(), &Outcome::Complete)
+}
+
+/// A unit's row: name, then (cause, cycles); causes are `busy`, `done`, `<fifo`, `>fifo` and `@client`.
+pub fn unit(row: &[(&str, u64)]) -> Unit {
+    let mut unit = Unit { steps: 200_000, tokens: 200_000, ..Unit::default() };
+    for &(cause, cycles) in row {
+        match cause.split_at(1) {
+            ("<", fifo) => drop(unit.starved.insert(fifo.into(), cycles)),
+            (">", fifo) => drop(unit.blocked.insert(fifo.into(), cycles)),
+            ("@", client) => drop(unit.memory.insert(client.into(), cycles)),
+            _ if cause == "busy" => unit.busy = cycles,
+            _ => unit.done = cycles,
+        }
+    }
+    unit
+}
+
+/// A report of [`TOTAL`] cycles with these units, and the memory `graphics` with its two clients.
+pub fn with_units(rows: &[(&str, &[(&str, u64)])]) -> Report {
+    let mut report = functional();
+    let frames = vec![520_000, 470_000];
+    report.cycles = Some(Cycles { total: TOTAL, drain: 10_000, frames });
+    let mut units: indexmap::IndexMap<_, _> = rows.iter().map(|&(name, row)| (name.to_owned(), unit(row))).collect();
+    for (name, unit) in &mut units {
+        unit.numeral = facts().numerals.get(name).copied();
+    }
+    let names = units.values().flat_map(|u| u.blocked.keys()).cloned().collect::<Vec<_>>();
+    report.fifos = Some(names.into_iter().zip(fifos().into_iter().cycle()).collect());
+    report.units = Some(units);
+    let client = |reads, writes| Client {
+        reads,
+        writes,
+        read_bytes: 4 * reads,
+        write_bytes: 4 * writes,
+        bursts: (reads + writes) * 15 / 100,
+        row_hits: (reads + writes) / 10,
+        row_misses: (reads + writes) / 20,
+        row_conflicts: (reads + writes) / 40,
+        wait_cycles: reads / 2,
+    };
+    let named = |list: [(&str, Client); 2]| list.into_iter().map(|(n, c)| (n.to_owned(), c)).collect();
+    let normal_map = named([("normals-fine", client(90_000, 0)), ("normals-coarse", client(30_000, 0))]);
+    let graphics = named([("z", client(120_000, 80_000)), ("color", client(0, 200_000))]);
+    let memories = [("normal_map", normal_map), ("graphics", graphics)];
+    report.memories = Some(memories.into_iter().map(|(n, clients)| (n.to_owned(), Memory { clients })).collect());
+    let cache = Cache { look_ups: 720_000, hits: 600_000, misses: 120_000, merged: 0 };
+    report.caches = Some([("normal-texels".to_owned(), cache)].into_iter().collect());
+    report.derived = derive(&report);
+    report
+}
+
+fn fifos() -> Vec<Fifo> {
+    let full = Fifo { depth: 4, tokens: 200_000, high_water: 4, histogram: vec![0, 10_000, 20_000, 70_000, 900_000] };
+    let empty = Fifo { depth: 4, tokens: 200_000, high_water: 2, histogram: vec![700_000, 290_000, 10_000, 0, 0] };
+    let mut histogram: Vec<u64> = (0..=64).map(|k| 32 * (k + 1)).collect();
+    histogram[0] += TOTAL - histogram.iter().sum::<u64>();
+    let wide = Fifo { depth: 64, tokens: 200_000, high_water: 64, histogram };
+    vec![full, empty, wide]
+}
+
+/// Limited by the replacement unit, as the default machine is.
+pub fn balanced() -> Report {
+    with_units(&[
+        ("geometry", &[("busy", 30_000), (">polygons", 900_000), ("done", 70_000)]),
+        ("rasterizer", &[("busy", 200_000), ("<polygons", 30_000), (">fragments", 750_000), ("done", 20_000)]),
+        (
+            "normal-mapping",
+            &[
+                ("busy", 200_000),
+                ("<fragments", 40_000),
+                (">pseudo_normals", 610_000),
+                ("@normals-fine", 135_000),
+                ("done", 15_000),
+            ],
+        ),
+        ("replacement", &[("busy", 970_000), ("<pseudo_normals", 20_000), (">indexes", 0), ("done", 10_000)]),
+        ("frame-buffer", &[("busy", 200_000), ("<indexes", 795_000), ("@z", 3_000), ("@color", 2_000), ("done", 0)]),
+    ])
+}
+
+/// Limited by the port through which z is written.
+pub fn memory_bound() -> Report {
+    with_units(&[
+        ("rasterizer", &[("busy", 300_000), (">fragments", 690_000), ("done", 10_000)]),
+        ("depth-test", &[("busy", 200_000), ("<fragments", 150_000), ("@z", 540_000), (">pixels", 100_000), ("done", 10_000)]),
+        ("frame-buffer", &[("busy", 200_000), ("<pixels", 700_000), ("@color", 100_000)]),
+    ])
+}
+
+/// Limited by the source: display-list arrival.
+pub fn source_bound() -> Report {
+    with_units(&[
+        ("host", &[("busy", 960_000), (">polygons", 0), ("done", 40_000)]),
+        ("rasterizer", &[("busy", 250_000), ("<polygons", 730_000), (">fragments", 0), ("done", 20_000)]),
+        ("frame-buffer", &[("busy", 200_000), ("<fragments", 800_000)]),
+    ])
+}
+
+/// Two units that wait for each other.
+pub fn deadlocked() -> Report {
+    let mut report = with_units(&[
+        ("fork", &[("busy", 20_000), ("<in", 0), (">left", 980_000), (">right", 0)]),
+        ("join", &[("busy", 20_000), ("<left", 0), ("<right", 980_000)]),
+    ]);
+    report.outcome.kind = OutcomeKind::Deadlock;
+    report.outcome.message = Some(
+        "deadlock after 1000000 cycles: `fork` waits for a slot in `left` (4 of 4 slots); `join` waits for a token from \
+         `right` (0 of 4 slots)"
+            .into(),
+    );
+    report
+}
+
+/// Source, unit with a memory client, sink.
+pub fn plan() -> Plan {
+    serde_json::from_value(json!({
+        "fifos": [{"name": "f", "depth": 3, "latency": 1}, {"name": "g", "depth": 2, "latency": 2}],
+        "memories": [{"name": "m", "burst_bytes": 32, "burst_cycles": 4, "banks": 2, "row_bytes": 256, "cas": 3, "rcd": 2, "rp": 2,
+            "ports": [{"name": "p", "outstanding": 2}]}],
+        "units": [
+            {"name": "source", "kind": "source", "tokens": TOKENS, "in": [], "out": ["f"], "occupancy": [1, 3], "latency": [1]},
+            {"name": "reader", "kind": "access", "in": ["f"], "out": ["g"], "occupancy": [1], "latency": [2],
+             "requests": [{"port": "p", "write": false, "bytes": 16, "stride": 48, "offset": 0, "span": 4096}]},
+            {"name": "sink", "kind": "sink", "in": ["g"], "out": [], "occupancy": [1, 2, 9], "latency": [0]},
+        ],
+    }))
+    .unwrap()
+}
+
+pub fn run() -> RunReport {
+    basrelief_kernel::run(&mut PlanMachine::new(&plan()).unwrap(), Engine::Timed)
+}
+
+/// What the kernel made of [`plan`].
+pub fn simulated() -> Report {
+    Report::timed(facts(), &run())
+}

@@ -1,0 +1,77 @@
+//! Numbers as people read them.
+
+/// With thousands separators: `1,234,567`.
+pub fn thousands(n: u64) -> String {
+    group(&n.to_string())
+}
+
+/// A whole number as [`thousands`], any other with up to six decimals; the same on every host.
+pub fn real(x: f64) -> String {
+    let sign = if x < 0.0 { "-" } else { "" };
+    let text = format!("{:.6}", x.abs());
+    let (whole, decimals) = text.split_once('.').unwrap_or((&text, ""));
+    let decimals = decimals.trim_end_matches('0');
+    let point = if decimals.is_empty() { "" } else { "." };
+    format!("{sign}{}{point}{decimals}", group(whole))
+}
+
+/// As [`real`], with a sign also where positive.
+pub fn signed(x: f64) -> String {
+    if x > 0.0 { format!("+{}", real(x)) } else { real(x) }
+}
+
+/// Percent with one decimal, for tables: `12.5`; empty for exactly nothing, so that the eye finds what there is.
+pub fn percent(part: u64, whole: u64) -> String {
+    match (part, whole) {
+        (0, _) | (_, 0) => String::new(),
+        _ => format!("{:.1}", 100.0 * part as f64 / whole as f64),
+    }
+}
+
+/// Percent in a sentence: `97 %`.
+pub fn about(share: f64) -> String {
+    match 100.0 * share {
+        p if p <= 0.0 || p.is_nan() => "0 %".into(),
+        p if p < 1.0 => "under 1 %".into(),
+        p if p > 99.0 && p < 100.0 => "over 99 %".into(),
+        p => format!("{p:.0} %"),
+    }
+}
+
+fn group(digits: &str) -> String {
+    let mut out = String::with_capacity(digits.len() * 4 / 3);
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_are_separated() {
+        let written = [0, 999, 1_000, 123_456, u64::MAX].map(thousands);
+        assert_eq!(written, ["0", "999", "1,000", "123,456", "18,446,744,073,709,551,615"]);
+    }
+
+    #[test]
+    fn decimals_end_where_they_say_nothing() {
+        let written = [0.5, 1234.0, -1234.25, 1.0 / 3.0, 1e15].map(real);
+        assert_eq!(written, ["0.5", "1,234", "-1,234.25", "0.333333", "1,000,000,000,000,000"]);
+        assert_eq!([signed(2.0), signed(-2.0), signed(0.0)], ["+2", "-2", "0"]);
+    }
+
+    #[test]
+    fn shares_are_never_rounded_to_nothing_or_to_all() {
+        assert_eq!(
+            [about(0.0), about(0.004), about(0.5), about(0.999), about(1.0)],
+            ["0 %", "under 1 %", "50 %", "over 99 %", "100 %"]
+        );
+        assert_eq!([percent(0, 10), percent(1, 0), percent(1, 8)], ["", "", "12.5"]);
+    }
+}
