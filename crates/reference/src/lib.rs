@@ -8,9 +8,10 @@
 //! - [`PolygonRenderer`] starts from the window-space polygons of a display list.
 //!
 //! # What a pixel is
-//! - Covered if its centre lies in the triangle, window coordinates snapped to 1/256 pixel, top-left rule (Mesa's
-//!   llvmpipe snaps alike, which brings the coverage difference against it to almost nothing). Attributes are
-//!   interpolated from the coordinates as they were before snapping, perspective-correctly.
+//! - Covered if its centre lies in the triangle, window coordinates snapped to 1/256 pixel, top-left rule. Mesa's
+//!   llvmpipe snaps alike: over five models of 512 x 512 pixels the coverage of no pixel differs from it, where 10 do
+//!   with steps of 1/65536 and 68 with 1/16 (on an open half of one of them, 1 differs). Attributes are interpolated
+//!   from the coordinates as they were before snapping, perspective-correctly.
 //! - Visible if its depth is less than what was drawn there before; the buffer starts at 1, the far plane.
 //! - Its normal is `normalize(T * x * scale + B * y * scale + N * z)` with `B = cross(N, T) * w` and N, T interpolated
 //!   unnormalised (as MikkTSpace asks for); `normalize(N)` where the material has no normal map. Whether a polygon is a

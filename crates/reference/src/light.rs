@@ -43,10 +43,28 @@ impl Illumination {
         let mut specular = 0.0;
         for beam in &self.beams {
             diffuse += beam.intensity * normal.dot(beam.to_light).max(0.0);
-            specular += beam.intensity * libm::pow(normal.dot(beam.half).max(0.0), self.exponent);
+            specular += beam.intensity * raised(normal.dot(beam.half).max(0.0), self.exponent);
         }
         (self.ambient + self.diffuse * diffuse, self.specular * specular)
     }
+}
+
+/// Power of a base >= 0. Whole exponents, the common case, are multiplied out: `libm::pow` for every pixel took a
+/// third of the time of a picture.
+fn raised(base: f64, exponent: f64) -> f64 {
+    let whole = exponent.floor();
+    let rest = exponent - whole;
+    let mut power = if rest == 0.0 { 1.0 } else { libm::pow(base, rest) };
+    let mut square = base;
+    let mut bits = whole as u64;
+    while bits > 0 {
+        if bits & 1 == 1 {
+            power *= square;
+        }
+        square *= square;
+        bits >>= 1;
+    }
+    power
 }
 
 fn direction(light: &Light, centre: [f32; 3]) -> DVec3 {
@@ -65,6 +83,16 @@ mod tests {
     fn frame(lights: Vec<Light>) -> Frame {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
         Frame { index: 0, width: 1, height: 1, camera, lights }
+    }
+
+    #[test]
+    fn powers_are_those_of_pow() {
+        for exponent in [0.0, 1.0, 2.5, 7.0, 32.0, 999.75] {
+            for base in [0.0, 0.125, 0.9, 0.9999, 1.0] {
+                let expected = libm::pow(base, exponent);
+                assert!((raised(base, exponent) - expected).abs() <= 1e-13 * expected, "{base}^{exponent}");
+            }
+        }
     }
 
     #[test]

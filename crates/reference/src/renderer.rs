@@ -56,19 +56,18 @@ impl Renderer {
         }
         self.pending.push(Pending { triangle, surface, back });
         if self.pending.len() >= BATCH {
-            self.resolve();
+            self.resolve(rows_per_band(self.picture.height as usize));
         }
     }
 
     /// The picture.
     pub fn finish(mut self) -> Picture {
-        self.resolve();
+        self.resolve(rows_per_band(self.picture.height as usize));
         self.picture
     }
 
-    fn resolve(&mut self) {
+    fn resolve(&mut self, rows: usize) {
         let width = self.picture.width as usize;
-        let rows = rows_per_band(self.picture.height as usize);
         let chunk = (width * rows).max(1);
         let bands = self
             .picture
@@ -159,4 +158,36 @@ fn for_each<'a>(bands: impl Iterator<Item = Band<'a>>, draw: impl Fn(Band<'a>) +
 #[cfg(not(feature = "threads"))]
 fn for_each<'a>(bands: impl Iterator<Item = Band<'a>>, draw: impl Fn(Band<'a>)) {
     bands.for_each(draw);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Options;
+    use crate::surface::Attributes;
+    use basrelief_signals::{Camera, Frame, Material};
+    use glam::{DVec2, DVec3};
+
+    fn corner(x: f64, y: f64, depth: f64) -> Corner {
+        let attributes = Attributes { color: DVec3::new(x / 64.0, y / 48.0, depth), ..Attributes::default() };
+        Corner { window: DVec2::new(x, y), depth, inverse_w: 1.0 - depth / 2.0, attributes }
+    }
+
+    #[test]
+    fn the_height_of_the_bands_cannot_be_seen() {
+        let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+        let frame = Frame { index: 0, width: 64, height: 48, camera, lights: Vec::new() };
+        let material = Material { base_color: [9.0; 4], ..Material::default() };
+        let mut renderer = Renderer::new(64, 48);
+        renderer.surface(Surface::new(Options::default(), &frame, &material, [0.0; 3]));
+        renderer.triangle([corner(3.0, 2.0, 0.1), corner(60.0, 20.0, 0.9), corner(20.0, 45.0, 0.5)], false, false);
+        renderer.triangle([corner(1.0, 40.0, 0.6), corner(63.0, 30.0, 0.2), corner(20.0, 3.0, 0.8)], false, false);
+        let pictures = [1, 5, 48, 100].map(|rows| {
+            let mut renderer = renderer.clone();
+            renderer.resolve(rows);
+            renderer.picture
+        });
+        assert!(pictures[0].covered.iter().filter(|&&c| c).count() > 1000);
+        assert!(pictures.iter().all(|picture| *picture == pictures[0]));
+    }
 }

@@ -16,11 +16,12 @@ pub(crate) struct Footprint {
 pub(crate) fn sample(texture: &Texture, filter: TextureFilter, footprint: &Footprint) -> DVec3 {
     let Some(finest) = texture.levels.first() else { return DVec3::ONE };
     let wrap = texture.sampler.wrap;
-    match filter {
+    let stored = match filter {
         TextureFilter::Nearest => nearest(finest, wrap, footprint.at),
         TextureFilter::Bilinear => bilinear(finest, wrap, footprint.at),
         TextureFilter::Trilinear => trilinear(texture, level_of_detail(finest, footprint), footprint.at),
-    }
+    };
+    stored / 255.0
 }
 
 /// log2 of the longer axis of the pixel's footprint \[texels of level 0\]; minus infinity where it is a point.
@@ -36,7 +37,7 @@ fn trilinear(texture: &Texture, lod: f64, at: DVec2) -> DVec3 {
     let lod = lod.clamp(0.0, last as f64);
     let level = lod.floor() as usize;
     let fraction = lod - level as f64;
-    let of = |k: usize| texture.levels.get(k.min(last)).map_or(DVec3::ONE, |image| bilinear(image, wrap, at));
+    let of = |k: usize| texture.levels.get(k.min(last)).map_or(DVec3::ZERO, |image| bilinear(image, wrap, at));
     let fine = of(level);
     if fraction > 0.0 { fine + (of(level + 1) - fine) * fraction } else { fine }
 }
@@ -82,9 +83,10 @@ fn wrapped(index: f64, size: u32, wrap: Wrap) -> usize {
     inside.clamp(0.0, size - 1.0) as usize
 }
 
+/// RGB as stored, 0..=255; white where the image is too short.
 fn texel(image: &Image, column: usize, row: usize) -> DVec3 {
     let [r, g, b, _] = image.texels.get(row * image.width as usize + column).copied().unwrap_or([255; 4]);
-    DVec3::new(f64::from(r), f64::from(g), f64::from(b)) / 255.0
+    DVec3::new(f64::from(r), f64::from(g), f64::from(b))
 }
 
 #[cfg(test)]

@@ -61,11 +61,28 @@ impl Kernel {
             for (i, value) in padded.iter_mut().enumerate() {
                 *value = row[rim.inside(i as isize - self.radius() as isize, width)];
             }
-            for (k, &weight) in self.0.iter().enumerate() {
-                add_scaled(out, &padded[k..k + width], weight);
-            }
+            self.add_taps(out, |k| &padded[k..k + width]);
         }
         result
+    }
+
+    /// Adds the weighted rows that the taps 0, 1, .. read. Four taps at a time: the sums are then loaded and stored a
+    /// quarter as often, which halves the time of a filter.
+    fn add_taps<'a>(&self, sums: &mut [f64], row: impl Fn(usize) -> &'a [f64]) {
+        let mut taps = self.0.chunks_exact(4);
+        let mut first = 0;
+        for weights in &mut taps {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| row(first + k));
+            for ((((sum, a), b), c), d) in sums.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                *sum += a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3];
+            }
+            first += 4;
+        }
+        for (k, weight) in taps.remainder().iter().enumerate() {
+            for (sum, value) in sums.iter_mut().zip(row(first + k)) {
+                *sum += value * weight;
+            }
+        }
     }
 
     /// Along the columns of a plane of the given width.
@@ -73,10 +90,10 @@ impl Kernel {
         let mut result = vec![0.0; plane.len()];
         let height = plane.len() / width;
         for (y, out) in result.chunks_exact_mut(width).enumerate() {
-            for (k, &weight) in self.0.iter().enumerate() {
+            self.add_taps(out, |k| {
                 let from = rim.inside((y + k) as isize - self.radius() as isize, height) * width;
-                add_scaled(out, &plane[from..from + width], weight);
-            }
+                &plane[from..from + width]
+            });
         }
         result
     }
@@ -93,12 +110,6 @@ impl Rim {
             }
         };
         inside as usize
-    }
-}
-
-fn add_scaled(sums: &mut [f64], values: &[f64], weight: f64) {
-    for (sum, value) in sums.iter_mut().zip(values) {
-        *sum += value * weight;
     }
 }
 
