@@ -9,42 +9,63 @@ pub(crate) fn cross<F: Copy + Mul<Output = F> + Sub<Output = F>>(a: [F; 3], b: [
 }
 
 /// Tangent frame of a fragment. Generic so that the theorem below is tested on the code that the unit runs, in double
-/// precision.
+/// precision; of four lanes, the last one idle, as vector registers have four.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TangentFrame<F> {
-    normal: [F; 3],
-    tangent: [F; 3],
-    bitangent: [F; 3],
+    normal: [F; 4],
+    tangent: [F; 4],
+    bitangent: [F; 4],
 }
 
-impl<F: Copy + Add<Output = F> + Mul<Output = F> + Sub<Output = F>> TangentFrame<F> {
+impl<F: Copy + Default + Add<Output = F> + Mul<Output = F> + Sub<Output = F>> TangentFrame<F> {
     /// From the interpolated normal and tangent, neither normalised again (as MikkTSpace prescribes), and handedness w.
     #[inline]
     pub(crate) fn new(normal: [F; 3], tangent: [F; 3], w: F) -> Self {
-        Self { normal, tangent, bitangent: cross(normal, tangent).map(|c| c * w) }
+        let lanes = |[x, y, z]: [F; 3]| [x, y, z, F::default()];
+        let [x, y, z] = cross(normal, tangent);
+        Self { normal: lanes(normal), tangent: lanes(tangent), bitangent: lanes([x * w, y * w, z * w]) }
     }
 
     /// The tangent-space vector `v` in the frame's space; its length does not matter.
     #[inline]
-    pub(crate) fn rotate(&self, v: [F; 3]) -> [F; 3] {
-        std::array::from_fn(|i| self.tangent[i] * v[0] + self.bitangent[i] * v[1] + self.normal[i] * v[2])
+    pub(crate) fn rotate(&self, v: [F; 3]) -> [F; 4] {
+        let (t, b, n) = (&self.tangent, &self.bitangent, &self.normal);
+        let lane = |i: usize| t[i] * v[0] + b[i] * v[1] + n[i] * v[2];
+        [lane(0), lane(1), lane(2), lane(3)]
     }
 }
 
-/// N' in fixed point: its largest component is +-32767, each quantized to `bits` (8..=16); the zero vector and what has
-/// no direction (infinite, not a number) become zero.
-#[inline]
-pub(crate) fn fixed_point(v: [f32; 3], bits: u32) -> [i16; 3] {
-    let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
-    // Below 1e-30 the scale would overflow; a normal map and unit vectors cannot get there. `max` drops a NaN, a sum
-    // does not.
-    if !((1e-30..=f32::MAX).contains(&largest) && (v[0] + v[1] + v[2]).is_finite()) {
-        return [0; 3];
+/// Pseudo-normals in fixed point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FixedPoint {
+    /// Steps from 0 to the largest component.
+    steps: f32,
+    /// Steps of 1/32767 per step.
+    widen: f32,
+}
+
+impl FixedPoint {
+    /// Components of `bits` bits (8..=16, clamped).
+    pub(crate) fn new(bits: u32) -> Self {
+        let steps = ((1_i32 << (bits.clamp(8, 16) - 1)) - 1) as f32;
+        Self { steps, widen: 32_767.0 / steps }
     }
-    let steps = ((1_i32 << (bits.clamp(8, 16) - 1)) - 1) as f32;
-    let scale = steps / largest;
-    let quantized = v.map(|c| round(c * scale));
-    if bits >= 16 { quantized } else { quantized.map(|q| round(f32::from(q) * (32_767.0 / steps))) }
+
+    /// N' so that its largest component is +-32767; the zero vector and what has no direction (infinite, not a number)
+    /// become zero. The fourth lane is idle.
+    #[inline]
+    pub(crate) fn quantize(self, v: [f32; 4]) -> [i16; 3] {
+        let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
+        let scale = self.steps / largest;
+        // A NaN among them `max` drops, a sum does not. Below 1e-30 the scale would overflow; a normal map and unit vectors
+        // cannot get there. Together: finite, and not too small.
+        let sound = (v[0] + v[1] + v[2]).abs() <= 3.0 * largest && (1e-30..=1e30).contains(&largest);
+        if !sound {
+            return [0; 3];
+        }
+        let coarse = [round(v[0] * scale), round(v[1] * scale), round(v[2] * scale)];
+        if self.widen == 1.0 { coarse } else { coarse.map(|q| round(f32::from(q) * self.widen)) }
+    }
 }
 
 /// Nearest whole number, half to even, of |c| <= 32767. The sum leaves it in the low bits of the fraction: a conversion
@@ -103,7 +124,7 @@ mod tests {
         fn fixed_point_keeps_the_direction(v in prop::array::uniform3(-1f32..1.0), bits in 8u32..=16) {
             let largest = v.iter().fold(0f32, |m, c| m.max(c.abs()));
             prop_assume!(largest > 1e-3);
-            let q = fixed_point(v, bits);
+            let q = FixedPoint::new(bits).quantize([v[0], v[1], v[2], 0.0]);
             prop_assert_eq!(q.iter().map(|c| c.unsigned_abs()).max(), Some(32_767));
             let step = 32_767.0 / ((1 << (bits - 1)) - 1) as f32;
             for i in 0..3 {
@@ -114,9 +135,10 @@ mod tests {
 
     #[test]
     fn what_has_no_direction_is_zero() {
-        for v in [[0.0; 3], [1e-40, 0.0, 0.0], [f32::INFINITY, 0.0, 0.0], [f32::NAN, 1.0, 0.0]] {
-            assert_eq!(fixed_point(v, 16), [0; 3], "{v:?}");
+        let fixed_point = |[x, y, z]: [f32; 3]| FixedPoint::new(16).quantize([x, y, z, 0.0]);
+        for v in [[0.0; 3], [1e-40, 0.0, 0.0], [f32::INFINITY, 0.0, 0.0], [f32::NAN, 1.0, 0.0], [f32::NAN; 3]] {
+            assert_eq!(fixed_point(v), [0; 3], "{v:?}");
         }
-        assert_eq!(fixed_point([-2.0, 1.0, 0.0], 16), [-32_767, 16_384, 0]);
+        assert_eq!(fixed_point([-2.0, 1.0, 0.0]), [-32_767, 16_384, 0]);
     }
 }

@@ -1,7 +1,7 @@
 //! The unit and its step.
 
 use crate::lines::Lines;
-use crate::rotate::{TangentFrame, fixed_point};
+use crate::rotate::{FixedPoint, TangentFrame};
 use crate::{Counters, FilterAt, NormalMappingConfig, NormalMappingState};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{Gradient, LEVELS, Taps, decode_normal, fan_triangle, level_offset, select_levels, taps};
@@ -17,6 +17,7 @@ pub struct NormalMapping {
     config: NormalMappingConfig,
     levels: u8,
     lines: Lines,
+    fixed_point: FixedPoint,
     state: NormalMappingState,
     /// Of the triangle that the last fragment was in; follows from the state.
     setup: Option<Setup>,
@@ -50,7 +51,8 @@ impl NormalMapping {
     /// configuration rejects that.
     pub fn new(config: NormalMappingConfig, levels: u8, line_bytes: u32) -> Self {
         let lines = Lines::new(config.texel_bytes, line_bytes);
-        Self { config, levels, lines, state: NormalMappingState::default(), setup: None }
+        let fixed_point = FixedPoint::new(config.normal_bits);
+        Self { config, levels, lines, fixed_point, state: NormalMappingState::default(), setup: None }
     }
 
     /// State; for checkpoints.
@@ -106,29 +108,25 @@ impl NormalMapping {
         let [nx, ny, nz, tx, ty, tz, u, v] = setup.attributes.at(out.fragment.weights);
         let selected = (0..usize::from(levels.count)).map(|i| (levels.level[i], levels.weight[i], base[i]));
         let Some(map) = polygon.material.normal_map.as_deref() else {
-            let normal = fixed_point([nx, ny, nz], self.config.normal_bits);
+            let normal = self.fixed_point.quantize([nx, ny, nz, 0.0]);
             selected.for_each(|(level, weight, _)| push(out, level, weight, normal));
             return Some(());
         };
         let frame = TangentFrame::new([nx, ny, nz], [tx, ty, tz], setup.handedness);
         let scale = polygon.material.normal_scale;
+        let mut gathered = Gathered::default();
         for (level, weight, base) in selected {
             let image = map.levels.get(usize::from(level))?;
             let taps = taps(image, &map.sampler, self.config.filter, [u, v]);
             self.lines.look_up(image.width, base, &taps, traffic);
             counters.texels += u64::from(taps.count);
-            let pseudo_normal = |stored| {
-                let [x, y, z, _] = decode_normal(stored);
-                fixed_point(frame.rotate([x * scale, y * scale, z]), self.config.normal_bits)
-            };
-            match self.config.filter_at {
-                FilterAt::Normal => push(out, level, weight, pseudo_normal(filtered(image, &taps))),
-                FilterAt::Brightness => {
-                    for i in 0..usize::from(taps.count) {
-                        push(out, level, weight * taps.weight[i], pseudo_normal(stored(image, taps.texel[i])));
-                    }
-                }
-            }
+            gathered.add(out, (level, weight), self.config.filter_at, image, &taps);
+        }
+        // A loop of its own: the samples do not depend on each other, and a short body lets the processor overlap them.
+        let samples = out.normal.iter_mut().zip(&gathered.stored).take(usize::from(out.count));
+        for (normal, stored) in samples {
+            let [x, y, z, _] = decode_normal(*stored);
+            *normal = self.fixed_point.quantize(frame.rotate([x * scale, y * scale, z]));
         }
         Some(())
     }
@@ -156,21 +154,44 @@ fn stored(image: &Image, [x, y]: [u32; 2]) -> [f32; 4] {
     [f32::from(r), f32::from(g), f32::from(b), f32::from(a)]
 }
 
-/// The weighted sum of the taps, as stored: decoding is linear, so it can follow once.
-#[inline]
-fn filtered(image: &Image, taps: &Taps) -> [f32; 4] {
-    let [p, q, r, s] = taps.texel;
-    let a = stored(image, p);
-    if taps.count == 1 {
-        return a;
+/// Tangent-space normals of the samples of a fragment, as stored in the map.
+#[derive(Default)]
+struct Gathered {
+    stored: [[f32; 4]; MAX_SAMPLES],
+}
+
+impl Gathered {
+    /// Adds the samples of a level: one, or one per tap.
+    #[inline]
+    fn add(&mut self, out: &mut PseudoNormals, (level, weight): (u8, f32), at: FilterAt, image: &Image, taps: &Taps) {
+        let [p, q, r, s] = taps.texel;
+        let a = stored(image, p);
+        if taps.count == 1 {
+            return self.push(out, level, weight, a);
+        }
+        let (b, c, d) = (stored(image, q), stored(image, r), stored(image, s));
+        let [wa, wb, wc, wd] = taps.weight;
+        match at {
+            // The weighted sum of what is stored: decoding is linear, so it can follow.
+            FilterAt::Normal => {
+                let lane = |i: usize| (wa * a[i] + wb * b[i]) + (wc * c[i] + wd * d[i]);
+                self.push(out, level, weight, [lane(0), lane(1), lane(2), lane(3)]);
+            }
+            FilterAt::Brightness => {
+                for (share, texel) in [(wa, a), (wb, b), (wc, c), (wd, d)] {
+                    self.push(out, level, weight * share, texel);
+                }
+            }
+        }
     }
-    let (b, c, d) = (stored(image, q), stored(image, r), stored(image, s));
-    let [wa, wb, wc, wd] = taps.weight;
-    let mut sum = [0.0; 4];
-    for i in 0..4 {
-        sum[i] = (wa * a[i] + wb * b[i]) + (wc * c[i] + wd * d[i]);
+
+    #[inline]
+    fn push(&mut self, out: &mut PseudoNormals, level: u8, weight: f32, stored: [f32; 4]) {
+        if let Some(slot) = self.stored.get_mut(usize::from(out.count)) {
+            *slot = stored;
+        }
+        push(out, level, weight, [0; 3]);
     }
-    sum
 }
 
 impl Unit for NormalMapping {

@@ -311,3 +311,46 @@ proptest! {
         prop_assert_eq!(bytes(false), unit.counters().gathered_bytes + unit.counters().table_load_bytes);
     }
 }
+
+/// A frame of two objects with two polygons each, one of them empty.
+fn frame_of_two_objects() -> Vec<Flow<PseudoNormals>> {
+    let item = |i: i16| Flow::Item(sample(i as u16, &[(0, [i * 300, 100, 7]), (1, [100, -i, 90])]));
+    let mut run = Vec::new();
+    for id in 0..2 {
+        run.extend([object(id, None), polygon()].map(Flow::Control));
+        run.extend((0..12).map(item));
+        run.extend([polygon(), polygon()].map(Flow::Control));
+        run.extend((12..20).map(item));
+    }
+    run.push(Flow::Control(Control::FrameEnd));
+    run
+}
+
+fn small(codebook: CodeBookMode) -> Replacement {
+    let entries = PerLevel::Levels(vec![64, 32]);
+    Replacement::new(ReplacementConfig { entries, codebook, resident_tables: 1, ..config() }, 16).unwrap()
+}
+
+basrelief_kernel::unit_contract! {
+    name: contract_of_fixed_tables,
+    unit: small(CodeBookMode::Fixed),
+    inputs: frame_of_two_objects(),
+    clients: [Client::Port, Client::Port],
+    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+}
+
+basrelief_kernel::unit_contract! {
+    name: contract_of_code_books_per_polygon,
+    unit: small(CodeBookMode::PerPolygon),
+    inputs: frame_of_two_objects(),
+    clients: [Client::Port, Client::Port],
+    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+}
+
+basrelief_kernel::unit_contract! {
+    name: contract_of_code_books_per_object,
+    unit: small(CodeBookMode::PerObject),
+    inputs: frame_of_two_objects(),
+    clients: [Client::Port, Client::Port],
+    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+}

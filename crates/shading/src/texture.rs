@@ -66,12 +66,10 @@ const WHOLE: f32 = 12_582_912.0;
 /// an integer and back costs the checks for what does not fit.
 #[inline]
 fn floor(x: f32) -> f32 {
-    if x.abs() < 4_194_304.0 {
-        let nearest = (x + WHOLE) - WHOLE;
-        if nearest > x { nearest - 1.0 } else { nearest }
-    } else {
-        x
-    }
+    let nearest = (x + WHOLE) - WHOLE;
+    // Not `if`: which way it goes changes from fragment to fragment.
+    let below = nearest - f32::from(u8::from(nearest > x));
+    if x.abs() < 4_194_304.0 { below } else { x }
 }
 
 /// Whole part and fraction of -0.5 ..= 2^22.
@@ -91,12 +89,13 @@ fn nearest(x: f32, size: u32) -> u32 {
 /// The two texels around `x` and the share of the second.
 #[inline]
 fn pair(x: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
-    let last = size.max(1) as i32 - 1;
-    // `x - 0.5` lies in -0.5 ..= size - 0.5: one texel may stick out at either end.
+    let size = size.max(1) as i32;
+    // `x - 0.5` lies in -0.5 ..= size - 0.5: one texel may stick out at either end. It comes back from the other side, or
+    // moves in by one.
     let (first, fraction) = split(x - 0.5);
-    let (before, after) = if wrap == Wrap::Repeat { (last, 0) } else { (0, last) };
-    let second = if first >= last { after } else { first + 1 };
-    let first = if first < 0 { before } else { first };
+    let back = if wrap == Wrap::Repeat { size } else { 1 };
+    let second = if first + 1 >= size { first + 1 - back } else { first + 1 };
+    let first = if first < 0 { first + back } else { first };
     ([first as u32, second as u32], fraction)
 }
 
@@ -119,12 +118,12 @@ pub fn tap_offsets(width: u32, taps: &Taps) -> [u64; 4] {
     let [[x0, y0], [x1, _], [_, y1], _] = taps.texel;
     let (left, right) = (column_offset(x0), column_offset(x1));
     let (upper, lower) = (row_offset(width, y0), row_offset(width, y1));
-    [left + upper, right + upper, left + lower, right + lower]
+    [upper + left, upper + right, lower + left, lower + right]
 }
 
 #[inline]
 fn column_offset(x: u32) -> u64 {
-    u64::from(x / BLOCK) * u64::from(BLOCK * BLOCK) + u64::from(x % BLOCK)
+    u64::from(x % BLOCK) + u64::from(x / BLOCK) * u64::from(BLOCK * BLOCK)
 }
 
 #[inline]
