@@ -2,9 +2,9 @@
 //!
 //! - [`lighting`]: ambient + Lambert + Blinn-Phong, for CLUT entries and vertices;
 //! - [`area`]: areas of polygons on the screen and in a texture, and the LOD that follows;
-//! - [`lod`]: level of detail 0..=63, and which MIP levels it selects with which weights;
+//! - [`mod@lod`]: level of detail 0..=63, and which MIP levels it selects with which weights;
 //! - [`texture`]: which texels a sample touches, and where they lie in memory;
-//! - [`reference_normals`]: the contents of the VQ tables (121);
+//! - [`mod@reference_normals`]: the contents of the VQ tables (121);
 //! - [`interpolation`]: attributes of a fragment from those of its triangle.
 //!
 //! Single precision throughout; double only where tables are built. Transcendental functions come from `libm`, so that
