@@ -81,3 +81,28 @@ pub fn draws(scene: &Scene) -> impl Iterator<Item = Draw> + '_ {
         std::iter::once(Draw::Frame(Arc::clone(frame))).chain(objects).chain(std::iter::once(Draw::FrameEnd))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_frame_draws_every_triangle_once() {
+        let options = ViewOptions { frames: Some(2), ..ViewOptions::default() };
+        let scene = demo("mixed", &options).unwrap();
+        let triangles: usize = scene.objects.iter().map(|o| o.mesh.indices.len() / 3).sum();
+        let all: Vec<Draw> = draws(&scene).collect();
+        let count = |kind: fn(&Draw) -> bool| all.iter().filter(|d| kind(d)).count();
+        assert_eq!(count(|d| matches!(d, Draw::Frame(_))), 2);
+        assert_eq!(count(|d| matches!(d, Draw::FrameEnd)), 2);
+        assert_eq!(count(|d| matches!(d, Draw::Object(_))), 2 * scene.objects.len());
+        assert_eq!(count(|d| matches!(d, Draw::Triangle(_))), 2 * triangles);
+        assert!(matches!(&all[..3], [Draw::Frame(_), Draw::Object(_), Draw::Triangle(0)]));
+    }
+
+    #[test]
+    fn an_unknown_format_is_refused() {
+        let error = load(b"solid x", "x.stl", &Memory::default(), &ViewOptions::default()).unwrap_err().to_string();
+        assert!(error.starts_with("x.stl: no known model format; expected a .glb, .gltf or .obj file"), "{error}");
+    }
+}

@@ -140,3 +140,28 @@ fn check_mesh(mesh: &basrelief_signals::Mesh, bump: bool) {
     assert!(mesh.normals.iter().all(|n| (length(n) - 1.0).abs() < 1e-5));
     assert!(mesh.tangents.iter().all(|t| (length(&t[..3]) - 1.0).abs() < 1e-5 && t[3].abs() == 1.0));
 }
+
+/// MikkTSpace on a mesh whose file has tangents gives those tangents: the same handedness, nearly the same directions.
+#[test]
+fn computed_tangents_agree_with_a_files_own() {
+    let Some(folder) = inputs("models/Avocado") else { return };
+    let text = std::fs::read_to_string(folder.join("Avocado.gltf")).unwrap();
+    let files = basrelief_scene::Directory::new(&folder);
+    let mesh = |text: &str| {
+        let scene = basrelief_scene::load(text.as_bytes(), "Avocado.gltf", &files, &ViewOptions::default()).unwrap();
+        scene.objects[0].mesh.clone()
+    };
+    let given = mesh(&text);
+    let mut document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    document["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("TANGENT").unwrap();
+    let computed = mesh(&document.to_string());
+    let (mut same_side, mut near) = (0, 0);
+    for (a, b) in given.indices.iter().zip(&computed.indices) {
+        let (a, b) = (given.tangents[*a as usize], computed.tangents[*b as usize]);
+        same_side += usize::from(a[3] == b[3]);
+        near += usize::from((0..3).map(|i| a[i] * b[i]).sum::<f32>() > 0.95);
+    }
+    let corners = given.indices.len();
+    println!("of {corners} corners {same_side} have the same handedness, {near} nearly the same direction");
+    assert!(same_side * 100 > corners * 99 && near * 100 > corners * 95);
+}

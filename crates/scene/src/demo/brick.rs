@@ -34,7 +34,7 @@ pub(super) fn build() -> Stage {
     let ahead = DVec3::new(-0.32, -0.16, -1.0);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let camera = Viewpoint::looking_at(eye, eye + ahead, lens).unwrap_or(Viewpoint { eye, axes, lens });
-    shop.stage(camera, [0.75, 0.42, -0.35])
+    shop.stage(camera, [0.62, 0.62, 0.42])
 }
 
 /// Depth of a strip's edge, t from 0 (far) to 1 (near): each strip is as many times deeper than the one before it.
@@ -70,6 +70,6 @@ fn brick_color(masonry: Masonry, u: f64, v: f64) -> DVec3 {
 
 fn slab_color(masonry: Masonry, u: f64, v: f64) -> DVec3 {
     let (stone, shade) = masonry.stone(u, v);
-    let slab = DVec3::new(0.42, 0.43, 0.46).lerp(DVec3::new(0.74, 0.71, 0.64), shade);
-    DVec3::new(0.30, 0.28, 0.25).lerp(slab, stone)
+    let slab = DVec3::new(0.50, 0.51, 0.54).lerp(DVec3::new(0.84, 0.80, 0.72), shade);
+    DVec3::new(0.36, 0.34, 0.30).lerp(slab, stone)
 }

@@ -1,7 +1,7 @@
 //! A coin in relief under a circling light.
 
 use super::framing;
-use super::lettering::distance;
+use super::lettering::{distance, width};
 use super::pattern::{noise, smoothstep};
 use super::stage::{Grid, PI, Point, Stage, Workshop};
 use basrelief_signals::Mesh;
@@ -10,7 +10,7 @@ use glam::{DMat4, DVec2, DVec3};
 /// Thickness of the coin, its radius being 1.
 const THICKNESS: f64 = 0.16;
 
-/// A gold coin on its back. Its relief - a sun, an inscription, a ring of beads - is a height map of 512 x 512 texels on a
+/// A gold coin on its back. Its relief - a sun, an inscription, a garland, a ring of beads - is a height map of 512 x 512 texels on a
 /// flat disc. The light circles once in eight frames: at every frame the tables of brightness (CLUTs) are computed anew,
 /// while the indices on the surface stay the same.
 pub(super) fn build() -> Stage {
@@ -22,7 +22,7 @@ pub(super) fn build() -> Stage {
     let edge = shop.material("gold, reeded", gold, None, Some(reeds));
     shop.place("face", disc(), DMat4::IDENTITY, &face);
     shop.place("edge", rim(), DMat4::IDENTITY, &edge);
-    let stage = shop.stage(framing([-0.72, -THICKNESS, -0.72], [0.72, 0.0, 0.72], 0.0, 52.0), [-0.75, 0.6, 0.45]);
+    let stage = shop.stage(framing([-0.72, -THICKNESS, -0.72], [0.72, 0.0, 0.72], 0.0, 52.0), [-0.75, 0.75, 0.45]);
     Stage { frames: 8, light_orbit: 360.0, ..stage }
 }
 
@@ -53,7 +53,9 @@ fn height(p: DVec2) -> f64 {
     let border = smoothstep(0.915, 0.94, r);
     let field = 0.10 + 0.02 * noise(0.5 + 0.5 * p.x, 0.5 + 0.5 * p.y, 24, 5);
     let angle = libm::atan2(p.x, p.y);
-    field + (0.9 - field) * border.max(beads(r, angle)).max(inscription(r, angle)).max(sun(r, angle))
+    let parts = [beads(r, angle), inscription(r, angle), garland(r, angle), sun(r, angle)];
+    let relief = parts.into_iter().fold(border, f64::max);
+    field + (0.9 - field) * relief
 }
 
 fn beads(r: f64, angle: f64) -> f64 {
@@ -69,11 +71,40 @@ fn inscription(r: f64, angle: f64) -> f64 {
     const TEXT: &str = "BASRELIEF";
     const UNIT: f64 = 0.030;
     const BASE: f64 = 0.61;
-    // Letters are 4 units wide and stand 6.4 apart, on a circle of radius BASE.
-    let place = angle * BASE / UNIT / 6.4 + TEXT.len() as f64 / 2.0;
-    let Some(letter) = TEXT.chars().nth(if place < 0.0 { usize::MAX } else { place as usize }) else { return 0.0 };
-    let point = DVec2::new((place - place.floor()) * 6.4 - 1.2, (r - BASE) / UNIT);
-    0.75 * (1.0 - smoothstep(0.25, 0.95, distance(letter, point)))
+    const GAP: f64 = 2.6;
+    let length: f64 = TEXT.chars().map(|c| width(c) + GAP).sum();
+    // Letter units along the circle of radius BASE, from the beginning of the text.
+    let mut x = angle * BASE / UNIT + length / 2.0;
+    for letter in TEXT.chars() {
+        let advance = width(letter) + GAP;
+        if x >= 0.0 && x < advance {
+            let point = DVec2::new(x - GAP / 2.0, (r - BASE) / UNIT);
+            return 0.75 * (1.0 - smoothstep(0.25, 0.95, distance(letter, point)));
+        }
+        x -= advance;
+    }
+    0.0
+}
+
+/// A garland of leaves along the lower side, in pairs that point upwards.
+fn garland(r: f64, angle: f64) -> f64 {
+    const PAIRS: f64 = 9.0;
+    const REACH: f64 = 1.25;
+    const STEM: f64 = 0.70;
+    let from_bottom = PI - angle.abs();
+    let turn = from_bottom / REACH * PAIRS;
+    if turn >= PAIRS {
+        return 0.0;
+    }
+    let along = (turn - turn.floor() - 0.5) / PAIRS * REACH * STEM;
+    let across = (r - STEM).abs();
+    // Each leaf grows out of the stem at 35 degrees.
+    let (sin, cos) = (0.5736, 0.8192);
+    let (length, breadth) = ((along + 0.02) * cos + across * sin, across * cos - along * sin);
+    let leaf =
+        1.0 - (length - 0.03) * (length - 0.03) / (0.055 * 0.055) - (breadth - 0.035) * (breadth - 0.035) / (0.022 * 0.022);
+    let stem = 1.0 - across * across / (0.012 * 0.012);
+    0.7 * leaf.max(0.0).sqrt().max(0.6 * stem.max(0.0).sqrt())
 }
 
 /// A disc with sixteen rays, every other one short.

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 type Stroke = &'static [[f64; 2]];
 
-/// Strokes of a letter in a box 4 wide and 6 high, from the lower left; none for a letter that is not needed.
+/// Strokes of a letter in a box 6 high, from the lower left; none for a letter that is not needed.
 fn strokes(letter: char) -> &'static [Stroke] {
     match letter {
         'A' => &[&[[0., 0.], [2., 6.], [4., 0.]], &[[0.7, 2.], [3.3, 2.]]],
@@ -23,7 +23,7 @@ fn strokes(letter: char) -> &'static [Stroke] {
         ]],
         'E' => &[&[[4., 6.], [0., 6.], [0., 0.], [4., 0.]], &[[0., 3.], [3., 3.]]],
         'F' => &[&[[4., 6.], [0., 6.], [0., 0.]], &[[0., 3.], [3., 3.]]],
-        'I' => &[&[[2., 0.], [2., 6.]]],
+        'I' => &[&[[0., 0.], [0., 6.]]],
         'L' => &[&[[0., 6.], [0., 0.], [4., 0.]]],
         'R' => &[&[[0., 0.], [0., 6.], [3., 6.], [4., 5.2], [4., 3.8], [3., 3.], [0., 3.]], &[[2., 3.], [4., 0.]]],
         'S' => &[&[
@@ -42,6 +42,11 @@ fn strokes(letter: char) -> &'static [Stroke] {
         ]],
         _ => &[],
     }
+}
+
+/// Width of a letter's box.
+pub(super) fn width(letter: char) -> f64 {
+    if letter == 'I' { 0.0 } else { 4.0 }
 }
 
 /// Distance of a point of the letter's box to the nearest stroke.
@@ -63,7 +68,7 @@ mod tests {
 
     #[test]
     fn strokes_are_where_they_should_be() {
-        assert_eq!(distance('I', DVec2::new(3.0, 3.0)), 1.0);
+        assert_eq!(distance('I', DVec2::new(1.0, 3.0)), 1.0);
         assert_eq!(distance('L', DVec2::new(0.0, 5.0)), 0.0);
         assert_eq!(distance('?', DVec2::ZERO), f64::INFINITY);
     }

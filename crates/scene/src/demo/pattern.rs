@@ -1,5 +1,6 @@
 //! Patterns over the unit square that repeat without seams.
 
+use super::stage::PI;
 use glam::DVec2;
 
 /// 0 below `low`, 1 above `high`, smooth between.
@@ -76,13 +77,16 @@ impl Masonry {
 /// Height of a plain weave with this many threads per side (even), 0..1.
 pub(super) fn weave(u: f64, v: f64, threads: f64) -> f64 {
     let p = DVec2::new(u, v) * threads;
-    let cell = p.floor();
-    let f = p - cell - 0.5;
-    let over = (cell.x + cell.y).rem_euclid(2.0) < 1.0;
-    let (across, along) = if over { (f.y, f.x) } else { (f.x, f.y) };
-    // A round thread that rises in the middle of its cell and dives under its neighbours.
-    let round = (1.0 - (across / 0.48) * (across / 0.48)).max(0.0).sqrt();
-    round * (1.0 - 1.6 * along * along)
+    let round = |across: f64| {
+        let x = (across - across.floor() - 0.5) / 0.46;
+        (1.0 - x * x).max(0.0).sqrt()
+    };
+    let sign = |i: f64| if i.floor().rem_euclid(2.0) < 1.0 { 1.0 } else { -1.0 };
+    // Threads rise and dive once every two crossings, those across just when the others do not.
+    let lift = |wave: f64| 0.35 + 0.325 * (1.0 + wave);
+    let warp = round(p.x) * lift(sign(p.x) * libm::sin(PI * p.y));
+    let weft = round(p.y) * lift(-sign(p.y) * libm::sin(PI * p.x));
+    warp.max(weft)
 }
 
 #[cfg(test)]

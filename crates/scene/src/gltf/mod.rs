@@ -13,6 +13,8 @@ mod material;
 mod nodes;
 pub(crate) mod parse;
 mod scene;
+#[cfg(test)]
+mod tests;
 
 use crate::SceneError;
 use crate::camera::rows;

@@ -5,6 +5,8 @@
 
 mod mtl;
 mod parse;
+#[cfg(test)]
+mod tests;
 
 use crate::SceneError;
 use crate::error::Warnings;

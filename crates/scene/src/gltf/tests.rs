@@ -1,0 +1,372 @@
+//! Whole documents, good and bad.
+
+use super::glb::tests::build;
+use crate::files::Memory;
+use crate::picture::tests::png;
+use crate::{SceneError, ViewOptions, load};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use basrelief_signals::{Filter, LightKind, Scene, Wrap};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+const UV: [[f32; 2]; 4] = [[0., 1.], [1., 1.], [1., 0.], [0., 0.]];
+
+fn bytes<T: Copy, const N: usize>(list: &[T], to_bytes: fn(T) -> [u8; N]) -> Vec<u8> {
+    list.iter().flat_map(|v| to_bytes(*v)).collect()
+}
+
+fn floats(list: &[f32]) -> Vec<u8> {
+    bytes(list, f32::to_le_bytes)
+}
+
+fn data_uri(bytes: &[u8]) -> String {
+    format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes))
+}
+
+/// A square in the xy plane, u to the right and v down, with two textures, a camera and a light.
+fn square() -> Value {
+    let positions = floats(&[0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.]);
+    let uv = floats(UV.as_flattened());
+    let indices = bytes(&[0u16, 1, 2, 0, 2, 3], u16::to_le_bytes);
+    let all: Vec<u8> = [positions, floats(&[0., 0., 1.].repeat(4)), uv, indices].concat();
+    let picture = png(2, 2, |x, y| [(200 * x) as u8, (100 * y) as u8, 255, 255]);
+    json!({
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_lights_punctual", "KHR_texture_transform"],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "directional", "intensity": 3.0, "color": [1, 0, 0]}]}},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [
+            {"name": "root", "translation": [0, 0, 5], "children": [1, 2, 3]},
+            {"name": "square", "mesh": 0, "scale": [2, 2, 2], "extras": {"basrelief": {"entries": 16}}},
+            {"camera": 0, "translation": [0.5, 0.5, 10]},
+            {"rotation": [0, 0.7071067811865476, 0, 0.7071067811865476], "extensions": {"KHR_lights_punctual": {"light": 0}}}
+        ],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}, "indices": 3, "material": 0}]}],
+        "materials": [{
+            "name": "both",
+            "pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1], "baseColorTexture": {"index": 0}},
+            "normalTexture": {"index": 0, "scale": 0.5},
+            "extras": {"basrelief": {"entries": 8, "bump": true}}
+        }],
+        "textures": [{"source": 0, "sampler": 0}],
+        "samplers": [{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}],
+        "images": [{"bufferView": 4, "mimeType": "image/jpeg"}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2"},
+            {"bufferView": 3, "componentType": 5123, "count": 6, "type": "SCALAR"}
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 96, "byteLength": 32},
+            {"buffer": 0, "byteOffset": 128, "byteLength": 12},
+            {"buffer": 1, "byteLength": picture.len()}
+        ],
+        "buffers": [{"byteLength": all.len(), "uri": data_uri(&all)}, {"byteLength": picture.len(), "uri": data_uri(&picture)}]
+    })
+}
+
+fn import(document: &Value) -> Result<Scene, SceneError> {
+    load(document.to_string().as_bytes(), "m.gltf", &Memory::default(), &ViewOptions::default())
+}
+
+/// The document with the value at a pointer replaced; a missing key of an object is added.
+fn with(mut document: Value, pointer: &str, value: Value) -> Value {
+    let (parent, key) = pointer.rsplit_once('/').unwrap();
+    match document.pointer_mut(parent).unwrap() {
+        Value::Object(map) => drop(map.insert(key.into(), value)),
+        Value::Array(list) => list[key.parse::<usize>().unwrap()] = value,
+        _ => panic!("{parent} has no parts"),
+    }
+    document
+}
+
+/// A copy of the square with another buffer, a view over it, and an accessor that the attribute then uses.
+fn with_attribute(name: &str, data: &[u8], view: Value, accessor: Value) -> Value {
+    let mut document = square();
+    let mut push = |list: &str, value: Value| {
+        let list = document[list].as_array_mut().unwrap();
+        list.push(value);
+        list.len() - 1
+    };
+    let buffer = push("buffers", json!({"byteLength": data.len(), "uri": data_uri(data)}));
+    let merge = |mut base: Value, more: Value| {
+        base.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        base
+    };
+    let view = push("bufferViews", merge(json!({"buffer": buffer, "byteLength": data.len()}), view));
+    let accessor = push("accessors", merge(json!({"bufferView": view, "count": 4}), accessor));
+    with(document, &format!("/meshes/0/primitives/0/attributes/{name}"), json!(accessor))
+}
+
+fn refuses(document: &Value, part: &str) {
+    let error = import(document).err().unwrap_or_else(|| panic!("accepted, expected: {part}")).to_string();
+    assert!(error.starts_with("m.gltf: ") && error.contains(part), "{error}\nexpected {part}");
+}
+
+#[test]
+fn a_square_comes_out_whole() {
+    let scene = import(&square()).unwrap();
+    let [object] = &scene.objects[..] else { panic!("one object") };
+    assert_eq!(object.name, "square");
+    assert_eq!((object.entries, object.bump), (Some(16), Some(true)), "the node's word goes before the material's");
+    assert_eq!(object.world, [2., 0., 0., 0., 0., 2., 0., 0., 0., 0., 2., 5., 0., 0., 0., 1.]);
+    assert_eq!(object.mesh.indices, [0, 1, 2, 0, 2, 3]);
+    assert_eq!(object.mesh.uv, UV);
+    assert_eq!(object.mesh.tangents, [[1., 0., 0., 1.]; 4]);
+    let material = &object.material;
+    assert_eq!((material.base_color, material.normal_scale, material.double_sided), ([0.5, 1., 1., 1.], 0.5, false));
+    let (color, map) = (material.color_texture.as_ref().unwrap(), material.normal_map.as_ref().unwrap());
+    assert_eq!((color.sampler.wrap, color.sampler.filter), ([Wrap::Clamp, Wrap::Mirror], Filter::Nearest));
+    assert_ne!(color.id, map.id, "one picture, two uses, two textures");
+    assert_eq!((color.levels.len(), color.levels[1].texels[0]), (2, [100, 50, 255, 255]));
+    assert!(scene.warnings.iter().any(|w| w.contains("Rec. 709")), "{:?}", scene.warnings);
+}
+
+#[test]
+fn the_files_camera_and_light_are_used() {
+    let frame = import(&square()).unwrap().frames[0].clone();
+    // The camera stands at (0.5, 0.5, 15), the square's centre at (1, 1, 5).
+    let to_viewer = glam::DVec3::from_array(frame.camera.to_viewer);
+    assert!((to_viewer - glam::DVec3::new(-0.5, -0.5, 10.0).normalize()).length() < 1e-12);
+    // A quarter turn around y brings the node's z axis, opposite to the light's way, to +x.
+    let LightKind::Directional { to_light } = frame.lights[0].kind else { panic!("directional") };
+    assert!((to_light[0] - 1.0).abs() < 1e-6);
+    assert_eq!(frame.lights[0].intensity, 1.0, "the strongest is scaled to 1");
+}
+
+#[test]
+fn meshes_are_shared_between_nodes_and_textures_between_materials() {
+    let mut document = with(square(), "/nodes/0/children", json!([1, 2, 3, 4]));
+    document["nodes"].as_array_mut().unwrap().push(json!({"mesh": 1}));
+    let second = document["materials"][0].clone();
+    document["materials"].as_array_mut().unwrap().push(second);
+    let mut mesh = document["meshes"][0].clone();
+    mesh["primitives"][0]["material"] = json!(1);
+    document["meshes"].as_array_mut().unwrap().push(mesh);
+    document["nodes"][2] = json!({"mesh": 0, "camera": 0});
+    let scene = import(&document).unwrap();
+    let [a, b, c] = &scene.objects[..] else { panic!("three objects") };
+    assert!(std::sync::Arc::ptr_eq(&a.mesh, &b.mesh));
+    assert_ne!(a.material.id, c.material.id);
+    let map = |o: &basrelief_signals::Object| o.material.normal_map.clone().unwrap();
+    assert!(std::sync::Arc::ptr_eq(&map(a), &map(c)));
+}
+
+#[test]
+fn quantized_and_strided_attributes_are_read() {
+    let tight = [[0u8, 255], [255, 255], [255, 0], [0, 0]];
+    let padded: Vec<u8> = tight.iter().flat_map(|[u, v]| [*u, *v, 9, 9]).collect();
+    let accessor = json!({"componentType": 5121, "normalized": true, "type": "VEC2"});
+    let document = with_attribute("TEXCOORD_0", &padded, json!({"byteStride": 4}), accessor.clone());
+    assert_eq!(import(&document).unwrap().objects[0].mesh.uv, UV);
+    refuses(&with_attribute("TEXCOORD_0", &padded, json!({"byteStride": 1}), accessor), "/bufferViews/5/byteStride: is 1");
+
+    let shorts = bytes(&[0i16, 0, 0, 9, 50, 0, 0, 9, 50, 50, 0, 9, 0, 50, 0, 9], i16::to_le_bytes);
+    let document = with_attribute("POSITION", &shorts, json!({"byteStride": 8}), json!({"componentType": 5122, "type": "VEC3"}));
+    refuses(&document, "with KHR_mesh_quantization");
+    let document = with(document, "/extensionsUsed", json!(["KHR_mesh_quantization"]));
+    let document = with(document, "/extensionsRequired", json!(["KHR_mesh_quantization"]));
+    assert_eq!(import(&document).unwrap().objects[0].mesh.positions[2], [50., 50., 0.]);
+}
+
+#[test]
+fn sparse_values_replace_zeros_and_data() {
+    let mut sparse: Vec<u8> = bytes(&[1u32, 3], u32::to_le_bytes);
+    sparse.extend(floats(&[7., 8., 9., 0., 1., 0.]));
+    let part =
+        json!({"count": 2, "indices": {"bufferView": 5, "componentType": 5125}, "values": {"bufferView": 5, "byteOffset": 8}});
+    let accessor = json!({"componentType": 5126, "type": "VEC3", "sparse": part});
+    let mut document = with_attribute("POSITION", &sparse, json!({}), accessor);
+    document["accessors"][4]["bufferView"] = json!(0);
+    let positions = |d: &Value| import(d).unwrap().objects[0].mesh.positions.clone();
+    assert_eq!(positions(&document), [[0., 0., 0.], [7., 8., 9.], [1., 1., 0.], [0., 1., 0.]]);
+    document["accessors"][4].as_object_mut().unwrap().remove("bufferView");
+    assert_eq!(positions(&document)[..3], [[0., 0., 0.], [7., 8., 9.], [0., 0., 0.]]);
+    refuses(&with(document.clone(), "/accessors/4/count", json!(1u64 << 40)), "without a buffer view");
+    refuses(&with(document.clone(), "/accessors/4/sparse/count", json!(3)), "/accessors/4/sparse/");
+    refuses(&with(document, "/accessors/4/sparse/indices/byteOffset", json!(4)), "strictly increasing");
+}
+
+#[test]
+fn without_normals_faces_are_flat_and_vertices_split() {
+    let mut document = square();
+    document["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("NORMAL");
+    let mesh = import(&document).unwrap().objects[0].mesh.clone();
+    assert_eq!((mesh.positions.len(), &mesh.normals), (6, &vec![[0., 0., 1.]; 6]));
+    assert_eq!(mesh.tangents, [[1., 0., 0., 1.]; 6]);
+}
+
+#[test]
+fn colour_texture_and_normal_map_may_use_different_coordinates() {
+    let other = floats(&[0.5; 8]);
+    let document = with_attribute("TEXCOORD_1", &other, json!({}), json!({"componentType": 5126, "type": "VEC2"}));
+    let info = json!({"index": 0, "texCoord": 1, "extensions": {"KHR_texture_transform": {"offset": [1, 2], "scale": [2, 4]}}});
+    let document = with(document, "/materials/0/pbrMetallicRoughness/baseColorTexture", info);
+    let mesh = import(&document).unwrap().objects[0].mesh.clone();
+    assert_eq!((&mesh.uv[..], &mesh.uv_normal[..]), (&[[2., 4.]; 4][..], &UV[..]));
+}
+
+#[test]
+fn vertex_colours_of_three_components_are_opaque() {
+    let accessor = json!({"componentType": 5123, "normalized": true, "type": "VEC3"});
+    let colors = bytes(&[65535u16, 0, 0, 0].repeat(4), u16::to_le_bytes);
+    let mesh = import(&with_attribute("COLOR_0", &colors, json!({"byteStride": 8}), accessor)).unwrap().objects[0].mesh.clone();
+    assert_eq!(mesh.colors, [[1., 0., 0., 1.]; 4]);
+}
+
+#[test]
+fn faults_are_named_with_their_pointer() {
+    let set = |pointer: &str, value: Value| with(square(), pointer, value);
+    refuses(&set("/nodes/1/children", json!([0])), "/nodes/0: is its own ancestor");
+    refuses(&set("/nodes/1/children", json!([2])), "/nodes/1/children/0: node 2 has a parent already");
+    refuses(&set("/scenes/0/nodes", json!([1])), "/scenes/0/nodes/0: node 1 is a child");
+    refuses(&set("/nodes/0/children/0", json!(7)), "/nodes/0/children/0: refers to element 7 of /nodes");
+    refuses(&set("/extensionsRequired", json!(["KHR_draco_mesh_compression"])), "`KHR_draco_mesh_compression`");
+    refuses(&set("/accessors/3/count", json!(600)), "/accessors/3/count: 600 elements");
+    refuses(&set("/accessors/0/count", json!(u64::MAX)), "/accessors/0/count");
+    refuses(&set("/accessors/0/byteOffset", json!(u64::MAX)), "/accessors/0/count");
+    refuses(&set("/accessors/0/type", json!("VEC4")), "/accessors/0/count");
+    refuses(&set("/accessors/2/count", json!(3)), "/meshes/0/primitives/0/attributes/TEXCOORD_0: accessor 2 has 3 elements");
+    refuses(&set("/bufferViews/0/byteLength", json!(4096)), "/bufferViews/0/byteLength");
+    refuses(&set("/buffers/0/byteLength", json!(4096)), "/buffers/0/byteLength");
+    refuses(&set("/buffers/0/uri", json!("missing.bin")), "/buffers/0/uri: cannot read `missing.bin`");
+    refuses(&set("/buffers/0/uri", json!("../../x.bin")), "/buffers/0/uri: cannot read `../../x.bin`");
+    refuses(&set("/buffers/0/uri", json!("https://example.org/x.bin")), "is a URL");
+    refuses(&set("/samplers/0/wrapS", json!(1)), "/samplers/0/wrapS: wrap mode 1");
+    refuses(&set("/cameras/0/perspective/znear", json!(-1)), "/cameras/0/perspective/znear");
+    refuses(&set("/nodes/1/rotation", json!([0, 0, 0, 0])), "/nodes/1/rotation");
+    let huge = || json!([1e308, 1e308, 1e308]);
+    refuses(&with(set("/nodes/1/scale", huge()), "/nodes/0/scale", huge()), "/nodes/1: its world matrix overflows");
+    refuses(&set("/meshes/0/primitives/0/mode", json!(9)), "/meshes/0/primitives/0/mode");
+    refuses(&set("/meshes/0/primitives/0/indices", json!(0)), "accessor 0 is VEC3 of float");
+    refuses(&set("/materials/0/pbrMetallicRoughness/baseColorFactor", json!([1, 1, 2, 1])), "baseColorFactor");
+    refuses(&set("/nodes/1/mesh", json!(null)), "nothing to draw");
+    refuses(&set("/nodes/1/extras", json!({"basrelief": {"entires": 1}})), "unknown field `entires`");
+}
+
+#[test]
+fn what_is_left_out_is_said() {
+    let says = |document: Value, part: &str| {
+        let warnings = import(&document).unwrap_or_else(|e| panic!("{e}")).warnings;
+        assert!(warnings.iter().any(|w| w.contains(part)), "{warnings:?}");
+    };
+    says(with(square(), "/materials/0/alphaMode", json!("BLEND")), "alphaMode BLEND");
+    says(with(square(), "/animations", json!([{}])), "animations are ignored");
+    says(with(square(), "/extensionsUsed", json!(["KHR_materials_unlit"])), "`KHR_materials_unlit` is not supported");
+    says(with(square(), "/meshes/0/primitives/0/targets", json!([{}])), "morph targets");
+    let skinned = with(with(square(), "/skins", json!([{}])), "/nodes/1/skin", json!(0));
+    says(skinned, "skin is ignored");
+    let mut lines = square();
+    let mut primitive = lines["meshes"][0]["primitives"][0].clone();
+    primitive["mode"] = json!(1);
+    lines["meshes"][0]["primitives"].as_array_mut().unwrap().push(primitive);
+    says(lines, "points or lines");
+    let basisu = json!({"source": 0, "extensions": {"KHR_texture_basisu": {"source": 0}}});
+    says(with(square(), "/textures/0", basisu), "`KHR_texture_basisu`");
+    says(with(square(), "/textures/0", json!({"extensions": {"EXT_texture_webp": {"source": 0}}})), "drawn without it");
+    let spot = json!({"KHR_lights_punctual": {"lights": [{"type": "spot"}]}});
+    says(with(square(), "/extensions", spot), "spot light");
+}
+
+#[test]
+fn invisible_nodes_are_not_drawn() {
+    let hidden = json!({"KHR_node_visibility": {"visible": false}});
+    refuses(&with(square(), "/nodes/0/extensions", hidden), "nothing to draw");
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_refused() {
+    let accessor = json!({"componentType": 5126, "type": "VEC3"});
+    let document = with_attribute("POSITION", &floats(&[f32::NAN; 12]), json!({}), accessor);
+    refuses(&document, "/accessors/4: element 0 is");
+}
+
+/// The square as a GLB: its first buffer is the BIN chunk.
+fn square_glb() -> Vec<u8> {
+    let mut document = square();
+    let uri = document["buffers"][0]["uri"].take();
+    document["buffers"][0].as_object_mut().unwrap().remove("uri");
+    let bin = STANDARD.decode(uri.as_str().unwrap().rsplit(',').next().unwrap()).unwrap();
+    build(&document.to_string(), Some(&bin))
+}
+
+#[test]
+fn a_glb_gives_the_same_scene() {
+    let glb = load(&square_glb(), "m.gltf", &Memory::default(), &ViewOptions::default()).unwrap();
+    assert_eq!(glb, import(&square()).unwrap());
+}
+
+#[test]
+fn every_truncation_of_a_glb_is_an_error() {
+    let whole = square_glb();
+    for end in 0..whole.len() {
+        let cut = load(&whole[..end], "cut.glb", &Memory::default(), &ViewOptions::default());
+        assert!(cut.is_err(), "cut at {end} of {}", whole.len());
+    }
+}
+
+/// Pointers of all values of a document.
+fn pointers(value: &Value, prefix: String, all: &mut Vec<String>) {
+    match value {
+        Value::Object(map) => map.iter().for_each(|(k, v)| pointers(v, format!("{prefix}/{k}"), all)),
+        Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| pointers(v, format!("{prefix}/{i}"), all)),
+        _ => {}
+    }
+    if !prefix.is_empty() {
+        all.push(prefix);
+    }
+}
+
+fn odd_value() -> impl Strategy<Value = Value> {
+    prop_oneof![
+        Just(json!(null)),
+        Just(json!([])),
+        Just(json!({})),
+        Just(json!("x")),
+        Just(json!(true)),
+        Just(json!("data:;base64,AAAA")),
+        Just(json!(1e308)),
+        Just(json!(-1e308)),
+        Just(json!(u64::MAX)),
+        Just(json!(-1)),
+        Just(json!(0.5)),
+        Just(json!([0, 0, 0])),
+        (0u64..10).prop_map(|n| json!(n)),
+        (5120u64..5127).prop_map(|n| json!(n)),
+        (0u32..64).prop_map(|n| json!(1u64 << n)),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    /// Changed in a few places, a document is imported or refused with a message, but never a panic.
+    #[test]
+    fn mutated_documents_never_panic(changes in proptest::collection::vec((any::<prop::sample::Index>(), odd_value()), 1..4)) {
+        let mut document = square();
+        for (place, value) in changes {
+            let mut all = Vec::new();
+            pointers(&document, String::new(), &mut all);
+            if all.is_empty() { break; }
+            *document.pointer_mut(place.get::<String>(&all)).unwrap() = value;
+        }
+        if let Err(e) = import(&document) {
+            prop_assert!(e.to_string().starts_with("m.gltf: ") || !e.file.is_empty());
+        }
+    }
+
+    #[test]
+    fn flipped_bytes_of_a_glb_never_panic(flips in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8)) {
+        let mut bytes = square_glb();
+        for (place, value) in flips {
+            *place.get_mut(&mut bytes) = value;
+        }
+        let _ = load(&bytes, "m.glb", &Memory::default(), &ViewOptions::default());
+    }
+}

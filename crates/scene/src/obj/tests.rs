@@ -1,0 +1,91 @@
+//! Whole models.
+
+use crate::files::Memory;
+use crate::picture::tests::png;
+use crate::{SceneError, ViewOptions, load};
+use basrelief_signals::{Scene, Wrap};
+use proptest::prelude::*;
+
+const SQUARE: &str = "mtllib lib/m.mtl\no wall\nusemtl stone\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n\
+    vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
+
+fn import(text: &str, files: &Memory) -> Result<Scene, SceneError> {
+    load(text.as_bytes(), "m.obj", files, &ViewOptions::default())
+}
+
+#[test]
+fn materials_are_read_through_the_given_files() {
+    let mtl = "newmtl stone\nKd 0.5 0.6 0.7\nmap_Kd -clamp on c.png\nmap_Bump -bm 2 h.png\n";
+    let ramp = png(4, 4, |x, _| [(x * 20) as u8, (x * 20) as u8, (x * 20) as u8, 255]);
+    let files =
+        Memory::default().with("lib/m.mtl", mtl).with("lib/c.png", png(2, 2, |x, _| [x as u8; 4])).with("lib/h.png", ramp);
+    let scene = import(SQUARE, &files).unwrap();
+    assert_eq!(scene.warnings, [""; 0]);
+    let object = &scene.objects[0];
+    assert_eq!(object.name, "wall / stone");
+    assert_eq!(object.mesh.uv, [[0., 1.], [1., 1.], [1., 0.], [0., 0.]], "v runs down here");
+    assert_eq!(object.mesh.tangents, [[1., 0., 0., 1.]; 4]);
+    assert_eq!(object.mesh.normals, [[0., 0., 1.]; 4]);
+    let material = &object.material;
+    assert!(material.double_sided);
+    assert_eq!(material.base_color, [0.5, 0.6, 0.7, 1.0]);
+    assert_eq!(material.color_texture.as_ref().unwrap().sampler.wrap, [Wrap::Clamp; 2]);
+    // The ramp rises by 20/255 per texel, twice the standard height: it leans to the left.
+    let red = material.normal_map.as_ref().unwrap().levels[0].texels[5][0];
+    let slope: f64 = 20.0 / 255.0 * 8.0;
+    assert_eq!(f64::from(red), (127.5 * (1.0 - slope / (1.0 + slope * slope).sqrt())).round());
+}
+
+#[test]
+fn missing_libraries_and_pictures_are_warnings() {
+    let scene = import(SQUARE, &Memory::default()).unwrap();
+    assert!(scene.warnings[0].contains("cannot read `lib/m.mtl`"), "{:?}", scene.warnings);
+    let files = Memory::default().with("lib/m.mtl", "newmtl stone\nmap_Kd gone.png\n");
+    let scene = import(SQUARE, &files).unwrap();
+    assert!(scene.warnings[0].contains("cannot read `lib/gone.png`"), "{:?}", scene.warnings);
+    assert!(scene.objects[0].material.color_texture.is_none() && scene.objects[0].mesh.uv.is_empty());
+}
+
+#[test]
+fn a_corrupt_picture_or_library_is_an_error_that_names_it() {
+    let files = Memory::default().with("lib/m.mtl", "newmtl stone\nmap_Kd c.png\n").with("lib/c.png", *b"GIF89a");
+    assert!(import(SQUARE, &files).unwrap_err().to_string().starts_with("lib/c.png: neither PNG nor JPEG (a GIF picture)"));
+    let files = Memory::default().with("lib/m.mtl", "newmtl stone\nKd x\n");
+    assert!(import(SQUARE, &files).unwrap_err().to_string().starts_with("lib/m.mtl: line 2: `x`"));
+}
+
+#[test]
+fn normals_are_smooth_over_positions_whatever_the_texture_says() {
+    // A roof: two faces that share the ridge 2-3 in space, but not in the texture.
+    let roof = "v -1 0 0\nv 0 1 0\nv 0 1 -1\nv 1 0 0\nvt 0 0\nvt 1 0\nf 1/1 2/1 3/1\nf 2/2 4/2 3/2\n";
+    let scene = import(roof, &Memory::default()).unwrap();
+    let mesh = &scene.objects[0].mesh;
+    let ridge: Vec<_> = mesh.positions.iter().zip(&mesh.normals).filter(|(p, _)| **p == [0., 1., 0.]).collect();
+    assert_eq!(ridge.len(), 2);
+    assert_eq!(ridge[0].1, ridge[1].1);
+}
+
+#[test]
+fn nothing_to_draw_is_an_error() {
+    assert!(import("v 0 0 0\nl 1 1\n", &Memory::default()).unwrap_err().to_string().contains("lines and points"));
+    assert!(import("", &Memory::default()).is_err());
+}
+
+proptest! {
+    #[test]
+    fn any_text_is_read_or_refused(text in "([vfou#][tn]?( [-0-9/.x\\\\]{1,6}){0,5}\n){0,20}") {
+        let _ = import(&text, &Memory::default());
+    }
+
+    #[test]
+    fn any_library_is_read_or_refused(text in "newmtl stone\n((Kd|map_Kd|bump|d|norm) ?(-bm|-s|-clamp|-mm)?( [-0-9a.]{1,4}){0,4}\n){0,9}") {
+        let _ = import(SQUARE, &Memory::default().with("lib/m.mtl", text));
+    }
+
+    #[test]
+    fn any_bytes_are_read_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+        for name in ["a.obj", "a.glb", "a.gltf", "a"] {
+            let _ = load(&bytes, name, &Memory::default(), &ViewOptions::default());
+        }
+    }
+}
