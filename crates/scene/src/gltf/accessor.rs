@@ -6,6 +6,7 @@
 
 use super::buffers::Buffers;
 use super::check::resolve;
+use super::format::{Component, Format, decode, format_of, unsigned_numbers};
 use super::json::{Accessor, Document, Int, Sparse};
 use crate::SceneError;
 use std::cell::Cell;
@@ -15,88 +16,6 @@ const MAX_DECODED: u64 = 1 << 29;
 
 /// Most elements of an accessor without a buffer view, which nothing in the file backs.
 const MAX_ZEROS: u64 = 1 << 20;
-
-/// Type of a component.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
-}
-
-impl Component {
-    fn parse(code: Int, place: impl FnOnce() -> String) -> Result<Self, SceneError> {
-        Ok(match code.0 {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            other => {
-                return Err(
-                    SceneError::at(place(), format!("component type {other}")).expected("5120, 5121, 5122, 5123, 5125 or 5126")
-                );
-            }
-        })
-    }
-
-    fn bytes(self) -> u64 {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::I8 => "signed byte",
-            Self::U8 => "unsigned byte",
-            Self::I16 => "signed short",
-            Self::U16 => "unsigned short",
-            Self::U32 => "unsigned int",
-            Self::F32 => "float",
-        }
-    }
-}
-
-/// What an accessor's elements are made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Format {
-    pub component: Component,
-    pub normalized: bool,
-    /// Components per column: 1..=4.
-    rows: usize,
-    /// 1, or more for a matrix.
-    columns: usize,
-}
-
-impl Format {
-    /// For messages.
-    pub(crate) fn name(self) -> String {
-        let kind = match (self.columns, self.rows) {
-            (1, 1) => "SCALAR".into(),
-            (1, rows) => format!("VEC{rows}"),
-            (columns, _) => format!("MAT{columns}"),
-        };
-        format!("{kind} of {}{}", if self.normalized { "normalized " } else { "" }, self.component.name())
-    }
-
-    /// Whether it is a vector (or scalar) of this width.
-    pub(crate) fn is_vector(self, width: usize) -> bool {
-        self.columns == 1 && self.rows == width
-    }
-
-    /// Bytes of an element; columns of matrices begin at multiples of four bytes.
-    fn element_bytes(self) -> u64 {
-        let column = self.component.bytes() * self.rows as u64;
-        if self.columns == 1 { column } else { self.columns as u64 * column.next_multiple_of(4) }
-    }
-}
 
 /// Reads accessors of one document.
 pub(crate) struct Accessors<'a> {
@@ -302,51 +221,4 @@ struct Span {
     count: usize,
     stride: usize,
     element: usize,
-}
-
-fn format_of(accessor: &Accessor, i: usize) -> Result<Format, SceneError> {
-    let component = Component::parse(accessor.component_type, || format!("/accessors/{i}/componentType"))?;
-    let (columns, rows) = match accessor.kind.as_str() {
-        "SCALAR" => (1, 1),
-        "VEC2" => (1, 2),
-        "VEC3" => (1, 3),
-        "VEC4" => (1, 4),
-        "MAT2" => (2, 2),
-        "MAT3" => (3, 3),
-        "MAT4" => (4, 4),
-        other => {
-            return Err(SceneError::at(format!("/accessors/{i}/type"), format!("type `{other}`"))
-                .expected("SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4"));
-        }
-    };
-    if accessor.normalized && matches!(component, Component::U32 | Component::F32) {
-        return Err(SceneError::at(format!("/accessors/{i}/normalized"), format!("true for {}", component.name()))
-            .expected("true only for bytes and shorts"));
-    }
-    if accessor.count.0 == 0 {
-        return Err(SceneError::at(format!("/accessors/{i}/count"), "is 0").expected("at least 1"));
-    }
-    Ok(Format { component, normalized: accessor.normalized, rows, columns })
-}
-
-fn unsigned_numbers(bytes: &[u8], component: Component) -> Vec<u32> {
-    match component {
-        Component::U8 => bytes.iter().map(|b| u32::from(*b)).collect(),
-        Component::U16 => bytes.as_chunks().0.iter().map(|b| u32::from(u16::from_le_bytes(*b))).collect(),
-        _ => bytes.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b)).collect(),
-    }
-}
-
-/// A component as a float; normalized integers to 0..=1 or -1..=1 (glTF 2.0, section 3.11).
-fn decode(raw: &[u8], format: Format) -> f32 {
-    let scaled = |value: f32, most: f32| if format.normalized { (value / most).max(-1.0) } else { value };
-    match (format.component, raw) {
-        (Component::I8, [a]) => scaled(f32::from(*a as i8), 127.0),
-        (Component::U8, [a]) => scaled(f32::from(*a), 255.0),
-        (Component::I16, [a, b]) => scaled(f32::from(i16::from_le_bytes([*a, *b])), 32767.0),
-        (Component::U16, [a, b]) => scaled(f32::from(u16::from_le_bytes([*a, *b])), 65535.0),
-        (Component::U32, [a, b, c, d]) => u32::from_le_bytes([*a, *b, *c, *d]) as f32,
-        (Component::F32, [a, b, c, d]) => f32::from_le_bytes([*a, *b, *c, *d]),
-        _ => 0.0,
-    }
 }

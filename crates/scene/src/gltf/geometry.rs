@@ -1,6 +1,7 @@
 //! Primitives to meshes.
 
-use super::accessor::{Accessors, Component, Format};
+use super::accessor::Accessors;
+use super::format::{Component, Format};
 use super::json::{Int, Primitive, TextureTransform};
 use crate::SceneError;
 use crate::error::Warnings;
@@ -267,7 +268,8 @@ fn flatten(mesh: &mut Mesh) {
     mesh.indices = (0..mesh.positions.len() as u32).collect();
 }
 
-/// `KHR_texture_transform`: translation * rotation * scale, the rotation counter-clockwise as seen in the image.
+/// `KHR_texture_transform`: scale, then rotate counter-clockwise as seen in the image (v down), then move. The sign of the
+/// rotation is that of the extension's prose and example; its GLSL, read literally, turns the other way.
 fn bake(transform: &TextureTransform, uv: &mut [[f32; 2]]) {
     let (sin, cos) = (libm::sin(transform.rotation), libm::cos(transform.rotation));
     for point in uv {
@@ -292,13 +294,17 @@ mod tests {
         }
     }
 
-    /// The matrices of the extension's text: T * R * S with R = [cos sin; -sin cos].
+    /// The extension's own example: the lower left quadrant of the picture, turned by 90 degrees.
     #[test]
     fn the_texture_transform_scales_then_rotates_then_moves() {
-        let transform =
-            TextureTransform { offset: [0.5, 0.0], rotation: std::f64::consts::FRAC_PI_2, scale: [2.0, 3.0], tex_coord: None };
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let mut uv = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        bake(&TextureTransform { offset: [0.0, 1.0], rotation: quarter, scale: [0.5, 0.5], tex_coord: None }, &mut uv);
+        for (got, expected) in uv.iter().zip([[0.0, 1.0], [0.0, 0.5], [0.5, 1.0], [0.5, 0.5]]) {
+            assert!((got[0] - expected[0]).abs() < 1e-6 && (got[1] - expected[1]).abs() < 1e-6, "{got:?}");
+        }
         let mut uv = [[1.0, 0.0], [0.0, 1.0]];
-        bake(&transform, &mut uv);
+        bake(&TextureTransform { offset: [0.5, 0.0], rotation: quarter, scale: [2.0, 3.0], tex_coord: None }, &mut uv);
         for (got, expected) in uv.iter().zip([[0.5, -2.0], [3.5, 0.0]]) {
             assert!((got[0] - expected[0]).abs() < 1e-6 && (got[1] - expected[1]).abs() < 1e-6, "{got:?}");
         }

@@ -1,7 +1,8 @@
 //! The parts of a glTF 2.0 document that this importer reads. Names follow the specification, so does what is optional.
 
+use super::extras::Extras;
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
+use serde::de::{Deserializer, Error, IgnoredAny, Visitor};
 use std::collections::BTreeMap;
 use std::fmt::{Formatter, Result as FmtResult};
 
@@ -350,81 +351,6 @@ pub(crate) struct Orthographic {
     pub zfar: f64,
 }
 
-/// What a node's or a material's `extras.basrelief` says; any other extras are somebody else's.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Extras {
-    /// Number of reference normals of the object.
-    pub entries: Option<u32>,
-    /// Whether the object is a bump target.
-    pub bump: Option<bool>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct OwnExtras {
-    entries: Option<u32>,
-    bump: Option<bool>,
-}
-
-impl<'de> Deserialize<'de> for Extras {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(ExtrasVisitor)
-    }
-}
-
-/// Extras may be of any type; only an object can hold ours.
-struct ExtrasVisitor;
-
-impl<'de> Visitor<'de> for ExtrasVisitor {
-    type Value = Extras;
-
-    fn expecting(&self, f: &mut Formatter<'_>) -> FmtResult {
-        f.write_str("any value")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Extras, A::Error> {
-        let mut extras = Extras::default();
-        while let Some(key) = map.next_key::<String>()? {
-            if key == "basrelief" {
-                let OwnExtras { entries, bump } = map.next_value()?;
-                extras = Extras { entries, bump };
-            } else {
-                map.next_value::<IgnoredAny>()?;
-            }
-        }
-        Ok(extras)
-    }
-
-    fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut list: A) -> Result<Extras, A::Error> {
-        while list.next_element::<IgnoredAny>()?.is_some() {}
-        Ok(Extras::default())
-    }
-
-    fn visit_bool<E: Error>(self, _: bool) -> Result<Extras, E> {
-        Ok(Extras::default())
-    }
-
-    fn visit_u64<E: Error>(self, _: u64) -> Result<Extras, E> {
-        Ok(Extras::default())
-    }
-
-    fn visit_i64<E: Error>(self, _: i64) -> Result<Extras, E> {
-        Ok(Extras::default())
-    }
-
-    fn visit_f64<E: Error>(self, _: f64) -> Result<Extras, E> {
-        Ok(Extras::default())
-    }
-
-    fn visit_str<E: Error>(self, _: &str) -> Result<Extras, E> {
-        Ok(Extras::default())
-    }
-
-    fn visit_unit<E: Error>(self) -> Result<Extras, E> {
-        Ok(Extras::default())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -435,15 +361,5 @@ mod tests {
         for bad in ["3.5", "-1", "\"3\"", "1e300"] {
             assert!(serde_json::from_str::<Int>(bad).is_err(), "{bad}");
         }
-    }
-
-    #[test]
-    fn extras_may_be_anything() {
-        for other in ["1", "-1", "1.5", "\"x\"", "null", "[1, {}]", "true", "{\"a\": {}}"] {
-            assert_eq!(serde_json::from_str::<Extras>(other).unwrap(), Extras::default(), "{other}");
-        }
-        let ours = serde_json::from_str::<Extras>(r#"{"x": [], "basrelief": {"entries": 64, "bump": false}}"#).unwrap();
-        assert_eq!(ours, Extras { entries: Some(64), bump: Some(false) });
-        assert!(serde_json::from_str::<Extras>(r#"{"basrelief": {"entires": 64}}"#).is_err());
     }
 }

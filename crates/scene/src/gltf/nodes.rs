@@ -112,10 +112,14 @@ fn roots(document: &Document, has_parent: &[bool], warnings: &mut Warnings) -> R
 fn local(node: &Node, index: usize) -> Result<DMat4, SceneError> {
     let place = |field: &str| format!("/nodes/{index}/{field}");
     if let Some(matrix) = &node.matrix {
-        let matrix = DMat4::from_cols_array(matrix);
-        if matrix.row(3) != DVec4::W {
+        let mut matrix = DMat4::from_cols_array(matrix);
+        // Exporters multiply in single precision.
+        if (matrix.row(3) - DVec4::W).abs().max_element() > 1e-4 {
             return Err(SceneError::at(place("matrix"), "its bottom row is not 0 0 0 1")
                 .expected("an affine transform, in column-major order"));
+        }
+        for (i, bottom) in DVec4::W.to_array().into_iter().enumerate() {
+            matrix.col_mut(i).w = bottom;
         }
         return Ok(matrix);
     }

@@ -41,7 +41,7 @@ fn square() -> Value {
             {"name": "root", "translation": [0, 0, 5], "children": [1, 2, 3]},
             {"name": "square", "mesh": 0, "scale": [2, 2, 2], "extras": {"basrelief": {"entries": 16}}},
             {"camera": 0, "translation": [0.5, 0.5, 10]},
-            {"rotation": [0, 0.7071067811865476, 0, 0.7071067811865476], "extensions": {"KHR_lights_punctual": {"light": 0}}}
+            {"rotation": [0, 3, 0, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}}
         ],
         "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}, "indices": 3, "material": 0}]}],
