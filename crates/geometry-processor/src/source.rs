@@ -109,7 +109,7 @@ type Due = (Control, u64);
 /// that follow, as it would delay the geometry processor. A command without a cycle, or with one that is already past,
 /// is due one cycle after the one before it. With `asap`, one command is delivered per cycle. An error in the list ends
 /// the run with its message.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct DisplayListSource<I> {
     /// Parameters.
     pub config: DisplayListConfig,

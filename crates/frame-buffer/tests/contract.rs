@@ -1,0 +1,57 @@
+//! Frame buffer (126) and video output keep the unit contract.
+
+use basrelief_frame_buffer::{FrameBuffer, FrameBufferConfig, FrameDone, VideoOut, VideoOutConfig};
+use basrelief_kernel::unit_contract;
+use basrelief_signals::{Camera, Control, Flow, Frame, Pixel, layout};
+use std::sync::Arc;
+
+/// Three frames of different sizes, one of them empty, with pixels outside; and an end without a frame.
+fn pixels() -> Vec<Flow<Pixel>> {
+    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+    let mut all = Vec::new();
+    for (index, (width, height, count)) in (0..).zip([(21, 9, 150), (4, 4, 0), (16, 17, 99)]) {
+        let frame = Frame { index, width, height, camera, lights: Vec::new() };
+        all.push(Flow::Control(Control::Frame(Arc::new(frame))));
+        let pixel = |i: u16| Pixel { x: i * 11 % 23, y: i / 9 % 19, z: 0, rgb: [i as u8, 2, 3] };
+        all.extend((0..count).map(|i| Flow::Item(pixel(i))));
+        all.push(Flow::Control(Control::FrameEnd));
+    }
+    all.push(Flow::Control(Control::FrameEnd));
+    all
+}
+
+unit_contract! {
+    name: frame_buffer,
+    unit: FrameBuffer::new(FrameBufferConfig { pixel_bytes: 3, latency: 4 }),
+    inputs: pixels(),
+    clients: [Client::Port],
+    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+}
+
+/// Frames of whole, broken and no bursts, in both buffers.
+fn finished() -> Vec<FrameDone> {
+    let done = |(index, bytes): (u32, u64)| FrameDone {
+        index,
+        width: 1,
+        height: 1,
+        address: layout::COLOR_BUFFERS + u64::from(index % 2) * layout::COLOR_BUFFER_STRIDE,
+        bytes,
+    };
+    (0..).zip([2560, 100, 0, 1000]).map(done).collect()
+}
+
+unit_contract! {
+    name: video_out,
+    unit: VideoOut::new(VideoOutConfig { cycles_per_read: 3, ..VideoOutConfig::default() }),
+    inputs: finished(),
+    clients: [Client::Port],
+    state: |unit| unit.state => |unit, state| unit.state = state,
+}
+
+unit_contract! {
+    name: video_out_switched_off,
+    unit: VideoOut::new(VideoOutConfig { enabled: false, ..VideoOutConfig::default() }),
+    inputs: finished(),
+    clients: [Client::Port],
+    state: |unit| unit.state => |unit, state| unit.state = state,
+}

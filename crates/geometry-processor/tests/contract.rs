@@ -1,0 +1,106 @@
+//! The geometry processor (102) and the two sources keep the unit contract.
+
+use basrelief_geometry_processor::{
+    Arrival, BumpConfig, DisplayListConfig, DisplayListSource, GeometryConfig, GeometryProcessor, SceneDraws, SceneSource,
+    Targets,
+};
+use basrelief_kernel::unit_contract;
+use basrelief_signals::{
+    Camera, Control, Draw, Frame, Light, LightKind, Material, Mesh, Object, ObjectInfo, Polygon, Scene, Vertex,
+};
+use std::sync::Arc;
+
+const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+/// Perspective, 90 degrees, near 1, far 3.
+const PERSPECTIVE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -2.0, -3.0, 0.0, 0.0, -1.0, 0.0];
+
+/// Two frames, seen by two cameras and lit by two kinds of light.
+fn frames() -> Vec<Arc<Frame>> {
+    let camera = |view_projection| Camera { view_projection, to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
+    let kinds = [LightKind::Directional { to_light: [0.0, 0.6, 0.8] }, LightKind::Point { position: [1.0 / 3.0, 2.0, 0.1] }];
+    let frame = |(index, (view, kind))| {
+        let lights = vec![Light { kind, intensity: 0.7 }];
+        Arc::new(Frame { index, width: 64, height: 48, camera: camera(view), lights })
+    };
+    (0..).zip([PERSPECTIVE, IDENTITY].into_iter().zip(kinds)).map(frame).collect()
+}
+
+/// A strip of triangles that winds through the view volume: visible, culled, cut, outside and degenerate ones.
+fn mesh() -> Arc<Mesh> {
+    let position = |i: u32| {
+        let t = i as f32 / 5.0;
+        [1.7 * t - 1.9, if i.is_multiple_of(2) { -0.6 } else { 0.7 }, -0.4 - 1.1 * t + 0.3 * (i % 3) as f32]
+    };
+    let count = 12;
+    let mut indices: Vec<u32> =
+        (0..count - 2).flat_map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] }).collect();
+    indices.extend([4, 4, 5, 0, 2, 1, 5, 6, 7]);
+    Arc::new(Mesh {
+        positions: (0..count).map(position).collect(),
+        normals: vec![[0.0, 0.0, 1.0]; count as usize],
+        indices,
+        ..Mesh::default()
+    })
+}
+
+fn scene() -> Arc<Scene> {
+    let object = |id, double_sided, bump| {
+        let material = Arc::new(Material { double_sided, ..Material::default() });
+        let (name, mesh, entries) = (format!("strip {id}"), mesh(), Some(16));
+        Arc::new(Object { id, name, mesh, world: IDENTITY, material, entries, bump })
+    };
+    let objects = vec![object(0, false, None), object(1, true, Some(true)), object(2, true, Some(false))];
+    Arc::new(Scene { name: "strips".into(), objects, frames: frames(), warnings: Vec::new() })
+}
+
+fn draws() -> Vec<Draw> {
+    SceneDraws::new(scene()).collect()
+}
+
+#[test]
+fn the_strips_have_every_kind_of_triangle() {
+    use basrelief_kernel::{Traffic, Unit};
+    let mut unit = unit();
+    for draw in draws() {
+        unit.step(Some(draw), &mut Traffic::default());
+    }
+    let c = unit.state.counters;
+    let kinds =
+        [c.outside, c.culled, c.degenerate, c.clipped, c.bump_polygons, c.polygons - c.bump_polygons, c.vertex_cache_hits];
+    assert!(kinds.iter().all(|n| *n > 0), "{c:?}");
+    assert_eq!(c.triangles, c.outside + c.culled + c.degenerate + c.polygons);
+}
+
+fn unit() -> GeometryProcessor {
+    let config = GeometryConfig { vertex_cache: 4, two_sided_lighting: true, ..GeometryConfig::default() };
+    GeometryProcessor::new(config, BumpConfig { targets: Targets::All, ..BumpConfig::default() })
+}
+
+unit_contract! {
+    name: geometry_processor,
+    unit: unit(),
+    inputs: draws(),
+    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+}
+
+unit_contract! { name: scene_source, unit: SceneSource::new(SceneDraws::new(scene())), inputs: () }
+
+/// A display list whose polygons come in time, late, and not at all.
+fn display_list() -> Vec<Result<(Control, Option<u64>), String>> {
+    let polygon = |arrival| {
+        let (vertices, material) = (vec![Vertex::default(); 3], Arc::default());
+        Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: true, arrival }))
+    };
+    let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None };
+    let mut list = vec![(Control::Frame(Arc::clone(&frames()[0])), None), (Control::Object(Arc::new(object)), None)];
+    list.extend([40, 44, 44, 90, 3, 91].map(|arrival| (polygon(arrival), Some(arrival))));
+    list.push((Control::FrameEnd, None));
+    list.into_iter().map(Ok).collect()
+}
+
+fn replay(arrival: Arrival) -> DisplayListSource<std::vec::IntoIter<Result<(Control, Option<u64>), String>>> {
+    DisplayListSource::new(DisplayListConfig { arrival }, display_list().into_iter())
+}
+
+unit_contract! { name: display_list_source_as_recorded, unit: replay(Arrival::Recorded), inputs: () }
+unit_contract! { name: display_list_source_asap, unit: replay(Arrival::Asap), inputs: () }
