@@ -1,8 +1,9 @@
 //! From what a run came to, to its report.
 
 use crate::derived::derive;
+use crate::json::SCHEMA;
 use crate::model::{
-    Cache, Client, Cycles, Fifo, Figure, Input, Memory, Outcome, OutcomeKind, Picture, PictureQuality, Report, SCHEMA, Size, Unit,
+    Cache, Client, Cycles, Fifo, Figure, Input, Memory, Outcome, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
 };
 use basrelief_kernel as kernel;
 use basrelief_signals::Camera;

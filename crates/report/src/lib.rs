@@ -6,17 +6,30 @@
 //! | [`derived`] | figures with unit and formula: cycles per fragment, GB/s, hit rates |
 //! | [`blame`] | what limits a run, in one sentence that follows from the accounting |
 //! | [`text`] | the tables of the terminal |
+//! | [`compare`](mod@compare) | what changed between two runs, and which unit and cause explain it |
+//! | [`csv`] | the same figures, one per line |
+//! | [`timeline`] | what every unit did when, as a Perfetto trace |
 //!
 //! Nothing here opens a file, reads a clock or prints: writers are arguments, host figures are arguments, tables are
 //! strings. A report without its `host` part is the same to the bit whatever the engine, machine or thread count.
 
 pub mod blame;
 pub mod build;
+pub mod compare;
+pub mod csv;
 pub mod derived;
+mod json;
 pub mod model;
 #[cfg(test)]
 mod samples;
 pub mod text;
+mod tidy;
+pub mod timeline;
 
 pub use build::Facts;
-pub use model::{ReadError, Report, SCHEMA, schema};
+pub use compare::{Comparison, compare};
+pub use csv::to_csv;
+pub use json::{ReadError, SCHEMA, schema};
+pub use model::Report;
+pub use text::{Style, to_text};
+pub use timeline::{StageNames, Timeline};

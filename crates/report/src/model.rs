@@ -6,9 +6,6 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Format and version of a report.
-pub const SCHEMA: &str = "basrelief-report/1";
-
 /// One run. Everything but `host` is the same to the bit whatever engine, host or number of threads made it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Report {
@@ -295,108 +292,9 @@ pub struct Host {
     pub fragments_per_s: f64,
 }
 
-/// A text that is no report.
-#[derive(Debug, thiserror::Error)]
-pub enum ReadError {
-    /// Not JSON, or a field is missing or has the wrong type.
-    #[error("not a report: at `{field}`: {message}; `basrelief schema report` prints the format")]
-    Format {
-        /// Path of the field.
-        field: String,
-        /// What was expected, and line and column.
-        message: String,
-    },
-    /// A report of another version.
-    #[error("field `schema` is `{found}`, expected `{SCHEMA}`: make the report again with this version")]
-    Version {
-        /// What stands there.
-        found: String,
-    },
-}
-
 impl Report {
-    /// The report as indented JSON, with a line feed at the end.
-    ///
-    /// # Errors
-    /// If `config` holds what is no JSON; a value made by `serde_json::to_value` never does.
-    pub fn to_json(&self) -> Result<String, serde_json::Error> {
-        serde_json::to_string_pretty(self).map(|text| text + "\n")
-    }
-
-    /// Reads what [`Report::to_json`] wrote.
-    ///
-    /// # Errors
-    /// If the text is no report, or one of another version.
-    pub fn from_json(text: &str) -> Result<Self, ReadError> {
-        let mut json = serde_json::Deserializer::from_str(text);
-        let format = |field: String, message: String| ReadError::Format { field, message };
-        let report: Self =
-            serde_path_to_error::deserialize(&mut json).map_err(|e| format(e.path().to_string(), e.inner().to_string()))?;
-        json.end().map_err(|e| format(".".into(), e.to_string()))?;
-        if report.schema == SCHEMA { Ok(report) } else { Err(ReadError::Version { found: report.schema }) }
-    }
-
     /// Number of figure `name` of the device.
     pub fn device_number(&self, name: &str) -> Option<f64> {
         self.device.get(name).and_then(Figure::number)
-    }
-}
-
-/// The JSON schema of a report.
-pub fn schema() -> serde_json::Value {
-    let mut schema = schemars::schema_for!(Report);
-    if let Some(title) = schema.get_mut("properties").and_then(|p| p.pointer_mut("/schema")) {
-        title["const"] = SCHEMA.into();
-    }
-    schema.to_value()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::samples;
-
-    #[test]
-    fn a_report_keeps_to_its_schema() {
-        let validator = jsonschema::validator_for(&schema()).unwrap();
-        for report in [samples::balanced(), samples::functional()] {
-            let json = serde_json::to_value(&report).unwrap();
-            let errors: Vec<String> = validator.iter_errors(&json).map(|e| format!("{}: {e}", e.instance_path())).collect();
-            assert!(errors.is_empty(), "{errors:?}");
-        }
-        let mut other = serde_json::to_value(samples::balanced()).unwrap();
-        other["schema"] = "basrelief-report/2".into();
-        assert!(!validator.is_valid(&other));
-        other["schema"] = SCHEMA.into();
-        other["cycles"]["total"] = "many".into();
-        assert!(!validator.is_valid(&other));
-    }
-
-    #[test]
-    fn json_goes_there_and_back() {
-        for report in [samples::balanced(), samples::functional()] {
-            assert_eq!(Report::from_json(&report.to_json().unwrap()).unwrap(), report);
-        }
-    }
-
-    #[test]
-    fn a_functional_report_has_no_time() {
-        let json = serde_json::to_value(samples::functional()).unwrap();
-        for part in ["cycles", "units", "fifos", "memories", "caches", "host"] {
-            assert!(json.get(part).is_none(), "{part}");
-        }
-    }
-
-    #[test]
-    fn what_is_no_report_is_refused_with_its_place() {
-        let says = |text: &str, part: &str| {
-            let message = Report::from_json(text).unwrap_err().to_string();
-            assert!(message.contains(part), "{message}");
-        };
-        says("", "line 1");
-        let good = samples::balanced().to_json().unwrap();
-        says(&good.replace("basrelief-report/1", "basrelief-report/9"), "`basrelief-report/9`");
-        says(&good.replacen("\"total\": 1", "\"total\": -1", 1), "cycles.total");
-        says(&format!("{good} x"), "trailing");
     }
 }

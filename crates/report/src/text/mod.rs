@@ -1,3 +1,149 @@
-//! Text for people.
+//! The report as people read it on a terminal: what limits the run, in one sentence, then tables.
+//!
+//! Columns that matter least go first where the width does not hold them all. Shares of cycles are in percent; a share
+//! of exactly nothing is left blank. Colour is off unless asked for.
 
 pub mod number;
+mod sections;
+mod table;
+
+use crate::blame::blame;
+use crate::model::{Cycles, OutcomeKind, Report};
+pub(crate) use sections::{cause, figure, full_cycles, mean_occupancy};
+pub(crate) use table::{Align, Table};
+
+/// How to set a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Style {
+    /// Columns of the terminal.
+    pub width: usize,
+    /// Emphasis by ANSI escape sequences.
+    pub color: bool,
+}
+
+impl Default for Style {
+    fn default() -> Self {
+        Self { width: 100, color: false }
+    }
+}
+
+/// Emphasis, as ANSI "select graphic rendition" codes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Paint {
+    Bold = 1,
+    Dim = 2,
+    Yellow = 33,
+}
+
+impl Style {
+    pub(crate) fn paint(&self, paint: Paint, text: &str) -> String {
+        if self.color { format!("\x1b[{}m{text}\x1b[0m", paint as u8) } else { text.into() }
+    }
+
+    /// Breaks a text between words so that no line is wider than the terminal, unless a word is.
+    pub(crate) fn wrap(&self, text: &str) -> String {
+        let mut lines: Vec<String> = vec![];
+        for word in text.split_whitespace() {
+            match lines.last_mut() {
+                Some(line) if line.chars().count() + 1 + word.chars().count() <= self.width => {
+                    line.push(' ');
+                    line.push_str(word);
+                }
+                _ => lines.push(word.into()),
+            }
+        }
+        lines.join("\n")
+    }
+}
+
+/// The whole report, sections parted by empty lines, with a line feed at the end.
+pub fn to_text(report: &Report, style: Style) -> String {
+    let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report))), style.wrap(&blame(report).sentence)];
+    let tables = [
+        sections::units(report),
+        sections::fifos(report),
+        sections::memories(report),
+        sections::caches(report),
+        sections::device(report),
+        sections::quality(report),
+        sections::derived(report),
+    ];
+    parts.extend(tables.iter().filter(|t| !t.is_empty()).map(|t| t.render(style)));
+    parts.extend(sections::host(report));
+    parts.extend(warnings(report, style));
+    parts.join("\n\n") + "\n"
+}
+
+fn title(report: &Report) -> String {
+    let pictures = match &report.cycles {
+        Some(cycles) => frames(cycles),
+        None => vec!["functional".into()],
+    };
+    let mut parts = vec![
+        report.machine.clone(),
+        format!("{} {}", report.input.kind, report.input.name),
+        format!("{} x {}", report.size.width, report.size.height),
+    ];
+    parts.extend(pictures);
+    if report.outcome.kind != OutcomeKind::Complete {
+        parts.push("incomplete".into());
+    }
+    parts.join(" · ")
+}
+
+fn frames(cycles: &Cycles) -> Vec<String> {
+    let total = format!("{} cycles", number::thousands(cycles.total));
+    let (least, most) = (cycles.frames.iter().min(), cycles.frames.iter().max());
+    let frames = least.zip(most).filter(|_| cycles.frames.len() > 1).map(|(&least, &most)| {
+        let (least, most) = (number::thousands(least), number::thousands(most));
+        let range = if least == most { least } else { format!("{least} to {most}") };
+        format!("{} frames of {range}", cycles.frames.len())
+    });
+    std::iter::once(total).chain(frames).collect()
+}
+
+fn warnings(report: &Report, style: Style) -> Option<String> {
+    let mark = style.paint(Paint::Yellow, "warning:");
+    let lines: Vec<String> = report.warnings.iter().map(|w| format!("{mark} {w}")).collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+
+    #[test]
+    fn tables_of_a_run() {
+        let report = samples::balanced().with_host(4.0, 2.0);
+        insta::assert_snapshot!("tables", to_text(&report, Style::default()));
+    }
+
+    #[test]
+    fn tables_of_a_functional_run_and_of_a_deadlock() {
+        insta::assert_snapshot!("functional", to_text(&samples::functional(), Style::default()));
+        insta::assert_snapshot!("deadlock", to_text(&samples::deadlocked(), Style { width: 72, color: false }));
+    }
+
+    #[test]
+    fn no_line_is_wider_than_the_terminal() {
+        for width in [60, 72, 80, 100, 120] {
+            let text = to_text(&samples::balanced(), Style { width, color: false });
+            for line in text.lines() {
+                assert!(line.chars().count() <= width || line.starts_with("warning"), "{width}: {line}");
+            }
+        }
+    }
+
+    #[test]
+    fn colour_changes_nothing_but_colour() {
+        let report = samples::balanced();
+        let mut text = to_text(&report, Style { width: 100, color: true });
+        assert!(text.contains('\x1b'));
+        for code in ["\x1b[0m", "\x1b[1m", "\x1b[2m", "\x1b[33m"] {
+            text = text.replace(code, "");
+        }
+        assert_eq!(text, to_text(&report, Style::default()));
+        assert!(!text.contains('\x1b'));
+    }
+}

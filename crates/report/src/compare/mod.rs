@@ -1,0 +1,188 @@
+//! What changed between two runs, and what explains it.
+//!
+//! Every figure of report A is held against the figure of B in the same place; host figures and those that follow from
+//! others are left out. Changes are listed per part of the report, parameters first, the largest absolute change first.
+//!
+//! **Explained**: a unit's cycles sum to the total (law 9), so the change of the total is, for every unit alike, exactly
+//! the sum of the changes of its causes. Of all units, the one whose *own* cycles - at work, or waiting for memory -
+//! changed most in the direction of the total is named: starved and blocked cycles only pass on what another unit did.
+//!
+//! **Worse**: [`Comparison::worst`] is the largest of these, in percent; an improvement never counts.
+//! - growth of `cycles.total`, and of any frame;
+//! - growth of the bytes of any memory client; from nothing counts as 100 %;
+//! - loss of quality: PSNR relative to A; SSIM and FLIP, whose scale is 0..1, in hundredths;
+//! - A is complete and B is not: infinite, so that no limit lets it pass (`null` in JSON).
+
+mod explain;
+mod text;
+mod worst;
+
+use crate::model::{Figure, Report};
+use crate::tidy::{self, Row};
+use indexmap::IndexMap;
+use serde::Serialize;
+
+/// One figure that differs. Absent where a report has no such figure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Change {
+    /// Unit, FIFO, memory, parameter ...
+    pub name: String,
+    /// Which figure of it.
+    pub field: &'static str,
+    /// Which one of several: FIFO, client, frame.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub key: String,
+    /// In report A.
+    pub a: Option<Figure>,
+    /// In report B.
+    pub b: Option<Figure>,
+    /// B - A, if both are numbers; a missing count is 0.
+    pub delta: Option<f64>,
+    /// Change relative to A, if A is a number other than 0 \[%\].
+    pub percent: Option<f64>,
+}
+
+/// What differs in one part of the reports, the largest change first.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Section {
+    /// `run`, `config`, `cycles`, `units`, `fifos`, `memories`, `caches`, `device`, `quality` or `image`.
+    pub table: &'static str,
+    /// At least one.
+    pub changes: Vec<Change>,
+}
+
+/// What got worse most.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Worst {
+    /// By how much \[%\]; 0 if nothing got worse.
+    pub percent: f64,
+    /// What.
+    pub what: String,
+}
+
+/// The difference of two reports; serializes to JSON.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Nothing differs but the host.
+    pub equal: bool,
+    /// Which unit and cause account for the change of the cycles, in one or two sentences.
+    pub explanation: String,
+    /// Only parts in which something differs.
+    pub sections: Vec<Section>,
+    /// What got worse most.
+    pub worst: Worst,
+}
+
+impl Comparison {
+    /// By how much B is worse than A \[%\]; 0 if nothing is. Infinite if A is complete and B is not.
+    pub fn worst_percent(&self) -> f64 {
+        self.worst.percent
+    }
+}
+
+/// Holds report `b` against report `a`.
+pub fn compare(a: &Report, b: &Report) -> Comparison {
+    let sections = sections(a, b);
+    Comparison {
+        equal: sections.is_empty(),
+        explanation: explain::explain(a, b, sections.is_empty()),
+        worst: worst::worst(a, b),
+        sections,
+    }
+}
+
+type Place = (&'static str, String, &'static str, String);
+
+/// The histogram is told by its high-water mark, mean and full cycles; derived figures follow from the others.
+fn figures(report: &Report) -> IndexMap<Place, Figure> {
+    let told = |r: &Row| r.table != "derived" && r.field != "histogram";
+    tidy::rows(report).into_iter().filter(told).map(|r| ((r.table, r.name, r.field, r.key), r.value)).collect()
+}
+
+fn sections(a: &Report, b: &Report) -> Vec<Section> {
+    let (in_a, mut in_b) = (figures(a), figures(b));
+    let mut changes: IndexMap<&'static str, Vec<Change>> = IndexMap::new();
+    let mut add = |place: Place, a: Option<Figure>, b: Option<Figure>| {
+        if a != b {
+            let table = changes.entry(place.0).or_default();
+            table.push(change((place.1, place.2, place.3), a, b));
+        }
+    };
+    for (place, a) in in_a {
+        let b = in_b.shift_remove(&place);
+        add(place, Some(a), b);
+    }
+    for (place, b) in in_b {
+        add(place, None, Some(b));
+    }
+    let order = ["run", "config", "cycles", "units", "fifos", "memories", "caches", "device", "quality", "image"];
+    let parts = order.into_iter().filter_map(|table| changes.swap_remove(table).map(|changes| (table, changes)));
+    parts.map(|(table, changes)| Section { table, changes: sorted(table, changes) }).collect()
+}
+
+fn change((name, field, key): (String, &'static str, String), a: Option<Figure>, b: Option<Figure>) -> Change {
+    let number = |x: &Option<Figure>| x.as_ref().map_or(Some(0.0), Figure::number);
+    let delta = number(&a).zip(number(&b)).map(|(a, b)| b - a);
+    let base = a.as_ref().and_then(Figure::number).filter(|&a| a != 0.0);
+    let percent = delta.zip(base).map(|(d, base)| crate::derived::round6(100.0 * d / base.abs()));
+    Change { name, field, key, a, b, delta: delta.map(crate::derived::round6), percent }
+}
+
+/// Largest first; of a unit, cycles before counts of steps and tokens. Parameters and facts keep their order.
+fn sorted(table: &str, mut changes: Vec<Change>) -> Vec<Change> {
+    if !["run", "config", "image"].contains(&table) {
+        let counts = |c: &Change| table == "units" && ["steps", "tokens"].contains(&c.field);
+        let size = |c: &Change| c.delta.map_or(0.0, f64::abs);
+        changes.sort_by(|x, y| counts(x).cmp(&counts(y)).then(size(y).total_cmp(&size(x))));
+    }
+    changes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+
+    #[test]
+    fn equal_reports_differ_in_nothing_but_the_host() {
+        let a = samples::balanced();
+        let same = compare(&a, &a.clone().with_host(1.0, 1.0));
+        assert!(same.equal && same.sections.is_empty());
+        assert_eq!(same.worst_percent(), 0.0);
+    }
+
+    #[test]
+    fn parameters_come_before_their_consequences() {
+        let (a, b) = samples::before_and_after();
+        let tables: Vec<_> = compare(&a, &b).sections.iter().map(|s| s.table).collect();
+        assert_eq!(tables, ["config", "cycles", "units", "memories", "quality"]);
+    }
+
+    #[test]
+    fn the_largest_change_comes_first() {
+        let (a, b) = samples::before_and_after();
+        let comparison = compare(&a, &b);
+        let units = comparison.sections.iter().find(|s| s.table == "units").unwrap();
+        let sizes: Vec<f64> = units.changes.iter().map(|c| c.delta.unwrap().abs()).collect();
+        assert!(sizes.is_sorted_by(|x, y| x >= y), "{sizes:?}");
+    }
+
+    #[test]
+    fn a_figure_that_only_one_report_has_is_a_change() {
+        let a = samples::balanced();
+        let mut b = a.clone();
+        b.device.insert("new".into(), 7.into());
+        b.device.shift_remove("codebook");
+        let device = &compare(&a, &b).sections[0].changes;
+        let view: Vec<_> = device.iter().map(|c| (c.name.as_str(), c.a.is_some(), c.b.is_some(), c.delta)).collect();
+        assert_eq!(view, [("new", false, true, Some(7.0)), ("codebook", true, false, None)]);
+    }
+
+    #[test]
+    fn a_comparison_is_json() {
+        let (a, b) = samples::before_and_after();
+        let json = serde_json::to_value(compare(&a, &b)).unwrap();
+        assert_eq!(json["sections"][0]["table"], "config");
+        assert_eq!(json["sections"][0]["changes"][0]["delta"], -192.0);
+    }
+}

@@ -1,0 +1,99 @@
+//! The comparison as people read it.
+
+use super::{Change, Comparison, Section};
+use crate::model::Figure;
+use crate::text::number::signed;
+use crate::text::{Align, Paint, Style, Table, figure};
+use Align::{Left, Right};
+
+/// Most rows of a table; JSON has them all.
+const SHOWN: usize = 12;
+
+impl Comparison {
+    /// What explains the change, the tables, and what got worse most; with a line feed at the end.
+    pub fn to_text(&self, style: Style) -> String {
+        let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&self.explanation))];
+        parts.extend(self.sections.iter().map(|section| section.to_text(style)));
+        let worst = &self.worst;
+        if worst.percent > 0.0 {
+            let percent = if worst.percent.is_finite() { format!("{:.1} %", worst.percent) } else { "beyond any limit".into() };
+            parts.push(format!("Worse by most: {}, {percent}.", worst.what));
+        } else if !self.equal {
+            parts.push("Nothing got worse.".into());
+        }
+        parts.join("\n\n") + "\n"
+    }
+}
+
+impl Section {
+    fn to_text(&self, style: Style) -> String {
+        let title = match self.table {
+            "run" => "Run",
+            "config" => "Parameter",
+            "cycles" => "Cycles",
+            "units" => "Unit",
+            "fifos" => "FIFO",
+            "memories" => "Memory",
+            "caches" => "Cache",
+            "device" => "Device",
+            "quality" => "Quality",
+            _ => "Picture",
+        };
+        let mut table = Table::new(&[(title, Left, 0), ("A", Right, 0), ("B", Right, 0), ("change", Right, 0), ("%", Right, 1)]);
+        for change in self.changes.iter().take(SHOWN) {
+            table.row(change.cells());
+        }
+        let more = self.changes.len().saturating_sub(SHOWN);
+        let rest = if more > 0 { format!("\n.. and {more} more") } else { String::new() };
+        table.render(style) + &rest
+    }
+}
+
+impl Change {
+    fn cells(&self) -> [String; 5] {
+        let field = if self.field == "value" { "" } else { self.field };
+        let words = [self.name.as_str(), field, self.key.as_str()];
+        let place: Vec<&str> = words.into_iter().filter(|w| !w.is_empty()).collect();
+        let figure = |x: &Option<Figure>| x.as_ref().map_or("-".into(), |x| short(figure(x)));
+        let percent = |p: f64| format!("{}{:.1}", if p > 0.0 { "+" } else { "" }, p);
+        [
+            place.join(" "),
+            figure(&self.a),
+            figure(&self.b),
+            self.delta.map_or(String::new(), signed),
+            self.percent.map_or(String::new(), percent),
+        ]
+    }
+}
+
+/// A hash is told apart by its beginning.
+fn short(text: String) -> String {
+    const SHOWN: usize = 16;
+    if text.chars().count() > 2 * SHOWN { text.chars().take(SHOWN).chain("..".chars()).collect() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::compare::compare;
+    use crate::samples;
+    use crate::text::Style;
+
+    #[test]
+    fn a_comparison_as_text() {
+        let (a, b) = samples::before_and_after();
+        insta::assert_snapshot!("comparison", compare(&a, &b).to_text(Style::default()));
+    }
+
+    #[test]
+    fn equal_reports_need_one_line() {
+        let a = samples::balanced();
+        assert_eq!(compare(&a, &a).to_text(Style::default()), "The reports are equal, host figures aside.\n");
+    }
+
+    #[test]
+    fn what_got_worse_is_told_last() {
+        let (a, b) = samples::before_and_after();
+        let text = compare(&b, &a).to_text(Style::default());
+        assert!(text.ends_with("Worse by most: cycles.frames[0], 160.0 %.\n"), "{text}");
+    }
+}

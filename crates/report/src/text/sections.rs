@@ -1,0 +1,233 @@
+//! The tables, one function each.
+
+use super::number::{percent, real, thousands};
+use super::{Align, Table};
+use crate::blame::{Wait, largest_wait};
+use crate::model::{Fifo, Figure, Report};
+use Align::{Left, Right};
+
+/// Heights of a histogram's bars; the first means none at all.
+const BARS: [char; 9] = ['·', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
+/// Most bars of a histogram.
+const BINS: usize = 16;
+
+pub(super) fn units(report: &Report) -> Table {
+    let mut table = Table::new(&[
+        ("Unit", Left, 0),
+        ("tokens", Right, 3),
+        ("busy %", Right, 0),
+        ("starved %", Right, 0),
+        ("blocked %", Right, 0),
+        ("memory %", Right, 0),
+        ("done %", Right, 1),
+        ("waits most", Left, 2),
+    ]);
+    let total = report.cycles.as_ref().map_or(0, |c| c.total);
+    for (name, unit) in report.units.iter().flatten() {
+        let share = |n: u64| percent(n, total);
+        table.row([
+            unit.numeral.map_or(name.clone(), |n| format!("{name} ({n})")),
+            thousands(unit.tokens),
+            share(unit.busy),
+            share(sum(unit.starved.values())),
+            share(sum(unit.blocked.values())),
+            share(sum(unit.memory.values())),
+            share(unit.done),
+            largest_wait(unit).map_or(String::new(), |(wait, _)| cause(wait)),
+        ]);
+    }
+    table
+}
+
+/// A wait in two words, as in the tables, the comparison and the time line.
+pub(crate) fn cause(wait: Wait<'_>) -> String {
+    match wait {
+        Wait::Starved(fifo) => format!("starved: {fifo}"),
+        Wait::Blocked(fifo) => format!("blocked: {fifo}"),
+        Wait::Memory(client) => format!("memory: {client}"),
+    }
+}
+
+/// Saturating, as a report may come from a file.
+fn sum<'a>(counts: impl IntoIterator<Item = &'a u64>) -> u64 {
+    counts.into_iter().fold(0, |sum, &n| sum.saturating_add(n))
+}
+
+pub(super) fn fifos(report: &Report) -> Table {
+    let mut table = Table::new(&[
+        ("FIFO", Left, 0),
+        ("depth", Right, 0),
+        ("tokens", Right, 2),
+        ("high-water", Right, 0),
+        ("mean", Right, 1),
+        ("empty %", Right, 2),
+        ("full %", Right, 0),
+        ("empty .. full", Left, 3),
+    ]);
+    for (name, fifo) in report.fifos.iter().flatten() {
+        let total = sum(&fifo.histogram);
+        table.row([
+            name.clone(),
+            thousands(fifo.depth),
+            thousands(fifo.tokens),
+            thousands(fifo.high_water),
+            format!("{:.1}", mean_occupancy(fifo)),
+            percent(fifo.histogram.first().copied().unwrap_or(0), total),
+            percent(full_cycles(fifo), total),
+            sparkline(&fifo.histogram),
+        ]);
+    }
+    table
+}
+
+/// Cycles in which every slot was held.
+pub(crate) fn full_cycles(fifo: &Fifo) -> u64 {
+    usize::try_from(fifo.depth).ok().and_then(|d| fifo.histogram.get(d)).copied().unwrap_or(0)
+}
+
+/// Slots held, averaged over all cycles.
+pub(crate) fn mean_occupancy(fifo: &Fifo) -> f64 {
+    let held: f64 = fifo.histogram.iter().enumerate().map(|(k, &n)| k as f64 * n as f64).sum();
+    match sum(&fifo.histogram) {
+        0 => 0.0,
+        total => held / total as f64,
+    }
+}
+
+/// A histogram as at most [`BINS`] bars, the highest at full height; a bar for everything that is not zero.
+fn sparkline(histogram: &[u64]) -> String {
+    let per_bin = histogram.len().div_ceil(BINS).max(1);
+    let bins: Vec<u64> = histogram.chunks(per_bin).map(sum).collect();
+    let most = bins.iter().copied().max().unwrap_or(0).max(1);
+    let height = |n: u64| (u128::from(n) * (BARS.len() as u128 - 1)).div_ceil(u128::from(most)) as usize;
+    bins.into_iter().map(|n| BARS.get(height(n)).copied().unwrap_or('█')).collect()
+}
+
+pub(super) fn memories(report: &Report) -> Table {
+    let mut table = Table::new(&[
+        ("Memory", Left, 0),
+        ("client", Left, 0),
+        ("reads", Right, 2),
+        ("writes", Right, 2),
+        ("bytes", Right, 0),
+        ("row hits %", Right, 1),
+        ("conflicts %", Right, 3),
+        ("wait/request", Right, 1),
+    ]);
+    for (name, memory) in report.memories.iter().flatten() {
+        for (at, (client, c)) in memory.clients.iter().enumerate() {
+            let requests = c.reads.saturating_add(c.writes);
+            table.row([
+                if at == 0 { name.clone() } else { String::new() },
+                client.clone(),
+                thousands(c.reads),
+                thousands(c.writes),
+                thousands(c.bytes()),
+                percent(c.row_hits, c.bursts),
+                percent(c.row_conflicts, c.bursts),
+                if requests == 0 { String::new() } else { format!("{:.1}", c.wait_cycles as f64 / requests as f64) },
+            ]);
+        }
+    }
+    table
+}
+
+pub(super) fn caches(report: &Report) -> Table {
+    let columns =
+        [("Cache", Left, 0), ("look-ups", Right, 0), ("hits %", Right, 0), ("misses %", Right, 0), ("merged %", Right, 1)];
+    let mut table = Table::new(&columns);
+    for (name, c) in report.caches.iter().flatten() {
+        let share = |n: u64| percent(n, c.look_ups);
+        table.row([name.clone(), thousands(c.look_ups), share(c.hits), share(c.misses), share(c.merged)]);
+    }
+    table
+}
+
+pub(super) fn device(report: &Report) -> Table {
+    let mut table = Table::new(&[("Device", Left, 0), ("", Right, 0)]);
+    for (name, value) in &report.device {
+        table.row([name.clone(), figure(value)]);
+    }
+    table
+}
+
+/// A figure as people read it; a long list is cut short.
+pub(crate) fn figure(value: &Figure) -> String {
+    const SHOWN: usize = 8;
+    match value {
+        Figure::Count(n) => thousands(*n),
+        Figure::Real(x) => real(*x),
+        Figure::Text(text) => text.clone(),
+        Figure::List(list) => {
+            let rest = if list.len() > SHOWN { " .." } else { "" };
+            list.iter().take(SHOWN).map(figure).collect::<Vec<_>>().join("  ") + rest
+        }
+    }
+}
+
+pub(super) fn quality(report: &Report) -> Table {
+    let mut table = Table::new(&[("Quality", Left, 0), ("PSNR dB", Right, 0), ("SSIM", Right, 0), ("FLIP", Right, 0)]);
+    let Some(quality) = &report.quality else { return table };
+    let mut row = |name: String, q: &basrelief_reference::Quality| {
+        table.row([name, format!("{:.2}", q.psnr_db), format!("{:.4}", q.ssim), format!("{:.4}", q.flip)]);
+    };
+    for (k, frame) in quality.frames.iter().enumerate() {
+        row(format!("frame {}", k + 1), frame);
+    }
+    row("final picture".into(), &quality.last);
+    table
+}
+
+/// Derived figures, but for the utilisation of units and the hit rates, which stand in their tables.
+pub(super) fn derived(report: &Report) -> Table {
+    let mut table = Table::new(&[("Derived", Left, 0), ("", Right, 0), ("", Left, 1)]);
+    let told = |name: &str| [".utilisation", ".hit_rate"].iter().any(|end| name.ends_with(end));
+    for (name, d) in report.derived.iter().filter(|(name, _)| !told(name)) {
+        let (value, unit) = if d.unit == "1" { (100.0 * d.value, "%") } else { (d.value, d.unit.as_str()) };
+        table.row([name.clone(), rounded(value), unit.into()]);
+    }
+    table
+}
+
+/// About five significant digits: what people compare.
+fn rounded(x: f64) -> String {
+    match x.abs() {
+        a if a >= 1e4 => real(x.round()),
+        a if a >= 10.0 => real((x * 100.0).round() / 100.0),
+        _ => real((x * 1e4).round() / 1e4),
+    }
+}
+
+pub(super) fn host(report: &Report) -> Option<String> {
+    let host = report.host.as_ref()?;
+    let millions = |x: f64| format!("{:.2} M", x / 1e6);
+    let cycles = host.cycles_per_s.map_or(String::new(), |c| format!("{} cycles/s, ", millions(c)));
+    let fragments = millions(host.fragments_per_s);
+    Some(format!("Simulated in {:.2} s of {:.2} s: {cycles}{fragments} fragments/s.", host.simulate_s, host.wall_s))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bar_for_everything_that_is_not_zero() {
+        assert_eq!(sparkline(&[0, 1, 1_000_000, 500_000]), "·▁█▄");
+        assert_eq!(sparkline(&[1; 65]).chars().count(), 13);
+        assert_eq!(sparkline(&[]), "");
+        assert_eq!(sparkline(&[u64::MAX, u64::MAX]), "██");
+    }
+
+    #[test]
+    fn means_and_full_cycles_follow_from_the_histogram() {
+        let fifo = Fifo { depth: 2, tokens: 1, high_water: 2, histogram: vec![5, 0, 5] };
+        assert_eq!((mean_occupancy(&fifo), full_cycles(&fifo)), (1.0, 5));
+        let broken = Fifo { depth: u64::MAX, ..Fifo::default() };
+        assert_eq!((mean_occupancy(&broken), full_cycles(&broken)), (0.0, 0));
+    }
+
+    #[test]
+    fn long_lists_are_cut_short() {
+        assert_eq!(figure(&vec![1_u64; 9].into()), "1  1  1  1  1  1  1  1 ..");
+    }
+}

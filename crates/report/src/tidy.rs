@@ -1,0 +1,191 @@
+//! A report as one long table, one figure per row: what CSV writes and what a comparison compares.
+
+use crate::model::{Client, Figure, Report, Unit};
+use crate::text::{full_cycles, mean_occupancy};
+use serde_json::Value;
+
+/// One figure of a report.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Part of the report: `units`, `fifos` ...
+    pub table: &'static str,
+    /// What in that part: a unit, a FIFO, a memory, a parameter.
+    pub name: String,
+    /// Which figure of it.
+    pub field: &'static str,
+    /// Which one of several: the FIFO waited for, the client, the frame, the number of slots.
+    pub key: String,
+    /// The figure; never a list.
+    pub value: Figure,
+}
+
+#[derive(Default)]
+struct Rows(Vec<Row>);
+
+impl Rows {
+    fn add(&mut self, (table, name): (&'static str, &str), field: &'static str, key: impl ToString, value: impl Into<Figure>) {
+        match value.into() {
+            Figure::List(list) => {
+                for (i, value) in list.into_iter().enumerate() {
+                    let key = key.to_string();
+                    let key = if key.is_empty() { i.to_string() } else { format!("{key}.{i}") };
+                    self.add((table, name), field, key, value);
+                }
+            }
+            value => self.0.push(Row { table, name: name.into(), field, key: key.to_string(), value }),
+        }
+    }
+}
+
+/// Every figure of a report but those of the host, in the report's order.
+pub fn rows(report: &Report) -> Vec<Row> {
+    let mut rows = Rows::default();
+    run(report, &mut rows);
+    config("", &report.config, &mut rows);
+    for (name, u) in report.units.iter().flatten() {
+        unit(("units", name), u, &mut rows);
+    }
+    for (name, f) in report.fifos.iter().flatten() {
+        let at = ("fifos", name.as_str());
+        rows.add(at, "depth", "", f.depth);
+        rows.add(at, "tokens", "", f.tokens);
+        rows.add(at, "high_water", "", f.high_water);
+        rows.add(at, "mean_occupancy", "", crate::derived::round6(mean_occupancy(f)));
+        rows.add(at, "full_cycles", "", full_cycles(f));
+        rows.add(at, "histogram", "", f.histogram.clone());
+    }
+    for (name, memory) in report.memories.iter().flatten() {
+        for (key, c) in &memory.clients {
+            client(("memories", name), key, c, &mut rows);
+        }
+    }
+    for (name, c) in report.caches.iter().flatten() {
+        for (field, n) in [("look_ups", c.look_ups), ("hits", c.hits), ("misses", c.misses), ("merged", c.merged)] {
+            rows.add(("caches", name), field, "", n);
+        }
+    }
+    for (name, value) in &report.device {
+        rows.add(("device", name), "value", "", value.clone());
+    }
+    pictures(report, &mut rows);
+    for (name, d) in &report.derived {
+        rows.add(("derived", name), "value", &d.unit, d.value);
+    }
+    rows.0
+}
+
+fn run(report: &Report, rows: &mut Rows) {
+    let kind = serde_json::to_value(report.outcome.kind).ok();
+    let outcome = kind.as_ref().and_then(Value::as_str).unwrap_or_default();
+    let facts = [
+        ("version", report.version.as_str()),
+        ("machine", &report.machine),
+        ("input", &report.input.name),
+        ("input_sha256", &report.input.sha256),
+        ("outcome", outcome),
+    ];
+    for (name, text) in facts {
+        rows.add(("run", name), "value", "", text);
+    }
+    rows.add(("run", "width"), "value", "", u64::from(report.size.width));
+    rows.add(("run", "height"), "value", "", u64::from(report.size.height));
+    if let Some(cycles) = &report.cycles {
+        rows.add(("cycles", ""), "total", "", cycles.total);
+        rows.add(("cycles", ""), "frames", "", cycles.frames.clone());
+        rows.add(("cycles", ""), "drain", "", cycles.drain);
+    }
+}
+
+fn config(prefix: &str, value: &Value, rows: &mut Rows) {
+    let figure: Figure = match value {
+        Value::Object(group) => {
+            for (name, value) in group {
+                let key = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
+                config(&key, value, rows);
+            }
+            return;
+        }
+        Value::String(text) => text.as_str().into(),
+        Value::Number(n) => match (n.as_u64(), n.as_f64()) {
+            (Some(n), _) => n.into(),
+            (None, Some(x)) => x.into(),
+            (None, None) => n.to_string().as_str().into(),
+        },
+        Value::Null | Value::Bool(_) | Value::Array(_) => value.to_string().as_str().into(),
+    };
+    rows.add(("config", prefix), "value", "", figure);
+}
+
+fn unit(at: (&'static str, &str), unit: &Unit, rows: &mut Rows) {
+    for (field, n) in [("steps", unit.steps), ("tokens", unit.tokens), ("busy", unit.busy)] {
+        rows.add(at, field, "", n);
+    }
+    for (field, causes) in [("starved", &unit.starved), ("blocked", &unit.blocked), ("memory", &unit.memory)] {
+        for (key, &n) in causes {
+            rows.add(at, field, key, n);
+        }
+    }
+    rows.add(at, "done", "", unit.done);
+}
+
+fn client(at: (&'static str, &str), key: &str, client: &Client, rows: &mut Rows) {
+    let counts = [
+        ("reads", client.reads),
+        ("writes", client.writes),
+        ("read_bytes", client.read_bytes),
+        ("write_bytes", client.write_bytes),
+        ("bursts", client.bursts),
+        ("row_hits", client.row_hits),
+        ("row_misses", client.row_misses),
+        ("row_conflicts", client.row_conflicts),
+        ("wait_cycles", client.wait_cycles),
+    ];
+    for (field, n) in counts {
+        rows.add(at, field, key, n);
+    }
+}
+
+fn pictures(report: &Report, rows: &mut Rows) {
+    if let Some(quality) = &report.quality {
+        let frames = quality.frames.iter().enumerate().map(|(k, q)| (k.to_string(), q));
+        for (key, q) in std::iter::once((String::new(), &quality.last)).chain(frames) {
+            for (field, x) in [("psnr_db", q.psnr_db), ("ssim", q.ssim), ("flip", q.flip)] {
+                rows.add(("quality", ""), field, &key, x);
+            }
+        }
+    }
+    for picture in &report.image {
+        rows.add(("image", &picture.file), "sha256", "", picture.sha256.as_str());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_row_has_its_own_place() {
+        let rows = rows(&samples::simulated());
+        let places: BTreeSet<_> = rows.iter().map(|r| (r.table, r.name.clone(), r.field, r.key.clone())).collect();
+        assert_eq!(places.len(), rows.len());
+        assert!(rows.iter().all(|r| !matches!(r.value, Figure::List(_))));
+    }
+
+    #[test]
+    fn rows_say_what_the_report_says() {
+        let report = samples::balanced();
+        let rows = rows(&report);
+        let find = |name: &str, field: &str, key: &str| {
+            rows.iter().find(|r| (r.name.as_str(), r.field, r.key.as_str()) == (name, field, key)).map(|r| r.value.clone())
+        };
+        assert_eq!(find("replacement", "busy", ""), Some(970_000.into()));
+        assert_eq!(find("normal-mapping", "memory", "normals-fine"), Some(135_000.into()));
+        assert_eq!(find("replacement.entries", "value", ""), Some(256.into()));
+        assert_eq!(find("reference_normals_used", "value", "1"), Some(121.into()));
+        assert_eq!(find("graphics", "write_bytes", "z"), Some(320_000.into()));
+        assert_eq!(find("polygons", "histogram", "4"), Some(900_000.into()));
+        assert_eq!(find("", "frames", "1"), Some(470_000.into()));
+    }
+}

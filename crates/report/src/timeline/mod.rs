@@ -1,0 +1,224 @@
+//! What every unit did when, as a trace for ui.perfetto.dev: one track per unit, slices named `busy`,
+//! `starved: <fifo>`, `blocked: <fifo>` and `memory: <client>`, and a track of frames.
+//!
+//! **One cycle is shown as one nanosecond**: a trace counts in whole nanoseconds, and cycles shall be read off exactly,
+//! whatever `clock.hz` says.
+//!
+//! [`Timeline`] is a probe that writes as the run goes: it keeps one open slice per unit and a buffer of fixed size, so
+//! memory does not grow with the run. Packets therefore stand in the order in which the engine finds out: in order of
+//! time on each track, but one unit may be far ahead of another. Perfetto sorts a trace without flush events as a whole,
+//! by time and then by place in the file, so the end of a slice stays ahead of the begin that follows in the same cycle.
+//! Sorting in windows here was rejected: a unit may run ahead by any number of cycles, so no window is long enough.
+
+mod proto;
+
+use crate::blame::Wait;
+use crate::text::cause;
+use basrelief_kernel::{Cause, Cycle, Interval, Probe, Recorder, RunReport, UnitReport};
+use prost::Message;
+use proto::{EventName, InternedData, Trace, TracePacket, TrackDescriptor, TrackEvent};
+use std::io::{self, Write};
+
+/// Names of a stage and of what it may wait for, in the order of the wiring.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct StageNames {
+    /// The unit.
+    pub unit: String,
+    /// Its input FIFOs.
+    pub inputs: Vec<String>,
+    /// Its output FIFOs.
+    pub outputs: Vec<String>,
+    /// Its memory clients.
+    pub clients: Vec<String>,
+}
+
+impl From<&UnitReport> for StageNames {
+    fn from(unit: &UnitReport) -> Self {
+        Self {
+            unit: unit.name.clone(),
+            inputs: unit.inputs.clone(),
+            outputs: unit.outputs.clone(),
+            clients: unit.clients.clone(),
+        }
+    }
+}
+
+/// Packets that are written at once.
+const CHUNK: usize = 4096;
+/// All packets are of one sequence: one writer.
+const SEQUENCE: u32 = 1;
+/// Track of the machine; its children are the frames, then the units.
+const MACHINE: u64 = 1;
+const FRAMES: u64 = 2;
+const FIRST_UNIT: u64 = 3;
+/// Interned name of a unit at work; the first cause of the first stage follows.
+const BUSY: u64 = 1;
+
+/// What a stage's slices are called.
+#[derive(Clone, Copy, Debug)]
+struct Interned {
+    starved: u64,
+    blocked: u64,
+    memory: u64,
+}
+
+/// A probe that writes a Perfetto trace. Write errors end the writing and are told by [`Timeline::finish`].
+#[derive(Debug)]
+pub struct Timeline<W> {
+    out: W,
+    buffer: Trace,
+    interned: Vec<Interned>,
+    /// The slice of each stage that may still grow.
+    open: Vec<Option<Interval>>,
+    error: Option<io::Error>,
+}
+
+impl<W: Write> Timeline<W> {
+    /// Starts a trace of `machine` with these stages, in the order of the wiring.
+    pub fn new(out: W, machine: &str, stages: &[StageNames]) -> Self {
+        let (interned, names) = intern(stages);
+        let open = vec![None; stages.len()];
+        let mut timeline = Self { out, buffer: Trace::default(), interned, open, error: None };
+        timeline.packet(TracePacket {
+            interned_data: Some(InternedData { event_names: names }),
+            sequence_flags: Some(proto::INCREMENTAL_STATE_CLEARED),
+            ..TracePacket::default()
+        });
+        timeline.track(TrackDescriptor { child_ordering: Some(proto::EXPLICIT_ORDER), ..track(MACHINE, machine) });
+        let children = std::iter::once((FRAMES, "frames")).chain((FIRST_UNIT..).zip(stages.iter().map(|s| s.unit.as_str())));
+        for (rank, (uuid, name)) in (0..).zip(children) {
+            timeline.track(TrackDescriptor { parent_uuid: Some(MACHINE), sibling_order_rank: Some(rank), ..track(uuid, name) });
+        }
+        timeline
+    }
+
+    /// Writes what is still open, cut at the end of the run, and the frames; gives the writer back.
+    ///
+    /// What units wait for after their last step, in a run that did not complete, no probe is shown: it stands in the
+    /// report.
+    ///
+    /// # Errors
+    /// The first error that the writer gave.
+    pub fn finish(mut self, run: &RunReport) -> io::Result<W> {
+        for stage in 0..self.open.len() {
+            if let Some(mut slice) = self.open.get_mut(stage).and_then(Option::take) {
+                slice.to = slice.to.min(Cycle(run.total));
+                self.slice(slice);
+            }
+        }
+        let mut start = 0;
+        for (k, &cycles) in run.frames.iter().enumerate() {
+            let name = Some(format!("frame {}", k + 1));
+            self.event(start, TrackEvent { name, ..event(proto::SLICE_BEGIN, FRAMES) });
+            start = start.saturating_add(cycles);
+            self.event(start, event(proto::SLICE_END, FRAMES));
+        }
+        self.write_out();
+        self.error.map_or(Ok(()), Err)?;
+        self.out.flush()?;
+        Ok(self.out)
+    }
+
+    fn add(&mut self, new: Interval) {
+        let Some(open) = self.open.get_mut(new.stage) else { return };
+        match open {
+            Some(last) if last.cause == new.cause && last.to == new.from => last.to = new.to,
+            _ => {
+                if let Some(last) = open.replace(new) {
+                    self.slice(last);
+                }
+            }
+        }
+    }
+
+    fn slice(&mut self, slice: Interval) {
+        let Some(names) = self.interned.get(slice.stage).filter(|_| slice.from < slice.to) else { return };
+        let name = match slice.cause {
+            None => BUSY,
+            Some(Cause::Starved(i)) => names.starved + i as u64,
+            Some(Cause::Blocked(i)) => names.blocked + i as u64,
+            Some(Cause::Memory(i)) => names.memory + i as u64,
+        };
+        let track = FIRST_UNIT + slice.stage as u64;
+        self.event(slice.from.0, TrackEvent { name_iid: Some(name), ..event(proto::SLICE_BEGIN, track) });
+        self.event(slice.to.0, event(proto::SLICE_END, track));
+    }
+
+    fn event(&mut self, cycle: u64, event: TrackEvent) {
+        self.packet(TracePacket {
+            timestamp: Some(cycle),
+            track_event: Some(event),
+            sequence_flags: Some(proto::NEEDS_INCREMENTAL_STATE),
+            ..TracePacket::default()
+        });
+    }
+
+    fn track(&mut self, descriptor: TrackDescriptor) {
+        self.packet(TracePacket { track_descriptor: Some(descriptor), ..TracePacket::default() });
+    }
+
+    fn packet(&mut self, packet: TracePacket) {
+        self.buffer.packet.push(TracePacket { trusted_packet_sequence_id: Some(SEQUENCE), ..packet });
+        if self.buffer.packet.len() >= CHUNK {
+            self.write_out();
+        }
+    }
+
+    /// Traces joined end to end are a trace.
+    fn write_out(&mut self) {
+        if self.error.is_none() {
+            self.error = self.out.write_all(&self.buffer.encode_to_vec()).err();
+        }
+        self.buffer.packet.clear();
+    }
+}
+
+impl<W: Write> Probe for Timeline<W> {
+    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+        self.add(Interval { stage, cause: None, from, to });
+    }
+
+    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+        self.add(Interval { stage, cause: Some(cause), from, to });
+    }
+}
+
+/// Writes a recorded run as [`Timeline`] would have written it.
+///
+/// # Errors
+/// The first error that the writer gave.
+pub fn write_recorded<W: Write>(out: W, machine: &str, recorder: &Recorder, run: &RunReport) -> io::Result<W> {
+    let names: Vec<StageNames> = run.units.iter().map(StageNames::from).collect();
+    let mut timeline = Timeline::new(out, machine, &names);
+    for &interval in recorder.stages.iter().flatten() {
+        timeline.add(interval);
+    }
+    timeline.finish(run)
+}
+
+fn track(uuid: u64, name: &str) -> TrackDescriptor {
+    TrackDescriptor { uuid: Some(uuid), name: Some(name.into()), ..TrackDescriptor::default() }
+}
+
+fn event(kind: i32, track: u64) -> TrackEvent {
+    TrackEvent { r#type: Some(kind), track_uuid: Some(track), ..TrackEvent::default() }
+}
+
+/// Numbers every cause of every stage, so that a slice's name takes one or two bytes.
+fn intern(stages: &[StageNames]) -> (Vec<Interned>, Vec<EventName>) {
+    let mut names = vec![EventName { iid: Some(BUSY), name: Some("busy".into()) }];
+    let mut add = |list: &[String], wait: fn(&str) -> Wait<'_>| {
+        let first = names.len() as u64 + 1;
+        names.extend((first..).zip(list).map(|(iid, name)| EventName { iid: Some(iid), name: Some(cause(wait(name))) }));
+        first
+    };
+    let interned = stages.iter().map(|s| Interned {
+        starved: add(&s.inputs, |name| Wait::Starved(name)),
+        blocked: add(&s.outputs, |name| Wait::Blocked(name)),
+        memory: add(&s.clients, |name| Wait::Memory(name)),
+    });
+    (interned.collect(), names)
+}
+
+#[cfg(test)]
+mod tests;
