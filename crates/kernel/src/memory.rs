@@ -45,7 +45,9 @@ pub(crate) struct Port {
     /// Answer times of the last requests, by number of issue; never decreasing.
     answers: Box<[Cycle]>,
     pub(crate) issued: u64,
-    served: u64,
+    pub(crate) served: u64,
+    /// The oldest request whose answer a step in flight may still ask for.
+    pub(crate) keep_from: u64,
     last_answer: Cycle,
     queue: VecDeque<Queued>,
     pub(crate) counts: PortCounts,
@@ -61,6 +63,7 @@ impl Port {
             answers: vec![Cycle::ZERO; ring].into(),
             issued: 0,
             served: 0,
+            keep_from: u64::MAX,
             last_answer: Cycle::ZERO,
             queue: VecDeque::new(),
             counts: PortCounts::default(),
@@ -76,8 +79,8 @@ impl Port {
         }
     }
 
-    /// Answer time of request `number`; unknown until it is served. A request that left the ring has been answered
-    /// before any step that may still ask (it needed that credit), so its time is as good as 0.
+    /// Answer time of request `number`; unknown until it is served. A request that left the ring was answered before
+    /// the start of any step that may still ask (it needed that credit), so its time is as good as 0.
     #[inline]
     pub(crate) fn answer(&self, number: u64) -> Cycle {
         if number >= self.served {
@@ -91,9 +94,25 @@ impl Port {
 
     #[inline]
     pub(crate) fn issue(&mut self, arrival: Cycle, address: u64, bytes: u32, write: bool) -> u64 {
+        if self.issued.saturating_sub(self.keep_from) >= self.answers.len() as u64 {
+            self.grow();
+        }
         self.queue.push_back(Queued { arrival, address, bytes: bytes.max(1), write });
         self.issued += 1;
         self.issued - 1
+    }
+
+    /// Doubles the ring. A step that waits for one client may hold back others that have long been answered by
+    /// another, and a merged look-up may refer to a request older than the credits in use: so the credits alone do not
+    /// bound what may be asked for.
+    #[cold]
+    fn grow(&mut self) {
+        let mut ring = vec![Cycle::ZERO; 2 * self.answers.len()];
+        for number in self.issued.saturating_sub(self.answers.len() as u64)..self.served {
+            let slot = number as usize & (ring.len() - 1);
+            ring[slot] = self.answers[number as usize & (self.answers.len() - 1)];
+        }
+        self.answers = ring.into();
     }
 
     #[inline]

@@ -118,6 +118,18 @@ impl MemorySystem {
         self.port(client).answer(number)
     }
 
+    /// Requests of a client that have been served: the answers to all before are known.
+    #[inline]
+    pub(crate) fn served(&self, client: usize) -> u64 {
+        self.port(client).served
+    }
+
+    /// Keeps a client's answers from request `number` on, for steps in flight.
+    #[inline]
+    pub(crate) fn keep_from(&mut self, client: usize, number: u64) {
+        self.ports[self.clients[client].port].keep_from = number;
+    }
+
     /// A direct request; returns its number.
     #[inline]
     pub(crate) fn issue(&mut self, client: usize, arrival: Cycle, address: u64, bytes: u32, write: bool) -> u64 {

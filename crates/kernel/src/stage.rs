@@ -47,12 +47,14 @@ struct InFlight {
     reads: [u64; MAX_CLIENTS],
     /// Answers known so far.
     answers: [Cycle; MAX_CLIENTS],
+    /// Requests served when it started, per client: it waits for none before.
+    served: [u64; MAX_CLIENTS],
 }
 
 impl InFlight {
     fn new(base: Cycle, mask: u32, ends_frame: bool) -> Self {
-        let (look_ups, reads, answers) = Default::default();
-        Self { base, mask, ends_frame, look_ups, reads, answers }
+        let (look_ups, reads, answers, served) = Default::default();
+        Self { base, mask, ends_frame, look_ups, reads, answers, served }
     }
 }
 
@@ -179,6 +181,9 @@ impl Clock {
             traffic.clear();
             if !self.in_flight.is_empty() || !self.land(&mut flight, outputs, clients) {
                 self.in_flight.push_back(flight);
+                if self.in_flight.len() == 1 {
+                    self.keep_answers(clients);
+                }
             }
         }
         self.account.busy += occupancy;
@@ -196,6 +201,9 @@ impl Clock {
     ) -> u64 {
         let ids = clients.ids();
         let Some(system) = clients.system_mut() else { return 1 };
+        for (i, &client) in ids.iter().enumerate() {
+            flight.served[i] = system.served(client);
+        }
         for r in &traffic.look_ups {
             let client = ids[r.client as usize];
             let line_bytes = system.line_bytes(client);
@@ -252,7 +260,20 @@ impl Clock {
                 break;
             }
         }
-        self.in_flight.len() < before
+        let landed = self.in_flight.len() < before;
+        if landed {
+            self.keep_answers(clients);
+        }
+        landed
+    }
+
+    /// Tells the memories which answers the oldest step in flight, and so any, may still ask for.
+    fn keep_answers<const M: bool>(&self, clients: &mut Clients<'_, M>) {
+        let ids = clients.ids();
+        let Some(system) = clients.system_mut() else { return };
+        for (i, &client) in ids.iter().enumerate() {
+            system.keep_from(client, self.in_flight.front().map_or(u64::MAX, |flight| flight.served[i]));
+        }
     }
 
     /// Delivers one step if all its answers are known.

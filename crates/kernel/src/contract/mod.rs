@@ -88,12 +88,14 @@
 
 mod bench;
 mod check;
+mod ends;
 mod guard;
 mod sink;
 mod source;
 
-pub use bench::{Back, Bench, Emitted, Front, Inlet, Outlet, Popped, Setting};
+pub use bench::{Bench, Setting};
 pub use check::{Broken, Contract};
+pub use ends::{Back, Emitted, Front, Inlet, Outlet, Popped};
 pub use sink::Sink;
 pub use source::Source;
 

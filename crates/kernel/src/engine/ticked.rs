@@ -113,7 +113,10 @@ pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, probe: &mut P, limits: 
         if tick.now.0 >= limits.max_cycles {
             let mut any = AnyStart(false);
             machine.wire(&mut any);
-            return if any.0 { Halt::Limit(limits.max_cycles) } else { Halt::Quiet };
+            if any.0 {
+                return Halt::Limit(limits.max_cycles);
+            }
+            // No step will ever start: what has started runs out, and is counted.
         }
         (tick.stage, tick.fired, tick.horizon) = (0, false, Cycle::ZERO);
         machine.wire(&mut tick);

@@ -1,7 +1,7 @@
 //! A machine whose wiring walks a plan.
 
-use super::unit::Token;
-use super::{Kind, Plan, PlanUnit, PlannedUnit};
+use super::check::check;
+use super::{Kind, Plan, PlanError, PlanUnit, PlannedUnit, Token};
 use crate::{CacheConfig, Clients, Fifo, Machine, MemoryConfig, MemorySystem, Stage, Visitor};
 use std::collections::BTreeMap;
 
@@ -23,26 +23,30 @@ pub struct PlanMachine {
 }
 
 impl PlanMachine {
-    /// Builds the machine; an unknown name is an error that says which.
-    pub fn new(plan: &Plan) -> Result<Self, String> {
+    /// Builds the machine.
+    ///
+    /// # Errors
+    /// If the plan is no machine: names the place, the field, and what was expected.
+    pub fn new(plan: &Plan) -> Result<Self, PlanError> {
+        check(plan)?;
         let fifos: Vec<_> = plan.fifos.iter().map(|f| Fifo::new(&f.name, f.depth, f.latency)).collect();
         let numbers: BTreeMap<&str, usize> = plan.fifos.iter().enumerate().map(|(i, f)| (f.name.as_str(), i)).collect();
+        let find = |names: &[String]| names.iter().filter_map(|n| numbers.get(n.as_str()).copied()).collect();
         let mut memories = MemorySystem::default();
         let ports = add_memories(plan, &mut memories);
-        let find = |names: &[String]| -> Result<Vec<usize>, String> {
-            names.iter().map(|n| numbers.get(n.as_str()).copied().ok_or(format!("no FIFO named {n}"))).collect()
+        let place = |unit: &PlannedUnit| {
+            let (clients, of_request) = clients_of(plan, unit, &ports);
+            let stage = Stage::new(&unit.name, PlanUnit::new(unit, of_request));
+            Placed { stage, inputs: find(&unit.inputs), outputs: find(&unit.outputs), clients }
         };
-        let mut stages = Vec::new();
-        for unit in &plan.units {
-            let (clients, of_request) = clients_of(plan, unit, &ports)?;
-            stages.push(Placed {
-                stage: Stage::new(&unit.name, PlanUnit::new(unit, of_request)),
-                inputs: find(&unit.inputs)?,
-                outputs: find(&unit.outputs)?,
-                clients,
-            });
-        }
+        let stages = plan.units.iter().map(place).collect();
         Ok(Self { fifos, stages, memories })
+    }
+
+    /// Every sink's name and the tokens that it swallowed, in order.
+    pub fn swallowed(&self) -> impl Iterator<Item = (&str, &[Token])> {
+        let sinks = self.stages.iter().filter(|p| p.outputs.is_empty());
+        sinks.map(|p| (p.stage.name(), p.stage.unit.swallowed()))
     }
 }
 
@@ -82,28 +86,26 @@ fn add_memories<'p>(plan: &'p Plan, memories: &mut MemorySystem) -> BTreeMap<&'p
 }
 
 /// A unit's clients in order of first mention, and which of them each of its requests uses.
-fn clients_of(plan: &Plan, unit: &PlannedUnit, ports: &BTreeMap<&str, usize>) -> Result<(Vec<usize>, Vec<u32>), String> {
-    let find = |port: &str| ports.get(port).copied().ok_or(format!("no port named {port}"));
+fn clients_of(plan: &Plan, unit: &PlannedUnit, ports: &BTreeMap<&str, usize>) -> (Vec<usize>, Vec<u32>) {
+    let find = |port: &str| ports.get(port).copied();
+    let mut clients = Vec::new();
+    let mut of_request = Vec::new();
     match &unit.kind {
         Kind::Access { requests } => {
-            let mut clients = Vec::new();
-            let mut of_request = Vec::new();
-            for r in requests {
-                let client = find(&r.port)?;
-                let at = clients.iter().position(|&c| c == client).unwrap_or_else(|| {
+            for client in requests.iter().filter_map(|r| find(&r.port)) {
+                let at = clients.iter().position(|&c| c == client).unwrap_or(clients.len());
+                if at == clients.len() {
                     clients.push(client);
-                    clients.len() - 1
-                });
+                }
                 of_request.push(at as u32);
             }
-            Ok((clients, of_request))
         }
         Kind::Cached { cache, .. } => {
-            let cache = plan.caches.iter().find(|c| c.name == *cache).ok_or(format!("no cache named {cache}"))?;
-            Ok((vec![find(&cache.port)?], vec![]))
+            clients.extend(plan.caches.iter().find(|c| c.name == *cache).and_then(|c| find(&c.port)));
         }
-        _ => Ok((vec![], vec![])),
+        _ => {}
     }
+    (clients, of_request)
 }
 
 impl Machine for PlanMachine {

@@ -3,13 +3,16 @@
 //! A plan is JSON. Its format, and the format of the result, are those of the project's executable reading of the laws
 //! of time; a token is (id, last). What each kind of unit takes and emits stands at [`Kind`].
 
+mod check;
 mod machine;
 mod result;
 mod unit;
 
+pub use check::PlanError;
 pub use machine::PlanMachine;
 pub use result::result;
-pub use unit::PlanUnit;
+use unit::PlanUnit;
+pub use unit::Token;
 
 use serde::{Deserialize, Serialize};
 

@@ -21,15 +21,22 @@ pub struct PlanUnit {
     steps: u64,
     /// A token being expanded, and the number of its next child.
     expanding: Option<(Token, u64)>,
+    /// What came to an end here: the tokens of a unit without outputs.
+    swallowed: Vec<Token>,
 }
 
 impl PlanUnit {
     /// The unit, given the client number of each of its requests.
     pub fn new(plan: &PlannedUnit, clients: Vec<u32>) -> Self {
-        Self { plan: plan.clone(), clients, steps: 0, expanding: None }
+        Self { plan: plan.clone(), clients, steps: 0, expanding: None, swallowed: Vec::new() }
     }
 
-    /// Ticks of work left in a source or merge.
+    /// The tokens that ended here; none if the unit has outputs.
+    pub(super) fn swallowed(&self) -> &[Token] {
+        &self.swallowed
+    }
+
+    /// Whether a source or merge has passed all its tokens; `None` for other kinds.
     fn exhausted(&self) -> Option<bool> {
         match self.plan.kind {
             Kind::Source { tokens } | Kind::Merge { tokens } => Some(self.steps >= tokens),
@@ -80,7 +87,7 @@ impl PlanUnit {
         match &self.plan.kind {
             Kind::Access { requests } => {
                 for (r, &client) in requests.iter().zip(&self.clients) {
-                    let address = (id * r.stride + r.offset) % r.span;
+                    let address = address(id, r.stride, r.offset, r.span);
                     if r.write {
                         traffic.write(client, address, r.bytes);
                     } else {
@@ -90,12 +97,18 @@ impl PlanUnit {
             }
             Kind::Cached { lookups, .. } => {
                 for l in lookups {
-                    traffic.look_up(0, (id * l.stride + l.offset) % l.span, 1);
+                    traffic.look_up(0, address(id, l.stride, l.offset, l.span), 1);
                 }
             }
             _ => {}
         }
     }
+}
+
+/// (id * stride + offset) mod span, in 128 bits: none of them is bounded.
+fn address(id: u64, stride: u64, offset: u64, span: u64) -> u64 {
+    let address = u128::from(id) * u128::from(stride) + u128::from(offset);
+    u64::try_from(address % u128::from(span.max(1))).unwrap_or_default()
 }
 
 /// Times go by id modulo the length of the list.
@@ -120,6 +133,9 @@ impl Unit for PlanUnit {
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         let (out, id) = self.emit(&input);
         self.issue(id, traffic);
+        if self.plan.outputs.is_empty() {
+            self.swallowed.extend(input.first().copied().flatten());
+        }
         self.steps += 1;
         Step::after(pick(&self.plan.latency, id), out).busy(pick(&self.plan.occupancy, id))
     }

@@ -1,0 +1,125 @@
+//! What holds of every machine: properties over random plans.
+
+mod common;
+
+use basrelief_kernel::plan::{Token, result};
+use basrelief_kernel::{Engine, Outcome, run};
+use common::random::recipe;
+use common::{machine, report, run_both, swallowed};
+use proptest::prelude::*;
+
+/// The clauses of a deadlock's text, one per stuck unit, in order of name.
+fn clauses(text: &str) -> Vec<&str> {
+    let inner = text.split_once(": ").map_or(text, |(_, rest)| rest);
+    let mut clauses: Vec<_> = inner.split(". Give").next().unwrap_or_default().split("; ").collect();
+    clauses.sort_unstable();
+    clauses
+}
+
+proptest! {
+    #[test]
+    fn both_engines_give_equal_reports(recipe in recipe()) {
+        // `run_both` compares; here so that a difference shrinks to the smallest plan.
+        run_both(&recipe.plan().0, u64::MAX);
+    }
+
+    #[test]
+    fn the_order_of_units_does_not_matter(recipe in recipe()) {
+        let (here, there) = (report(&recipe.plan().0), report(&recipe.reordered()));
+        prop_assert_eq!(result(&here), result(&there));
+        if let (Outcome::Deadlock(here), Outcome::Deadlock(there)) = (&here.outcome, &there.outcome) {
+            prop_assert_eq!(clauses(here), clauses(there));
+        }
+    }
+
+    #[test]
+    fn accounting_sums_to_the_total_and_so_do_histograms(recipe in recipe()) {
+        let report = report(&recipe.plan().0);
+        for unit in &report.units {
+            prop_assert_eq!(unit.account.total(), report.total, "{}", &unit.name);
+        }
+        for fifo in &report.fifos {
+            prop_assert_eq!(fifo.histogram.iter().sum::<u64>(), report.total, "{}", &fifo.name);
+        }
+        for cache in &report.caches {
+            let c = cache.counts;
+            let port = report.memories.iter().flat_map(|m| &m.ports);
+            prop_assert!(port.map(|p| p.counts.reads).any(|reads| reads == c.misses), "a line request per miss");
+        }
+    }
+
+    #[test]
+    fn no_token_is_lost_doubled_or_reordered(recipe in recipe()) {
+        let (plan, tokens) = recipe.plan();
+        let [timed, functional] = swallowed(&plan);
+        let expected: Vec<Token> = (0..tokens).map(|id| Token { id, last: id + 1 == tokens }).collect();
+        prop_assert_eq!(&timed, &functional);
+        let [(_, seen)] = timed.as_slice() else { panic!("one sink") };
+        if report(&plan).outcome == Outcome::Complete {
+            prop_assert_eq!(seen, &expected);
+        } else {
+            prop_assert!(seen.len() < expected.len() && expected.starts_with(seen));
+        }
+    }
+
+    #[test]
+    fn a_deadlock_names_unit_fifo_and_fill(recipe in recipe()) {
+        let (plan, _) = recipe.plan();
+        if let Outcome::Deadlock(text) = report(&plan).outcome {
+            let full = |f: &basrelief_kernel::plan::PlanFifo| {
+                text.contains(&format!("waits for a slot in `{}` ({} of {} slots)", f.name, f.depth, f.depth))
+            };
+            prop_assert!(plan.fifos.iter().any(full), "{}", text);
+            let sink = &plan.units.last().unwrap().name;
+            let starved = format!("`{sink}` waits for a token from ");
+            prop_assert!(text.contains(&starved), "{}", text);
+        }
+    }
+
+    #[test]
+    fn two_runs_are_equal(recipe in recipe()) {
+        let (plan, _) = recipe.plan();
+        let [first, second] = [0, 1].map(|_| run(&mut machine(&plan), Engine::Timed));
+        prop_assert_eq!(first, second);
+    }
+
+    #[test]
+    fn probe_intervals_tile_each_units_time(recipe in recipe()) {
+        let (plan, _) = recipe.plan();
+        let (report, intervals) = run_both(&plan, u64::MAX);
+        for (unit, intervals) in report.units.iter().zip(&intervals.stages) {
+            let mut at = 0;
+            let mut busy = 0;
+            for interval in intervals {
+                prop_assert_eq!(interval.from.0, at, "a gap in {}", &unit.name);
+                prop_assert!(interval.to > interval.from);
+                at = interval.to.0;
+                busy += if interval.cause.is_none() { at - interval.from.0 } else { 0 };
+            }
+            prop_assert_eq!(busy, unit.account.busy);
+            prop_assert!(at <= report.total, "{} ends after the run", &unit.name);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn every_limit_of_cycles_gives_equal_reports(recipe in recipe(), first in 0..64_u64) {
+        let (plan, _) = recipe.plan();
+        let whole = report(&plan);
+        // Every limit of a short run; some 64 of a long one, other ones in each case.
+        let stride = whole.total / 64 + 1;
+        for max_cycles in (first % stride..whole.total + 3).step_by(stride as usize) {
+            let (cut, _) = run_both(&plan, max_cycles);
+            prop_assert!(cut.total <= max_cycles.max(whole.total));
+            if cut.outcome != Outcome::Limit {
+                prop_assert_eq!(&cut, &whole);
+            }
+            for unit in &cut.units {
+                prop_assert_eq!(unit.account.total(), cut.total, "{}", &unit.name);
+            }
+        }
+    }
+}
