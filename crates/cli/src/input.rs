@@ -93,7 +93,7 @@ pub fn open(path: &Path, view: &ViewArgs) -> Done<Input> {
 
 /// An embedded scene.
 pub fn demo_scene(name: &str, view: &ViewArgs) -> Done<Arc<Scene>> {
-    demo::demo(name, &view_options(view)?).map(Arc::new).map_err(|e| Failure::Usage(e.to_string()))
+    demo(name, &view_options(view)?).map(Arc::new).map_err(|e| Failure::Usage(e.to_string()))
 }
 
 /// Whether a file is a display list: by its first bytes, not by its name.
@@ -117,10 +117,10 @@ pub fn view_options(view: &ViewArgs) -> Done<ViewOptions> {
     Ok(ViewOptions {
         size: view.size.unwrap_or(default.size),
         camera,
-        frames: view.frames.unwrap_or(default.frames),
-        orbit_degrees: view.orbit.unwrap_or(default.orbit_degrees),
+        frames: view.frames,
+        orbit_degrees: view.orbit,
         light: view.light,
-        light_orbit_degrees: view.light_orbit.unwrap_or(default.light_orbit_degrees),
+        light_orbit_degrees: view.light_orbit,
     })
 }
 

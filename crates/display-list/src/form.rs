@@ -48,6 +48,13 @@ impl Form {
     }
 }
 
+/// Whether a file that starts so is meant as a display list, in whatever form; for callers that take other kinds of file
+/// too. JSON is one if its first command is `begin`.
+pub fn looks_like_trace(start: &[u8]) -> bool {
+    let json = start.trim_ascii_start().strip_prefix(b"{").map(<[u8]>::trim_ascii_start);
+    start.starts_with(&BINARY_MAGIC) || start.starts_with(&ZSTD_MAGIC) || json.is_some_and(|rest| rest.starts_with(b"\"begin\""))
+}
+
 /// A reader whose first bytes were looked at and put back.
 type Peeked<R> = Chain<Cursor<Vec<u8>>, R>;
 

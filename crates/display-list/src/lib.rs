@@ -72,7 +72,7 @@ pub use command::{
 };
 pub use data::{Digest, Texels};
 pub use error::{ErrorKind, Place, TraceError};
-pub use form::{Encoding, Form};
+pub use form::{Encoding, Form, looks_like_trace};
 pub use reader::{Reader, open};
 pub use recorder::{CanonicalHash, Recorder};
 pub use resolver::{Files, NoFiles, Resolver};

@@ -2,6 +2,7 @@
 
 use crate::engine::Halt;
 use crate::stage::split_wait;
+use crate::topology::StageTopology;
 use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
 use crate::{Account, CacheCounts, Cause, Cycle, Demand, PortCounts, Stage, Unit};
 
@@ -164,17 +165,8 @@ impl Visitor for Conclude {
                 self.stuck.push(explain(stage.name(), cause, &inputs, &outputs, &clients));
             }
         }
-        let names = |ids: &[usize]| -> Vec<String> {
-            clients.system().map_or(Vec::new(), |s| ids.iter().map(|&c| s.client_name(c).to_owned()).collect())
-        };
-        self.units.push(UnitReport {
-            name: stage.name().into(),
-            steps: stage.clock.steps,
-            account,
-            inputs: (0..inputs.count()).map(|i| inputs.link(i).name().to_owned()).collect(),
-            outputs: (0..outputs.count()).map(|i| outputs.link(i).name().to_owned()).collect(),
-            clients: names(clients.ids()),
-        });
+        let StageTopology { name, inputs, outputs: names, clients } = StageTopology::of(stage, &inputs, &outputs, &clients);
+        self.units.push(UnitReport { name, steps: stage.clock.steps, account, inputs, outputs: names, clients });
         for i in 0..outputs.count() {
             let link = outputs.link_mut(i);
             let (name, depth, tokens) = (link.name().to_owned(), link.depth(), link.tokens());

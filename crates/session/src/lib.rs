@@ -19,6 +19,7 @@
 //! ```
 
 mod exact;
+mod expectation;
 mod observer;
 mod record;
 mod run;
@@ -26,9 +27,10 @@ mod settings;
 mod tee;
 
 pub use basrelief_kernel::NoProbe;
+pub use expectation::{check_expectation, expectation_of};
 pub use observer::{Observer, Pictures, Unobserved, picture_name};
 pub use record::{begin_of, display_list, hash_of};
-pub use run::{Run, SessionError, run};
+pub use run::{Run, SessionError, run, stages};
 pub use settings::{Settings, Source};
 
 /// A trace of one grey quad, for the example above.

@@ -8,13 +8,13 @@ use crate::tee::{Seen, Tee};
 use basrelief_display_list::{Expectation, Resolver, TraceError};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
+use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport, StageTopology};
 use basrelief_machines::Counts;
 use basrelief_machines::bump::{self, BumpProcessor, ConfigProblem, FrontEnd, SceneFront, TraceFront};
 use basrelief_reference::{Picture, Quality};
-use basrelief_report::model::{Figure, Host, Input, Picture as PictureFile, PictureQuality, Size};
+use basrelief_report::model::{Figure, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_report::{Facts, Report};
-use basrelief_signals::{Camera, Draw, Frame, Scene};
+use basrelief_signals::{Camera, Control, Draw, Frame, Scene};
 use sha2::{Digest as _, Sha256};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
@@ -42,6 +42,8 @@ pub enum SessionError {
 pub struct Run {
     /// The report, without host figures.
     pub report: Report,
+    /// What the engine came to; `None` for the functional model.
+    pub timing: Option<RunReport>,
     /// What a trace expects of its replay.
     pub expectations: Vec<Expectation>,
     /// From the first to the last simulated step, without reading, exact drawing, metrics and writing \[s\].
@@ -50,16 +52,26 @@ pub struct Run {
 
 impl Run {
     /// The report with the host's figures: `wall_s` is the time of everything \[s\].
-    pub fn with_host(mut self, wall_s: f64) -> Report {
-        let per_second = |n: f64| if self.simulate_s > 0.0 { n / self.simulate_s } else { 0.0 };
-        let fragments = self.report.device_number("fragments").unwrap_or(0.0);
-        self.report.host = Some(Host {
-            wall_s,
-            simulate_s: self.simulate_s,
-            cycles_per_s: self.report.cycles.as_ref().map(|c| per_second(c.total as f64)),
-            fragments_per_s: per_second(fragments),
-        });
-        self.report
+    pub fn with_host(self, wall_s: f64) -> Report {
+        self.report.with_host(wall_s, self.simulate_s)
+    }
+}
+
+/// The stages of the machine under these settings, in the order in which a probe numbers them.
+///
+/// # Errors
+/// Parameters that do not fit together.
+pub fn stages(source: &Source, settings: &Settings) -> Result<Vec<StageTopology>, ConfigProblem> {
+    let config = &settings.config;
+    match source {
+        Source::Scene(_) => {
+            let front = SceneFront::new(std::iter::empty::<Draw>(), config);
+            BumpProcessor::new(front, config).map(|mut m| kernel::topology(&mut m))
+        }
+        Source::Trace { .. } => {
+            let front = TraceFront::new(std::iter::empty::<Result<(Control, Option<u64>), String>>(), config);
+            BumpProcessor::new(front, config).map(|mut m| kernel::topology(&mut m))
+        }
     }
 }
 
@@ -255,7 +267,7 @@ impl<'a> Session<'a> {
             Some(run) => Report::timed(facts, run),
             None => Report::functional(facts, &Outcome::Complete),
         };
-        Run { report, expectations, simulate_s: self.simulate_s }
+        Run { report, timing: driven.report, expectations, simulate_s: self.simulate_s }
     }
 }
 

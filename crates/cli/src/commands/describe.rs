@@ -4,7 +4,7 @@ use crate::args::DescribeArgs;
 use crate::error::{Done, print};
 use basrelief_machines::bump::{BumpProcessorConfig, DIAGRAM, UNITS};
 use basrelief_parameters::{Parameter, Parameters};
-use basrelief_scene::demo::DEMOS;
+use basrelief_scene::DEMOS;
 use serde_json::{Value, json};
 use std::fmt::Write;
 

@@ -1,0 +1,29 @@
+//! `basrelief compare`: what changed between two reports.
+
+use super::run::style;
+use crate::args::CompareArgs;
+use crate::error::{Done, Failure, print};
+use basrelief_report::{Report, compare as difference};
+use std::fs;
+use std::path::Path;
+
+/// Lists changes, largest first; fails over a limit.
+pub fn compare(args: &CompareArgs) -> Done {
+    let comparison = difference(&read(&args.a)?, &read(&args.b)?);
+    if args.json {
+        print(&format!("{:#}\n", serde_json::to_value(&comparison).map_err(Failure::bad)?))?;
+    } else {
+        print(&comparison.to_text(style()))?;
+    }
+    let worst = comparison.worst_percent();
+    match args.fail_over {
+        Some(limit) if worst > limit => Err(Failure::Bad(format!("grew worse by {worst} %, allowed {limit} %"))),
+        _ => Ok(()),
+    }
+}
+
+fn read(path: &Path) -> Done<Report> {
+    let file = if path.is_dir() { path.join("report.json") } else { path.to_path_buf() };
+    let text = fs::read_to_string(&file).map_err(Failure::file(&file, "be read"))?;
+    Report::from_json(&text).map_err(|e| Failure::Bad(format!("{}: {e}", file.display())))
+}

@@ -1,0 +1,48 @@
+//! `basrelief record`: what the geometry processor hands on, as a display list.
+
+use super::convert::to_trace_file;
+use super::run::simulate_quietly;
+use crate::args::RecordArgs;
+use crate::error::{Done, Failure};
+use crate::input::{self, Input};
+use crate::interrupt;
+use crate::progress::Progress;
+use basrelief_display_list::{Expectation, Recorder};
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_session::{Source, begin_of, display_list, expectation_of};
+use basrelief_signals::Scene;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Records a scene.
+pub fn record(args: &RecordArgs, quiet: bool) -> Done {
+    let Input::Scene(scene) = input::open(&args.input, &args.view)? else {
+        return Err(Failure::Usage(format!("{}: is a display list already; `basrelief convert` changes its form", args.input.display())));
+    };
+    let config = input::config(&args.machine)?;
+    let expectations = if args.expect { vec![expected(&scene, &config, args)?] } else { vec![] };
+    to_trace_file(&args.out, |writer, form| {
+        let mut recorder = Recorder::new(writer, form, begin_of(&scene)).map_err(Failure::bad)?;
+        let mut progress = Progress::new(None, "polygons", quiet);
+        for (n, control) in (1..).zip(display_list(&scene, &config)) {
+            recorder.record(&control).map_err(Failure::bad)?;
+            progress.at(n);
+            if interrupt::asked() {
+                return Err(Failure::Bad("interrupted".into()));
+            }
+        }
+        recorder.finish(expectations).map(|_| ()).map_err(Failure::bad)
+    })
+}
+
+/// What the machine makes of the scene now.
+fn expected(scene: &Arc<Scene>, config: &BumpProcessorConfig, args: &RecordArgs) -> Done<Expectation> {
+    let run = simulate_quietly(Source::Scene(Arc::clone(scene)), config, None)?;
+    let whole = serde_json::to_value(config).map_err(Failure::bad)?;
+    let mut settings = BTreeMap::new();
+    for (key, _) in &args.machine.settings {
+        let value = whole.pointer(&format!("/{}", key.replace('.', "/"))).cloned().unwrap_or_default();
+        settings.insert(key.clone(), serde_json::from_value(value).map_err(Failure::bad)?);
+    }
+    Ok(expectation_of(&run.report, settings))
+}

@@ -1,0 +1,202 @@
+//! `basrelief run` and `basrelief demo`.
+
+use crate::args::{DemoArgs, EngineName, MachineArgs, RunArgs, SimulationArgs};
+use crate::error::{Done, Failure, print};
+use crate::input::{self, Input, TraceFile, beside};
+use crate::interrupt;
+use crate::outputs::{Outputs, PartialFile};
+use crate::progress::Progress;
+use basrelief_kernel::{Engine, StageTopology};
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_reference::{Picture, metrics};
+use basrelief_report::model::OutcomeKind;
+use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
+use basrelief_session::{self as session, NoProbe, Observer, Pictures, Run, Settings, Source, Unobserved, picture_name};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use std::cell::Cell;
+use std::io::{BufWriter, IsTerminal, Write};
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::OnceLock;
+use std::time::Instant;
+
+/// Seconds since the first call.
+fn seconds() -> f64 {
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_secs_f64()
+}
+
+impl From<EngineName> for Engine {
+    fn from(name: EngineName) -> Self {
+        match name {
+            EngineName::Timed => Self::Timed,
+            EngineName::Ticked => Self::Ticked,
+        }
+    }
+}
+
+/// Draws an embedded scene.
+pub fn demo(args: &DemoArgs, quiet: bool) -> Done {
+    let scene = input::demo_scene(&args.name, &args.view)?;
+    simulate(Input::Scene(scene), &args.machine, &args.simulation, quiet)
+}
+
+/// Draws a model or replays a display list.
+pub fn run(args: &RunArgs, quiet: bool) -> Done {
+    let input = input::open(&args.input, &args.view)?;
+    simulate(input, &args.machine, &args.simulation, quiet)
+}
+
+/// Files, progress and pictures of a run.
+struct Watcher {
+    outputs: Outputs,
+    progress: Progress,
+    /// Bytes of a trace read so far; a scene counts commands instead.
+    read: Option<Rc<Cell<u64>>>,
+    frames: usize,
+}
+
+impl Observer for Watcher {
+    fn progress(&mut self, commands: u64, _: Option<u64>) -> bool {
+        self.progress.at(self.read.as_ref().map_or(commands, |read| read.get()));
+        !interrupt::asked()
+    }
+
+    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+        self.frames = pictures.index + 1;
+        self.save("image", pictures.index, pictures.machine)?;
+        let Some((exact, _)) = pictures.exact else { return Ok(()) };
+        self.save("reference", pictures.index, exact)?;
+        let difference = metrics::difference(exact, pictures.machine).map_err(|e| e.to_string())?;
+        self.save("difference", pictures.index, &difference)
+    }
+}
+
+impl Watcher {
+    fn save(&mut self, kind: &str, index: usize, picture: &Picture) -> Result<(), String> {
+        let name = picture_name(kind, index, true);
+        let failed = |e: &dyn std::fmt::Display| format!("{name}: cannot be written: {e}");
+        let mut file = self.outputs.create(&name).map_err(|e| failed(&e))?;
+        PngEncoder::new(&mut file)
+            .write_image(&picture.to_rgba(), picture.width, picture.height, ExtendedColorType::Rgba8)
+            .map_err(|e| failed(&e))?;
+        file.flush().map_err(|e| failed(&e))
+    }
+}
+
+fn simulate(input: Input, machine: &MachineArgs, simulation: &SimulationArgs, quiet: bool) -> Done {
+    let began = seconds();
+    let settings = Settings {
+        config: input::config(machine)?,
+        engine: (!simulation.functional).then(|| simulation.engine.into()),
+        max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
+        exact: true,
+        clock: seconds,
+    };
+    let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
+    let (source, progress, read) = source_of(input, quiet || simulation.json);
+    let mut watcher = Watcher { outputs, progress, read, frames: 0 };
+    let run = match &simulation.timeline {
+        None => session::run(source, &settings, &mut watcher, &mut NoProbe).map_err(Failure::bad)?,
+        Some(path) => with_timeline(path, source, &settings, &mut watcher)?,
+    };
+    if interrupt::asked() {
+        return Err(Failure::Bad("interrupted".into()));
+    }
+    let report = run.with_host(seconds() - began);
+    let Watcher { outputs, progress, frames, .. } = watcher;
+    drop(progress);
+    publish(outputs, frames, &report, simulation)?;
+    show(&report, simulation, quiet)
+}
+
+fn source_of(input: Input, quiet: bool) -> (Source, Progress, Option<Rc<Cell<u64>>>) {
+    match input {
+        Input::Scene(scene) => {
+            let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
+            let total = (per_frame * scene.frames.len()) as u64;
+            (Source::Scene(scene), Progress::new(Some(total), "draw commands", quiet), None)
+        }
+        Input::Trace(TraceFile { reader, bytes, read, name, folder }) => {
+            let files = Box::new(beside(&folder));
+            (Source::Trace { reader, files, name }, Progress::new(bytes, "bytes", quiet), Some(read))
+        }
+    }
+}
+
+fn with_timeline(path: &Path, source: Source, settings: &Settings, watcher: &mut Watcher) -> Done<Run> {
+    let failed = || Failure::file(path, "be written");
+    let stages: Vec<StageNames> = session::stages(&source, settings).map_err(Failure::bad)?.into_iter().map(names).collect();
+    let mut file = PartialFile::create(path).map_err(failed())?;
+    let mut timeline = Timeline::new(BufWriter::new(&mut file), "bump", &stages);
+    let run = session::run(source, settings, watcher, &mut timeline).map_err(Failure::bad)?;
+    match &run.timing {
+        Some(timing) => timeline.finish(timing).and_then(|mut out| out.flush()).map_err(failed())?,
+        None => drop(timeline),
+    }
+    if !interrupt::asked() {
+        file.publish().map_err(failed())?;
+    }
+    Ok(run)
+}
+
+fn names(stage: StageTopology) -> StageNames {
+    StageNames { unit: stage.name, inputs: stage.inputs, outputs: stage.outputs, clients: stage.clients }
+}
+
+/// Names the pictures by their number, adds the report, and puts everything in its place.
+fn publish(mut outputs: Outputs, frames: usize, report: &Report, simulation: &SimulationArgs) -> Done {
+    if frames == 1 {
+        for kind in ["image", "reference", "difference"] {
+            outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false));
+        }
+    }
+    let failed = || Failure::file(&simulation.out, "be written");
+    let mut write = |name: &str, text: &str| -> Done {
+        let mut file = outputs.create(name).map_err(failed())?;
+        file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(failed())
+    };
+    write("report.json", &report.to_json().map_err(Failure::bad)?)?;
+    if simulation.csv {
+        write("report.csv", &to_csv(report))?;
+    }
+    outputs.publish().map_err(failed())
+}
+
+/// Prints the report, and decides whether the run was a success.
+fn show(report: &Report, simulation: &SimulationArgs, quiet: bool) -> Done {
+    if simulation.json {
+        print(&report.to_json().map_err(Failure::bad)?)?;
+    } else if !quiet {
+        print(&to_text(report, style()))?;
+        print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report)))?;
+    }
+    let message = report.outcome.message.clone().unwrap_or_default();
+    match report.outcome.kind {
+        OutcomeKind::Complete => Ok(()),
+        OutcomeKind::Limit => Err(Failure::Bad("stopped at the limit of --max-cycles; the report holds the state so far".into())),
+        OutcomeKind::Deadlock | OutcomeKind::Stopped | OutcomeKind::Fault => Err(Failure::Bad(message)),
+    }
+}
+
+fn written(report: &Report) -> String {
+    match report.image.len() {
+        0 => "report.json".into(),
+        1 => "image.png, reference.png, difference.png, report.json".into(),
+        n => format!("{n} each of image-NNNN.png, reference-NNNN.png, difference-NNNN.png; report.json"),
+    }
+}
+
+/// How tables are set on this terminal.
+pub fn style() -> Style {
+    let terminal = std::io::stdout().is_terminal();
+    let width = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok()).unwrap_or(120);
+    Style { width, color: terminal && std::env::var_os("NO_COLOR").is_none() }
+}
+
+/// A run without pictures, exact picture or progress.
+pub fn simulate_quietly(source: Source, config: &BumpProcessorConfig, engine: Option<Engine>) -> Done<Run> {
+    let settings = Settings { config: config.clone(), engine: engine.or(Some(Engine::Timed)), exact: false, ..Settings::default() };
+    session::run(source, &settings, &mut Unobserved, &mut NoProbe).map_err(Failure::bad)
+}

@@ -1,0 +1,17 @@
+//! `basrelief schema`: JSON schemas.
+
+use crate::args::{SchemaArgs, SchemaName};
+use crate::error::{Done, print};
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_signals::Camera;
+
+/// Prints a schema.
+pub fn schema(args: &SchemaArgs) -> Done {
+    let schema = match args.of {
+        SchemaName::Trace => basrelief_display_list::schema(),
+        SchemaName::Report => basrelief_report::schema(),
+        SchemaName::Config => schemars::schema_for!(BumpProcessorConfig).to_value(),
+        SchemaName::Camera => schemars::schema_for!(Camera).to_value(),
+    };
+    print(&format!("{schema:#}\n"))
+}

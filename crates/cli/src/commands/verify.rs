@@ -1,0 +1,132 @@
+//! `basrelief verify`: traces carry what is expected of them; replaying one is a test of itself.
+
+use super::convert::form_of;
+use super::run::simulate_quietly;
+use crate::args::VerifyArgs;
+use crate::error::{Done, Failure, print};
+use crate::input::{TraceFile, beside};
+use crate::interrupt;
+use crate::outputs::PartialFile;
+use basrelief_display_list::{Command, Expectation, Form, Resolver, Writer, open};
+use basrelief_kernel::Engine;
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_report::Report;
+use basrelief_session::{Source, check_expectation, expectation_of};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Checks, or blesses, every trace.
+pub fn verify(args: &VerifyArgs, quiet: bool) -> Done {
+    let mut traces = Vec::new();
+    for path in &args.paths {
+        collect(path, &mut traces)?;
+    }
+    if traces.is_empty() {
+        return Err(Failure::Bad("no display lists there: expected .jsonl or .bdl files, or either with .zst behind".into()));
+    }
+    let engines = args.engine.map_or(vec![Engine::Timed, Engine::Ticked], |e| vec![e.into()]);
+    let mut failed = 0;
+    for trace in &traces {
+        if interrupt::asked() {
+            return Err(Failure::Bad("interrupted".into()));
+        }
+        let wrong = if args.bless { bless(trace)? } else { check(trace, &engines)? };
+        failed += usize::from(!wrong.is_empty());
+        if !quiet || !wrong.is_empty() {
+            let verdict = if wrong.is_empty() { if args.bless { "blessed" } else { "ok" } } else { "FAILED" };
+            print(&format!("{verdict:<7} {}\n", trace.display()))?;
+            wrong.iter().try_for_each(|w| print(&format!("        {w}\n")))?;
+        }
+    }
+    if failed > 0 {
+        return Err(Failure::Bad(format!("{failed} of {} traces are not as they expect; `basrelief verify --bless` rewrites the expectations, after review", traces.len())));
+    }
+    Ok(())
+}
+
+/// Traces of a folder, in order of name, or the trace itself.
+fn collect(path: &Path, traces: &mut Vec<PathBuf>) -> Done {
+    if !path.is_dir() {
+        traces.push(path.to_path_buf());
+        return Ok(());
+    }
+    let failed = || Failure::file(path, "be read");
+    let mut inside: Vec<PathBuf> =
+        fs::read_dir(path).map_err(failed())?.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>().map_err(failed())?;
+    inside.sort();
+    for path in inside {
+        if path.is_dir() {
+            collect(&path, traces)?;
+        } else if Form::for_file_name(&path.to_string_lossy()).is_some() {
+            traces.push(path);
+        }
+    }
+    Ok(())
+}
+
+fn bad(path: &Path) -> impl Fn(&dyn std::fmt::Display) -> Failure {
+    let name = path.display().to_string();
+    move |e| Failure::Bad(format!("{name}: {e}"))
+}
+
+/// Reads a trace to its end for what it expects.
+fn expectations(path: &Path) -> Done<Vec<Expectation>> {
+    let file = TraceFile::open(path)?;
+    let mut resolver = Resolver::new(file.reader, beside(&file.folder)).map_err(|e| bad(path)(&e))?;
+    resolver.by_ref().try_for_each(|c| c.map(|_| ())).map_err(|e| bad(path)(&e))?;
+    Ok(resolver.expectations().to_vec())
+}
+
+fn replay(path: &Path, expected: &Expectation, engine: Engine) -> Done<Report> {
+    let settings: Vec<(String, String)> = expected.config.iter().map(|(k, v)| (k.clone(), v.to_string())).collect();
+    let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
+    let config: BumpProcessorConfig = basrelief_parameters::load("", &borrowed).map_err(|e| bad(path)(&e))?;
+    let file = TraceFile::open(path)?;
+    let files = Box::new(beside(&file.folder));
+    let source = Source::Trace { reader: file.reader, files, name: file.name };
+    simulate_quietly(source, &config, Some(engine)).map(|run| run.report)
+}
+
+fn check(path: &Path, engines: &[Engine]) -> Done<Vec<String>> {
+    let expectations = expectations(path)?;
+    if expectations.is_empty() {
+        return Ok(vec!["carries no expectations; `basrelief record --expect` or `basrelief verify --bless` adds them".into()]);
+    }
+    let mut wrong = Vec::new();
+    for expected in &expectations {
+        for &engine in engines {
+            let report = replay(path, expected, engine)?;
+            wrong.extend(check_expectation(expected, &report).into_iter().map(|w| format!("{engine:?}: {w}").to_lowercase()));
+        }
+    }
+    Ok(wrong)
+}
+
+/// Writes what the machine does now in place of what was expected.
+fn bless(path: &Path) -> Done<Vec<String>> {
+    let mut old = expectations(path)?;
+    if old.is_empty() {
+        old.push(Expectation::default());
+    }
+    let mut new = Vec::new();
+    for expected in old {
+        let report = replay(path, &expected, Engine::Timed)?;
+        new.push(expectation_of(&report, expected.config));
+    }
+    let input = TraceFile::open(path)?;
+    let mut file = PartialFile::create(path).map_err(Failure::file(path, "be written"))?;
+    let mut writer = Writer::new(&mut file, form_of(path)?).map_err(|e| bad(path)(&e))?;
+    for command in open(input.reader).map_err(|e| bad(path)(&e))? {
+        match command.map_err(|e| bad(path)(&e))? {
+            Command::Expect(_) => {}
+            Command::End(_) => break,
+            other => writer.write(&other).map_err(|e| bad(path)(&e))?,
+        }
+    }
+    for expectation in new {
+        writer.write(&Command::Expect(Box::new(expectation))).map_err(|e| bad(path)(&e))?;
+    }
+    writer.finish().map_err(|e| bad(path)(&e))?;
+    file.publish().map_err(Failure::file(path, "be written"))?;
+    Ok(vec![])
+}

@@ -1,0 +1,54 @@
+//! The block diagram as data: what `wire` shows, without running anything.
+
+use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
+use crate::{Stage, Unit};
+
+/// A stage and its wires, by name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StageTopology {
+    /// Name of the stage.
+    pub name: String,
+    /// Names of its input FIFOs.
+    pub inputs: Vec<String>,
+    /// Names of its output FIFOs.
+    pub outputs: Vec<String>,
+    /// Names of its memory clients.
+    pub clients: Vec<String>,
+}
+
+impl StageTopology {
+    /// Of a stage as it is shown to a visitor.
+    pub(crate) fn of<U: Unit, I: Inputs, O: Outputs, const M: bool>(
+        stage: &Stage<U>,
+        inputs: &I,
+        outputs: &O,
+        clients: &Clients<'_, M>,
+    ) -> Self {
+        let client = |&c: &usize| clients.system().map_or("", |s| s.client_name(c)).to_owned();
+        Self {
+            name: stage.name().into(),
+            inputs: (0..inputs.count()).map(|i| inputs.link(i).name().to_owned()).collect(),
+            outputs: (0..outputs.count()).map(|i| outputs.link(i).name().to_owned()).collect(),
+            clients: clients.ids().iter().map(client).collect(),
+        }
+    }
+}
+
+/// All stages of a machine, in the order of its wiring.
+pub fn topology(machine: &mut impl Machine) -> Vec<StageTopology> {
+    struct Walk(Vec<StageTopology>);
+    impl Visitor for Walk {
+        fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
+            &mut self,
+            stage: &mut Stage<U>,
+            inputs: I,
+            outputs: O,
+            clients: Clients<'_, M>,
+        ) {
+            self.0.push(StageTopology::of(stage, &inputs, &outputs, &clients));
+        }
+    }
+    let mut walk = Walk(Vec::new());
+    machine.wire(&mut walk);
+    walk.0
+}
