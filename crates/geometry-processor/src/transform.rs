@@ -48,11 +48,11 @@ impl Transform {
         let normal = self.normal * Vec3::from(mesh.normals.get(i).copied().unwrap_or(unset.normal));
         let [x, y, z, w] = mesh.tangents.get(i).copied().unwrap_or(unset.tangent);
         let tangent = (self.direction * Vec3::new(x, y, z)).normalize_or_zero();
-        // cross(N, T) of a mirrored frame points the other way: the sign keeps the bitangent on the surface's v.
-        let handedness = if self.mirrored { -w } else { w };
+        // The handedness is the file's, in world space too, though cross(N, T) of a mirrored frame points away from the
+        // surface's v: glTF's reference viewer and the Mesa tool do so, and models are made to look right there.
         let vertex = Vertex {
             normal: normal.normalize_or(Vec3::Z).to_array(),
-            tangent: tangent.extend(handedness).to_array(),
+            tangent: tangent.extend(w).to_array(),
             uv: mesh.uv.get(i).copied().unwrap_or(unset.uv),
             uv_normal: mesh.uv_normal.get(i).copied().unwrap_or(unset.uv_normal),
             color: mesh.colors.get(i).copied().unwrap_or(unset.color),
@@ -147,7 +147,9 @@ mod tests {
             prop_assert!((normal.length() - 1.0).abs() < 1e-5 && (tangent.truncate().length() - 1.0).abs() < 1e-5);
             prop_assert!(normal.dot(to_world(t)).abs() < 1e-4 && normal.dot(to_world(bitangent)).abs() < 1e-4);
             prop_assert!(normal.dot(to_world(n)) > 0.0, "outward");
-            prop_assert!((normal.cross(tangent.truncate()) * tangent.w).dot(to_world(bitangent)) > 0.0, "handedness");
+            prop_assert_eq!(tangent.w, w);
+            let follows = (normal.cross(tangent.truncate()) * tangent.w).dot(to_world(bitangent)) > 0.0;
+            prop_assert_eq!(follows, linear.determinant() > 0.0, "a mirrored frame keeps the file's handedness");
         }
 
         #[test]
