@@ -139,6 +139,8 @@ struct Conclude {
     units: Vec<UnitReport>,
     fifos: Vec<FifoReport>,
     stuck: Vec<String>,
+    /// Whether any unit waits for a slot.
+    full: bool,
 }
 
 impl Visitor for Conclude {
@@ -156,13 +158,14 @@ impl Visitor for Conclude {
         if demand == Demand::Finished || (self.complete && stage.clock.steps > 0) {
             account.done += self.total.since(free);
         } else {
+            let wires = (&inputs, &outputs, &clients);
+            split_wait(&stage.unit, demand, wires, (free, self.total), |cause, from, to| account.charge(cause, to.since(from)));
+            // What holds it for ever; a unit that was busy up to the end waits for it, too.
             let mut last = None;
-            split_wait(&stage.unit, demand, (&inputs, &outputs, &clients), (free, self.total), |cause, from, to| {
-                account.charge(cause, to.since(from));
-                last = Some(cause);
-            });
+            split_wait(&stage.unit, demand, wires, (free, Cycle::UNKNOWN), |cause, _, _| last = Some(cause));
             if let Some(cause) = last {
                 self.stuck.push(explain(stage.name(), cause, &inputs, &outputs, &clients));
+                self.full |= matches!(cause, Cause::Blocked(_));
             }
         }
         let StageTopology { name, inputs, outputs: names, clients } = StageTopology::of(stage, &inputs, &outputs, &clients);
@@ -205,11 +208,11 @@ pub(crate) fn conclude<M: Machine>(machine: &mut M, halt: Halt) -> RunReport {
         Halt::Limit(max) => (false, max),
         Halt::Stopped | Halt::Fault(_) => (false, quiet_total),
     };
-    let mut parts = Conclude { complete, total: Cycle(total), units: vec![], fifos: vec![], stuck: vec![] };
+    let mut parts = Conclude { complete, total: Cycle(total), units: vec![], fifos: vec![], stuck: vec![], full: false };
     machine.wire(&mut parts);
     let outcome = match halt {
         Halt::Quiet if complete => Outcome::Complete,
-        Halt::Quiet => Outcome::Deadlock(deadlock_text(total, &parts.stuck)),
+        Halt::Quiet => Outcome::Deadlock(deadlock_text(total, &parts.stuck, parts.full)),
         Halt::Limit(_) => Outcome::Limit,
         Halt::Stopped => Outcome::Stopped,
         Halt::Fault(text) => Outcome::Fault(text),
@@ -232,9 +235,14 @@ pub(crate) fn conclude<M: Machine>(machine: &mut M, halt: Halt) -> RunReport {
     }
 }
 
-fn deadlock_text(total: u64, stuck: &[String]) -> String {
+fn deadlock_text(total: u64, stuck: &[String], full: bool) -> String {
     let units = stuck.join("; ");
-    format!("deadlock after {total} cycles: {units}. Give the FIFO that is full more slots (fifo.<name>.depth)")
+    let cure = if full {
+        "Give the FIFO that is full more slots (fifo.<name>.depth)"
+    } else {
+        "No FIFO is full: a unit holds tokens back for others that never came"
+    };
+    format!("deadlock after {total} cycles: {units}. {cure}")
 }
 
 fn frames(ends: &[Cycle], total: u64) -> Vec<u64> {

@@ -87,7 +87,7 @@ fn part() -> impl Strategy<Value = Part> {
                 memory, strides, sets, ways, hit_latency, per_cycle, spare
             }
         ),
-        1 => (2..=3_usize, proptest::option::of(2..=4_u64)).prop_map(|(width, batch)| Part::ForkJoin { width, batch }),
+        2 => (2..=3_usize, proptest::option::of(2..=4_u64)).prop_map(|(width, batch)| Part::ForkJoin { width, batch }),
         1 => (2..=3_usize).prop_map(|width| Part::RouteMerge { width }),
         1 => Just(Part::Feedback),
     ]
@@ -206,13 +206,26 @@ impl Builder<'_> {
                 self.then(kind);
             }
             Part::ForkJoin { width, batch } => {
-                let batch = batch.filter(|&size| self.tokens.is_multiple_of(size));
+                // What it gathers it must expand to as much again.
+                let batch = batch.and_then(|size| [size, 4, 3, 2].into_iter().find(|&size| self.tokens.is_multiple_of(size)));
                 self.branches(*width, Kind::Fork, Kind::Join, batch);
             }
             Part::RouteMerge { width } => self.branches(*width, Kind::Route, Kind::Merge { tokens: self.tokens }, None),
             Part::Feedback => self.feedback(),
         }
     }
+}
+
+/// Recipes that mostly deadlock: a branch that gathers three or four beside one with few slots.
+pub fn tight_recipe() -> impl Strategy<Value = Recipe> {
+    (recipe(), 1..=2_u64, 0..=5_usize, 3..=4_u64, vec((1..=2_usize, 1..=2_u64), 1..=3)).prop_map(
+        |(mut recipe, n, at, size, fifos)| {
+            let at = at.min(recipe.parts.len());
+            recipe.parts.retain(|part| !matches!(part, Part::Gather { .. }));
+            recipe.parts.insert(at.min(recipe.parts.len()), Part::ForkJoin { width: 2, batch: Some(size) });
+            Recipe { tokens: 12 * n, fifos, ..recipe }
+        },
+    )
 }
 
 impl Recipe {
