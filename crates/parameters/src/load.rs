@@ -42,10 +42,29 @@ pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result
         insert(&mut tree, key, parse_value(value))?;
     }
     check_tree(&tree, "", &known)?;
-    let config: C = serde_path_to_error::deserialize(Value::Table(tree))
+    let config: C = serde_path_to_error::deserialize(Value::Table(over_defaults::<C>(tree)?))
         .map_err(|e| ConfigError::Type { key: e.path().to_string(), message: e.inner().to_string().trim().to_owned() })?;
     config.check("")?;
     Ok(config)
+}
+
+/// All parameters: as given, the rest as the whole configuration has it. (Serde's own defaults would be those of the
+/// innermost struct, so that setting one parameter of a group would reset what the group says of its neighbours.)
+fn over_defaults<C: Parameters>(given: Table) -> Result<Table, ConfigError> {
+    let mut tree = Table::try_from(C::default()).map_err(|e| ConfigError::Syntax(e.to_string()))?;
+    merge(&mut tree, given);
+    Ok(tree)
+}
+
+fn merge(tree: &mut Table, given: Table) {
+    for (key, value) in given {
+        match (tree.get_mut(&key), value) {
+            (Some(Value::Table(inner)), Value::Table(given)) => merge(inner, given),
+            (_, value) => {
+                tree.insert(key, value);
+            }
+        }
+    }
 }
 
 fn parse_value(text: &str) -> Value {
@@ -141,6 +160,14 @@ mod tests {
         let c: All = load("[search]\nlanes = 4", &[("search.lanes", "2")]).unwrap();
         assert_eq!(c.search.lanes, 2);
         assert_eq!(load::<All>("", &[]).unwrap().search.lanes, 16);
+    }
+
+    #[test]
+    fn setting_one_parameter_of_a_group_leaves_the_others_as_the_group_has_them() {
+        let c: All = load("", &[("search.pipelined", "true")]).unwrap();
+        assert_eq!((c.search.lanes, c.search.pipelined), (16, true));
+        let c: All = load("[search]\npipelined = true", &[]).unwrap();
+        assert_eq!((c.search.lanes, c.search.pipelined), (16, true));
     }
 
     #[test]
