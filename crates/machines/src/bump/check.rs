@@ -1,7 +1,7 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
-use super::BumpProcessorConfig;
-use basrelief_kernel::FifoConfig;
+use super::{BumpProcessorConfig, MemoryConfigs};
+use basrelief_kernel::{FifoConfig, MemorySystem, Unit};
 use basrelief_signals::MAX_SAMPLES;
 
 /// Parameters that do not fit together.
@@ -29,7 +29,9 @@ pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
     if samples > MAX_SAMPLES {
         return problem(
             "normal_mapping.filter_at",
-            format!("{samples} pseudo-normals per fragment, a token holds {MAX_SAMPLES}; set brightness.levels to 2 or less, or normal_mapping.filter_at = normal"),
+            format!(
+                "{samples} pseudo-normals per fragment, a token holds {MAX_SAMPLES}; set brightness.levels to 2 or less, or normal_mapping.filter_at = normal"
+            ),
         );
     }
     c.replacement.table_set().check().map_err(no_table)?;
@@ -44,6 +46,42 @@ pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
         }
     }
     Ok(())
+}
+
+/// Law 3: a step starts when its ports have the credits of the largest one; with fewer it never would. (Units of which no
+/// step makes more than one request need no check: the range of `outstanding` begins at 1.)
+pub(super) fn credits(
+    unit: &impl Unit,
+    clients: &[usize],
+    memories: &MemorySystem,
+    config: &MemoryConfigs,
+) -> Result<(), ConfigProblem> {
+    for (number, &client) in clients.iter().enumerate() {
+        let name = memories.memory_name(client);
+        let outstanding = match name {
+            "normal_map" => config.normal_map.outstanding,
+            "quantization" => config.quantization.outstanding,
+            _ => config.graphics.outstanding,
+        };
+        let needed = unit.largest_step(number);
+        if needed > outstanding {
+            let port = memories.client_name(client);
+            let message =
+                format!("is {outstanding}, but one step needs {needed} requests on port `{port}`; set it to {needed} or more");
+            return problem(&format!("memory.{name}.outstanding"), message);
+        }
+    }
+    Ok(())
+}
+
+/// Claim 3 wants fewer reference normals in a table than distinct pseudo-normals on the surface: says where a run was
+/// otherwise. Quantizing then costs tables without saving anything.
+pub fn claim_3_warning(c: &BumpProcessorConfig, counts: &Counts) -> Option<String> {
+    let (distinct, searches) = (counts.number("distinct_pseudo_normals"), counts.number("searches"));
+    let entries = c.replacement.entries.levels().into_iter().max().unwrap_or(0);
+    (searches > 0 && distinct <= u64::from(entries)).then(|| {
+        format!("the surface has {distinct} distinct pseudo-normals, a VQ table {entries} entries: claim 3 wants fewer entries (replacement.entries)")
+    })
 }
 
 /// A FIFO, the latency of the unit that fills it \[cycles\], and the least cycles between two of that unit's tokens.

@@ -2,6 +2,7 @@
 
 use super::{BumpProcessor, FrontEnd};
 use crate::counts::Counts;
+use basrelief_normal_mapping::DistinctCounter;
 
 impl<F: FrontEnd> BumpProcessor<F> {
     /// What the units counted, in the order of the block diagram.
@@ -40,7 +41,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
         counts.add("normal_texels", mapping.texels);
         counts.add("pseudo_normals", mapping.pseudo_normals);
         counts.add("distinct_pseudo_normals", u64::from(mapping.distinct.count()));
-        counts.add("distinct_pseudo_normals_at_least", mapping.distinct.is_saturated());
+        counts.add("distinct_pseudo_normals_counted_to", u64::from(DistinctCounter::LIMIT));
         counts.add("searches", replacement.searches);
         counts.add("reference_normals_used", replacement.reference_normals_used().to_vec());
         counts.add("vq_table_loads", replacement.table_loads);

@@ -14,10 +14,8 @@ mod memories;
 mod processor;
 mod units;
 
-pub use check::{ConfigProblem, warnings};
-pub use config::{
-    BumpProcessorConfig, CacheConfigs, ClockConfig, FifoConfigs, MemoryConfigs, ReferenceConfig, ReferenceFilter,
-};
+pub use check::{ConfigProblem, claim_3_warning, warnings};
+pub use config::{BumpProcessorConfig, CacheConfigs, ClockConfig, FifoConfigs, MemoryConfigs, ReferenceConfig, ReferenceFilter};
 pub use front::{FrontEnd, SceneFront, TraceFront};
 pub use processor::BumpProcessor;
 pub use units::{UNITS, UnitInfo};

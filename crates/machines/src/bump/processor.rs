@@ -75,7 +75,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let separate = c.brightness.components == Components::Separate;
         let z_bits = c.rasterizer.z_bits;
         let levels = c.brightness.levels;
-        Ok(Self {
+        let machine = Self {
             front,
             polygons: fifo("polygons", &f.polygons),
             early_z: c.rasterizer.early_z,
@@ -105,7 +105,18 @@ impl<F: FrontEnd> BumpProcessor<F> {
             memories,
             clients,
             widths: Widths::new(config),
-        })
+        };
+        machine.check_credits(config)?;
+        Ok(machine)
+    }
+
+    fn check_credits(&self, config: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
+        let (m, c) = (&self.memories, &self.clients);
+        let config = &config.memory;
+        check::credits(&self.mapping.unit, &c.mapping, m, config)?;
+        check::credits(&self.replacement.unit, &c.replacement, m, config)?;
+        check::credits(&self.brightness.unit, &c.brightness, m, config)?;
+        check::credits(&self.graphics.unit, &c.graphics, m, config)
     }
 
     /// Pictures finished since the last call, in order.

@@ -32,3 +32,54 @@ pub const UNITS: &[UnitInfo] = &[
     unit("frame-buffer", "126", "keeps the picture, in memory (124)", "crates/frame-buffer"),
     unit("video-out", "", "reads every finished frame once", "crates/frame-buffer/src/video_out.rs"),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bump::{BumpProcessor, BumpProcessorConfig, DIAGRAM, FrontEnd, SceneFront, TraceFront};
+    use basrelief_kernel::{StageTopology, topology};
+    use basrelief_signals::{Control, Draw};
+    use std::collections::BTreeSet;
+
+    fn stages<F: FrontEnd>(front: F, config: &BumpProcessorConfig) -> Vec<StageTopology> {
+        topology(&mut BumpProcessor::new(front, config).unwrap())
+    }
+
+    /// All stages, whichever way in and with early and late z.
+    fn all() -> Vec<StageTopology> {
+        let early = BumpProcessorConfig::default();
+        let mut late = early.clone();
+        late.rasterizer.early_z = false;
+        let trace = || std::iter::empty::<Result<(Control, Option<u64>), String>>();
+        let mut all = stages(SceneFront::new(std::iter::empty::<Draw>(), &early), &early);
+        all.extend(stages(TraceFront::new(trace(), &late), &late));
+        all
+    }
+
+    #[test]
+    fn the_table_names_exactly_the_stages_that_are_wired() {
+        let wired: BTreeSet<String> = all().into_iter().map(|s| s.name).collect();
+        let named: BTreeSet<String> = UNITS.iter().map(|u| u.name.to_owned()).collect();
+        assert_eq!(wired, named);
+    }
+
+    #[test]
+    fn the_diagram_shows_every_fifo_every_client_and_every_numeral() {
+        for stage in all() {
+            for name in stage.inputs.iter().chain(&stage.outputs).chain(&stage.clients) {
+                assert!(DIAGRAM.contains(name.as_str()), "{name}");
+            }
+        }
+        for unit in UNITS.iter().filter(|u| !u.numeral.is_empty()) {
+            assert!(DIAGRAM.contains(&format!("({})", unit.numeral)), "{}", unit.name);
+        }
+    }
+
+    #[test]
+    fn the_code_is_where_the_table_says() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        for unit in UNITS {
+            assert!(root.join(unit.code).exists(), "{}", unit.code);
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Mapping (108), replacement (110) and brightness fetch (112), step by step, with a look at every token between them.
+
+use crate::recipe::bumps;
+use basrelief_brightness::BrightnessFetch;
+use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_normal_mapping::NormalMapping;
+use basrelief_replacement::Replacement;
+use basrelief_signals::{
+    Camera, Control, Flow, Fragment, Frame, Image, Indexes, Light, LightKind, Material, Polygon, PseudoNormals, Sampler, Shaded,
+    Texture, Vertex,
+};
+use std::sync::Arc;
+
+/// Direction to the light of [`Chain`], unit; the viewer is at +z.
+pub const TO_LIGHT: [f32; 3] = [0.48, 0.36, 0.8];
+
+/// A fragment as it leaves each of the three units.
+pub struct Traced {
+    pub normals: PseudoNormals,
+    pub indexes: Indexes,
+    pub shaded: Shaded,
+}
+
+/// The three units.
+pub struct Chain {
+    mapping: NormalMapping,
+    replacement: Replacement,
+    brightness: BrightnessFetch,
+}
+
+/// Everything that comes out of a unit for a token.
+fn pump<A, B, U: Unit<In = Option<A>, Out = Option<B>>>(unit: &mut U, token: A) -> Vec<B> {
+    let mut out: Vec<B> = unit.step(Some(token), &mut Traffic::default()).out.into_iter().collect();
+    while unit.demand() == Demand::Nothing {
+        out.extend(unit.step(None, &mut Traffic::default()).out);
+    }
+    out
+}
+
+fn only_item<T>(tokens: Vec<Flow<T>>) -> T {
+    let mut items = tokens.into_iter().filter_map(|t| if let Flow::Item(item) = t { Some(item) } else { None });
+    match (items.next(), items.next()) {
+        (Some(item), None) => item,
+        _ => panic!("expected one token for one token"),
+    }
+}
+
+impl Chain {
+    /// The units as configured, a frame begun under [`TO_LIGHT`].
+    pub fn new(config: &BumpProcessorConfig) -> Self {
+        let c = config.clone();
+        let samples = c.normal_mapping.samples(c.brightness.levels);
+        let tables = c.replacement.table_set();
+        let mapping = NormalMapping::new(c.normal_mapping.clone(), c.brightness.levels, c.cache.normal_map.line_bytes);
+        let replacement = Replacement::new(c.replacement, c.normal_mapping.normal_bits).unwrap_or_else(|e| panic!("{e}"));
+        let mut chain = Self { mapping, replacement, brightness: BrightnessFetch::new(c.brightness, tables, samples) };
+        let camera = Camera { view_projection: [0.0; 16], to_light: TO_LIGHT.map(f64::from), to_viewer: [0.0, 0.0, 1.0] };
+        let lights = vec![Light { kind: LightKind::Directional { to_light: TO_LIGHT }, intensity: 1.0 }];
+        chain.control(Control::Frame(Arc::new(Frame { index: 0, width: 6, height: 6, camera, lights })));
+        chain
+    }
+
+    fn control(&mut self, control: Control) {
+        for token in pump(&mut self.mapping, Flow::Control(control)) {
+            for token in pump(&mut self.replacement, token) {
+                pump(&mut self.brightness, token);
+            }
+        }
+    }
+
+    /// The fragments that follow are of a polygon of this LOD.
+    pub fn begin_polygon(&mut self, lod: u8, normal_map: Arc<Texture>) {
+        let vertex = |u: f32, v: f32| Vertex { tangent: [1.0, 0.0, 0.0, 1.0], uv_normal: [u, v], ..Vertex::default() };
+        let vertices = vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(0.0, 1.0)];
+        let material = Arc::new(Material { normal_map: Some(normal_map), ..Material::default() });
+        self.control(Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod, bump: true, arrival: 0 })));
+    }
+
+    /// A fragment at these texture coordinates.
+    pub fn fragment(&mut self, weights: [f32; 2]) -> Traced {
+        let normals = only_item(pump(&mut self.mapping, Flow::Item(Fragment { weights, ..Fragment::default() })));
+        self.replaced(normals)
+    }
+
+    /// A fragment from its pseudo-normals on.
+    pub fn replaced(&mut self, normals: PseudoNormals) -> Traced {
+        let indexes = only_item(pump(&mut self.replacement, Flow::Item(normals)));
+        let shaded = only_item(pump(&mut self.brightness, Flow::Item(indexes)));
+        Traced { normals, indexes, shaded }
+    }
+}
+
+/// One pseudo-normal of one level.
+pub fn single(level: u8, normal: [i16; 3]) -> PseudoNormals {
+    let mut normals = PseudoNormals { count: 1, ..PseudoNormals::default() };
+    (normals.level[0], normals.weight[0], normals.normal[0]) = (level, 1.0, normal);
+    normals
+}
+
+/// A normal map of 16 x 16 texels and its five levels.
+pub fn bumpy_map() -> Arc<Texture> {
+    texture(bumps())
+}
+
+/// A map whose level k is one normal throughout.
+pub fn uniform_map(levels: &[[u8; 3]]) -> Arc<Texture> {
+    let level = |(k, &[r, g, b]): (usize, &[u8; 3])| {
+        let side = 1u32 << (levels.len() - 1 - k);
+        Image { width: side, height: side, texels: vec![[r, g, b, 255]; (side * side) as usize] }
+    };
+    texture(levels.iter().enumerate().map(level).collect())
+}
+
+fn texture(levels: Vec<Image>) -> Arc<Texture> {
+    Arc::new(Texture { id: 0, name: "map".into(), sampler: Sampler::default(), levels, offset: 0 })
+}
+
+/// The samples of a fragment: level, weight, and an item per sample.
+pub fn samples<T: Copy>(indexes: &Indexes, items: &[T]) -> Vec<(u8, f32, T)> {
+    (0..usize::from(indexes.count)).map(|i| (indexes.level[i], indexes.weight[i], items[i])).collect()
+}

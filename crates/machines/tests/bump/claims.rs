@@ -1,0 +1,261 @@
+//! The patent's claims, its worked example, its flow chart and its erratum. The table is docs/claims.md.
+
+use crate::chain::{Chain, TO_LIGHT, bumpy_map, samples, single, uniform_map};
+use crate::recipe::{Part, SceneRecipe, Shape, Surface};
+use crate::runs::{Ran, config, functional, run_probed, small_demo, timed};
+use basrelief_kernel::{Engine, Interval, Recorder};
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_signals::Lighting;
+use std::collections::BTreeSet;
+
+fn table(config: &BumpProcessorConfig, level: u8) -> Vec<[i16; 3]> {
+    let set = config.replacement.table_set();
+    set.normals(level, set.entries(level, None)).unwrap()
+}
+
+/// The first index with the largest inner product, by trying all.
+fn nearest(table: &[[i16; 3]], n: [i16; 3]) -> u16 {
+    let dot = |q: &[i16; 3]| (0..3).map(|i| i64::from(q[i]) * i64::from(n[i])).sum::<i64>();
+    let best = table.iter().map(dot).max().unwrap();
+    table.iter().position(|q| dot(q) == best).unwrap() as u16
+}
+
+/// Brightness of a reference normal: the lighting formula of the specification in double precision, viewer at +z.
+fn formula(normal: [i16; 3]) -> f64 {
+    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| a[i] * b[i]).sum::<f64>().max(0.0);
+    let (n, l) = (normal.map(|c| f64::from(c) / 32_767.0), TO_LIGHT.map(f64::from));
+    let half = [l[0], l[1], l[2] + 1.0].map(|c| c / (2.0 + 2.0 * l[2]).sqrt());
+    let Lighting { ka, kd, ks, n: exponent } = Lighting::default();
+    f64::from(ka) + f64::from(kd) * dot(n, l) + f64::from(ks) * libm::pow(dot(n, half), f64::from(exponent))
+}
+
+/// Largest error of an 8-bit CLUT entry: half a step of full scale, ka + kd + ks.
+const HALF_STEP: f64 = 0.5 * 1.3 / 255.0 + 1e-6;
+
+fn used(ran: &Ran) -> Vec<u64> {
+    let (_, value) = ran.counts.iter().find(|(name, _)| *name == "reference_normals_used").unwrap();
+    value.as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).collect()
+}
+
+#[test]
+fn claim_1_7_each_level_has_its_own_map_and_its_own_table_whose_member_replaces_n_prime() {
+    let config = config(&[]);
+    let tables: Vec<_> = (0..8).map(|level| table(&config, level)).collect();
+    let all: BTreeSet<_> = tables.iter().flatten().collect();
+    assert_eq!(all.len(), 8 * 256, "no reference normal stands in two tables");
+    let mut chain = Chain::new(&config);
+    chain.begin_polygon(12, bumpy_map());
+    let mut differ = 0;
+    for i in 0..100 {
+        let seen = chain.fragment([i as f32 / 200.0, (i * 7 % 50) as f32 / 100.0]);
+        let n_prime = samples(&seen.indexes, &seen.normals.normal);
+        assert_eq!(n_prime.iter().map(|s| s.0).collect::<Vec<_>>(), [1, 2], "LOD 12 lies between levels 1 and 2");
+        differ += usize::from(n_prime[0].2 != n_prime[1].2);
+        for ((level, _, n), (_, _, index)) in n_prime.into_iter().zip(samples(&seen.indexes, &seen.indexes.index)) {
+            assert_eq!(index, nearest(&tables[usize::from(level)], n));
+        }
+    }
+    assert!(differ > 90, "the maps of two levels differ");
+}
+
+#[test]
+fn claim_2_6_the_size_of_a_table_depends_on_the_level_and_grows_with_resolution() {
+    let entries = [64, 32, 16, 8, 4, 2, 1, 1];
+    let ran = timed(&small_demo("brick", 1), &[("replacement.entries", "[64, 32, 16, 8, 4, 2, 1]")]);
+    let used = used(&ran);
+    let levels = || used.iter().zip(entries).filter(|(used, _)| **used > 0);
+    assert!(levels().count() >= 5 && levels().all(|(used, entries)| *used <= entries), "{used:?}");
+    // Each table is loaded once: three components of 16 bits per entry.
+    assert_eq!(ran.count("vq_table_load_bytes"), levels().map(|(_, entries)| 6 * entries).sum::<u64>());
+    assert_eq!(ran.bytes("tables"), ran.count("vq_table_load_bytes"));
+}
+
+#[test]
+fn claim_3_tables_are_smaller_than_the_number_of_distinct_pseudo_normals() {
+    let ran = timed(&small_demo("sphere", 1), &[("replacement.entries", "64")]);
+    let tables = used(&ran).iter().filter(|n| **n > 0).count() as u64;
+    assert!(ran.count("distinct_pseudo_normals") > 64 * tables, "{}", ran.count("distinct_pseudo_normals"));
+    // The figure tells where the claim is not met: a smooth surface has few N', whatever the table.
+    let smooth = SceneRecipe { parts: vec![Part { bump: Some(true), ..sheet(Surface::Plain) }], ..one_frame() };
+    assert!(timed(&smooth.scene(), &[]).count("distinct_pseudo_normals") < 256);
+}
+
+#[test]
+fn claim_4_8_a_clut_per_level_holds_the_brightness_of_each_reference_normal() {
+    let config = config(&[]);
+    let mut chain = Chain::new(&config);
+    for level in 0..8 {
+        for (i, q) in table(&config, level).into_iter().enumerate() {
+            let seen = chain.replaced(single(level, q));
+            assert_eq!((seen.indexes.index[0], seen.indexes.level[0]), (i as u16, level));
+            let error = f64::from(seen.shaded.brightness) - formula(q);
+            assert!(error.abs() <= HALF_STEP, "level {level}, index {i}: {error}");
+        }
+    }
+}
+
+#[test]
+fn claim_7_direct_brightness_draws_the_same_picture_within_the_step_of_a_clut() {
+    let scene = small_demo("sphere", 1);
+    let (clut, direct) = (timed(&scene, &[]), timed(&scene, &[("brightness.source", "direct")]));
+    assert!(clut.bytes("clut_read") > 0 && clut.bytes("clut_write") > 0);
+    assert_eq!((direct.bytes("clut_read"), direct.bytes("clut_write")), (0, 0));
+    let (a, b) = (clut.frames[0].rgb.as_flattened(), direct.frames[0].rgb.as_flattened());
+    assert!(a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 1), "half a step of 1.3 / 255, and rounding");
+    assert_ne!(a, b);
+}
+
+#[test]
+fn claim_5_9_brightness_is_fetched_per_level_and_then_interpolated() {
+    for levels in ["2", "3", "8"] {
+        let config = config(&[("brightness.levels", levels), ("memory.normal_map.outstanding", "32")]);
+        let mut chain = Chain::new(&config);
+        // Five levels: LODs above 32 are clamped to the last.
+        for lod in 0..=63 {
+            chain.begin_polygon(lod, bumpy_map());
+            let seen = chain.fragment([0.3, 0.4]);
+            let all = samples(&seen.indexes, &seen.indexes.index);
+            assert!((all.iter().map(|s| s.1).sum::<f32>() - 1.0).abs() < 1e-6);
+            let alone = |(level, weight, index): (u8, f32, u16)| {
+                let reference = table(&config, level)[usize::from(index)];
+                weight * chain.replaced(single(level, reference)).shaded.brightness
+            };
+            let sum: f32 = all.into_iter().map(alone).sum();
+            assert!((seen.shaded.brightness - sum).abs() < 1e-5, "LOD {lod}");
+        }
+    }
+}
+
+#[test]
+fn lod_3_divides_the_difference_of_two_levels_3_to_5() {
+    let mut chain = Chain::new(&config(&[]));
+    let map = || uniform_map(&[[200, 100, 220], [60, 140, 210]]);
+    let mut alpha = |lod| {
+        chain.begin_polygon(lod, map());
+        f64::from(chain.fragment([0.3, 0.3]).shaded.brightness)
+    };
+    let (fine, coarse) = (alpha(0), alpha(8));
+    assert!((fine - coarse).abs() > 0.1);
+    assert!((alpha(3) - (fine + (coarse - fine) * 3.0 / 8.0)).abs() < 1e-6);
+}
+
+#[test]
+fn the_same_n_prime_at_two_levels_gives_two_slightly_different_brightness_values() {
+    let mut chain = Chain::new(&config(&[]));
+    let mut differ = 0;
+    for i in 0..200_i16 {
+        let n = [100 * i, 32_767 - 50 * i, 20_000];
+        let [a, b] = [0, 1].map(|level| chain.replaced(single(level, n)).shaded.brightness);
+        assert!((a - b).abs() < 0.3, "{a} {b}");
+        differ += usize::from(a != b);
+    }
+    assert!(differ > 150, "{differ} of 200");
+}
+
+#[test]
+fn claim_10_the_functional_model_alone_gives_the_same_pictures() {
+    for settings in [&[][..], &[("rasterizer.early_z", "false"), ("graphics.draw", "after_list"), ("replacement.lanes", "1")]] {
+        let scene = small_demo("coin", 3);
+        let (pictures, _) = functional(&scene, &config(settings));
+        let ran = timed(&scene, settings);
+        assert_eq!(ran.frames, pictures);
+        assert!(pictures.iter().all(|p| p.covered.contains(&true)));
+    }
+}
+
+#[test]
+fn erratum_the_nearest_reference_normal_has_the_largest_inner_product() {
+    let config = config(&[]);
+    let mut chain = Chain::new(&config);
+    // Towards the light: the vector with the smallest inner product would be in the dark, ambient light alone.
+    let seen = chain.replaced(single(0, TO_LIGHT.map(|c| (c * 32_767.0) as i16)));
+    let q = table(&config, 0)[usize::from(seen.indexes.index[0])];
+    let cosine: f64 = (0..3).map(|i| f64::from(q[i]) / 32_767.0 * f64::from(TO_LIGHT[i])).sum();
+    assert!(cosine > 0.98);
+    assert!(seen.shaded.brightness > 0.8);
+}
+
+/// Figure 5B, indexes from 1.
+const FIGURE_5B: [[u16; 6]; 6] =
+    [[2, 1, 2, 3, 2, 7], [1, 5, 1, 5, 1, 5], [3, 1, 3, 1, 3, 1], [1, 6, 1, 6, 1, 6], [7, 8, 7, 7, 4, 7], [8, 4, 2, 4, 8, 4]];
+
+#[test]
+fn figures_5_and_6_the_index_map_becomes_the_brightness_map() {
+    let config = config(&[]);
+    let mut chain = Chain::new(&config);
+    // 6 x 6 pixels at level 0, 4 x 4 at level 1, 2 x 2 at level 2.
+    for (level, side) in [(0, 6), (1, 4), (2, 2)] {
+        let table = table(&config, level);
+        for row in &FIGURE_5B[..side] {
+            for &number in &row[..side] {
+                let index = number - 1;
+                // A little off the reference normal, as N' are.
+                let n = table[usize::from(index)].map(|c| c / 2 + 300);
+                let seen = chain.replaced(single(level, n));
+                assert_eq!(seen.indexes.index[0], index, "Figure 5B");
+                let alpha = formula(table[usize::from(index)]);
+                assert!((f64::from(seen.shaded.brightness) - alpha).abs() <= HALF_STEP, "Figure 5C");
+            }
+        }
+    }
+}
+
+fn one_frame() -> SceneRecipe {
+    SceneRecipe { parts: Vec::new(), size: [40, 30], frames: 1, point_light: false, moving: false }
+}
+
+fn sheet(surface: Surface) -> Part {
+    let (shape, at, size) = (Shape::Sheet(3), [0.5, 0.5, 0.2], 1.0);
+    Part { surface, shape, at, size, repeat: 2.0, entries: None, bump: None, double_sided: false }
+}
+
+#[test]
+fn figure_4_s12_without_bump_targets_the_list_is_drawn_at_once() {
+    let parts = vec![sheet(Surface::Textured), Part { at: [0.7, 0.6, 0.0], ..sheet(Surface::Plain) }];
+    let ran = timed(&SceneRecipe { parts, ..one_frame() }.scene(), &[]);
+    assert!(ran.count("pixels") > 0);
+    for none in ["bump_fragments", "searches", "clut_samples", "clut_rebuilds", "vq_table_loads"] {
+        assert_eq!(ran.count(none), 0, "{none}");
+    }
+    for client in ["texels", "tables", "gathered", "clut_read", "clut_write"] {
+        assert_eq!(ran.bytes(client), 0, "{client}");
+    }
+}
+
+#[test]
+fn figure_4_s14_to_s22_every_fragment_of_every_bump_target_is_mapped_quantized_and_fetched() {
+    let ran = timed(&small_demo("brick", 1), &[]);
+    assert_eq!(ran.count("bump_polygons"), ran.count("polygons"));
+    assert_eq!(ran.count("bump_fragments"), ran.count("pixels"));
+    assert_eq!(ran.count("pseudo_normals"), ran.count("searches"));
+    assert_eq!(ran.count("searches"), ran.count("clut_samples"));
+    let per_fragment = ran.count("searches") as f64 / ran.count("bump_fragments") as f64;
+    assert!(per_fragment > 1.0 && per_fragment <= 2.0, "one or two levels each");
+}
+
+/// The cycles in which a unit worked, first to last.
+fn working(recorder: &Recorder, ran: &Ran, name: &str) -> (u64, u64) {
+    let stage = ran.report.units.iter().position(|u| u.name == name).unwrap();
+    let mut worked = recorder.stages[stage].iter().filter(|i| i.cause.is_none());
+    let first: &Interval = worked.next().unwrap();
+    (first.from.0, worked.next_back().unwrap_or(first).to.0)
+}
+
+#[test]
+fn figure_4_s24_runs_after_all_bump_targets_or_streams_to_the_same_picture() {
+    let scene = small_demo("mixed", 1);
+    let probed = |order| {
+        let mut recorder = Recorder::default();
+        let ran = run_probed(&scene, &config(&[("graphics.draw", order)]), Engine::Timed, &mut recorder);
+        let times = ["brightness", "frame-buffer"].map(|name| working(&recorder, &ran, name));
+        (ran, times)
+    };
+    let (streamed, [shading, drawing]) = probed("streamed");
+    assert!(drawing.0 < shading.1);
+    let (after, [shading, drawing]) = probed("after_list");
+    assert!(drawing.0 >= shading.1, "nothing is drawn before the last bump target is shaded");
+    assert_eq!(streamed.frames, after.frames);
+    assert_eq!(after.count("results_held"), after.count("pixels"));
+    assert_eq!(after.bytes("held"), 2 * 16 * after.count("pixels"), "written once, read once");
+    assert_eq!(streamed.bytes("held"), 0);
+}

@@ -1,0 +1,129 @@
+//! Both engines give equal reports, the functional model the same pictures; cycles are conserved; nothing deadlocks.
+
+use crate::recipe::{borrowed, meanings, scenes, timings};
+use crate::runs::{Ran, config, functional, run, small_demo, timed};
+use basrelief_kernel::{Engine, Outcome, RunReport};
+use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig, DIAGRAM, SceneFront, UNITS};
+use basrelief_scene::DEMOS;
+use basrelief_signals::Scene;
+use proptest::prelude::*;
+use std::sync::Arc;
+
+/// Runs a scene in all three ways and holds them against each other; the timed run.
+fn agree(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> Ran {
+    let timed = run(scene, config, Engine::Timed);
+    assert_eq!(timed.report.outcome, Outcome::Complete);
+    let ticked = run(scene, config, Engine::Ticked);
+    assert_eq!(timed.report, ticked.report);
+    assert_eq!((&timed.frames, &timed.counts), (&ticked.frames, &ticked.counts));
+    let (frames, counts) = functional(scene, config);
+    assert_eq!((&timed.frames, &timed.counts), (&frames, &counts), "the functional model");
+    assert_eq!(timed.frames.len(), scene.frames.len());
+    conserved(&timed, config, scene.frames.len());
+    timed
+}
+
+/// Laws 9 to 11 and what caches, ports and counters must have in common.
+fn conserved(ran: &Ran, config: &BumpProcessorConfig, frames: usize) {
+    let RunReport { total, units, fifos, memories, caches, frames: ends, .. } = &ran.report;
+    for unit in units {
+        assert_eq!(unit.account.total(), *total, "cycles of {}", unit.name);
+    }
+    for fifo in fifos {
+        assert_eq!(fifo.histogram.iter().sum::<u64>(), *total, "histogram of {}", fifo.name);
+        assert_eq!(fifo.histogram.len(), fifo.depth + 1, "{}", fifo.name);
+        assert!(fifo.high_water() <= fifo.depth);
+    }
+    assert_eq!(ends.len(), frames);
+    // What is left of the total is drain.
+    assert!(ends.iter().all(|f| *f > 0) && ends.iter().sum::<u64>() <= *total, "{ends:?} of {total}");
+    let ports = || memories.iter().flat_map(|m| &m.ports);
+    let cache = &config.cache;
+    for (name, client, line_bytes) in [
+        ("normal_map", "texels", cache.normal_map.line_bytes),
+        ("clut", "clut_read", cache.clut.line_bytes),
+        ("color_texture", "color_texels", cache.color_texture.line_bytes),
+        ("depth", "z_read", cache.depth.line_bytes),
+    ] {
+        let misses = caches.iter().find(|c| c.name == name).map(|c| c.counts.misses).unwrap();
+        let port = ports().find(|p| p.client == client).map(|p| p.counts).unwrap();
+        assert_eq!((port.reads, port.read_bytes), (misses, misses * u64::from(line_bytes)), "a miss is a request: {name}");
+    }
+    for port in ports() {
+        let c = &port.counts;
+        assert_eq!(c.row_hits + c.row_closed + c.row_conflicts, c.bursts, "bursts of {}", port.client);
+    }
+}
+
+#[test]
+fn engines_agree_on_every_demo() {
+    for demo in DEMOS {
+        agree(&small_demo(demo.name, 2), &config(&[]));
+    }
+}
+
+#[test]
+fn each_fragment_is_looked_up_once_in_the_depth_cache_and_each_pixel_written() {
+    for early_z in ["true", "false"] {
+        let ran = timed(&small_demo("mixed", 1), &[("rasterizer.early_z", early_z)]);
+        let depth = ran.report.caches.iter().find(|c| c.name == "depth").unwrap().counts;
+        assert_eq!(depth.hits + depth.misses + depth.merged, ran.count("z_tested"));
+        assert_eq!(ran.count("z_tested"), ran.count("fragments"));
+        let drawn = if early_z == "true" { ran.count("z_passed") } else { ran.count("fragments") };
+        assert_eq!(ran.count("pixels"), drawn);
+    }
+}
+
+#[test]
+fn the_units_and_fifos_are_those_of_the_block_diagram() {
+    let names =
+        |r: &RunReport| (r.units.iter().map(|u| u.name.clone()).collect(), r.fifos.iter().map(|f| f.name.clone()).collect());
+    let scene = small_demo("mixed", 1);
+    let (units, fifos): (Vec<_>, Vec<_>) = names(&timed(&scene, &[]).report);
+    for unit in &units {
+        assert!(UNITS.iter().any(|u| u.name == unit), "{unit} is missing in UNITS");
+    }
+    assert_eq!(units.len(), UNITS.len() - 1, "all but the display-list source");
+    for fifo in fifos.iter().filter(|f| f.as_str() != "draws") {
+        assert!(DIAGRAM.contains(fifo.as_str()), "{fifo} is missing in the diagram");
+    }
+    let (_, late): (Vec<_>, Vec<String>) = names(&timed(&scene, &[("rasterizer.early_z", "false")]).report);
+    assert!(fifos.contains(&"tested_fragments".into()) && late.contains(&"tested_pixels".into()));
+}
+
+#[test]
+fn parameters_that_do_not_fit_together_are_refused_with_a_key() {
+    let scene = small_demo("mixed", 1);
+    let refused = |settings: &[(&str, &str)], key: &str| {
+        let config = config(settings);
+        let front = SceneFront::new(basrelief_geometry_processor::SceneDraws::new(Arc::clone(&scene)), &config);
+        let problem = BumpProcessor::new(front, &config).err().unwrap_or_else(|| panic!("{settings:?} is accepted"));
+        assert_eq!(problem.key, key, "{problem}");
+    };
+    refused(&[("brightness.levels", "3"), ("normal_mapping.filter_at", "brightness")], "normal_mapping.filter_at");
+    refused(&[("replacement.table", "tetrahedron"), ("replacement.entries", "17")], "replacement.entries");
+    refused(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
+    // Law 3: a step starts when there are credits for the largest one; with fewer than that it never would.
+    refused(&[("memory.normal_map.outstanding", "7")], "memory.normal_map.outstanding");
+    refused(&[("memory.normal_map.outstanding", "31"), ("brightness.levels", "8")], "memory.normal_map.outstanding");
+    refused(&[("memory.quantization.outstanding", "1")], "memory.quantization.outstanding");
+    refused(&[("memory.graphics.outstanding", "3")], "memory.graphics.outstanding");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+
+    #[test]
+    fn engines_agree_on_every_scene_and_configuration(scene in scenes(), meaning in meanings(), timing in timings()) {
+        let settings = [borrowed(&meaning), borrowed(&timing)].concat();
+        agree(&scene.scene(), &config(&settings));
+    }
+
+    #[test]
+    fn law_6_times_never_change_a_picture_or_a_count(scene in scenes(), meaning in meanings(), timing in timings()) {
+        let scene = scene.scene();
+        let (frames, _) = functional(&scene, &config(&borrowed(&meaning)));
+        let ran = timed(&scene, &[borrowed(&meaning), borrowed(&timing)].concat());
+        prop_assert_eq!(ran.frames, frames);
+    }
+}

@@ -1,0 +1,9 @@
+//! The bump-mapping processor as a whole: its engines, its configurations, and what the patent claims for it.
+
+mod chain;
+mod claims;
+mod engines;
+mod promise;
+mod recipe;
+mod runs;
+mod variants;

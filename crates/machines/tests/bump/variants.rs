@@ -1,0 +1,111 @@
+//! Variants (a) to (e) of the replacement, and what is moved through memory.
+
+use crate::promise::{exact, psnr};
+use crate::runs::{Ran, small_demo, timed};
+use basrelief_signals::{Object, Scene};
+use std::sync::Arc;
+
+/// The demo `mixed` with its objects changed.
+fn mixed(change: impl Fn(&mut Object)) -> Arc<Scene> {
+    let mut scene = Arc::unwrap_or_clone(small_demo("mixed", 1));
+    for object in &mut scene.objects {
+        change(Arc::make_mut(object));
+    }
+    Arc::new(scene)
+}
+
+fn used(ran: &Ran) -> Vec<u64> {
+    let (_, value) = ran.counts.iter().find(|(name, _)| *name == "reference_normals_used").unwrap();
+    value.as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).collect()
+}
+
+#[test]
+fn variant_a_fixed_tables_are_loaded_once_and_kept_from_frame_to_frame() {
+    let ran = timed(&small_demo("sphere", 3), &[]);
+    assert_eq!((ran.count("code_books"), ran.count("gathered_bytes")), (0, 0));
+    let levels = used(&ran).iter().filter(|n| **n > 0).count() as u64;
+    assert_eq!(ran.count("vq_table_loads"), levels);
+}
+
+#[test]
+fn variant_b_a_code_book_per_polygon_is_slower_and_a_better_picture() {
+    let scene = small_demo("golf-ball", 1);
+    let settings = |codebook| [("replacement.entries", "16"), ("replacement.codebook", codebook)];
+    let (fixed, own) = (timed(&scene, &settings("fixed")), timed(&scene, &settings("per_polygon")));
+    assert!(own.count("code_books") > 0 && own.count("code_books") <= own.count("bump_polygons"));
+    assert!(own.report.total > fixed.report.total);
+    let exact = exact(&scene);
+    let [own_db, fixed_db] = [&own, &fixed].map(|ran| psnr(&exact, &ran.frames));
+    assert!(own_db > fixed_db + 3.0, "{own_db} {fixed_db}");
+    // N' is written to memory (120) and read back: 6 bytes per component triple.
+    assert_eq!(own.count("gathered_bytes"), 6 * own.count("pseudo_normals"));
+    assert_eq!(own.bytes("gathered"), 2 * own.count("gathered_bytes"));
+    assert_eq!(own.count("vq_table_loads"), 0);
+}
+
+#[test]
+fn variant_c_the_number_of_reference_normals_is_fixed_by_the_object() {
+    let with = |entries| timed(&mixed(|object| object.entries = Some(entries)), &[]);
+    for entries in [5, 40] {
+        let ran = with(entries);
+        assert!(used(&ran).iter().all(|n| *n <= u64::from(entries)));
+        assert_eq!(ran.count("vq_table_load_bytes"), ran.count("vq_table_loads") * 6 * u64::from(entries));
+    }
+}
+
+#[test]
+fn variant_d_bump_mapping_is_decided_per_object() {
+    let with = |bump| timed(&mixed(|object| object.bump = bump), &[]);
+    let (off, on, by_machine) = (with(Some(false)), with(Some(true)), with(None));
+    assert_eq!((off.count("bump_polygons"), off.count("bump_fragments")), (0, 0));
+    assert_eq!(on.count("bump_polygons"), on.count("polygons"));
+    assert!((1..by_machine.count("polygons")).contains(&by_machine.count("bump_polygons")));
+    // The same surface either way, so the same coverage.
+    assert_eq!(off.frames[0].covered, on.frames[0].covered);
+}
+
+#[test]
+fn variant_d_a_threshold_of_the_lod_decides_while_drawing() {
+    let bump = |max_lod| timed(&small_demo("brick", 1), &[("bump.max_lod", max_lod)]).count("bump_polygons");
+    let rising = ["20", "28", "36", "48", "63"].map(bump);
+    assert!(rising.windows(2).all(|w| w[0] < w[1]), "{rising:?}");
+}
+
+#[test]
+fn variant_e_a_code_book_per_object_from_all_its_n_prime() {
+    let scene = mixed(|object| object.entries = None);
+    let settings = |codebook| [("replacement.entries", "16"), ("replacement.codebook", codebook)];
+    let [fixed, object, polygon] = ["fixed", "per_object", "per_polygon"].map(|c| timed(&scene, &settings(c)));
+    assert!((1..=scene.objects.len() as u64).contains(&object.count("code_books")));
+    assert!(object.count("code_books") < polygon.count("code_books"));
+    assert!(used(&object).iter().all(|n| *n <= 16));
+    let exact = exact(&scene);
+    let [fixed, object, polygon] = [fixed, object, polygon].map(|ran| psnr(&exact, &ran.frames));
+    assert!(fixed < object && object < polygon, "{fixed} {object} {polygon}");
+}
+
+#[test]
+fn cluts_are_recalculated_when_the_light_moves_and_only_then() {
+    let still = timed(&small_demo("sphere", 3), &[]);
+    assert_eq!(still.count("clut_rebuilds"), 1);
+    let circling = timed(&small_demo("coin", 3), &[]);
+    assert!(circling.count("clut_rebuilds") >= 3, "its light circles");
+    for ran in [still, circling] {
+        // Eight levels of 256 entries of one byte, 16 cycles each.
+        assert_eq!(ran.count("clut_rebuild_bytes"), ran.count("clut_rebuilds") * 8 * 256);
+        assert_eq!(ran.count("clut_rebuild_cycles"), 16 * ran.count("clut_rebuild_bytes"));
+        assert_eq!(ran.bytes("clut_write"), ran.count("clut_rebuild_bytes"));
+    }
+}
+
+#[test]
+fn only_indexes_are_kept_on_the_surface_so_less_is_moved_than_with_full_normals() {
+    // Indexes on the surface, CLUT entries read and rewritten, VQ tables loaded: all that replaces the normals.
+    let moved = |ran: &Ran| ran.count("index_bytes") + ran.bytes("clut_read") + ran.bytes("clut_write") + ran.bytes("tables");
+    for name in ["sphere", "brick", "golf-ball"] {
+        let ran = timed(&small_demo(name, 1), &[("replacement.entries", "64")]);
+        assert_eq!(ran.count("index_bytes"), ran.count("searches"), "{name}");
+        assert_eq!(ran.count("full_normal_bytes"), 6 * ran.count("searches"), "{name}");
+        assert!(moved(&ran) < ran.count("full_normal_bytes"), "{name}: {} {}", moved(&ran), ran.count("full_normal_bytes"));
+    }
+}
