@@ -1,6 +1,8 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
 use super::{BumpProcessorConfig, MemoryConfigs};
+use crate::counts::Counts;
+use crate::counts::Counts;
 use basrelief_kernel::{FifoConfig, MemorySystem, Unit};
 use basrelief_signals::MAX_SAMPLES;
 

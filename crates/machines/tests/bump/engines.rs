@@ -111,7 +111,7 @@ fn parameters_that_do_not_fit_together_are_refused_with_a_key() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 4, ..ProptestConfig::default() })]
 
     #[test]
     fn engines_agree_on_every_scene_and_configuration(scene in scenes(), meaning in meanings(), timing in timings()) {
