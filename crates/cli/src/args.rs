@@ -112,6 +112,9 @@ pub struct SimulationArgs {
     /// Print the report to standard output, and nothing else.
     #[arg(long)]
     pub json: bool,
+    /// Do not draw the exact picture and measure against it: faster where only cycles matter.
+    #[arg(long)]
+    pub no_exact: bool,
     /// Write the tables as report.csv too.
     #[arg(long)]
     pub csv: bool,

@@ -1,6 +1,6 @@
 //! What can go wrong, and the exit code it means.
 
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 
 /// A failed command.
@@ -12,9 +12,6 @@ pub enum Failure {
     /// Bad input, or a check that failed: exit code 1.
     #[error("{0}")]
     Bad(String),
-    /// Whoever read our output has gone.
-    #[error("broken pipe")]
-    BrokenPipe,
 }
 
 impl Failure {
@@ -23,7 +20,6 @@ impl Failure {
         match self {
             Self::Usage(_) => 2,
             Self::Bad(_) => 1,
-            Self::BrokenPipe => 0,
         }
     }
 
@@ -32,19 +28,26 @@ impl Failure {
         Self::Bad(error.to_string())
     }
 
+    /// Something wrong with or in a file or stream of this name.
+    pub fn within<E: std::fmt::Display>(name: &str) -> impl Fn(E) -> Self {
+        move |e| Self::Bad(format!("{name}: {e}"))
+    }
+
     /// A file that cannot be read or written.
-    pub fn file(path: &Path, doing: &str) -> impl FnOnce(io::Error) -> Self {
-        let place = if path == Path::new("-") { "standard stream".to_owned() } else { path.display().to_string() };
-        let doing = doing.to_owned();
-        move |e| if e.kind() == io::ErrorKind::BrokenPipe { Self::BrokenPipe } else { Self::Bad(format!("{place}: cannot {doing}: {e}")) }
+    pub fn file(path: &Path, doing: &str) -> impl Fn(io::Error) -> Self {
+        move |e| Self::Bad(format!("{}: cannot {doing}: {e}", path.display()))
     }
 }
 
 /// Result of a command.
 pub type Done<T = ()> = Result<T, Failure>;
 
-/// Prints to standard output.
+/// Prints to standard output. A reader that has gone away (`| head`) has seen what it wanted: that is no error, and the
+/// command goes on to its own exit code.
 pub fn print(text: &str) -> Done {
-    use io::Write;
-    io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()).map_err(Failure::file(Path::new("-"), "write"))
+    let mut out = io::stdout();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Bad(format!("standard output: cannot be written: {e}"))),
+        _ => Ok(()),
+    }
 }

@@ -2,14 +2,14 @@
 
 use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{Done, Failure};
-use crate::interrupt::Interruptible;
+use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_parameters::ConfigError;
 use basrelief_scene::{ViewOptions, demo, load_path, read_camera};
 use basrelief_signals::Scene;
 use std::cell::Cell;
 use std::fs::{self, File};
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Cursor, Read};
 use std::path::{Component, Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -36,6 +36,33 @@ pub struct TraceFile {
     pub folder: PathBuf,
 }
 
+impl TraceFile {
+    /// Opens a display list; `-` is standard input.
+    pub fn open(path: &Path) -> Done<Self> {
+        let read = Rc::new(Cell::new(0));
+        if path == Path::new("-") {
+            let reader = Box::new(Counting(io::stdin(), Rc::clone(&read)));
+            return Ok(Self { reader, bytes: None, read, name: "standard input".into(), folder: PathBuf::new() });
+        }
+        let file = File::open(path).map_err(Failure::file(path, "be read"))?;
+        let bytes = file.metadata().ok().filter(fs::Metadata::is_file).map(|m| m.len());
+        let reader = Box::new(Counting(BufReader::new(file), Rc::clone(&read)));
+        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        Ok(Self { reader, bytes, read, name: path.display().to_string(), folder })
+    }
+
+    /// Whether it is a display list: by its first bytes, and only where these say nothing, as in a file cut short, by
+    /// its name. What was looked at is put back: a pipe can be opened only once.
+    fn is_one(&mut self) -> Done<bool> {
+        let mut start = Vec::new();
+        self.reader.by_ref().take(64).read_to_end(&mut start).map_err(Failure::file(Path::new(&self.name), "be read"))?;
+        let is_one = looks_like_trace(&start) || Form::for_file_name(&self.name).is_some();
+        let rest = std::mem::replace(&mut self.reader, Box::new(io::empty()));
+        self.reader = Box::new(Cursor::new(start).chain(rest));
+        Ok(is_one)
+    }
+}
+
 /// Counts what passes.
 struct Counting<R>(R, Rc<Cell<u64>>);
 
@@ -47,22 +74,6 @@ impl<R: Read> Read for Counting<R> {
     }
 }
 
-impl TraceFile {
-    /// Opens a display list; `-` is standard input.
-    pub fn open(path: &Path) -> Done<Self> {
-        let read = Rc::new(Cell::new(0));
-        if path == Path::new("-") {
-            let reader = Box::new(Counting(Interruptible(io::stdin()), Rc::clone(&read)));
-            return Ok(Self { reader, bytes: None, read, name: "standard input".into(), folder: PathBuf::new() });
-        }
-        let file = File::open(path).map_err(Failure::file(path, "be read"))?;
-        let bytes = file.metadata().ok().filter(fs::Metadata::is_file).map(|m| m.len());
-        let reader = Box::new(Counting(Interruptible(BufReader::new(file)), Rc::clone(&read)));
-        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        Ok(Self { reader, bytes, read, name: path.display().to_string(), folder })
-    }
-}
-
 /// Opens files beside a trace; names with `..` or an absolute path are refused.
 pub fn beside(folder: &Path) -> impl FnMut(&str) -> io::Result<Box<dyn Read>> + 'static {
     let folder = folder.to_path_buf();
@@ -71,7 +82,11 @@ pub fn beside(folder: &Path) -> impl FnMut(&str) -> io::Result<Box<dyn Read>> + 
         if !plain {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "expected a relative name without `..`"));
         }
-        Ok(Box::new(BufReader::new(File::open(folder.join(name))?)))
+        let path = folder.join(name);
+        if !fs::metadata(&path)?.is_file() {
+            return Err(io::Error::other("not a regular file"));
+        }
+        Ok(Box::new(BufReader::new(File::open(path)?)))
     }
 }
 
@@ -81,11 +96,12 @@ pub fn open(path: &Path, view: &ViewArgs) -> Done<Input> {
     if let Some(name) = text.strip_prefix("demo:") {
         return demo_scene(name, view).map(Input::Scene);
     }
-    if path == Path::new("-") || is_trace(path)? {
+    let mut trace = TraceFile::open(path)?;
+    if path == Path::new("-") || trace.is_one()? {
         if *view != ViewArgs::default() {
             return Err(Failure::Usage("a display list carries its own view: --size, --camera, --frames, --orbit, --light and --light-orbit are for scenes".into()));
         }
-        return TraceFile::open(path).map(Input::Trace);
+        return Ok(Input::Trace(trace));
     }
     let scene = load_path(path, &view_options(view)?).map_err(Failure::bad)?;
     Ok(Input::Scene(Arc::new(scene)))
@@ -96,12 +112,18 @@ pub fn demo_scene(name: &str, view: &ViewArgs) -> Done<Arc<Scene>> {
     demo(name, &view_options(view)?).map(Arc::new).map_err(|e| Failure::Usage(e.to_string()))
 }
 
-/// Whether a file is a display list: by its first bytes, not by its name.
-fn is_trace(path: &Path) -> Done<bool> {
-    let mut start = Vec::new();
-    let file = File::open(path).map_err(Failure::file(path, "be read"))?;
-    file.take(64).read_to_end(&mut start).map_err(Failure::file(path, "be read"))?;
-    Ok(basrelief_display_list::looks_like_trace(&start))
+/// Longest text that is read as a whole \[bytes\]: a report of a million frames has less.
+const MAX_TEXT_BYTES: u64 = 1 << 29;
+
+/// A text file; a device that never ends is an error, not all of the memory.
+pub fn read_text(path: &Path) -> Done<String> {
+    let failed = || Failure::file(path, "be read");
+    let mut text = String::new();
+    File::open(path).map_err(failed())?.take(MAX_TEXT_BYTES + 1).read_to_string(&mut text).map_err(failed())?;
+    if text.len() as u64 > MAX_TEXT_BYTES {
+        return Err(Failure::Bad(format!("{}: is larger than {MAX_TEXT_BYTES} bytes", path.display())));
+    }
+    Ok(text)
 }
 
 /// The view as the importer takes it.
@@ -109,8 +131,7 @@ pub fn view_options(view: &ViewArgs) -> Done<ViewOptions> {
     let camera = match &view.camera {
         None => None,
         Some(path) => {
-            let text = fs::read_to_string(path).map_err(Failure::file(path, "be read"))?;
-            Some(read_camera(&text, &path.display().to_string()).map_err(Failure::bad)?)
+            Some(read_camera(&read_text(path)?, &path.display().to_string()).map_err(Failure::bad)?)
         }
     };
     let default = ViewOptions::default();
@@ -128,11 +149,11 @@ pub fn view_options(view: &ViewArgs) -> Done<ViewOptions> {
 pub fn config(args: &MachineArgs) -> Done<BumpProcessorConfig> {
     let text = match &args.config {
         None => String::new(),
-        Some(path) => fs::read_to_string(path).map_err(Failure::file(path, "be read"))?,
+        Some(path) => read_text(path)?,
     };
     if let Some(path) = &args.config {
         basrelief_parameters::load::<BumpProcessorConfig>(&text, &[])
-            .map_err(|e: ConfigError| Failure::Bad(format!("{}: {e}", path.display())))?;
+            .map_err(Failure::within::<ConfigError>(&path.display().to_string()))?;
     }
     let settings: Vec<(&str, &str)> = args.settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
     basrelief_parameters::load(&text, &settings).map_err(|e| Failure::Usage(format!("--set: {e}")))

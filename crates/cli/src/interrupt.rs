@@ -1,27 +1,17 @@
-//! Ctrl-C: finish what is being done, leave nothing half-written, exit with 130.
+//! Ctrl-C: nothing half-written stays, and the exit code is 130.
 
-use std::io::{self, Read};
-use std::sync::atomic::{AtomicBool, Ordering};
+use crate::outputs;
+use std::io::IsTerminal;
+use std::process;
 
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
-/// Starts to listen.
+/// Starts to listen. The signal ends the process from a thread of its own, whatever the others wait for: a flag that
+/// they look at would not help one that reads a pipe into which nobody writes.
 pub fn listen() {
-    // Where no handler can be installed, the default action ends the process: nothing is published then either.
-    let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
-}
-
-/// Whether the user asked to stop.
-pub fn asked() -> bool {
-    INTERRUPTED.load(Ordering::Relaxed)
-}
-
-/// A reader that ends with an error once the user asked to stop.
-#[derive(Debug)]
-pub struct Interruptible<R>(pub R);
-
-impl<R: Read> Read for Interruptible<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if asked() { Err(io::Error::other("interrupted")) } else { self.0.read(buffer) }
-    }
+    // Where no handler can be installed, the default action ends the process: nothing is in its place then either.
+    let _ = ctrlc::set_handler(|| {
+        let _nothing_more_is_written = outputs::abandon();
+        let line = if std::io::stderr().is_terminal() { "\r\x1b[2K" } else { "" };
+        eprintln!("{line}interrupted; nothing was written");
+        process::exit(130);
+    });
 }

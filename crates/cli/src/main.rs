@@ -11,7 +11,6 @@ mod outputs;
 mod progress;
 
 use clap::Parser;
-use error::Failure;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -20,14 +19,8 @@ fn main() -> ExitCode {
     match commands::dispatch(cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            let interrupted = interrupt::asked();
-            match &failure {
-                _ if interrupted => eprintln!("interrupted; nothing was written"),
-                // A reader that closed our standard output early has seen what it wanted.
-                Failure::BrokenPipe => {}
-                other => eprintln!("error: {other}"),
-            }
-            ExitCode::from(if interrupted { 130 } else { failure.exit_code() })
+            eprintln!("error: {failure}");
+            ExitCode::from(failure.exit_code())
         }
     }
 }

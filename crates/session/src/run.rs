@@ -261,7 +261,10 @@ impl<'a> Session<'a> {
                 frames: if several { self.quality.clone() } else { vec![] },
             }),
             image: image.map(|(i, sha256)| PictureFile { file: picture_name("image", i, several), sha256 }).collect(),
-            warnings: bump::warnings(&self.settings.config).into_iter().chain(warnings.iter().cloned()).collect(),
+            warnings: (warnings.iter().cloned())
+                .chain(bump::warnings(&self.settings.config))
+                .chain(bump::claim_3_warning(&self.settings.config, &driven.counts))
+                .collect(),
         };
         let report = match &driven.report {
             Some(run) => Report::timed(facts, run),

@@ -3,8 +3,8 @@
 use super::run::style;
 use crate::args::CompareArgs;
 use crate::error::{Done, Failure, print};
+use crate::input::read_text;
 use basrelief_report::{Report, compare as difference};
-use std::fs;
 use std::path::Path;
 
 /// Lists changes, largest first; fails over a limit.
@@ -24,6 +24,5 @@ pub fn compare(args: &CompareArgs) -> Done {
 
 fn read(path: &Path) -> Done<Report> {
     let file = if path.is_dir() { path.join("report.json") } else { path.to_path_buf() };
-    let text = fs::read_to_string(&file).map_err(Failure::file(&file, "be read"))?;
-    Report::from_json(&text).map_err(|e| Failure::Bad(format!("{}: {e}", file.display())))
+    Report::from_json(&read_text(&file)?).map_err(Failure::within(&file.display().to_string()))
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 /// Converts without loss.
 pub fn convert(args: &ConvertArgs) -> Done {
     let input = TraceFile::open(&args.input)?;
-    let failed = |e: display_list::TraceError| Failure::Bad(format!("{}: {e}", args.input.display()));
+    let failed = Failure::within(&input.name);
     to_trace_file(&args.output, |writer, form| display_list::convert(input.reader, writer, form).map(|_| ()).map_err(failed))
 }
 

@@ -5,10 +5,10 @@ use super::run::simulate_quietly;
 use crate::args::RecordArgs;
 use crate::error::{Done, Failure};
 use crate::input::{self, Input};
-use crate::interrupt;
 use crate::progress::Progress;
-use basrelief_display_list::{Expectation, Recorder};
+use basrelief_display_list::{Expectation, Recorder, Setting};
 use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_parameters::Parameters;
 use basrelief_session::{Source, begin_of, display_list, expectation_of};
 use basrelief_signals::Scene;
 use std::collections::BTreeMap;
@@ -27,9 +27,6 @@ pub fn record(args: &RecordArgs, quiet: bool) -> Done {
         for (n, control) in (1..).zip(display_list(&scene, &config)) {
             recorder.record(&control).map_err(Failure::bad)?;
             progress.at(n);
-            if interrupt::asked() {
-                return Err(Failure::Bad("interrupted".into()));
-            }
         }
         recorder.finish(expectations).map(|_| ()).map_err(Failure::bad)
     })
@@ -38,11 +35,18 @@ pub fn record(args: &RecordArgs, quiet: bool) -> Done {
 /// What the machine makes of the scene now.
 fn expected(scene: &Arc<Scene>, config: &BumpProcessorConfig, args: &RecordArgs) -> Done<Expectation> {
     let run = simulate_quietly(Source::Scene(Arc::clone(scene)), config, None)?;
+    Ok(expectation_of(&run.report, settings_of(config, &args.machine.settings)?))
+}
+
+/// What a replay must be told: parameters that are not at their default, and those that the user named all the same.
+fn settings_of(config: &BumpProcessorConfig, named: &[(String, String)]) -> Done<BTreeMap<String, Setting>> {
     let whole = serde_json::to_value(config).map_err(Failure::bad)?;
     let mut settings = BTreeMap::new();
-    for (key, _) in &args.machine.settings {
-        let value = whole.pointer(&format!("/{}", key.replace('.', "/"))).cloned().unwrap_or_default();
-        settings.insert(key.clone(), serde_json::from_value(value).map_err(Failure::bad)?);
+    for parameter in BumpProcessorConfig::table() {
+        let value = whole.pointer(&format!("/{}", parameter.key.replace('.', "/"))).cloned().unwrap_or_default();
+        if value != parameter.default || named.iter().any(|(key, _)| *key == parameter.key) {
+            settings.insert(parameter.key, serde_json::from_value(value).map_err(Failure::bad)?);
+        }
     }
-    Ok(expectation_of(&run.report, settings))
+    Ok(settings)
 }

@@ -3,15 +3,16 @@
 use crate::args::{DemoArgs, EngineName, MachineArgs, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure, print};
 use crate::input::{self, Input, TraceFile, beside};
-use crate::interrupt;
 use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
-use basrelief_kernel::{Engine, StageTopology};
+use basrelief_kernel::{Engine, Probe, StageTopology};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_reference::{Picture, metrics};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
-use basrelief_session::{self as session, NoProbe, Observer, Pictures, Run, Settings, Source, Unobserved, picture_name};
+use basrelief_session::{
+    self as session, NoProbe, Observer, Pictures, Run, SessionError, Settings, Source, Unobserved, picture_name,
+};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use std::cell::Cell;
@@ -38,14 +39,16 @@ impl From<EngineName> for Engine {
 
 /// Draws an embedded scene.
 pub fn demo(args: &DemoArgs, quiet: bool) -> Done {
+    let began = seconds();
     let scene = input::demo_scene(&args.name, &args.view)?;
-    simulate(Input::Scene(scene), &args.machine, &args.simulation, quiet)
+    simulate(began, Input::Scene(scene), &args.machine, &args.simulation, quiet)
 }
 
 /// Draws a model or replays a display list.
 pub fn run(args: &RunArgs, quiet: bool) -> Done {
+    let began = seconds();
     let input = input::open(&args.input, &args.view)?;
-    simulate(input, &args.machine, &args.simulation, quiet)
+    simulate(began, input, &args.machine, &args.simulation, quiet)
 }
 
 /// Files, progress and pictures of a run.
@@ -60,7 +63,7 @@ struct Watcher {
 impl Observer for Watcher {
     fn progress(&mut self, commands: u64, _: Option<u64>) -> bool {
         self.progress.at(self.read.as_ref().map_or(commands, |read| read.get()));
-        !interrupt::asked()
+        true
     }
 
     fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
@@ -85,29 +88,28 @@ impl Watcher {
     }
 }
 
-fn simulate(input: Input, machine: &MachineArgs, simulation: &SimulationArgs, quiet: bool) -> Done {
-    let began = seconds();
+fn simulate(began: f64, input: Input, machine: &MachineArgs, simulation: &SimulationArgs, quiet: bool) -> Done {
     let settings = Settings {
         config: input::config(machine)?,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
-        exact: true,
+        exact: !simulation.no_exact,
         clock: seconds,
     };
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
     let (source, progress, read) = source_of(input, quiet || simulation.json);
     let mut watcher = Watcher { outputs, progress, read, frames: 0 };
-    let run = match &simulation.timeline {
-        None => session::run(source, &settings, &mut watcher, &mut NoProbe).map_err(Failure::bad)?,
+    let (run, timeline) = match &simulation.timeline {
+        None => (run_named(source, &settings, &mut watcher, &mut NoProbe)?, None),
         Some(path) => with_timeline(path, source, &settings, &mut watcher)?,
     };
-    if interrupt::asked() {
-        return Err(Failure::Bad("interrupted".into()));
-    }
     let report = run.with_host(seconds() - began);
     let Watcher { outputs, progress, frames, .. } = watcher;
     drop(progress);
     publish(outputs, frames, &report, simulation)?;
+    if let (Some(file), Some(path)) = (timeline, &simulation.timeline) {
+        file.publish().map_err(Failure::file(path, "be written"))?;
+    }
     show(&report, simulation, quiet)
 }
 
@@ -125,20 +127,29 @@ fn source_of(input: Input, quiet: bool) -> (Source, Progress, Option<Rc<Cell<u64
     }
 }
 
-fn with_timeline(path: &Path, source: Source, settings: &Settings, watcher: &mut Watcher) -> Done<Run> {
+/// A run whose errors name the input, unless it is the parameters that are wrong.
+fn run_named<P: Probe>(source: Source, settings: &Settings, observer: &mut dyn Observer, probe: &mut P) -> Done<Run> {
+    let name = match &source {
+        Source::Scene(scene) => scene.name.clone(),
+        Source::Trace { name, .. } => name.clone(),
+    };
+    session::run(source, settings, observer, probe).map_err(|e| match e {
+        SessionError::Config(_) => Failure::bad(e),
+        SessionError::Trace(_) | SessionError::Fault(_) | SessionError::Observer(_) => Failure::within(&name)(e),
+    })
+}
+
+fn with_timeline(path: &Path, source: Source, settings: &Settings, watcher: &mut Watcher) -> Done<(Run, Option<PartialFile>)> {
     let failed = || Failure::file(path, "be written");
     let stages: Vec<StageNames> = session::stages(&source, settings).map_err(Failure::bad)?.into_iter().map(names).collect();
     let mut file = PartialFile::create(path).map_err(failed())?;
     let mut timeline = Timeline::new(BufWriter::new(&mut file), "bump", &stages);
-    let run = session::run(source, settings, watcher, &mut timeline).map_err(Failure::bad)?;
+    let run = run_named(source, settings, watcher, &mut timeline)?;
     match &run.timing {
         Some(timing) => timeline.finish(timing).and_then(|mut out| out.flush()).map_err(failed())?,
         None => drop(timeline),
     }
-    if !interrupt::asked() {
-        file.publish().map_err(failed())?;
-    }
-    Ok(run)
+    Ok((run, Some(file)))
 }
 
 fn names(stage: StageTopology) -> StageNames {
@@ -146,14 +157,15 @@ fn names(stage: StageTopology) -> StageNames {
 }
 
 /// Names the pictures by their number, adds the report, and puts everything in its place.
-fn publish(mut outputs: Outputs, frames: usize, report: &Report, simulation: &SimulationArgs) -> Done {
+fn publish(outputs: Outputs, frames: usize, report: &Report, simulation: &SimulationArgs) -> Done {
+    let failed = || Failure::file(&simulation.out, "be written");
     if frames == 1 {
+        // Without an exact picture there are no files of the other two kinds, and nothing to rename.
         for kind in ["image", "reference", "difference"] {
-            outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false));
+            outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false)).map_err(failed())?;
         }
     }
-    let failed = || Failure::file(&simulation.out, "be written");
-    let mut write = |name: &str, text: &str| -> Done {
+    let write = |name: &str, text: &str| -> Done {
         let mut file = outputs.create(name).map_err(failed())?;
         file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(failed())
     };
@@ -161,7 +173,7 @@ fn publish(mut outputs: Outputs, frames: usize, report: &Report, simulation: &Si
     if simulation.csv {
         write("report.csv", &to_csv(report))?;
     }
-    outputs.publish().map_err(failed())
+    outputs.publish("report.json").map_err(failed())
 }
 
 /// Prints the report, and decides whether the run was a success.
@@ -181,11 +193,11 @@ fn show(report: &Report, simulation: &SimulationArgs, quiet: bool) -> Done {
 }
 
 fn written(report: &Report) -> String {
-    match report.image.len() {
-        0 => "report.json".into(),
-        1 => "image.png, reference.png, difference.png, report.json".into(),
-        n => format!("{n} each of image-NNNN.png, reference-NNNN.png, difference-NNNN.png; report.json"),
-    }
+    let kinds: &[&str] = if report.quality.is_some() { &["image", "reference", "difference"] } else { &["image"] };
+    let several = report.image.len() > 1;
+    let pictures = kinds.iter().filter(|_| !report.image.is_empty());
+    let names = pictures.map(|kind| if several { format!("{kind}-0001.png ...") } else { picture_name(kind, 0, false) });
+    names.chain(["report.json".to_owned()]).collect::<Vec<_>>().join(", ")
 }
 
 /// How tables are set on this terminal.
@@ -195,8 +207,12 @@ pub fn style() -> Style {
     Style { width, color: terminal && std::env::var_os("NO_COLOR").is_none() }
 }
 
-/// A run without pictures, exact picture or progress.
+/// A run to its end, without pictures, exact picture or progress.
 pub fn simulate_quietly(source: Source, config: &BumpProcessorConfig, engine: Option<Engine>) -> Done<Run> {
     let settings = Settings { config: config.clone(), engine: engine.or(Some(Engine::Timed)), exact: false, ..Settings::default() };
-    session::run(source, &settings, &mut Unobserved, &mut NoProbe).map_err(Failure::bad)
+    let run = run_named(source, &settings, &mut Unobserved, &mut NoProbe)?;
+    match run.report.outcome.kind {
+        OutcomeKind::Complete => Ok(run),
+        _ => Err(Failure::within(&run.report.input.name)(run.report.outcome.message.as_deref().unwrap_or("incomplete"))),
+    }
 }

@@ -5,7 +5,6 @@ use super::run::simulate_quietly;
 use crate::args::VerifyArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::{TraceFile, beside};
-use crate::interrupt;
 use crate::outputs::PartialFile;
 use basrelief_display_list::{Command, Expectation, Form, Resolver, Writer, open};
 use basrelief_kernel::Engine;
@@ -27,10 +26,8 @@ pub fn verify(args: &VerifyArgs, quiet: bool) -> Done {
     let engines = args.engine.map_or(vec![Engine::Timed, Engine::Ticked], |e| vec![e.into()]);
     let mut failed = 0;
     for trace in &traces {
-        if interrupt::asked() {
-            return Err(Failure::Bad("interrupted".into()));
-        }
-        let wrong = if args.bless { bless(trace)? } else { check(trace, &engines)? };
+        let result = if args.bless { bless(trace).map(|()| vec![]) } else { check(trace, &engines) };
+        let wrong = result.unwrap_or_else(|failure| vec![failure.to_string()]);
         failed += usize::from(!wrong.is_empty());
         if !quiet || !wrong.is_empty() {
             let verdict = if wrong.is_empty() { if args.bless { "blessed" } else { "ok" } } else { "FAILED" };
@@ -46,6 +43,9 @@ pub fn verify(args: &VerifyArgs, quiet: bool) -> Done {
 
 /// Traces of a folder, in order of name, or the trace itself.
 fn collect(path: &Path, traces: &mut Vec<PathBuf>) -> Done {
+    if path == Path::new("-") {
+        return Err(Failure::Usage("verify reads a trace several times: it takes files and folders, not standard input".into()));
+    }
     if !path.is_dir() {
         traces.push(path.to_path_buf());
         return Ok(());
@@ -64,23 +64,22 @@ fn collect(path: &Path, traces: &mut Vec<PathBuf>) -> Done {
     Ok(())
 }
 
-fn bad(path: &Path) -> impl Fn(&dyn std::fmt::Display) -> Failure {
-    let name = path.display().to_string();
-    move |e| Failure::Bad(format!("{name}: {e}"))
+fn within<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure {
+    Failure::within(&path.display().to_string())
 }
 
 /// Reads a trace to its end for what it expects.
 fn expectations(path: &Path) -> Done<Vec<Expectation>> {
     let file = TraceFile::open(path)?;
-    let mut resolver = Resolver::new(file.reader, beside(&file.folder)).map_err(|e| bad(path)(&e))?;
-    resolver.by_ref().try_for_each(|c| c.map(|_| ())).map_err(|e| bad(path)(&e))?;
+    let mut resolver = Resolver::new(file.reader, beside(&file.folder)).map_err(within(path))?;
+    resolver.by_ref().try_for_each(|c| c.map(|_| ())).map_err(within(path))?;
     Ok(resolver.expectations().to_vec())
 }
 
 fn replay(path: &Path, expected: &Expectation, engine: Engine) -> Done<Report> {
     let settings: Vec<(String, String)> = expected.config.iter().map(|(k, v)| (k.clone(), v.to_string())).collect();
     let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
-    let config: BumpProcessorConfig = basrelief_parameters::load("", &borrowed).map_err(|e| bad(path)(&e))?;
+    let config: BumpProcessorConfig = basrelief_parameters::load("", &borrowed).map_err(within(path))?;
     let file = TraceFile::open(path)?;
     let files = Box::new(beside(&file.folder));
     let source = Source::Trace { reader: file.reader, files, name: file.name };
@@ -103,7 +102,7 @@ fn check(path: &Path, engines: &[Engine]) -> Done<Vec<String>> {
 }
 
 /// Writes what the machine does now in place of what was expected.
-fn bless(path: &Path) -> Done<Vec<String>> {
+fn bless(path: &Path) -> Done {
     let mut old = expectations(path)?;
     if old.is_empty() {
         old.push(Expectation::default());
@@ -115,18 +114,17 @@ fn bless(path: &Path) -> Done<Vec<String>> {
     }
     let input = TraceFile::open(path)?;
     let mut file = PartialFile::create(path).map_err(Failure::file(path, "be written"))?;
-    let mut writer = Writer::new(&mut file, form_of(path)?).map_err(|e| bad(path)(&e))?;
-    for command in open(input.reader).map_err(|e| bad(path)(&e))? {
-        match command.map_err(|e| bad(path)(&e))? {
+    let mut writer = Writer::new(&mut file, form_of(path)?).map_err(within(path))?;
+    for command in open(input.reader).map_err(within(path))? {
+        match command.map_err(within(path))? {
             Command::Expect(_) => {}
             Command::End(_) => break,
-            other => writer.write(&other).map_err(|e| bad(path)(&e))?,
+            other => writer.write(&other).map_err(within(path))?,
         }
     }
     for expectation in new {
-        writer.write(&Command::Expect(Box::new(expectation))).map_err(|e| bad(path)(&e))?;
+        writer.write(&Command::Expect(Box::new(expectation))).map_err(within(path))?;
     }
-    writer.finish().map_err(|e| bad(path)(&e))?;
-    file.publish().map_err(Failure::file(path, "be written"))?;
-    Ok(vec![])
+    writer.finish().map_err(within(path))?;
+    file.publish().map_err(Failure::file(path, "be written"))
 }

@@ -1,0 +1,84 @@
+//! Scene to trace and back: what a recorded display list draws, and when.
+
+use basrelief_display_list::{Begin, Encoding, Form, Recorder};
+use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_parameters::load;
+use basrelief_report::Report;
+use basrelief_report::model::Figure;
+use basrelief_scene::{ViewOptions, demo};
+use basrelief_session::{NoProbe, Settings, Source, Unobserved, begin_of, display_list, run};
+use basrelief_signals::{Control, Scene};
+use std::io::Cursor;
+use std::sync::Arc;
+
+fn scene(name: &str, frames: u32) -> Arc<Scene> {
+    let options = ViewOptions { size: [64, 48], frames: Some(frames), ..ViewOptions::default() };
+    Arc::new(demo(name, &options).unwrap())
+}
+
+fn config(settings: &[(&str, &str)]) -> BumpProcessorConfig {
+    load("", settings).unwrap()
+}
+
+fn recorded(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) -> Vec<u8> {
+    let begin: Begin = begin_of(scene);
+    let mut recorder = Recorder::new(Vec::new(), Form { encoding, ..Form::default() }, begin).unwrap();
+    display_list(scene, config).for_each(|control| recorder.record(&control).unwrap());
+    recorder.finish(Vec::new()).unwrap()
+}
+
+fn report(source: Source, config: &BumpProcessorConfig) -> Report {
+    let settings = Settings { config: config.clone(), exact: false, ..Settings::default() };
+    run(source, &settings, &mut Unobserved, &mut NoProbe).unwrap().report
+}
+
+/// The scene's run and the run of its trace.
+fn both(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) -> [Report; 2] {
+    let trace = Source::trace(Cursor::new(recorded(scene, config, encoding)), "recorded");
+    [report(Source::Scene(Arc::clone(scene)), config), report(trace, config)]
+}
+
+/// Figures of the units behind the display list.
+fn behind_the_list(report: &Report) -> Vec<(&String, &Figure)> {
+    let front = ["triangles", "polygons", "bump_polygons", "vertices", "vertex_cache_hits", "display_list_commands"];
+    let in_front = |name: &str| front.iter().any(|f| name == *f) || name.starts_with("triangles_") || name.starts_with("vertices_");
+    report.device.iter().filter(|(name, _)| !in_front(name) && *name != "polygons_clipped").collect()
+}
+
+fn bytes(report: &Report) -> Vec<(&String, &String, u64, u64)> {
+    let memories = report.memories.iter().flatten();
+    memories.flat_map(|(m, r)| r.clients.iter().map(move |(c, t)| (m, c, t.read_bytes, t.write_bytes))).collect()
+}
+
+#[test]
+fn a_replay_draws_the_same_picture_and_moves_the_same_bytes() {
+    for (name, frames) in [("mixed", 1), ("coin", 3), ("brick", 1)] {
+        let scene = scene(name, frames);
+        for encoding in [Encoding::Json, Encoding::Binary] {
+            for settings in [&[][..], &[("display_list.arrival", "asap"), ("rasterizer.early_z", "false")]] {
+                let [drawn, replayed] = both(&scene, &config(settings), encoding);
+                assert_eq!(drawn.input.sha256, replayed.input.sha256, "the same input");
+                assert_eq!(drawn.image, replayed.image, "{name}: the same pictures to the bit");
+                assert_eq!(drawn.image.len(), frames as usize);
+                assert_eq!(behind_the_list(&drawn), behind_the_list(&replayed));
+                assert_eq!(bytes(&drawn), bytes(&replayed));
+                assert_eq!(drawn.camera, replayed.camera);
+            }
+        }
+    }
+}
+
+fn total(report: &Report) -> u64 {
+    report.cycles.as_ref().unwrap().total
+}
+
+#[test]
+fn probe_totals() {
+    for (name, frames) in [("mixed", 1), ("coin", 3), ("brick", 1), ("golf-ball", 2), ("sphere", 1)] {
+        for settings in [&[][..], &[("fifo.polygons.depth", "65536")], &[("replacement.pipelined", "false")], &[("geometry.cycles_per_vertex", "0"), ("geometry.cycles_per_polygon", "1"),("replacement.pipelined", "false")], &[("geometry.cycles_per_vertex", "30")]] {
+            let [a, b] = both(&scene(name, frames), &config(settings), Encoding::Binary);
+            println!("{name} {settings:?}: {:?} {:?} diff {}", a.cycles.as_ref().unwrap(), b.cycles.as_ref().unwrap().frames, total(&a) as i64 - total(&b) as i64);
+        }
+    }
+}
