@@ -2,7 +2,6 @@
 
 use super::{BumpProcessorConfig, MemoryConfigs};
 use crate::counts::Counts;
-use crate::counts::Counts;
 use basrelief_kernel::{FifoConfig, MemorySystem, Unit};
 use basrelief_signals::MAX_SAMPLES;
 
