@@ -1,14 +1,13 @@
 //! Scene to trace and back: what a recorded display list draws, and when.
 
 use basrelief_display_list::{Begin, Encoding, Form, Recorder};
-use basrelief_kernel::{Demand, Traffic, Unit};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_parameters::load;
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_session::{NoProbe, Settings, Source, Unobserved, begin_of, display_list, run};
-use basrelief_signals::{Control, Scene};
+use basrelief_signals::Scene;
 use std::io::Cursor;
 use std::sync::Arc;
 
@@ -55,7 +54,7 @@ fn bytes(report: &Report) -> Vec<(&String, &String, u64, u64)> {
 fn a_replay_draws_the_same_picture_and_moves_the_same_bytes() {
     for (name, frames) in [("mixed", 1), ("coin", 3), ("brick", 1)] {
         let scene = scene(name, frames);
-        for encoding in [Encoding::Json, Encoding::Binary] {
+        for encoding in [Encoding::JsonLines, Encoding::Binary] {
             for settings in [&[][..], &[("display_list.arrival", "asap"), ("rasterizer.early_z", "false")]] {
                 let [drawn, replayed] = both(&scene, &config(settings), encoding);
                 assert_eq!(drawn.input.sha256, replayed.input.sha256, "the same input");
