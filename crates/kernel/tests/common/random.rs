@@ -16,7 +16,7 @@ pub enum Part {
     Gather {
         size: u64,
     },
-    /// Reads and writes on ports of one or two memories.
+    /// Reads and writes on ports of one or two memories; the second has credits to spare.
     Access {
         requests: Vec<(usize, bool, u32, u64)>,
         spare: u32,
@@ -146,7 +146,7 @@ impl Builder<'_> {
     fn access(&mut self, requests: &[(usize, bool, u32, u64)], spare: u32) {
         let needs = |m: usize| requests.iter().filter(|r| r.0 == m).count() as u32;
         let ports: Vec<String> =
-            (0..2).map(|m| if needs(m) > 0 { self.port(m, needs(m) + spare) } else { String::new() }).collect();
+            (0..2).map(|m| if needs(m) > 0 { self.port(m, needs(m) + m as u32 * spare) } else { String::new() }).collect();
         let place = |(n, &(m, write, bytes, stride)): (usize, &(usize, bool, u32, u64))| {
             let offset = 17 * n as u64;
             PlanRequest { port: ports[m].clone(), write, bytes, stride, offset, span: 1024 }

@@ -107,32 +107,25 @@ fn who_comes_first_is_served_first() {
 }
 
 #[test]
-fn answers_of_two_memories_come_in_order_of_steps_whichever_memory_is_quick() {
-    // Every step reads a slow memory that another unit shares, and a quick one; the quick one has one credit, the slow
-    // one eight. Six answers of the quick memory are known long before the first of the slow one.
+fn a_step_waits_for_the_last_of_its_answers_whichever_is_known_first() {
+    // Every step reads a slow memory of its own, with one credit, and a quick one that another unit shares: when the
+    // quick answers are settled, the slow ones have long been known - once so long that they were forgotten.
     let slow = PlanMemory { name: "slow".into(), cas: 90, ..small_memory() };
+    let requests = vec![request("s", false, 4, 0), request("q", false, 4, 0)];
     let mut draw = Draw::default();
-    draw.memory(PlanMemory { name: "quick".into(), ..small_memory() }, &[("q", 1)])
-        .memory(slow, &[("s", 8), ("other", 1)])
+    draw.memory(slow, &[("s", 1)])
+        .memory(PlanMemory { name: "quick".into(), ..small_memory() }, &[("q", 8), ("other", 1)])
         .fifo("in", 8, 1)
         .fifo("out", 8, 1)
         .fifo("in2", 8, 1)
-        .unit("source", Kind::Source { tokens: 6 }, ["", "in"], &[1], &[0])
-        .unit(
-            "client",
-            Kind::Access { requests: vec![request("q", false, 4, 0), request("s", false, 4, 0)] },
-            ["in", "out"],
-            &[1],
-            &[0],
-        )
+        .unit("source", Kind::Source { tokens: 4 }, ["", "in"], &[1], &[0])
+        .unit("client", Kind::Access { requests }, ["in", "out"], &[1], &[0])
         .unit("sink", Kind::Sink, ["out", ""], &[1], &[0])
         .unit("source2", Kind::Source { tokens: 1 }, ["", "in2"], &[1], &[0])
         .unit("client2", Kind::Access { requests: vec![request("other", false, 4, 0)] }, ["in2", ""], &[1], &[0]);
-    // Quick: step 0 at 1, command 2, closed, data 7 .. 9; then each hit 1 + 3 + 2 cycles after the last: 9, 15, 21 ..
-    assert_eq!(starts(&draw.0, "client"), [1, 9, 15, 21, 27, 33]);
-    // Slow, one bank: step 0 command 2, closed, data 2 + 92 = 94 .. 96, visible 97. The other unit's, also of cycle 1:
-    // command 96, hit, 186 .. 188. Then every 92 cycles: 280, 372, 464, 556, 648; visible one later.
-    assert_eq!(starts(&draw.0, "sink"), [97, 281, 373, 465, 557, 649]);
+    // Slow: step 0 at 1, command 2, closed, data 2 + 92 = 94 .. 96; then a hit 1 + 90 + 2 after each step.
+    assert_eq!(starts(&draw.0, "client"), [1, 96, 189, 282]);
+    assert_eq!(starts(&draw.0, "sink"), [97, 190, 283, 376]);
 }
 
 #[test]
