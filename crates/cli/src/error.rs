@@ -29,13 +29,15 @@ impl Failure {
     }
 
     /// Something wrong with or in a file or stream of this name.
-    pub fn within<E: std::fmt::Display>(name: &str) -> impl Fn(E) -> Self {
+    pub fn within<E: std::fmt::Display>(name: &str) -> impl Fn(E) -> Self + use<E> {
+        let name = name.to_owned();
         move |e| Self::Bad(format!("{name}: {e}"))
     }
 
     /// A file that cannot be read or written.
-    pub fn file(path: &Path, doing: &str) -> impl Fn(io::Error) -> Self {
-        move |e| Self::Bad(format!("{}: cannot {doing}: {e}", path.display()))
+    pub fn file(path: &Path, doing: &str) -> impl Fn(io::Error) -> Self + use<> {
+        let what = format!("{}: cannot {doing}", path.display());
+        move |e| Self::Bad(format!("{what}: {e}"))
     }
 }
 

@@ -130,9 +130,7 @@ pub fn read_text(path: &Path) -> Done<String> {
 pub fn view_options(view: &ViewArgs) -> Done<ViewOptions> {
     let camera = match &view.camera {
         None => None,
-        Some(path) => {
-            Some(read_camera(&read_text(path)?, &path.display().to_string()).map_err(Failure::bad)?)
-        }
+        Some(path) => Some(read_camera(&read_text(path)?, &path.display().to_string()).map_err(Failure::bad)?),
     };
     let default = ViewOptions::default();
     Ok(ViewOptions {

@@ -22,7 +22,9 @@ pub fn form_of(path: &Path) -> Done<Form> {
         return Ok(Form::default());
     }
     Form::for_file_name(&name).ok_or_else(|| {
-        Failure::Usage(format!("{name}: the name tells the form of a display list: expected .jsonl or .bdl, or either with .zst behind"))
+        Failure::Usage(format!(
+            "{name}: the name tells the form of a display list: expected .jsonl or .bdl, or either with .zst behind"
+        ))
     })
 }
 

@@ -17,7 +17,10 @@ use std::sync::Arc;
 /// Records a scene.
 pub fn record(args: &RecordArgs, quiet: bool) -> Done {
     let Input::Scene(scene) = input::open(&args.input, &args.view)? else {
-        return Err(Failure::Usage(format!("{}: is a display list already; `basrelief convert` changes its form", args.input.display())));
+        return Err(Failure::Usage(format!(
+            "{}: is a display list already; `basrelief convert` changes its form",
+            args.input.display()
+        )));
     };
     let config = input::config(&args.machine)?;
     let expectations = if args.expect { vec![expected(&scene, &config, args)?] } else { vec![] };

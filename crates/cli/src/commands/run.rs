@@ -209,7 +209,8 @@ pub fn style() -> Style {
 
 /// A run to its end, without pictures, exact picture or progress.
 pub fn simulate_quietly(source: Source, config: &BumpProcessorConfig, engine: Option<Engine>) -> Done<Run> {
-    let settings = Settings { config: config.clone(), engine: engine.or(Some(Engine::Timed)), exact: false, ..Settings::default() };
+    let settings =
+        Settings { config: config.clone(), engine: engine.or(Some(Engine::Timed)), exact: false, ..Settings::default() };
     let run = run_named(source, &settings, &mut Unobserved, &mut NoProbe)?;
     match run.report.outcome.kind {
         OutcomeKind::Complete => Ok(run),

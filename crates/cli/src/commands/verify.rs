@@ -36,7 +36,10 @@ pub fn verify(args: &VerifyArgs, quiet: bool) -> Done {
         }
     }
     if failed > 0 {
-        return Err(Failure::Bad(format!("{failed} of {} traces are not as they expect; `basrelief verify --bless` rewrites the expectations, after review", traces.len())));
+        return Err(Failure::Bad(format!(
+            "{failed} of {} traces are not as they expect; `basrelief verify --bless` rewrites the expectations, after review",
+            traces.len()
+        )));
     }
     Ok(())
 }
@@ -64,7 +67,7 @@ fn collect(path: &Path, traces: &mut Vec<PathBuf>) -> Done {
     Ok(())
 }
 
-fn within<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure {
+fn within<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure + use<E> {
     Failure::within(&path.display().to_string())
 }
 
