@@ -23,11 +23,10 @@ pub use error::SceneError;
 pub use files::{Directory, Files, MAX_FILE_BYTES, Memory};
 pub use view::ViewOptions;
 
-use basrelief_signals::{Draw, Scene};
+use basrelief_signals::Scene;
 use error::Warnings;
 use model::Model;
 use std::path::Path;
-use std::sync::Arc;
 use view::Setting;
 
 /// Imports a model: GLB and glTF are told by their content, OBJ by the ending of its name.
@@ -71,34 +70,9 @@ fn import(bytes: &[u8], name: &str, files: &dyn Files, warnings: &mut Warnings) 
     }
 }
 
-/// What the host hands to the geometry processor: every frame with all objects and their triangles.
-pub fn draws(scene: &Scene) -> impl Iterator<Item = Draw> + '_ {
-    scene.frames.iter().flat_map(|frame| {
-        let objects = scene.objects.iter().flat_map(|object| {
-            let triangles = object.mesh.indices.len() / 3;
-            std::iter::once(Draw::Object(Arc::clone(object))).chain((0..triangles as u32).map(Draw::Triangle))
-        });
-        std::iter::once(Draw::Frame(Arc::clone(frame))).chain(objects).chain(std::iter::once(Draw::FrameEnd))
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_frame_draws_every_triangle_once() {
-        let options = ViewOptions { frames: Some(2), ..ViewOptions::default() };
-        let scene = demo("mixed", &options).unwrap();
-        let triangles: usize = scene.objects.iter().map(|o| o.mesh.indices.len() / 3).sum();
-        let all: Vec<Draw> = draws(&scene).collect();
-        let count = |kind: fn(&Draw) -> bool| all.iter().filter(|d| kind(d)).count();
-        assert_eq!(count(|d| matches!(d, Draw::Frame(_))), 2);
-        assert_eq!(count(|d| matches!(d, Draw::FrameEnd)), 2);
-        assert_eq!(count(|d| matches!(d, Draw::Object(_))), 2 * scene.objects.len());
-        assert_eq!(count(|d| matches!(d, Draw::Triangle(_))), 2 * triangles);
-        assert!(matches!(&all[..3], [Draw::Frame(_), Draw::Object(_), Draw::Triangle(0)]));
-    }
 
     #[test]
     fn an_unknown_format_is_refused() {
