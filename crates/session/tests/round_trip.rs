@@ -1,13 +1,15 @@
 //! Scene to trace and back: what a recorded display list draws, and when.
 
 use basrelief_display_list::{Begin, Encoding, Form, Recorder};
+use basrelief_geometry_processor::{GeometryProcessor, SceneDraws};
+use basrelief_kernel::{Traffic, Unit};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_parameters::load;
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_session::{NoProbe, Settings, Source, Unobserved, begin_of, display_list, run};
-use basrelief_signals::Scene;
+use basrelief_signals::{Control, Scene};
 use std::io::Cursor;
 use std::sync::Arc;
 
@@ -41,7 +43,8 @@ fn both(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) ->
 /// Figures of the units behind the display list.
 fn behind_the_list(report: &Report) -> Vec<(&String, &Figure)> {
     let front = ["triangles", "polygons", "bump_polygons", "vertices", "vertex_cache_hits", "display_list_commands"];
-    let in_front = |name: &str| front.iter().any(|f| name == *f) || name.starts_with("triangles_") || name.starts_with("vertices_");
+    let in_front =
+        |name: &str| front.iter().any(|f| name == *f) || name.starts_with("triangles_") || name.starts_with("vertices_");
     report.device.iter().filter(|(name, _)| !in_front(name) && *name != "polygons_clipped").collect()
 }
 
@@ -72,12 +75,42 @@ fn total(report: &Report) -> u64 {
     report.cycles.as_ref().unwrap().total
 }
 
-#[test]
-fn probe_totals() {
-    for (name, frames) in [("mixed", 1), ("coin", 3), ("brick", 1), ("golf-ball", 2), ("sphere", 1)] {
-        for settings in [&[][..], &[("fifo.polygons.depth", "65536")], &[("replacement.pipelined", "false")], &[("geometry.cycles_per_vertex", "0"), ("geometry.cycles_per_polygon", "1"),("replacement.pipelined", "false")], &[("geometry.cycles_per_vertex", "30")]] {
-            let [a, b] = both(&scene(name, frames), &config(settings), Encoding::Binary);
-            println!("{name} {settings:?}: {:?} {:?} diff {}", a.cycles.as_ref().unwrap(), b.cycles.as_ref().unwrap().frames, total(&a) as i64 - total(&b) as i64);
+/// Cycles from where a replay delivers the last command to where the geometry processor did, had nothing blocked either: a
+/// list holds the arrival of polygons only, and what is culled behind the last of them takes time too.
+fn tail(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> u64 {
+    let mut geometry = GeometryProcessor::new(config.geometry.clone(), config.bump.clone());
+    let mut replayed = 0;
+    for draw in SceneDraws::new(Arc::clone(scene)) {
+        match geometry.step(Some(draw), &mut Traffic::default()).out {
+            Some(Control::Polygon(polygon)) => replayed = polygon.arrival,
+            Some(_) => replayed += 1,
+            None => {}
         }
     }
+    geometry.state.arrival - replayed
+}
+
+/// With room for the whole list the front end is never blocked. Then a polygon reaches the rasterizer in a replay exactly
+/// `fifo.draws.latency` cycles before it does in the scene's run (there is no host, and no FIFO behind it), and the run is
+/// shorter by that much; and by up to the tail, where the end of the last frame waits for the geometry processor.
+#[test]
+fn a_replay_takes_the_cycles_of_the_run_but_for_what_the_front_end_explains() {
+    let unblocked = ("fifo.polygons.depth", "65536");
+    let slow = [unblocked, ("geometry.cycles_per_vertex", "30")];
+    let fast =
+        [unblocked, ("geometry.cycles_per_vertex", "0"), ("geometry.cycles_per_polygon", "0"), ("fifo.draws.latency", "9")];
+    for (name, frames) in [("mixed", 1), ("coin", 2), ("golf-ball", 2)] {
+        for settings in [&slow[..], &fast] {
+            let (scene, config) = (scene(name, frames), config(settings));
+            let [drawn, replayed] = both(&scene, &config, Encoding::Binary);
+            let (latency, tail) = (u64::from(config.fifo.draws.latency), tail(&scene, &config));
+            let shorter = total(&drawn).checked_sub(total(&replayed)).unwrap();
+            println!("{name} {settings:?}: {shorter} cycles shorter, latency {latency}, tail {tail}");
+            assert!((latency..=latency + tail).contains(&shorter));
+        }
+    }
+    // Nothing is culled behind the coin's last polygon, and its fragments take longer than that polygon did.
+    let (coin, config) = (scene("coin", 2), config(&fast));
+    let [drawn, replayed] = both(&coin, &config, Encoding::JsonLines);
+    assert_eq!(total(&drawn) - total(&replayed), u64::from(config.fifo.draws.latency));
 }
