@@ -1,0 +1,276 @@
+//! Invariants of absence: what must not be in the tree. docs/architecture.md says why.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The floors, lowest first: a crate may use only crates of lower floors. Tests, which ship nothing, may use any crate
+/// that the graph allows.
+const FLOORS: &[&[&str]] = &[
+    &["parameters"],
+    &["kernel", "signals"],
+    &["shading", "display-list"],
+    UNITS,
+    &["scene", "reference"],
+    &["machines"],
+    &["report"],
+    &["session"],
+    &["cli"],
+];
+
+/// Crates of units.
+const UNITS: &[&str] =
+    &["geometry-processor", "rasterizer", "normal-mapping", "replacement", "brightness", "graphics-processor", "frame-buffer"];
+
+/// Crates that compute: no I/O, no clock, no global state, nothing printed.
+const PURE: &[&str] = &["parameters", "kernel", "signals", "shading", "machines"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// All crates of the workspace, by folder.
+fn crates() -> Vec<String> {
+    let folders = std::fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap());
+    let mut names: Vec<String> =
+        folders.filter(|f| f.path().join("Cargo.toml").exists()).map(|f| f.file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// Our own crates that a crate depends on.
+fn dependencies(name: &str) -> Vec<String> {
+    let manifest: toml::Table = read(&root().join("crates").join(name).join("Cargo.toml")).parse().unwrap();
+    let keys = manifest.get("dependencies").and_then(|d| d.as_table()).into_iter().flat_map(|d| d.keys());
+    keys.filter_map(|key| key.strip_prefix("basrelief-")).map(str::to_owned).collect()
+}
+
+fn floor(name: &str) -> usize {
+    FLOORS.iter().position(|floor| floor.contains(&name)).unwrap_or_else(|| panic!("`{name}` is on no floor; add it to FLOORS"))
+}
+
+fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for path in entries.map(|entry| entry.unwrap().path()) {
+        if path.is_dir() {
+            rust_files(&path, files);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+/// Sources of a crate without their tests: lines with their places, comments left out.
+fn code(name: &str) -> Vec<(String, String)> {
+    let mut files = Vec::new();
+    rust_files(&root().join("crates").join(name).join("src"), &mut files);
+    let of_tests = |path: &Path| path.file_stem().is_some_and(|s| s == "tests" || s.to_string_lossy().ends_with("_tests"));
+    files.retain(|path| !of_tests(path));
+    files.iter().flat_map(|path| lines(path)).collect()
+}
+
+/// A file up to its module of tests.
+fn lines(path: &Path) -> Vec<(String, String)> {
+    let text = read(path);
+    let end = text.find("#[cfg(test)]\nmod tests {").unwrap_or(text.len());
+    let code = (1..).zip(text[..end].lines()).filter(|(_, line)| !line.trim_start().starts_with("//"));
+    code.map(|(n, line)| (format!("{}:{n}", path.display()), line.to_owned())).collect()
+}
+
+/// Fails if a crate's code says any of these.
+fn absent(crates: &[&str], words: &[&str]) {
+    for (place, line) in crates.iter().flat_map(|name| code(name)) {
+        if let Some(word) = words.iter().find(|word| line.contains(**word)) {
+            panic!("{place}: `{word}` must not be here: {line}");
+        }
+    }
+}
+
+#[test]
+fn a_crate_depends_only_on_lower_floors() {
+    for name in crates() {
+        for used in dependencies(&name) {
+            assert!(floor(&used) < floor(&name), "`{name}` uses `{used}`, which is not on a lower floor");
+        }
+    }
+}
+
+#[test]
+fn no_unit_crate_depends_on_another() {
+    for name in UNITS {
+        for used in dependencies(name) {
+            assert!(!UNITS.contains(&used.as_str()), "unit `{name}` uses unit `{used}`");
+        }
+    }
+}
+
+#[test]
+fn the_reference_shares_no_code_with_the_units_it_judges() {
+    assert_eq!(dependencies("reference"), ["signals"]);
+}
+
+#[test]
+fn the_kernel_knows_no_graphics() {
+    assert_eq!(dependencies("kernel"), ["parameters"]);
+}
+
+#[test]
+fn what_computes_does_no_io_reads_no_clock_keeps_no_global_state_and_prints_nothing() {
+    let io = ["std::fs", "std::net", "std::io", "std::time", "std::env", "std::process", "std::thread", "println!", "eprintln!"];
+    let state =
+        ["thread_local!", "static mut", "OnceLock", "OnceCell", "LazyLock", "LazyCell", "Mutex", "Atomic", "print!", "dbg!"];
+    let pure = [PURE, UNITS].concat();
+    absent(&pure, &io);
+    absent(&pure, &state);
+}
+
+#[test]
+fn nothing_is_iterated_in_the_order_of_a_hash() {
+    let all = crates();
+    let all: Vec<&str> = all.iter().map(String::as_str).collect();
+    absent(&all, &["HashMap", "HashSet"]);
+}
+
+#[test]
+fn every_platform_computes_the_same_bits() {
+    let functions = [
+        "sin", "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "exp2", "exp_m1", "ln",
+        "ln_1p", "log", "log2", "log10", "powf", "powi", "cbrt", "hypot", "mul_add",
+    ];
+    let words: Vec<String> =
+        functions.iter().flat_map(|f| [format!(".{f}("), format!("f32::{f}("), format!("f64::{f}(")]).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    let crates = [PURE, UNITS, &["display-list", "scene", "reference", "report"]].concat();
+    absent(&crates, &words);
+}
+
+#[test]
+fn only_the_command_line_decides_exit_codes() {
+    let all = crates();
+    let libraries: Vec<&str> = all.iter().map(String::as_str).filter(|name| *name != "cli").collect();
+    absent(&libraries, &["process::exit", "ExitCode", "process::abort"]);
+}
+
+#[test]
+fn no_test_is_ignored_and_nothing_is_left_to_do() {
+    let mut files = Vec::new();
+    rust_files(&root().join("crates"), &mut files);
+    // Written apart, so that this file does not find itself.
+    let words = [["#[ign", "ore"], ["to", "do!("], ["unimpl", "emented!("], ["TO", "DO"], ["FIX", "ME"]].map(|w| w.concat());
+    for path in files {
+        let text = read(&path);
+        for word in &words {
+            assert!(!text.contains(word.as_str()), "{}: `{word}`", path.display());
+        }
+    }
+}
+
+#[test]
+fn library_code_is_safe() {
+    for name in crates() {
+        let manifest: toml::Table = read(&root().join("crates").join(&name).join("Cargo.toml")).parse().unwrap();
+        assert_eq!(manifest["lints"]["workspace"].as_bool(), Some(true), "`{name}` keeps the lints of the workspace");
+    }
+    let workspace: toml::Table = read(&root().join("Cargo.toml")).parse().unwrap();
+    assert_eq!(workspace["workspace"]["lints"]["rust"]["unsafe_code"].as_str(), Some("forbid"));
+}
+
+/// Permissive licences, by their SPDX names.
+const PERMISSIVE: &[&str] = &[
+    "MIT",
+    "MIT-0",
+    "Apache-2.0",
+    "Apache-2.0 WITH LLVM-exception",
+    "BSD-2-Clause",
+    "BSD-3-Clause",
+    "ISC",
+    "Zlib",
+    "Unicode-3.0",
+    "CC0-1.0",
+    "0BSD",
+    "BSL-1.0",
+    "Unlicense",
+];
+
+/// Whether an SPDX expression can be met by permissive licences alone. `/` is an old spelling of OR; parentheses hold
+/// alternatives of an AND at most, as in every expression seen.
+fn is_permissive(expression: &str) -> bool {
+    let expression = expression.replace('/', " OR ");
+    let part = |part: &str| {
+        let part = part.trim().trim_start_matches('(').trim_end_matches(')');
+        part.split(" OR ").any(|licence| PERMISSIVE.contains(&licence.trim()))
+    };
+    if expression.contains('(') {
+        expression.split(" AND ").all(part)
+    } else {
+        expression.split(" OR ").any(|all| all.split(" AND ").all(part))
+    }
+}
+
+/// Packages of the whole graph on this host with their licences.
+fn packages() -> BTreeMap<String, String> {
+    let rustc = Command::new(std::env::var("RUSTC").unwrap_or("rustc".into())).arg("-vV").output().unwrap();
+    let version = String::from_utf8(rustc.stdout).unwrap();
+    let host = version.lines().find_map(|line| line.strip_prefix("host: ")).unwrap();
+    let metadata = |offline: &[&str]| {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.current_dir(root()).args(["metadata", "--format-version", "1", "--filter-platform", host]).args(offline);
+        cargo.output().unwrap()
+    };
+    // A machine that has built everything needs no network.
+    let output = [&["--offline"][..], &[]].into_iter().map(metadata).find(|o| o.status.success()).expect("cargo metadata");
+    let graph: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let text = |package: &serde_json::Value, key: &str| package[key].as_str().unwrap_or("").to_owned();
+    graph["packages"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|p| (format!("{} {}", text(p, "name"), text(p, "version")), text(p, "license")))
+        .collect()
+}
+
+#[test]
+fn every_dependency_has_a_permissive_licence() {
+    let packages = packages();
+    assert!(packages.len() > 20);
+    for (package, licence) in packages {
+        assert!(is_permissive(&licence), "{package}: `{licence}`");
+    }
+}
+
+#[test]
+fn licences_are_told_apart() {
+    for good in ["MIT", "MIT/Apache-2.0", "(MIT OR Apache-2.0) AND Unicode-3.0", "Zlib AND (MIT OR GPL-2.0)", "GPL-3.0 OR MIT"] {
+        assert!(is_permissive(good), "{good}");
+    }
+    for bad in [
+        "",
+        "GPL-3.0",
+        "MIT AND GPL-2.0",
+        "(MIT OR Apache-2.0) AND GPL-2.0",
+        "MPL-2.0 OR LGPL-2.1",
+        "MIT AND CC-BY-4.0 OR GPL-2.0",
+    ] {
+        assert!(!is_permissive(bad), "{bad}");
+    }
+}
+
+#[test]
+fn every_test_named_in_the_table_of_claims_exists() {
+    let table = read(&root().join("docs/claims.md"));
+    let names: BTreeSet<&str> = table.split('`').filter(|s| s.starts_with("crates/") && s.contains("::")).collect();
+    assert!(names.len() > 30, "{}", names.len());
+    for name in names {
+        let (file, test) = name.split_once("::").unwrap();
+        let text = read(&root().join(file));
+        let found = text.match_indices(&format!("fn {test}(")).any(|(at, _)| {
+            // The attribute stands on one of the lines above, in proptest! too.
+            text[..at].lines().rev().take(3).any(|line| line.trim() == "#[test]")
+        });
+        assert!(found, "docs/claims.md names {name}, which is no test");
+    }
+}
