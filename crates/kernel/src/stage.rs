@@ -3,7 +3,7 @@
 use crate::account::{Account, Cause};
 use crate::cache::LookUp;
 use crate::probe::Probe;
-use crate::wiring::{Clients, Inputs, MAX_CLIENTS, Outputs};
+use crate::wiring::{Clients, Inputs, MAX_CLIENTS, MAX_LINKS, Outputs};
 use crate::{Cycle, Demand, Traffic, Unit};
 use std::collections::VecDeque;
 
@@ -34,7 +34,7 @@ impl<U: Unit> Stage<U> {
 }
 
 /// A step that waits for memory answers, or for such a step ahead of it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct InFlight {
     /// Start + latency: it is not delivered before.
     base: Cycle,
@@ -55,6 +55,23 @@ impl InFlight {
     fn new(base: Cycle, mask: u32, ends_frame: bool) -> Self {
         let (look_ups, reads, answers, served) = Default::default();
         Self { base, mask, ends_frame, look_ups, reads, answers, served }
+    }
+
+    /// What must be delivered in order: its outputs, and the end of a frame. 0 where nothing waits for it.
+    fn holds(&self) -> u32 {
+        self.mask | u32::from(self.ends_frame) << MAX_LINKS
+    }
+
+    /// Takes over what a later step waits for, if both deliver nothing and the count has room.
+    fn absorb(&mut self, later: &Self) -> bool {
+        let mut sum = [0; MAX_CLIENTS];
+        for (i, sum) in sum.iter_mut().enumerate() {
+            let Some(n) = self.look_ups[i].checked_add(later.look_ups[i]) else { return false };
+            *sum = n;
+        }
+        self.look_ups = sum;
+        (0..MAX_CLIENTS).for_each(|i| self.reads[i] = self.reads[i].max(later.reads[i]));
+        true
     }
 }
 
@@ -180,7 +197,7 @@ impl Clock {
             occupancy = occupancy.max(self.issue(start, &mut flight, clients, traffic));
             traffic.clear();
             if !self.in_flight.is_empty() || !self.land(&mut flight, outputs, clients) {
-                self.in_flight.push_back(flight);
+                self.take_off(flight);
                 if self.in_flight.len() == 1 {
                     self.keep_answers(clients);
                 }
@@ -248,15 +265,29 @@ impl Clock {
 
     /// Delivers the steps in flight whose answers are known by now, and tells whether there were any. To be called
     /// before looking at the next start.
+    ///
+    /// A step may overtake those ahead that deliver nothing where it does, such as fragments that failed the z-test: its
+    /// token must not seem to wait for their answers, or requests that it leads to would be served too late.
     #[inline]
     pub(crate) fn land_known<O: Outputs, const M: bool>(&mut self, outputs: &mut O, clients: &mut Clients<'_, M>) -> bool {
         if !M {
             return false;
         }
         let before = self.in_flight.len();
-        while let Some(mut flight) = self.in_flight.pop_front() {
-            if !self.land(&mut flight, outputs, clients) {
-                self.in_flight.push_front(flight);
+        let all = (1 << outputs.count()) - 1;
+        let (mut held, mut waiting, mut i) = (0, [false; MAX_CLIENTS], 0);
+        while let Some(flight) = self.in_flight.get(i).copied() {
+            let mut flight = flight;
+            let overtakes = flight.holds() & held == 0 && !(0..MAX_CLIENTS).any(|c| waiting[c] && flight.look_ups[c] > 0);
+            if overtakes && self.land(&mut flight, outputs, clients) {
+                self.in_flight.remove(i);
+                continue;
+            }
+            held |= flight.holds();
+            (0..MAX_CLIENTS).for_each(|c| waiting[c] |= flight.look_ups[c] > 0);
+            self.in_flight[i] = flight;
+            i += 1;
+            if held & all == all {
                 break;
             }
         }
@@ -265,6 +296,14 @@ impl Clock {
             self.keep_answers(clients);
         }
         landed
+    }
+
+    /// Takes a step that waits for answers. Steps that deliver nothing wait only to be counted: those in a row wait as one.
+    fn take_off(&mut self, flight: InFlight) {
+        let joined = self.in_flight.back_mut().is_some_and(|last| last.holds() | flight.holds() == 0 && last.absorb(&flight));
+        if !joined {
+            self.in_flight.push_back(flight);
+        }
     }
 
     /// Tells the memories which answers the oldest step in flight, and so any, may still ask for.
