@@ -1,5 +1,6 @@
 //! Caches (law 5): tags run ahead of the data, answers come in order.
 
+use crate::memory::Divisor;
 use crate::{CacheConfig, Cycle};
 use serde::{Deserialize, Serialize};
 
@@ -24,11 +25,17 @@ pub(crate) enum Fill {
 /// A look-up whose answer is not accounted for yet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LookUp {
+    /// Client, as numbered in the wiring of its unit.
+    pub(crate) client: usize,
     pub(crate) line: u64,
+    /// Start of its step.
     pub(crate) start: Cycle,
     pub(crate) fill: Fill,
     pub(crate) missed: bool,
 }
+
+/// Number of no line: addresses have 64 bits, and lines at least 4 bytes.
+const NO_LINE: u64 = u64::MAX;
 
 /// One tag: the line and the request that fills it.
 #[derive(Clone, Copy, Debug)]
@@ -42,9 +49,10 @@ struct Tag {
 pub(crate) struct Cache {
     pub(crate) name: String,
     pub(crate) config: CacheConfig,
-    /// `sets` runs of `ways` tags, least recently used first; `filled[set]` of them in use.
+    line: Divisor,
+    sets: Divisor,
+    /// `sets` runs of `ways` tags, most recently used first.
     tags: Vec<Tag>,
-    filled: Vec<u32>,
     answer: Cycle,
     pub(crate) counts: CacheCounts,
 }
@@ -54,49 +62,52 @@ impl Cache {
         let (sets, ways) = (config.sets.max(1) as usize, config.ways.max(1) as usize);
         Self {
             name: name.into(),
-            tags: vec![Tag { line: 0, request: 0 }; sets * ways],
-            filled: vec![0; sets],
+            line: Divisor::new(config.line_bytes),
+            sets: Divisor::new(config.sets),
+            tags: vec![Tag { line: NO_LINE, request: 0 }; sets * ways],
             config: config.clone(),
             answer: Cycle::ZERO,
             counts: CacheCounts::default(),
         }
     }
 
+    /// First and last line that `bytes` at `address` touch.
+    #[inline]
+    pub(crate) fn lines(&self, address: u64, bytes: u32) -> (u64, u64) {
+        let last = address + u64::from(bytes.max(1)) - 1;
+        (self.line.split(address).0, self.line.split(last).0)
+    }
+
     /// Looks `line` up and makes it the most recently used of its set. On a miss `issue` makes the memory request and
     /// gives its number. Returns that number and whether it was a miss.
     #[inline]
     pub(crate) fn look_up(&mut self, line: u64, issue: impl FnOnce() -> u64) -> (u64, bool) {
-        let sets = self.filled.len() as u64;
-        let set = (if sets.is_power_of_two() { line & (sets - 1) } else { line % sets }) as usize;
+        let (_, set) = self.sets.split(line);
         let ways = self.config.ways as usize;
-        let filled = self.filled[set] as usize;
-        let tags = &mut self.tags[set * ways..][..ways];
-        if let Some(at) = tags[..filled].iter().rposition(|t| t.line == line) {
-            let request = tags[at].request;
-            tags[at..filled].rotate_left(1);
-            return (request, false);
+        let tags = &mut self.tags[set as usize * ways..][..ways];
+        let (at, tag, missed) = match tags.iter().position(|t| t.line == line) {
+            Some(0) => return (tags[0].request, false),
+            Some(at) => (at, tags[at], false),
+            None => (ways - 1, Tag { line, request: issue() }, true),
+        };
+        for i in (0..at).rev() {
+            tags[i + 1] = tags[i];
         }
-        let request = issue();
-        if filled == ways {
-            tags.rotate_left(1);
-        } else {
-            self.filled[set] += 1;
-        }
-        tags[self.filled[set] as usize - 1] = Tag { line, request };
-        (request, true)
+        tags[0] = tag;
+        (tag.request, missed)
     }
 
     /// Accounts for a look-up whose fill is known, and gives its answer: in order, so never before the one ahead.
     #[inline]
-    pub(crate) fn resolve(&mut self, look_up: LookUp, fill: Cycle) -> Cycle {
-        let in_flight = fill > look_up.start;
-        let count = match (look_up.missed, in_flight) {
+    pub(crate) fn resolve(&mut self, look_up: &LookUp, fill: Cycle) -> Cycle {
+        let start = look_up.start;
+        let count = match (look_up.missed, fill > start) {
             (true, _) => &mut self.counts.misses,
             (false, true) => &mut self.counts.merged,
             (false, false) => &mut self.counts.hits,
         };
         *count += 1;
-        self.answer = self.answer.max(look_up.start.max(fill) + u64::from(self.config.hit_latency));
+        self.answer = self.answer.max(start.max(fill) + u64::from(self.config.hit_latency));
         self.answer
     }
 }

@@ -191,6 +191,7 @@ pub mod contract;
 mod cycle;
 mod engine;
 mod fifo;
+mod flight;
 mod link;
 mod memory;
 mod memory_system;
@@ -220,5 +221,3 @@ pub use topology::{StageTopology, topology};
 pub use traffic::{Request, Traffic};
 pub use unit::{Demand, Step, Unit};
 pub use wiring::{Clients, Inputs, MAX_CLIENTS, MAX_LINKS, Machine, Outputs, Visitor, Wires};
-
-pub(crate) use stage::Clock;

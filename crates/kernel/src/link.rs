@@ -2,6 +2,7 @@
 
 use crate::Cycle;
 use crate::occupancy::Occupancy;
+use crate::wiring::MAX_CLIENTS;
 
 /// Times of one slot.
 #[derive(Clone, Copy, Debug)]
@@ -25,10 +26,11 @@ pub struct Link {
     pushed: u64,
     delivered: u64,
     popped: u64,
-    last_visible: Option<Cycle>,
-    /// Answers the producer's steps wait for, `clients` per slot; kept after the pop (law 9).
-    awaits: Box<[Cycle]>,
-    clients: usize,
+    /// The next token delivered is not visible before.
+    next_visible: Cycle,
+    /// Per slot, the answers that the producer's step waits for, by client; kept after the pop (law 9). Empty where the
+    /// producer has no memory client.
+    awaits: Box<[[Cycle; MAX_CLIENTS]]>,
     occupancy: Occupancy,
 }
 
@@ -49,9 +51,8 @@ impl Link {
             pushed: 0,
             delivered: 0,
             popped: 0,
-            last_visible: None,
+            next_visible: Cycle::ZERO,
             awaits: Box::default(),
-            clients: 0,
             occupancy: Occupancy::new(depth),
         }
     }
@@ -90,7 +91,7 @@ impl Link {
 
     /// The last cycle in which a token became visible.
     pub fn last_visible(&self) -> Option<Cycle> {
-        self.last_visible
+        self.next_visible.0.checked_sub(1).map(Cycle)
     }
 
     #[inline]
@@ -125,31 +126,32 @@ impl Link {
     #[inline]
     pub fn oldest_awaits(&self, client: usize) -> Cycle {
         match self.pushed.checked_sub(self.depth as u64) {
-            Some(oldest) if client < self.clients => self.awaits[self.slot(oldest) * self.clients + client],
-            _ => Cycle::ZERO,
+            Some(oldest) => self.awaits.get(self.slot(oldest)).map_or(Cycle::ZERO, |answers| answers[client]),
+            None => Cycle::ZERO,
         }
     }
 
-    /// Tells how many memory clients the producer has, so that each slot can keep their answers.
-    pub(crate) fn set_clients(&mut self, clients: usize) {
-        self.clients = clients;
-        self.awaits = vec![Cycle::ZERO; self.ring.len() * clients].into();
+    /// Tells whether the producer has memory clients, so that each slot can keep their answers.
+    pub(crate) fn keep_awaits(&mut self, keep: bool) {
+        self.awaits = vec![[Cycle::ZERO; MAX_CLIENTS]; if keep { self.ring.len() } else { 0 }].into();
     }
 
     /// Records until when the next token to be delivered waits for each client's answer.
     #[inline]
-    pub(crate) fn set_awaits(&mut self, answers: &[Cycle]) {
+    pub(crate) fn set_awaits(&mut self, answers: [Cycle; MAX_CLIENTS]) {
         let slot = self.slot(self.delivered);
-        self.awaits[slot * self.clients..][..answers.len()].copy_from_slice(answers);
+        if let Some(awaits) = self.awaits.get_mut(slot) {
+            *awaits = answers;
+        }
     }
 
     /// Reserves a slot at the start of the step that fills it.
     #[inline]
     pub(crate) fn reserve(&mut self, start: Cycle) {
         self.occupancy.push(start);
-        if self.clients > 0 {
-            let slot = self.slot(self.pushed);
-            self.awaits[slot * self.clients..(slot + 1) * self.clients].fill(Cycle::ZERO);
+        let slot = self.slot(self.pushed);
+        if let Some(awaits) = self.awaits.get_mut(slot) {
+            *awaits = [Cycle::ZERO; MAX_CLIENTS];
         }
         self.pushed += 1;
     }
@@ -157,11 +159,10 @@ impl Link {
     /// Delivers the oldest reserved token (law 1): visible from max(d + f, visible time of the token before it + 1).
     #[inline]
     pub(crate) fn deliver(&mut self, delivered: Cycle) {
-        let earliest = delivered + self.latency;
-        let visible = self.last_visible.map_or(earliest, |last| earliest.max(last + 1));
+        let visible = (delivered + self.latency).max(self.next_visible);
         let slot = self.slot(self.delivered);
         self.ring[slot].visible = visible;
-        self.last_visible = Some(visible);
+        self.next_visible = visible + 1;
         self.delivered += 1;
     }
 

@@ -135,19 +135,19 @@ struct Bank {
 /// Splits a number by a divisor fixed at construction: a shift where the divisor is a power of two, as it nearly
 /// always is (a division costs ten times as much).
 #[derive(Clone, Copy, Debug)]
-struct Divisor {
+pub(crate) struct Divisor {
     by: u64,
     shift: Option<u32>,
 }
 
 impl Divisor {
-    fn new(by: u32) -> Self {
+    pub(crate) fn new(by: u32) -> Self {
         let by = u64::from(by.max(1));
         Self { by, shift: by.is_power_of_two().then(|| by.trailing_zeros()) }
     }
 
     #[inline]
-    fn split(self, n: u64) -> (u64, u64) {
+    pub(crate) fn split(self, n: u64) -> (u64, u64) {
         match self.shift {
             Some(s) => (n >> s, n & (self.by - 1)),
             None => (n / self.by, n % self.by),
@@ -159,7 +159,11 @@ impl Divisor {
 #[derive(Clone, Debug)]
 pub(crate) struct Memory {
     pub(crate) name: String,
-    pub(crate) config: MemoryConfig,
+    config: MemoryConfig,
+    /// Its ports, in order of number.
+    pub(crate) ports: Vec<usize>,
+    /// Requests that have arrived and are not served yet.
+    pub(crate) queued: u64,
     burst: Divisor,
     row: Divisor,
     banks_by: Divisor,
@@ -176,6 +180,8 @@ impl Memory {
     pub(crate) fn new(name: &str, config: &MemoryConfig) -> Self {
         Self {
             name: name.into(),
+            ports: Vec::new(),
+            queued: 0,
             burst: Divisor::new(config.burst_bytes),
             row: Divisor::new(config.row_bytes),
             banks_by: Divisor::new(config.banks),
@@ -188,14 +194,16 @@ impl Memory {
         }
     }
 
-    /// Cycles from a request's arrival to the earliest possible answer.
-    pub(crate) fn least_latency(&self) -> u64 {
-        1 + u64::from(self.config.cas) + u64::from(self.config.burst_cycles)
+    /// No answer to come, of requests that arrive at `earliest` or later, is there before: a command takes its cycle, the
+    /// column its access, and the bus must be free for the burst.
+    pub(crate) fn earliest_answer(&self, earliest: Cycle) -> Cycle {
+        (earliest + 1 + u64::from(self.config.cas)).max(self.bus) + u64::from(self.config.burst_cycles)
     }
 
     /// Serves the oldest request of `port`.
     pub(crate) fn serve(&mut self, port: &mut Port) {
         let Some(q) = port.queue.pop_front() else { return };
+        self.queued -= 1;
         let (first, _) = self.burst.split(q.address);
         let (last, _) = self.burst.split(q.address + u64::from(q.bytes) - 1);
         let mut end = Cycle::ZERO;

@@ -2,7 +2,7 @@
 
 use crate::cache::{Cache, Fill, LookUp};
 use crate::memory::{Memory, Port};
-use crate::{CacheConfig, Cycle, MemoryConfig};
+use crate::{CacheConfig, Cycle, MemoryConfig, Request};
 
 /// A client: a port, with or without a cache in front of it.
 #[derive(Clone, Copy, Debug)]
@@ -21,8 +21,6 @@ pub struct MemorySystem {
     ports: Vec<Port>,
     caches: Vec<Cache>,
     clients: Vec<Client>,
-    /// Ports in order of (memory, number): the order in which a step's answers are listed.
-    service_order: Vec<usize>,
 }
 
 impl MemorySystem {
@@ -35,8 +33,7 @@ impl MemorySystem {
     /// Adds a client with a port of its own on `memory`; returns the client's number.
     pub fn add_client(&mut self, name: &str, memory: usize, outstanding: u32) -> usize {
         self.ports.push(Port::new(name, memory, outstanding));
-        let rank = self.ports.iter().filter(|p| p.memory <= memory).count() - 1;
-        self.service_order.insert(rank, self.ports.len() - 1);
+        self.memories[memory].ports.push(self.ports.len() - 1);
         self.clients.push(Client { port: self.ports.len() - 1, cache: None });
         self.clients.len() - 1
     }
@@ -88,10 +85,9 @@ impl MemorySystem {
         &self.ports[self.clients[client].port]
     }
 
-    /// Memory and place in its order of ports, of a client.
-    pub(crate) fn service_rank(&self, client: usize) -> usize {
-        let port = self.clients[client].port;
-        self.service_order.iter().position(|&p| p == port).unwrap_or(usize::MAX)
+    /// Memory and port of a client: the order in which a step's answers are listed.
+    pub(crate) fn service_rank(&self, client: usize) -> (usize, usize) {
+        (self.port(client).memory, self.clients[client].port)
     }
 
     /// Marks the memories that a single stage uses; `stages` lists each stage's clients.
@@ -133,50 +129,62 @@ impl MemorySystem {
     /// A direct request; returns its number.
     #[inline]
     pub(crate) fn issue(&mut self, client: usize, arrival: Cycle, address: u64, bytes: u32, write: bool) -> u64 {
-        self.ports[self.clients[client].port].issue(arrival, address, bytes, write)
+        let port = &mut self.ports[self.clients[client].port];
+        self.memories[port.memory].queued += 1;
+        port.issue(arrival, address, bytes, write)
     }
 
-    /// Bytes of a line of a client's cache; 0 where it has none.
-    pub(crate) fn line_bytes(&self, client: usize) -> u64 {
-        self.clients[client].cache.map_or(0, |c| u64::from(self.caches[c].config.line_bytes.max(1)))
-    }
-
-    /// Look-ups per cycle of a client's cache.
-    pub(crate) fn lookups_per_cycle(&self, client: usize) -> u64 {
-        self.clients[client].cache.map_or(1, |c| u64::from(self.caches[c].config.lookups_per_cycle.max(1)))
-    }
-
-    /// One look-up of a step that starts at `start`.
+    /// Cycles that a client's cache takes for this many look-ups.
     #[inline]
-    pub(crate) fn look_up(&mut self, client: usize, start: Cycle, line: u64) -> LookUp {
-        let Client { port, cache } = self.clients[client];
+    pub(crate) fn look_up_cycles(&self, client: usize, look_ups: u64) -> u64 {
+        let per_cycle = self.clients[client].cache.map_or(1, |c| u64::from(self.caches[c].config.lookups_per_cycle.max(1)));
+        // A division takes longer than all the rest.
+        if look_ups <= per_cycle { 1 } else { look_ups.div_ceil(per_cycle) }
+    }
+
+    /// Looks up the lines that a request of a step touches and that the step has not looked up yet (`fresh` lists those it
+    /// has), and tells how many these are. `ids`: the clients of the unit.
+    #[inline]
+    pub(crate) fn look_up(&mut self, ids: &[usize], request: &Request, start: Cycle, fresh: &mut Vec<LookUp>) -> u64 {
+        let client = request.client as usize;
+        let Client { port, cache } = self.clients[ids[client]];
+        let Some(cache) = cache.map(|c| &mut self.caches[c]) else { return 0 };
         let port = &mut self.ports[port];
-        let Some(cache) = cache.map(|c| &mut self.caches[c]) else {
-            return LookUp { line, start, fill: Fill::Known(Cycle::ZERO), missed: false };
-        };
-        let bytes = cache.config.line_bytes;
-        let (request, missed) = cache.look_up(line, || port.issue(start, line * u64::from(bytes), bytes, false));
-        let known = port.answer(request);
-        let fill = if known.is_known() { Fill::Known(known) } else { Fill::Request(request) };
-        LookUp { line, start, fill, missed }
+        let memory = &mut self.memories[port.memory];
+        let (first, last) = cache.lines(request.address, request.bytes);
+        let before = fresh.len();
+        for line in first..last + 1 {
+            if fresh.iter().any(|l| l.line == line && l.client == client) {
+                continue;
+            }
+            let bytes = cache.config.line_bytes;
+            let (number, missed) = cache.look_up(line, || {
+                memory.queued += 1;
+                port.issue(start, line * u64::from(bytes), bytes, false)
+            });
+            let known = port.answer(number);
+            let fill = if known.is_known() { Fill::Known(known) } else { Fill::Request(number) };
+            fresh.push(LookUp { client, line, start, fill, missed });
+        }
+        (fresh.len() - before) as u64
     }
 
     /// The answer of a look-up, if its fill is known by now. To be asked in order of look-up.
     #[inline]
-    pub(crate) fn resolve(&mut self, client: usize, look_up: LookUp) -> Option<Cycle> {
+    pub(crate) fn resolve(&mut self, client: usize, look_up: &LookUp) -> Option<Cycle> {
+        let Client { port, cache } = self.clients[client];
         let fill = match look_up.fill {
             Fill::Known(at) => at,
-            Fill::Request(number) => self.port(client).answer(number),
+            Fill::Request(number) => self.ports[port].answer(number),
         };
-        let cache = self.clients[client].cache?;
-        fill.is_known().then(|| self.caches[cache].resolve(look_up, fill))
+        if fill.is_known() { Some(self.caches[cache?].resolve(look_up, fill)) } else { None }
     }
 
     /// Serves at once what a client's memory has queued, if no other stage uses that memory.
     #[inline]
     pub(crate) fn serve_if_private(&mut self, client: usize) {
         let memory = self.port(client).memory;
-        if self.memories[memory].private {
+        if self.memories[memory].queued > 0 && self.memories[memory].private {
             self.serve_before(memory, Cycle::UNKNOWN);
         }
     }
@@ -184,25 +192,27 @@ impl MemorySystem {
     /// Serves every request that no request still to come can precede, and tells whether there was any.
     ///
     /// To be called when no step can start before an answer is known. Then the earliest step still to come waits,
-    /// through whatever chain, for a request that is queued here: it starts no earlier than the earliest arrival plus
-    /// the least latency of any memory, and so do its own requests. All that arrive before that are served now.
+    /// through whatever chain, for a request that is queued here: it starts no earlier than the earliest answer that any
+    /// memory can still give, and so do its own requests. All that arrive before that are served now.
     pub(crate) fn serve_safe(&mut self) -> bool {
-        let Some(earliest) = self.ports.iter().filter_map(Port::next_arrival).min() else { return false };
-        let least = self.memories.iter().map(Memory::least_latency).min().unwrap_or(1);
+        let waiting = self.memories.iter().filter(|m| m.queued > 0);
+        let first_arrival = |m: &Memory| m.ports.iter().filter_map(|&p| self.ports[p].next_arrival()).min();
+        let horizon = waiting.filter_map(|m| Some(m.earliest_answer(first_arrival(m)?))).min();
+        let Some(horizon) = horizon else { return false };
         for memory in 0..self.memories.len() {
-            self.serve_before(memory, earliest + least);
+            self.serve_before(memory, horizon);
         }
         true
     }
 
     /// Serves what arrived at `memory` before `horizon`, in order of (arrival, port number, issue).
     fn serve_before(&mut self, memory: usize, horizon: Cycle) {
-        loop {
-            let ports = self.service_order.iter().filter(|&&p| self.ports[p].memory == memory);
-            // `min_by_key` returns the first of equals, and the order of ports is their number.
-            let next = ports.filter_map(|&p| Some((self.ports[p].next_arrival()?, p))).min_by_key(|&(arrival, _)| arrival);
-            match next {
-                Some((arrival, port)) if arrival < horizon => self.memories[memory].serve(&mut self.ports[port]),
+        let (memory, ports) = (&mut self.memories[memory], &mut self.ports);
+        while memory.queued > 0 {
+            let waiting = memory.ports.iter().filter_map(|&p| Some((ports[p].next_arrival()?, p)));
+            // `min_by_key` returns the first of equals, and ports stand in order of number.
+            match waiting.min_by_key(|&(arrival, _)| arrival) {
+                Some((arrival, port)) if arrival < horizon => memory.serve(&mut ports[port]),
                 _ => return,
             }
         }

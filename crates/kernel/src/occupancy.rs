@@ -62,19 +62,20 @@ impl Occupancy {
             return;
         }
         let (mut pushed, mut freed) = (0, 0);
+        let (mut held, mut now) = (self.held, self.settled_to);
         while let (Some(&push), Some(&free)) = (self.pushes.get(pushed), self.frees.get(freed)) {
             // In one cycle a slot may be freed and another reserved; the count in between lasts 0 cycles. Reserving
-            // first keeps `held` above 0, but it may exceed the depth: free first where both fall together.
-            if push < free {
-                self.advance(push);
-                self.held += 1;
-                pushed += 1;
-            } else {
-                self.advance(free);
-                self.held -= 1;
-                freed += 1;
-            }
+            // first keeps `held` above 0, but it may exceed the depth: free first where both fall together. No branch on
+            // which it is: it changes from token to token.
+            let reserves = usize::from(push < free);
+            let to = push.min(free);
+            self.histogram[held] += to.0 - now.0;
+            now = to;
+            pushed += reserves;
+            freed += 1 - reserves;
+            held = held + 2 * reserves - 1;
         }
+        (self.held, self.settled_to) = (held, now);
         self.pushes.drain(..pushed);
         self.frees.drain(..freed);
     }

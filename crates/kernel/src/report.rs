@@ -159,10 +159,11 @@ impl Visitor for Conclude {
             account.done += self.total.since(free);
         } else {
             let wires = (&inputs, &outputs, &clients);
-            split_wait(&stage.unit, demand, wires, (free, self.total), |cause, from, to| account.charge(cause, to.since(from)));
+            let needs = &stage.clock.needs;
+            split_wait(needs, demand, wires, (free, self.total), |(cause, from, to)| account.charge(cause, to.since(from)));
             // What holds it for ever; a unit that was busy up to the end waits for it, too.
             let mut last = None;
-            split_wait(&stage.unit, demand, wires, (free, Cycle::UNKNOWN), |cause, _, _| last = Some(cause));
+            split_wait(needs, demand, wires, (free, Cycle::UNKNOWN), |(cause, ..)| last = Some(cause));
             if let Some(cause) = last {
                 self.stuck.push(explain(stage.name(), cause, &inputs, &outputs, &clients));
                 self.full |= matches!(cause, Cause::Blocked(_));

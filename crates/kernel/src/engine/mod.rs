@@ -6,7 +6,7 @@ mod timed;
 
 use crate::report::{RunReport, conclude};
 use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
-use crate::{Clock, Cycle, Probe, Stage, Traffic, Unit};
+use crate::{Cycle, Probe, Stage, Traffic, Unit};
 
 /// How to run a machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,19 +60,20 @@ pub(crate) enum Halt {
     Fault(String),
 }
 
-/// Learns the topology before the first step: who has which clients, and which memories are private.
+/// Learns what does not change, before the first step: who has which clients and needs how many credits, and which
+/// memories are private.
 fn attach(machine: &mut impl Machine) {
     #[derive(Default)]
     struct Attach(Vec<Vec<usize>>);
     impl Visitor for Attach {
         fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
             &mut self,
-            _: &mut Stage<U>,
+            stage: &mut Stage<U>,
             _: I,
             mut outputs: O,
             clients: Clients<'_, M>,
         ) {
-            Clock::attach(&mut outputs, &clients);
+            stage.clock.attach(&stage.unit, &mut outputs, &clients);
             self.0.push(clients.ids().to_vec());
         }
     }

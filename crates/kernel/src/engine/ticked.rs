@@ -2,9 +2,9 @@
 //! cycle by cycle, so that nothing of the timed engine's interval arithmetic is shared.
 
 use super::{Halt, Land, Limits, fault_of};
-use crate::stage::{next_start, split_wait};
+use crate::stage::{Wait, charge, next_start, split_wait};
 use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
-use crate::{Cause, Cycle, Demand, Probe, Stage, Traffic, Unit};
+use crate::{Cycle, Demand, Probe, Stage, Traffic, Unit};
 
 /// One cycle of all stages.
 struct Tick<'p, P> {
@@ -25,8 +25,8 @@ impl<P: Probe> Tick<'_, P> {
         demand: Demand,
         wires: (&mut I, &mut O, &mut Clients<'_, M>),
     ) {
-        for (cause, from, to) in std::mem::take(&mut stage.clock.waits) {
-            stage.clock.charge(self.probe, self.stage, cause, from, to);
+        for wait in std::mem::take(&mut stage.clock.waits) {
+            charge(&mut stage.clock.account, self.probe, self.stage, wait);
         }
         stage.clock.fire(&mut stage.unit, demand, self.now, wires, &mut self.traffic);
         self.fired = true;
@@ -56,7 +56,7 @@ impl<P: Probe> Visitor for Tick<'_, P> {
             } else {
                 let waits = &mut stage.clock.waits;
                 let wires = (&inputs, &outputs, &clients);
-                split_wait(&stage.unit, next.demand, wires, (now, now + 1), |cause, from, to| join(waits, cause, from, to));
+                split_wait(&stage.clock.needs, next.demand, wires, (now, now + 1), |wait| join(waits, wait));
             }
         }
         self.horizon = self.horizon.max(stage.clock.free);
@@ -67,7 +67,7 @@ impl<P: Probe> Visitor for Tick<'_, P> {
     }
 }
 
-fn join(waits: &mut Vec<(Cause, Cycle, Cycle)>, cause: Cause, from: Cycle, to: Cycle) {
+fn join(waits: &mut Vec<Wait>, (cause, from, to): Wait) {
     match waits.last_mut() {
         Some(last) if last.0 == cause && last.2 == from => last.2 = to,
         _ => waits.push((cause, from, to)),

@@ -2,7 +2,7 @@
 //! memories answer what nothing still to come can precede. Cost is O(tokens x stages), whatever the cycles.
 
 use super::{Halt, Land, Limits, fault_of};
-use crate::stage::{next_start, split_wait};
+use crate::stage::{Clock, charge, next_start, split_wait};
 use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
 use crate::{Cycle, Probe, Stage, Traffic, Unit};
 
@@ -36,11 +36,9 @@ impl<P: Probe> Visitor for RunAhead<'_, P> {
             }
             let free = stage.clock.free;
             if next.at > free {
-                let (unit, clock, probe) = (&stage.unit, &mut stage.clock, &mut *self.probe);
+                let (Clock { needs, account, .. }, probe) = (&mut stage.clock, &mut *self.probe);
                 let wires = (&inputs, &outputs, &clients);
-                split_wait(unit, next.demand, wires, (free, next.at), |cause, from, to| {
-                    clock.charge(probe, number, cause, from, to)
-                });
+                split_wait(needs, next.demand, wires, (free, next.at), |wait| charge(account, probe, number, wait));
             }
             let wires = (&mut inputs, &mut outputs, &mut clients);
             stage.clock.fire(&mut stage.unit, next.demand, next.at, wires, &mut self.traffic);

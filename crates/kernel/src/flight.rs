@@ -1,0 +1,219 @@
+//! What a stage has in flight: steps that wait for memory answers, or behind such a step (laws 4 and 5).
+
+use crate::cache::LookUp;
+use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
+use crate::{Cycle, MemorySystem, Traffic};
+use std::collections::VecDeque;
+
+/// A step's delivery, as far as it does not depend on memory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Delivery {
+    /// Start + latency: it is not delivered before.
+    pub(crate) base: Cycle,
+    /// Outputs that get a token, one bit each; [`ENDS_FRAME`] stands beside them.
+    pub(crate) outputs: u32,
+}
+
+/// Bit of [`Delivery::outputs`]: the delivery ends a frame.
+pub(crate) const ENDS_FRAME: u32 = 1 << MAX_LINKS;
+
+/// A step that has issued its traffic.
+#[derive(Clone, Debug)]
+pub(crate) struct Flight {
+    pub(crate) delivery: Delivery,
+    /// Look-ups without an answer, by client.
+    look_ups: [u64; MAX_CLIENTS],
+    /// Number of the last read by client, plus one; 0 for none, or once its answer is known.
+    reads: [u64; MAX_CLIENTS],
+    /// Last answers known so far.
+    pub(crate) answers: [Cycle; MAX_CLIENTS],
+    /// Requests served when it started, per client: it waits for none before.
+    served: [u64; MAX_CLIENTS],
+}
+
+impl Flight {
+    #[inline]
+    pub(crate) fn new(delivery: Delivery) -> Self {
+        let (look_ups, reads, answers, served) = Default::default();
+        Self { delivery, look_ups, reads, answers, served }
+    }
+
+    /// When the step delivers, all its answers known.
+    #[inline]
+    pub(crate) fn delivered(&self) -> Cycle {
+        self.answers.iter().fold(self.delivery.base, |latest, answer| latest.max(*answer))
+    }
+
+    /// Whether all answers are known, once the answers to reads are taken in.
+    #[inline]
+    fn is_answered(&mut self, ids: &[usize], system: &MemorySystem) -> bool {
+        for ((&client, reads), last) in ids.iter().zip(&mut self.reads).zip(&mut self.answers) {
+            if let Some(number) = reads.checked_sub(1) {
+                let answer = system.answer(client, number);
+                if !answer.is_known() {
+                    return false;
+                }
+                *last = answer.max(*last);
+                *reads = 0;
+            }
+        }
+        self.look_ups == [0; MAX_CLIENTS]
+    }
+}
+
+/// Steps in flight, oldest first.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Flights {
+    steps: VecDeque<Flight>,
+    /// Their look-ups that have no answer yet, by client, in order.
+    look_ups: [VecDeque<LookUp>; MAX_CLIENTS],
+    /// Look-ups of the step being made. Mostly their fills are known and nothing is in flight: then they never enter the
+    /// queue.
+    fresh: Vec<LookUp>,
+}
+
+impl Flights {
+    #[inline]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.steps.is_empty()
+    }
+
+    /// Issues the traffic of a step that starts at `start`; the least occupancy that its look-ups need (law 5).
+    #[inline]
+    pub(crate) fn issue(
+        &mut self,
+        flight: &mut Flight,
+        start: Cycle,
+        (ids, system): (&[usize], &mut MemorySystem),
+        traffic: &Traffic,
+    ) -> u64 {
+        for (served, &client) in flight.served.iter_mut().zip(ids) {
+            *served = system.served(client);
+        }
+        for r in &traffic.look_ups {
+            flight.look_ups[r.client as usize] += system.look_up(ids, r, start, &mut self.fresh);
+        }
+        for r in &traffic.requests {
+            let number = system.issue(ids[r.client as usize], start, r.address, r.bytes, r.write);
+            if !r.write {
+                flight.reads[r.client as usize] = number + 1;
+            }
+        }
+        let mut least = 1;
+        for (&client, &look_ups) in ids.iter().zip(&flight.look_ups) {
+            least = least.max(system.look_up_cycles(client, look_ups));
+            system.serve_if_private(client);
+        }
+        least
+    }
+
+    /// Whether a step that has been issued can deliver at once: its answers are known and nothing is ahead of it.
+    #[inline]
+    pub(crate) fn is_answered_at_once(&mut self, flight: &mut Flight, (ids, system): (&[usize], &mut MemorySystem)) -> bool {
+        if !self.steps.is_empty() {
+            return false;
+        }
+        let mut known = 0;
+        for look_up in &self.fresh {
+            let Some(answer) = system.resolve(ids[look_up.client], look_up) else { break };
+            flight.answers[look_up.client] = answer;
+            flight.look_ups[look_up.client] -= 1;
+            known += 1;
+        }
+        if known < self.fresh.len() {
+            self.fresh.drain(..known);
+            return false;
+        }
+        self.fresh.clear();
+        flight.is_answered(ids, system)
+    }
+
+    /// Takes in a step that waits. Steps that deliver nothing wait only to be counted: those in a row wait as one.
+    pub(crate) fn push(&mut self, flight: &Flight, (ids, system): (&[usize], &mut MemorySystem)) {
+        for look_up in self.fresh.drain(..) {
+            self.look_ups[look_up.client].push_back(look_up);
+        }
+        match self.steps.back_mut() {
+            Some(last) if last.delivery.outputs | flight.delivery.outputs == 0 => {
+                for i in 0..ids.len() {
+                    last.look_ups[i] += flight.look_ups[i];
+                    last.reads[i] = last.reads[i].max(flight.reads[i]);
+                }
+            }
+            _ => self.steps.push_back(flight.clone()),
+        }
+        if self.steps.len() == 1 {
+            self.keep_answers(ids, system);
+        }
+    }
+
+    /// Hands steps to `deliver` whose answers are known by now and that have nothing ahead of them on the same output, with
+    /// these outputs; tells whether there were any. `outputs`: those that the stage has.
+    ///
+    /// A step waits for no other: not for one that emits nothing, nor for one that emits elsewhere. Were it to wait here
+    /// for what is ahead, its delivery would be unknown although it does not depend on any answer, and what starts upon it
+    /// could issue requests earlier than [`MemorySystem::serve_safe`] may assume.
+    pub(crate) fn land(
+        &mut self,
+        outputs: u32,
+        (ids, system): (&[usize], &mut MemorySystem),
+        mut deliver: impl FnMut(&Flight, u32),
+    ) -> bool {
+        let mut moved = false;
+        let (mut taken, mut stuck) = (0, 0);
+        for flight in &mut self.steps {
+            resolve(&mut self.look_ups, &mut stuck, flight, ids, system);
+            if flight.is_answered(ids, system) {
+                let free = flight.delivery.outputs & !taken;
+                deliver(flight, free);
+                moved |= free != 0;
+                flight.delivery.outputs &= taken;
+                if flight.delivery.outputs == 0 {
+                    continue;
+                }
+            }
+            taken |= flight.delivery.outputs;
+            if taken & outputs == outputs {
+                break;
+            }
+        }
+        let before = self.steps.len();
+        while self.steps.front_mut().is_some_and(|f| f.delivery.outputs == 0 && f.is_answered(ids, system)) {
+            self.steps.pop_front();
+        }
+        if self.steps.len() < before {
+            self.keep_answers(ids, system);
+        }
+        moved
+    }
+
+    /// Tells the memories which answers the oldest step in flight, and so any, may still ask for.
+    fn keep_answers(&self, ids: &[usize], system: &mut MemorySystem) {
+        for (i, &client) in ids.iter().enumerate() {
+            system.keep_from(client, self.steps.front().map_or(u64::MAX, |flight| flight.served[i]));
+        }
+    }
+}
+
+/// Takes in the answers to a step's look-ups, unless one ahead of it on the same client is `stuck` (a bit each).
+#[inline]
+fn resolve(
+    queues: &mut [VecDeque<LookUp>; MAX_CLIENTS],
+    stuck: &mut u32,
+    flight: &mut Flight,
+    ids: &[usize],
+    system: &mut MemorySystem,
+) {
+    for (i, (queue, &client)) in queues.iter_mut().zip(ids).enumerate() {
+        while flight.look_ups[i] > 0 && *stuck & 1 << i == 0 {
+            let answer = queue.front().and_then(|look_up| system.resolve(client, look_up));
+            let Some(answer) = answer else {
+                *stuck |= 1 << i;
+                break;
+            };
+            queue.pop_front();
+            flight.answers[i] = answer;
+            flight.look_ups[i] -= 1;
+        }
+    }
+}
