@@ -198,7 +198,7 @@ pub fn bumps() -> Vec<Image> {
 }
 
 fn checks() -> Vec<Image> {
-    let texel = |i: u32| if (i + i / 8) % 2 == 0 { [250, 200, 90, 255] } else { [20, 60, 120, 255] };
+    let texel = |i: u32| if (i + i / 8).is_multiple_of(2) { [250, 200, 90, 255] } else { [20, 60, 120, 255] };
     color_levels(Image { width: 8, height: 8, texels: (0..64).map(texel).collect() })
 }
 
