@@ -55,6 +55,6 @@ parameters! {
     /// Replay of a recorded display list in place of the geometry processor (102).
     pub struct DisplayListConfig {
         /// When commands are delivered: recorded or asap.
-        arrival: Arrival = Arrival::Recorded, unit: "", Assumed("a replay shall take the cycles of the recorded run");
+        arrival: Arrival = Arrival::Recorded, unit: "", Assumed("polygons come as an unblocked geometry processor would deliver them, so a replay takes about the cycles of the run it was recorded from");
     }
 }

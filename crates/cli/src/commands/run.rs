@@ -160,8 +160,7 @@ fn names(stage: StageTopology) -> StageNames {
 fn publish(outputs: Outputs, frames: usize, report: &Report, simulation: &SimulationArgs) -> Done {
     let failed = || Failure::file(&simulation.out, "be written");
     if frames == 1 {
-        // Without an exact picture there are no files of the other two kinds, and nothing to rename.
-        for kind in ["image", "reference", "difference"] {
+        for kind in kinds(report) {
             outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false)).map_err(failed())?;
         }
     }
@@ -192,10 +191,14 @@ fn show(report: &Report, simulation: &SimulationArgs, quiet: bool) -> Done {
     }
 }
 
+/// Which kinds of picture there are: with `--no-exact` only the machine's.
+fn kinds(report: &Report) -> &'static [&'static str] {
+    if report.quality.is_some() { &["image", "reference", "difference"] } else { &["image"] }
+}
+
 fn written(report: &Report) -> String {
-    let kinds: &[&str] = if report.quality.is_some() { &["image", "reference", "difference"] } else { &["image"] };
     let several = report.image.len() > 1;
-    let pictures = kinds.iter().filter(|_| !report.image.is_empty());
+    let pictures = kinds(report).iter().filter(|_| !report.image.is_empty());
     let names = pictures.map(|kind| if several { format!("{kind}-0001.png ...") } else { picture_name(kind, 0, false) });
     names.chain(["report.json".to_owned()]).collect::<Vec<_>>().join(", ")
 }
