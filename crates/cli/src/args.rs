@@ -1,5 +1,6 @@
 //! The command line. Every option says its unit of measure and its default; what is said here is what `--help` shows.
 
+use basrelief_signals::MAX_PICTURE_PIXELS;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -249,7 +250,11 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     let expected = "expected WIDTHxHEIGHT, each 1..=16384, such as 640x480";
     let (width, height) = text.split_once(['x', 'X']).ok_or(expected)?;
     let side = |s: &str| s.trim().parse::<u32>().ok().filter(|n| (1..=16384).contains(n)).ok_or(expected);
-    Ok([side(width)?, side(height)?])
+    let size = [side(width)?, side(height)?];
+    if size.map(u64::from).iter().product::<u64>() > MAX_PICTURE_PIXELS {
+        return Err(format!("expected at most {MAX_PICTURE_PIXELS} pixels, such as 3840x2160"));
+    }
+    Ok(size)
 }
 
 fn finite(text: &str) -> Result<f64, String> {
@@ -276,7 +281,7 @@ mod tests {
     #[test]
     fn values_are_checked_where_they_are_given() {
         assert_eq!(size("640x480"), Ok([640, 480]));
-        assert!(size("0x480").is_err() && size("640").is_err() && size("99999x2").is_err());
+        assert!(size("0x480").is_err() && size("640").is_err() && size("99999x2").is_err() && size("16384x16384").is_err());
         assert_eq!(direction("1, -2,3.5"), Ok([1.0, -2.0, 3.5]));
         assert!(direction("0,0,0").is_err() && direction("1,2").is_err() && direction("1,NaN,2").is_err());
         assert_eq!(key_value("a.b=[1, 2]"), Ok(("a.b".into(), "[1, 2]".into())));

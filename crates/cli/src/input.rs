@@ -5,7 +5,7 @@ use crate::error::{Done, Failure};
 use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_parameters::ConfigError;
-use basrelief_scene::{ViewOptions, demo, load_path, read_camera};
+use basrelief_scene::{SceneError, ViewOptions, demo, load_path, read_camera};
 use basrelief_signals::Scene;
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -103,7 +103,10 @@ pub fn open(path: &Path, view: &ViewArgs) -> Done<Input> {
         }
         return Ok(Input::Trace(trace));
     }
-    let scene = load_path(path, &view_options(view)?).map_err(Failure::bad)?;
+    let shown = path.display().to_string();
+    // What is wrong may lie in a file that the model refers to; the model is named all the same.
+    let failed = |e: SceneError| if e.file == shown { Failure::bad(e) } else { Failure::within(&shown)(e) };
+    let scene = load_path(path, &view_options(view)?).map_err(failed)?;
     Ok(Input::Scene(Arc::new(scene)))
 }
 

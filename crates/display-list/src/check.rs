@@ -2,6 +2,7 @@
 
 use crate::command::*;
 use crate::error::{ErrorKind, Fault};
+use basrelief_signals::MAX_PICTURE_PIXELS;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
@@ -37,7 +38,13 @@ fn check_begin(begin: &Begin) -> Result<(), Fault> {
     }
     check_version(begin.version)?;
     within("width", begin.width, SIDES)?;
-    within("height", begin.height, SIDES)
+    within("height", begin.height, SIDES)?;
+    if u64::from(begin.width) * u64::from(begin.height) > MAX_PICTURE_PIXELS {
+        let message =
+            format!("makes pictures of {} x {} pixels, expected at most {MAX_PICTURE_PIXELS}", begin.width, begin.height);
+        return Err(Fault::new("height", message));
+    }
+    Ok(())
 }
 
 pub(crate) fn check_version(version: u32) -> Result<(), Fault> {

@@ -109,7 +109,8 @@ pub struct Begin {
     /// Width of every picture \[pixels\], 1..=16384.
     #[schemars(range(min = 1, max = MAX_SIDE))]
     pub width: u32,
-    /// Height of every picture \[pixels\], 1..=16384.
+    /// Height of every picture \[pixels\], 1..=16384; times the width at most
+    /// [`MAX_PICTURE_PIXELS`](basrelief_signals::MAX_PICTURE_PIXELS).
     #[schemars(range(min = 1, max = MAX_SIDE))]
     pub height: u32,
     /// What made the trace. No version and no date, so that an unchanged trace keeps its hash.

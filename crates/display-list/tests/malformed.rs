@@ -49,6 +49,7 @@ const CASES: &[(&str, &str, u64, &str, &str)] = &[
     (r#""version":1"#, r#""version":2,"new":true"#, 1, "begin.version", "is 2, this reader knows 1"),
     (r#""width":8"#, r#""width":0"#, 1, "begin.width", "is 0, expected 1..=16384"),
     (r#""height":8"#, r#""height":4294967295"#, 1, "begin.height", "expected 1..=16384"),
+    (r#""width":8,"height":8"#, r#""width":16384,"height":16384"#, 1, "begin.height", "16384 x 16384 pixels, expected at most"),
     (r#""height":8"#, r#""height":1e99"#, 1, "begin.height", "invalid type"),
     (
         r#"{"frame_end""#,

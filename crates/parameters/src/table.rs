@@ -105,7 +105,7 @@ macro_rules! parameters {
                 $($(if !($range).contains(&self.$field) {
                     return Err($crate::RangeError {
                         key: format!("{prefix}{}", stringify!($field)),
-                        value: format!("{:?}", self.$field),
+                        value: $crate::private::serde_json::to_value(&self.$field).unwrap_or_default().to_string(),
                         expected: format!("{:?} {}", $range, $unit).trim_end().into(),
                     });
                 })?)*

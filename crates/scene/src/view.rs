@@ -2,7 +2,7 @@
 
 use crate::SceneError;
 use crate::camera::{AUTO_VIEW, Bounds, View, Viewpoint, check_camera, direction, rows, turn};
-use basrelief_signals::{Camera, Frame, Light, LightKind};
+use basrelief_signals::{Camera, Frame, Light, LightKind, MAX_PICTURE_PIXELS};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ const MAX_FRAMES: u32 = 1_000_000;
 /// What the user asks of the view. The default leaves everything to the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewOptions {
-    /// Width and height of the picture \[pixels\], each 1..=16384.
+    /// Width and height of the picture \[pixels\], each 1..=16384, together at most [`MAX_PICTURE_PIXELS`].
     pub size: [u32; 2],
     /// Replaces the camera and the lights of the model.
     pub camera: Option<Camera>,
@@ -75,6 +75,10 @@ impl Setting {
         let sides = 1..=MAX_SIDE;
         if !sides.contains(&width) || !sides.contains(&height) {
             return Err(SceneError::at("size", format!("{width}x{height}")).expected(format!("1..={MAX_SIDE} pixels per side")));
+        }
+        if u64::from(width) * u64::from(height) > MAX_PICTURE_PIXELS {
+            let expected = format!("at most {MAX_PICTURE_PIXELS} pixels");
+            return Err(SceneError::at("size", format!("{width}x{height}")).expected(expected));
         }
         let count = options.frames.unwrap_or(self.frames);
         if !(1..=MAX_FRAMES).contains(&count) {
@@ -227,6 +231,7 @@ mod tests {
         let d = ViewOptions::default;
         refuses(ViewOptions { size: [0, 4], ..d() });
         refuses(ViewOptions { size: [4, 100_000], ..d() });
+        refuses(ViewOptions { size: [16_384, 16_384], ..d() });
         refuses(ViewOptions { frames: Some(0), ..d() });
         refuses(ViewOptions { light: Some([0.0; 3]), ..d() });
         refuses(ViewOptions { light: Some([f64::NAN; 3]), ..d() });

@@ -198,7 +198,11 @@ pub struct Camera {
     pub to_viewer: [f64; 3],
 }
 
-/// One picture of a sequence.
+/// Most pixels of one picture: enough for 3840 x 2160. The machine's picture, the exact one and the metrics between them
+/// take about 80 bytes for each, and no number in a file may ask for more memory than a gibibyte.
+pub const MAX_PICTURE_PIXELS: u64 = 1 << 23;
+
+/// One picture of a sequence; width times height at most [`MAX_PICTURE_PIXELS`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Counted from 0.

@@ -1,0 +1,177 @@
+//! Foreign and broken files through the program: an error with exit code 1 that names the file, or a run; never a signal,
+//! a panic, a hang, or anything written on failure.
+
+use crate::support::{Place, finish, inputs, patch};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Longest that a small bad file may take, built for debugging \[s\].
+const PATIENCE_S: f64 = 5.0;
+
+/// Runs on a file: it either runs, or fails with a message that names it; then nothing is written.
+fn check(place: &Place, file: &Path) -> i32 {
+    let outcome = finish(place.command("run --size 32x24 --quiet --out out").arg(file));
+    let (shown, code) = (file.display(), outcome.code());
+    assert!(code == 0 || code == 1, "{shown}: exit code {code}: {}", outcome.err);
+    assert!(outcome.seconds < PATIENCE_S, "{shown}: took {} s", outcome.seconds);
+    if code == 1 {
+        let name = file.file_name().expect("a name").to_string_lossy();
+        assert!(outcome.error(1).contains(&*name), "{shown}: not named: {}", outcome.err);
+        assert!(!place.path("out").exists(), "{shown}: something was written");
+    } else {
+        fs::remove_dir_all(place.path("out")).expect("outputs");
+    }
+    code
+}
+
+/// All files below a folder with one of these endings.
+fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("readable").path();
+        if path.is_dir() {
+            found.extend(files(&path, endings));
+        } else if path.extension().is_some_and(|e| endings.iter().any(|known| e == *known)) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn every_file_of_the_gltf_validator_runs_or_is_refused() {
+    let Some(folder) = inputs("bad/gltf-validator") else { return };
+    let place = Place::new();
+    let files = files(&folder, &["gltf", "glb"]);
+    assert!(files.len() >= 150, "only {} files", files.len());
+    let refused: i32 = files.iter().map(|file| check(&place, file)).sum();
+    assert!(refused > 50, "only {refused} refused");
+}
+
+#[test]
+fn corrupt_pictures_are_errors() {
+    let Some(folder) = inputs("bad/png") else { return };
+    let place = Place::new();
+    let model = fs::read_to_string(patch().with_extension("obj")).expect("the model");
+    fs::write(place.path("m.obj"), model.replace("patch.mtl", "m.mtl")).expect("written");
+    fs::copy(patch().with_file_name("checks.png"), place.path("checks.png")).expect("copied");
+    for picture in files(&folder, &["png"]) {
+        let name = picture.file_name().expect("a name").to_string_lossy().into_owned();
+        fs::copy(&picture, place.path(&name)).expect("copied");
+        fs::write(place.path("m.mtl"), format!("newmtl bumpy\nmap_Kd checks.png\nnorm {name}\n")).expect("written");
+        let outcome = place.run("run m.obj --size 16x12 --out out");
+        assert!(outcome.error(1).contains(&name), "{name}: {}", outcome.err);
+        assert!(!place.path("out").exists());
+    }
+}
+
+#[test]
+fn what_is_no_model_is_refused_with_its_name() {
+    let place = Place::new();
+    fs::create_dir(place.path("folder")).expect("created");
+    fs::write(place.path("letter.txt"), "Dear Sir or Madam,\n").expect("written");
+    fs::write(place.path("empty.glb"), "").expect("written");
+    fs::write(place.path("empty.jsonl"), "").expect("written");
+    for name in ["folder", "letter.txt", "empty.glb", "empty.jsonl", "missing.gltf"] {
+        for command in ["run", "record --out t.bdl", "convert t.bdl"] {
+            let (command, rest) = command.split_once(' ').unwrap_or((command, ""));
+            // By its name a display list, and as such not to be recorded: wrong usage.
+            if (command, name) == ("record", "empty.jsonl") {
+                continue;
+            }
+            let line = format!("{command} {name} {rest}");
+            assert!(place.run(&line).error(1).contains(name), "{line}");
+        }
+        assert!(!place.path("out").exists() && !place.path("t.bdl").exists(), "{name}");
+    }
+    if cfg!(unix) {
+        assert!(place.run("run /dev/null").error(1).contains("/dev/null"));
+        assert!(place.run("run /dev/zero").error(1).contains("/dev/zero"));
+        assert!(place.run("run PATCH --config /dev/zero").error(1).contains("/dev/zero"));
+    }
+}
+
+#[test]
+fn a_trace_cut_short_anywhere_is_an_error_and_writes_nothing() {
+    let place = Place::new();
+    place.ok("record PATCH --size 16x12 --out whole.jsonl");
+    for form in ["jsonl", "jsonl.zst", "bdl", "bdl.zst"] {
+        place.ok(&format!("convert whole.jsonl t.{form}"));
+        let bytes = place.bytes(&format!("t.{form}"));
+        // The library's tests cut at every byte; here every kind of place: the ends closely, the middle in strides.
+        let last = bytes.len() - 1;
+        let cuts = (0..12).chain((12..last - 6).step_by(last / 8)).chain(last - 6..=last);
+        for cut in cuts {
+            let name = format!("cut.{form}");
+            fs::write(place.path(&name), &bytes[..cut]).expect("written");
+            // A text without its last line feed is whole.
+            if form == "jsonl" && cut == last {
+                continue;
+            }
+            for line in [format!("run {name} --quiet"), format!("convert {name} out.jsonl")] {
+                assert!(place.run(&line).error(1).contains(&name), "{form} cut at {cut}");
+                assert!(!place.path("out").exists() && !place.path("out.jsonl").exists(), "{form} cut at {cut}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_failure_leaves_the_results_of_the_run_before() {
+    let place = Place::new();
+    place.ok("run PATCH --size 16x12");
+    let before = place.text("out/report.json");
+    fs::write(place.path("bad.gltf"), "{}").expect("written");
+    place.run("run bad.gltf").error(1);
+    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json"]);
+    assert_eq!(place.text("out/report.json"), before);
+    fs::remove_file(place.path("out/image.png")).expect("removed");
+    fs::create_dir(place.path("out/image.png")).expect("created");
+    assert!(place.run("run PATCH --size 16x12 --out out").error(1).contains("image.png is a folder"));
+    assert_eq!(place.text("out/report.json"), before);
+}
+
+#[test]
+fn bad_settings_and_bad_cameras_are_told_apart_from_wrong_usage() {
+    let place = Place::new();
+    fs::write(place.path("c.toml"), "[replacement]\nentrys = 3\n").expect("written");
+    let outcome = place.run("run PATCH --config c.toml");
+    let message = outcome.error(1);
+    assert!(message.contains("c.toml") && message.contains("did you mean `replacement.entries`"), "{message}");
+    fs::write(place.path("c.toml"), "[replacement\n").expect("written");
+    assert!(place.run("run PATCH --config c.toml").error(1).contains("not valid TOML"));
+    let outcome = place.run("run PATCH --set replacement.lane=3");
+    assert!(outcome.error(2).contains("did you mean `replacement.lanes`"), "{}", outcome.err);
+    place.run("run PATCH --set replacement.entries=0").error(2);
+    for camera in ["", "{}", "[]", r#"{"view_projection":[1],"to_light":[0,0,1],"to_viewer":[0,0,1]}"#] {
+        fs::write(place.path("camera.json"), camera).expect("written");
+        assert!(place.run("run PATCH --camera camera.json").error(1).contains("camera.json"), "{camera}");
+    }
+    assert!(!place.path("out").exists());
+}
+
+#[test]
+fn where_nothing_can_be_written_the_error_names_the_place() {
+    let place = Place::new();
+    fs::write(place.path("file"), "").expect("written");
+    assert!(place.run("run PATCH --size 16x12 --out file/out").error(1).contains("file/out"));
+    assert!(place.run("run PATCH --size 16x12 --out file").error(1).contains("file"));
+    assert!(place.run("run PATCH --size 16x12 --timeline none/t").error(1).contains("none/t"));
+    assert!(place.run("record PATCH --out none/t.bdl").error(1).contains("none/t.bdl"));
+    assert_eq!(place.names(""), ["file"]);
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let place = Place::new();
+    let mut child = Command::new(crate::support::PROGRAM)
+        .arg("describe")
+        .stdout(std::process::Stdio::piped())
+        .current_dir(place.path(""))
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take());
+    assert!(child.wait().expect("a child").success());
+}

@@ -1,0 +1,64 @@
+//! Absurd numbers: a run or an error within seconds, and within a gibibyte of address space.
+
+use crate::support::{Outcome, PROGRAM, Place, finish};
+use std::fs;
+use std::process::Command;
+
+/// Address space \[KiB\].
+const LIMIT: u32 = 1 << 20;
+
+/// Runs a command line with so much memory and no more: whoever asks for more is ended by a signal.
+fn run(place: &Place, line: &str) -> Outcome {
+    let limited = place.command(line);
+    let mut shell = Command::new("sh");
+    shell.arg("-c").arg(format!("ulimit -v {LIMIT} && exec \"$0\" \"$@\"")).arg(PROGRAM).args(limited.get_args());
+    finish(shell.current_dir(place.path("")).stdin(std::process::Stdio::null()))
+}
+
+#[test]
+fn absurd_settings_run_or_are_refused_within_a_gibibyte() {
+    let place = Place::new();
+    for settings in [
+        "--max-cycles 18446744073709551615",
+        "--set replacement.entries=65536",
+        "--set replacement.entries=65536 --set brightness.levels=8 --set replacement.tables=identical",
+        "--set replacement.entries=65536 --set replacement.table=polyhedron",
+        "--set replacement.entries=65536 --set replacement.codebook=per_object",
+        "--set replacement.entries=65536 --set replacement.codebook=per_polygon --set replacement.kmeans_iterations=64",
+        "--set fifo.pixels.depth=65536 --set fifo.shaded.depth=65536 --set fifo.pseudo_normals.depth=65536",
+        "--set graphics.draw=after_list --set graphics.hold_bytes=1073741824",
+        "--set replacement.gather_bytes=4294967296 --set replacement.codebook=per_object",
+        "--set cache.normal_map.sets=65536 --set cache.normal_map.ways=64 --set cache.normal_map.line_bytes=4096",
+        "--set cache.depth.sets=65536 --set cache.depth.ways=64 --set cache.clut.sets=65536 --set cache.clut.ways=64",
+        "--set memory.graphics.banks=1024 --set memory.graphics.row_bytes=1048576 --set memory.graphics.outstanding=65536",
+        "--set memory.graphics.burst_bytes=4 --set memory.graphics.burst_cycles=1024 --set memory.graphics.rp=1024",
+        "--set replacement.lanes=1 --set replacement.pipelined=false --set replacement.latency=1024",
+        "--set geometry.cycles_per_vertex=65536 --set geometry.cycles_per_polygon=65536 --set geometry.latency=65536",
+        "--set clock.hz=1 --set video_out.cycles_per_read=1000000",
+        "--light 1e300,1e300,-1e300 --orbit 1e300 --frames 2",
+    ] {
+        let outcome = run(&place, &format!("run {} --size 24x18 --quiet {settings}", patch()));
+        let code = outcome.code();
+        assert!((0..=2).contains(&code) && !outcome.err.contains("panicked"), "{settings}: {code}: {}", outcome.err);
+        assert!(outcome.seconds < 30.0, "{settings}: took {} s", outcome.seconds);
+    }
+}
+
+fn patch() -> String {
+    crate::support::patch().display().to_string()
+}
+
+#[test]
+fn pictures_have_a_largest_size_and_frames_a_largest_number() {
+    let place = Place::new();
+    for line in ["demo --size 16384x16384", "demo --size 0x1", "demo --size 99999x1", "demo --frames 0", "demo --frames 1000001"]
+    {
+        run(&place, line).error(2);
+    }
+    let huge = r#"{"begin":{"format":"basrelief-display-list","version":1,"width":16384,"height":16384,"generator":"x"}}"#;
+    fs::write(place.path("t.jsonl"), format!("{huge}\n{{\"end\":{{\"commands\":1}}}}\n")).expect("written");
+    assert!(run(&place, "run t.jsonl").error(1).contains("t.jsonl: line 1"), "size");
+    // Frames stream: what stands ready before the first is small.
+    let outcome = run(&place, &format!("run {} --size 16x12 --frames 20000 --max-cycles 1000", patch()));
+    assert!(outcome.error(1).contains("--max-cycles"), "{}", outcome.err);
+}

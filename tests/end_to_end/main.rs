@@ -1,0 +1,15 @@
+//! The built program, from outside: files in, files out, exit codes, messages.
+//!
+//! Small pictures and few processes: the whole takes seconds, also when built for debugging.
+
+mod bad_input;
+#[cfg(unix)]
+mod interrupt;
+#[cfg(unix)]
+mod limits;
+mod pictures;
+mod reports;
+mod samples;
+mod support;
+mod traces;
+mod usage;

@@ -1,0 +1,121 @@
+//! What a run says: the report on disk and on standard output, tables, the time line, and comparisons.
+
+use crate::support::{Place, picture, without_host};
+use serde_json::Value;
+
+const SMALL: &str = "demo mixed --size 64x48";
+
+fn is_valid(report: &Value, place: &Place) {
+    let schema: Value = serde_json::from_str(&place.ok("schema report").out).expect("a schema");
+    let validator = jsonschema::validator_for(&schema).expect("a valid schema");
+    let wrong: Vec<String> = validator.iter_errors(report).map(|e| format!("{}: {e}", e.instance_path())).collect();
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+#[test]
+fn a_demo_writes_picture_exact_picture_difference_and_report() {
+    let place = Place::new();
+    let said = place.ok(SMALL).out;
+    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json"]);
+    let report = place.report("out");
+    is_valid(&report, &place);
+    let (width, height, hash) = picture(&place.path("out/image.png"));
+    assert_eq!((width, height), (64, 48));
+    assert_eq!(report["image"][0]["sha256"], hash.as_str());
+    assert_eq!(report["image"][0]["file"], "image.png");
+    assert!(said.contains("limits this run") && said.contains("Written to out/"), "{said}");
+    let cycles = &report["cycles"];
+    let frames: u64 = cycles["frames"].as_array().expect("frames").iter().filter_map(Value::as_u64).sum();
+    assert_eq!(cycles["total"].as_u64(), Some(frames + cycles["drain"].as_u64().expect("drain")));
+}
+
+#[test]
+fn both_engines_say_the_same_in_every_byte_and_so_does_a_second_run() {
+    let place = Place::new();
+    for out in ["timed", "again", "ticked"] {
+        let engine = if out == "ticked" { "ticked" } else { "timed" };
+        place.ok(&format!("{SMALL} --engine {engine} --out {out}"));
+    }
+    let [timed, again, ticked] = ["timed", "again", "ticked"].map(|out| without_host(place.report(out)));
+    assert_eq!(timed.to_string(), again.to_string());
+    assert_eq!(timed.to_string(), ticked.to_string());
+}
+
+#[test]
+fn the_functional_model_draws_the_same_picture_without_cycles() {
+    let place = Place::new();
+    place.ok(&format!("{SMALL} --out timed"));
+    place.ok(&format!("{SMALL} --out functional --functional"));
+    let [timed, functional] = ["timed", "functional"].map(|out| place.report(out));
+    assert_eq!(timed["image"], functional["image"]);
+    assert_eq!(timed["input"], functional["input"]);
+    assert!(functional["cycles"].is_null());
+    is_valid(&functional, &place);
+}
+
+#[test]
+fn json_prints_the_report_and_nothing_else() {
+    let place = Place::new();
+    let outcome = place.ok(&format!("{SMALL} --json"));
+    assert_eq!(outcome.out, place.text("out/report.json"));
+    assert_eq!(outcome.err, "");
+}
+
+#[test]
+fn quiet_prints_nothing_but_errors() {
+    let place = Place::new();
+    let outcome = place.ok(&format!("{SMALL} --quiet"));
+    assert_eq!((outcome.out, outcome.err), (String::new(), String::new()));
+    place.run("demo teapot --quiet").error(2);
+}
+
+#[test]
+fn csv_and_time_line_are_written_on_request() {
+    let place = Place::new();
+    place.ok(&format!("{SMALL} --csv --timeline run.pftrace"));
+    let csv = place.text("out/report.csv");
+    let columns = csv.lines().next().expect("a header").split(',').count();
+    assert!(columns > 1 && csv.lines().count() > 50, "{csv}");
+    assert_eq!(place.names(""), ["out", "run.pftrace"]);
+    assert!(packets(&place.bytes("run.pftrace")) > 100);
+}
+
+/// Number of packets of a Perfetto trace: field 1 of the outermost message, again and again.
+fn packets(mut bytes: &[u8]) -> usize {
+    let mut count = 0;
+    while let Some((&tag, rest)) = bytes.split_first() {
+        assert_eq!(tag, 0x0a, "packet {count} is no length-delimited field 1");
+        let end = rest.iter().position(|b| b & 0x80 == 0).expect("a length");
+        let length = rest[..=end].iter().rev().fold(0, |n, b| n << 7 | usize::from(b & 0x7f));
+        bytes = &rest[end + 1 + length..];
+        count += 1;
+    }
+    count
+}
+
+#[test]
+fn a_run_that_stops_at_its_limit_reports_the_state_so_far_and_fails() {
+    let place = Place::new();
+    let outcome = place.run(&format!("{SMALL} --max-cycles 1000"));
+    assert!(outcome.error(1).contains("--max-cycles"), "{}", outcome.err);
+    let report = place.report("out");
+    is_valid(&report, &place);
+    assert!(report["cycles"]["total"].as_u64().is_some_and(|total| (1..=2000).contains(&total)), "{}", report["cycles"]);
+    assert_eq!(place.names("out"), ["report.json"]);
+}
+
+#[test]
+fn comparing_fails_only_over_its_limit() {
+    let place = Place::new();
+    place.ok(&format!("{SMALL} --out a"));
+    place.ok(&format!("{SMALL} --out b --set memory.graphics.cas=60"));
+    let same = place.ok("compare a a --fail-over 0").out;
+    assert!(!same.is_empty());
+    assert!(place.ok("compare a b/report.json").out.contains("graphics"));
+    assert!(place.run("compare a b --fail-over 0.01").error(1).contains("grew worse"));
+    place.ok("compare a b --fail-over 100000");
+    let json: Value = serde_json::from_str(&place.ok("compare a b --json").out).expect("JSON");
+    assert!(json.is_object());
+    std::fs::write(place.path("no.json"), "{}").expect("written");
+    assert!(place.run("compare a no.json").error(1).contains("no.json"));
+}

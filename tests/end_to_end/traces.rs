@@ -1,0 +1,114 @@
+//! Recording, replaying, converting, verifying.
+
+use crate::support::{Place, sha256};
+use std::fs;
+
+const FORMS: [&str; 4] = ["t.jsonl", "t.jsonl.zst", "t.bdl", "t.bdl.zst"];
+
+#[test]
+fn a_replay_gives_the_same_picture_to_the_bit_in_every_form() {
+    let place = Place::new();
+    place.ok("run PATCH --size 64x48 --frames 2 --orbit 30 --out scene");
+    let scene = place.report("scene");
+    for form in FORMS {
+        place.ok(&format!("record PATCH --size 64x48 --frames 2 --orbit 30 --out {form}"));
+        place.ok(&format!("run {form} --out replay"));
+        let replay = place.report("replay");
+        assert_eq!(replay["image"], scene["image"], "{form}");
+        assert_eq!(replay["input"]["sha256"], scene["input"]["sha256"], "{form}");
+        assert_eq!(replay["input"]["kind"], "trace");
+        assert_eq!(replay["camera"], scene["camera"], "{form}");
+    }
+    for form in FORMS {
+        place.ok_from(form, "run - --out stdin --quiet");
+        assert_eq!(place.report("stdin")["image"], scene["image"], "{form} on standard input");
+    }
+}
+
+#[test]
+fn conversion_there_and_back_is_identical() {
+    let place = Place::new();
+    place.ok("record PATCH --size 48x36 --out t.jsonl");
+    let canonical = place.bytes("t.jsonl");
+    assert_eq!(place.ok("record PATCH --size 48x36 --out -").out.as_bytes(), canonical);
+    for form in &FORMS[1..] {
+        place.ok(&format!("convert t.jsonl {form}"));
+        place.ok(&format!("convert {form} back.jsonl"));
+        assert_eq!(place.bytes("back.jsonl"), canonical, "{form}");
+        assert_eq!(place.ok_from(form, "convert - -").out.as_bytes(), canonical, "{form}");
+    }
+    let error = place.run("convert t.jsonl t.txt");
+    assert!(error.error(2).contains(".jsonl or .bdl"), "{}", error.err);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_named_pipe_is_read_once() {
+    let place = Place::new();
+    place.ok("record PATCH --size 48x36 --out t.bdl");
+    place.ok("run t.bdl --out file");
+    let pipe = place.path("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
+    let bytes = place.bytes("t.bdl");
+    let writer = std::thread::spawn(move || fs::write(pipe, bytes));
+    place.ok("run pipe --out piped");
+    writer.join().expect("no panic").expect("all was read");
+    assert_eq!(place.report("piped")["image"], place.report("file")["image"]);
+}
+
+#[test]
+fn a_trace_verifies_itself_with_the_settings_it_was_recorded_under() {
+    let place = Place::new();
+    fs::write(place.path("c.toml"), "[replacement]\nentries = [64, 32]\n").expect("written");
+    place.ok("record PATCH --size 48x36 --config c.toml --set brightness.levels=1 --expect --out t.jsonl");
+    let trace = place.text("t.jsonl");
+    assert!(trace.contains(r#""brightness.levels":1"#) && trace.contains(r#""replacement.entries":[64,32]"#));
+    let said = place.ok("verify t.jsonl").out;
+    assert!(said.contains("ok") && said.contains("t.jsonl"), "{said}");
+    place.ok("convert t.jsonl sub.bdl.zst");
+    place.ok("verify . --engine ticked");
+}
+
+#[test]
+fn a_tampered_expectation_or_picture_is_found_and_bless_sets_it_right() {
+    let place = Place::new();
+    place.ok("record PATCH --size 48x36 --expect --out t.jsonl");
+    let good = place.text("t.jsonl");
+    let cycles = good.split_once(r#""cycles":"#).expect("cycles").1.split(',').next().expect("a number");
+    fs::write(place.path("t.jsonl"), good.replace(&format!(r#""cycles":{cycles}"#), r#""cycles":7"#)).expect("written");
+    let outcome = place.run("verify t.jsonl");
+    assert!(outcome.error(1).contains("1 of 1 traces"), "{}", outcome.err);
+    assert!(outcome.out.contains(&format!("timed: cycles {cycles}, expected 7")), "{}", outcome.out);
+    place.ok("verify --bless t.jsonl");
+    assert_eq!(place.text("t.jsonl"), good);
+    // Another coefficient, another picture.
+    fs::write(place.path("t.jsonl"), good.replacen(r#""ks":0.4"#, r#""ks":0.9"#, 1)).expect("written");
+    assert!(place.run("verify t.jsonl").out.contains("images: number 0"));
+}
+
+#[test]
+fn one_bad_trace_does_not_keep_the_others_from_being_checked() {
+    let place = Place::new();
+    place.ok("record PATCH --size 48x36 --expect --out z.bdl");
+    fs::write(place.path("a.bdl"), "no trace").expect("written");
+    let outcome = place.run("verify .");
+    outcome.error(1);
+    assert!(outcome.out.contains("FAILED  ./a.bdl") && outcome.out.contains("ok      ./z.bdl"), "{}", outcome.out);
+    fs::remove_file(place.path("a.bdl")).expect("removed");
+    place.ok("record PATCH --size 48x36 --out plain.bdl");
+    assert!(place.run("verify plain.bdl").out.contains("carries no expectations"));
+    place.run("verify -").error(2);
+    place.run("verify missing.bdl").error(1);
+}
+
+#[test]
+fn the_input_hash_is_that_of_the_canonical_commands() {
+    let place = Place::new();
+    place.ok("record PATCH --size 48x36 --out t.jsonl");
+    place.ok("run t.jsonl");
+    let text = place.text("t.jsonl");
+    let hash = place.report("out")["input"]["sha256"].clone();
+    let commands: Vec<&str> = text.lines().collect();
+    let ends = [commands.len(), commands.len() - 1].map(|n| commands[..n].iter().map(|l| format!("{l}\n")).collect::<String>());
+    assert!(ends.iter().any(|list| hash == sha256(list.as_bytes()).as_str()), "{hash}");
+}
