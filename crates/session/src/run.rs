@@ -256,10 +256,10 @@ impl<'a> Session<'a> {
             size: frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
             numerals: bump::UNITS.iter().filter_map(|u| Some((u.name.to_owned(), u.numeral.parse().ok()?))).collect(),
             device: driven.counts.iter().map(|(name, value)| (name.to_owned(), figure(value))).collect(),
-            quality: self.quality.last().map(|&last| PictureQuality {
-                last,
-                frames: if several { self.quality.clone() } else { vec![] },
-            }),
+            quality: self
+                .quality
+                .last()
+                .map(|&last| PictureQuality { last, frames: if several { self.quality.clone() } else { vec![] } }),
             image: image.map(|(i, sha256)| PictureFile { file: picture_name("image", i, several), sha256 }).collect(),
             warnings: (warnings.iter().cloned())
                 .chain(bump::warnings(&self.settings.config))
