@@ -16,13 +16,10 @@ const GUARD: f32 = 8.0;
 pub enum Clipped {
     /// All corners are outside the same side of the view volume.
     Outside,
-    /// The corners; unchanged, or cut.
-    Polygon {
-        /// In order, 3..=9 unless it degenerates.
-        corners: Vec<Corner>,
-        /// The triangle was cut.
-        cut: bool,
-    },
+    /// All of it.
+    Whole,
+    /// A polygon: its corners in order, 3..=9 unless it degenerates.
+    Cut(Vec<Corner>),
 }
 
 /// Signed distances to the six planes, >= 0 inside; the sides stand `reach` times as far out as those of the screen.
@@ -33,21 +30,28 @@ fn distances(clip: Vec4, reach: f32) -> [f32; 6] {
 }
 
 /// Clips a triangle with finite coordinates.
-pub fn clip(triangle: [Corner; 3]) -> Clipped {
-    let outside = triangle.map(|c| distances(c.clip, 1.0).map(|d| d < 0.0));
-    if (0..6).any(|plane| outside.iter().all(|o| o[plane])) {
+pub fn clip(triangle: &[Corner; 3]) -> Clipped {
+    let [a, b, c] = [0, 1, 2].map(|i| outside(triangle[i].clip, 1.0));
+    if a & b & c != 0 {
         return Clipped::Outside;
     }
+    if triangle.iter().all(|c| outside(c.clip, GUARD) == 0) {
+        return Clipped::Whole;
+    }
     let mut corners = triangle.to_vec();
-    let mut cut = false;
     for plane in 0..6 {
         let distance = |c: &Corner| distances(c.clip, GUARD)[plane];
         if corners.iter().any(|c| distance(c) < 0.0) {
             corners = cut_at(&corners, distance);
-            cut = true;
         }
     }
-    Clipped::Polygon { corners, cut }
+    Clipped::Cut(corners)
+}
+
+/// Planes that the point is outside of, one bit each.
+#[inline]
+fn outside(clip: Vec4, reach: f32) -> u32 {
+    distances(clip, reach).iter().rev().fold(0, |planes, &d| planes << 1 | u32::from(d < 0.0))
 }
 
 /// The part on the inner side (Sutherland and Hodgman). A new corner is computed from the inner to the outer end of its
@@ -106,16 +110,15 @@ mod tests {
     #[test]
     fn inside_nothing_changes_outside_nothing_is_left() {
         let inside = [corner(-1.0, 0.0, 0.0, 1.0), corner(1.0, -1.0, -1.0, 1.0), corner(4.0, 1.0, 1.0, 1.0)];
-        assert_eq!(clip(inside), Clipped::Polygon { corners: inside.to_vec(), cut: false });
-        assert_eq!(clip(inside.map(|c| corner(c.clip.x, 1.5, 0.0, 1.0))), Clipped::Outside);
-        assert_eq!(clip(inside.map(|c| corner(c.clip.x, 0.0, 0.0, -1.0))), Clipped::Outside);
+        assert_eq!(clip(&inside), Clipped::Whole);
+        assert_eq!(clip(&inside.map(|c| corner(c.clip.x, 1.5, 0.0, 1.0))), Clipped::Outside);
+        assert_eq!(clip(&inside.map(|c| corner(c.clip.x, 0.0, 0.0, -1.0))), Clipped::Outside);
     }
 
     #[test]
     fn the_near_plane_cuts_one_corner_into_two() {
         let t = [corner(0.0, 0.0, -3.0, 1.0), corner(1.0, 0.0, 1.0, 1.0), corner(0.0, 1.0, 1.0, 1.0)];
-        let Clipped::Polygon { corners, cut } = clip(t) else { panic!("something is left") };
-        assert!(cut);
+        let Clipped::Cut(corners) = clip(&t) else { panic!("something is cut") };
         assert_eq!(corners.len(), 4);
         assert_eq!(corners[0].clip, Vec4::new(0.5, 0.0, -1.0, 1.0));
         assert_eq!(corners[0].vertex.uv, [0.5, 0.0]);
@@ -124,12 +127,16 @@ mod tests {
     proptest! {
         #[test]
         fn what_is_left_is_inside_and_has_at_most_nine_corners(t in [any_corner(), any_corner(), any_corner()]) {
-            if let Clipped::Polygon { corners, .. } = clip(t) {
-                prop_assert!(corners.len() <= 9);
-                for c in &corners {
-                    let scale = c.clip.abs().max_element();
-                    prop_assert!(distances(c.clip, GUARD).iter().all(|d| *d >= -1e-4 * scale.max(1.0)), "{c:?}");
-                }
+            let clipped = clip(&t);
+            let corners = match &clipped {
+                Clipped::Outside => &[][..],
+                Clipped::Whole => &t,
+                Clipped::Cut(corners) => corners,
+            };
+            prop_assert!(corners.len() <= 9);
+            for c in corners {
+                let scale = c.clip.abs().max_element();
+                prop_assert!(distances(c.clip, GUARD).iter().all(|d| *d >= -1e-4 * scale.max(1.0)), "{c:?}");
             }
         }
 

@@ -82,10 +82,20 @@ impl GeometryProcessor {
         if !triangle.iter().all(|c| c.clip.is_finite()) {
             return Err(Dropped::Degenerate);
         }
-        let Clipped::Polygon { corners, cut } = clip(triangle) else { return Err(Dropped::Outside) };
-        self.state.counters.clipped += u64::from(cut);
-        let mut vertices = project(&corners, &frame).ok_or(Dropped::Degenerate)?;
-        self.face(&object, &mut vertices)?;
+        let clipped = clip(&triangle);
+        let corners = match &clipped {
+            Clipped::Outside => return Err(Dropped::Outside),
+            Clipped::Whole => &triangle[..],
+            Clipped::Cut(corners) => corners,
+        };
+        self.state.counters.clipped += u64::from(matches!(clipped, Clipped::Cut(_)));
+        let window = Window::new(&frame);
+        // Half of all triangles face away: attributes are for those that do not.
+        let is_back = self.faces_back(&object, corners, &window)?;
+        let mut vertices: Vec<Vertex> = corners.iter().map(|c| Vertex { position: window.place(c), ..c.vertex }).collect();
+        if is_back && self.config.two_sided_lighting {
+            turn_round(&mut vertices);
+        }
         let material = Arc::clone(&object.material);
         let lod = match (&material.normal_map, &material.color_texture) {
             (Some(map), _) => polygon_lod(&vertices, map, |v| v.uv_normal),
@@ -121,9 +131,15 @@ impl GeometryProcessor {
         Some(corner)
     }
 
-    /// Drops what faces away or has no area; turns the normals of a visible back face where that is asked for.
-    fn face(&self, object: &Object, vertices: &mut [Vertex]) -> Result<(), Dropped> {
-        let area = doubled_area(vertices.iter().map(|v| [v.position[0], v.position[1]]));
+    /// Drops what is not in front of the viewer, has no area, or faces away and is not seen from there; whether it faces away.
+    fn faces_back(&self, object: &Object, corners: &[Corner], window: &Window) -> Result<bool, Dropped> {
+        if corners.len() < 3 || !corners.iter().all(|c| c.clip.w >= f32::MIN_POSITIVE) {
+            return Err(Dropped::Degenerate);
+        }
+        let area = doubled_area(corners.iter().map(|c| {
+            let [x, y, ..] = window.place(c);
+            [x, y]
+        }));
         if area == 0.0 || !area.is_finite() {
             return Err(Dropped::Degenerate);
         }
@@ -132,14 +148,7 @@ impl GeometryProcessor {
         if !front && !object.material.double_sided {
             return Err(Dropped::Culled);
         }
-        if !front && self.config.two_sided_lighting {
-            // Normal, tangent and bitangent = cross(normal, tangent) * w all turn round.
-            for vertex in vertices {
-                vertex.normal = vertex.normal.map(|c| -c);
-                vertex.tangent = vertex.tangent.map(|c| -c);
-            }
-        }
-        Ok(())
+        Ok(!front)
     }
 
     fn is_target(&self, object: &Object, lod: u8) -> bool {
@@ -148,17 +157,32 @@ impl GeometryProcessor {
     }
 }
 
-/// Window coordinates; `None` where there is no polygon in front of the viewer.
-fn project(corners: &[Corner], frame: &Frame) -> Option<Vec<Vertex>> {
-    let half = [0.5 * frame.width as f32, 0.5 * frame.height as f32];
-    let visible = corners.len() >= 3 && corners.iter().all(|c| c.clip.w >= f32::MIN_POSITIVE);
-    let window = |c: &Corner| {
-        let inverse_w = 1.0 / c.clip.w;
-        let [x, y, z] = (c.clip.truncate() * inverse_w).to_array();
-        let position = [half[0] + half[0] * x, half[1] - half[1] * y, 0.5 + 0.5 * z, inverse_w];
-        Vertex { position, ..c.vertex }
-    };
-    visible.then(|| corners.iter().map(window).collect())
+/// From clip space to the window.
+struct Window {
+    /// Half width and height \[pixels\].
+    half: [f32; 2],
+}
+
+impl Window {
+    fn new(frame: &Frame) -> Self {
+        Self { half: [0.5 * frame.width as f32, 0.5 * frame.height as f32] }
+    }
+
+    /// Window coordinates of a corner in front of the viewer.
+    #[inline]
+    fn place(&self, corner: &Corner) -> [f32; 4] {
+        let inverse_w = 1.0 / corner.clip.w;
+        let [x, y, z] = (corner.clip.truncate() * inverse_w).to_array();
+        [self.half[0] + self.half[0] * x, self.half[1] - self.half[1] * y, 0.5 + 0.5 * z, inverse_w]
+    }
+}
+
+/// Turns the surface round: normal, tangent and bitangent = cross(normal, tangent) * w.
+fn turn_round(vertices: &mut [Vertex]) {
+    for vertex in vertices {
+        vertex.normal = vertex.normal.map(|c| -c);
+        vertex.tangent = vertex.tangent.map(|c| -c);
+    }
 }
 
 impl Unit for GeometryProcessor {

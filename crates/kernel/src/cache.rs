@@ -15,13 +15,6 @@ pub struct CacheCounts {
     pub merged: u64,
 }
 
-/// When a line's data come: with memory request `0`, or at a time already known.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Fill {
-    Request(u64),
-    Known(Cycle),
-}
-
 /// A look-up whose answer is not accounted for yet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LookUp {
@@ -30,7 +23,9 @@ pub(crate) struct LookUp {
     pub(crate) line: u64,
     /// Start of its step.
     pub(crate) start: Cycle,
-    pub(crate) fill: Fill,
+    /// The memory request that fills the line, and when its answer is there, if that was known at the look-up.
+    pub(crate) request: u64,
+    pub(crate) fill: Cycle,
     pub(crate) missed: bool,
 }
 
@@ -72,7 +67,7 @@ impl Cache {
     }
 
     /// First and last line that `bytes` at `address` touch.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn lines(&self, address: u64, bytes: u32) -> (u64, u64) {
         let last = address + u64::from(bytes.max(1)) - 1;
         (self.line.split(address).0, self.line.split(last).0)
@@ -80,7 +75,7 @@ impl Cache {
 
     /// Looks `line` up and makes it the most recently used of its set. On a miss `issue` makes the memory request and
     /// gives its number. Returns that number and whether it was a miss.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn look_up(&mut self, line: u64, issue: impl FnOnce() -> u64) -> (u64, bool) {
         let (_, set) = self.sets.split(line);
         let ways = self.config.ways as usize;
@@ -98,7 +93,7 @@ impl Cache {
     }
 
     /// Accounts for a look-up whose fill is known, and gives its answer: in order, so never before the one ahead.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn resolve(&mut self, look_up: &LookUp, fill: Cycle) -> Cycle {
         let start = look_up.start;
         let count = match (look_up.missed, fill > start) {

@@ -20,7 +20,7 @@ impl<T> Fifo<T> {
     }
 
     /// Reserves a slot at the start of the step that emits `token`, if it emits one; 1 if it did, else 0.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn reserve(&mut self, start: Cycle, token: Option<T>) -> u32 {
         let emitted = u32::from(token.is_some());
         if emitted == 1 {
@@ -32,7 +32,7 @@ impl<T> Fifo<T> {
     }
 
     /// Takes the front token out, if it is declared.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn pop_if(&mut self, declared: bool, at: Cycle) -> Option<T> {
         if !declared {
             return None;

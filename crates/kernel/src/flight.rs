@@ -45,7 +45,7 @@ impl Flight {
     }
 
     /// Whether all answers are known, once the answers to reads are taken in.
-    #[inline]
+    #[inline(always)]
     fn is_answered(&mut self, ids: &[usize], system: &MemorySystem) -> bool {
         for ((&client, reads), last) in ids.iter().zip(&mut self.reads).zip(&mut self.answers) {
             if let Some(number) = reads.checked_sub(1) {
@@ -79,7 +79,7 @@ impl Flights {
     }
 
     /// Issues the traffic of a step that starts at `start`; the least occupancy that its look-ups need (law 5).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn issue(
         &mut self,
         flight: &mut Flight,
@@ -108,7 +108,7 @@ impl Flights {
     }
 
     /// Whether a step that has been issued can deliver at once: its answers are known and nothing is ahead of it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn is_answered_at_once(&mut self, flight: &mut Flight, (ids, system): (&[usize], &mut MemorySystem)) -> bool {
         if !self.steps.is_empty() {
             return false;

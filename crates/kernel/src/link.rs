@@ -94,25 +94,25 @@ impl Link {
         self.next_visible.0.checked_sub(1).map(Cycle)
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn slot(&self, token: u64) -> usize {
         token as usize & (self.ring.len() - 1)
     }
 
     /// Slot of the front token and of the next push.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn ends(&self) -> (usize, usize) {
         (self.slot(self.popped), self.slot(self.pushed))
     }
 
     /// When the front token is visible; unknown while there is none or its delivery is not known.
-    #[inline]
+    #[inline(always)]
     pub fn front_visible(&self) -> Cycle {
         if self.popped < self.delivered { self.ring[self.slot(self.popped)].visible } else { Cycle::UNKNOWN }
     }
 
     /// The first cycle in which the next push finds a slot (law 2): the cycle after the pop of token n - depth.
-    #[inline]
+    #[inline(always)]
     pub fn room_at(&self) -> Cycle {
         match self.pushed.checked_sub(self.depth as u64) {
             None => Cycle::ZERO,
@@ -146,7 +146,7 @@ impl Link {
     }
 
     /// Reserves a slot at the start of the step that fills it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn reserve(&mut self, start: Cycle) {
         self.occupancy.push(start);
         let slot = self.slot(self.pushed);
@@ -157,7 +157,7 @@ impl Link {
     }
 
     /// Delivers the oldest reserved token (law 1): visible from max(d + f, visible time of the token before it + 1).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn deliver(&mut self, delivered: Cycle) {
         let visible = (delivered + self.latency).max(self.next_visible);
         let slot = self.slot(self.delivered);
@@ -167,7 +167,7 @@ impl Link {
     }
 
     /// Pops the front token.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn pop(&mut self, at: Cycle) {
         let slot = self.slot(self.popped);
         self.ring[slot].popped = at;

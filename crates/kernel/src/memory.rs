@@ -71,7 +71,7 @@ impl Port {
     }
 
     /// The first cycle with at least `credits` free credits; unknown while that depends on an answer not known yet.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn credits_at(&self, credits: u32) -> Cycle {
         match (self.issued + u64::from(credits)).checked_sub(self.outstanding) {
             None | Some(0) => Cycle::ZERO,
@@ -81,7 +81,7 @@ impl Port {
 
     /// Answer time of request `number`; unknown until it is served. A request that left the ring was answered before
     /// the start of any step that may still ask (it needed that credit), so its time is as good as 0.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn answer(&self, number: u64) -> Cycle {
         if number >= self.served {
             Cycle::UNKNOWN
@@ -146,7 +146,7 @@ impl Divisor {
         Self { by, shift: by.is_power_of_two().then(|| by.trailing_zeros()) }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn split(self, n: u64) -> (u64, u64) {
         match self.shift {
             Some(s) => (n >> s, n & (self.by - 1)),

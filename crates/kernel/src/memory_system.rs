@@ -1,6 +1,6 @@
 //! All memories, ports and caches of a machine, and the order in which requests are served.
 
-use crate::cache::{Cache, Fill, LookUp};
+use crate::cache::{Cache, LookUp};
 use crate::memory::{Memory, Port};
 use crate::{CacheConfig, Cycle, MemoryConfig, Request};
 
@@ -103,7 +103,7 @@ impl MemorySystem {
         self.memories.iter_mut().for_each(|m| m.private = false);
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn credits_at(&self, client: usize, credits: u32) -> Cycle {
         self.port(client).credits_at(credits)
     }
@@ -144,7 +144,7 @@ impl MemorySystem {
 
     /// Looks up the lines that a request of a step touches and that the step has not looked up yet (`fresh` lists those it
     /// has), and tells how many these are. `ids`: the clients of the unit.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn look_up(&mut self, ids: &[usize], request: &Request, start: Cycle, fresh: &mut Vec<LookUp>) -> u64 {
         let client = request.client as usize;
         let Client { port, cache } = self.clients[ids[client]];
@@ -158,30 +158,25 @@ impl MemorySystem {
                 continue;
             }
             let bytes = cache.config.line_bytes;
-            let (number, missed) = cache.look_up(line, || {
+            let (request, missed) = cache.look_up(line, || {
                 memory.queued += 1;
                 port.issue(start, line * u64::from(bytes), bytes, false)
             });
-            let known = port.answer(number);
-            let fill = if known.is_known() { Fill::Known(known) } else { Fill::Request(number) };
-            fresh.push(LookUp { client, line, start, fill, missed });
+            fresh.push(LookUp { client, line, start, request, fill: port.answer(request), missed });
         }
         (fresh.len() - before) as u64
     }
 
     /// The answer of a look-up, if its fill is known by now. To be asked in order of look-up.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn resolve(&mut self, client: usize, look_up: &LookUp) -> Option<Cycle> {
         let Client { port, cache } = self.clients[client];
-        let fill = match look_up.fill {
-            Fill::Known(at) => at,
-            Fill::Request(number) => self.ports[port].answer(number),
-        };
+        let fill = if look_up.fill.is_known() { look_up.fill } else { self.ports[port].answer(look_up.request) };
         if fill.is_known() { Some(self.caches[cache?].resolve(look_up, fill)) } else { None }
     }
 
     /// Serves at once what a client's memory has queued, if no other stage uses that memory.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn serve_if_private(&mut self, client: usize) {
         let memory = self.port(client).memory;
         if self.memories[memory].queued > 0 && self.memories[memory].private {

@@ -35,7 +35,7 @@ impl Occupancy {
     }
 
     /// A slot is reserved at `at`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn push(&mut self, at: Cycle) {
         self.pushes.push(at);
         if self.pushes.len() >= LOG {
@@ -44,7 +44,7 @@ impl Occupancy {
     }
 
     /// A token is popped at `at`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn pop(&mut self, at: Cycle) {
         self.frees.push(at + 1);
     }

@@ -65,7 +65,10 @@ pub(crate) struct Start {
 }
 
 /// The earliest start of the unit's next step (law 3); `None` if it will make no further step.
-#[inline]
+///
+/// What runs in every step is marked to be inlined always: a step is a dozen comparisons, and left to itself the compiler
+/// inlines them or not as it happens to divide the crates into units of code.
+#[inline(always)]
 pub(crate) fn next_start<U: Unit, I: Inputs, O: Outputs, const M: bool>(
     unit: &U,
     clock: &Clock,
@@ -155,7 +158,7 @@ impl Clock {
     }
 
     /// Makes one step at `start`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn fire<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
         &mut self,
         unit: &mut U,
@@ -211,7 +214,7 @@ impl Clock {
     ///
     /// A step may overtake those ahead that deliver nothing where it does, such as fragments that failed the z-test: its
     /// token must not seem to wait for their answers, or requests that it leads to would be served too late.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn land_known<O: Outputs, const M: bool>(&mut self, outputs: &mut O, clients: &mut Clients<'_, M>) -> bool {
         if !M || self.flights.is_empty() {
             return false;
@@ -233,7 +236,7 @@ fn deliver_answered<O: Outputs>(frame_ends: &mut Vec<Cycle>, flight: &Flight, to
     deliver(frame_ends, to, flight.delivered(), outputs);
 }
 
-#[inline]
+#[inline(always)]
 fn deliver<O: Outputs>(frame_ends: &mut Vec<Cycle>, to: u32, at: Cycle, outputs: &mut O) {
     for i in (0..outputs.count()).filter(|i| to & 1 << i != 0) {
         outputs.link_mut(i).deliver(at);

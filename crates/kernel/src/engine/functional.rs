@@ -31,7 +31,9 @@ impl Visitor for Walk {
             outputs.put(step.out);
             stage.clock.steps += 1;
             self.stepped = true;
-            self.fault = fault_of(&mut self.traffic, stage.name(), None);
+            if self.traffic.fault.is_some() {
+                self.fault = fault_of(&mut self.traffic, stage.name(), None);
+            }
         }
     }
 }
