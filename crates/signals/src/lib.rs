@@ -23,6 +23,7 @@ pub mod quantization_memory;
 pub use flow::{Control, Flow};
 pub use fragment::{Fragment, Indexes, MAX_SAMPLES, Pixel, PseudoNormals, Shaded};
 pub use model::{
-    Camera, Draw, Filter, Frame, Image, Light, LightKind, Lighting, MAX_PICTURE_PIXELS, Material, Mesh, Object, Sampler, Scene, Texture, Wrap,
+    Camera, Draw, Filter, Frame, Image, Light, LightKind, Lighting, MAX_PICTURE_PIXELS, Material, Mesh, Object, Sampler, Scene,
+    Texture, Wrap,
 };
 pub use polygon::{ObjectInfo, Polygon, Vertex};
