@@ -46,7 +46,7 @@ impl DistinctCounter {
     }
 
     fn grow(&mut self) {
-        let mut larger = vec![0; (self.slots.len() * 4).max(1_024)];
+        let mut larger = vec![0; (self.slots.len() * 2).max(1_024)];
         for &key in self.slots.iter().filter(|k| **k != 0) {
             place(&mut larger, key);
         }
@@ -95,6 +95,6 @@ mod tests {
             assert_eq!(counter.count(), (i + 1).min(DistinctCounter::LIMIT));
         }
         assert!(counter.is_saturated());
-        assert_eq!(counter.slots.len(), 2 * DistinctCounter::LIMIT as usize * 2);
+        assert_eq!(counter.slots.len(), 2 * DistinctCounter::LIMIT as usize);
     }
 }

@@ -85,14 +85,10 @@ impl NearestSearch {
             (Some(&from), Some(&to)) => self.candidates.get(from as usize..to as usize).unwrap_or_default(),
             _ => &[],
         };
-        let mut best = (i64::MIN, 0);
-        for candidate in list {
-            let dot = candidate.dot(n);
-            if dot > best.0 {
-                best = (dot, candidate.index);
-            }
-        }
-        best.1
+        // Product and index in one number, of which the largest is sought: a branch on which is larger could not be
+        // predicted. Products have 33 bits; the complement of the index makes ties go to the lowest.
+        let key = |c: &Candidate| c.dot(n) << 16 | i64::from(!c.index);
+        list.iter().map(key).max().map_or(0, |best| !(best as u16))
     }
 }
 
