@@ -98,7 +98,9 @@ fn display_list() -> Vec<Result<(Control, Option<u64>), String>> {
     list.into_iter().map(Ok).collect()
 }
 
-fn replay(arrival: Arrival) -> DisplayListSource<std::vec::IntoIter<Result<(Control, Option<u64>), String>>> {
+type Commands = std::vec::IntoIter<Result<(Control, Option<u64>), String>>;
+
+fn replay(arrival: Arrival) -> DisplayListSource<Commands> {
     DisplayListSource::new(DisplayListConfig { arrival }, display_list().into_iter())
 }
 
