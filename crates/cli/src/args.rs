@@ -83,13 +83,13 @@ pub struct ViewArgs {
     /// Number of pictures.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: Option<u32>,
-    /// Turn the camera about the model by this much over all frames [degrees].
+    /// Turn the camera about the model by this much over all frames (degrees).
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
     pub orbit: Option<f64>,
     /// Direction to the light, in world space, instead of the scene's lights.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = direction)]
     pub light: Option<[f64; 3]>,
-    /// Turn the light about the vertical axis by this much over all frames [degrees].
+    /// Turn the light about the vertical axis by this much over all frames (degrees).
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
     pub light_orbit: Option<f64>,
 }
@@ -212,7 +212,7 @@ pub struct CompareArgs {
     pub a: PathBuf,
     /// The report after.
     pub b: PathBuf,
-    /// Exit with 1 if anything grew worse by more than this [percent].
+    /// Exit with 1 if anything grew worse by more than this (percent).
     #[arg(long, value_name = "PERCENT", value_parser = finite)]
     pub fail_over: Option<f64>,
     /// Print the comparison as JSON.
