@@ -7,7 +7,7 @@ pub const MAX_LINKS: usize = 8;
 /// Most memory clients of one unit.
 pub const MAX_CLIENTS: usize = 4;
 
-/// A bundle of FIFOs at one end of a unit: `()`, `&mut Fifo<T>`, a tuple of two, or a vector.
+/// A bundle of FIFOs at one end of a unit: `()`, `&mut Fifo<T>`, a tuple of two to six, or a vector.
 pub trait Wires {
     /// Number of FIFOs.
     fn count(&self) -> usize;
@@ -102,45 +102,61 @@ impl<T> Outputs for &mut Fifo<T> {
     }
 }
 
-impl<A, B> Wires for (&mut Fifo<A>, &mut Fifo<B>) {
-    #[inline]
-    fn count(&self) -> usize {
-        2
-    }
-    #[inline]
-    fn link(&self, i: usize) -> &Link {
-        if i == 0 { &self.0.link } else { &self.1.link }
-    }
-    #[inline]
-    fn link_mut(&mut self, i: usize) -> &mut Link {
-        if i == 0 { &mut self.0.link } else { &mut self.1.link }
-    }
+/// A bundle of several FIFOs, each of its own type.
+macro_rules! tuple_of_fifos {
+    ($count:literal: $($token:ident $i:tt),*) => {
+        impl<$($token),*> Wires for ($(&mut Fifo<$token>,)*) {
+            #[inline]
+            fn count(&self) -> usize {
+                $count
+            }
+            #[inline]
+            fn link(&self, i: usize) -> &Link {
+                match i {
+                    $($i => &self.$i.link,)*
+                    _ => unreachable!("no FIFO here"),
+                }
+            }
+            #[inline]
+            fn link_mut(&mut self, i: usize) -> &mut Link {
+                match i {
+                    $($i => &mut self.$i.link,)*
+                    _ => unreachable!("no FIFO here"),
+                }
+            }
+        }
+
+        impl<$($token),*> Inputs for ($(&mut Fifo<$token>,)*) {
+            type Item = ($(Option<$token>,)*);
+            #[inline]
+            fn pop(&mut self, demand: Demand, at: Cycle) -> Self::Item {
+                ($(self.$i.pop_if(demand.takes($i), at),)*)
+            }
+            #[inline]
+            fn take(&mut self, demand: Demand) -> Self::Item {
+                ($(self.$i.take_if(demand.takes($i)),)*)
+            }
+        }
+
+        impl<$($token),*> Outputs for ($(&mut Fifo<$token>,)*) {
+            type Item = ($(Option<$token>,)*);
+            #[inline]
+            fn reserve(&mut self, start: Cycle, item: Self::Item) -> u32 {
+                0 $(| Fifo::reserve(self.$i, start, item.$i) << $i)*
+            }
+            #[inline]
+            fn put(&mut self, item: Self::Item) {
+                $(Fifo::put(self.$i, item.$i);)*
+            }
+        }
+    };
 }
 
-impl<A, B> Inputs for (&mut Fifo<A>, &mut Fifo<B>) {
-    type Item = (Option<A>, Option<B>);
-    #[inline]
-    fn pop(&mut self, demand: Demand, at: Cycle) -> Self::Item {
-        (self.0.pop_if(demand.takes(0), at), self.1.pop_if(demand.takes(1), at))
-    }
-    #[inline]
-    fn take(&mut self, demand: Demand) -> Self::Item {
-        (self.0.take_if(demand.takes(0)), self.1.take_if(demand.takes(1)))
-    }
-}
-
-impl<A, B> Outputs for (&mut Fifo<A>, &mut Fifo<B>) {
-    type Item = (Option<A>, Option<B>);
-    #[inline]
-    fn reserve(&mut self, start: Cycle, (a, b): Self::Item) -> u32 {
-        Fifo::reserve(self.0, start, a) | Fifo::reserve(self.1, start, b) << 1
-    }
-    #[inline]
-    fn put(&mut self, (a, b): Self::Item) {
-        Fifo::put(self.0, a);
-        Fifo::put(self.1, b);
-    }
-}
+tuple_of_fifos!(2: A 0, B 1);
+tuple_of_fifos!(3: A 0, B 1, C 2);
+tuple_of_fifos!(4: A 0, B 1, C 2, D 3);
+tuple_of_fifos!(5: A 0, B 1, C 2, D 3, E 4);
+tuple_of_fifos!(6: A 0, B 1, C 2, D 3, E 4, F 5);
 
 /// Any number of FIFOs of one type, for machines that are built from a plan.
 impl<T> Wires for Vec<&mut Fifo<T>> {
