@@ -18,9 +18,6 @@ pub struct CacheCounts {
 /// A look-up whose answer is not accounted for yet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LookUp {
-    /// Client, as numbered in the wiring of its unit.
-    pub(crate) client: usize,
-    pub(crate) line: u64,
     /// Start of its step.
     pub(crate) start: Cycle,
     /// The memory request that fills the line, and when its answer is there, if that was known at the look-up.
@@ -73,23 +70,27 @@ impl Cache {
         (self.line.split(address).0, self.line.split(last).0)
     }
 
-    /// Looks `line` up and makes it the most recently used of its set. On a miss `issue` makes the memory request and
-    /// gives its number. Returns that number and whether it was a miss.
+    /// Looks `line` up and makes it the most recently used of its set: the number of the request that fills it. `None` on
+    /// a miss; the line will then be filled by request `next`, which the caller issues.
     #[inline(always)]
-    pub(crate) fn look_up(&mut self, line: u64, issue: impl FnOnce() -> u64) -> (u64, bool) {
+    pub(crate) fn look_up(&mut self, line: u64, next: u64) -> Option<u64> {
         let (_, set) = self.sets.split(line);
         let ways = self.config.ways as usize;
         let tags = &mut self.tags[set as usize * ways..][..ways];
-        let (at, tag, missed) = match tags.iter().position(|t| t.line == line) {
-            Some(0) => return (tags[0].request, false),
-            Some(at) => (at, tags[at], false),
-            None => (ways - 1, Tag { line, request: issue() }, true),
-        };
-        for i in (0..at).rev() {
-            tags[i + 1] = tags[i];
+        // Mostly it is the one used last.
+        if tags[0].line == line {
+            return Some(tags[0].request);
         }
-        tags[0] = tag;
-        (tag.request, missed)
+        // Each tag moves one down, until the line is found or the last falls out.
+        let mut carried = Tag { line, request: next };
+        for at in 0..tags.len() {
+            std::mem::swap(&mut carried, &mut tags[at]);
+            if carried.line == line {
+                tags[0].request = carried.request;
+                return Some(carried.request);
+            }
+        }
+        None
     }
 
     /// Accounts for a look-up whose fill is known, and gives its answer: in order, so never before the one ahead.

@@ -22,16 +22,17 @@ pub(crate) const ENDS_FRAME: u32 = 1 << MAX_LINKS;
 pub(crate) struct Flight {
     pub(crate) delivery: Delivery,
     /// Look-ups without an answer, by client.
-    look_ups: [u64; MAX_CLIENTS],
+    look_ups: [u32; MAX_CLIENTS],
     /// Number of the last read by client, plus one; 0 for none, or once its answer is known.
     reads: [u64; MAX_CLIENTS],
     /// Last answers known so far.
     pub(crate) answers: [Cycle; MAX_CLIENTS],
-    /// Requests served when it started, per client: it waits for none before.
+    /// Requests served when it was issued, by client: it waits for none before.
     served: [u64; MAX_CLIENTS],
 }
 
 impl Flight {
+    /// A step without traffic.
     #[inline]
     pub(crate) fn new(delivery: Delivery) -> Self {
         let (look_ups, reads, answers, served) = Default::default();
@@ -67,9 +68,8 @@ pub(crate) struct Flights {
     steps: VecDeque<Flight>,
     /// Their look-ups that have no answer yet, by client, in order.
     look_ups: [VecDeque<LookUp>; MAX_CLIENTS],
-    /// Look-ups of the step being made. Mostly their fills are known and nothing is in flight: then they never enter the
-    /// queue.
-    fresh: Vec<LookUp>,
+    /// Lines looked up in the step being made, each with its client.
+    lines: Vec<(u64, u32)>,
 }
 
 impl Flights {
@@ -78,7 +78,8 @@ impl Flights {
         self.steps.is_empty()
     }
 
-    /// Issues the traffic of a step that starts at `start`; the least occupancy that its look-ups need (law 5).
+    /// Issues the traffic of a step that starts at `start`; the least occupancy that its look-ups need (law 5), and
+    /// whether all its answers are known and nothing is ahead of it, so that it can deliver at once.
     #[inline(always)]
     pub(crate) fn issue(
         &mut self,
@@ -86,53 +87,61 @@ impl Flights {
         start: Cycle,
         (ids, system): (&[usize], &mut MemorySystem),
         traffic: &Traffic,
-    ) -> u64 {
-        for (served, &client) in flight.served.iter_mut().zip(ids) {
-            *served = system.served(client);
+    ) -> (u64, bool) {
+        let mut least = 1;
+        let mut waits = false;
+        if !traffic.look_ups.is_empty() {
+            (least, waits) = self.look_up(flight, start, (ids, system), traffic);
         }
+        if !traffic.requests.is_empty() {
+            waits |= issue_requests(flight, start, (ids, system), traffic);
+        }
+        (least, !waits && self.steps.is_empty())
+    }
+
+    /// Makes the look-ups of a step, each line once; the least occupancy, and whether it waits for any.
+    #[inline]
+    fn look_up(
+        &mut self,
+        flight: &mut Flight,
+        start: Cycle,
+        (ids, system): (&[usize], &mut MemorySystem),
+        traffic: &Traffic,
+    ) -> (u64, bool) {
+        let mut made = [0_u32; MAX_CLIENTS];
+        let mut waits = false;
+        self.lines.clear();
         for r in &traffic.look_ups {
-            flight.look_ups[r.client as usize] += system.look_up(ids, r, start, &mut self.fresh);
-        }
-        for r in &traffic.requests {
-            let number = system.issue(ids[r.client as usize], start, r.address, r.bytes, r.write);
-            if !r.write {
-                flight.reads[r.client as usize] = number + 1;
+            let own = r.client as usize;
+            let Some(mut cached) = system.cached(ids[own]) else { continue };
+            let (first, last) = cached.cache.lines(r.address, r.bytes);
+            let mut line = first;
+            while line <= last {
+                if !self.lines.contains(&(line, r.client)) {
+                    self.lines.push((line, r.client));
+                    made[own] += 1;
+                    let look_up = cached.look_up(line, start);
+                    let pending = &mut self.look_ups[own];
+                    if look_up.fill.is_known() && pending.is_empty() {
+                        flight.answers[own] = cached.cache.resolve(&look_up, look_up.fill);
+                    } else {
+                        waits = true;
+                        pending.push_back(look_up);
+                        flight.look_ups[own] += 1;
+                    }
+                }
+                line += 1;
             }
         }
         let mut least = 1;
-        for (&client, &look_ups) in ids.iter().zip(&flight.look_ups) {
-            least = least.max(system.look_up_cycles(client, look_ups));
-            system.serve_if_private(client);
+        for (&client, &made) in ids.iter().zip(&made).filter(|(_, made)| **made > 1) {
+            least = least.max(system.look_up_cycles(client, made));
         }
-        least
-    }
-
-    /// Whether a step that has been issued can deliver at once: its answers are known and nothing is ahead of it.
-    #[inline(always)]
-    pub(crate) fn is_answered_at_once(&mut self, flight: &mut Flight, (ids, system): (&[usize], &mut MemorySystem)) -> bool {
-        if !self.steps.is_empty() {
-            return false;
-        }
-        let mut known = 0;
-        for look_up in &self.fresh {
-            let Some(answer) = system.resolve(ids[look_up.client], look_up) else { break };
-            flight.answers[look_up.client] = answer;
-            flight.look_ups[look_up.client] -= 1;
-            known += 1;
-        }
-        if known < self.fresh.len() {
-            self.fresh.drain(..known);
-            return false;
-        }
-        self.fresh.clear();
-        flight.is_answered(ids, system)
+        (least, waits)
     }
 
     /// Takes in a step that waits. Steps that deliver nothing wait only to be counted: those in a row wait as one.
-    pub(crate) fn push(&mut self, flight: &Flight, (ids, system): (&[usize], &mut MemorySystem)) {
-        for look_up in self.fresh.drain(..) {
-            self.look_ups[look_up.client].push_back(look_up);
-        }
+    pub(crate) fn push(&mut self, mut flight: Flight, (ids, system): (&[usize], &mut MemorySystem)) {
         match self.steps.back_mut() {
             Some(last) if last.delivery.outputs | flight.delivery.outputs == 0 => {
                 for i in 0..ids.len() {
@@ -140,7 +149,12 @@ impl Flights {
                     last.reads[i] = last.reads[i].max(flight.reads[i]);
                 }
             }
-            _ => self.steps.push_back(flight.clone()),
+            _ => {
+                for (served, &client) in flight.served.iter_mut().zip(ids) {
+                    *served = system.served(client);
+                }
+                self.steps.push_back(flight);
+            }
         }
         if self.steps.len() == 1 {
             self.keep_answers(ids, system);
@@ -193,6 +207,25 @@ impl Flights {
             system.keep_from(client, self.steps.front().map_or(u64::MAX, |flight| flight.served[i]));
         }
     }
+}
+
+/// Issues the direct requests of a step; whether it waits for any.
+#[inline]
+fn issue_requests(
+    flight: &mut Flight,
+    start: Cycle,
+    (ids, system): (&[usize], &mut MemorySystem),
+    traffic: &Traffic,
+) -> bool {
+    let mut waits = false;
+    for r in &traffic.requests {
+        let number = system.issue(ids[r.client as usize], start, r.address, r.bytes, r.write);
+        if !r.write {
+            flight.reads[r.client as usize] = number + 1;
+            waits = true;
+        }
+    }
+    waits
 }
 
 /// Takes in the answers to a step's look-ups, unless one ahead of it on the same client is `stuck` (a bit each).

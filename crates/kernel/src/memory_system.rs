@@ -2,13 +2,13 @@
 
 use crate::cache::{Cache, LookUp};
 use crate::memory::{Memory, Port};
-use crate::{CacheConfig, Cycle, MemoryConfig, Request};
+use crate::{CacheConfig, Cycle, MemoryConfig};
 
 /// A client: a port, with or without a cache in front of it.
-#[derive(Clone, Copy, Debug)]
-struct Client {
-    port: usize,
-    cache: Option<usize>,
+#[derive(Clone, Debug)]
+pub(crate) struct Client {
+    pub(crate) port: Port,
+    pub(crate) cache: Option<Cache>,
 }
 
 /// The memories of a machine.
@@ -18,9 +18,34 @@ struct Client {
 #[derive(Clone, Debug, Default)]
 pub struct MemorySystem {
     memories: Vec<Memory>,
-    ports: Vec<Port>,
-    caches: Vec<Cache>,
     clients: Vec<Client>,
+}
+
+/// A client that has a cache, with all that a look-up touches.
+pub(crate) struct Cached<'a> {
+    pub(crate) cache: &'a mut Cache,
+    port: &'a mut Port,
+    memory: &'a mut Memory,
+}
+
+impl Cached<'_> {
+    /// Looks a line up for a step that starts at `start`.
+    #[inline(always)]
+    pub(crate) fn look_up(&mut self, line: u64, start: Cycle) -> LookUp {
+        let Self { cache, port, memory } = self;
+        let found = cache.look_up(line, port.issued);
+        let request = found.unwrap_or_else(|| {
+            let bytes = cache.config.line_bytes;
+            memory.queued += 1;
+            let request = port.issue(start, line * u64::from(bytes), bytes, false);
+            // With others, their order would have to be known.
+            if memory.private && memory.ports.len() == 1 {
+                memory.serve(port);
+            }
+            request
+        });
+        LookUp { start, request, fill: port.answer(request), missed: found.is_none() }
+    }
 }
 
 impl MemorySystem {
@@ -32,10 +57,10 @@ impl MemorySystem {
 
     /// Adds a client with a port of its own on `memory`; returns the client's number.
     pub fn add_client(&mut self, name: &str, memory: usize, outstanding: u32) -> usize {
-        self.ports.push(Port::new(name, memory, outstanding));
-        self.memories[memory].ports.push(self.ports.len() - 1);
-        self.clients.push(Client { port: self.ports.len() - 1, cache: None });
-        self.clients.len() - 1
+        let number = self.clients.len();
+        self.memories[memory].ports.push(number);
+        self.clients.push(Client { port: Port::new(name, memory, outstanding), cache: None });
+        number
     }
 
     /// Adds a client whose reads go through a cache of its own.
@@ -48,8 +73,7 @@ impl MemorySystem {
         cache: &CacheConfig,
     ) -> usize {
         let client = self.add_client(name, memory, outstanding);
-        self.caches.push(Cache::new(cache_name, cache));
-        self.clients[client].cache = Some(self.caches.len() - 1);
+        self.clients[client].cache = Some(Cache::new(cache_name, cache));
         client
     }
 
@@ -65,29 +89,25 @@ impl MemorySystem {
 
     /// Name of the cache in front of a client's port, where there is one.
     pub fn cache_name(&self, client: usize) -> Option<&str> {
-        self.clients[client].cache.map(|c| self.caches[c].name.as_str())
+        self.clients[client].cache.as_ref().map(|c| c.name.as_str())
     }
 
     pub(crate) fn memories(&self) -> &[Memory] {
         &self.memories
     }
 
-    pub(crate) fn ports(&self) -> &[Port] {
-        &self.ports
-    }
-
-    pub(crate) fn caches(&self) -> &[Cache] {
-        &self.caches
+    pub(crate) fn clients(&self) -> &[Client] {
+        &self.clients
     }
 
     #[inline]
     fn port(&self, client: usize) -> &Port {
-        &self.ports[self.clients[client].port]
+        &self.clients[client].port
     }
 
     /// Memory and port of a client: the order in which a step's answers are listed.
     pub(crate) fn service_rank(&self, client: usize) -> (usize, usize) {
-        (self.port(client).memory, self.clients[client].port)
+        (self.port(client).memory, client)
     }
 
     /// Marks the memories that a single stage uses; `stages` lists each stage's clients.
@@ -123,65 +143,50 @@ impl MemorySystem {
     /// Keeps a client's answers from request `number` on, for steps in flight.
     #[inline]
     pub(crate) fn keep_from(&mut self, client: usize, number: u64) {
-        self.ports[self.clients[client].port].keep_from = number;
+        self.clients[client].port.keep_from = number;
     }
 
     /// A direct request; returns its number.
     #[inline]
     pub(crate) fn issue(&mut self, client: usize, arrival: Cycle, address: u64, bytes: u32, write: bool) -> u64 {
-        let port = &mut self.ports[self.clients[client].port];
+        let port = &mut self.clients[client].port;
         self.memories[port.memory].queued += 1;
         port.issue(arrival, address, bytes, write)
     }
 
     /// Cycles that a client's cache takes for this many look-ups.
     #[inline]
-    pub(crate) fn look_up_cycles(&self, client: usize, look_ups: u64) -> u64 {
-        let per_cycle = self.clients[client].cache.map_or(1, |c| u64::from(self.caches[c].config.lookups_per_cycle.max(1)));
+    pub(crate) fn look_up_cycles(&self, client: usize, look_ups: u32) -> u64 {
+        let per_cycle = self.clients[client].cache.as_ref().map_or(1, |c| c.config.lookups_per_cycle.max(1));
         // A division takes longer than all the rest.
-        if look_ups <= per_cycle { 1 } else { look_ups.div_ceil(per_cycle) }
+        if look_ups <= per_cycle { 1 } else { u64::from(look_ups.div_ceil(per_cycle)) }
     }
 
-    /// Looks up the lines that a request of a step touches and that the step has not looked up yet (`fresh` lists those it
-    /// has), and tells how many these are. `ids`: the clients of the unit.
+    /// A client's cache; `None` where it has none.
     #[inline(always)]
-    pub(crate) fn look_up(&mut self, ids: &[usize], request: &Request, start: Cycle, fresh: &mut Vec<LookUp>) -> u64 {
-        let client = request.client as usize;
-        let Client { port, cache } = self.clients[ids[client]];
-        let Some(cache) = cache.map(|c| &mut self.caches[c]) else { return 0 };
-        let port = &mut self.ports[port];
-        let memory = &mut self.memories[port.memory];
-        let (first, last) = cache.lines(request.address, request.bytes);
-        let before = fresh.len();
-        for line in first..last + 1 {
-            if fresh.iter().any(|l| l.line == line && l.client == client) {
-                continue;
-            }
-            let bytes = cache.config.line_bytes;
-            let (request, missed) = cache.look_up(line, || {
-                memory.queued += 1;
-                port.issue(start, line * u64::from(bytes), bytes, false)
-            });
-            fresh.push(LookUp { client, line, start, request, fill: port.answer(request), missed });
-        }
-        (fresh.len() - before) as u64
+    pub(crate) fn cached(&mut self, client: usize) -> Option<Cached<'_>> {
+        let Client { port, cache } = &mut self.clients[client];
+        Some(Cached { cache: cache.as_mut()?, memory: &mut self.memories[port.memory], port })
     }
 
     /// The answer of a look-up, if its fill is known by now. To be asked in order of look-up.
     #[inline(always)]
     pub(crate) fn resolve(&mut self, client: usize, look_up: &LookUp) -> Option<Cycle> {
-        let Client { port, cache } = self.clients[client];
-        let fill = if look_up.fill.is_known() { look_up.fill } else { self.ports[port].answer(look_up.request) };
-        if fill.is_known() { Some(self.caches[cache?].resolve(look_up, fill)) } else { None }
+        let Client { port, cache } = &mut self.clients[client];
+        let fill = if look_up.fill.is_known() { look_up.fill } else { port.answer(look_up.request) };
+        if fill.is_known() { Some(cache.as_mut()?.resolve(look_up, fill)) } else { None }
     }
 
-    /// Serves at once what a client's memory has queued, if no other stage uses that memory.
-    #[inline(always)]
-    pub(crate) fn serve_if_private(&mut self, client: usize) {
-        let memory = self.port(client).memory;
-        if self.memories[memory].queued > 0 && self.memories[memory].private {
-            self.serve_before(memory, Cycle::UNKNOWN);
+    /// Serves at once what a client's memory has queued, if no other stage uses that memory; whether there was any.
+    #[inline]
+    pub(crate) fn serve_if_private(&mut self, client: usize) -> bool {
+        let number = self.port(client).memory;
+        let memory = &self.memories[number];
+        let serves = memory.queued > 0 && memory.private;
+        if serves {
+            self.serve_before(number, Cycle::UNKNOWN);
         }
+        serves
     }
 
     /// Serves every request that no request still to come can precede, and tells whether there was any.
@@ -191,7 +196,7 @@ impl MemorySystem {
     /// memory can still give, and so do its own requests. All that arrive before that are served now.
     pub(crate) fn serve_safe(&mut self) -> bool {
         let waiting = self.memories.iter().filter(|m| m.queued > 0);
-        let first_arrival = |m: &Memory| m.ports.iter().filter_map(|&p| self.ports[p].next_arrival()).min();
+        let first_arrival = |m: &Memory| m.ports.iter().filter_map(|&p| self.clients[p].port.next_arrival()).min();
         let horizon = waiting.filter_map(|m| Some(m.earliest_answer(first_arrival(m)?))).min();
         let Some(horizon) = horizon else { return false };
         for memory in 0..self.memories.len() {
@@ -202,12 +207,12 @@ impl MemorySystem {
 
     /// Serves what arrived at `memory` before `horizon`, in order of (arrival, port number, issue).
     fn serve_before(&mut self, memory: usize, horizon: Cycle) {
-        let (memory, ports) = (&mut self.memories[memory], &mut self.ports);
+        let (memory, clients) = (&mut self.memories[memory], &mut self.clients);
         while memory.queued > 0 {
-            let waiting = memory.ports.iter().filter_map(|&p| Some((ports[p].next_arrival()?, p)));
+            let waiting = memory.ports.iter().filter_map(|&p| Some((clients[p].port.next_arrival()?, p)));
             // `min_by_key` returns the first of equals, and ports stand in order of number.
             match waiting.min_by_key(|&(arrival, _)| arrival) {
-                Some((arrival, port)) if arrival < horizon => memory.serve(&mut ports[port]),
+                Some((arrival, port)) if arrival < horizon => memory.serve(&mut clients[port].port),
                 _ => return,
             }
         }
@@ -227,6 +232,6 @@ impl MemorySystem {
 
     /// The last answer on any port.
     pub(crate) fn last_answer(&self) -> Cycle {
-        self.ports.iter().map(Port::last_answer).max().unwrap_or(Cycle::ZERO)
+        self.clients.iter().map(|c| c.port.last_answer()).max().unwrap_or(Cycle::ZERO)
     }
 }

@@ -220,7 +220,7 @@ pub(crate) fn conclude<M: Machine>(machine: &mut M, halt: Halt) -> RunReport {
     };
     let system = machine.memories();
     let ports_of = |memory: usize| -> Vec<PortReport> {
-        let ports = system.ports().iter().filter(|p| p.memory == memory);
+        let ports = system.clients().iter().map(|c| &c.port).filter(|p| p.memory == memory);
         ports.map(|p| PortReport { client: p.name.clone(), counts: p.counts }).collect()
     };
     RunReport {
@@ -232,7 +232,10 @@ pub(crate) fn conclude<M: Machine>(machine: &mut M, halt: Halt) -> RunReport {
         memories: (system.memories().iter().enumerate())
             .map(|(m, memory)| MemoryReport { name: memory.name.clone(), ports: ports_of(m) })
             .collect(),
-        caches: system.caches().iter().map(|c| CacheReport { name: c.name.clone(), counts: c.counts }).collect(),
+        caches: (system.clients().iter())
+            .filter_map(|c| c.cache.as_ref())
+            .map(|c| CacheReport { name: c.name.clone(), counts: c.counts })
+            .collect(),
     }
 }
 

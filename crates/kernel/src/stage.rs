@@ -199,12 +199,17 @@ impl Clock {
         let ids = clients.ids();
         let Some(system) = clients.system_mut() else { return 1 };
         let mut flight = Flight::new(delivery);
-        let least = self.flights.issue(&mut flight, start, (ids, system), traffic);
+        let (least, at_once) = self.flights.issue(&mut flight, start, (ids, system), traffic);
+        let requests = !traffic.requests.is_empty();
         traffic.clear();
-        if self.flights.is_answered_at_once(&mut flight, (ids, system)) {
+        if at_once {
             deliver_answered(&mut self.frame_ends, &flight, delivery.outputs, outputs);
         } else {
-            self.flights.push(&flight, (ids, system));
+            self.flights.push(flight, (ids, system));
+        }
+        // Private memories answer at once, and so the step may land.
+        if (requests || !at_once) && ids.iter().fold(false, |any, &client| system.serve_if_private(client) | any) {
+            self.land_known(outputs, clients);
         }
         least
     }
