@@ -5,9 +5,17 @@
 //! | [`bump`] | Sony's quantized bump-mapping processor | [`bump::BumpProcessor`] |
 
 pub mod bump;
+mod config;
 mod counts;
+mod front;
+mod problem;
+mod unit_info;
 
+pub use config::{ClockConfig, ReferenceConfig, ReferenceFilter};
 pub use counts::Counts;
+pub use front::{FrontConfig, FrontEnd, SceneFront, TraceFront};
+pub use problem::ConfigProblem;
+pub use unit_info::UnitInfo;
 
 use basrelief_kernel::{Fifo, FifoConfig};
 

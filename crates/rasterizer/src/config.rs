@@ -2,9 +2,6 @@
 
 use basrelief_parameters::parameters;
 
-/// Largest side of a block of the traversal \[pixels\].
-pub const MAX_BLOCK: usize = 8;
-
 parameters! {
     /// Rasterizer.
     pub struct RasterizerConfig {

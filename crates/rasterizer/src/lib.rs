@@ -11,9 +11,7 @@
 pub mod config;
 pub mod distributor;
 pub mod state;
-pub mod triangle;
 pub mod unit;
-pub mod walk;
 
 pub use config::RasterizerConfig;
 pub use distributor::{Distributor, DistributorState};

@@ -1,6 +1,6 @@
 //! State of the rasterizer.
 
-use crate::walk::Walk;
+use basrelief_shading::Scan;
 use basrelief_signals::Polygon;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -23,16 +23,10 @@ pub struct RasterizerCounters {
 pub struct RasterizerState {
     /// Width and height of the frame \[pixels\].
     pub screen: [u32; 2],
-    /// The polygon that is part-way, if any; the walk stands on its next fragment.
+    /// The polygon that is part-way, if any; the scan stands on its next fragment.
     pub polygon: Option<Arc<Polygon>>,
-    /// Its winding on the sub-pixel grid, +-1.
-    pub winding: i64,
-    /// Snapping has bent it so that triangles of its fan overlap.
-    pub folded: bool,
-    /// Number of the triangle of its fan that comes next.
-    pub next_triangle: u16,
-    /// Traversal of the current triangle.
-    pub walk: Walk,
+    /// Its traversal.
+    pub scan: Scan,
     /// Counters.
     pub counters: RasterizerCounters,
 }

@@ -2,18 +2,14 @@
 
 use crate::config::RasterizerConfig;
 use crate::state::RasterizerState;
-use crate::triangle::{Edges, Raster, Triangle, doubled_area, snap};
-use crate::walk::Walk;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_shading::fan_triangle;
-use basrelief_signals::{Control, Flow, Fragment, Polygon, layout};
+use basrelief_shading::{Raster, Scan, fan_triangles};
+use basrelief_signals::{Control, Flow, Fragment, Polygon};
 use std::sync::Arc;
 
 /// Polygons in, fragments out: one per step, in order, behind the control token of their polygon.
 ///
-/// Fill rule: a pixel belongs to a polygon when its centre lies inside, or on a top or left edge. Polygons that share an
-/// edge neither share nor miss a pixel of it, also where snapping to the sub-pixel grid has made one slightly concave.
-/// A polygon's winding is that of its snapped outline; one without area has no fragments, its control token passes.
+/// Which pixels belong to a polygon, [`Scan`] says; of one without any, the control token passes.
 #[derive(Clone, Debug, Default)]
 pub struct Rasterizer {
     /// Parameters.
@@ -32,7 +28,7 @@ impl Rasterizer {
     fn take(&mut self, control: &Control) -> u64 {
         match control {
             Control::Frame(frame) => {
-                self.state.screen = [frame.width, frame.height].map(|side| side.min(layout::MAX_SIDE));
+                self.state.screen = [frame.width, frame.height];
                 1
             }
             Control::Polygon(polygon) => self.begin(polygon),
@@ -41,19 +37,11 @@ impl Rasterizer {
     }
 
     fn begin(&mut self, polygon: &Arc<Polygon>) -> u64 {
-        let triangles = triangles(polygon);
+        let triangles = fan_triangles(polygon);
         self.state.counters.polygons += 1;
         self.state.counters.triangles += u64::from(triangles);
-        let bits = self.config.subpixel_bits;
-        let area = |t| fan_triangle(polygon, t).map_or(0, |v| doubled_area(v.map(|v| snap(v, bits))));
-        let (positive, negative) = (0..triangles).map(area).fold((0i64, 0i64), |(p, n), a| {
-            // A damaged trace can wind so often that the sum leaves the range.
-            (p.saturating_add(a.max(0)), n.saturating_add(a.min(0)))
-        });
-        self.state.winding = (positive + negative).signum();
-        self.state.folded = positive > 0 && negative < 0;
-        self.state.walk = Walk::default();
-        self.state.next_triangle = 0;
+        let RasterizerConfig { subpixel_bits, z_bits, block, .. } = self.config;
+        self.state.scan = Scan::new(polygon, Raster::new(self.state.screen, subpixel_bits, z_bits, block));
         self.state.polygon = Some(Arc::clone(polygon));
         self.advance();
         (u64::from(self.config.setup_cycles) * u64::from(triangles)).max(1)
@@ -62,49 +50,10 @@ impl Rasterizer {
     /// On to the next fragment of the polygon; past the last, the unit is ready for the next control token.
     #[inline]
     fn advance(&mut self) {
-        loop {
-            while self.state.walk.advance() {
-                if !self.state.folded || self.owns_pixel() {
-                    return;
-                }
-            }
-            if !self.enter_triangle() {
-                self.state.polygon = None;
-                return;
-            }
+        let RasterizerState { polygon, scan, .. } = &mut self.state;
+        if !polygon.as_ref().is_some_and(|polygon| scan.advance(polygon)) {
+            *polygon = None;
         }
-    }
-
-    /// Sets up the next triangle of the fan that has pixels.
-    fn enter_triangle(&mut self) -> bool {
-        let Some(polygon) = &self.state.polygon else { return false };
-        let raster = Raster {
-            screen: self.state.screen,
-            bits: self.config.subpixel_bits,
-            z_max: u32::MAX >> 32u32.saturating_sub(self.config.z_bits).min(31),
-        };
-        let set_up = |t| Triangle::new(fan_triangle(polygon, t)?, t, self.state.winding, raster);
-        let Some(triangle) = (self.state.next_triangle..triangles(polygon)).find_map(set_up) else { return false };
-        self.state.next_triangle = triangle.number() + 1;
-        self.state.walk = Walk::new(triangle, self.config.block);
-        true
-    }
-
-    /// In a folded polygon, triangles of the fan overlap: a pixel is inside where more of them wind with the polygon
-    /// than against it, and it goes to the first that winds with it.
-    fn owns_pixel(&self) -> bool {
-        let Some(polygon) = &self.state.polygon else { return false };
-        let [x, y] = self.state.walk.pixel();
-        let bits = self.config.subpixel_bits;
-        let covers = |t, sign| {
-            let edges = fan_triangle(polygon, t).and_then(|v| Edges::new(v.map(|v| snap(v, bits)), sign, bits));
-            edges.is_some_and(|e| e.covers(x, y))
-        };
-        let with = |t: &u16| covers(*t, self.state.winding);
-        let against = |t: &u16| covers(*t, -self.state.winding);
-        let all = 0..triangles(polygon);
-        let first = all.clone().find(with);
-        first == Some(self.state.walk.triangle.number()) && all.clone().filter(with).count() > all.filter(against).count()
     }
 
     #[inline]
@@ -112,15 +61,10 @@ impl Rasterizer {
         let polygon = self.state.polygon.as_ref()?;
         self.state.counters.fragments += 1;
         self.state.counters.bump_fragments += u64::from(polygon.bump);
-        let fragment = self.state.walk.fragment();
+        let fragment = self.state.scan.walk.fragment();
         self.advance();
         Some(fragment)
     }
-}
-
-/// Triangles of the polygon's fan.
-fn triangles(polygon: &Polygon) -> u16 {
-    u16::try_from(polygon.vertices.len().saturating_sub(2)).unwrap_or(u16::MAX)
 }
 
 impl Unit for Rasterizer {

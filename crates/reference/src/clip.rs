@@ -26,6 +26,12 @@ pub(crate) struct ClipVertex {
     pub attributes: Attributes,
 }
 
+impl AsMut<Attributes> for ClipVertex {
+    fn as_mut(&mut self) -> &mut Attributes {
+        &mut self.attributes
+    }
+}
+
 /// Whether a vertex lies inside all planes.
 pub(crate) fn inside(vertex: &ClipVertex) -> bool {
     PLANES.iter().all(|plane| plane.dot(vertex.position) >= 0.0)

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TextureFilter {
+    /// No texture at all, normal maps included: the factor of the material times the vertex colour is left.
+    None,
     /// The texel of level 0 that holds the sample point.
     Nearest,
     /// Four texels of level 0, weighted.
@@ -29,6 +31,24 @@ pub enum Components {
     Separate,
 }
 
+/// How the normal of a pixel comes about, and where light is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Shading {
+    /// Per pixel: the interpolated normal, tilted by the normal map where the material has one.
+    #[default]
+    NormalMap,
+    /// Per pixel: the interpolated normal, renormalised (Phong). Normal maps are not looked at.
+    Phong,
+    /// At the vertices; what the two terms make of the vertex colour is interpolated perspective-correctly (Gouraud).
+    Gouraud,
+    /// Once per polygon: with its geometric normal in world space, its vertices counter-clockwise around it, as OpenGL
+    /// programs draw flat shading. That of a mirrored object points inwards.
+    Face,
+    /// Once per polygon: the mean over its vertices (constant shading of the shading device).
+    Mean,
+}
+
 /// Options of an exact picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -40,4 +60,20 @@ pub struct Options {
     /// Reverses the normals of back faces, as glTF asks of double-sided materials. Off by default: neither the
     /// machines nor the Mesa tool that these pictures are checked against do it.
     pub two_sided_lighting: bool,
+}
+
+/// All that an exact picture depends on, beside what is drawn. [`Options`] alone stand for shading by normal maps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Style {
+    /// Where light is computed.
+    pub shading: Shading,
+    /// What is done at a pixel.
+    pub options: Options,
+}
+
+impl From<Options> for Style {
+    fn from(options: Options) -> Self {
+        Self { options, ..Self::default() }
+    }
 }

@@ -1,23 +1,25 @@
 //! The exact picture of a display list.
 
-use crate::raster::Corner;
+use crate::raster::{Corner, doubled_area};
 use crate::renderer::Renderer;
-use crate::surface::{Attributes, Surface};
-use crate::{Options, Picture};
+use crate::surface::{Attributes, Lit, Surface, face_normal};
+use crate::{Picture, Style};
 use basrelief_signals::{Frame, Material, ObjectInfo, Polygon, Vertex};
-use glam::{DVec2, DVec3};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::sync::Arc;
 
 /// Draws window-space polygons as they stream by; memory does not grow with their number.
 ///
 /// Polygons are clipped and culled already, and drawn whatever their winding; counter-clockwise on the screen counts as
-/// the front where [`Options::two_sided_lighting`] asks. Bump flag, LOD, vertex brightness and arrival are the
+/// the front where [`two_sided_lighting`](crate::Options::two_sided_lighting) asks. Bump flag, LOD, vertex brightness and arrival are the
 /// machines' business and not looked at. Coordinates that are not finite leave their triangle out.
 #[derive(Clone, Debug)]
 pub struct PolygonRenderer {
     size: [u32; 2],
-    options: Options,
+    style: Style,
     frame: Option<Arc<Frame>>,
+    /// World from window coordinates.
+    unproject: DMat4,
     centre: [f32; 3],
     material: Option<Arc<Material>>,
     renderer: Renderer,
@@ -25,11 +27,12 @@ pub struct PolygonRenderer {
 
 impl PolygonRenderer {
     /// A renderer of pictures of `width` x `height` pixels.
-    pub fn new(width: u32, height: u32, options: Options) -> Self {
+    pub fn new(width: u32, height: u32, style: impl Into<Style>) -> Self {
         Self {
             size: [width, height],
-            options,
+            style: style.into(),
             frame: None,
+            unproject: DMat4::IDENTITY,
             centre: [0.0; 3],
             material: None,
             renderer: Renderer::new(width, height),
@@ -39,6 +42,7 @@ impl PolygonRenderer {
     /// View and lights of the polygons that follow. Polygons ahead of the first frame are not drawn. Call
     /// [`PolygonRenderer::finish`] between the frames of a sequence.
     pub fn frame(&mut self, frame: &Frame) {
+        self.unproject = unproject(frame);
         self.frame = Some(Arc::new(frame.clone()));
         self.material = None;
     }
@@ -53,14 +57,17 @@ impl PolygonRenderer {
     pub fn polygon(&mut self, polygon: &Polygon) {
         if !self.material.as_ref().is_some_and(|current| Arc::ptr_eq(current, &polygon.material)) {
             let Some(frame) = &self.frame else { return };
-            self.renderer.surface(Surface::new(self.options, frame, &polygon.material, self.centre));
+            self.renderer.surface(Surface::new(self.style, frame, &polygon.material, self.centre));
             self.material = Some(polygon.material.clone());
         }
-        let Some((first, rest)) = polygon.vertices.split_first() else { return };
+        let mut corners: Vec<_> = polygon.vertices.iter().map(corner).collect();
+        let place = |c: &Corner| self.unproject.project_point3(c.window.extend(c.depth));
+        let face = |corners: &[Corner]| face_normal(&corners.iter().map(place).collect::<Vec<_>>());
+        let back = clockwise(&corners);
+        self.renderer.light(&mut corners, face, back);
+        let Some((first, rest)) = corners.split_first() else { return };
         for pair in rest.windows(2) {
-            if let [second, third] = pair {
-                self.renderer.triangle([first, second, third].map(corner), false, false);
-            }
+            self.renderer.triangle([*first, pair[0], pair[1]], false, false);
         }
     }
 
@@ -70,6 +77,23 @@ impl PolygonRenderer {
         self.material = None;
         std::mem::replace(&mut self.renderer, Renderer::new(width, height)).finish()
     }
+}
+
+/// World from window coordinates and depth.
+fn unproject(frame: &Frame) -> DMat4 {
+    let to_clip = DMat4::from_cols(
+        DVec4::X * (2.0 / f64::from(frame.width)),
+        DVec4::Y * (-2.0 / f64::from(frame.height)),
+        DVec4::Z * 2.0,
+        DVec4::new(-1.0, 1.0, -1.0, 1.0),
+    );
+    DMat4::from_cols_array(&frame.camera.view_projection).transpose().inverse() * to_clip
+}
+
+/// Whether a polygon runs clockwise on the screen.
+fn clockwise(corners: &[Corner]) -> bool {
+    let area = |pair: &[Corner]| doubled_area([corners[0].window, pair[0].window, pair[1].window]);
+    corners.windows(2).skip(1).map(area).sum::<f64>() > 0.0
 }
 
 fn corner(vertex: &Vertex) -> Corner {
@@ -87,6 +111,7 @@ fn corner(vertex: &Vertex) -> Corner {
             uv: DVec2::from(vertex.uv.map(f64::from)),
             uv_normal: DVec2::from(vertex.uv_normal.map(f64::from)),
             color: DVec3::new(r, g, b),
+            lit: Lit::default(),
         },
     }
 }

@@ -22,6 +22,12 @@ pub(crate) struct Corner {
     pub attributes: Attributes,
 }
 
+impl AsMut<Attributes> for Corner {
+    fn as_mut(&mut self) -> &mut Attributes {
+        &mut self.attributes
+    }
+}
+
 impl Corner {
     fn is_finite(&self) -> bool {
         self.window.is_finite() && self.depth.is_finite() && self.inverse_w.is_finite()

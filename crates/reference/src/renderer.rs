@@ -2,7 +2,8 @@
 
 use crate::Picture;
 use crate::raster::{Corner, Triangle};
-use crate::surface::Surface;
+use crate::surface::{Attributes, Surface};
+use glam::DVec3;
 use std::ops::Range;
 
 /// Triangles held before they are drawn: bounds the memory of a stream (some 6 MB) and lets most hidden pixels go
@@ -43,6 +44,13 @@ impl Renderer {
             self.surfaces.pop();
         }
         self.surfaces.push(surface);
+    }
+
+    /// Lights the vertices of a polygon of the surface set last, as [`Surface::light`].
+    pub fn light<V: AsMut<Attributes>>(&self, vertices: &mut [V], face: impl FnOnce(&[V]) -> DVec3, back: bool) {
+        if let Some(surface) = self.surfaces.last() {
+            surface.light(vertices, face, back);
+        }
     }
 
     /// Draws a triangle of the surface set last. `mirrored`: the winding of front faces is clockwise on the screen;
@@ -163,10 +171,9 @@ fn for_each<'a>(bands: impl Iterator<Item = Band<'a>>, draw: impl Fn(Band<'a>)) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Options;
-    use crate::surface::Attributes;
+    use crate::Style;
     use basrelief_signals::{Camera, Frame, Material};
-    use glam::{DVec2, DVec3};
+    use glam::DVec2;
 
     fn corner(x: f64, y: f64, depth: f64) -> Corner {
         let attributes = Attributes { color: DVec3::new(x / 64.0, y / 48.0, depth), ..Attributes::default() };
@@ -179,7 +186,7 @@ mod tests {
         let frame = Frame { index: 0, width: 64, height: 48, camera, lights: Vec::new() };
         let material = Material { base_color: [9.0; 4], ..Material::default() };
         let mut renderer = Renderer::new(64, 48);
-        renderer.surface(Surface::new(Options::default(), &frame, &material, [0.0; 3]));
+        renderer.surface(Surface::new(Style::default(), &frame, &material, [0.0; 3]));
         renderer.triangle([corner(3.0, 2.0, 0.1), corner(60.0, 20.0, 0.9), corner(20.0, 45.0, 0.5)], false, false);
         renderer.triangle([corner(1.0, 40.0, 0.6), corner(63.0, 30.0, 0.2), corner(20.0, 3.0, 0.8)], false, false);
         let pictures = [1, 5, 48, 100].map(|rows| {

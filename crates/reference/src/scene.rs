@@ -3,8 +3,8 @@
 use crate::clip::{ClipVertex, clipped, inside};
 use crate::raster::Corner;
 use crate::renderer::Renderer;
-use crate::surface::{Attributes, Surface};
-use crate::{Options, Picture};
+use crate::surface::{Attributes, Lit, Surface, face_normal};
+use crate::{Picture, Style};
 use basrelief_signals::{Frame, Mesh, Object, Scene};
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
@@ -13,10 +13,11 @@ use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 /// Vertex normals and tangents are brought to world space and normalised there, then interpolated unnormalised. Where
 /// the world transform mirrors, front faces stay front faces; the handedness of tangents is taken as stored, as glTF
 /// viewers do. Triangles whose indices or coordinates make no sense are left out.
-pub fn draw_scene(scene: &Scene, frame: &Frame, options: &Options) -> Picture {
+pub fn draw_scene(scene: &Scene, frame: &Frame, style: &(impl Into<Style> + Copy)) -> Picture {
+    let style = (*style).into();
     let mut renderer = Renderer::new(frame.width, frame.height);
     for object in &scene.objects {
-        draw_object(&mut renderer, object, frame, *options);
+        draw_object(&mut renderer, object, frame, style);
     }
     renderer.finish()
 }
@@ -30,24 +31,35 @@ pub fn object_centre(object: &Object) -> [f32; 3] {
     ((low + high) * 0.5).as_vec3().to_array()
 }
 
-fn draw_object(renderer: &mut Renderer, object: &Object, frame: &Frame, options: Options) {
+fn draw_object(renderer: &mut Renderer, object: &Object, frame: &Frame, style: Style) {
     let world = row_major(&object.world);
     let mirrored = DMat3::from_mat4(world).determinant() < 0.0;
     let cull = !object.material.double_sided;
-    renderer.surface(Surface::new(options, frame, &object.material, object_centre(object)));
-    let vertices = transformed(&object.mesh, world, row_major(&frame.camera.view_projection));
+    renderer.surface(Surface::new(style, frame, &object.material, object_centre(object)));
+    let mesh = &object.mesh;
+    let vertices = transformed(mesh, world, row_major(&frame.camera.view_projection));
     let size = DVec2::new(f64::from(frame.width), f64::from(frame.height));
-    for indices in object.mesh.indices.chunks_exact(3) {
-        let [Some(a), Some(b), Some(c)] = [0, 1, 2].map(|i| vertices.get(indices[i] as usize)) else { continue };
-        if [a, b, c].into_iter().all(inside) {
-            renderer.triangle([a, b, c].map(|v| projected(v, size)), mirrored, cull);
+    for indices in mesh.indices.as_chunks::<3>().0 {
+        let [Some(a), Some(b), Some(c)] = indices.map(|i| vertices.get(i as usize)) else { continue };
+        let mut triangle = [*a, *b, *c];
+        let face = |_: &[_]| face_normal(&indices.map(|i| world.transform_point3(wide(mesh.positions[i as usize]))));
+        let back = clockwise(&triangle) != mirrored;
+        renderer.light(&mut triangle, face, back);
+        if triangle.iter().all(inside) {
+            renderer.triangle(triangle.map(|v| projected(&v, size)), mirrored, cull);
             continue;
         }
-        let polygon: Vec<_> = clipped([*a, *b, *c]).iter().map(|v| projected(v, size)).collect();
+        let polygon: Vec<_> = clipped(triangle).iter().map(|v| projected(v, size)).collect();
         for pair in polygon.windows(2).skip(1) {
             renderer.triangle([polygon[0], pair[0], pair[1]], mirrored, cull);
         }
     }
+}
+
+/// Whether the visible part of a triangle, be it clipped, has its vertices clockwise on the screen.
+fn clockwise(triangle: &[ClipVertex; 3]) -> bool {
+    let [a, b, c] = triangle.each_ref().map(|v| DVec3::new(v.position.x, v.position.y, v.position.w));
+    a.dot(b.cross(c)) < 0.0
 }
 
 fn transformed(mesh: &Mesh, world: DMat4, view_projection: DMat4) -> Vec<ClipVertex> {
@@ -65,6 +77,7 @@ fn transformed(mesh: &Mesh, world: DMat4, view_projection: DMat4) -> Vec<ClipVer
                 uv: mesh.uv.get(i).map_or(DVec2::ZERO, |uv| DVec2::from(uv.map(f64::from))),
                 uv_normal: mesh.uv_normal.get(i).map_or(DVec2::ZERO, |uv| DVec2::from(uv.map(f64::from))),
                 color: DVec3::new(r, g, b),
+                lit: Lit::default(),
             },
         }
     };

@@ -3,7 +3,7 @@
 use crate::light::Illumination;
 use crate::picture::to_8_bits;
 use crate::texture::{Footprint, sample};
-use crate::{Components, Options};
+use crate::{Components, Shading, Style, TextureFilter};
 use basrelief_signals::{Frame, Material, Texture};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -17,6 +17,24 @@ pub(crate) struct Attributes {
     pub uv: DVec2,
     pub uv_normal: DVec2,
     pub color: DVec3,
+    /// Light on the vertex, where it is not computed per pixel.
+    pub lit: Lit,
+}
+
+/// What light makes of a vertex colour: the two terms of the lighting formula, ahead of factor and texture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Lit {
+    /// Ambient and diffuse, times the vertex colour.
+    pub diffuse: DVec3,
+    /// Specular; times the vertex colour where the components are combined.
+    pub specular: DVec3,
+}
+
+impl Lit {
+    fn add(&mut self, other: &Self, weight: f64) {
+        self.diffuse += other.diffuse * weight;
+        self.specular += other.specular * weight;
+    }
 }
 
 impl Attributes {
@@ -30,6 +48,7 @@ impl Attributes {
             sum.uv += part.uv * weight;
             sum.uv_normal += part.uv_normal * weight;
             sum.color += part.color * weight;
+            sum.lit.add(&part.lit, weight);
         }
         sum
     }
@@ -48,7 +67,7 @@ pub(crate) struct Point {
 /// A material under the lights of its frame, at the place of its object.
 #[derive(Clone, Debug)]
 pub(crate) struct Surface {
-    options: Options,
+    style: Style,
     base: DVec3,
     color_texture: Option<Arc<Texture>>,
     normal_map: Option<Arc<Texture>>,
@@ -57,40 +76,79 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    pub fn new(options: Options, frame: &Frame, material: &Material, centre: [f32; 3]) -> Self {
+    pub fn new(style: Style, frame: &Frame, material: &Material, centre: [f32; 3]) -> Self {
         let [r, g, b, _] = material.base_color.map(f64::from);
+        let mapped = style.shading == Shading::NormalMap && style.options.filter != TextureFilter::None;
         Self {
-            options,
+            style,
             base: DVec3::new(r, g, b),
             color_texture: material.color_texture.clone(),
-            normal_map: material.normal_map.clone(),
+            normal_map: material.normal_map.clone().filter(|_| mapped),
             normal_scale: f64::from(material.normal_scale),
             light: Illumination::new(frame, &material.lighting, centre),
         }
     }
 
+    /// Lights the vertices of a polygon, where that is not left to its pixels. `face` is its geometric normal, of any
+    /// length; `back`: it is seen from behind.
+    pub fn light<V: AsMut<Attributes>>(&self, vertices: &mut [V], face: impl FnOnce(&[V]) -> DVec3, back: bool) {
+        let normal = match self.style.shading {
+            Shading::NormalMap | Shading::Phong => return,
+            Shading::Face => Some(face(vertices)),
+            Shading::Gouraud | Shading::Mean => None,
+        };
+        let weight = 1.0 / vertices.len() as f64;
+        let mut mean = Lit::default();
+        for vertex in vertices.iter_mut().map(AsMut::as_mut) {
+            vertex.lit = self.lit(vertex.color, normal.unwrap_or(vertex.normal), back);
+            mean.add(&vertex.lit, weight);
+        }
+        if self.style.shading == Shading::Mean {
+            vertices.iter_mut().for_each(|vertex| vertex.as_mut().lit = mean);
+        }
+    }
+
     /// Colour of a point, 8 bits each.
     pub fn shade(&self, point: &Point) -> [u8; 3] {
-        let mut base = self.base * point.attributes.color;
+        let mut base = self.base;
         if let Some(texture) = &self.color_texture {
-            base *= sample(texture, self.options.filter, &point.uv);
+            base *= sample(texture, self.style.options.filter, &point.uv);
         }
-        let (diffuse, specular) = self.light.on(self.normal(point));
-        let color = match self.options.components {
-            Components::Combined => base * (diffuse + specular),
-            Components::Separate => base * diffuse + specular,
+        let lit = match self.style.shading {
+            Shading::NormalMap | Shading::Phong => self.lit(point.attributes.color, self.normal(point), point.back),
+            Shading::Gouraud | Shading::Face | Shading::Mean => point.attributes.lit,
+        };
+        let color = match self.style.options.components {
+            Components::Combined => base * (lit.diffuse + lit.specular),
+            Components::Separate => base * lit.diffuse + lit.specular,
         };
         color.to_array().map(to_8_bits)
     }
 
+    /// Light on a place of this colour. Normals need not have length 1.
+    fn lit(&self, color: DVec3, normal: DVec3, back: bool) -> Lit {
+        let unit = normal.normalize_or_zero();
+        let (diffuse, specular) = self.light.on(if back && self.style.options.two_sided_lighting { -unit } else { unit });
+        let highlight = match self.style.options.components {
+            Components::Combined => color,
+            Components::Separate => DVec3::ONE,
+        };
+        Lit { diffuse: color * diffuse, specular: highlight * specular }
+    }
+
+    /// The normal before it is normalised.
     fn normal(&self, point: &Point) -> DVec3 {
         let Attributes { normal, tangent, handedness, .. } = point.attributes;
-        let bumped = self.normal_map.as_ref().map_or(normal, |map| {
-            let texel = sample(map, self.options.filter, &point.uv_normal) * 2.0 - 1.0;
+        self.normal_map.as_ref().map_or(normal, |map| {
+            let texel = sample(map, self.style.options.filter, &point.uv_normal) * 2.0 - 1.0;
             let bitangent = normal.cross(tangent) * handedness;
             (tangent * texel.x + bitangent * texel.y) * self.normal_scale + normal * texel.z
-        });
-        let unit = bumped.normalize_or_zero();
-        if point.back && self.options.two_sided_lighting { -unit } else { unit }
+        })
     }
+}
+
+/// Geometric normal of a polygon, of any length: its corners run counter-clockwise around it.
+pub(crate) fn face_normal(corners: &[DVec3]) -> DVec3 {
+    let Some((first, rest)) = corners.split_first() else { return DVec3::ZERO };
+    rest.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum()
 }

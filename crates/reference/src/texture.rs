@@ -17,6 +17,7 @@ pub(crate) fn sample(texture: &Texture, filter: TextureFilter, footprint: &Footp
     let Some(finest) = texture.levels.first() else { return DVec3::ONE };
     let wrap = texture.sampler.wrap;
     let stored = match filter {
+        TextureFilter::None => return DVec3::ONE,
         TextureFilter::Nearest => nearest(finest, wrap, footprint.at),
         TextureFilter::Bilinear => bilinear(finest, wrap, footprint.at),
         TextureFilter::Trilinear => trilinear(texture, level_of_detail(finest, footprint), footprint.at),

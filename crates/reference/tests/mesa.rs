@@ -1,11 +1,12 @@
-//! The exact picture against Mesa, drawn by an independent tool from the same model file.
+//! The exact picture against Mesa, drawn by an independent tool from the same model file: with normal maps, and in flat,
+//! Gouraud and Phong shading.
 //!
 //! Runs where the models and the tool are found (`BASRELIEF_INPUTS`, `BASRELIEF_PICTURE_ORACLE`; by default beside the
 //! workspace, in `../shared`) and `BASRELIEF_PYTHON` (default `python3`) can open a headless OpenGL context; says
 //! loudly that it was skipped where not. Light and camera are the defaults of both sides, which are to agree, too.
 
 use basrelief_reference::metrics::psnr;
-use basrelief_reference::{Components, Options, Picture, TextureFilter, draw_scene};
+use basrelief_reference::{Components, Options, Picture, Shading, Style, TextureFilter, draw_scene};
 use basrelief_scene::{ViewOptions, load_path};
 use basrelief_signals::{Material, Mesh, Object, Scene};
 use std::path::{Path, PathBuf};
@@ -61,13 +62,14 @@ impl Mesa {
         assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
     }
 
-    fn draw(&self, model: &Path, cull: bool) -> Picture {
+    fn draw(&self, model: &Path, style: Style, cull: bool) -> Picture {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let file = |name: &str| folder.path().join(name);
         let mut draw = Command::new(&self.python);
         draw.arg(&self.tool).arg(model).arg(file("mesa.png")).arg("--npz").arg(file("mesa.npz"));
-        draw.args(["--mode", "bump", "--filter", "bilinear", "--size", &SIDE.to_string(), &SIDE.to_string()]);
+        draw.args(["--mode", mode(style.shading), "--filter", "bilinear", "--size", &SIDE.to_string(), &SIDE.to_string()]);
         draw.args(cull.then_some("--cull"));
+        draw.args((style.options.filter == TextureFilter::None).then_some("--unlit-base"));
         self.run(&mut draw);
         let files = [file("mesa.png"), file("mesa.npz"), file("mesa.raw")];
         self.run(Command::new(&self.python).args(["-c", UNPACK]).args(&files));
@@ -79,6 +81,26 @@ impl Mesa {
         }
         picture
     }
+}
+
+/// What the tool calls it. It cannot draw [`Shading::Mean`].
+fn mode(shading: Shading) -> &'static str {
+    match shading {
+        Shading::NormalMap => "bump",
+        Shading::Phong => "phong",
+        Shading::Gouraud => "gouraud",
+        Shading::Face => "flat",
+        Shading::Mean => panic!("no mode of the tool"),
+    }
+}
+
+/// The same scene, white: without its textures the tool leaves out the factors of materials, too.
+fn white(scene: &Scene) -> Scene {
+    let bleached = |object: &Arc<Object>| {
+        let material = Arc::new(Material { base_color: [1.0; 4], ..Material::clone(&object.material) });
+        Arc::new(Object { material, ..Object::clone(object) })
+    };
+    Scene { objects: scene.objects.iter().map(bleached).collect(), ..scene.clone() }
 }
 
 /// The same scene with no back face left out.
@@ -128,9 +150,14 @@ fn load(model: &Path) -> Scene {
     load_path(model, &ViewOptions { size: [SIDE, SIDE], ..ViewOptions::default() }).expect("a valid model")
 }
 
-fn draw(scene: &Scene) -> Picture {
-    let options = Options { filter: TextureFilter::Bilinear, components: Components::Separate, ..Options::default() };
-    draw_scene(scene, &scene.frames[0], &options)
+/// As the tool draws by default.
+const BUMP: Style = Style {
+    shading: Shading::NormalMap,
+    options: Options { filter: TextureFilter::Bilinear, components: Components::Separate, two_sided_lighting: false },
+};
+
+fn draw(scene: &Scene, style: Style) -> Picture {
+    draw_scene(scene, &scene.frames[0], &style)
 }
 
 /// PSNR inside the common coverage \[dB\], and the share of all pixels that only one picture covers.
@@ -144,10 +171,12 @@ fn agreement(exact: &Picture, mesa: &Picture) -> (f64, f64) {
 }
 
 /// Draws with both and demands agreement.
-fn assert_agreement(mesa: &Mesa, name: &str, scene: &Scene, model: &Path, cull: bool) {
-    let (db, differing) = agreement(&draw(scene), &mesa.draw(model, cull));
-    println!("{name}, culled: {cull}: {db:.2} dB, {:.4} % of coverage differs", 100.0 * differing);
-    assert!(db >= 45.0 && differing <= 0.001, "{name}, culled: {cull}: {db:.2} dB, {differing}");
+fn assert_agreement(mesa: &Mesa, name: &str, scene: &Scene, model: &Path, style: Style, cull: bool) {
+    let (db, differing) = agreement(&draw(scene, style), &mesa.draw(model, style, cull));
+    let (mode, filter) = (mode(style.shading), style.options.filter);
+    let what = format!("{name}, {mode}, texture filter: {filter:?}, culled: {cull}");
+    println!("{what}: {db:.2} dB, {:.4} % of coverage differs", 100.0 * differing);
+    assert!(db >= 45.0 && differing <= 0.001, "{what}: {db:.2} dB, {differing}");
 }
 
 #[test]
@@ -156,14 +185,38 @@ fn exact_pictures_agree_with_mesa() {
     for name in ["Avocado/Avocado.gltf", "TwoSidedPlane/TwoSidedPlane.gltf", "TextureCoordinateTest/TextureCoordinateTest.gltf"] {
         let model = mesa.models.join(name);
         let scene = load(&model);
-        assert_agreement(&mesa, name, &scene, &model, true);
-        assert_agreement(&mesa, name, &double_sided(&scene), &model, false);
+        assert_agreement(&mesa, name, &scene, &model, BUMP, true);
+        assert_agreement(&mesa, name, &double_sided(&scene), &model, BUMP, false);
     }
     for name in ["spot.obj", "teapot.obj"] {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let scene = load(&mesa.models.join(name));
         let model = as_gltf(&only_mesh(&scene), true, [1, 1, 1], folder.path());
-        assert_agreement(&mesa, name, &scene, &model, false);
+        assert_agreement(&mesa, name, &scene, &model, BUMP, false);
+    }
+}
+
+const SHADINGS: [Shading; 3] = [Shading::Face, Shading::Gouraud, Shading::Phong];
+
+#[test]
+fn flat_gouraud_and_phong_shading_agree_with_mesa() {
+    let Some(mesa) = Mesa::find() else { return };
+    for name in ["Avocado/Avocado.gltf", "ClearcoatWicker.glb"] {
+        let model = mesa.models.join(name);
+        let textured = double_sided(&load(&model));
+        for shading in SHADINGS {
+            let plain = Style { shading, options: Options { filter: TextureFilter::None, ..BUMP.options } };
+            assert_agreement(&mesa, name, &white(&textured), &model, plain, false);
+            assert_agreement(&mesa, name, &textured, &model, Style { shading, ..BUMP }, false);
+        }
+    }
+    for name in ["spot.obj", "teapot.obj"] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let scene = load(&mesa.models.join(name));
+        let model = as_gltf(&only_mesh(&scene), true, [1, 1, 1], folder.path());
+        for shading in SHADINGS {
+            assert_agreement(&mesa, name, &scene, &model, Style { shading, ..BUMP }, false);
+        }
     }
 }
 
@@ -179,10 +232,12 @@ fn culling_agrees_with_mesa_mirrored_or_not() {
         let scene = load(&model);
         let open = double_sided(&scene);
         let count = |picture: Picture| picture.covered.iter().filter(|&&c| c).count();
-        let (culled, all) = (count(draw(&scene)), count(draw(&open)));
+        let (culled, all) = (count(draw(&scene, BUMP)), count(draw(&open, BUMP)));
         assert!(culled + 1_000 < all, "culling must show: {culled} of {all} pixels");
         let name = format!("half of spot.obj, scaled by {scale:?}");
-        assert_agreement(&mesa, &name, &scene, &model, true);
-        assert_agreement(&mesa, &name, &open, &model, false);
+        for shading in [Shading::NormalMap, Shading::Face] {
+            assert_agreement(&mesa, &name, &scene, &model, Style { shading, ..BUMP }, true);
+            assert_agreement(&mesa, &name, &open, &model, Style { shading, ..BUMP }, false);
+        }
     }
 }

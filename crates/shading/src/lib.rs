@@ -5,7 +5,8 @@
 //! - [`mod@lod`]: level of detail 0..=63, and which MIP levels it selects with which weights;
 //! - [`texture`]: which texels a sample touches, and where they lie in memory;
 //! - [`mod@reference_normals`]: the contents of the VQ tables (121);
-//! - [`interpolation`]: attributes of a fragment from those of its triangle.
+//! - [`interpolation`]: attributes of a fragment from those of its triangle;
+//! - [`scan`]: from a polygon to its pixels.
 //!
 //! Single precision throughout; double only where tables are built. Transcendental functions come from `libm`, so that
 //! every platform computes the same bits.
@@ -15,6 +16,7 @@ pub mod interpolation;
 pub mod lighting;
 pub mod lod;
 pub mod reference_normals;
+pub mod scan;
 pub mod texture;
 
 pub use area::{doubled_area, polygon_lod};
@@ -22,4 +24,5 @@ pub use interpolation::{Gradient, fan_triangle, interpolate};
 pub use lighting::{LightVector, brightness, light_vectors};
 pub use lod::{LEVELS, LevelSet, lod, select_levels};
 pub use reference_normals::{MAX_ENTRIES, Table, TableError, TableSet, quantize_unit, reference_normals};
+pub use scan::{MAX_BLOCK, Raster, Scan, fan_triangles};
 pub use texture::{Taps, address, decode_normal, level_offset, tap_offsets, taps, texel_offset};

@@ -2,22 +2,9 @@
 
 use super::{BumpProcessorConfig, MemoryConfigs};
 use crate::counts::Counts;
-use basrelief_kernel::{FifoConfig, MemorySystem, Unit};
+use crate::problem::{ConfigProblem, Feed, line_is_power_of_two, problem};
+use basrelief_kernel::{MemorySystem, Unit};
 use basrelief_signals::MAX_SAMPLES;
-
-/// Parameters that do not fit together.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{key}`: {message}")]
-pub struct ConfigProblem {
-    /// The parameter to change.
-    pub key: String,
-    /// What is wrong, what was expected, what to do.
-    pub message: String,
-}
-
-fn problem(key: &str, message: String) -> Result<(), ConfigProblem> {
-    Err(ConfigProblem { key: key.into(), message })
-}
 
 /// There is no VQ table as configured.
 pub(super) fn no_table(e: basrelief_shading::TableError) -> ConfigProblem {
@@ -42,9 +29,7 @@ pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
         ("color_texture", c.cache.color_texture.line_bytes),
         ("depth", c.cache.depth.line_bytes),
     ] {
-        if !line_bytes.is_power_of_two() {
-            return problem(&format!("cache.{name}.line_bytes"), format!("is {line_bytes}, expected a power of two"));
-        }
+        line_is_power_of_two(name, line_bytes)?;
     }
     Ok(())
 }
@@ -85,43 +70,23 @@ pub fn claim_3_warning(c: &BumpProcessorConfig, counts: &Counts) -> Option<Strin
     })
 }
 
-/// A FIFO, the latency of the unit that fills it \[cycles\], and the least cycles between two of that unit's tokens.
-struct Feed<'a> {
-    name: &'a str,
-    fifo: &'a FifoConfig,
-    latency: u32,
-    occupancy: u32,
-}
-
 /// FIFOs that cannot hold full rate (law 2): one sentence each, with the rate that they allow. Memory latency comes on
 /// top and is not looked at here.
 pub fn warnings(c: &BumpProcessorConfig) -> Vec<String> {
     let f = &c.fifo;
-    let feed = |name, fifo, latency| Feed { name, fifo, latency, occupancy: 1 };
     let search = c.replacement.search_cycles(c.replacement.entries.levels()[0]) as u32;
     let feeds = [
-        Feed { occupancy: c.geometry.cycles_per_polygon.max(1), ..feed("polygons", &f.polygons, c.geometry.latency) },
-        feed("fragments", &f.fragments, c.rasterizer.latency),
-        feed("tested_fragments", &f.tested_fragments, c.depth.latency),
-        feed("pseudo_normals", &f.pseudo_normals, c.normal_mapping.latency),
+        Feed { occupancy: c.geometry.cycles_per_polygon.max(1), ..Feed::new("polygons", &f.polygons, c.geometry.latency) },
+        Feed::new("fragments", &f.fragments, c.rasterizer.latency),
+        Feed::new("tested_fragments", &f.tested_fragments, c.depth.latency),
+        Feed::new("pseudo_normals", &f.pseudo_normals, c.normal_mapping.latency),
         Feed {
             occupancy: if c.replacement.pipelined { 1 } else { search },
-            ..feed("indexes", &f.indexes, c.replacement.latency + search)
+            ..Feed::new("indexes", &f.indexes, c.replacement.latency + search)
         },
-        feed("shaded", &f.shaded, c.brightness.latency),
-        Feed { occupancy: c.graphics.blend_cycles, ..feed("pixels", &f.pixels, c.graphics.latency) },
-        feed("tested_pixels", &f.tested_pixels, c.depth.latency),
+        Feed::new("shaded", &f.shaded, c.brightness.latency),
+        Feed { occupancy: c.graphics.blend_cycles, ..Feed::new("pixels", &f.pixels, c.graphics.latency) },
+        Feed::new("tested_pixels", &f.tested_pixels, c.depth.latency),
     ];
-    feeds.iter().filter_map(slow).collect()
-}
-
-fn slow(feed: &Feed<'_>) -> Option<String> {
-    let held = u64::from(feed.latency) + u64::from(feed.fifo.latency) + 1;
-    let (needed, depth) = (held.div_ceil(u64::from(feed.occupancy.max(1))), u64::from(feed.fifo.depth));
-    (depth < needed).then(|| {
-        format!(
-            "fifo.{}.depth = {depth} allows {depth} tokens in {held} cycles (unit latency {} + FIFO latency {} + 1); full rate needs {needed}",
-            feed.name, feed.latency, feed.fifo.latency
-        )
-    })
+    feeds.iter().filter_map(Feed::warning).collect()
 }

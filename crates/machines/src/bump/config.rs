@@ -1,49 +1,16 @@
 //! All parameters of the bump-mapping processor, in the order of its block diagram.
 
+use crate::config::{ClockConfig, ReferenceConfig, slots};
+use crate::front::FrontConfig;
 use basrelief_brightness::BrightnessConfig;
 use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::{DepthConfig, GraphicsConfig};
 use basrelief_kernel::{CacheConfig, FifoConfig, MemoryConfig};
 use basrelief_normal_mapping::NormalMappingConfig;
-use basrelief_parameters::{parameter_groups, parameters};
+use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
 use basrelief_replacement::ReplacementConfig;
-use serde::{Deserialize, Serialize};
-
-/// A FIFO of `depth` slots.
-fn slots(depth: u32) -> FifoConfig {
-    FifoConfig { depth, ..FifoConfig::default() }
-}
-
-parameters! {
-    /// The machine's clock; turns cycles into seconds in the report and changes no cycle.
-    pub struct ClockConfig {
-        /// Cycles per second.
-        hz: u64 = 200_000_000, unit: "Hz", Assumed("graphics hardware of the patent's time"), range: 1_u64..=100_000_000_000;
-    }
-}
-
-parameters! {
-    /// The exact picture: float64, no quantization.
-    pub struct ReferenceConfig {
-        /// Texture filter of the exact picture: nearest, bilinear (both on level 0) or trilinear.
-        filter: ReferenceFilter = ReferenceFilter::Trilinear, unit: "", Assumed("what two-level interpolation approximates");
-    }
-}
-
-/// Texture filter of the exact picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ReferenceFilter {
-    /// The texel of level 0 that holds the sample point.
-    Nearest,
-    /// Four texels of level 0, weighted.
-    Bilinear,
-    /// Four texels each of two levels, by the level of detail of the pixel.
-    #[default]
-    Trilinear,
-}
 
 parameter_groups! {
     /// FIFOs of the bump-mapping processor, by name. Defaults hold full rate (law 2): latency of the producer + FIFO
@@ -137,5 +104,16 @@ parameter_groups! {
         cache: CacheConfigs = CacheConfigs::default(),
         /// The exact picture that the machine's is compared with.
         reference: ReferenceConfig = ReferenceConfig::default(),
+    }
+}
+
+impl From<&BumpProcessorConfig> for FrontConfig {
+    fn from(c: &BumpProcessorConfig) -> Self {
+        Self {
+            geometry: c.geometry.clone(),
+            bump: c.bump.clone(),
+            display_list: c.display_list.clone(),
+            draws: c.fifo.draws.clone(),
+        }
     }
 }

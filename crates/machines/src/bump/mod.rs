@@ -9,16 +9,18 @@
 mod check;
 mod config;
 mod counts;
-mod front;
 mod memories;
 mod processor;
 mod units;
 
-pub use check::{ConfigProblem, claim_3_warning, warnings};
-pub use config::{BumpProcessorConfig, CacheConfigs, ClockConfig, FifoConfigs, MemoryConfigs, ReferenceConfig, ReferenceFilter};
-pub use front::{FrontEnd, SceneFront, TraceFront};
+pub use crate::config::{ClockConfig, ReferenceConfig, ReferenceFilter};
+pub use crate::front::{FrontEnd, SceneFront, TraceFront};
+pub use crate::problem::ConfigProblem;
+pub use crate::unit_info::UnitInfo;
+pub use check::{claim_3_warning, warnings};
+pub use config::{BumpProcessorConfig, CacheConfigs, FifoConfigs, MemoryConfigs};
 pub use processor::BumpProcessor;
-pub use units::{UNITS, UnitInfo};
+pub use units::UNITS;
 
 /// Figure 1 in characters.
 pub const DIAGRAM: &str = include_str!("diagram.txt");

@@ -1,9 +1,9 @@
 //! The machine: fields and wiring.
 
-use super::front::FrontEnd;
 use super::memories::{ClientNumbers, build};
 use super::{BumpProcessorConfig, ConfigProblem, check};
 use crate::fifo;
+use crate::front::FrontEnd;
 use basrelief_brightness::{BrightnessFetch, Components};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
 use basrelief_graphics_processor::{DepthTest, GraphicsProcessor};

@@ -126,15 +126,15 @@ pub fn polygons(object: &Object, frame: &Frame) -> (ObjectInfo, Vec<Polygon>) {
         let place = DVec3::from(mesh.positions[i].map(f64::from));
         let clip = view_projection * world.transform_point3(place).extend(1.0);
         let window = DVec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w) * size;
-        let [tx, ty, tz, handedness] = mesh.tangents[i].map(f64::from);
+        let [tx, ty, tz, handedness] = mesh.tangents.get(i).map_or([0.0; 4], |tangent| tangent.map(f64::from));
         let turned = |v: DVec3| world.transform_vector3(v).normalize_or_zero();
         Vertex {
             position: [window.x, window.y, 0.5 + 0.5 * clip.z / clip.w, 1.0 / clip.w].map(|c| c as f32),
             normal: turned(DVec3::from(mesh.normals[i].map(f64::from))).as_vec3().to_array(),
             tangent: turned(DVec3::new(tx, ty, tz)).extend(handedness).as_vec4().to_array(),
-            uv: mesh.uv[i],
-            uv_normal: mesh.uv_normal[i],
-            color: mesh.colors[i],
+            uv: mesh.uv.get(i).copied().unwrap_or_default(),
+            uv_normal: mesh.uv_normal.get(i).copied().unwrap_or_default(),
+            color: mesh.colors.get(i).copied().unwrap_or([1.0; 4]),
             brightness: [1.0, 0.0],
         }
     };

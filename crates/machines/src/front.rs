@@ -1,10 +1,11 @@
-//! What stands in front of the rasterizer: the host with the geometry processor (102), or a recorded display list.
+//! What stands in front of every machine: the host with the geometry processor (102), or a recorded display list.
 
-use super::BumpProcessorConfig;
 use crate::counts::Counts;
 use crate::fifo;
-use basrelief_geometry_processor::{DisplayListSource, GeometryProcessor, SceneSource};
-use basrelief_kernel::{Clients, Fifo, Stage, Visitor};
+use basrelief_geometry_processor::{
+    BumpConfig, DisplayListConfig, DisplayListSource, GeometryConfig, GeometryProcessor, SceneSource,
+};
+use basrelief_kernel::{Clients, Fifo, FifoConfig, Stage, Visitor};
 use basrelief_signals::{Control, Draw};
 use std::fmt::Display;
 
@@ -14,6 +15,19 @@ pub trait FrontEnd {
     fn wire<V: Visitor>(&mut self, v: &mut V, polygons: &mut Fifo<Control>);
     /// What its units counted.
     fn counts(&self, counts: &mut Counts);
+}
+
+/// What the way in needs of a machine's configuration: made from a reference to it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrontConfig {
+    /// Geometry processor (102).
+    pub geometry: GeometryConfig,
+    /// Which polygons are bump targets.
+    pub bump: BumpConfig,
+    /// How a display list is fed.
+    pub display_list: DisplayListConfig,
+    /// FIFO from the host to the geometry processor.
+    pub draws: FifoConfig,
 }
 
 /// Host and geometry processor (102): draws a scene.
@@ -26,11 +40,12 @@ pub struct SceneFront<I: Iterator<Item = Draw>> {
 
 impl<I: Iterator<Item = Draw>> SceneFront<I> {
     /// A front end that draws `draws`.
-    pub fn new(draws: I, config: &BumpProcessorConfig) -> Self {
+    pub fn new(draws: I, config: impl Into<FrontConfig>) -> Self {
+        let config = config.into();
         Self {
             host: Stage::new("host", SceneSource::new(draws)),
-            draws: fifo("draws", &config.fifo.draws),
-            geometry: Stage::new("geometry", GeometryProcessor::new(config.geometry.clone(), config.bump.clone())),
+            draws: fifo("draws", &config.draws),
+            geometry: Stage::new("geometry", GeometryProcessor::new(config.geometry, config.bump)),
         }
     }
 }
@@ -63,8 +78,8 @@ pub struct TraceFront<I> {
 
 impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> TraceFront<I> {
     /// A front end that replays `controls`.
-    pub fn new(controls: I, config: &BumpProcessorConfig) -> Self {
-        let source = DisplayListSource::new(config.display_list.clone(), controls);
+    pub fn new(controls: I, config: impl Into<FrontConfig>) -> Self {
+        let source = DisplayListSource::new(config.into().display_list, controls);
         Self { display_list: Stage::new("display-list", source) }
     }
 }

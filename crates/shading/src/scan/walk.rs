@@ -5,8 +5,7 @@
 //! blocks, that is five tests per fragment. Walking the spans without a mask was tried: its branch at the end of every
 //! four pixels cannot be predicted.
 
-use crate::config::MAX_BLOCK;
-use crate::triangle::Triangle;
+use super::{MAX_BLOCK, Triangle};
 use basrelief_signals::Fragment;
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +52,13 @@ impl Walk {
     pub fn fragment(&self) -> Fragment {
         let [x, y] = self.pixel();
         self.triangle.fragment(x, y)
+    }
+
+    /// Fragment of the current pixel, its weights linear on the screen.
+    #[inline]
+    pub fn linear_fragment(&self) -> Fragment {
+        let [x, y] = self.pixel();
+        self.triangle.linear_fragment(x, y)
     }
 
     /// On to the next covered pixel; false where there is none.

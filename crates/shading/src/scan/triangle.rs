@@ -4,8 +4,8 @@
 //! a coordinate is clamped to +-2^19 pixels, a grid has at most 2^10 steps per pixel, a screen at most 2^14 pixels per
 //! side; so an edge function stays below 2^61.
 
-use crate::config::MAX_BLOCK;
-use basrelief_signals::{Fragment, Vertex};
+use super::MAX_BLOCK;
+use basrelief_signals::{Fragment, Vertex, layout};
 use serde::{Deserialize, Serialize};
 
 /// Largest coordinate \[pixels\]; the guard band of the geometry processor is far inside.
@@ -29,7 +29,7 @@ pub fn snap(vertex: &Vertex, bits: u32) -> Point {
 
 /// Twice the signed area; positive where the corners run clockwise on the screen.
 #[inline]
-pub fn doubled_area([a, b, c]: [Point; 3]) -> i64 {
+pub fn doubled_grid_area([a, b, c]: [Point; 3]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
@@ -107,7 +107,7 @@ impl Edges {
     /// `sign` is +-1: the winding that counts as positive. `None` where the triangle winds the other way or has no area.
     #[inline]
     pub fn new(corners: [Point; 3], sign: i64, bits: u32) -> Option<Self> {
-        let area = sign * doubled_area(corners);
+        let area = sign * doubled_grid_area(corners);
         let [a, b, c] = corners;
         let edge = |from, to| Edge::new(from, to, sign, bits);
         (area > 0).then(|| Self { edges: [edge(b, c), edge(c, a), edge(a, b)], area })
@@ -153,6 +153,8 @@ pub struct Triangle {
     depth: [f64; 3],
     /// 1 / w of each corner, relative to the largest.
     inverse_w: [f32; 3],
+    /// 1 / twice the area.
+    inverse_area: f64,
     /// Number in the fan.
     number: u16,
     bits: u32,
@@ -160,7 +162,7 @@ pub struct Triangle {
 }
 
 /// What a set-up needs to know beside the vertices.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Raster {
     /// Width and height \[pixels\].
     pub screen: [u32; 2],
@@ -168,19 +170,30 @@ pub struct Raster {
     pub bits: u32,
     /// Largest depth value.
     pub z_max: u32,
+    /// Side of the blocks in which a triangle is visited \[pixels\], 1..=[`MAX_BLOCK`].
+    pub block: u32,
+}
+
+impl Raster {
+    /// A raster of `screen` pixels with depth values of `z_bits` (1..=32) bits.
+    pub fn new(screen: [u32; 2], bits: u32, z_bits: u32, block: u32) -> Self {
+        let z_max = u32::MAX >> 32u32.saturating_sub(z_bits).min(31);
+        Self { screen: screen.map(|side| side.min(layout::MAX_SIDE)), bits, z_max, block }
+    }
 }
 
 impl Triangle {
     /// Triangle `number` of a fan that winds with `sign`; `None` where it covers no pixel.
     pub fn new(vertices: [&Vertex; 3], number: u16, sign: i64, raster: Raster) -> Option<Self> {
-        let Raster { screen, bits, z_max } = raster;
+        let Raster { screen, bits, z_max, .. } = raster;
         let corners = vertices.map(|v| snap(v, bits));
         let bounds = Bounds::new(corners, screen, bits)?;
         let edges = Edges::new(corners, sign, bits)?;
         let scale = f64::from(z_max) / edges.area as f64;
         let depth = vertices.map(|v| f64::from(v.position[2]) * scale);
         let inverse_w = relative(vertices.map(|v| v.position[3]));
-        Some(Self { bounds, edges, depth, inverse_w, number, bits, z_max })
+        let inverse_area = 1.0 / edges.area as f64;
+        Some(Self { bounds, edges, depth, inverse_w, inverse_area, number, bits, z_max })
     }
 
     /// Number in its fan.
@@ -201,22 +214,37 @@ impl Triangle {
         }
     }
 
-    /// The fragment of a covered pixel: all terms of the sums are >= 0, so nothing cancels.
+    /// The three edge functions of a covered pixel, >= 0 each; they sum to twice the area.
     #[inline]
-    pub fn fragment(&self, x: i32, y: i32) -> Fragment {
+    fn shares(&self, x: i32, y: i32) -> [f64; 3] {
         let Edges { edges, area } = &self.edges;
         let (e1, e2) = (edges[1].at(x, y, self.bits), edges[2].at(x, y, self.bits));
-        let share = [area - e1 - e2, e1, e2].map(|e| e as f64);
+        [area - e1 - e2, e1, e2].map(|e| e as f64)
+    }
+
+    /// Depth of a covered pixel: all terms of the sum are >= 0, so nothing cancels.
+    #[inline]
+    fn depth(&self, share: [f64; 3]) -> u32 {
         let z = share[0] * self.depth[0] + share[1] * self.depth[1] + share[2] * self.depth[2];
+        ((z + 0.5) as u32).min(self.z_max)
+    }
+
+    /// The fragment of a covered pixel, its weights perspective-correct.
+    #[inline]
+    pub fn fragment(&self, x: i32, y: i32) -> Fragment {
+        let share = self.shares(x, y);
         let q: [f32; 3] = std::array::from_fn(|i| share[i] as f32 * self.inverse_w[i]);
         let scale = 1.0 / (q[0] + q[1] + q[2]);
-        Fragment {
-            x: x as u16,
-            y: y as u16,
-            z: ((z + 0.5) as u32).min(self.z_max),
-            weights: [q[1] * scale, q[2] * scale],
-            triangle: self.number,
-        }
+        let weights = [q[1] * scale, q[2] * scale];
+        Fragment { x: x as u16, y: y as u16, z: self.depth(share), weights, triangle: self.number }
+    }
+
+    /// The fragment of a covered pixel, its weights linear on the screen.
+    #[inline]
+    pub fn linear_fragment(&self, x: i32, y: i32) -> Fragment {
+        let share = self.shares(x, y);
+        let weights = [(share[1] * self.inverse_area) as f32, (share[2] * self.inverse_area) as f32];
+        Fragment { x: x as u16, y: y as u16, z: self.depth(share), weights, triangle: self.number }
     }
 }
 

@@ -1,0 +1,39 @@
+//! Parameters that every machine has.
+
+use basrelief_kernel::FifoConfig;
+use basrelief_parameters::parameters;
+use serde::{Deserialize, Serialize};
+
+/// A FIFO of `depth` slots.
+pub(crate) fn slots(depth: u32) -> FifoConfig {
+    FifoConfig { depth, ..FifoConfig::default() }
+}
+
+parameters! {
+    /// The machine's clock; turns cycles into seconds in the report and changes no cycle.
+    pub struct ClockConfig {
+        /// Cycles per second.
+        hz: u64 = 200_000_000, unit: "Hz", Assumed("graphics hardware of the patent's time"), range: 1_u64..=100_000_000_000;
+    }
+}
+
+parameters! {
+    /// The exact picture: float64, no quantization.
+    pub struct ReferenceConfig {
+        /// Texture filter of the exact picture: nearest, bilinear (both on level 0) or trilinear.
+        filter: ReferenceFilter = ReferenceFilter::Trilinear, unit: "", Assumed("what two-level interpolation approximates");
+    }
+}
+
+/// Texture filter of the exact picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ReferenceFilter {
+    /// The texel of level 0 that holds the sample point.
+    Nearest,
+    /// Four texels of level 0, weighted.
+    Bilinear,
+    /// Four texels each of two levels, by the level of detail of the pixel.
+    #[default]
+    Trilinear,
+}
