@@ -5,7 +5,9 @@ use crate::state::Rebuild;
 use crate::{BrightnessConfig, BrightnessState, Clut, Counters, Source};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LEVELS, TableSet, light_vectors};
-use basrelief_signals::{Control, Flow, Indexes, MAX_SAMPLES, Shaded, quantization_memory};
+use basrelief_signals::{
+    Control, Flow, Index, Indexes, MAX_SAMPLES, MAX_STAMP, Shaded, Stamp, quantization_memory, samples_per_item,
+};
 use std::sync::Arc;
 
 /// The cache in front of the CLUTs (122) in memory (120).
@@ -28,12 +30,12 @@ pub struct BrightnessFetch {
     normals: NormalTables,
 }
 
-type Out = Step<Option<Flow<Shaded>>>;
+type Out = Step<Option<Flow<Stamp<Shaded>>>>;
 
 impl BrightnessFetch {
-    /// A unit for the VQ tables (121) that the replacement unit searches, and at most `most_samples` samples per fragment.
+    /// A unit for the VQ tables (121) that the replacement unit searches, and stamps of at most `most_samples` samples.
     pub fn new(config: BrightnessConfig, tables: TableSet, most_samples: u32) -> Self {
-        let most_samples = most_samples.clamp(1, MAX_SAMPLES as u32);
+        let most_samples = most_samples.clamp(1, (MAX_SAMPLES * MAX_STAMP) as u32);
         Self { config, most_samples, state: BrightnessState::default(), normals: NormalTables::new(tables) }
     }
 
@@ -146,31 +148,33 @@ impl BrightnessFetch {
     #[inline]
     fn fetch(&mut self, indexes: &Indexes, traffic: &mut Traffic) -> Out {
         let state = &mut self.state;
-        let count = usize::from(indexes.count).min(MAX_SAMPLES);
-        let mut sum = [0.0; 2];
+        let per_fragment = samples_per_item(indexes.samples.len(), indexes.stamp.len());
         let entry_bytes = self.config.entry_bytes();
         let from_clut = self.config.source == Source::Clut;
-        for i in 0..count {
-            let (level, index, weight) = (indexes.level[i], indexes.index[i], indexes.weight[i]);
-            let value = state.clut.fetch(level, index);
-            sum = [sum[0] + weight * value[0], sum[1] + weight * value[1]];
-            if from_clut {
-                let base = state.base[usize::from(level).min(LEVELS - 1)];
-                traffic.look_up(CLUT, base + u64::from(index) * u64::from(entry_bytes), entry_bytes);
+        let mut out = Stamp::new();
+        for (&fragment, samples) in indexes.stamp.iter().zip(indexes.samples.chunks(per_fragment)) {
+            let mut sum = [0.0; 2];
+            for &Index { weight, index, level } in samples {
+                let value = state.clut.fetch(level, index);
+                sum = [sum[0] + weight * value[0], sum[1] + weight * value[1]];
+                if from_clut {
+                    let base = state.base[usize::from(level).min(LEVELS - 1)];
+                    traffic.look_up(CLUT, base + u64::from(index) * u64::from(entry_bytes), entry_bytes);
+                }
             }
+            out.push(Shaded { fragment, brightness: sum[0], highlight: sum[1] });
         }
-        state.counters.fragments += 1;
-        state.counters.samples += count as u64;
-        let shaded = Shaded { fragment: indexes.fragment, brightness: sum[0], highlight: sum[1] };
-        let computing = if from_clut { 0 } else { count as u64 * u64::from(self.config.direct_cycles) };
+        state.counters.fragments += out.len() as u64;
+        state.counters.samples += indexes.samples.len() as u64;
+        let computing = if from_clut { 0 } else { per_fragment as u64 * u64::from(self.config.direct_cycles) };
         let latency = u64::from(self.config.latency) + computing;
-        Step::after(latency, Some(Flow::Item(shaded))).busy(computing.max(1))
+        Step::over(out.len(), computing.max(1), latency, Some(Flow::Item(out)))
     }
 }
 
 impl Unit for BrightnessFetch {
     type In = Option<Flow<Indexes>>;
-    type Out = Option<Flow<Shaded>>;
+    type Out = Option<Flow<Stamp<Shaded>>>;
 
     #[inline]
     fn demand(&self) -> Demand {

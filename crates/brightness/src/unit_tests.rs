@@ -4,9 +4,10 @@ use super::*;
 use crate::Components;
 use basrelief_kernel::Request;
 use basrelief_shading::{Table, brightness, reference_normals};
-use basrelief_signals::{Camera, Frame, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Vertex};
+use basrelief_signals::{Camera, Fragment, Frame, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Vertex};
 use glam::Vec3;
 use proptest::prelude::*;
+use smallvec::smallvec;
 
 fn tables(entries: u32) -> TableSet {
     TableSet { entries: [entries; LEVELS], table: Table::Fibonacci, distinct: true, entry_bits: 16 }
@@ -49,11 +50,10 @@ fn book(lists: &[&[[i16; 3]]]) -> Control {
 }
 
 fn indexes(samples: &[(u8, u16, f32)]) -> Indexes {
-    let mut out = Indexes { count: samples.len() as u8, ..Indexes::default() };
-    for (i, (level, index, weight)) in samples.iter().enumerate() {
-        (out.level[i], out.index[i], out.weight[i]) = (*level, *index, *weight);
+    Indexes {
+        stamp: smallvec![Fragment::default()],
+        samples: samples.iter().map(|&(level, index, weight)| Index { weight, index, level }).collect(),
     }
-    out
 }
 
 /// Feeds control tokens; each but a code book passes.
@@ -77,7 +77,7 @@ fn fetch(unit: &mut BrightnessFetch, samples: &[(u8, u16, f32)]) -> (Shaded, Vec
         requests.extend_from_slice(traffic.requests());
         requests.extend_from_slice(traffic.look_ups());
         match &step.out {
-            Some(Flow::Item(shaded)) => return (*shaded, requests, step),
+            Some(Flow::Item(shaded)) => return (shaded[0], requests, step),
             other => assert_eq!((other, unit.demand(), unit.is_empty()), (&None, Demand::Nothing, false)),
         }
     }
@@ -205,6 +205,20 @@ fn claim_7_direct_brightness_needs_no_clut() {
     assert_eq!(shaded.brightness, 0.25 * exact(0, 17) + 0.75 * exact(1, 40));
     assert!(requests.is_empty());
     assert_eq!((step.occupancy, step.latency, direct.counters().rebuilds), (32, 36, 0));
+}
+
+#[test]
+fn each_fragment_of_a_stamp_gets_the_brightness_of_its_own_samples() {
+    let mut unit = BrightnessFetch::new(BrightnessConfig::default(), tables(256), 4);
+    tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
+    let alphas = [(0, 5), (1, 90), (0, 6), (1, 91)].map(|(level, index)| alpha(&mut unit, level, index));
+    let mut two = indexes(&[(0, 5, 0.25), (1, 90, 0.75), (0, 6, 0.5), (1, 91, 0.5)]);
+    two.stamp.push(Fragment { x: 1, ..Fragment::default() });
+    let step = unit.step(Some(Flow::Item(two)), &mut Traffic::default());
+    let Some(Flow::Item(shaded)) = step.out else { panic!("nothing left") };
+    let expected = [0.25 * alphas[0] + 0.75 * alphas[1], 0.5 * alphas[2] + 0.5 * alphas[3]];
+    assert_eq!(shaded.iter().map(|s| (s.fragment.x, s.brightness)).collect::<Vec<_>>(), [(0, expected[0]), (1, expected[1])]);
+    assert_eq!((step.occupancy, step.latency), (2, 5));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::config::FrameBufferConfig;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::texture::{BLOCK, texel_offset};
-use basrelief_signals::{Control, Flow, Frame, Pixel, layout};
+use basrelief_signals::{Control, Flow, Frame, Pixel, Stamp, layout};
 use serde::{Deserialize, Serialize};
 
 /// Pixels of a line: what is gathered before it is written.
@@ -149,7 +149,7 @@ impl FrameBuffer {
 }
 
 impl Unit for FrameBuffer {
-    type In = Option<Flow<Pixel>>;
+    type In = Option<Flow<Stamp<Pixel>>>;
     type Out = Option<FrameDone>;
 
     #[inline]
@@ -161,7 +161,10 @@ impl Unit for FrameBuffer {
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match input {
-            Some(Flow::Item(pixel)) => self.write(pixel, traffic),
+            Some(Flow::Item(stamp)) => {
+                stamp.iter().for_each(|pixel| self.write(*pixel, traffic));
+                return Step::over(stamp.len(), 1, latency, None);
+            }
             Some(Flow::Control(Control::Frame(frame))) => self.begin(&frame, traffic),
             Some(Flow::Control(Control::FrameEnd)) => {
                 let done = self.finish(traffic);
@@ -184,21 +187,22 @@ mod tests {
     use super::*;
     use basrelief_signals::Camera;
     use proptest::prelude::*;
+    use smallvec::smallvec;
     use std::sync::Arc;
 
-    fn frame(index: u32, width: u32, height: u32) -> Flow<Pixel> {
+    fn frame(index: u32, width: u32, height: u32) -> Flow<Stamp<Pixel>> {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
         Flow::Control(Control::Frame(Arc::new(Frame { index, width, height, camera, lights: Vec::new() })))
     }
 
-    fn pixel(x: u16, y: u16, rgb: [u8; 3]) -> Flow<Pixel> {
-        Flow::Item(Pixel { x, y, z: 0, rgb })
+    fn pixel(x: u16, y: u16, rgb: [u8; 3]) -> Flow<Stamp<Pixel>> {
+        Flow::Item(smallvec![Pixel { x, y, z: 0, rgb }])
     }
 
-    const END: Flow<Pixel> = Flow::Control(Control::FrameEnd);
+    const END: Flow<Stamp<Pixel>> = Flow::Control(Control::FrameEnd);
 
     /// Address and size of the writes of a step, and what it delivers.
-    fn step(unit: &mut FrameBuffer, token: Flow<Pixel>) -> (Vec<(u64, u32)>, Option<FrameDone>) {
+    fn step(unit: &mut FrameBuffer, token: Flow<Stamp<Pixel>>) -> (Vec<(u64, u32)>, Option<FrameDone>) {
         let mut traffic = Traffic::default();
         let step = unit.step(Some(token), &mut traffic);
         assert_eq!(step.ends_frame, step.out.is_some());

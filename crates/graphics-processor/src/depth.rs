@@ -3,7 +3,7 @@
 use crate::config::DepthConfig;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::texture::{BLOCK, texel_offset};
-use basrelief_signals::{Control, Flow, Fragment, Frame, Pixel, layout};
+use basrelief_signals::{Control, Flow, Fragment, Frame, Pixel, Stamp, layout};
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
@@ -115,9 +115,9 @@ impl<T: Placed> DepthTest<T> {
     }
 }
 
-impl<T: Placed> Unit for DepthTest<T> {
-    type In = Option<Flow<T>>;
-    type Out = Option<Flow<T>>;
+impl<T: Placed + Copy> Unit for DepthTest<T> {
+    type In = Option<Flow<Stamp<T>>>;
+    type Out = Option<Flow<Stamp<T>>>;
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -126,21 +126,26 @@ impl<T: Placed> Unit for DepthTest<T> {
 
     #[inline]
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
-        let passed = input.filter(|token| match token {
-            Flow::Item(item) => self.passes(item, traffic),
-            Flow::Control(control) => {
-                match control {
+        let latency = u64::from(self.config.latency);
+        match input {
+            Some(Flow::Item(mut stamp)) => {
+                let tested = stamp.len();
+                stamp.retain(|item| self.passes(item, traffic));
+                Step::over(tested, 1, latency, (!stamp.is_empty()).then_some(Flow::Item(stamp)))
+            }
+            Some(Flow::Control(control)) => {
+                match &control {
                     Control::Frame(frame) => self.begin(frame),
                     Control::FrameEnd => self.gather(None, traffic),
                     Control::Object(_) | Control::Polygon(_) | Control::CodeBook(_) => {}
                 }
-                true
+                Step::after(latency, Some(Flow::Control(control)))
             }
-        });
-        Step::after(u64::from(self.config.latency), passed)
+            None => Step::after(latency, None),
+        }
     }
 
-    /// One look-up of the z-cache, one write of a gathered line.
+    /// A stamp lies in one line: one look-up of the z-cache, one write of the line gathered before.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client < 2)
     }
@@ -151,6 +156,7 @@ mod tests {
     use super::*;
     use basrelief_signals::Camera;
     use proptest::prelude::*;
+    use smallvec::smallvec;
     use std::sync::Arc;
 
     fn frame(width: u32, height: u32) -> Control {
@@ -164,8 +170,8 @@ mod tests {
         unit
     }
 
-    fn fragment(x: u16, y: u16, z: u32) -> Flow<Fragment> {
-        Flow::Item(Fragment { x, y, z, ..Fragment::default() })
+    fn fragment(x: u16, y: u16, z: u32) -> Flow<Stamp<Fragment>> {
+        Flow::Item(smallvec![Fragment { x, y, z, ..Fragment::default() }])
     }
 
     #[test]

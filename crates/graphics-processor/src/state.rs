@@ -1,6 +1,6 @@
 //! State of the graphics processor (104).
 
-use basrelief_signals::{Control, Fragment, Polygon, Shaded};
+use basrelief_signals::{Control, Fragment, Polygon, Shaded, Stamp};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -22,10 +22,10 @@ pub enum Phase {
 pub enum Held {
     /// Control; costs no room, as the display list is kept by the host.
     Control(Control),
-    /// A fragment of a bump target, with its brightness.
-    Bump(Shaded),
-    /// A fragment of another polygon.
-    Plain(Fragment),
+    /// Fragments of a bump target, with their brightness.
+    Bump(Stamp<Shaded>),
+    /// Fragments of another polygon.
+    Plain(Stamp<Fragment>),
 }
 
 /// What the graphics processor has counted.
@@ -64,4 +64,15 @@ pub struct GraphicsState {
     pub results_read: u64,
     /// Counters.
     pub counters: GraphicsCounters,
+}
+
+impl Held {
+    /// Fragments in it.
+    pub fn fragments(&self) -> usize {
+        match self {
+            Self::Control(_) => 0,
+            Self::Bump(stamp) => stamp.len(),
+            Self::Plain(stamp) => stamp.len(),
+        }
+    }
 }

@@ -5,14 +5,16 @@ use crate::config::{DrawOrder, GraphicsConfig, Mip};
 use crate::state::{GraphicsState, Held, Phase};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::texture::texel_offset;
-use basrelief_shading::{fan_triangle, interpolate, level_offset, polygon_lod, select_levels, taps};
-use basrelief_signals::{Control, Filter, Flow, Fragment, Pixel, Polygon, Shaded, Texture, layout};
+use basrelief_shading::{Gradient, fan_triangle, interpolate, level_offset, polygon_lod, select_levels, taps};
+use basrelief_signals::{Control, Filter, Flow, Fragment, Pixel, Polygon, Shaded, Stamp, Texture, layout};
 use std::sync::Arc;
 
 /// Client of the colour-texture cache.
 const TEXTURES: u32 = 0;
 /// Client that writes and reads held results.
 const RESULTS: u32 = 1;
+
+type Out = Step<Option<Flow<Stamp<Pixel>>>>;
 
 /// Graphics processor (104): puts the fragments of bump targets (input 0) and of other polygons (input 1) back into one
 /// order, maps the ordinary texture, blends it with the brightness.
@@ -28,19 +30,22 @@ pub struct GraphicsProcessor {
     pub config: GraphicsConfig,
     /// The highlight is blended apart from the rest of the brightness (`brightness.components = separate`).
     pub separate: bool,
+    /// Most fragments of a stamp.
+    pub stamp: u32,
     /// Everything it remembers.
     pub state: GraphicsState,
 }
 
 impl GraphicsProcessor {
-    /// A graphics processor at power-on; `separate`: the two terms of a vertex's brightness are blended apart.
-    pub fn new(config: GraphicsConfig, separate: bool) -> Self {
-        Self { config, separate, state: GraphicsState::default() }
+    /// A graphics processor at power-on, for stamps of at most `stamp` fragments; `separate`: the two terms of a vertex's
+    /// brightness are blended apart.
+    pub fn new(config: GraphicsConfig, separate: bool, stamp: u32) -> Self {
+        Self { config, separate, stamp, state: GraphicsState::default() }
     }
 
     /// A control token on the way through (106), which carries the order. Polygons that are no bump target, and what ends
     /// them, have a twin on the other way.
-    fn control(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
+    fn control(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
         if let Some(twin) = self.state.pending.take() {
             return self.accept_twin(control, &twin, traffic);
         }
@@ -53,7 +58,7 @@ impl GraphicsProcessor {
     }
 
     /// A control token on the straight way.
-    fn straight(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
+    fn straight(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
         if let Some(twin) = self.state.pending.take() {
             return self.accept_twin(control, &twin, traffic);
         }
@@ -62,7 +67,7 @@ impl GraphicsProcessor {
         None
     }
 
-    fn accept_twin(&mut self, control: Control, twin: &Control, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
+    fn accept_twin(&mut self, control: Control, twin: &Control, traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
         if !twins(&control, twin) {
             traffic.fault("graphics processor: its two inputs carry different control tokens; report this as a defect".into());
         }
@@ -70,7 +75,7 @@ impl GraphicsProcessor {
     }
 
     /// The control takes effect, or waits for the end of the list.
-    fn accept(&mut self, control: Control) -> Option<Flow<Pixel>> {
+    fn accept(&mut self, control: Control) -> Option<Flow<Stamp<Pixel>>> {
         self.state.phase = match &control {
             Control::Polygon(polygon) => Phase::Fragments(usize::from(!polygon.bump)),
             _ => Phase::Control,
@@ -101,43 +106,52 @@ impl GraphicsProcessor {
         }
     }
 
-    /// Draws the result, or holds it until the end of the list; and the cycles that this takes.
+    /// Draws the result, or holds it until the end of the list.
     #[inline]
-    fn result(&mut self, result: Held, traffic: &mut Traffic) -> (Option<Flow<Pixel>>, u64) {
+    fn result(&mut self, result: Held, traffic: &mut Traffic) -> Out {
         if !matches!(self.state.phase, Phase::Fragments(_)) {
-            return (misplaced(traffic), 1);
+            return self.after(misplaced(traffic));
         }
         match self.config.draw {
-            DrawOrder::Streamed => (self.draw(result, traffic), u64::from(self.config.blend_cycles)),
+            DrawOrder::Streamed => self.draw(result, traffic),
             DrawOrder::AfterList => {
+                let fragments = result.fragments();
                 self.hold(result, traffic);
-                (None, 1)
+                Step::over(fragments, 1, u64::from(self.config.latency), None)
             }
         }
     }
 
+    /// A step of one cycle.
+    #[inline]
+    fn after(&self, out: Option<Flow<Stamp<Pixel>>>) -> Out {
+        Step::after(u64::from(self.config.latency), out)
+    }
+
     fn hold(&mut self, result: Held, traffic: &mut Traffic) {
-        let bytes = self.config.held_bytes;
-        if (self.state.results_written + 1) * u64::from(bytes) > u64::from(self.config.hold_bytes) {
+        let (bytes, fragments) = (u64::from(self.config.held_bytes), result.fragments() as u64);
+        let before = self.state.results_written;
+        if (before + fragments) * bytes > u64::from(self.config.hold_bytes) {
             return traffic.fault(format!(
                 "graphics processor: the results of one frame exceed `graphics.hold_bytes` = {}; raise it, or set `graphics.draw` = streamed",
                 self.config.hold_bytes
             ));
         }
-        traffic.write(RESULTS, layout::HELD_RESULTS + self.state.results_written * u64::from(bytes), bytes);
-        self.state.results_written += 1;
-        self.state.counters.held += 1;
+        traffic.write(RESULTS, layout::HELD_RESULTS + before * bytes, (fragments * bytes) as u32);
+        self.state.results_written += fragments;
+        self.state.counters.held += fragments;
         self.state.counters.most_held = self.state.counters.most_held.max(self.state.results_written);
         self.state.held.push_back(result);
     }
 
     /// Draws the oldest of what is held.
-    fn draw_held(&mut self, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
-        let held = self.state.held.pop_front()?;
-        if !matches!(held, Held::Control(_)) {
-            let bytes = self.config.held_bytes;
-            traffic.read(RESULTS, layout::HELD_RESULTS + self.state.results_read * u64::from(bytes), bytes);
-            self.state.results_read += 1;
+    fn draw_held(&mut self, traffic: &mut Traffic) -> Out {
+        let Some(held) = self.state.held.pop_front() else { return self.after(None) };
+        let fragments = held.fragments() as u64;
+        if fragments > 0 {
+            let bytes = u64::from(self.config.held_bytes);
+            traffic.read(RESULTS, layout::HELD_RESULTS + self.state.results_read * bytes, (fragments * bytes) as u32);
+            self.state.results_read += fragments;
         }
         if self.state.held.is_empty() {
             self.state.drawing = false;
@@ -148,40 +162,52 @@ impl GraphicsProcessor {
     }
 
     #[inline]
-    fn draw(&mut self, held: Held, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
-        match held {
+    fn draw(&mut self, held: Held, traffic: &mut Traffic) -> Out {
+        let fragments = held.fragments();
+        let pixels = match held {
             Held::Control(control) => {
                 self.take_effect(&control);
-                Some(Flow::Control(control))
+                return self.after(Some(Flow::Control(control)));
             }
-            Held::Bump(Shaded { fragment, brightness, highlight }) => {
-                self.pixel(fragment, Some([brightness, highlight]), traffic)
-            }
-            Held::Plain(fragment) => self.pixel(fragment, None, traffic),
-        }
+            Held::Bump(stamp) => self.pixels(stamp.iter().map(|s| (s.fragment, Some([s.brightness, s.highlight]))), traffic),
+            Held::Plain(stamp) => self.pixels(stamp.iter().map(|fragment| (*fragment, None)), traffic),
+        };
+        let out = pixels.map(Flow::Item);
+        Step::over(fragments, u64::from(self.config.blend_cycles), u64::from(self.config.latency), out)
     }
 
-    /// `shaded`: brightness and highlight where they do not come from the vertices.
+    /// Pixels of the fragments of a triangle, each with brightness and highlight where they do not come from the vertices.
     #[inline]
-    fn pixel(&mut self, fragment: Fragment, shaded: Option<[f32; 2]>, traffic: &mut Traffic) -> Option<Flow<Pixel>> {
+    fn pixels(
+        &mut self,
+        mut shaded: impl Iterator<Item = (Fragment, Option<[f32; 2]>)>,
+        traffic: &mut Traffic,
+    ) -> Option<Stamp<Pixel>> {
         let polygon = self.state.polygon.as_deref()?;
-        let [a, b, c] = fan_triangle(polygon, fragment.triangle)?;
-        let weights = fragment.weights;
-        let [brightness, highlight] = shaded.unwrap_or_else(|| {
-            let [rest, specular] = interpolate([&a.brightness, &b.brightness, &c.brightness], weights);
-            if self.separate { [rest, specular] } else { [rest + specular, 0.0] }
-        });
-        let color = interpolate([&a.color, &b.color, &c.color], weights);
-        let mut base: [f32; 3] = std::array::from_fn(|i| color[i] * polygon.material.base_color[i]);
-        if let Some(texture) = &polygon.material.color_texture {
-            let uv = interpolate([&a.uv, &b.uv, &c.uv], weights);
-            let texel = self.sample(texture, uv, traffic)?;
-            base = std::array::from_fn(|i| base[i] * texel[i]);
-            self.state.counters.textured += 1;
+        let first = shaded.next()?;
+        let [a, b, c] = fan_triangle(polygon, first.0.triangle)?;
+        let color = Gradient::new([&a.color, &b.color, &c.color]);
+        let mut stamp = Stamp::new();
+        for (fragment, brightness) in std::iter::once(first).chain(shaded) {
+            let weights = fragment.weights;
+            let [brightness, highlight] = brightness.unwrap_or_else(|| {
+                let [rest, specular] = interpolate([&a.brightness, &b.brightness, &c.brightness], weights);
+                if self.separate { [rest, specular] } else { [rest + specular, 0.0] }
+            });
+            let color = color.at(weights);
+            let mut base: [f32; 3] = std::array::from_fn(|i| color[i] * polygon.material.base_color[i]);
+            if let Some(texture) = &polygon.material.color_texture {
+                let uv = interpolate([&a.uv, &b.uv, &c.uv], weights);
+                let texel = self.sample(texture, uv, traffic)?;
+                base = std::array::from_fn(|i| base[i] * texel[i]);
+            }
+            let rgb = blended(base, brightness, highlight);
+            stamp.push(Pixel { x: fragment.x, y: fragment.y, z: fragment.z, rgb });
         }
-        self.state.counters.pixels += 1;
-        let rgb = blended(base, brightness, highlight);
-        Some(Flow::Item(Pixel { x: fragment.x, y: fragment.y, z: fragment.z, rgb }))
+        let pixels = stamp.len() as u64;
+        self.state.counters.textured += if polygon.material.color_texture.is_some() { pixels } else { 0 };
+        self.state.counters.pixels += pixels;
+        Some(stamp)
     }
 
     #[inline]
@@ -197,7 +223,7 @@ impl GraphicsProcessor {
     }
 }
 
-fn misplaced(traffic: &mut Traffic) -> Option<Flow<Pixel>> {
+fn misplaced(traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
     traffic.fault("graphics processor: a fragment where a control token was due; report this as a defect".into());
     None
 }
@@ -223,8 +249,8 @@ fn twins(a: &Control, b: &Control) -> bool {
 }
 
 impl Unit for GraphicsProcessor {
-    type In = (Option<Flow<Shaded>>, Option<Flow<Fragment>>);
-    type Out = Option<Flow<Pixel>>;
+    type In = (Option<Flow<Stamp<Shaded>>>, Option<Flow<Stamp<Fragment>>>);
+    type Out = Option<Flow<Stamp<Pixel>>>;
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -239,16 +265,20 @@ impl Unit for GraphicsProcessor {
 
     #[inline]
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
-        let blend = u64::from(self.config.blend_cycles);
-        let (out, occupancy) = match input {
-            (Some(Flow::Item(shaded)), None) => self.result(Held::Bump(shaded), traffic),
-            (None, Some(Flow::Item(fragment))) => self.result(Held::Plain(fragment), traffic),
-            (Some(Flow::Control(control)), None) => (self.control(control, traffic), 1),
-            (None, Some(Flow::Control(control))) => (self.straight(control, traffic), 1),
-            (None, None) => (self.draw_held(traffic), blend),
-            (Some(_), Some(_)) => (misplaced(traffic), 1),
-        };
-        Step::after(u64::from(self.config.latency), out).busy(occupancy)
+        match input {
+            (Some(Flow::Item(stamp)), None) => self.result(Held::Bump(stamp), traffic),
+            (None, Some(Flow::Item(stamp))) => self.result(Held::Plain(stamp), traffic),
+            (Some(Flow::Control(control)), None) => {
+                let out = self.control(control, traffic);
+                self.after(out)
+            }
+            (None, Some(Flow::Control(control))) => {
+                let out = self.straight(control, traffic);
+                self.after(out)
+            }
+            (None, None) => self.draw_held(traffic),
+            (Some(_), Some(_)) => self.after(misplaced(traffic)),
+        }
     }
 
     /// Taps of a filtered sample, each on two lines of the cache where texels can straddle them; one held result, which
@@ -257,7 +287,7 @@ impl Unit for GraphicsProcessor {
         let taps = if self.config.filter == Filter::Nearest { 1 } else { 4 };
         let lines = if self.config.texel_bytes.is_power_of_two() { 1 } else { 2 };
         match client {
-            0 => taps * lines,
+            0 => self.stamp * taps * lines,
             1 => u32::from(self.config.draw == DrawOrder::AfterList),
             _ => 0,
         }

@@ -3,8 +3,9 @@
 use basrelief_graphics_processor::{DepthConfig, DepthTest, DrawOrder, GraphicsConfig, GraphicsProcessor};
 use basrelief_kernel::unit_contract;
 use basrelief_signals::{
-    Camera, Control, Flow, Fragment, Frame, Image, Material, ObjectInfo, Pixel, Polygon, Sampler, Shaded, Texture, Vertex,
+    Camera, Control, Flow, Fragment, Frame, Image, Material, ObjectInfo, Pixel, Polygon, Sampler, Shaded, Stamp, Texture, Vertex,
 };
+use smallvec::smallvec;
 use std::sync::Arc;
 
 fn frame(index: u32) -> Control {
@@ -39,18 +40,20 @@ fn fragment(i: u16) -> Fragment {
     Fragment { x: 7 * i % 32, y: 5 * i % 16, z: u32::from(i * 37 % 101), weights, triangle: i % 2 }
 }
 
-fn shaded(i: u16) -> Flow<Shaded> {
-    Flow::Item(Shaded { fragment: fragment(i), brightness: f32::from(i % 9) / 7.0, highlight: f32::from(i % 4) / 9.0 })
+fn shaded(i: u16) -> Flow<Stamp<Shaded>> {
+    let one = |i: u16| Shaded { fragment: fragment(i), brightness: f32::from(i % 9) / 7.0, highlight: f32::from(i % 4) / 9.0 };
+    // Of one triangle.
+    Flow::Item((0..=i % 3).map(|k| one(i + 2 * k)).collect())
 }
 
 /// Two frames of bump targets and other polygons, textured and not, some without fragments, on the two ways.
-fn both_ways() -> (Vec<Flow<Shaded>>, Vec<Flow<Fragment>>) {
+fn both_ways() -> (Vec<Flow<Stamp<Shaded>>>, Vec<Flow<Stamp<Fragment>>>) {
     let textured = Material { id: 1, color_texture: Some(texture()), ..Material::default() };
     let bare = Material { base_color: [0.9, 0.4, 0.1, 1.0], ..Material::default() };
     let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None };
     let (mut bump_way, mut plain_way) = (Vec::new(), Vec::new());
     let mut after_plain = false;
-    let mut control = |c: Control, plain: bool, ways: (&mut Vec<Flow<Shaded>>, &mut Vec<Flow<Fragment>>)| {
+    let mut control = |c: Control, plain: bool, ways: (&mut Vec<Flow<Stamp<Shaded>>>, &mut Vec<Flow<Stamp<Fragment>>>)| {
         if plain || after_plain {
             ways.1.push(Flow::Control(c.clone()));
         }
@@ -69,7 +72,7 @@ fn both_ways() -> (Vec<Flow<Shaded>>, Vec<Flow<Fragment>>) {
             let fragments = if n == 4 { 0..0 } else { 0..9 + n as u16 };
             match bump {
                 true => bump_way.extend(fragments.map(shaded)),
-                false => plain_way.extend(fragments.map(|i| Flow::Item(fragment(i)))),
+                false => plain_way.extend(fragments.map(|i| Flow::Item(smallvec![fragment(i)]))),
             }
         }
         control(Control::FrameEnd, false, (&mut bump_way, &mut plain_way));
@@ -79,7 +82,7 @@ fn both_ways() -> (Vec<Flow<Shaded>>, Vec<Flow<Fragment>>) {
 
 unit_contract! {
     name: graphics_processor_streamed,
-    unit: GraphicsProcessor::new(GraphicsConfig::default(), false),
+    unit: GraphicsProcessor::new(GraphicsConfig::default(), false, 4),
     inputs: both_ways(),
     clients: [Client::Cache { line_bytes: 64 }, Client::Port],
     state: |unit| unit.state.clone() => |unit, state| unit.state = state,
@@ -87,7 +90,7 @@ unit_contract! {
 
 unit_contract! {
     name: graphics_processor_after_list,
-    unit: GraphicsProcessor::new(GraphicsConfig { draw: DrawOrder::AfterList, blend_cycles: 3, ..GraphicsConfig::default() }, true),
+    unit: GraphicsProcessor::new(GraphicsConfig { draw: DrawOrder::AfterList, blend_cycles: 3, ..GraphicsConfig::default() }, true, 4),
     inputs: both_ways(),
     clients: [Client::Cache { line_bytes: 64 }, Client::Port],
     state: |unit| unit.state.clone() => |unit, state| unit.state = state,
@@ -95,17 +98,17 @@ unit_contract! {
 
 unit_contract! {
     name: graphics_processor_of_texels_that_straddle_lines,
-    unit: GraphicsProcessor::new(GraphicsConfig { texel_bytes: 12, ..GraphicsConfig::default() }, false),
+    unit: GraphicsProcessor::new(GraphicsConfig { texel_bytes: 12, ..GraphicsConfig::default() }, false, 4),
     inputs: both_ways(),
     clients: [Client::Cache { line_bytes: 64 }, Client::Port],
     state: |unit| unit.state.clone() => |unit, state| unit.state = state,
 }
 
 /// Two frames of items that hide each other, and some outside the frame.
-fn flow<T>(item: impl Fn(Fragment) -> T) -> Vec<Flow<T>> {
+fn flow<T>(item: impl Fn(Fragment) -> T) -> Vec<Flow<Stamp<T>>> {
     let outside = Fragment { x: 32, y: 3, ..Fragment::default() };
     let frame = |index| {
-        let items = (0..120).map(fragment).chain([outside]).map(|f| Flow::Item(item(f)));
+        let items = (0..120).map(fragment).chain([outside]).map(|f| Flow::Item(smallvec![item(f)]));
         let mut all = vec![Flow::Control(frame(index)), Flow::Control(polygon(true, Material::default()))];
         all.extend(items);
         all.push(Flow::Control(Control::FrameEnd));

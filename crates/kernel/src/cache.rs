@@ -70,6 +70,14 @@ impl Cache {
         (self.line.split(address).0, self.line.split(last).0)
     }
 
+    /// Cycles that this many look-ups take.
+    #[inline]
+    pub(crate) fn cycles(&self, look_ups: usize) -> u64 {
+        let per_cycle = self.config.lookups_per_cycle.max(1) as usize;
+        // A division takes longer than all the rest.
+        if look_ups <= per_cycle { 1 } else { look_ups.div_ceil(per_cycle) as u64 }
+    }
+
     /// Looks `line` up and makes it the most recently used of its set: the number of the request that fills it. `None` on
     /// a miss; the line will then be filled by request `next`, which the caller issues.
     #[inline(always)]

@@ -1,12 +1,13 @@
 //! Bounded FIFOs: the wires between units.
 
 use crate::{Cycle, Link};
+use std::collections::VecDeque;
 
 /// A bounded FIFO of tokens.
 #[derive(Clone, Debug)]
 pub struct Fifo<T> {
     pub(crate) link: Link,
-    tokens: Box<[Option<T>]>,
+    tokens: VecDeque<T>,
 }
 
 impl<T> Fifo<T> {
@@ -15,20 +16,16 @@ impl<T> Fifo<T> {
     /// # Panics
     /// If depth or latency is 0 (law 1).
     pub fn new(name: &str, depth: usize, latency: u64) -> Self {
-        let link = Link::new(name, depth, latency);
-        Self { tokens: (0..depth.next_power_of_two()).map(|_| None).collect(), link }
+        Self { link: Link::new(name, depth, latency), tokens: VecDeque::with_capacity(depth) }
     }
 
     /// Reserves a slot at the start of the step that emits `token`, if it emits one; 1 if it did, else 0.
     #[inline(always)]
     pub(crate) fn reserve(&mut self, start: Cycle, token: Option<T>) -> u32 {
-        let emitted = u32::from(token.is_some());
-        if emitted == 1 {
-            let (_, back) = self.link.ends();
-            self.tokens[back] = token;
-            self.link.reserve(start);
-        }
-        emitted
+        let Some(token) = token else { return 0 };
+        self.tokens.push_back(token);
+        self.link.reserve(start);
+        1
     }
 
     /// Takes the front token out, if it is declared.
@@ -37,17 +34,15 @@ impl<T> Fifo<T> {
         if !declared {
             return None;
         }
-        let (front, _) = self.link.ends();
         self.link.pop(at);
-        self.tokens[front].take()
+        self.tokens.pop_front()
     }
 
     /// As [`Fifo::reserve`] and delivery, without time.
     #[inline]
     pub(crate) fn put(&mut self, token: Option<T>) {
-        if token.is_some() {
-            let (_, back) = self.link.ends();
-            self.tokens[back] = token;
+        if let Some(token) = token {
+            self.tokens.push_back(token);
             self.link.count_push();
         }
     }
@@ -58,8 +53,7 @@ impl<T> Fifo<T> {
         if !declared {
             return None;
         }
-        let (front, _) = self.link.ends();
         self.link.count_pop();
-        self.tokens[front].take()
+        self.tokens.pop_front()
     }
 }

@@ -68,8 +68,8 @@ pub(crate) struct Flights {
     steps: VecDeque<Flight>,
     /// Their look-ups that have no answer yet, by client, in order.
     look_ups: [VecDeque<LookUp>; MAX_CLIENTS],
-    /// Lines looked up in the step being made, each with its client.
-    lines: Vec<(u64, u32)>,
+    /// Lines that a client has looked up in the step being made.
+    lines: Vec<u64>,
 }
 
 impl Flights {
@@ -108,34 +108,32 @@ impl Flights {
         (ids, system): (&[usize], &mut MemorySystem),
         traffic: &Traffic,
     ) -> (u64, bool) {
-        let mut made = [0_u32; MAX_CLIENTS];
+        let mut least = 1;
         let mut waits = false;
-        self.lines.clear();
-        for r in &traffic.look_ups {
-            let own = r.client as usize;
-            let Some(mut cached) = system.cached(ids[own]) else { continue };
-            let (first, last) = cached.cache.lines(r.address, r.bytes);
-            let mut line = first;
-            while line <= last {
-                if !self.lines.contains(&(line, r.client)) {
-                    self.lines.push((line, r.client));
-                    made[own] += 1;
+        // By client, since all that a client has is fetched once then. (The order between clients decides nothing: each has
+        // its own port.)
+        for (own, &client) in ids.iter().enumerate() {
+            let Some(mut cached) = system.cached(client) else { continue };
+            let pending = &mut self.look_ups[own];
+            self.lines.clear();
+            for r in traffic.look_ups.iter().filter(|r| r.client as usize == own) {
+                let (first, last) = cached.cache.lines(r.address, r.bytes);
+                for line in first..last + 1 {
+                    if self.lines.contains(&line) {
+                        continue;
+                    }
+                    self.lines.push(line);
                     let look_up = cached.look_up(line, start);
-                    let pending = &mut self.look_ups[own];
                     if look_up.fill.is_known() && pending.is_empty() {
                         flight.answers[own] = cached.cache.resolve(&look_up, look_up.fill);
                     } else {
-                        waits = true;
                         pending.push_back(look_up);
                         flight.look_ups[own] += 1;
+                        waits = true;
                     }
                 }
-                line += 1;
             }
-        }
-        let mut least = 1;
-        for (&client, &made) in ids.iter().zip(&made).filter(|(_, made)| **made > 1) {
-            least = least.max(system.look_up_cycles(client, made));
+            least = least.max(cached.cache.cycles(self.lines.len()));
         }
         (least, waits)
     }
@@ -211,12 +209,7 @@ impl Flights {
 
 /// Issues the direct requests of a step; whether it waits for any.
 #[inline]
-fn issue_requests(
-    flight: &mut Flight,
-    start: Cycle,
-    (ids, system): (&[usize], &mut MemorySystem),
-    traffic: &Traffic,
-) -> bool {
+fn issue_requests(flight: &mut Flight, start: Cycle, (ids, system): (&[usize], &mut MemorySystem), traffic: &Traffic) -> bool {
     let mut waits = false;
     for r in &traffic.requests {
         let number = system.issue(ids[r.client as usize], start, r.address, r.bytes, r.write);

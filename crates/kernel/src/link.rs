@@ -99,12 +99,6 @@ impl Link {
         token as usize & (self.ring.len() - 1)
     }
 
-    /// Slot of the front token and of the next push.
-    #[inline(always)]
-    pub(crate) fn ends(&self) -> (usize, usize) {
-        (self.slot(self.popped), self.slot(self.pushed))
-    }
-
     /// When the front token is visible; unknown while there is none or its delivery is not known.
     #[inline(always)]
     pub fn front_visible(&self) -> Cycle {

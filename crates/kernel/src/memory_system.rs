@@ -154,14 +154,6 @@ impl MemorySystem {
         port.issue(arrival, address, bytes, write)
     }
 
-    /// Cycles that a client's cache takes for this many look-ups.
-    #[inline]
-    pub(crate) fn look_up_cycles(&self, client: usize, look_ups: u32) -> u64 {
-        let per_cycle = self.clients[client].cache.as_ref().map_or(1, |c| c.config.lookups_per_cycle.max(1));
-        // A division takes longer than all the rest.
-        if look_ups <= per_cycle { 1 } else { u64::from(look_ups.div_ceil(per_cycle)) }
-    }
-
     /// A client's cache; `None` where it has none.
     #[inline(always)]
     pub(crate) fn cached(&mut self, client: usize) -> Option<Cached<'_>> {

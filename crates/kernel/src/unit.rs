@@ -47,6 +47,14 @@ impl<O> Step<O> {
         Self { out, occupancy: 1, latency, ends_frame: false }
     }
 
+    /// A step over `items` items of a wide token, which enter `interval` cycles after each other: the unit is kept for all
+    /// of them, and the last one is delivered `latency` cycles after it entered.
+    #[inline]
+    pub fn over(items: usize, interval: u64, latency: u64, out: O) -> Self {
+        let occupancy = (items as u64 * interval).max(1);
+        Self { out, occupancy, latency: latency + occupancy.saturating_sub(interval), ends_frame: false }
+    }
+
     /// Keeps the unit for this many cycles.
     #[inline]
     #[must_use]

@@ -80,7 +80,7 @@ impl<T> Wires for &mut Fifo<T> {
 
 impl<T> Inputs for &mut Fifo<T> {
     type Item = Option<T>;
-    #[inline]
+    #[inline(always)]
     fn pop(&mut self, demand: Demand, at: Cycle) -> Option<T> {
         self.pop_if(demand.takes(0), at)
     }
@@ -92,7 +92,7 @@ impl<T> Inputs for &mut Fifo<T> {
 
 impl<T> Outputs for &mut Fifo<T> {
     type Item = Option<T>;
-    #[inline]
+    #[inline(always)]
     fn reserve(&mut self, start: Cycle, item: Option<T>) -> u32 {
         Fifo::reserve(self, start, item)
     }
@@ -128,7 +128,7 @@ macro_rules! tuple_of_fifos {
 
         impl<$($token),*> Inputs for ($(&mut Fifo<$token>,)*) {
             type Item = ($(Option<$token>,)*);
-            #[inline]
+            #[inline(always)]
             fn pop(&mut self, demand: Demand, at: Cycle) -> Self::Item {
                 ($(self.$i.pop_if(demand.takes($i), at),)*)
             }
@@ -140,7 +140,7 @@ macro_rules! tuple_of_fifos {
 
         impl<$($token),*> Outputs for ($(&mut Fifo<$token>,)*) {
             type Item = ($(Option<$token>,)*);
-            #[inline]
+            #[inline(always)]
             fn reserve(&mut self, start: Cycle, item: Self::Item) -> u32 {
                 0 $(| Fifo::reserve(self.$i, start, item.$i) << $i)*
             }

@@ -5,17 +5,20 @@ use crate::rotate::{FixedPoint, TangentFrame};
 use crate::{Counters, FilterAt, NormalMappingConfig, NormalMappingState};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{Gradient, LEVELS, Taps, decode_normal, fan_triangle, level_offset, select_levels, taps};
-use basrelief_signals::{Control, Flow, Fragment, Image, MAX_SAMPLES, Polygon, PseudoNormals};
+use basrelief_signals::{
+    Control, Flow, Fragment, Image, MAX_SAMPLES, Polygon, PseudoNormal, PseudoNormals, Samples, Stamp, samples_per_item,
+};
 use std::sync::Arc;
 
 /// Normal-vector mapping unit (108).
 ///
-/// Client 0 is the cache in front of the normal-map memory (116). One fragment per step; pseudo-normals leave at
+/// Client 0 is the cache in front of the normal-map memory (116). One stamp per step; pseudo-normals leave at
 /// `normals_per_cycle`.
 #[derive(Clone, Debug)]
 pub struct NormalMapping {
     config: NormalMappingConfig,
     levels: u8,
+    stamp: u32,
     lines: Lines,
     fixed_point: FixedPoint,
     state: NormalMappingState,
@@ -44,15 +47,15 @@ impl Setup {
 }
 
 impl NormalMapping {
-    /// A unit that selects `levels` MIP levels per polygon (`brightness.levels`), behind a cache with lines of
-    /// `line_bytes` bytes (a power of two).
+    /// A unit that selects `levels` MIP levels per polygon (`brightness.levels`) for stamps of at most `stamp` fragments, behind
+    /// a cache with lines of `line_bytes` bytes (a power of two).
     ///
     /// With [`NormalMappingConfig::samples`] above [`MAX_SAMPLES`] the coarsest samples are dropped: the machine's
     /// configuration rejects that.
-    pub fn new(config: NormalMappingConfig, levels: u8, line_bytes: u32) -> Self {
+    pub fn new(config: NormalMappingConfig, levels: u8, stamp: u32, line_bytes: u32) -> Self {
         let lines = Lines::new(config.texel_bytes, line_bytes);
         let fixed_point = FixedPoint::new(config.normal_bits);
-        Self { config, levels, lines, fixed_point, state: NormalMappingState::default(), setup: None }
+        Self { config, levels, stamp, lines, fixed_point, state: NormalMappingState::default(), setup: None }
     }
 
     /// State; for checkpoints.
@@ -83,33 +86,37 @@ impl NormalMapping {
         self.setup = None;
     }
 
-    fn map(&mut self, fragment: Fragment, traffic: &mut Traffic) -> PseudoNormals {
-        let mut out = PseudoNormals { fragment, ..PseudoNormals::default() };
-        self.sample(&mut out, traffic);
-        if out.count == 0 {
-            // No polygon was announced, or it has no such triangle: a normal without direction.
-            push(&mut out, 0, 1.0, [0; 3]);
+    fn map(&mut self, stamp: Stamp<Fragment>, traffic: &mut Traffic) -> PseudoNormals {
+        let mut samples = Samples::new();
+        for fragment in &stamp {
+            let before = samples.len();
+            self.sample(fragment, &mut samples, traffic);
+            if samples.len() == before {
+                // No polygon was announced, or it has no such triangle: a normal without direction.
+                samples.push(PseudoNormal { weight: 1.0, ..PseudoNormal::default() });
+            }
         }
         let counters = &mut self.state.counters;
-        counters.fragments += 1;
-        counters.pseudo_normals += u64::from(out.count);
-        out.normal[..usize::from(out.count)].iter().for_each(|&n| counters.distinct.insert(n));
-        out
+        counters.fragments += stamp.len() as u64;
+        counters.pseudo_normals += samples.len() as u64;
+        samples.iter().for_each(|s| counters.distinct.insert(s.normal));
+        PseudoNormals { stamp, samples }
     }
 
-    fn sample(&mut self, out: &mut PseudoNormals, traffic: &mut Traffic) -> Option<()> {
+    #[inline]
+    fn sample(&mut self, fragment: &Fragment, out: &mut Samples<PseudoNormal>, traffic: &mut Traffic) -> Option<()> {
         let NormalMappingState { polygon, levels, base, counters } = &mut self.state;
         let polygon = polygon.as_deref()?;
-        if self.setup.as_ref().is_none_or(|s| s.triangle != out.fragment.triangle) {
-            self.setup = Setup::new(polygon, out.fragment.triangle);
+        if self.setup.as_ref().is_none_or(|s| s.triangle != fragment.triangle) {
+            self.setup = Setup::new(polygon, fragment.triangle);
         }
         let setup = self.setup.as_ref()?;
         counters.bump_fragments += u64::from(polygon.bump);
-        let [nx, ny, nz, tx, ty, tz, u, v] = setup.attributes.at(out.fragment.weights);
+        let [nx, ny, nz, tx, ty, tz, u, v] = setup.attributes.at(fragment.weights);
         let selected = (0..usize::from(levels.count)).map(|i| (levels.level[i], levels.weight[i], base[i]));
         let Some(map) = polygon.material.normal_map.as_deref() else {
             let normal = self.fixed_point.quantize([nx, ny, nz, 0.0]);
-            selected.for_each(|(level, weight, _)| push(out, level, weight, normal));
+            out.extend(selected.map(|(level, weight, _)| PseudoNormal { weight, normal, level }));
             return Some(());
         };
         let frame = TangentFrame::new([nx, ny, nz], [tx, ty, tz], setup.handedness);
@@ -120,27 +127,15 @@ impl NormalMapping {
             let taps = taps(image, &map.sampler, self.config.filter, [u, v]);
             self.lines.look_up(image.width, base, &taps, traffic);
             counters.texels += u64::from(taps.count);
-            gathered.add(out, (level, weight), self.config.filter_at, image, &taps);
+            gathered.add((level, weight), self.config.filter_at, image, &taps);
         }
         // A loop of its own: the samples do not depend on each other, and a short body lets the processor overlap them.
-        let samples = out.normal.iter_mut().zip(&gathered.stored).take(usize::from(out.count));
-        for (normal, stored) in samples {
-            let [x, y, z, _] = decode_normal(*stored);
-            *normal = self.fixed_point.quantize(frame.rotate([x * scale, y * scale, z]));
+        for sample in &gathered.samples[..gathered.count] {
+            let [x, y, z, _] = decode_normal(sample.stored);
+            let normal = self.fixed_point.quantize(frame.rotate([x * scale, y * scale, z]));
+            out.push(PseudoNormal { weight: sample.weight, normal, level: sample.level });
         }
         Some(())
-    }
-}
-
-/// Adds a sample; a ninth is dropped.
-#[inline]
-fn push(out: &mut PseudoNormals, level: u8, weight: f32, normal: [i16; 3]) {
-    let i = usize::from(out.count);
-    if i < MAX_SAMPLES {
-        out.level[i] = level;
-        out.weight[i] = weight;
-        out.normal[i] = normal;
-        out.count += 1;
     }
 }
 
@@ -154,20 +149,29 @@ fn stored(image: &Image, [x, y]: [u32; 2]) -> [f32; 4] {
     [f32::from(r), f32::from(g), f32::from(b), f32::from(a)]
 }
 
-/// Tangent-space normals of the samples of a fragment, as stored in the map.
+/// A sample in tangent space, as stored in the map.
+#[derive(Clone, Copy, Default)]
+struct Stored {
+    stored: [f32; 4],
+    weight: f32,
+    level: u8,
+}
+
+/// The samples of a fragment.
 #[derive(Default)]
 struct Gathered {
-    stored: [[f32; 4]; MAX_SAMPLES],
+    samples: [Stored; MAX_SAMPLES],
+    count: usize,
 }
 
 impl Gathered {
     /// Adds the samples of a level: one, or one per tap.
     #[inline]
-    fn add(&mut self, out: &mut PseudoNormals, (level, weight): (u8, f32), at: FilterAt, image: &Image, taps: &Taps) {
+    fn add(&mut self, (level, weight): (u8, f32), at: FilterAt, image: &Image, taps: &Taps) {
         let [p, q, r, s] = taps.texel;
         let a = stored(image, p);
         if taps.count == 1 {
-            return self.push(out, level, weight, a);
+            return self.push(Stored { stored: a, weight, level });
         }
         let (b, c, d) = (stored(image, q), stored(image, r), stored(image, s));
         let [wa, wb, wc, wd] = taps.weight;
@@ -175,27 +179,28 @@ impl Gathered {
             // The weighted sum of what is stored: decoding is linear, so it can follow.
             FilterAt::Normal => {
                 let lane = |i: usize| (wa * a[i] + wb * b[i]) + (wc * c[i] + wd * d[i]);
-                self.push(out, level, weight, [lane(0), lane(1), lane(2), lane(3)]);
+                self.push(Stored { stored: [lane(0), lane(1), lane(2), lane(3)], weight, level });
             }
             FilterAt::Brightness => {
-                for (share, texel) in [(wa, a), (wb, b), (wc, c), (wd, d)] {
-                    self.push(out, level, weight * share, texel);
+                for (share, stored) in [(wa, a), (wb, b), (wc, c), (wd, d)] {
+                    self.push(Stored { stored, weight: weight * share, level });
                 }
             }
         }
     }
 
+    /// A ninth is dropped.
     #[inline]
-    fn push(&mut self, out: &mut PseudoNormals, level: u8, weight: f32, stored: [f32; 4]) {
-        if let Some(slot) = self.stored.get_mut(usize::from(out.count)) {
-            *slot = stored;
+    fn push(&mut self, sample: Stored) {
+        if let Some(slot) = self.samples.get_mut(self.count) {
+            *slot = sample;
+            self.count += 1;
         }
-        push(out, level, weight, [0; 3]);
     }
 }
 
 impl Unit for NormalMapping {
-    type In = Option<Flow<Fragment>>;
+    type In = Option<Flow<Stamp<Fragment>>>;
     type Out = Option<Flow<PseudoNormals>>;
 
     fn demand(&self) -> Demand {
@@ -206,10 +211,11 @@ impl Unit for NormalMapping {
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match input {
-            Some(Flow::Item(fragment)) => {
-                let out = self.map(fragment, traffic);
-                let occupancy = u32::from(out.count).div_ceil(self.config.normals_per_cycle.max(1));
-                Step::after(latency, Some(Flow::Item(out))).busy(u64::from(occupancy))
+            Some(Flow::Item(stamp)) => {
+                let out = self.map(stamp, traffic);
+                let per_fragment = samples_per_item(out.samples.len(), out.stamp.len()) as u32;
+                let interval = per_fragment.div_ceil(self.config.normals_per_cycle.max(1));
+                Step::over(out.stamp.len(), u64::from(interval), latency, Some(Flow::Item(out)))
             }
             Some(Flow::Control(control)) => {
                 if let Control::Polygon(polygon) = &control {
@@ -225,7 +231,7 @@ impl Unit for NormalMapping {
         if client != 0 {
             return 0;
         }
-        u32::from(self.levels.clamp(1, LEVELS as u8)) * self.config.taps() * self.lines.per_texel
+        self.stamp * u32::from(self.levels.clamp(1, LEVELS as u8)) * self.config.taps() * self.lines.per_texel
     }
 }
 

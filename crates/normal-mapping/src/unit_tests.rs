@@ -3,6 +3,7 @@
 use super::*;
 use basrelief_signals::{Filter, Material, Sampler, Texture, Vertex};
 use proptest::prelude::*;
+use smallvec::smallvec;
 
 /// A map whose level k has `side >> k` texels per side, filled by `texel(level, x, y)`.
 fn map(side: u32, levels: u32, texel: impl Fn(u32, u32, u32) -> [u8; 3]) -> Arc<Texture> {
@@ -29,7 +30,7 @@ fn fragment(u: f32, v: f32) -> Fragment {
 }
 
 fn unit(config: NormalMappingConfig, levels: u8, polygon: Arc<Polygon>) -> NormalMapping {
-    let mut unit = NormalMapping::new(config, levels, 64);
+    let mut unit = NormalMapping::new(config, levels, 4, 64);
     let control = Flow::Control(Control::Polygon(polygon));
     let step = unit.step(Some(control.clone().into_item_type()), &mut Traffic::default());
     assert_eq!(step.out, Some(control));
@@ -37,20 +38,20 @@ fn unit(config: NormalMappingConfig, levels: u8, polygon: Arc<Polygon>) -> Norma
 }
 
 trait IntoItemType {
-    fn into_item_type(self) -> Flow<Fragment>;
+    fn into_item_type(self) -> Flow<Stamp<Fragment>>;
 }
 
 impl IntoItemType for Flow<PseudoNormals> {
-    fn into_item_type(self) -> Flow<Fragment> {
+    fn into_item_type(self) -> Flow<Stamp<Fragment>> {
         match self {
             Flow::Control(c) => Flow::Control(c),
-            Flow::Item(p) => Flow::Item(p.fragment),
+            Flow::Item(p) => Flow::Item(p.stamp),
         }
     }
 }
 
 fn mapped(unit: &mut NormalMapping, at: Fragment, traffic: &mut Traffic) -> PseudoNormals {
-    match unit.step(Some(Flow::Item(at)), traffic).out {
+    match unit.step(Some(Flow::Item(smallvec![at])), traffic).out {
         Some(Flow::Item(p)) => p,
         other => panic!("{other:?}"),
     }
@@ -62,11 +63,11 @@ fn claims_1_and_5_each_selected_level_reads_its_own_map() {
     let lean = map(16, 5, |k, _, _| if k % 2 == 0 { [255, 128, 128] } else { [128, 255, 128] });
     let mut unit = unit(NormalMappingConfig::default(), 2, square(3, Some(lean)));
     let p = mapped(&mut unit, fragment(0.4, 0.2), &mut Traffic::default());
-    assert_eq!((p.count, &p.level[..2], &p.weight[..2]), (2, &[0, 1][..], &[5.0 / 8.0, 3.0 / 8.0][..]));
-    assert_eq!(p.normal[0][0], 32_767);
-    assert_eq!(p.normal[1][1], 32_767);
-    assert!(p.normal[0][1].abs() < 200 && p.normal[1][0].abs() < 200);
-    assert_eq!((p.fragment.x, p.fragment.y, p.fragment.z), (3, 4, 5));
+    assert_eq!(p.samples.iter().map(|s| (s.level, s.weight)).collect::<Vec<_>>(), [(0, 5.0 / 8.0), (1, 3.0 / 8.0)]);
+    let [a, b] = [0, 1].map(|i| p.samples[i].normal);
+    assert_eq!((a[0], b[1]), (32_767, 32_767));
+    assert!(a[1].abs() < 200 && b[0].abs() < 200);
+    assert_eq!((p.stamp[0].x, p.stamp[0].y, p.stamp[0].z), (3, 4, 5));
 }
 
 #[test]
@@ -75,18 +76,18 @@ fn green_leans_against_v() {
     let mut left_handed = (*square(0, Some(up))).clone();
     left_handed.vertices.iter_mut().for_each(|v| v.tangent[3] = -1.0);
     let mut unit = unit(NormalMappingConfig::default(), 1, Arc::new(left_handed));
-    assert_eq!(mapped(&mut unit, fragment(0.5, 0.5), &mut Traffic::default()).normal[0][1], -32_767);
+    assert_eq!(mapped(&mut unit, fragment(0.5, 0.5), &mut Traffic::default()).samples[0].normal[1], -32_767);
 }
 
 #[test]
 fn without_a_map_or_with_scale_zero_n_prime_is_n() {
     let mut bare = unit(NormalMappingConfig::default(), 2, square(3, None));
     let p = mapped(&mut bare, fragment(0.4, 0.2), &mut Traffic::default());
-    assert_eq!((p.count, p.normal[0], p.normal[1]), (2, [0, 0, 32_767], [0, 0, 32_767]));
+    assert_eq!(p.samples.iter().map(|s| s.normal).collect::<Vec<_>>(), [[0, 0, 32_767]; 2]);
     let mut flat = (*square(0, Some(map(4, 1, |_, _, _| [255, 0, 200])))).clone();
     flat.material = Arc::new(Material { normal_scale: 0.0, ..(*flat.material).clone() });
     let mut flat = unit(NormalMappingConfig::default(), 1, Arc::new(flat));
-    assert_eq!(mapped(&mut flat, fragment(0.4, 0.2), &mut Traffic::default()).normal[0], [0, 0, 32_767]);
+    assert_eq!(mapped(&mut flat, fragment(0.4, 0.2), &mut Traffic::default()).samples[0].normal, [0, 0, 32_767]);
 }
 
 #[test]
@@ -96,11 +97,10 @@ fn four_searches_when_brightness_is_filtered() {
     let ramp = map(8, 4, |_, x, y| [(16 * x) as u8, (16 * y) as u8, 255]);
     let mut unit = unit(config, 2, square(3, Some(ramp)));
     let p = mapped(&mut unit, fragment(0.5, 0.3), &mut Traffic::default());
-    assert_eq!(p.count, 8);
-    assert!((p.weight.iter().sum::<f32>() - 1.0).abs() < 1e-6);
-    assert!((p.weight[..4].iter().sum::<f32>() - 5.0 / 8.0).abs() < 1e-6);
-    assert_eq!(p.level, [0, 0, 0, 0, 1, 1, 1, 1]);
-    assert_ne!(p.normal[0], p.normal[3]);
+    let sum = |samples: &[PseudoNormal]| samples.iter().map(|s| s.weight).sum::<f32>();
+    assert!((sum(&p.samples) - 1.0).abs() < 1e-6 && (sum(&p.samples[..4]) - 5.0 / 8.0).abs() < 1e-6);
+    assert_eq!(p.samples.iter().map(|s| s.level).collect::<Vec<_>>(), [0, 0, 0, 0, 1, 1, 1, 1]);
+    assert_ne!(p.samples[0].normal, p.samples[3].normal);
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn a_footprint_within_a_block_is_one_line() {
 
 #[test]
 fn control_passes_and_the_unit_holds_nothing() {
-    let mut unit = NormalMapping::new(NormalMappingConfig::default(), 2, 64);
+    let mut unit = NormalMapping::new(NormalMappingConfig::default(), 2, 4, 64);
     let step = unit.step(Some(Flow::Control(Control::FrameEnd)), &mut Traffic::default());
     assert_eq!(step.out, Some(Flow::Control(Control::FrameEnd)));
     assert_eq!(unit.demand(), Demand::All);
@@ -132,14 +132,17 @@ fn a_fragment_without_a_triangle_has_no_direction() {
     let mut unit = unit(NormalMappingConfig::default(), 2, square(0, None));
     let stray = Fragment { triangle: 77, ..Fragment::default() };
     let p = mapped(&mut unit, stray, &mut Traffic::default());
-    assert_eq!((p.count, p.weight[0], p.normal[0]), (1, 1.0, [0; 3]));
+    assert_eq!(p.samples[..], [PseudoNormal { weight: 1.0, ..PseudoNormal::default() }]);
 }
 
 #[test]
 fn occupancy_follows_the_number_of_samples() {
     let mut unit = unit(NormalMappingConfig::default(), 3, square(19, None));
-    let step = unit.step(Some(Flow::Item(fragment(0.5, 0.5))), &mut Traffic::default());
-    assert_eq!((step.occupancy, step.latency), (2, 12));
+    let at = fragment(0.5, 0.5);
+    let one = unit.step(Some(Flow::Item(smallvec![at])), &mut Traffic::default());
+    assert_eq!((one.occupancy, one.latency), (2, 12));
+    let three = unit.step(Some(Flow::Item(smallvec![at; 3])), &mut Traffic::default());
+    assert_eq!((three.occupancy, three.latency), (6, 12 + 4), "the last enters four cycles after the first");
 }
 
 #[test]
@@ -147,7 +150,7 @@ fn the_state_survives_a_checkpoint() {
     let mut a = unit(NormalMappingConfig::default(), 2, square(3, Some(map(8, 4, |k, x, _| [x as u8, k as u8, 255]))));
     mapped(&mut a, fragment(0.3, 0.1), &mut Traffic::default());
     let text = serde_json::to_string(a.state()).unwrap();
-    let mut b = NormalMapping::new(NormalMappingConfig::default(), 2, 64);
+    let mut b = NormalMapping::new(NormalMappingConfig::default(), 2, 4, 64);
     b.set_state(serde_json::from_str(&text).unwrap());
     assert_eq!(a.state(), b.state());
     let at = fragment(0.7, 0.6);
@@ -175,25 +178,27 @@ proptest! {
         }
         let largest = n.iter().fold(0f64, |m, c| m.max(c.abs()));
         for i in 0..3 {
-            prop_assert!((f64::from(p.normal[0][i]) - 32_767.0 * n[i] / largest).abs() < 3.0, "{:?} {:?}", p.normal[0], n);
+            prop_assert!((f64::from(p.samples[0].normal[i]) - 32_767.0 * n[i] / largest).abs() < 3.0, "{:?} {:?}", p.samples[0], n);
         }
     }
 
     #[test]
     fn no_step_exceeds_the_largest(
         u in any::<f32>(), v in any::<f32>(), lod in 0u8..64, levels in 1u8..=8, line in 2u32..=8, texel_bytes in 1u32..=8,
-        brightness in any::<bool>(), nearest in any::<bool>(), side in 0u32..6, triangle in 0u16..4,
+        brightness in any::<bool>(), nearest in any::<bool>(), side in 0u32..6, triangle in 0u16..4, fragments in 1usize..=4,
     ) {
         let filter = if nearest { Filter::Nearest } else { Filter::Bilinear };
         let filter_at = if brightness { FilterAt::Brightness } else { FilterAt::Normal };
         let config = NormalMappingConfig { filter, filter_at, texel_bytes, ..NormalMappingConfig::default() };
-        let mut unit = NormalMapping::new(config, levels, 1 << line);
+        let mut unit = NormalMapping::new(config, levels, fragments as u32, 1 << line);
         let polygon = square(lod, Some(map(1 << side, 8, |_, _, _| [1, 2, 3])));
         unit.step(Some(Flow::Control(Control::Polygon(polygon))), &mut Traffic::default());
         let mut traffic = Traffic::default();
         let at = Fragment { weights: [u, v], triangle, ..Fragment::default() };
-        let p = mapped(&mut unit, at, &mut traffic);
-        prop_assert!(p.count >= 1 && usize::from(p.count) <= MAX_SAMPLES);
+        let other = |i: usize| Fragment { weights: [u + 0.3 * i as f32, v - 0.2 * i as f32], ..at };
+        let stamp: Stamp<Fragment> = (0..fragments).map(other).collect();
+        let Some(Flow::Item(p)) = unit.step(Some(Flow::Item(stamp)), &mut traffic).out else { panic!("nothing left") };
+        prop_assert!(p.samples.len() >= fragments && p.samples.len() <= fragments * MAX_SAMPLES);
         let mut lines: Vec<u64> = traffic
             .look_ups()
             .iter()
@@ -206,9 +211,10 @@ proptest! {
 }
 
 /// A run of two polygons, with and without a map.
-fn run_of_two() -> Vec<Flow<Fragment>> {
+fn run_of_two() -> Vec<Flow<Stamp<Fragment>>> {
     let bumps = map(16, 5, |k, x, y| [(x * 29 + k) as u8, (y * 31) as u8, 200]);
-    let item = |i: u16| Flow::Item(fragment(f32::from(i) / 40.0, f32::from(i % 7) / 280.0));
+    let at = |i: u16| fragment(f32::from(i) / 40.0, f32::from(i % 7) / 280.0);
+    let item = |i: u16| Flow::Item((0..=i % 4).map(|k| at(i + k)).collect());
     let mut run = vec![Flow::Control(Control::Polygon(square(11, Some(bumps))))];
     run.extend((0..40).map(item));
     run.push(Flow::Control(Control::Polygon(square(3, None))));
@@ -219,7 +225,7 @@ fn run_of_two() -> Vec<Flow<Fragment>> {
 
 basrelief_kernel::unit_contract! {
     name: contract_of_two_levels,
-    unit: NormalMapping::new(NormalMappingConfig::default(), 2, 64),
+    unit: NormalMapping::new(NormalMappingConfig::default(), 2, 4, 64),
     inputs: run_of_two(),
     clients: [Client::Cache { line_bytes: 64 }],
     state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
@@ -228,7 +234,7 @@ basrelief_kernel::unit_contract! {
 basrelief_kernel::unit_contract! {
     name: contract_of_filtered_brightness,
     unit: NormalMapping::new(
-        NormalMappingConfig { filter_at: FilterAt::Brightness, ..NormalMappingConfig::default() }, 2, 16,
+        NormalMappingConfig { filter_at: FilterAt::Brightness, ..NormalMappingConfig::default() }, 2, 4, 16,
     ),
     inputs: run_of_two(),
     clients: [Client::Cache { line_bytes: 16 }],

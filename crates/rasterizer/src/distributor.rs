@@ -1,7 +1,7 @@
 //! Distributor: "polygons that are no bump target go straight to the graphics processor".
 
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::{Control, Flow, Fragment};
+use basrelief_signals::{Control, Flow, Fragment, Stamp};
 use serde::{Deserialize, Serialize};
 
 /// Everything the distributor remembers.
@@ -25,8 +25,8 @@ pub struct Distributor {
 }
 
 impl Unit for Distributor {
-    type In = Option<Flow<Fragment>>;
-    type Out = (Option<Flow<Fragment>>, Option<Flow<Fragment>>);
+    type In = Option<Flow<Stamp<Fragment>>>;
+    type Out = (Option<Flow<Stamp<Fragment>>>, Option<Flow<Stamp<Fragment>>>);
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -55,7 +55,7 @@ mod tests {
     use basrelief_signals::Polygon;
     use std::sync::Arc;
 
-    fn polygon(bump: bool) -> Flow<Fragment> {
+    fn polygon(bump: bool) -> Flow<Stamp<Fragment>> {
         let material = Arc::default();
         let polygon = Polygon { vertices: Vec::new(), material, object: 0, lod: 0, bump, arrival: 0 };
         Flow::Control(Control::Polygon(Arc::new(polygon)))
@@ -64,8 +64,8 @@ mod tests {
     #[test]
     fn control_carries_the_order_on_the_first_way_and_brackets_plain_polygons_on_the_second() {
         let mut unit = Distributor::default();
-        let mut step = |token: &Flow<Fragment>| unit.step(Some(token.clone()), &mut Traffic::default()).out;
-        let fragment = Flow::Item(Fragment { x: 3, ..Fragment::default() });
+        let mut step = |token: &Flow<Stamp<Fragment>>| unit.step(Some(token.clone()), &mut Traffic::default()).out;
+        let fragment = Flow::Item(Stamp::from_elem(Fragment { x: 3, ..Fragment::default() }, 2));
         let mut plain_before = false;
         for bump in [true, false, false, true, true] {
             let control = polygon(bump);

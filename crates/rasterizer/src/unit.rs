@@ -3,11 +3,12 @@
 use crate::config::RasterizerConfig;
 use crate::state::RasterizerState;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::texture::BLOCK;
 use basrelief_shading::{Raster, Scan, fan_triangles};
-use basrelief_signals::{Control, Flow, Fragment, Polygon};
+use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp};
 use std::sync::Arc;
 
-/// Polygons in, fragments out: one per step, in order, behind the control token of their polygon.
+/// Polygons in, fragments out: a stamp per step, one fragment per cycle, in order, behind the control token of their polygon.
 ///
 /// Which pixels belong to a polygon, [`Scan`] says; of one without any, the control token passes.
 #[derive(Clone, Debug, Default)]
@@ -56,20 +57,31 @@ impl Rasterizer {
         }
     }
 
+    /// The next fragment and those after it in the same block.
     #[inline]
-    fn emit(&mut self) -> Option<Fragment> {
-        let polygon = self.state.polygon.as_ref()?;
-        self.state.counters.fragments += 1;
-        self.state.counters.bump_fragments += u64::from(polygon.bump);
-        let fragment = self.state.scan.walk.fragment();
-        self.advance();
-        Some(fragment)
+    fn emit(&mut self) -> Stamp<Fragment> {
+        let mut stamp = Stamp::new();
+        let mut block = None;
+        while let Some(polygon) = self.state.polygon.as_ref() {
+            let walk = &self.state.scan.walk;
+            let [x, y] = walk.pixel();
+            let here = Some((y / BLOCK as i32, x / BLOCK as i32, walk.triangle.number()));
+            if stamp.len() >= self.config.stamp as usize || (block.is_some() && block != here) {
+                break;
+            }
+            block = here;
+            self.state.counters.fragments += 1;
+            self.state.counters.bump_fragments += u64::from(polygon.bump);
+            stamp.push(walk.fragment());
+            self.advance();
+        }
+        stamp
     }
 }
 
 impl Unit for Rasterizer {
     type In = Option<Control>;
-    type Out = Option<Flow<Fragment>>;
+    type Out = Option<Flow<Stamp<Fragment>>>;
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -84,7 +96,10 @@ impl Unit for Rasterizer {
                 let occupancy = self.take(&control);
                 Step::after(latency, Some(Flow::Control(control))).busy(occupancy)
             }
-            None => Step::after(latency, self.emit().map(Flow::Item)),
+            None => {
+                let stamp = self.emit();
+                Step::over(stamp.len(), 1, latency, Some(Flow::Item(stamp)))
+            }
         }
     }
 
@@ -109,7 +124,7 @@ mod tests {
         Control::Polygon(Arc::new(polygon))
     }
 
-    fn step(unit: &mut Rasterizer, input: Option<Control>) -> Step<Option<Flow<Fragment>>> {
+    fn step(unit: &mut Rasterizer, input: Option<Control>) -> Step<Option<Flow<Stamp<Fragment>>>> {
         assert_eq!(unit.demand() == Demand::All, input.is_some());
         unit.step(input, &mut Traffic::default())
     }
@@ -119,7 +134,7 @@ mod tests {
         while unit.demand() == Demand::Nothing {
             assert!(!unit.is_empty());
             match step(unit, None).out {
-                Some(Flow::Item(fragment)) => all.push(fragment),
+                Some(Flow::Item(stamp)) => all.extend(stamp),
                 other => panic!("{other:?}"),
             }
         }

@@ -2,7 +2,7 @@
 
 use basrelief_kernel::{Demand, Traffic, Unit, unit_contract};
 use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
-use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, ObjectInfo, Polygon, Vertex};
+use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, ObjectInfo, Polygon, Stamp, Vertex};
 use std::sync::Arc;
 
 fn polygon(bump: bool, corners: &[[f32; 2]]) -> Control {
@@ -50,7 +50,7 @@ unit_contract! {
 }
 
 /// What the rasterizer makes of the display list.
-fn fragments() -> Vec<Flow<Fragment>> {
+fn fragments() -> Vec<Flow<Stamp<Fragment>>> {
     let mut unit = Rasterizer::new(RasterizerConfig::default());
     let mut out = Vec::new();
     for control in display_list() {

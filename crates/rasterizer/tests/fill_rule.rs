@@ -33,7 +33,10 @@ fn drawn(polygons: &[&[Point]], block: u32) -> Vec<u8> {
         unit.step(Some(Control::Polygon(Arc::new(polygon))), &mut Traffic::default());
         while unit.demand() == Demand::Nothing {
             match unit.step(None, &mut Traffic::default()).out {
-                Some(Flow::Item(f)) => count[usize::from(f.y) * SIDE as usize + usize::from(f.x)] += 1,
+                Some(Flow::Item(stamp)) => {
+                    assert!(stamp.len() <= 4 && stamp.iter().all(|f| (f.x / 4, f.y / 4) == (stamp[0].x / 4, stamp[0].y / 4)));
+                    stamp.iter().for_each(|f| count[usize::from(f.y) * SIDE as usize + usize::from(f.x)] += 1);
+                }
                 other => panic!("a fragment, not {other:?}"),
             }
         }

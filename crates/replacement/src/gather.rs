@@ -1,6 +1,6 @@
 //! Pseudo-normals held back until their code book is built.
 
-use basrelief_signals::{Control, Flow, MAX_SAMPLES, PseudoNormals};
+use basrelief_signals::{Control, Flow, PseudoNormals, Samples};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -33,15 +33,10 @@ impl Gather {
 
     /// All pseudo-normals of a table level, in order; `table_level` maps the sample's level to its table's.
     pub(crate) fn of_level(&self, level: u8, table_level: impl Fn(u8) -> u8) -> impl Iterator<Item = [i16; 3]> {
-        let samples = |flow: &Flow<PseudoNormals>| match flow {
-            Flow::Item(p) => Some(*p),
-            Flow::Control(_) => None,
+        let samples = |flow: &'_ Flow<PseudoNormals>| match flow {
+            Flow::Item(p) => p.samples.clone(),
+            Flow::Control(_) => Samples::new(),
         };
-        self.held.iter().filter_map(samples).flat_map(move |p| {
-            let wanted = |i: &usize| table_level(p.level[*i]) == level;
-            let chosen: [Option<[i16; 3]>; MAX_SAMPLES] =
-                std::array::from_fn(|i| Some(i).filter(|i| *i < usize::from(p.count)).filter(wanted).map(|i| p.normal[i]));
-            chosen.into_iter().flatten()
-        })
+        self.held.iter().flat_map(samples).filter(move |s| table_level(s.level) == level).map(|s| s.normal)
     }
 }

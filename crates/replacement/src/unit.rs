@@ -5,7 +5,9 @@ use crate::tables::HostTables;
 use crate::{CodeBookMode, Counters, NearestSearch, ReplacementConfig, ReplacementState, build_code_book};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LEVELS, TableError};
-use basrelief_signals::{Control, Flow, Indexes, MAX_SAMPLES, PseudoNormals, quantization_memory};
+use basrelief_signals::{
+    Control, Flow, Index, Indexes, MAX_SAMPLES, MAX_STAMP, PseudoNormal, PseudoNormals, Samples, quantization_memory,
+};
 use std::sync::Arc;
 
 /// VQ tables (121) are read through this client.
@@ -26,9 +28,9 @@ pub struct Replacement {
     tables: HostTables,
     /// Search structures of the current code book; they follow from the state.
     book: Option<Vec<NearestSearch>>,
-    /// Number and levels of the samples of a fragment that found all tables resident: using them again in the same order
-    /// leaves their order of use as it is, so the next fragment of the kind need not look.
-    settled: Option<(u8, [u8; MAX_SAMPLES])>,
+    /// Levels of the samples of a stamp that found all tables resident: using them again in the same order leaves their order
+    /// of use as it is, so the next stamp of the kind need not look.
+    settled: Option<Samples<u8>>,
 }
 
 type Out = Step<Option<Flow<Indexes>>>;
@@ -88,7 +90,7 @@ impl Replacement {
         }
         self.request_tables(&normals);
         if self.state.loads.is_empty() {
-            return self.replace(&normals, traffic);
+            return self.replace(normals, traffic);
         }
         self.state.pending = Some(normals);
         self.load(traffic)
@@ -100,7 +102,7 @@ impl Replacement {
             return self.pass(control);
         }
         let ends = match control {
-            // A polygon that is no bump target waits beside this unit for what is ahead of it: a batch never spans one.
+            // A polygon that is no bump target waits beside this unit for what is ahead of it: a batch never stamps one.
             Control::Polygon(ref polygon) => !polygon.bump || self.config.codebook == CodeBookMode::PerPolygon,
             Control::Frame(_) | Control::Object(_) | Control::FrameEnd => true,
             Control::CodeBook(_) => false,
@@ -144,11 +146,12 @@ impl Replacement {
     /// Marks the tables of a fragment as used, and queues those that are not resident.
     #[inline]
     fn request_tables(&mut self, normals: &PseudoNormals) {
-        if self.settled == Some((normals.count, normals.level)) {
+        let levels = || normals.samples.iter().map(|s| s.level);
+        if self.settled.as_ref().is_some_and(|settled| settled.iter().copied().eq(levels())) {
             return;
         }
         let object = self.fixed_by_object();
-        for &level in normals.level.iter().take(usize::from(normals.count)) {
+        for level in levels() {
             let level = self.table_level(level);
             let key = (level, self.tables.set().entries(level, object));
             match self.state.resident.iter().position(|k| *k == key) {
@@ -156,7 +159,7 @@ impl Replacement {
                 None => self.admit(key),
             }
         }
-        self.settled = self.state.loads.is_empty().then_some((normals.count, normals.level));
+        self.settled = self.state.loads.is_empty().then(|| levels().collect());
     }
 
     fn admit(&mut self, key: TableKey) {
@@ -183,41 +186,42 @@ impl Replacement {
             return self.quiet();
         }
         match self.state.pending.take() {
-            Some(normals) => self.replace(&normals, traffic),
+            Some(normals) => self.replace(normals, traffic),
             None => self.quiet(),
         }
     }
 
-    /// Searches every sample of a fragment in the table or code book of its level.
+    /// Searches every sample of a stamp in the table or code book of its level.
     #[inline]
-    fn replace(&mut self, normals: &PseudoNormals, traffic: &mut Traffic) -> Out {
+    fn replace(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
         let object = self.fixed_by_object();
-        let mut out = Indexes { fragment: normals.fragment, weight: normals.weight, ..Indexes::default() };
-        out.count = normals.count.min(MAX_SAMPLES as u8);
+        let mut samples = Samples::new();
         let mut serial = 0;
         let mut pipelined = 0;
-        for i in 0..usize::from(out.count) {
-            let level = self.table_level(normals.level[i]);
+        for (i, &PseudoNormal { weight, normal, level }) in normals.samples.iter().enumerate() {
+            let level = self.table_level(level);
             let search = match &self.book {
                 Some(book) => book.get(usize::from(level)).ok_or(TableError::Entries(0)),
                 None => self.tables.table(level, object),
             };
+            let mut index = 0;
             match search {
                 Ok(search) => {
                     let cycles = self.config.search_cycles(search.entries());
                     serial += cycles;
                     pipelined = pipelined.max(i as u64 + cycles);
-                    out.index[i] = search.nearest(normals.normal[i]);
+                    index = search.nearest(normal);
                 }
                 Err(error) => {
                     let name = self.state.object.as_ref().map_or("", |o| o.name.as_str());
                     traffic.fault(format!("object `{name}` fixes its number of reference normals: {error}"));
                 }
             }
-            out.level[i] = level;
-            self.state.counters.count_search(level, out.index[i]);
+            samples.push(Index { weight, index, level });
+            self.state.counters.count_search(level, index);
         }
-        let (occupancy, cycles) = if self.config.pipelined { (u64::from(out.count), pipelined) } else { (serial, serial) };
+        let (occupancy, cycles) = if self.config.pipelined { (samples.len() as u64, pipelined) } else { (serial, serial) };
+        let out = Indexes { stamp: normals.stamp, samples };
         Step::after(u64::from(self.config.latency) + cycles, Some(Flow::Item(out))).busy(occupancy.max(1))
     }
 }
@@ -225,7 +229,7 @@ impl Replacement {
 /// Code books.
 impl Replacement {
     fn item_bytes(&self, normals: &PseudoNormals) -> u32 {
-        (3 * self.normal_bits).div_ceil(8) * u32::from(normals.count.clamp(1, MAX_SAMPLES as u8))
+        (3 * self.normal_bits).div_ceil(8) * (normals.samples.len() as u32).clamp(1, (MAX_SAMPLES * MAX_STAMP) as u32)
     }
 
     fn gather(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
@@ -291,7 +295,7 @@ impl Replacement {
                 traffic.read(GATHERED, quantization_memory::GATHERED + self.state.gather.read, bytes);
                 self.state.gather.read += u64::from(bytes);
                 self.prepare_book();
-                self.replace(&normals, traffic)
+                self.replace(normals, traffic)
             }
             Some(Flow::Control(control)) => self.pass(control),
             None => {

@@ -6,18 +6,18 @@ use basrelief_kernel::Request;
 use basrelief_shading::{Table, reference_normals};
 use basrelief_signals::{Fragment, Material, ObjectInfo, Polygon, Vertex};
 use proptest::prelude::*;
+use smallvec::smallvec;
 
 fn config() -> ReplacementConfig {
     ReplacementConfig::default()
 }
 
 fn sample(x: u16, samples: &[(u8, [i16; 3])]) -> PseudoNormals {
-    let mut p = PseudoNormals { fragment: Fragment { x, ..Fragment::default() }, ..PseudoNormals::default() };
-    for (i, (level, normal)) in samples.iter().enumerate() {
-        (p.level[i], p.normal[i], p.weight[i]) = (*level, *normal, 1.0 / samples.len() as f32);
+    let weight = 1.0 / samples.len() as f32;
+    PseudoNormals {
+        stamp: smallvec![Fragment { x, ..Fragment::default() }],
+        samples: samples.iter().map(|&(level, normal)| PseudoNormal { weight, normal, level }).collect(),
     }
-    p.count = samples.len() as u8;
-    p
 }
 
 fn object(id: u32, entries: Option<u32>) -> Control {
@@ -61,7 +61,7 @@ fn out(steps: &[Out]) -> Vec<&Flow<Indexes>> {
 
 fn indexes(steps: &[Out]) -> Vec<Indexes> {
     let item = |f: &&Flow<Indexes>| match f {
-        Flow::Item(i) => Some(*i),
+        Flow::Item(i) => Some(i.clone()),
         Flow::Control(_) => None,
     };
     out(steps).iter().filter_map(item).collect()
@@ -72,10 +72,10 @@ fn claims_1_and_7_each_level_is_replaced_by_a_member_of_its_own_table() {
     let n = [12_000, -30_000, 5_000];
     let mut unit = Replacement::new(config(), 16).unwrap();
     let (steps, _) = run(&mut unit, vec![Flow::Item(sample(1, &[(0, n), (1, n)]))]);
-    let found = indexes(&steps)[0];
-    assert_eq!((found.level[..2].to_vec(), found.weight[..2].to_vec()), (vec![0, 1], vec![0.5, 0.5]));
+    let found = indexes(&steps)[0].samples.clone();
+    assert_eq!([0, 1].map(|i| (found[i].level, found[i].weight)), [(0, 0.5), (1, 0.5)]);
     let chosen = |level: u8, i: u16| reference_normals(level, 256, Table::Fibonacci, true, 16).unwrap()[usize::from(i)];
-    let (a, b) = (chosen(0, found.index[0]), chosen(1, found.index[1]));
+    let (a, b) = (chosen(0, found[0].index), chosen(1, found[1].index));
     assert_ne!(a, b, "the same N' at two levels gives two slightly different vectors");
     for q in [a, b] {
         let dot: f64 = (0..3).map(|i| f64::from(q[i]) * f64::from(n[i])).sum();
@@ -88,8 +88,8 @@ fn identical_tables_give_the_same_index_at_every_level() {
     let n = [12_000, -30_000, 5_000];
     let mut unit = Replacement::new(ReplacementConfig { tables: Tables::Identical, ..config() }, 16).unwrap();
     let (steps, _) = run(&mut unit, vec![Flow::Item(sample(1, &[(0, n), (1, n), (5, n)]))]);
-    let found = indexes(&steps)[0].index;
-    assert_eq!(found[..3], [found[0]; 3]);
+    let found: Vec<u16> = indexes(&steps)[0].samples.iter().map(|s| s.index).collect();
+    assert_eq!(found, [found[0]; 3]);
 }
 
 #[test]
@@ -131,11 +131,11 @@ fn an_object_may_fix_the_number_of_entries_and_the_bias_coarsens_the_table() {
     let n = [0, 0, -32_767];
     let input = vec![Flow::Control(object(0, Some(16))), Flow::Item(sample(0, &[(1, n), (6, n)]))];
     let (steps, _) = run(&mut unit, input);
-    let found = indexes(&steps)[0];
-    assert_eq!(found.level[..2], [4, 7]);
-    assert!(found.index[0] < 16);
+    let found = indexes(&steps)[0].samples.clone();
+    assert_eq!([found[0].level, found[1].level], [4, 7]);
+    assert!(found[0].index < 16);
     let expected = NearestSearch::new(&reference_normals(4, 16, Table::Fibonacci, true, 16).unwrap(), 0).nearest(n);
-    assert_eq!(found.index[0], expected);
+    assert_eq!(found[0].index, expected);
 }
 
 #[test]
@@ -154,7 +154,7 @@ fn cycles_follow_lanes_and_pipelining() {
     let timing = |lanes, pipelined| {
         let mut unit = Replacement::new(ReplacementConfig { lanes, pipelined, ..config() }, 16).unwrap();
         let two = sample(0, &[(0, [1, 2, 3]), (1, [1, 2, 3])]);
-        let (steps, _) = run(&mut unit, vec![Flow::Item(two), Flow::Item(two)]);
+        let (steps, _) = run(&mut unit, vec![Flow::Item(two.clone()), Flow::Item(two)]);
         let last = steps.last().unwrap();
         (last.occupancy, last.latency)
     };
@@ -162,6 +162,25 @@ fn cycles_follow_lanes_and_pipelining() {
     assert_eq!(timing(64, false), (8, 4 + 8));
     assert_eq!(timing(1, false), (512, 4 + 512));
     assert_eq!(timing(256, false), (2, 4 + 2));
+}
+
+#[test]
+fn a_stamp_takes_as_long_as_its_samples_and_leaves_with_the_last() {
+    let timing = |pipelined| {
+        let mut unit = Replacement::new(ReplacementConfig { lanes: 64, pipelined, ..config() }, 16).unwrap();
+        let mut three = sample(0, &[(0, [1, 2, 3]), (1, [1, 2, 3])]);
+        let (fragment, samples) = (three.stamp[0], three.samples.clone());
+        for _ in 0..2 {
+            three.stamp.push(fragment);
+            three.samples.extend(samples.clone());
+        }
+        let (steps, _) = run(&mut unit, vec![Flow::Item(three.clone()), Flow::Item(three)]);
+        let last = steps.last().unwrap();
+        assert_eq!(indexes(&steps)[1].samples.len(), 6);
+        (last.occupancy, last.latency)
+    };
+    assert_eq!(timing(true), (6, 4 + 5 + 4));
+    assert_eq!(timing(false), (24, 4 + 24));
 }
 
 fn gathered(mode: CodeBookMode) -> (Replacement, Vec<Out>, Vec<Request>) {
@@ -185,7 +204,7 @@ fn gathered(mode: CodeBookMode) -> (Replacement, Vec<Out>, Vec<Request>) {
 
 fn shape(steps: &[Out]) -> String {
     let letter = |f: &&Flow<Indexes>| match f {
-        Flow::Item(i) => char::from(b'0' + i.fragment.x as u8),
+        Flow::Item(i) => char::from(b'0' + i.stamp[0].x as u8),
         Flow::Control(Control::Object(_)) => 'O',
         Flow::Control(Control::Polygon(_)) => 'P',
         Flow::Control(Control::CodeBook(_)) => 'B',
@@ -217,12 +236,12 @@ fn variant_b_and_e_indexes_point_into_the_code_book() {
             match flow {
                 Flow::Control(Control::CodeBook(b)) => book = Arc::clone(b),
                 Flow::Item(i) => {
-                    let q = book[0][usize::from(i.index[0])].map(f64::from);
-                    let n = [i.fragment.x as f64, 100.0, 7.0];
+                    let q = book[0][usize::from(i.samples[0].index)].map(f64::from);
+                    let n = [f64::from(i.stamp[0].x), 100.0, 7.0];
                     let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
                     let cosine = (0..3).map(|k| q[k] * n[k]).sum::<f64>() / length(q) / length(n);
                     assert!(cosine > 0.999_999, "few distinct N': each has an entry of its own");
-                    assert!(book[1].len() > usize::from(i.index[1]) && book[2].is_empty());
+                    assert!(book[1].len() > usize::from(i.samples[1].index) && book[2].is_empty());
                 }
                 Flow::Control(_) => {}
             }
@@ -299,11 +318,11 @@ proptest! {
         let passed: Vec<Flow<u16>> = out(&steps).iter().filter_map(|f| match f {
             Flow::Control(Control::CodeBook(_)) => None,
             Flow::Control(c) => Some(Flow::Control(c.clone())),
-            Flow::Item(i) => Some(Flow::Item(i.fragment.x)),
+            Flow::Item(i) => Some(Flow::Item(i.stamp[0].x)),
         }).collect();
         let expected: Vec<Flow<u16>> = input.into_iter().map(|f| match f {
             Flow::Control(c) => Flow::Control(c),
-            Flow::Item(p) => Flow::Item(p.fragment.x),
+            Flow::Item(p) => Flow::Item(p.stamp[0].x),
         }).collect();
         prop_assert_eq!(passed, expected);
         let bytes = |write| requests.iter().filter(|r| r.write == write).map(|r| u64::from(r.bytes)).sum::<u64>();

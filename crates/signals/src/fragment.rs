@@ -2,6 +2,7 @@
 //! once, in the control token ahead of its fragments.
 
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 
 /// Most pseudo-normals per fragment: eight MIP levels, or two levels of four texels.
 pub const MAX_SAMPLES: usize = 8;
@@ -21,35 +22,64 @@ pub struct Fragment {
     pub triangle: u16,
 }
 
-/// Mapping unit (108) to replacement unit (110): pseudo-normals N', one per sample (a MIP level, or a texel of one).
+/// Most items of a [`Stamp`].
+pub const MAX_STAMP: usize = 4;
+
+/// Neighbours on the screen: items of pixels of one triangle in one 4 x 4 block of the picture, in the order of the scan. A
+/// token as wide as that (McCormack et al. 1998 call the pixels that move together a stamp). At most [`MAX_STAMP`], as
+/// `rasterizer.stamp` says, and at least one.
+///
+/// What a token costs the host, it costs once per stamp; what it costs the device, the units charge by its items.
+pub type Stamp<T> = SmallVec<[T; MAX_STAMP]>;
+
+/// Samples of the fragments of a stamp: those of the first fragment, then those of the second ... as many for each.
+pub type Samples<T> = SmallVec<[T; 2 * MAX_STAMP]>;
+
+/// A pseudo-normal N' of a fragment, at a MIP level or at a texel of one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PseudoNormal {
+    /// Share in the brightness of the fragment; those of a fragment sum to 1.
+    pub weight: f32,
+    /// World space, fixed point, scaled so that its largest component is +-32767: the order of inner products does not
+    /// depend on its length, so nothing is lost and no square root is needed (assumed).
+    pub normal: [i16; 3],
+    /// MIP level, 0..=7: selects VQ table (121) and CLUT (122).
+    pub level: u8,
+}
+
+/// Mapping unit (108) to replacement unit (110).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PseudoNormals {
     /// Where.
-    pub fragment: Fragment,
-    /// Samples in use, 1..=[`MAX_SAMPLES`].
-    pub count: u8,
-    /// MIP level of each sample, 0..=7: selects VQ table (121) and CLUT (122).
-    pub level: [u8; MAX_SAMPLES],
-    /// Share of each sample in the brightness; they sum to 1.
-    pub weight: [f32; MAX_SAMPLES],
-    /// N', world space, fixed point, scaled so that its largest component is +-32767: the order of inner products
-    /// does not depend on its length, so nothing is lost and no square root is needed (assumed).
-    pub normal: [[i16; 3]; MAX_SAMPLES],
+    pub stamp: Stamp<Fragment>,
+    /// 1..=[`MAX_SAMPLES`] per fragment.
+    pub samples: Samples<PseudoNormal>,
+}
+
+/// Index of the reference normal that a pseudo-normal is replaced with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Index {
+    /// Share in the brightness of the fragment.
+    pub weight: f32,
+    /// Number in the level's table, from 0.
+    pub index: u16,
+    /// Level of table and CLUT.
+    pub level: u8,
 }
 
 /// Replacement unit (110) to brightness fetch unit (112): only indexes are kept on the surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Indexes {
     /// Where.
-    pub fragment: Fragment,
-    /// Samples in use.
-    pub count: u8,
-    /// MIP level of each sample.
-    pub level: [u8; MAX_SAMPLES],
-    /// Share of each sample.
-    pub weight: [f32; MAX_SAMPLES],
-    /// Index of the nearest reference normal in the level's table, from 0.
-    pub index: [u16; MAX_SAMPLES],
+    pub stamp: Stamp<Fragment>,
+    /// As many per fragment as there were pseudo-normals.
+    pub samples: Samples<Index>,
+}
+
+/// How many of `samples` samples each of `items` items has; at least 1.
+#[inline]
+pub fn samples_per_item(samples: usize, items: usize) -> usize {
+    if samples <= items { 1 } else { samples / items.max(1) }
 }
 
 /// Brightness fetch unit (112) to graphics processor (104).

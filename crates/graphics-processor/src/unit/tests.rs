@@ -1,5 +1,6 @@
 use super::*;
 use basrelief_signals::{Image, Material, Sampler, Vertex};
+use smallvec::smallvec;
 
 fn texture(levels: &[[u8; 4]]) -> Arc<Texture> {
     let side = |k: usize| 1u32 << (levels.len() - 1 - k);
@@ -26,8 +27,8 @@ fn polygon(bump: bool, material: Material) -> Control {
     Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump, arrival: 0 }))
 }
 
-fn shaded(x: u16, brightness: f32, highlight: f32) -> Flow<Shaded> {
-    Flow::Item(Shaded { fragment: fragment(x), brightness, highlight })
+fn shaded(x: u16, brightness: f32, highlight: f32) -> Flow<Stamp<Shaded>> {
+    Flow::Item(smallvec![Shaded { fragment: fragment(x), brightness, highlight }])
 }
 
 fn fragment(x: u16) -> Fragment {
@@ -37,16 +38,16 @@ fn fragment(x: u16) -> Fragment {
 /// Feeds both inputs as the unit demands, until they are empty; the tokens out, and the traffic of each step.
 struct Bench {
     unit: GraphicsProcessor,
-    inputs: (Vec<Flow<Shaded>>, Vec<Flow<Fragment>>),
+    inputs: (Vec<Flow<Stamp<Shaded>>>, Vec<Flow<Stamp<Fragment>>>),
     /// The polygon that was fed last is no bump target.
     plain: bool,
-    out: Vec<Flow<Pixel>>,
+    out: Vec<Flow<Stamp<Pixel>>>,
     traffic: Vec<Traffic>,
 }
 
 impl Bench {
     fn new(config: GraphicsConfig, separate: bool) -> Self {
-        let unit = GraphicsProcessor::new(config, separate);
+        let unit = GraphicsProcessor::new(config, separate, 4);
         Self { unit, inputs: Default::default(), plain: false, out: Vec::new(), traffic: Vec::new() }
     }
 
@@ -59,13 +60,13 @@ impl Bench {
         self
     }
 
-    fn bump(mut self, token: Flow<Shaded>) -> Self {
+    fn bump(mut self, token: Flow<Stamp<Shaded>>) -> Self {
         self.inputs.0.push(token);
         self
     }
 
     fn plain(mut self, fragment: Fragment) -> Self {
-        self.inputs.1.push(Flow::Item(fragment));
+        self.inputs.1.push(Flow::Item(smallvec![fragment]));
         self
     }
 
@@ -91,7 +92,7 @@ impl Bench {
     }
 
     fn pixels(&self) -> Vec<Pixel> {
-        self.out.iter().filter_map(|t| if let Flow::Item(p) = t { Some(*p) } else { None }).collect()
+        self.out.iter().filter_map(|t| if let Flow::Item(p) = t { Some(p[0]) } else { None }).collect()
     }
 }
 
@@ -114,7 +115,7 @@ fn the_order_of_the_list_is_restored_and_control_leaves_once() {
             .out
             .iter()
             .map(|t| match t {
-                Flow::Item(p) => p.x,
+                Flow::Item(p) => p[0].x,
                 Flow::Control(Control::FrameEnd) => 99,
                 Flow::Control(c) => {
                     if *c == bump {
@@ -191,6 +192,23 @@ fn held_results_are_written_then_read_back_in_order() {
 }
 
 #[test]
+fn a_stamp_is_held_in_one_request_and_blended_fragment_by_fragment() {
+    let config = GraphicsConfig { draw: DrawOrder::AfterList, held_bytes: 8, blend_cycles: 3, ..GraphicsConfig::default() };
+    let Flow::Item(mut stamp) = shaded(1, 1.0, 0.0) else { panic!() };
+    stamp.push(Shaded { fragment: fragment(2), brightness: 0.5, highlight: 0.0 });
+    let bench = Bench::new(config, false)
+        .control(&polygon(true, Material::default()))
+        .bump(Flow::Item(stamp))
+        .control(&Control::FrameEnd)
+        .run();
+    let requests: Vec<_> = bench.traffic.iter().flat_map(Traffic::requests).map(|r| (r.write, r.bytes)).collect();
+    assert_eq!(requests, [(true, 16), (false, 16)]);
+    let pixels: Vec<_> = bench.out.iter().filter_map(|t| if let Flow::Item(p) = t { Some(p.clone()) } else { None }).collect();
+    assert_eq!(pixels[0].iter().map(|p| (p.x, p.rgb[0])).collect::<Vec<_>>(), [(1, 255), (2, 128)]);
+    assert_eq!((bench.unit.state.counters.held, bench.unit.state.counters.pixels), (2, 2));
+}
+
+#[test]
 fn results_beyond_the_room_are_a_fault_that_names_the_parameter() {
     let config = GraphicsConfig { draw: DrawOrder::AfterList, held_bytes: 8, hold_bytes: 15, ..GraphicsConfig::default() };
     let bench = Bench::new(config, false)
@@ -206,7 +224,7 @@ fn results_beyond_the_room_are_a_fault_that_names_the_parameter() {
 fn twins_that_differ_and_misplaced_fragments_are_faults() {
     let mut unit = GraphicsProcessor::default();
     let mut traffic = Traffic::default();
-    unit.step((Some(shaded(1, 1.0, 0.0)), Some(Flow::Item(fragment(1)))), &mut traffic);
+    unit.step((Some(shaded(1, 1.0, 0.0)), Some(Flow::Item(smallvec![fragment(1)]))), &mut traffic);
     assert!(format!("{traffic:?}").contains("a fragment where a control token was due"));
     let mut traffic = Traffic::default();
     let frame_end = Control::FrameEnd;

@@ -3,7 +3,9 @@
 use super::{BumpProcessorConfig, MemoryConfigs};
 use crate::counts::Counts;
 use crate::problem::{ConfigProblem, Feed, line_is_power_of_two, problem};
+use basrelief_graphics_processor::GraphicsProcessor;
 use basrelief_kernel::{MemorySystem, Unit};
+use basrelief_normal_mapping::NormalMapping;
 use basrelief_signals::MAX_SAMPLES;
 
 /// There is no VQ table as configured.
@@ -60,6 +62,25 @@ pub(super) fn credits(
     Ok(())
 }
 
+/// Most fragments of a stamp: as configured, but no more than ports have credits for, as a step looks up the lines of all
+/// of them (law 3). So few credits cost time, and never keep a machine from running that could run with single fragments.
+pub(super) fn stamp(c: &BumpProcessorConfig) -> u32 {
+    let (levels, line_bytes) = (c.brightness.levels, c.cache.normal_map.line_bytes);
+    let mapping = NormalMapping::new(c.normal_mapping.clone(), levels, 1, line_bytes).largest_step(0);
+    let brightness = c.normal_mapping.samples(levels);
+    let graphics = GraphicsProcessor::new(c.graphics.clone(), false, 1).largest_step(0);
+    let memory = &c.memory;
+    [
+        (memory.normal_map.outstanding, mapping),
+        (memory.quantization.outstanding, brightness),
+        (memory.graphics.outstanding, graphics),
+    ]
+    .into_iter()
+    .map(|(credits, of_a_fragment)| credits / of_a_fragment.max(1))
+    .fold(c.rasterizer.stamp, u32::min)
+    .max(1)
+}
+
 /// Claim 3 wants fewer reference normals in a table than distinct pseudo-normals on the surface: says where a run was
 /// otherwise. Quantizing then costs tables without saving anything.
 pub fn claim_3_warning(c: &BumpProcessorConfig, counts: &Counts) -> Option<String> {
@@ -88,5 +109,9 @@ pub fn warnings(c: &BumpProcessorConfig) -> Vec<String> {
         Feed { occupancy: c.graphics.blend_cycles, ..Feed::new("pixels", &f.pixels, c.graphics.latency) },
         Feed::new("tested_pixels", &f.tested_pixels, c.depth.latency),
     ];
-    feeds.iter().filter_map(Feed::warning).collect()
+    let fewer = stamp(c);
+    let stamps = (fewer < c.rasterizer.stamp).then(|| {
+        format!("stamps of {fewer} instead of {} fragments: a step of more needs more requests in flight (memory.*.outstanding) than there may be", c.rasterizer.stamp)
+    });
+    feeds.iter().filter_map(Feed::warning).chain(stamps).collect()
 }

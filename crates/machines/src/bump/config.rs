@@ -46,12 +46,13 @@ parameter_groups! {
 parameter_groups! {
     /// The three memories.
     pub struct MemoryConfigs {
-        /// Normal-map memory (116). Its port has the credits of the largest step: four texels of each of eight levels.
-        normal_map: MemoryConfig = MemoryConfig { outstanding: 32, ..MemoryConfig::default() },
-        /// Quantization-vector memory (120): VQ tables (121) and CLUTs (122).
-        quantization: MemoryConfig = MemoryConfig::default(),
+        /// Normal-map memory (116). Its port has the credits of the largest step, four texels of each of eight levels for each
+        /// of four fragments; of four steps with two levels.
+        normal_map: MemoryConfig = MemoryConfig { outstanding: 128, ..MemoryConfig::default() },
+        /// Quantization-vector memory (120): VQ tables (121) and CLUTs (122). Its ports have the credits of four steps.
+        quantization: MemoryConfig = MemoryConfig { outstanding: 32, ..MemoryConfig::default() },
         /// Graphics-data memory (124), with the frame buffer (126).
-        graphics: MemoryConfig = MemoryConfig { outstanding: 16, ..MemoryConfig::default() },
+        graphics: MemoryConfig = MemoryConfig { outstanding: 32, ..MemoryConfig::default() },
     }
 }
 

@@ -9,9 +9,9 @@ use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
 use basrelief_graphics_processor::{DepthTest, GraphicsProcessor};
 use basrelief_kernel::{Clients, Fifo, Machine, MemorySystem, Stage, Visitor};
 use basrelief_normal_mapping::NormalMapping;
-use basrelief_rasterizer::{Distributor, Rasterizer};
+use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
 use basrelief_replacement::Replacement;
-use basrelief_signals::{Control, Flow, Fragment, Indexes, Pixel, PseudoNormals, Shaded};
+use basrelief_signals::{Control, Flow, Fragment, Indexes, Pixel, PseudoNormals, Shaded, Stamp};
 
 /// Bump-mapping processor (106) between geometry processor (102) and graphics processor (104), with its memories.
 #[derive(Clone, Debug)]
@@ -19,22 +19,22 @@ pub struct BumpProcessor<F> {
     pub(super) front: F,
     polygons: Fifo<Control>,
     pub(super) rasterizer: Stage<Rasterizer>,
-    fragments: Fifo<Flow<Fragment>>,
+    fragments: Fifo<Flow<Stamp<Fragment>>>,
     pub(super) early_depth: Stage<DepthTest<Fragment>>,
-    tested_fragments: Fifo<Flow<Fragment>>,
+    tested_fragments: Fifo<Flow<Stamp<Fragment>>>,
     distributor: Stage<Distributor>,
-    bump_fragments: Fifo<Flow<Fragment>>,
-    plain_fragments: Fifo<Flow<Fragment>>,
+    bump_fragments: Fifo<Flow<Stamp<Fragment>>>,
+    plain_fragments: Fifo<Flow<Stamp<Fragment>>>,
     pub(super) mapping: Stage<NormalMapping>,
     pseudo_normals: Fifo<Flow<PseudoNormals>>,
     pub(super) replacement: Stage<Replacement>,
     indexes: Fifo<Flow<Indexes>>,
     pub(super) brightness: Stage<BrightnessFetch>,
-    shaded: Fifo<Flow<Shaded>>,
+    shaded: Fifo<Flow<Stamp<Shaded>>>,
     pub(super) graphics: Stage<GraphicsProcessor>,
-    pixels: Fifo<Flow<Pixel>>,
+    pixels: Fifo<Flow<Stamp<Pixel>>>,
     pub(super) late_depth: Stage<DepthTest<Pixel>>,
-    tested_pixels: Fifo<Flow<Pixel>>,
+    tested_pixels: Fifo<Flow<Stamp<Pixel>>>,
     pub(super) frame_buffer: Stage<FrameBuffer>,
     finished_frames: Fifo<FrameDone>,
     pub(super) video_out: Stage<VideoOut>,
@@ -73,13 +73,13 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let (memories, clients) = build(config);
         let tables = c.replacement.table_set();
         let separate = c.brightness.components == Components::Separate;
-        let z_bits = c.rasterizer.z_bits;
+        let (z_bits, stamp) = (c.rasterizer.z_bits, check::stamp(config));
         let levels = c.brightness.levels;
         let machine = Self {
             front,
             polygons: fifo("polygons", &f.polygons),
             early_z: c.rasterizer.early_z,
-            rasterizer: Stage::new("rasterizer", Rasterizer::new(c.rasterizer)),
+            rasterizer: Stage::new("rasterizer", Rasterizer::new(RasterizerConfig { stamp, ..c.rasterizer })),
             fragments: fifo("fragments", &f.fragments),
             early_depth: Stage::new("depth-test", DepthTest::new(c.depth.clone(), z_bits)),
             tested_fragments: fifo("tested_fragments", &f.tested_fragments),
@@ -88,14 +88,14 @@ impl<F: FrontEnd> BumpProcessor<F> {
             plain_fragments: fifo("plain_fragments", &f.plain_fragments),
             mapping: Stage::new(
                 "normal-mapping",
-                NormalMapping::new(c.normal_mapping.clone(), levels, c.cache.normal_map.line_bytes),
+                NormalMapping::new(c.normal_mapping.clone(), levels, stamp, c.cache.normal_map.line_bytes),
             ),
             pseudo_normals: fifo("pseudo_normals", &f.pseudo_normals),
             replacement: Stage::new("replacement", replacement),
             indexes: fifo("indexes", &f.indexes),
-            brightness: Stage::new("brightness", BrightnessFetch::new(c.brightness, tables, samples)),
+            brightness: Stage::new("brightness", BrightnessFetch::new(c.brightness, tables, stamp * samples)),
             shaded: fifo("shaded", &f.shaded),
-            graphics: Stage::new("graphics", GraphicsProcessor::new(c.graphics, separate)),
+            graphics: Stage::new("graphics", GraphicsProcessor::new(c.graphics, separate, stamp)),
             pixels: fifo("pixels", &f.pixels),
             late_depth: Stage::new("depth-test", DepthTest::new(c.depth, z_bits)),
             tested_pixels: fifo("tested_pixels", &f.tested_pixels),

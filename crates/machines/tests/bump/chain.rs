@@ -7,9 +7,10 @@ use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_replacement::Replacement;
 use basrelief_signals::{
-    Camera, Control, Flow, Fragment, Frame, Image, Indexes, Light, LightKind, Material, Polygon, PseudoNormals, Sampler, Shaded,
-    Texture, Vertex,
+    Camera, Control, Flow, Fragment, Frame, Image, Indexes, Light, LightKind, Material, Polygon, PseudoNormal, PseudoNormals,
+    Sampler, Shaded, Texture, Vertex,
 };
+use smallvec::smallvec;
 use std::sync::Arc;
 
 /// Direction to the light of [`Chain`], unit; the viewer is at +z.
@@ -52,7 +53,7 @@ impl Chain {
         let c = config.clone();
         let samples = c.normal_mapping.samples(c.brightness.levels);
         let tables = c.replacement.table_set();
-        let mapping = NormalMapping::new(c.normal_mapping.clone(), c.brightness.levels, c.cache.normal_map.line_bytes);
+        let mapping = NormalMapping::new(c.normal_mapping.clone(), c.brightness.levels, 1, c.cache.normal_map.line_bytes);
         let replacement = Replacement::new(c.replacement, c.normal_mapping.normal_bits).unwrap_or_else(|e| panic!("{e}"));
         let mut chain = Self { mapping, replacement, brightness: BrightnessFetch::new(c.brightness, tables, samples) };
         let camera = Camera { view_projection: [0.0; 16], to_light: TO_LIGHT.map(f64::from), to_viewer: [0.0, 0.0, 1.0] };
@@ -79,23 +80,21 @@ impl Chain {
 
     /// A fragment at these texture coordinates.
     pub fn fragment(&mut self, weights: [f32; 2]) -> Traced {
-        let normals = only_item(pump(&mut self.mapping, Flow::Item(Fragment { weights, ..Fragment::default() })));
+        let normals = only_item(pump(&mut self.mapping, Flow::Item(smallvec![Fragment { weights, ..Fragment::default() }])));
         self.replaced(normals)
     }
 
     /// A fragment from its pseudo-normals on.
     pub fn replaced(&mut self, normals: PseudoNormals) -> Traced {
-        let indexes = only_item(pump(&mut self.replacement, Flow::Item(normals)));
-        let shaded = only_item(pump(&mut self.brightness, Flow::Item(indexes)));
+        let indexes = only_item(pump(&mut self.replacement, Flow::Item(normals.clone())));
+        let shaded = only_item(pump(&mut self.brightness, Flow::Item(indexes.clone())))[0];
         Traced { normals, indexes, shaded }
     }
 }
 
 /// One pseudo-normal of one level.
 pub fn single(level: u8, normal: [i16; 3]) -> PseudoNormals {
-    let mut normals = PseudoNormals { count: 1, ..PseudoNormals::default() };
-    (normals.level[0], normals.weight[0], normals.normal[0]) = (level, 1.0, normal);
-    normals
+    PseudoNormals { stamp: smallvec![Fragment::default()], samples: smallvec![PseudoNormal { weight: 1.0, normal, level }] }
 }
 
 /// A normal map of 16 x 16 texels and its five levels.
@@ -116,7 +115,12 @@ fn texture(levels: Vec<Image>) -> Arc<Texture> {
     Arc::new(Texture { id: 0, name: "map".into(), sampler: Sampler::default(), levels, offset: 0 })
 }
 
-/// The samples of a fragment: level, weight, and an item per sample.
-pub fn samples<T: Copy>(indexes: &Indexes, items: &[T]) -> Vec<(u8, f32, T)> {
-    (0..usize::from(indexes.count)).map(|i| (indexes.level[i], indexes.weight[i], items[i])).collect()
+/// The pseudo-normals of a fragment: level, weight and N' of each.
+pub fn pseudo_normals(traced: &Traced) -> Vec<(u8, f32, [i16; 3])> {
+    traced.normals.samples.iter().map(|s| (s.level, s.weight, s.normal)).collect()
+}
+
+/// The indexes of a fragment: level, weight and index of each.
+pub fn indexes(traced: &Traced) -> Vec<(u8, f32, u16)> {
+    traced.indexes.samples.iter().map(|s| (s.level, s.weight, s.index)).collect()
 }

@@ -1,6 +1,6 @@
 //! The patent's claims, its worked example, its flow chart and its erratum. The table is docs/claims.md.
 
-use crate::chain::{Chain, TO_LIGHT, bumpy_map, samples, single, uniform_map};
+use crate::chain::{Chain, TO_LIGHT, bumpy_map, indexes, pseudo_normals, single, uniform_map};
 use crate::recipe::{Part, SceneRecipe, Shape, Surface};
 use crate::runs::{Ran, config, functional, run_probed, small_demo, timed};
 use basrelief_kernel::{Engine, Interval, Recorder};
@@ -48,10 +48,10 @@ fn claim_1_7_each_level_has_its_own_map_and_its_own_table_whose_member_replaces_
     let mut differ = 0;
     for i in 0..100 {
         let seen = chain.fragment([i as f32 / 200.0, (i * 7 % 50) as f32 / 100.0]);
-        let n_prime = samples(&seen.indexes, &seen.normals.normal);
+        let n_prime = pseudo_normals(&seen);
         assert_eq!(n_prime.iter().map(|s| s.0).collect::<Vec<_>>(), [1, 2], "LOD 12 lies between levels 1 and 2");
         differ += usize::from(n_prime[0].2 != n_prime[1].2);
-        for ((level, _, n), (_, _, index)) in n_prime.into_iter().zip(samples(&seen.indexes, &seen.indexes.index)) {
+        for ((level, _, n), (_, _, index)) in n_prime.into_iter().zip(indexes(&seen)) {
             assert_eq!(index, nearest(&tables[usize::from(level)], n));
         }
     }
@@ -87,7 +87,7 @@ fn claim_4_8_a_clut_per_level_holds_the_brightness_of_each_reference_normal() {
     for level in 0..8 {
         for (i, q) in table(&config, level).into_iter().enumerate() {
             let seen = chain.replaced(single(level, q));
-            assert_eq!((seen.indexes.index[0], seen.indexes.level[0]), (i as u16, level));
+            assert_eq!((seen.indexes.samples[0].index, seen.indexes.samples[0].level), (i as u16, level));
             let error = f64::from(seen.shaded.brightness) - formula(q);
             assert!(error.abs() <= HALF_STEP, "level {level}, index {i}: {error}");
         }
@@ -114,7 +114,7 @@ fn claim_5_9_brightness_is_fetched_per_level_and_then_interpolated() {
         for lod in 0..=63 {
             chain.begin_polygon(lod, bumpy_map());
             let seen = chain.fragment([0.3, 0.4]);
-            let all = samples(&seen.indexes, &seen.indexes.index);
+            let all = indexes(&seen);
             assert!((all.iter().map(|s| s.1).sum::<f32>() - 1.0).abs() < 1e-6);
             let alone = |(level, weight, index): (u8, f32, u16)| {
                 let reference = table(&config, level)[usize::from(index)];
@@ -169,7 +169,7 @@ fn erratum_the_nearest_reference_normal_has_the_largest_inner_product() {
     let mut chain = Chain::new(&config);
     // Towards the light: the vector with the smallest inner product would be in the dark, ambient light alone.
     let seen = chain.replaced(single(0, TO_LIGHT.map(|c| (c * 32_767.0) as i16)));
-    let q = table(&config, 0)[usize::from(seen.indexes.index[0])];
+    let q = table(&config, 0)[usize::from(seen.indexes.samples[0].index)];
     let cosine: f64 = (0..3).map(|i| f64::from(q[i]) / 32_767.0 * f64::from(TO_LIGHT[i])).sum();
     assert!(cosine > 0.98);
     assert!(seen.shaded.brightness > 0.8);
@@ -192,7 +192,7 @@ fn figures_5_and_6_the_index_map_becomes_the_brightness_map() {
                 // A little off the reference normal, as N' are.
                 let n = table[usize::from(index)].map(|c| c / 2 + 300);
                 let seen = chain.replaced(single(level, n));
-                assert_eq!(seen.indexes.index[0], index, "Figure 5B");
+                assert_eq!(seen.indexes.samples[0].index, index, "Figure 5B");
                 let alpha = formula(table[usize::from(index)]);
                 assert!((f64::from(seen.shaded.brightness) - alpha).abs() <= HALF_STEP, "Figure 5C");
             }

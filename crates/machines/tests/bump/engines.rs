@@ -81,15 +81,34 @@ fn engines_agree_on_every_demo() {
 }
 
 #[test]
-fn each_fragment_is_looked_up_once_in_the_depth_cache_and_each_pixel_written() {
-    for early_z in ["true", "false"] {
-        let ran = timed(&small_demo("mixed", 1), &[("rasterizer.early_z", early_z)]);
+fn each_stamp_is_looked_up_once_in_the_depth_cache_and_each_pixel_written() {
+    for (early_z, stamp) in [("true", "1"), ("false", "1"), ("true", "4"), ("false", "4")] {
+        let ran = timed(&small_demo("mixed", 1), &[("rasterizer.early_z", early_z), ("rasterizer.stamp", stamp)]);
         let depth = ran.report.caches.iter().find(|c| c.name == "depth").unwrap().counts;
-        assert_eq!(depth.hits + depth.misses + depth.merged, ran.count("z_tested"));
+        let look_ups = depth.hits + depth.misses + depth.merged;
+        let tokens = |fifo: &str| ran.report.fifos.iter().find(|f| f.name == fifo).unwrap().tokens;
+        // The frame, its objects and polygons, and the end of the frame are tokens, too.
+        let stamps = tokens(if early_z == "true" { "fragments" } else { "pixels" }) - tokens("polygons");
+        assert_eq!(look_ups, stamps);
+        assert!(if stamp == "1" { look_ups == ran.count("z_tested") } else { look_ups * 4 < ran.count("z_tested") * 3 });
         assert_eq!(ran.count("z_tested"), ran.count("fragments"));
         let drawn = if early_z == "true" { ran.count("z_passed") } else { ran.count("fragments") };
         assert_eq!(ran.count("pixels"), drawn);
     }
+}
+
+#[test]
+fn stamps_change_neither_picture_nor_count() {
+    let scene = small_demo("mixed", 1);
+    let single = timed(&scene, &[("rasterizer.stamp", "1")]);
+    for stamp in ["2", "3", "4"] {
+        let ran = timed(&scene, &[("rasterizer.stamp", stamp)]);
+        assert_eq!(ran.frames, single.frames);
+        assert_eq!(ran.counts, single.counts);
+        assert!(ran.bytes("texels") <= single.bytes("texels"));
+    }
+    let few = timed(&scene, &[("memory.normal_map.outstanding", "9"), ("memory.graphics.outstanding", "4")]);
+    assert_eq!((few.frames, few.counts), (single.frames, single.counts), "few credits, smaller stamps");
 }
 
 #[test]
