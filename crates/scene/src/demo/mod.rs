@@ -200,6 +200,7 @@ mod tests {
     fn demos_are_the_same_every_time() {
         let again = |name| demo(name, &ViewOptions::default()).unwrap();
         assert_eq!(again("coin"), again("coin"));
+        assert_eq!(again("goblet@7"), again("goblet@7"));
         assert!(again("coin").frames.len() > 1, "its light circles");
     }
 
