@@ -1,6 +1,8 @@
 //! The command line. Every option says its unit of measure and its default; what is said here is what `--help` shows.
 
+use basrelief_session::{MACHINES, MachineInfo};
 use basrelief_signals::MAX_PICTURE_PIXELS;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -37,14 +39,6 @@ pub enum Command {
     Schema(SchemaArgs),
 }
 
-/// The machines.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum MachineName {
-    /// Sony's quantized bump-mapping processor.
-    #[default]
-    Bump,
-}
-
 /// The engines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum EngineName {
@@ -60,8 +54,8 @@ pub enum EngineName {
 #[command(next_help_heading = "Machine")]
 pub struct MachineArgs {
     /// The machine.
-    #[arg(long, value_enum, default_value_t)]
-    pub machine: MachineName,
+    #[arg(long, value_parser = machine(), default_value = MACHINES[0].name)]
+    pub machine: &'static MachineInfo,
     /// Parameters from a TOML file.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
@@ -198,8 +192,8 @@ pub struct VerifyArgs {
 #[derive(Clone, Debug, Args)]
 pub struct DescribeArgs {
     /// The machine.
-    #[arg(value_enum, default_value_t)]
-    pub machine: MachineName,
+    #[arg(value_parser = machine(), default_value = MACHINES[0].name)]
+    pub machine: &'static MachineInfo,
     /// Print the table of parameters as JSON.
     #[arg(long)]
     pub json: bool,
@@ -226,6 +220,9 @@ pub struct SchemaArgs {
     /// Of what.
     #[arg(value_enum)]
     pub of: SchemaName,
+    /// The machine whose parameters are meant.
+    #[arg(long, value_parser = machine(), default_value = MACHINES[0].name)]
+    pub machine: &'static MachineInfo,
 }
 
 /// What has a schema.
@@ -239,6 +236,12 @@ pub enum SchemaName {
     Config,
     /// A `--camera` file.
     Camera,
+}
+
+/// The name of a machine.
+fn machine() -> impl TypedValueParser<Value = &'static MachineInfo> {
+    let names = MACHINES.iter().map(|m| PossibleValue::new(m.name).help(m.about));
+    PossibleValuesParser::new(names).try_map(|name| MachineInfo::named(&name))
 }
 
 fn key_value(text: &str) -> Result<(String, String), String> {

@@ -3,9 +3,9 @@
 use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use basrelief_display_list::{Form, looks_like_trace};
-use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_parameters::ConfigError;
 use basrelief_scene::{SceneError, ViewOptions, demo, load_path, read_camera};
+use basrelief_session::MachineConfig;
 use basrelief_signals::Scene;
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -147,15 +147,14 @@ pub fn view_options(view: &ViewArgs) -> Done<ViewOptions> {
 }
 
 /// The machine's parameters: defaults, then the file, then single settings.
-pub fn config(args: &MachineArgs) -> Done<BumpProcessorConfig> {
+pub fn config(args: &MachineArgs) -> Done<MachineConfig> {
     let text = match &args.config {
         None => String::new(),
         Some(path) => read_text(path)?,
     };
     if let Some(path) = &args.config {
-        basrelief_parameters::load::<BumpProcessorConfig>(&text, &[])
-            .map_err(Failure::within::<ConfigError>(&path.display().to_string()))?;
+        args.machine.load(&text, &[]).map_err(Failure::within::<ConfigError>(&path.display().to_string()))?;
     }
     let settings: Vec<(&str, &str)> = args.settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
-    basrelief_parameters::load(&text, &settings).map_err(|e| Failure::Usage(format!("--set: {e}")))
+    args.machine.load(&text, &settings).map_err(|e| Failure::Usage(format!("--set: {e}")))
 }

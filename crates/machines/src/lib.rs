@@ -3,12 +3,14 @@
 //! | machine | device | block diagram |
 //! |---|---|---|
 //! | [`bump`] | Sony's quantized bump-mapping processor | [`bump::BumpProcessor`] |
+//! | [`shade`] | Hitachi's figure shading device | [`shade::FigureShadingDevice`] |
 
 pub mod bump;
 mod config;
 mod counts;
 mod front;
 mod problem;
+pub mod shade;
 mod unit_info;
 
 pub use config::{ClockConfig, ReferenceConfig, ReferenceFilter};

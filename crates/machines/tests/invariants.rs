@@ -19,8 +19,16 @@ const FLOORS: &[&[&str]] = &[
 ];
 
 /// Crates of units.
-const UNITS: &[&str] =
-    &["geometry-processor", "rasterizer", "normal-mapping", "replacement", "brightness", "graphics-processor", "frame-buffer"];
+const UNITS: &[&str] = &[
+    "geometry-processor",
+    "rasterizer",
+    "normal-mapping",
+    "replacement",
+    "brightness",
+    "graphics-processor",
+    "frame-buffer",
+    "figure-shading",
+];
 
 /// Crates that compute: no I/O, no clock, no global state, nothing printed.
 const PURE: &[&str] = &["parameters", "kernel", "signals", "shading", "machines"];

@@ -20,7 +20,7 @@ fn seconds() -> f64 {
 /// The machine of one measurement.
 fn settings(engine: Option<Engine>, set: &[(&str, &str)]) -> Settings {
     let config: BumpProcessorConfig = basrelief_parameters::load("", set).unwrap();
-    Settings { config, engine, exact: false, clock: seconds, ..Settings::default() }
+    Settings { config: config.into(), engine, exact: false, clock: seconds, ..Settings::default() }
 }
 
 /// Simulated seconds and fragments of one run.

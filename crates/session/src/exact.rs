@@ -1,9 +1,7 @@
 //! The exact pictures that the machine's are held against.
 
 use crate::tee::Seen;
-use basrelief_brightness::Components;
-use basrelief_machines::bump::{BumpProcessorConfig, ReferenceFilter};
-use basrelief_reference::{self as reference, Options, Picture, TextureFilter, draw_scene};
+use basrelief_reference::{Options, Picture, draw_scene};
 use basrelief_signals::Scene;
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -27,21 +25,5 @@ impl Exact {
             Self::Scene(scene, options) => scene.frames.get(index).map(|frame| draw_scene(scene, frame, options)),
             Self::Trace(seen) => seen.borrow_mut().exact.pop_front(),
         }
-    }
-}
-
-/// The choices that exact picture and machine share.
-pub(crate) fn options_of(config: &BumpProcessorConfig) -> Options {
-    Options {
-        filter: match config.reference.filter {
-            ReferenceFilter::Nearest => TextureFilter::Nearest,
-            ReferenceFilter::Bilinear => TextureFilter::Bilinear,
-            ReferenceFilter::Trilinear => TextureFilter::Trilinear,
-        },
-        components: match config.brightness.components {
-            Components::Combined => reference::Components::Combined,
-            Components::Separate => reference::Components::Separate,
-        },
-        two_sided_lighting: config.geometry.two_sided_lighting,
     }
 }

@@ -18,8 +18,12 @@
 //! # }
 //! ```
 
+mod bump;
+mod device;
+mod drive;
 mod exact;
 mod expectation;
+mod machine;
 mod observer;
 mod record;
 mod run;
@@ -28,8 +32,9 @@ mod tee;
 
 pub use basrelief_kernel::NoProbe;
 pub use expectation::{check_expectation, expectation_of};
+pub use machine::{MACHINES, MachineConfig, MachineInfo};
 pub use observer::{Observer, Pictures, Unobserved, picture_name};
-pub use record::{begin_of, display_list, hash_of};
+pub use record::{begin_of, display_list};
 pub use run::{Run, SessionError, run, stages};
 pub use settings::{Settings, Source};
 

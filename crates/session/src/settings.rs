@@ -1,8 +1,8 @@
 //! What to run, and how.
 
+use crate::machine::MachineConfig;
 use basrelief_display_list::{Files, NoFiles};
 use basrelief_kernel::Engine;
-use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_signals::Scene;
 use std::io::Read;
 use std::sync::Arc;
@@ -32,8 +32,8 @@ impl Source {
 /// How to run.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// All parameters.
-    pub config: BumpProcessorConfig,
+    /// The machine, with all its parameters.
+    pub config: MachineConfig,
     /// The engine; `None` is the functional model, without time.
     pub engine: Option<Engine>,
     /// No step starts in this cycle or later.
@@ -48,12 +48,6 @@ pub struct Settings {
 impl Default for Settings {
     /// Default machine, timed engine, exact picture, no clock.
     fn default() -> Self {
-        Self {
-            config: BumpProcessorConfig::default(),
-            engine: Some(Engine::Timed),
-            max_cycles: u64::MAX,
-            exact: true,
-            clock: || 0.0,
-        }
+        Self { config: MachineConfig::default(), engine: Some(Engine::Timed), max_cycles: u64::MAX, exact: true, clock: || 0.0 }
     }
 }

@@ -25,12 +25,12 @@ fn config(settings: &[(&str, &str)]) -> BumpProcessorConfig {
 fn recorded(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) -> Vec<u8> {
     let begin: Begin = begin_of(scene);
     let mut recorder = Recorder::new(Vec::new(), Form { encoding, ..Form::default() }, begin).unwrap();
-    display_list(scene, config).for_each(|control| recorder.record(&control).unwrap());
+    display_list(scene, &config.clone().into()).for_each(|control| recorder.record(&control).unwrap());
     recorder.finish(Vec::new()).unwrap()
 }
 
 fn report(source: Source, config: &BumpProcessorConfig) -> Report {
-    let settings = Settings { config: config.clone(), exact: false, ..Settings::default() };
+    let settings = Settings { config: config.clone().into(), exact: false, ..Settings::default() };
     run(source, &settings, &mut Unobserved, &mut NoProbe).unwrap().report
 }
 

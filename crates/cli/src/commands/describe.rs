@@ -2,21 +2,21 @@
 
 use crate::args::DescribeArgs;
 use crate::error::{Done, print};
-use basrelief_machines::bump::{BumpProcessorConfig, DIAGRAM, UNITS};
-use basrelief_parameters::{Parameter, Parameters};
+use basrelief_parameters::Parameter;
 use basrelief_scene::DEMOS;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// Prints what the machine is.
 pub fn describe(args: &DescribeArgs) -> Done {
-    let table = BumpProcessorConfig::table();
+    let machine = args.machine;
+    let table = machine.parameters();
     if args.json {
         let list: Vec<Value> = table.iter().map(as_json).collect();
         return print(&format!("{:#}\n", Value::Array(list)));
     }
-    let mut text = format!("bump - Sony's quantized bump-mapping processor\n\n{DIAGRAM}\nUnits\n");
-    for u in UNITS {
+    let mut text = format!("{} - {}\n\n{}\nUnits\n", machine.name, machine.about, machine.diagram);
+    for u in machine.units {
         let numeral = if u.numeral.is_empty() { String::new() } else { format!("({})", u.numeral) };
         let _ = writeln!(text, "  {:<15} {numeral:<6} {}\n{:26}{}", u.name, u.role, "", u.code);
     }

@@ -7,9 +7,7 @@ use crate::error::{Done, Failure};
 use crate::input::{self, Input};
 use crate::progress::Progress;
 use basrelief_display_list::{Encoding, Expectation, Form, Recorder, Setting};
-use basrelief_machines::bump::BumpProcessorConfig;
-use basrelief_parameters::Parameters;
-use basrelief_session::{Source, begin_of, display_list, expectation_of};
+use basrelief_session::{MachineConfig, Source, begin_of, display_list, expectation_of};
 use basrelief_signals::Scene;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
@@ -33,7 +31,7 @@ pub fn record(args: &RecordArgs, quiet: bool) -> Done {
 
 fn write_list(
     scene: &Arc<Scene>,
-    config: &BumpProcessorConfig,
+    config: &MachineConfig,
     writer: impl Write,
     form: Form,
     expectations: Vec<Expectation>,
@@ -49,7 +47,7 @@ fn write_list(
 
 /// What the machine makes of the list now. Not of the scene: there the geometry processor can be held up by what lies
 /// behind it, in a replay its polygons come when they would have come unblocked, and the cycles differ.
-fn expected(scene: &Arc<Scene>, config: &BumpProcessorConfig, args: &RecordArgs) -> Done<Expectation> {
+fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs) -> Done<Expectation> {
     let mut list = Vec::new();
     let form = Form { encoding: Encoding::Binary, compressed: true };
     write_list(scene, config, &mut list, form, vec![], Progress::new(None, "commands", true))?;
@@ -58,10 +56,10 @@ fn expected(scene: &Arc<Scene>, config: &BumpProcessorConfig, args: &RecordArgs)
 }
 
 /// What a replay must be told: parameters that are not at their default, and those that the user named all the same.
-fn settings_of(config: &BumpProcessorConfig, named: &[(String, String)]) -> Done<BTreeMap<String, Setting>> {
-    let whole = serde_json::to_value(config).map_err(Failure::bad)?;
+fn settings_of(config: &MachineConfig, named: &[(String, String)]) -> Done<BTreeMap<String, Setting>> {
+    let whole = config.to_value();
     let mut settings = BTreeMap::new();
-    for parameter in BumpProcessorConfig::table() {
+    for parameter in config.machine().parameters() {
         let value = whole.pointer(&format!("/{}", parameter.key.replace('.', "/"))).cloned().unwrap_or_default();
         if value != parameter.default || named.iter().any(|(key, _)| *key == parameter.key) {
             settings.insert(parameter.key, serde_json::from_value(value).map_err(Failure::bad)?);

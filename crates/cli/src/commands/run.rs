@@ -6,12 +6,11 @@ use crate::input::{self, Input, TraceFile, beside};
 use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
 use basrelief_kernel::{Engine, Probe, StageTopology};
-use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_reference::{Picture, metrics};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, NoProbe, Observer, Pictures, Run, SessionError, Settings, Source, Unobserved, picture_name,
+    self as session, MachineConfig, NoProbe, Observer, Pictures, Run, SessionError, Settings, Source, Unobserved, picture_name,
 };
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
@@ -143,7 +142,7 @@ fn with_timeline(path: &Path, source: Source, settings: &Settings, watcher: &mut
     let failed = || Failure::file(path, "be written");
     let stages: Vec<StageNames> = session::stages(&source, settings).map_err(Failure::bad)?.into_iter().map(names).collect();
     let mut file = PartialFile::create(path).map_err(failed())?;
-    let mut timeline = Timeline::new(BufWriter::new(&mut file), "bump", &stages);
+    let mut timeline = Timeline::new(BufWriter::new(&mut file), settings.config.machine().name, &stages);
     let run = run_named(source, settings, watcher, &mut timeline)?;
     match &run.timing {
         Some(timing) => timeline.finish(timing).and_then(|mut out| out.flush()).map_err(failed())?,
@@ -211,7 +210,7 @@ pub fn style() -> Style {
 }
 
 /// A run to its end, without pictures, exact picture or progress.
-pub fn simulate_quietly(source: Source, config: &BumpProcessorConfig, engine: Option<Engine>) -> Done<Run> {
+pub fn simulate_quietly(source: Source, config: &MachineConfig, engine: Option<Engine>) -> Done<Run> {
     let settings =
         Settings { config: config.clone(), engine: engine.or(Some(Engine::Timed)), exact: false, ..Settings::default() };
     let run = run_named(source, &settings, &mut Unobserved, &mut NoProbe)?;

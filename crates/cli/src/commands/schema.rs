@@ -2,7 +2,6 @@
 
 use crate::args::{SchemaArgs, SchemaName};
 use crate::error::{Done, print};
-use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_signals::Camera;
 
 /// Prints a schema.
@@ -10,7 +9,7 @@ pub fn schema(args: &SchemaArgs) -> Done {
     let schema = match args.of {
         SchemaName::Trace => basrelief_display_list::schema(),
         SchemaName::Report => basrelief_report::schema(),
-        SchemaName::Config => schemars::schema_for!(BumpProcessorConfig).to_value(),
+        SchemaName::Config => args.machine.schema(),
         SchemaName::Camera => schemars::schema_for!(Camera).to_value(),
     };
     print(&format!("{schema:#}\n"))

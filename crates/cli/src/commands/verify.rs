@@ -8,9 +8,8 @@ use crate::input::{TraceFile, beside};
 use crate::outputs::PartialFile;
 use basrelief_display_list::{Command, Expectation, Form, Resolver, Writer, open};
 use basrelief_kernel::Engine;
-use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_report::Report;
-use basrelief_session::{Source, check_expectation, expectation_of};
+use basrelief_session::{MACHINES, MachineInfo, Source, check_expectation, expectation_of};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -82,7 +81,8 @@ fn expectations(path: &Path) -> Done<Vec<Expectation>> {
 fn replay(path: &Path, expected: &Expectation, engine: Engine) -> Done<Report> {
     let settings: Vec<(String, String)> = expected.config.iter().map(|(k, v)| (k.clone(), v.to_string())).collect();
     let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
-    let config: BumpProcessorConfig = basrelief_parameters::load("", &borrowed).map_err(within(path))?;
+    let machine = expected.machine.as_deref().map_or(Ok(&MACHINES[0]), MachineInfo::named).map_err(within(path))?;
+    let config = machine.load("", &borrowed).map_err(within(path))?;
     let file = TraceFile::open(path)?;
     let files = Box::new(beside(&file.folder));
     let source = Source::Trace { reader: file.reader, files, name: file.name };

@@ -2,7 +2,7 @@
 
 use super::framing;
 use super::pattern::{Masonry, noise, weave};
-use super::stage::{Grid, PI, Point, Stage, Workshop, sphere};
+use super::stage::{Grid, PI, Point, Stage, Workshop, append, sphere};
 use basrelief_signals::Mesh;
 use glam::{DMat4, DVec3};
 
@@ -64,13 +64,7 @@ fn cube() -> Mesh {
             let position = normal + right * (2.0 * s - 1.0) + up * (1.0 - 2.0 * t);
             Point { position, normal, tangent: right, uv: [s, t] }
         });
-        let first = cube.positions.len() as u32;
-        cube.indices.extend(side.indices.iter().map(|i| i + first));
-        cube.positions.extend(side.positions);
-        cube.normals.extend(side.normals);
-        cube.tangents.extend(side.tangents);
-        cube.uv.extend(side.uv);
-        cube.uv_normal.extend(side.uv_normal);
+        append(&mut cube, side);
     }
     cube
 }

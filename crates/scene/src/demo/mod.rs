@@ -2,11 +2,15 @@
 
 mod brick;
 mod coin;
+mod cut_plane;
+mod ellipsoid;
+mod goblet;
 mod golf_ball;
 mod lettering;
 mod mixed;
 mod pattern;
 mod sphere;
+mod spline;
 mod stage;
 
 use crate::camera::{Bounds, Viewpoint};
@@ -15,6 +19,13 @@ use crate::view::{Lamp, Setting};
 use crate::{SceneError, ViewOptions};
 use basrelief_signals::Scene;
 use stage::Stage;
+use std::ops::RangeInclusive;
+
+/// How often the sides of a demo's surfaces are divided, as in `goblet@8`: twice the number is four times the polygons.
+const TESSELLATIONS: RangeInclusive<u32> = 1..=16;
+
+/// Where the name of the demo does not say.
+const DEFAULT_TESSELLATION: u32 = 4;
 
 /// A demo scene.
 #[derive(Clone, Copy, Debug)]
@@ -23,44 +34,95 @@ pub struct DemoInfo {
     pub name: &'static str,
     /// What it shows, in a sentence.
     pub about: &'static str,
-    build: fn() -> Stage,
+    /// The machine whose work it shows: `bump` or `shade`. Any other draws it, too.
+    pub machine: &'static str,
+    build: Build,
 }
 
-/// All demos, the default one first.
+#[derive(Clone, Copy, Debug)]
+enum Build {
+    /// There is one form of it.
+    Fixed(fn() -> Stage),
+    /// By its tessellation.
+    Tessellated(fn(u32) -> Stage),
+}
+
+impl DemoInfo {
+    const fn bump(name: &'static str, about: &'static str, build: fn() -> Stage) -> Self {
+        Self { name, about, machine: "bump", build: Build::Fixed(build) }
+    }
+
+    const fn shade(name: &'static str, about: &'static str, build: fn(u32) -> Stage) -> Self {
+        Self { name, about, machine: "shade", build: Build::Tessellated(build) }
+    }
+
+    /// Tessellations N that [`demo`] takes as `NAME@N`; `None` where there is only one.
+    pub fn tessellations(&self) -> Option<RangeInclusive<u32>> {
+        match self.build {
+            Build::Fixed(_) => None,
+            Build::Tessellated(_) => Some(TESSELLATIONS),
+        }
+    }
+
+    fn stage(&self, tessellation: Option<&str>) -> Result<Stage, SceneError> {
+        let refused = |text: &str, expected: String| {
+            Err(SceneError::at("demo", format!("`{}` has no tessellation `{text}`", self.name)).expected(expected))
+        };
+        match (self.build, tessellation) {
+            (Build::Fixed(build), None) => Ok(build()),
+            (Build::Fixed(_), Some(text)) => refused(text, format!("`{}`", self.name)),
+            (Build::Tessellated(build), None) => Ok(build(DEFAULT_TESSELLATION)),
+            (Build::Tessellated(build), Some(text)) => match text.parse() {
+                Ok(n) if TESSELLATIONS.contains(&n) => Ok(build(n)),
+                _ => refused(text, format!("`{0}@{1}` to `{0}@{2}`", self.name, TESSELLATIONS.start(), TESSELLATIONS.end())),
+            },
+        }
+    }
+}
+
+/// All demos, machine by machine; the first of each machine is its default one.
 pub const DEMOS: &[DemoInfo] = &[
-    DemoInfo {
-        name: "golf-ball",
-        about: "A golf ball: 336 dimples in a normal map on a smooth sphere.",
-        build: golf_ball::build,
-    },
-    DemoInfo {
-        name: "coin",
-        about: "Relief on a coin while the light circles around it: the tables of brightness change with every frame.",
-        build: coin::build,
-    },
-    DemoInfo {
-        name: "brick",
-        about: "A brick wall and a paved floor that run to the horizon, so that every LOD 0..=63 occurs.",
-        build: brick::build,
-    },
-    DemoInfo { name: "mixed", about: "Bump targets, textured and plain polygons in front of each other.", build: mixed::build },
-    DemoInfo {
-        name: "sphere",
-        about: "The benchmark: a woven sphere of 20,000 triangles with a normal map of 512 x 512 texels.",
-        build: sphere::build,
-    },
+    DemoInfo::bump("golf-ball", "A golf ball: 336 dimples in a normal map on a smooth sphere.", golf_ball::build),
+    DemoInfo::bump(
+        "coin",
+        "Relief on a coin while the light circles around it: the tables of brightness change with every frame.",
+        coin::build,
+    ),
+    DemoInfo::bump(
+        "brick",
+        "A brick wall and a paved floor that run to the horizon, so that every LOD 0..=63 occurs.",
+        brick::build,
+    ),
+    DemoInfo::bump("mixed", "Bump targets, textured and plain polygons in front of each other.", mixed::build),
+    DemoInfo::bump(
+        "sphere",
+        "The benchmark: a woven sphere of 20,000 triangles with a normal map of 512 x 512 texels.",
+        sphere::build,
+    ),
+    DemoInfo::shade(
+        "ellipsoid",
+        "A lacquered ellipsoid (Figure 3 of the shading device); `ellipsoid@1` to `@16` set the tessellation, 4 is the default.",
+        ellipsoid::build,
+    ),
+    DemoInfo::shade(
+        "cut-plane",
+        "A plane that a curve cuts into many facets, beside a curved body; tessellation as above.",
+        cut_plane::build,
+    ),
+    DemoInfo::shade("goblet", "A spline surface of revolution with narrow highlights; tessellation as above.", goblet::build),
 ];
 
-/// Builds a demo scene. What the options leave open is the demo's choice.
+/// Builds a demo scene, by its name or as `NAME@N` with tessellation N. What the options leave open is the demo's choice.
 ///
 /// # Errors
-/// No demo of this name; options out of range.
+/// No demo of this name; a tessellation that it does not have; options out of range.
 pub fn demo(name: &str, options: &ViewOptions) -> Result<Scene, SceneError> {
-    let info = DEMOS.iter().find(|d| d.name == name).ok_or_else(|| {
+    let (title, tessellation) = name.split_once('@').map_or((name, None), |(title, n)| (title, Some(n)));
+    let info = DEMOS.iter().find(|d| d.name == title).ok_or_else(|| {
         let names: Vec<&str> = DEMOS.iter().map(|d| d.name).collect();
-        SceneError::at("demo", format!("no demo is called `{name}`")).expected(names.join(", "))
+        SceneError::at("demo", format!("no demo is called `{title}`")).expected(names.join(", "))
     })?;
-    let stage = (info.build)();
+    let stage = info.stage(tessellation)?;
     let setting = Setting {
         bounds: bounds(&stage.objects),
         camera: Some(stage.camera),
@@ -138,19 +200,59 @@ mod tests {
     fn demos_are_the_same_every_time() {
         let again = |name| demo(name, &ViewOptions::default()).unwrap();
         assert_eq!(again("coin"), again("coin"));
+        assert_eq!(again("goblet@7"), again("goblet@7"));
         assert!(again("coin").frames.len() > 1, "its light circles");
     }
 
     #[test]
     fn an_unknown_demo_is_told_the_known_ones() {
         let error = demo("bricks", &ViewOptions::default()).unwrap_err().to_string();
-        assert!(error.contains("golf-ball, coin, brick, mixed, sphere"), "{error}");
+        assert!(error.contains("golf-ball, coin, brick, mixed, sphere, ellipsoid, cut-plane, goblet"), "{error}");
+    }
+
+    fn triangles(scene: &Scene) -> usize {
+        scene.objects.iter().map(|o| o.mesh.indices.len() / 3).sum()
+    }
+
+    #[test]
+    fn tessellation_is_part_of_the_name() {
+        for info in DEMOS.iter().filter(|d| d.machine == "shade") {
+            let count = |suffix: &str| triangles(&demo(&format!("{}{suffix}", info.name), &ViewOptions::default()).unwrap());
+            assert_eq!(info.tessellations(), Some(1..=16));
+            assert_eq!(count(""), count("@4"));
+            let [coarse, fine] = ["@8", "@16"].map(count);
+            assert!((3.7..4.3).contains(&(fine as f64 / coarse as f64)), "{}: {coarse}, {fine}", info.name);
+            assert!(count("@1") > 60 && fine < 120_000);
+        }
+    }
+
+    #[test]
+    fn a_wrong_tessellation_is_told_the_right_ones() {
+        let says = |name: &str| demo(name, &ViewOptions::default()).unwrap_err().to_string();
+        for wrong in ["0", "17", "-1", "", "4x", "4@4", "99999999999"] {
+            let expected = format!("demo: `goblet` has no tessellation `{wrong}`; expected `goblet@1` to `goblet@16`");
+            assert_eq!(says(&format!("goblet@{wrong}")), expected);
+        }
+        assert_eq!(says("coin@4"), "demo: `coin` has no tessellation `4`; expected `coin`");
+        assert!(says("teapot@4").contains("no demo is called `teapot`"));
+    }
+
+    /// What the shading device is for: no textures, highlights as sharp as its page says, n 50..=200.
+    #[test]
+    fn demos_of_the_shading_device_shine_and_have_no_textures() {
+        for scene in DEMOS.iter().filter(|d| d.machine == "shade").map(|d| demo(d.name, &ViewOptions::default()).unwrap()) {
+            for material in scene.objects.iter().map(|o| &o.material) {
+                assert!(material.color_texture.is_none() && material.normal_map.is_none());
+                assert!((50.0..=200.0).contains(&material.lighting.n) && material.lighting.ks > 0.0);
+            }
+        }
+        assert_eq!(triangles(&demo("goblet", &ViewOptions::default()).unwrap()), 6_864);
     }
 
     #[test]
     fn the_benchmark_has_twenty_thousand_triangles() {
         let scene = demo("sphere", &ViewOptions::default()).unwrap();
-        assert_eq!(scene.objects.iter().map(|o| o.mesh.indices.len() / 3).sum::<usize>(), 20_000);
+        assert_eq!(triangles(&scene), 20_000);
         let map = scene.objects[0].material.normal_map.as_ref().unwrap();
         assert_eq!((map.levels[0].width, map.levels[0].height, map.levels.len()), (512, 512, 8));
     }

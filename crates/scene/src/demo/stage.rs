@@ -3,7 +3,7 @@
 use crate::camera::Viewpoint;
 use crate::pyramid::{HeightMap, color_levels, height_levels, normal_levels};
 use crate::textures::{Content, TextureStore};
-use basrelief_signals::{Filter, Image, Material, Mesh, Object, Sampler, Texture, Wrap};
+use basrelief_signals::{Filter, Image, Lighting, Material, Mesh, Object, Sampler, Texture, Wrap};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
@@ -80,6 +80,17 @@ impl Grid {
     }
 }
 
+/// Adds the triangles of another mesh, whose optional arrays are those of the first.
+pub(super) fn append(mesh: &mut Mesh, part: Mesh) {
+    let first = mesh.positions.len() as u32;
+    mesh.indices.extend(part.indices.iter().map(|i| i + first));
+    mesh.positions.extend(part.positions);
+    mesh.normals.extend(part.normals);
+    mesh.tangents.extend(part.tangents);
+    mesh.uv.extend(part.uv);
+    mesh.uv_normal.extend(part.uv_normal);
+}
+
 /// A unit sphere; its poles lie on the y axis, u runs east from -z, v from the north pole to the south pole.
 pub(super) fn sphere(columns: u32, rows: u32, tiles: [f64; 2]) -> Mesh {
     let grid = Grid { columns, rows, collapsed_top: true, collapsed_bottom: true };
@@ -147,10 +158,20 @@ impl Workshop {
         color_texture: Option<Arc<Texture>>,
         normal_map: Option<Arc<Texture>>,
     ) -> Arc<Material> {
+        let material = self.untextured(name, color);
+        Arc::new(Material { color_texture, normal_map, ..material })
+    }
+
+    /// A material without textures that shines as it is told to.
+    pub(super) fn lacquer(&mut self, name: &str, color: [f32; 3], lighting: Lighting) -> Arc<Material> {
+        let material = self.untextured(name, color);
+        Arc::new(Material { lighting, ..material })
+    }
+
+    fn untextured(&mut self, name: &str, [r, g, b]: [f32; 3]) -> Material {
         let id = self.materials;
         self.materials += 1;
-        let base_color = [color[0], color[1], color[2], 1.0];
-        Arc::new(Material { id, name: name.into(), base_color, color_texture, normal_map, ..Material::default() })
+        Material { id, name: name.into(), base_color: [r, g, b, 1.0], ..Material::default() }
     }
 
     /// Places a mesh in the world, leaving it to the machine how it is drawn.

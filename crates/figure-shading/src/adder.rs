@@ -1,0 +1,90 @@
+//! Adder (52).
+
+use crate::{CircuitConfig, Dot, Highlight, Highlights, Selection, Signal};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use serde::{Deserialize, Serialize};
+
+/// Everything the adder remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AdderState {
+    /// The polygon's dots come from both sides.
+    pub joins: bool,
+    /// Dots with a specular term added.
+    pub sums: u64,
+}
+
+/// Adder (52): the output of circuit (21) (input 0) plus what gate (51) lets through of circuit (50) (input 1).
+///
+/// Both circuits scan the same dots in the same order; they may come at different times, and the adder waits for the later.
+/// Screen addresses that differ are a fault. Nothing is saturated here or before.
+#[derive(Clone, Debug, Default)]
+pub struct Adder {
+    /// Parameters.
+    pub config: CircuitConfig,
+    /// Everything it remembers.
+    pub state: AdderState,
+}
+
+impl Adder {
+    /// An adder at power-on.
+    pub fn new(config: CircuitConfig) -> Self {
+        Self { config, state: AdderState::default() }
+    }
+
+    #[inline]
+    fn sum(&mut self, dot: Dot, highlight: Highlight, traffic: &mut Traffic) -> Dot {
+        if (dot.x, dot.y) != (highlight.x, highlight.y) {
+            traffic.fault(format!(
+                "adder (52): circuit (21) is at dot {}, {} and circuit (50) at {}, {}; they run in lock step",
+                dot.x, dot.y, highlight.x, highlight.y
+            ));
+        }
+        self.state.sums += 1;
+        Dot { brightness: dot.brightness.map(|b| b + highlight.brightness), ..dot }
+    }
+}
+
+impl Unit for Adder {
+    type In = (Option<Signal>, Option<Highlights>);
+    type Out = Option<Signal>;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        if self.state.joins { Demand::All } else { Demand::Only(0) }
+    }
+
+    #[inline]
+    fn step(&mut self, (signal, highlight): Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let mut cycles = 1;
+        let out = match (signal, highlight) {
+            (Some(Signal::Dot(dot)), highlight) => {
+                cycles = u64::from(self.config.initiation_interval);
+                match highlight {
+                    None => Some(Signal::Dot(dot)),
+                    Some(Highlights::Dot(highlight)) => Some(Signal::Dot(self.sum(dot, highlight, traffic))),
+                    Some(_) => {
+                        traffic.fault("adder (52): circuit (50) has fewer dots than circuit (21)".into());
+                        None
+                    }
+                }
+            }
+            (Some(Signal::Figure(figure)), _) => {
+                self.state.joins = figure.registers.selection() == Selection::LinearAndSpecular;
+                Some(Signal::Figure(figure))
+            }
+            (Some(Signal::End), Some(Highlights::Dot(_))) => {
+                traffic.fault("adder (52): circuit (50) has more dots than circuit (21)".into());
+                None
+            }
+            (other, _) => {
+                self.state.joins = false;
+                other
+            }
+        };
+        Step::after(u64::from(self.config.latency), out).busy(cycles)
+    }
+
+    fn is_empty(&self) -> bool {
+        !self.state.joins
+    }
+}

@@ -1,0 +1,60 @@
+//! Gate (51).
+
+use crate::{CircuitConfig, Highlights};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use serde::{Deserialize, Serialize};
+
+/// Everything the gate remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GateState {
+    /// Specular register (18).
+    pub open: bool,
+    /// Dots let through.
+    pub passed: u64,
+    /// Dots held back.
+    pub blocked: u64,
+}
+
+/// Gate (51): lets the output of circuit (50) through to the adder (52), or holds it back, as the specular register (18)
+/// says.
+#[derive(Clone, Debug, Default)]
+pub struct Gate {
+    /// Parameters.
+    pub config: CircuitConfig,
+    /// Everything it remembers.
+    pub state: GateState,
+}
+
+impl Gate {
+    /// A gate at power-on.
+    pub fn new(config: CircuitConfig) -> Self {
+        Self { config, state: GateState::default() }
+    }
+}
+
+impl Unit for Gate {
+    type In = Option<Highlights>;
+    type Out = Option<Highlights>;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+
+    #[inline]
+    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+        let state = &mut self.state;
+        let (out, cycles) = match input {
+            Some(Highlights::Start { open }) => {
+                state.open = open;
+                (None, 1)
+            }
+            Some(Highlights::Dot(dot)) => {
+                *if state.open { &mut state.passed } else { &mut state.blocked } += 1;
+                (state.open.then_some(Highlights::Dot(dot)), u64::from(self.config.initiation_interval))
+            }
+            end => (end.filter(|_| state.open), 1),
+        };
+        Step::after(u64::from(self.config.latency), out).busy(cycles)
+    }
+}

@@ -1,0 +1,73 @@
+//! The circuits and the microcomputer of the figure shading device (200).
+//!
+//! ```text
+//!  host interface --transfers--> microcomputer (10) = CPU (11) + memory (12), registers (14), (16), (18)
+//!                                  | figures                | normals                | flat_dots      | constant_dots
+//!                                  v                        v                        |                |
+//!                  brightness interpolation       normal-interpolation               |                |
+//!                  circuit (21)                   brightness circuit (50)            |                |
+//!                   |        | interpolated         | highlights                     |                |
+//!                   |        |                    gate (51)                          |                |
+//!                   |        +--> adder (52) <------+ gated                          |                |
+//!                   |              | sums                                            |                |
+//!                   |              +--> selector (53) <------------------------------+                |
+//!                   | brightness_dots    | selected                                                   |
+//!                   +--------------> selector (28) <--------------------------------------------------+
+//!                                        | pixels                  (finished: back to the host interface)
+//!                                        v frame memory (300)
+//! ```
+//!
+//! Per colour component `I = Ka*Ia + Is * {Kd (N.L) + Ks (N.H)^n}`. Ambient and diffuse terms are the same whether
+//! brightness or normals are interpolated; so circuit (21) interpolates these, circuit (50) calculates the specular term
+//! alone, and adder (52) sums.
+//!
+//! # A polygon on the wires
+//!
+//! What the registers hold travels in band: a [`Figure`] token runs from (10) through (21), (52) and (53) to (28) ahead of
+//! the polygon's dots, and each of them sets itself by it. Dots then come along the way that the registers select, and an
+//! [end token](Signal::End) behind them; the other ways carry nothing of this polygon. So a selector knows which input to
+//! read, and nobody waits for a circuit that was not started.
+//!
+//! # Polygons that are none
+//!
+//! | polygon | rule |
+//! |---|---|
+//! | fewer than three points | the host interface drops it, and counts it |
+//! | without area, points repeated | shaded like any other; it has no dots, only its end |
+//! | not convex, folded | a fan around its first point; pixels as [`Scan`](basrelief_shading::Scan) gives them; sample points are weighted within their triangle of the fan |
+//! | coordinate NaN | counts as 0 |
+//! | normal with a component that is not finite | counts as a normal of length zero |
+//! | normal of length zero | taken as it is: N.L = N.H = 0, ambient brightness; in the mean of normals it has no weight; renormalised it stays zero. The specular term is then never called negligible where normals are renormalised |
+//! | brightness NaN | black |
+
+mod adder;
+mod config;
+mod dots;
+mod gate;
+mod host;
+mod interpolation;
+mod microcomputer;
+mod normal_interpolation;
+mod power;
+mod registers;
+mod selector_28;
+mod selector_53;
+mod setting;
+mod signals;
+
+pub use adder::{Adder, AdderState};
+pub use config::{
+    CircuitConfig, Clamp, FlatnessConfig, HostConfig, InterpolationConfig, MicrocomputerConfig, Mode, NormalInterpolationConfig,
+    PowerMethod, SamePlaneConfig, ScanConfig, ShadingConfig, ShortCutConfigs, SpecularNegligibleConfig, SpecularSkip,
+};
+pub use gate::{Gate, GateState};
+pub use host::{HostInterface, HostState};
+pub use interpolation::{BrightnessInterpolation, InterpolationState};
+pub use microcomputer::{Microcomputer, MicrocomputerState, Plane, Process, ProcessCounters};
+pub use normal_interpolation::{NormalInterpolation, NormalInterpolationState};
+pub use power::{Power, power};
+pub use registers::{Path, Registers, Selection};
+pub use selector_28::{Selector28, Selector28State, saturated};
+pub use selector_53::{Selector53, Selector53State};
+pub use setting::Setting;
+pub use signals::{Dot, Figure, Finished, Highlight, Highlights, NormalLoad, Signal};

@@ -1,0 +1,144 @@
+//! Normal-interpolation brightness circuit (50).
+
+use crate::dots::{Corners, Dots};
+use crate::{Highlight, Highlights, NormalInterpolationConfig, NormalLoad, Power};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::fan_triangles;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Everything circuit (50) remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NormalInterpolationState {
+    /// The polygon that is part-way.
+    pub load: Option<Arc<NormalLoad>>,
+    /// Where in it.
+    pub dots: Dots,
+    /// Normals at the corners of the current triangle.
+    pub corners: Corners,
+    /// Exponent for which the table is filled, with a table.
+    pub filled_for: Option<f32>,
+    /// Polygons drawn.
+    pub polygons: u64,
+    /// Dots drawn.
+    pub drawn: u64,
+    /// Times that the table was filled.
+    pub table_fills: u64,
+    /// Cycles that polygons kept the circuit.
+    pub started_cycles: u64,
+    /// Of these, cycles of polygons for which gate (51) is open.
+    pub needed_cycles: u64,
+}
+
+/// Normal-interpolation brightness circuit (50): from the normals at the sample points to `Ks * sum of Is*(Np.H)^n` and the
+/// screen address of every dot. Np is the weighted sum of the normals (equation (12)), not brought to length 1 unless
+/// `renormalise` asks for it; Np.H is clamped to 0..=1 before the power.
+///
+/// Each light keeps the circuit as long as its power does; the power by iteration has one multiplier, unless it is
+/// pipelined.
+#[derive(Clone, Debug)]
+pub struct NormalInterpolation {
+    config: NormalInterpolationConfig,
+    renormalise: bool,
+    power: Power,
+    state: NormalInterpolationState,
+}
+
+type Out = Step<Option<Highlights>>;
+
+impl NormalInterpolation {
+    /// A circuit at power-on; `renormalise` is `shade.renormalise`.
+    pub fn new(config: NormalInterpolationConfig, renormalise: bool) -> Self {
+        let power = Power::new(&config);
+        Self { config, renormalise, power, state: NormalInterpolationState::default() }
+    }
+
+    /// State; for checkpoints.
+    pub fn state(&self) -> &NormalInterpolationState {
+        &self.state
+    }
+
+    /// Puts a state back; the default resets.
+    pub fn set_state(&mut self, state: NormalInterpolationState) {
+        if let Some(load) = &state.load {
+            self.power.fill(load.setting.lighting.n);
+        }
+        self.state = state;
+    }
+
+    fn charge(&mut self, open: bool, cycles: u64) {
+        self.state.started_cycles += cycles;
+        self.state.needed_cycles += if open { cycles } else { 0 };
+    }
+
+    fn begin(&mut self, load: Arc<NormalLoad>) -> Out {
+        let n = load.setting.lighting.n;
+        let setup = u64::from(self.config.setup_cycles) * u64::from(fan_triangles(&load.polygon));
+        let fill = if self.state.filled_for == Some(n) { 0 } else { self.power.fill_cycles() };
+        self.state.table_fills += u64::from(fill > 0);
+        self.state.filled_for = Some(n);
+        self.power.fill(n);
+        let cycles = (setup + fill).max(1);
+        let open = load.open;
+        self.state.dots = Dots::new(&load.polygon, load.raster);
+        self.state.corners = Corners::default();
+        self.state.polygons += 1;
+        self.state.load = Some(load);
+        self.charge(open, cycles);
+        Step::after(0, Some(Highlights::Start { open })).busy(cycles)
+    }
+
+    /// The next dot of the polygon, or its end.
+    #[inline]
+    fn draw(&mut self) -> Out {
+        let state = &mut self.state;
+        let Some(load) = &state.load else { return Step::after(0, None) };
+        let (setting, open) = (&load.setting, load.open);
+        let n = setting.lighting.n;
+        let Some(dot) = state.dots.next(&load.polygon) else {
+            state.load = None;
+            self.charge(open, 1);
+            return Step::after(self.latency(n), Some(Highlights::End));
+        };
+        let sum = Vec3::from(state.corners.at(&dot, |i| load.normals.get(i).copied().unwrap_or_default().to_array()));
+        let normal = if self.renormalise { sum.normalize_or_zero() } else { sum };
+        let power = &self.power;
+        let brightness = setting.highlight(|light| power.at(normal.dot(light.halfway).clamp(0.0, 1.0), n));
+        let cycles = power.occupancy(n) * setting.lights.len().max(1) as u64;
+        let latency = self.latency(n) + cycles - power.occupancy(n);
+        self.state.drawn += 1;
+        self.charge(open, cycles);
+        let highlight = Highlight { x: dot.x, y: dot.y, brightness };
+        Step::after(latency, Some(Highlights::Dot(highlight))).busy(cycles)
+    }
+
+    /// Cycles from start to delivery of a dot with one light.
+    #[inline]
+    fn latency(&self, n: f32) -> u64 {
+        let normalise = if self.renormalise { self.config.normalise_latency } else { 0 };
+        u64::from(self.config.inner_product_latency + normalise) + self.power.latency(n)
+    }
+}
+
+impl Unit for NormalInterpolation {
+    type In = Option<Arc<NormalLoad>>;
+    type Out = Option<Highlights>;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        if self.state.load.is_some() { Demand::Nothing } else { Demand::All }
+    }
+
+    #[inline]
+    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Out {
+        match input {
+            Some(load) => self.begin(load),
+            None => self.draw(),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.state.load.is_none()
+    }
+}

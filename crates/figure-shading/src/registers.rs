@@ -1,0 +1,145 @@
+//! Registers (14), (16), (18), and what they select.
+
+use crate::Mode;
+use serde::{Deserialize, Serialize};
+
+/// The three registers, as they stand while a polygon is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Registers {
+    /// Mode register (14), written by process 13.
+    pub mode: Mode,
+    /// Flatness register (16), written by process 15: the polygon is flat.
+    pub flat: bool,
+    /// Specular register (18), written by process 17: specular reflection is not negligible; gate (51) is open.
+    pub specular: bool,
+}
+
+/// Where the brightness of a dot comes from (claim 1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Selection {
+    /// Mean of the sample points: process 24.
+    Mean,
+    /// Circuit (21).
+    Linear,
+    /// Circuit (21) plus circuit (50).
+    LinearAndSpecular,
+}
+
+impl Registers {
+    /// What selectors (53) and (28) and gate (51) come to together.
+    pub fn selection(self) -> Selection {
+        match self.mode {
+            Mode::Polyhedron => Selection::Mean,
+            Mode::Brightness | Mode::Normal if self.flat => Selection::Mean,
+            Mode::Normal if self.specular => Selection::LinearAndSpecular,
+            Mode::Brightness | Mode::Normal => Selection::Linear,
+        }
+    }
+
+    /// Figure 6, steps 80 to 83: whether process 22 adds the specular term at the sample points. Not where circuit (50)
+    /// has it: it would count twice. Not where it is negligible.
+    pub fn adds_specular_at_sample_points(self) -> bool {
+        self.specular && self.selection() != Selection::LinearAndSpecular
+    }
+
+    /// Whether the dots of process 24 go to selector (53); else to (28).
+    pub fn mean_goes_to_53(self) -> bool {
+        self.mode == Mode::Normal
+    }
+}
+
+/// The six paths of a polygon.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Path {
+    /// Polyhedron mode: mean of the sample points.
+    Polyhedron,
+    /// Brightness-interpolation mode: circuit (21).
+    Brightness,
+    /// Normal-interpolation mode: circuits (21) and (50).
+    #[default]
+    Normal,
+    /// Normal-interpolation mode, specular negligible: circuit (21), gate (51) closed.
+    GateClosed,
+    /// Flat: mean of the sample points.
+    Flat,
+    /// Flat, on the plane of the flat polygon before: its brightness.
+    Reused,
+}
+
+impl Path {
+    /// All, in the order of their numbers.
+    pub const ALL: [Self; 6] = [Self::Polyhedron, Self::Brightness, Self::Normal, Self::GateClosed, Self::Flat, Self::Reused];
+
+    /// The path that the registers select.
+    pub fn of(registers: Registers, reused: bool) -> Self {
+        match registers.mode {
+            Mode::Polyhedron => Self::Polyhedron,
+            _ if reused => Self::Reused,
+            _ if registers.flat => Self::Flat,
+            Mode::Brightness => Self::Brightness,
+            Mode::Normal if registers.specular => Self::Normal,
+            Mode::Normal => Self::GateClosed,
+        }
+    }
+
+    /// Name in the report.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Polyhedron => "polyhedron",
+            Self::Brightness => "brightness",
+            Self::Normal => "normal",
+            Self::GateClosed => "gate_closed",
+            Self::Flat => "flat",
+            Self::Reused => "reused",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn registers() -> impl Iterator<Item = Registers> {
+        let modes = [Mode::Normal, Mode::Brightness, Mode::Polyhedron];
+        let flags = [(false, false), (false, true), (true, false), (true, true)];
+        modes.into_iter().flat_map(move |mode| flags.map(|(flat, specular)| Registers { mode, flat, specular }))
+    }
+
+    #[test]
+    fn claim_1_as_a_table_of_selections() {
+        use Selection::{Linear, LinearAndSpecular, Mean};
+        // flat, specular: no no, no yes, yes no, yes yes.
+        let table = [
+            (Mode::Normal, [Linear, LinearAndSpecular, Mean, Mean]),
+            (Mode::Brightness, [Linear, Linear, Mean, Mean]),
+            (Mode::Polyhedron, [Mean, Mean, Mean, Mean]),
+        ];
+        for (r, expected) in registers().zip(table.iter().flat_map(|(_, row)| row)) {
+            assert_eq!(r.selection(), *expected, "{r:?}");
+        }
+    }
+
+    #[test]
+    fn figure_6_the_specular_term_is_never_counted_twice_and_never_lost() {
+        for r in registers() {
+            let by_50 = r.selection() == Selection::LinearAndSpecular;
+            let times = u32::from(by_50) + u32::from(r.adds_specular_at_sample_points());
+            assert_eq!(times, u32::from(r.specular), "{r:?}");
+        }
+    }
+
+    #[test]
+    fn each_path_is_one_selection() {
+        for r in registers() {
+            let expected = match Path::of(r, false) {
+                Path::Polyhedron | Path::Flat | Path::Reused => Selection::Mean,
+                Path::Brightness | Path::GateClosed => Selection::Linear,
+                Path::Normal => Selection::LinearAndSpecular,
+            };
+            assert_eq!(r.selection(), expected, "{r:?}");
+        }
+        for (i, path) in Path::ALL.into_iter().enumerate() {
+            assert_eq!(path as usize, i);
+        }
+    }
+}

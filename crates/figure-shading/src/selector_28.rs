@@ -1,0 +1,106 @@
+//! Selector (28), the way out of the device.
+
+use crate::{CircuitConfig, Dot, Figure, Finished, Mode, Path, Selection, Signal};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::{Control, Flow, Pixel};
+use serde::{Deserialize, Serialize};
+
+/// The output of selector (53); control comes this way.
+const FROM_53: usize = 0;
+/// The output of circuit (21).
+const FROM_21: usize = 1;
+/// The output of process 24.
+const FROM_24: usize = 2;
+
+/// Everything selector (28) remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Selector28State {
+    /// The input that is read.
+    pub selected: usize,
+    /// Path of the polygon that passes.
+    pub path: Path,
+    /// Polygons, by path.
+    pub polygons: [u64; 6],
+    /// Dots, by path.
+    pub dots: [u64; 6],
+}
+
+/// Selector (28): by the mode register (14) the output of selector (53) (input 0), of circuit (21) (input 1) or of process
+/// 24 (input 2) goes to the frame memory (300), at the address that came with it; saturated to 8 bits here, once. (In
+/// brightness-interpolation mode flat polygons come from process 24, where `shade.flat_in_brightness_mode` is set.)
+///
+/// Output 1 tells the host interface of each polygon that is finished.
+#[derive(Clone, Debug, Default)]
+pub struct Selector28 {
+    /// Parameters.
+    pub config: CircuitConfig,
+    /// Everything it remembers.
+    pub state: Selector28State,
+}
+
+/// 8 bits of each component: saturating, halves rounded up; NaN is black.
+#[inline]
+pub fn saturated(brightness: [f32; 3]) -> [u8; 3] {
+    // The conversion saturates at both ends.
+    brightness.map(|b| (b * 255.0 + 0.5) as u8)
+}
+
+impl Selector28 {
+    /// A selector at power-on.
+    pub fn new(config: CircuitConfig) -> Self {
+        Self { config, state: Selector28State::default() }
+    }
+
+    fn select(&mut self, figure: &Figure) {
+        self.state.path = figure.path;
+        self.state.polygons[figure.path as usize] += 1;
+        self.state.selected = match (figure.registers.mode, figure.registers.selection()) {
+            (Mode::Normal, _) => FROM_53,
+            (_, Selection::Mean) => FROM_24,
+            _ => FROM_21,
+        };
+    }
+
+    #[inline]
+    fn pixel(&mut self, dot: Dot) -> Pixel {
+        self.state.dots[self.state.path as usize] += 1;
+        Pixel { x: dot.x, y: dot.y, z: dot.z, rgb: saturated(dot.brightness) }
+    }
+}
+
+impl Unit for Selector28 {
+    type In = (Option<Signal>, Option<Signal>, Option<Signal>);
+    type Out = (Option<Flow<Pixel>>, Option<Finished>);
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        Demand::Only(self.state.selected)
+    }
+
+    #[inline]
+    fn step(&mut self, (from_53, from_21, from_24): Self::In, _: &mut Traffic) -> Step<Self::Out> {
+        let mut cycles = 1;
+        let out = match from_53.or(from_21).or(from_24) {
+            Some(Signal::Dot(dot)) => {
+                cycles = u64::from(self.config.initiation_interval);
+                (Some(Flow::Item(self.pixel(dot))), None)
+            }
+            Some(Signal::Figure(figure)) => {
+                self.select(&figure);
+                (None, None)
+            }
+            Some(Signal::End) => {
+                self.state.selected = FROM_53;
+                (None, Some(Finished))
+            }
+            Some(Signal::Frame(frame)) => (Some(Flow::Control(Control::Frame(frame))), None),
+            Some(Signal::FrameEnd) => (Some(Flow::Control(Control::FrameEnd)), None),
+            None => (None, None),
+        };
+        Step::after(u64::from(self.config.latency), out).busy(cycles)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.state.selected == FROM_53
+    }
+}

@@ -1,0 +1,60 @@
+//! Selector (53).
+
+use crate::{CircuitConfig, Selection, Signal};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use serde::{Deserialize, Serialize};
+
+/// Everything selector (53) remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Selector53State {
+    /// Flatness register (16), in normal-interpolation mode: the dots come from process 24.
+    pub flat: bool,
+}
+
+/// Selector (53): by the flatness register (16) the output of the adder (52) (input 0) or that of process 24 (input 1).
+/// Control comes by way of the adder.
+#[derive(Clone, Debug, Default)]
+pub struct Selector53 {
+    /// Parameters.
+    pub config: CircuitConfig,
+    /// Everything it remembers.
+    pub state: Selector53State,
+}
+
+impl Selector53 {
+    /// A selector at power-on.
+    pub fn new(config: CircuitConfig) -> Self {
+        Self { config, state: Selector53State::default() }
+    }
+}
+
+impl Unit for Selector53 {
+    type In = (Option<Signal>, Option<Signal>);
+    type Out = Option<Signal>;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        Demand::Only(usize::from(self.state.flat))
+    }
+
+    #[inline]
+    fn step(&mut self, (sum, mean): Self::In, _: &mut Traffic) -> Step<Self::Out> {
+        let mut cycles = 1;
+        let out = sum.or(mean);
+        match &out {
+            Some(Signal::Dot(_)) => cycles = u64::from(self.config.initiation_interval),
+            Some(Signal::Figure(figure)) => {
+                let registers = figure.registers;
+                self.state.flat = registers.mean_goes_to_53() && registers.selection() == Selection::Mean;
+            }
+            // Whichever input it came by: what follows comes by way of the adder.
+            Some(Signal::End) => self.state.flat = false,
+            Some(Signal::Frame(_) | Signal::FrameEnd) | None => {}
+        }
+        Step::after(u64::from(self.config.latency), out).busy(cycles)
+    }
+
+    fn is_empty(&self) -> bool {
+        !self.state.flat
+    }
+}

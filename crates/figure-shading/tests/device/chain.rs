@@ -1,0 +1,174 @@
+//! Polygons through microcomputer and circuits, step by step, without time.
+
+use basrelief_figure_shading::{
+    Adder, BrightnessInterpolation, CircuitConfig, Dot, Figure, Highlight, Highlights, InterpolationConfig, Microcomputer,
+    MicrocomputerConfig, NormalInterpolation, NormalInterpolationConfig, NormalLoad, ScanConfig, ShadingConfig, ShortCutConfigs,
+    Signal,
+};
+use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_signals::{Camera, Control, Frame, Light, LightKind, Lighting, Material, Polygon, Vertex};
+use glam::Vec3;
+use proptest::prelude::*;
+use std::sync::Arc;
+
+/// Side of the picture \[pixels\].
+pub const SIDE: u32 = 32;
+
+/// Parameters that decide what is drawn.
+#[derive(Clone, Debug, Default)]
+pub struct Config {
+    pub shading: ShadingConfig,
+    pub short_cuts: ShortCutConfigs,
+    pub scan: ScanConfig,
+    pub circuit_50: NormalInterpolationConfig,
+}
+
+impl Config {
+    pub fn microcomputer(&self) -> Microcomputer {
+        let Self { shading, short_cuts, scan, circuit_50 } = self.clone();
+        Microcomputer::new(MicrocomputerConfig::default(), shading, short_cuts, scan, &circuit_50)
+    }
+
+    pub fn circuit_50(&self) -> NormalInterpolation {
+        NormalInterpolation::new(self.circuit_50.clone(), self.shading.renormalise)
+    }
+
+    /// Without short cuts.
+    pub fn plain(mut self) -> Self {
+        self.short_cuts.specular_negligible.enabled = false;
+        self.short_cuts.flatness.enabled = false;
+        self
+    }
+}
+
+/// What came of a polygon on each wire.
+#[derive(Clone, Debug, Default)]
+pub struct Shaded {
+    pub figure: Option<Arc<Figure>>,
+    pub load: Option<Arc<NormalLoad>>,
+    /// Of circuit (21).
+    pub linear: Vec<Dot>,
+    /// Of circuit (50).
+    pub highlights: Vec<Highlight>,
+    /// Of process 24.
+    pub mean: Vec<Dot>,
+    /// Of what is selected, behind the adder (52).
+    pub dots: Vec<Dot>,
+}
+
+/// Steps a unit until it asks for input.
+pub fn drain<U: Unit>(unit: &mut U, nothing: impl Fn() -> U::In) -> Vec<U::Out> {
+    let mut out = Vec::new();
+    while unit.demand() == Demand::Nothing {
+        out.push(unit.step(nothing(), &mut Traffic::default()).out);
+    }
+    out
+}
+
+/// Feeds a unit of one input, and collects what it puts out.
+pub fn feed<T, U: Unit<In = Option<T>>>(unit: &mut U, tokens: impl IntoIterator<Item = T>) -> Vec<U::Out> {
+    let mut out = Vec::new();
+    for token in tokens {
+        out.push(unit.step(Some(token), &mut Traffic::default()).out);
+        out.extend(drain(unit, || None));
+    }
+    out
+}
+
+fn dots(signals: impl IntoIterator<Item = Signal>) -> Vec<Dot> {
+    signals.into_iter().filter_map(|s| if let Signal::Dot(dot) = s { Some(dot) } else { None }).collect()
+}
+
+/// One polygon through a microcomputer that has its frame, and through the circuits.
+pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> Shaded {
+    let mut shaded = Shaded::default();
+    let (mut mean, mut figures) = (Vec::new(), Vec::new());
+    for (figure, load, flat, constant) in feed(unit, [polygon]) {
+        shaded.load = shaded.load.or(load);
+        mean.extend(flat.into_iter().chain(constant));
+        figures.extend(figure);
+    }
+    shaded.mean = dots(mean);
+    let mut linear = Vec::new();
+    for signal in figures {
+        if let Signal::Figure(figure) = &signal {
+            shaded.figure = Some(Arc::clone(figure));
+        }
+        let out = feed(&mut BrightnessInterpolation::new(InterpolationConfig::default()), [signal]);
+        linear.extend(out.into_iter().flat_map(|(a, b)| a.into_iter().chain(b)));
+    }
+    let highlights: Vec<Highlights> = feed(&mut config.circuit_50(), shaded.load.clone()).into_iter().flatten().skip(1).collect();
+    shaded.highlights = highlights.iter().filter_map(|h| if let Highlights::Dot(dot) = h { Some(*dot) } else { None }).collect();
+    shaded.linear = dots(linear.clone());
+    let is_open = shaded.load.as_ref().is_some_and(|load| load.open);
+    let added = add(linear, if is_open { highlights } else { Vec::new() });
+    shaded.dots = if shaded.mean.is_empty() { dots(added) } else { shaded.mean.clone() };
+    shaded
+}
+
+/// Through the adder (52).
+fn add(linear: Vec<Signal>, highlights: Vec<Highlights>) -> Vec<Signal> {
+    let mut adder = Adder::new(CircuitConfig::default());
+    let (mut linear, mut highlights, mut out) = (linear.into_iter(), highlights.into_iter(), Vec::new());
+    while let Some(signal) = linear.next() {
+        let highlight = if adder.demand() == Demand::All { highlights.next() } else { None };
+        let mut traffic = Traffic::default();
+        out.extend(adder.step((Some(signal), highlight), &mut traffic).out);
+        assert!(format!("{traffic:?}").contains("fault: None"), "{traffic:?}");
+    }
+    assert_eq!((highlights.next(), linear.next()), (None, None));
+    out
+}
+
+/// One polygon under these lights.
+pub fn draw(config: &Config, lights: Vec<Light>, polygon: Control) -> Shaded {
+    let mut unit = config.microcomputer();
+    feed(&mut unit, [frame(lights)]);
+    shade(&mut unit, config, polygon)
+}
+
+pub fn frame(lights: Vec<Light>) -> Control {
+    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
+    Control::Frame(Arc::new(Frame { index: 0, width: SIDE, height: SIDE, camera, lights }))
+}
+
+pub fn sun(to_light: Vec3) -> Light {
+    Light { kind: LightKind::Directional { to_light: to_light.normalize().to_array() }, intensity: 1.0 }
+}
+
+/// A white polygon of points (x, y) with their normals.
+pub fn polygon(points: &[[f32; 2]], normals: &[Vec3], lighting: Lighting) -> Control {
+    let vertex = |(&[x, y], normal): (&[f32; 2], &Vec3)| Vertex {
+        position: [x, y, 0.5, 1.0],
+        normal: normal.to_array(),
+        ..Vertex::default()
+    };
+    let vertices = points.iter().zip(normals).map(vertex).collect();
+    let material = Arc::new(Material { lighting, ..Material::default() });
+    Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: false, arrival: 0 }))
+}
+
+pub fn direction() -> impl Strategy<Value = Vec3> {
+    [-1f32..1.0, -1f32..1.0, -1f32..1.0]
+        .prop_map(Vec3::from)
+        .prop_filter("long enough", |v| v.length() > 0.1)
+        .prop_map(Vec3::normalize)
+}
+
+pub fn lighting() -> impl Strategy<Value = Lighting> {
+    (0f32..0.3, 0f32..0.8, 0.05f32..0.8, 1u32..=200).prop_map(|(ka, kd, ks, n)| Lighting { ka, kd, ks, n: n as f32 })
+}
+
+/// A triangle on a grid of 1/16 pixel: snapping moves nothing.
+pub fn triangle() -> impl Strategy<Value = [[f32; 2]; 3]> {
+    prop::array::uniform3([0u32..SIDE * 16, 0u32..SIDE * 16]).prop_map(|t| t.map(|p| p.map(|c| c as f32 / 16.0)))
+}
+
+/// Weights of the three corners at the centre of a dot, in double precision.
+pub fn weights(t: &[[f32; 2]; 3], dot: (u16, u16)) -> [f64; 3] {
+    let p = [f64::from(dot.0) + 0.5, f64::from(dot.1) + 0.5];
+    let [a, b, c] = t.map(|p| p.map(f64::from));
+    let area = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    let whole = area(a, b, c);
+    [area(p, b, c) / whole, area(a, p, c) / whole, area(a, b, p) / whole]
+}

@@ -1,0 +1,141 @@
+//! All parameters of the figure shading device, in the order of its block diagram.
+
+use crate::config::{ClockConfig, ReferenceConfig, slots};
+use crate::front::FrontConfig;
+use basrelief_figure_shading::{
+    CircuitConfig, HostConfig, InterpolationConfig, MicrocomputerConfig, NormalInterpolationConfig, ScanConfig, ShadingConfig,
+    ShortCutConfigs,
+};
+use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
+use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
+use basrelief_graphics_processor::DepthConfig;
+use basrelief_kernel::{CacheConfig, FifoConfig, MemoryConfig};
+use basrelief_parameters::{parameter_groups, parameters};
+
+parameters! {
+    /// Frame memory (300).
+    pub struct FrameMemoryConfig {
+        /// Dots are tested for depth; off: the last one drawn stays.
+        depth_test: bool = true, unit: "", Assumed("the patent has none; polygons would have to come sorted");
+    }
+}
+
+parameter_groups! {
+    /// FIFOs of the figure shading device, by name. Defaults hold full rate (law 2): latency of the producer + FIFO latency
+    /// + 1, and on the way out of a unit that waits for memory its loaded latency too.
+    pub struct FifoConfigs {
+        /// Host to geometry processor: triangles.
+        draws: FifoConfig = slots(16),
+        /// Geometry processor to host interface: the display list.
+        polygons: FifoConfig = slots(16),
+        /// Host interface to microcomputer (10): what the host has sent.
+        transfers: FifoConfig = slots(4),
+        /// Microcomputer (10) to circuit (21): registers and brightness at the sample points; all control.
+        figures: FifoConfig = slots(4),
+        /// Microcomputer (10) to circuit (50): normals at the sample points.
+        normals: FifoConfig = slots(4),
+        /// Process 24 to selector (53): dots of flat polygons.
+        flat_dots: FifoConfig = slots(16),
+        /// Process 24 to selector (28): dots in polyhedron mode.
+        constant_dots: FifoConfig = slots(16),
+        /// Circuit (21) to adder (52): dots in normal-interpolation mode, all control.
+        interpolated: FifoConfig = slots(16),
+        /// Circuit (21) to selector (28): dots in brightness-interpolation mode.
+        brightness_dots: FifoConfig = slots(16),
+        /// Circuit (50) to gate (51): specular brightness of dots.
+        highlights: FifoConfig = slots(64),
+        /// Gate (51) to adder (52).
+        gated: FifoConfig = slots(16),
+        /// Adder (52) to selector (53).
+        sums: FifoConfig = slots(16),
+        /// Selector (53) to selector (28).
+        selected: FifoConfig = slots(16),
+        /// Selector (28) to the depth test, or to the frame memory (300) without it.
+        pixels: FifoConfig = slots(64),
+        /// Depth test to frame memory (300).
+        tested_pixels: FifoConfig = slots(64),
+        /// Selector (28) back to the host interface: polygons that are finished.
+        finished: FifoConfig = slots(2),
+        /// Frame memory (300) to video output: finished frames.
+        finished_frames: FifoConfig = slots(2),
+    }
+}
+
+parameter_groups! {
+    /// The one memory.
+    pub struct MemoryConfigs {
+        /// Frame memory (300), with the depth values.
+        frame: MemoryConfig = MemoryConfig { outstanding: 16, ..MemoryConfig::default() },
+    }
+}
+
+parameter_groups! {
+    /// The one cache.
+    pub struct CacheConfigs {
+        /// Depth values, for the depth test.
+        depth: CacheConfig = CacheConfig { sets: 32, lookups_per_cycle: 1, ..CacheConfig::default() },
+    }
+}
+
+parameter_groups! {
+    /// All parameters of the figure shading device.
+    pub struct ShadeConfig {
+        /// Clock.
+        clock: ClockConfig = ClockConfig { hz: 20_000_000 },
+        /// How a display list is fed.
+        display_list: DisplayListConfig = DisplayListConfig::default(),
+        /// Which polygons a display list marks as bump targets, for the machine that knows them; this one does not ask.
+        bump: BumpConfig = BumpConfig::default(),
+        /// Geometry processor, part of the host computer (100).
+        geometry: GeometryConfig = GeometryConfig::default(),
+        /// What is shaded, and how.
+        shade: ShadingConfig = ShadingConfig::default(),
+        /// The three short cuts.
+        shortcut: ShortCutConfigs = ShortCutConfigs::default(),
+        /// Transfers from the host computer (100).
+        host: HostConfig = HostConfig::default(),
+        /// CPU (11) of the microcomputer (10).
+        microcomputer: MicrocomputerConfig = MicrocomputerConfig::default(),
+        /// How polygons are scanned.
+        scan: ScanConfig = ScanConfig::default(),
+        /// Brightness interpolation circuit (21).
+        interpolation: InterpolationConfig = InterpolationConfig::default(),
+        /// Normal-interpolation brightness circuit (50).
+        normal_interpolation: NormalInterpolationConfig = NormalInterpolationConfig::default(),
+        /// Gate (51).
+        gate: CircuitConfig = CircuitConfig::default(),
+        /// Adder (52).
+        adder: CircuitConfig = CircuitConfig::default(),
+        /// Selector (53).
+        selector_53: CircuitConfig = CircuitConfig::default(),
+        /// Selector (28).
+        selector_28: CircuitConfig = CircuitConfig::default(),
+        /// Frame memory (300).
+        frame_memory: FrameMemoryConfig = FrameMemoryConfig::default(),
+        /// Depth test.
+        depth: DepthConfig = DepthConfig::default(),
+        /// Write port of the frame memory (300).
+        frame_buffer: FrameBufferConfig = FrameBufferConfig::default(),
+        /// Video output to the colour CRT (400).
+        video_out: VideoOutConfig = VideoOutConfig::default(),
+        /// FIFOs.
+        fifo: FifoConfigs = FifoConfigs::default(),
+        /// Memories.
+        memory: MemoryConfigs = MemoryConfigs::default(),
+        /// Caches.
+        cache: CacheConfigs = CacheConfigs::default(),
+        /// The exact picture that the machine's is compared with.
+        reference: ReferenceConfig = ReferenceConfig::default(),
+    }
+}
+
+impl From<&ShadeConfig> for FrontConfig {
+    fn from(c: &ShadeConfig) -> Self {
+        Self {
+            geometry: c.geometry.clone(),
+            bump: c.bump.clone(),
+            display_list: c.display_list.clone(),
+            draws: c.fifo.draws.clone(),
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Device figures of the figure shading device.
+
+use super::{FigureShadingDevice, FrontEnd};
+use crate::counts::Counts;
+use basrelief_figure_shading::{Path, Process};
+
+impl<F: FrontEnd> FigureShadingDevice<F> {
+    /// What the units counted, in the order of the block diagram.
+    pub fn counts(&self) -> Counts {
+        let mut counts = Counts::default();
+        self.front.counts(&mut counts);
+        let host = &self.host.unit.state;
+        counts.add("host_bytes", host.bytes);
+        counts.add("polygons_sent", host.polygons);
+        counts.add("polygons_dropped", host.dropped);
+        counts.add("polygons_textured", host.textured);
+        self.count_paths(&mut counts);
+        self.count_short_cuts(&mut counts);
+        self.count_processes(&mut counts);
+        self.count_circuits(&mut counts);
+        let depth = &self.depth.unit.state;
+        counts.add("z_tested", depth.tested);
+        counts.add("z_passed", depth.passed);
+        let frame_memory = &self.frame_memory.unit.state.counters;
+        counts.add("pixels", frame_memory.pixels);
+        counts.add("frames", frame_memory.frames);
+        counts.add("video_out_bytes", self.video_out.unit.state.bytes);
+        counts
+    }
+
+    /// Polygons and dots on each of the six paths; a dot is a fragment.
+    fn count_paths(&self, counts: &mut Counts) {
+        let selector = &self.selector_28.unit.state;
+        counts.add("fragments", selector.dots.iter().sum::<u64>());
+        for path in Path::ALL {
+            counts.add(&format!("polygons_{}", path.name()), selector.polygons[path as usize]);
+        }
+        for path in Path::ALL {
+            counts.add(&format!("dots_{}", path.name()), selector.dots[path as usize]);
+        }
+    }
+
+    fn count_short_cuts(&self, counts: &mut Counts) {
+        let counters = self.microcomputer.unit.counters();
+        counts.add("short_cut_specular_negligible", counters.specular_negligible);
+        counts.add("short_cut_flat", counters.flat);
+        counts.add("short_cut_same_plane", counters.reused);
+    }
+
+    fn count_processes(&self, counts: &mut Counts) {
+        for (process, name) in Process::ALL {
+            let counters = self.microcomputer.unit.process(process);
+            counts.add(&format!("{name}_runs"), counters.runs);
+            counts.add(&format!("{name}_cycles"), counters.cycles);
+        }
+    }
+
+    /// Of the rest of all cycles the circuits were idle: the accounting has it.
+    fn count_circuits(&self, counts: &mut Counts) {
+        let (linear, normal) = (&self.interpolation.unit.state, self.normal_interpolation.unit.state());
+        let gate = &self.gate.unit.state;
+        counts.add("interpolation_polygons", linear.polygons);
+        counts.add("interpolation_dots", linear.drawn);
+        counts.add("interpolation_started_cycles", linear.started_cycles);
+        counts.add("normal_interpolation_polygons", normal.polygons);
+        counts.add("normal_interpolation_dots", normal.drawn);
+        counts.add("normal_interpolation_started_cycles", normal.started_cycles);
+        counts.add("normal_interpolation_needed_cycles", normal.needed_cycles);
+        counts.add("power_table_fills", normal.table_fills);
+        counts.add("gate_passed", gate.passed);
+        counts.add("gate_blocked", gate.blocked);
+        counts.add("adder_sums", self.adder.unit.state.sums);
+    }
+}

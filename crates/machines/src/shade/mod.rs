@@ -1,0 +1,28 @@
+//! The figure shading device (Hitachi; M. Kanema, T. Sakaibara, S. Tsujioka, S. Senda).
+//!
+//! Figure 1, as it is wired by [`FigureShadingDevice`]:
+//!
+//! ```text
+#![doc = include_str!("diagram.txt")]
+//! ```
+
+mod check;
+mod config;
+mod counts;
+mod device;
+mod units;
+
+pub use crate::config::{ClockConfig, ReferenceConfig, ReferenceFilter};
+pub use crate::front::{FrontEnd, SceneFront, TraceFront};
+pub use crate::problem::ConfigProblem;
+pub use crate::unit_info::UnitInfo;
+pub use check::{input_warnings, warnings};
+pub use config::{CacheConfigs, FifoConfigs, FrameMemoryConfig, MemoryConfigs, ShadeConfig};
+pub use device::FigureShadingDevice;
+pub use units::UNITS;
+
+/// Name of the machine.
+pub const NAME: &str = "shade";
+
+/// Figure 1 in characters.
+pub const DIAGRAM: &str = include_str!("diagram.txt");

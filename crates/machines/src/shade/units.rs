@@ -1,0 +1,80 @@
+//! The boxes of the block diagram, in words: what `describe` prints.
+
+use crate::unit_info::{UnitInfo, unit};
+
+/// All stages of the machine, in the order of the wiring.
+pub const UNITS: &[UnitInfo] = &[
+    unit("host", "100", "feeds the scene, one draw command per cycle", "crates/geometry-processor/src/source.rs"),
+    unit("geometry", "", "transforms, clips, culls, projects, in the host computer", "crates/geometry-processor"),
+    unit("display-list", "", "replays a recorded display list in their place", "crates/geometry-processor/src/source.rs"),
+    unit("host-interface", "", "transfers polygons, one or two at a time", "crates/figure-shading/src/host.rs"),
+    unit("microcomputer", "10", "decides, shades sample points, draws flat polygons", "crates/figure-shading/src/microcomputer"),
+    unit(
+        "interpolation",
+        "21",
+        "interpolates brightness: all terms but the specular",
+        "crates/figure-shading/src/interpolation.rs",
+    ),
+    unit(
+        "normal-interpolation",
+        "50",
+        "interpolates normals: the specular term",
+        "crates/figure-shading/src/normal_interpolation.rs",
+    ),
+    unit("gate", "51", "holds the specular term back where it is negligible", "crates/figure-shading/src/gate.rs"),
+    unit("adder", "52", "adds the specular term", "crates/figure-shading/src/adder.rs"),
+    unit("selector-53", "53", "flat or not: process 24 or the adder", "crates/figure-shading/src/selector_53.rs"),
+    unit("selector-28", "28", "by the mode: (53), (21) or process 24; saturates", "crates/figure-shading/src/selector_28.rs"),
+    unit("depth-test", "", "tests depth in front of (300); owns the depth values", "crates/graphics-processor/src/depth.rs"),
+    unit("frame-memory", "300", "keeps the picture", "crates/frame-buffer"),
+    unit("video-out", "", "reads every finished frame once, for the CRT (400)", "crates/frame-buffer/src/video_out.rs"),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shade::{DIAGRAM, FigureShadingDevice, FrontEnd, SceneFront, ShadeConfig, TraceFront};
+    use basrelief_kernel::{StageTopology, topology};
+    use basrelief_signals::{Control, Draw};
+    use std::collections::BTreeSet;
+
+    fn stages<F: FrontEnd>(front: F, config: &ShadeConfig) -> Vec<StageTopology> {
+        topology(&mut FigureShadingDevice::new(front, config).unwrap())
+    }
+
+    /// All stages, whichever way in.
+    fn all() -> Vec<StageTopology> {
+        let config = ShadeConfig::default();
+        let trace = std::iter::empty::<Result<(Control, Option<u64>), String>>();
+        let mut all = stages(SceneFront::new(std::iter::empty::<Draw>(), &config), &config);
+        all.extend(stages(TraceFront::new(trace, &config), &config));
+        all
+    }
+
+    #[test]
+    fn the_table_names_exactly_the_stages_that_are_wired() {
+        let wired: BTreeSet<String> = all().into_iter().map(|s| s.name).collect();
+        let named: BTreeSet<String> = UNITS.iter().map(|u| u.name.to_owned()).collect();
+        assert_eq!(wired, named);
+    }
+
+    #[test]
+    fn the_diagram_shows_every_fifo_every_client_and_every_numeral() {
+        for stage in all() {
+            for name in stage.inputs.iter().chain(&stage.outputs).chain(&stage.clients) {
+                assert!(DIAGRAM.contains(name.as_str()), "{name}");
+            }
+        }
+        for unit in UNITS.iter().filter(|u| !u.numeral.is_empty()) {
+            assert!(DIAGRAM.contains(&format!("({})", unit.numeral)), "{}", unit.name);
+        }
+    }
+
+    #[test]
+    fn the_code_is_where_the_table_says() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        for unit in UNITS {
+            assert!(root.join(unit.code).exists(), "{}", unit.code);
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Both engines give equal reports, the functional model the same pictures; cycles are conserved; nothing deadlocks.
+
+use crate::recipe::{borrowed, display_lists, meanings, timings};
+use crate::runs::{Ran, config, functional, replay, run, scene_front, small_demo, timed};
+use basrelief_kernel::{Engine, Outcome};
+use basrelief_machines::shade::{FigureShadingDevice, FrontEnd, ShadeConfig};
+use proptest::prelude::*;
+
+/// Runs in all three ways and holds them against each other; the timed run.
+fn agree<F: FrontEnd>(front: impl Fn() -> F, config: &ShadeConfig) -> Ran {
+    let timed = run(front(), config, Engine::Timed);
+    assert_eq!(timed.report.outcome, Outcome::Complete);
+    let ticked = run(front(), config, Engine::Ticked);
+    assert!(timed.report == ticked.report, "the engines differ:\n{:#?}\n{:#?}", timed.report.units, ticked.report.units);
+    assert_eq!((&timed.frames, &timed.counts), (&ticked.frames, &ticked.counts));
+    let (frames, counts) = functional(front(), config);
+    assert_eq!((&timed.frames, &timed.counts), (&frames, &counts), "the functional model");
+    conserved(&timed);
+    timed
+}
+
+/// Laws 9 and 10, and what counters must have in common.
+fn conserved(ran: &Ran) {
+    let total = ran.report.total;
+    for unit in &ran.report.units {
+        assert_eq!(unit.account.total(), total, "cycles of {}", unit.name);
+    }
+    for fifo in &ran.report.fifos {
+        assert_eq!(fifo.histogram.iter().sum::<u64>(), total, "histogram of {}", fifo.name);
+    }
+    let paths = ["polyhedron", "brightness", "normal", "gate_closed", "flat", "reused"];
+    let sum = |what: &str| paths.iter().map(|path| ran.count(&format!("{what}_{path}"))).sum::<u64>();
+    assert_eq!(sum("dots"), ran.count("fragments"));
+    assert_eq!(sum("polygons"), ran.count("polygons_sent"), "every polygon takes one path");
+    let [linear, both] = ["interpolation_dots", "adder_sums"].map(|name| ran.count(name));
+    assert_eq!(linear, ["brightness", "normal", "gate_closed"].map(|p| ran.count(&format!("dots_{p}"))).iter().sum::<u64>());
+    assert_eq!((both, ran.count("gate_passed")), (ran.count("dots_normal"), ran.count("dots_normal")));
+    assert_eq!(ran.count("normal_interpolation_dots"), both + ran.count("gate_blocked"));
+    let busy = |name: &str| ran.report.units.iter().find(|u| u.name == name).map_or(0, |u| u.account.busy);
+    assert_eq!(busy("normal-interpolation"), ran.count("normal_interpolation_started_cycles"));
+    assert!(busy("interpolation") >= ran.count("interpolation_started_cycles"));
+}
+
+#[test]
+fn engines_agree_on_demos_in_every_mode() {
+    for demo in ["sphere", "mixed"] {
+        let scene = small_demo(demo);
+        for mode in ["normal", "brightness", "polyhedron"] {
+            let config = config(&[("shade.mode", mode)]);
+            let ran = agree(|| scene_front(&scene, &config), &config);
+            assert!(ran.frames[0].covered.iter().any(|c| *c));
+        }
+    }
+}
+
+#[test]
+fn parameters_that_do_not_fit_together_are_refused_with_a_key() {
+    let refused = |settings: &[(&str, &str)], key: &str| {
+        let config = config(settings);
+        let problem = FigureShadingDevice::new(replay(&[], &config), &config).err().unwrap_or_else(|| panic!("{settings:?}"));
+        assert_eq!(problem.key, key, "{problem}");
+    };
+    refused(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
+    refused(&[("host.buffers", "2"), ("fifo.finished.depth", "1")], "fifo.finished.depth");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 2, ..ProptestConfig::default() })]
+
+    #[test]
+    fn engines_agree_on_every_display_list_and_configuration(
+        list in display_lists(), meaning in meanings(), timing in timings(),
+    ) {
+        let config = config(&[borrowed(&meaning), borrowed(&timing)].concat());
+        agree(|| replay(&list, &config), &config);
+    }
+
+    #[test]
+    fn law_6_times_never_change_a_picture_or_a_path(list in display_lists(), meaning in meanings(), timing in timings()) {
+        let plain = config(&borrowed(&meaning));
+        let (frames, _) = functional(replay(&list, &plain), &plain);
+        prop_assert_eq!(timed(&list, &[borrowed(&meaning), borrowed(&timing)].concat()).frames, frames);
+    }
+}

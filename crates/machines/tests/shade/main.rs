@@ -1,0 +1,5 @@
+//! The figure shading device as a whole: its engines, its configurations, its paths, and what the patent says of them.
+
+mod engines;
+mod recipe;
+mod runs;

@@ -1,0 +1,199 @@
+//! Small random display lists and configurations.
+
+use basrelief_signals::{Camera, Control, Frame, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Vertex};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+pub type V3 = [f32; 3];
+
+pub fn unit(v: V3) -> V3 {
+    let length = v.iter().map(|c| c * c).sum::<f32>().sqrt();
+    v.map(|c| c / length)
+}
+
+pub fn frame(index: u32, size: [u32; 2], lights: Vec<Light>) -> Control {
+    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
+    Control::Frame(Arc::new(Frame { index, width: size[0], height: size[1], camera, lights }))
+}
+
+pub fn sun(to_light: V3, intensity: f32) -> Light {
+    Light { kind: LightKind::Directional { to_light: unit(to_light) }, intensity }
+}
+
+pub fn object(id: u32) -> Control {
+    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [id as f32, 0.0, 0.0], entries: None }))
+}
+
+/// A polygon of points (x, y, depth) with their normals.
+pub fn polygon(points: &[V3], normals: &[V3], material: &Arc<Material>) -> Control {
+    let vertex = |(&[x, y, z], &normal): (&V3, &V3)| Vertex { position: [x, y, z, 1.0], normal, ..Vertex::default() };
+    let vertices = points.iter().zip(normals).map(vertex).collect();
+    let material = Arc::clone(material);
+    Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: false, arrival: 0 }))
+}
+
+pub fn material(lighting: Lighting) -> Arc<Material> {
+    Arc::new(Material { base_color: [0.9, 0.6, 0.3, 1.0], lighting, ..Material::default() })
+}
+
+pub fn lighting() -> impl Strategy<Value = Lighting> {
+    (0.0f32..0.3, 0.0f32..0.8, 0.05f32..0.8, 1u32..=200).prop_map(|(ka, kd, ks, n)| Lighting { ka, kd, ks, n: n as f32 })
+}
+
+pub fn direction() -> impl Strategy<Value = V3> {
+    ([-1f32..1.0, -1f32..1.0, 0.05f32..1.0]).prop_map(unit)
+}
+
+/// Normals that spread about a common direction: not at all, little, or much.
+fn normals(count: usize) -> impl Strategy<Value = Vec<V3>> {
+    let spread = prop_oneof![2 => Just(0.0f32), 3 => 0.01f32..0.3, 1 => 0.3f32..2.0];
+    let off = prop::collection::vec(prop::array::uniform3(-1f32..1.0), count);
+    (direction(), spread, off).prop_map(|(middle, spread, off)| {
+        off.into_iter().map(|o| unit([0, 1, 2].map(|i| middle[i] + spread * o[i] + 1e-9))).collect()
+    })
+}
+
+/// A polygon of three to five points, rarely convex, now and then degenerate.
+fn random_polygon() -> impl Strategy<Value = (Vec<V3>, Vec<V3>, usize)> {
+    (3usize..6).prop_flat_map(|count| {
+        let points = prop::collection::vec([-6f32..46.0, -6f32..36.0, 0f32..1.0], count);
+        (points, normals(count), 0usize..6, 0usize..2).prop_map(|(mut points, mut normals, damage, material)| {
+            match damage {
+                0 => points[1] = points[0],
+                1 => points[2] = [0, 1, 2].map(|i| 2.0 * points[1][i] - points[0][i]),
+                2 => normals[0] = [0.0; 3],
+                _ => {}
+            }
+            (points, normals, material)
+        })
+    })
+}
+
+/// Frames of objects of polygons, under one or two lights, with two materials.
+pub fn display_lists() -> impl Strategy<Value = Vec<Control>> {
+    let frame_of = (prop::collection::vec(random_polygon(), 0..8), prop::collection::vec(direction(), 1..3), any::<bool>());
+    (prop::collection::vec(frame_of, 1..3), [lighting(), lighting()]).prop_map(|(frames, lightings)| {
+        let materials = lightings.map(material);
+        let mut list = Vec::new();
+        for ((polygons, lights, at_a_point), index) in frames.into_iter().zip(0..) {
+            let mut lights: Vec<Light> = lights.into_iter().map(|l| sun(l, 0.7)).collect();
+            if at_a_point {
+                lights[0].kind = LightKind::Point { position: [3.0, 2.0, 9.0] };
+            }
+            list.push(frame(index, [40, 30], lights));
+            for (i, (points, normals, which)) in polygons.into_iter().enumerate() {
+                if i % 3 == 0 {
+                    list.push(object(i as u32 / 3));
+                }
+                list.push(polygon(&points, &normals, &materials[which]));
+            }
+            list.push(Control::FrameEnd);
+        }
+        list
+    })
+}
+
+/// Choices of one thing, the default first; a choice is a list of settings.
+type Axis = &'static [&'static [(&'static str, &'static str)]];
+
+/// What the machine computes.
+const MEANING: &[Axis] = &[
+    &[&[], &[("shade.mode", "brightness")], &[("shade.mode", "polyhedron")]],
+    &[&[], &[("shade.mode", "brightness"), ("shade.flat_in_brightness_mode", "true")]],
+    &[&[], &[("shade.clamp", "none")]],
+    &[&[], &[("shade.renormalise", "true")]],
+    &[&[], &[("shade.specular_skip", "gate")]],
+    &[&[], &[("shortcut.specular_negligible.enabled", "false")], &[("shortcut.specular_negligible.threshold", "0.2")]],
+    &[&[], &[("shortcut.flatness.enabled", "false")], &[("shortcut.flatness.tolerance", "0.5")]],
+    &[&[], &[("shortcut.same_plane.enabled", "false")]],
+    &[&[], &[("normal_interpolation.power", "table"), ("normal_interpolation.table_entries", "64")]],
+    &[&[], &[("scan.block", "1"), ("scan.z_bits", "16"), ("scan.subpixel_bits", "4")]],
+    &[&[], &[("frame_memory.depth_test", "false")]],
+    &[&[], &[("shade.ia", "0.5"), ("shade.is", "1.5")]],
+];
+
+/// When it computes it: none of this may change a picture.
+const TIMING: &[Axis] = &[
+    &[&[], &[("host.buffers", "2")]],
+    &[&[], &[("host.bytes_per_cycle", "64"), ("host.latency", "0")], &[("host.bytes_per_cycle", "1"), ("host.latency", "50")]],
+    &[
+        &[],
+        &[("microcomputer.start_cycles", "0"), ("microcomputer.load_cycles_per_point", "0"), ("microcomputer.dot_cycles", "7")],
+    ],
+    &[
+        &[],
+        &[
+            ("microcomputer.flatness_cycles_per_point", "0"),
+            ("microcomputer.specular_cycles_per_point", "0"),
+            ("microcomputer.specular_power_cycles", "0"),
+            ("microcomputer.brightness_cycles_per_point", "0"),
+            ("microcomputer.specular_brightness_cycles_per_point", "0"),
+            ("microcomputer.transfer_cycles_per_point", "0"),
+            ("microcomputer.setting_cycles_per_light", "0"),
+        ],
+    ],
+    &[&[], &[("interpolation.initiation_interval", "5"), ("interpolation.latency", "0"), ("interpolation.setup_cycles", "0")]],
+    &[&[], &[("normal_interpolation.pipelined", "true")], &[("normal_interpolation.multiply_cycles", "9")]],
+    &[&[], &[("gate.latency", "7"), ("adder.latency", "0"), ("selector_53.latency", "3"), ("selector_28.latency", "0")]],
+    &[&[], &[("gate.initiation_interval", "3"), ("adder.initiation_interval", "2"), ("selector_28.initiation_interval", "4")]],
+    &[
+        &[],
+        &[("memory.frame.outstanding", "1"), ("memory.frame.cas", "30"), ("cache.depth.sets", "1"), ("cache.depth.ways", "1")],
+    ],
+    &[&[], &[("video_out.enabled", "false")], &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")]],
+];
+
+/// FIFOs of the machine, but `draws` and the feedback, which holds `host.buffers`.
+const FIFOS: [&str; 15] = [
+    "polygons",
+    "transfers",
+    "figures",
+    "normals",
+    "flat_dots",
+    "constant_dots",
+    "interpolated",
+    "brightness_dots",
+    "highlights",
+    "gated",
+    "sums",
+    "selected",
+    "pixels",
+    "tested_pixels",
+    "finished_frames",
+];
+
+/// `--set` arguments.
+pub type Settings = Vec<(String, String)>;
+
+fn choices(axes: &'static [Axis]) -> impl Strategy<Value = Settings> {
+    let choice: Vec<_> = axes.iter().map(|axis| (0..axis.len()).prop_map(move |i| axis[i])).collect();
+    choice.prop_map(|chosen| chosen.into_iter().flatten().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect())
+}
+
+/// What changes pictures.
+pub fn meanings() -> impl Strategy<Value = Settings> {
+    choices(MEANING)
+}
+
+/// What must not: times, memory, FIFOs from 1 slot up.
+pub fn timings() -> impl Strategy<Value = Settings> {
+    let depth = prop::option::of(prop_oneof![Just(1u32), Just(2), 3u32..=64]);
+    let latency = prop_oneof![3 => Just(1u32), 1 => 2u32..9];
+    let fifos = prop::collection::vec((depth, latency), FIFOS.len()).prop_map(|all| -> Settings {
+        let set = |(name, (depth, latency)): (&str, (Option<u32>, u32))| {
+            let depth = depth.map(|d| (format!("fifo.{name}.depth"), d.to_string()));
+            let latency = (latency > 1).then(|| (format!("fifo.{name}.latency"), latency.to_string()));
+            depth.into_iter().chain(latency)
+        };
+        FIFOS.into_iter().zip(all).flat_map(set).collect()
+    });
+    (choices(TIMING), fifos).prop_map(|(mut settings, fifos)| {
+        settings.extend(fifos);
+        settings
+    })
+}
+
+/// The settings as the loader takes them.
+pub fn borrowed(settings: &Settings) -> Vec<(&str, &str)> {
+    settings.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect()
+}

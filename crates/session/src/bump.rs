@@ -1,0 +1,58 @@
+//! The quantized bump-mapping processor as a [`Device`].
+
+use crate::device::{Device, Draws};
+use basrelief_brightness::Components;
+use basrelief_frame_buffer::FinishedFrame;
+use basrelief_machines::bump::{self, BumpProcessor, BumpProcessorConfig};
+use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, ReferenceFilter, UnitInfo};
+use basrelief_reference::{self as reference, Options, TextureFilter};
+
+impl Device for BumpProcessorConfig {
+    const NAME: &'static str = "bump";
+    const ABOUT: &'static str = "Sony's quantized bump-mapping processor";
+    const DIAGRAM: &'static str = bump::DIAGRAM;
+    const UNITS: &'static [UnitInfo] = bump::UNITS;
+    const DEMOS: &'static [&'static str] = &["golf-ball", "coin", "brick", "mixed", "sphere"];
+    type Machine<F: FrontEnd> = BumpProcessor<F>;
+
+    fn build<F: FrontEnd>(&self, front: F) -> Result<BumpProcessor<F>, ConfigProblem> {
+        BumpProcessor::new(front, self)
+    }
+
+    fn front(&self) -> FrontConfig {
+        self.into()
+    }
+
+    fn exact_options(&self) -> Options {
+        Options {
+            filter: match self.reference.filter {
+                ReferenceFilter::Nearest => TextureFilter::Nearest,
+                ReferenceFilter::Bilinear => TextureFilter::Bilinear,
+                ReferenceFilter::Trilinear => TextureFilter::Trilinear,
+            },
+            components: match self.brightness.components {
+                Components::Combined => reference::Components::Combined,
+                Components::Separate => reference::Components::Separate,
+            },
+            two_sided_lighting: self.geometry.two_sided_lighting,
+        }
+    }
+
+    fn warnings(&self, counts: &Counts) -> Vec<String> {
+        bump::warnings(self).into_iter().chain(bump::claim_3_warning(self, counts)).collect()
+    }
+}
+
+impl<F: FrontEnd> Draws for BumpProcessor<F> {
+    fn counts(&self) -> Counts {
+        self.counts()
+    }
+
+    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
+        self.drain_finished()
+    }
+
+    fn has_finished(&self) -> bool {
+        self.has_finished()
+    }
+}

@@ -1,0 +1,47 @@
+//! What a run needs to know of a machine, whichever it is.
+
+use basrelief_frame_buffer::FinishedFrame;
+use basrelief_kernel::Machine;
+use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_parameters::Parameters;
+use basrelief_reference::Options;
+use schemars::JsonSchema;
+use std::fmt::Debug;
+
+/// A machine, as its configuration: names it, and builds it behind either way in.
+pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq {
+    /// As `--machine` names it.
+    const NAME: &'static str;
+    /// What it is, in a sentence.
+    const ABOUT: &'static str;
+    /// The patent's block diagram in characters.
+    const DIAGRAM: &'static str;
+    /// The boxes of the block diagram.
+    const UNITS: &'static [UnitInfo];
+    /// The demo scenes that are made for it; the first is drawn where none is named.
+    const DEMOS: &'static [&'static str];
+    /// The machine behind one way in.
+    type Machine<F: FrontEnd>: Draws;
+
+    /// The machine at power-on.
+    ///
+    /// # Errors
+    /// Parameters, each in its range, that do not fit together.
+    fn build<F: FrontEnd>(&self, front: F) -> Result<Self::Machine<F>, ConfigProblem>;
+    /// What its way in needs.
+    fn front(&self) -> FrontConfig;
+    /// What its pictures are held against.
+    fn exact_options(&self) -> Options;
+    /// What the reader of a report should know, one sentence each.
+    fn warnings(&self, counts: &Counts) -> Vec<String>;
+}
+
+/// A machine that finishes pictures.
+pub trait Draws: Machine {
+    /// What its units counted, in the order of the block diagram.
+    fn counts(&self) -> Counts;
+    /// Pictures finished since the last call, in order.
+    fn drain_finished(&mut self) -> Vec<FinishedFrame>;
+    /// Whether [`Draws::drain_finished`] would give any.
+    fn has_finished(&self) -> bool;
+}

@@ -1,0 +1,154 @@
+//! A run under way: the engine, the pictures it finishes, and the report in the end.
+
+use crate::device::{Device, Draws};
+use crate::exact::Exact;
+use crate::observer::{Observer, Pictures, picture_name};
+use crate::run::{Run, SessionError};
+use crate::settings::Settings;
+use basrelief_display_list::Expectation;
+use basrelief_frame_buffer::FinishedFrame;
+use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
+use basrelief_machines::Counts;
+use basrelief_reference::{Picture, Quality};
+use basrelief_report::model::{Figure, Input, Picture as PictureFile, PictureQuality, Size};
+use basrelief_report::{Facts, Report};
+use basrelief_signals::{Camera, Frame};
+use sha2::{Digest as _, Sha256};
+
+/// What the engine came to, and what the units counted.
+pub(crate) struct Driven {
+    counts: Counts,
+    report: Option<RunReport>,
+}
+
+/// A run under way.
+pub(crate) struct Session<'a> {
+    settings: &'a Settings,
+    observer: &'a mut dyn Observer,
+    exact: Exact,
+    commands: Box<dyn Fn() -> (u64, Option<u64>)>,
+    images: Vec<String>,
+    quality: Vec<Quality>,
+    failed: Option<String>,
+    /// Seconds of simulation.
+    pub(crate) simulate_s: f64,
+}
+
+impl<'a> Session<'a> {
+    pub(crate) fn new(
+        settings: &'a Settings,
+        observer: &'a mut dyn Observer,
+        exact: Exact,
+        commands: Box<dyn Fn() -> (u64, Option<u64>)>,
+    ) -> Self {
+        let (images, quality) = (Vec::new(), Vec::new());
+        Self { settings, observer, exact, commands, images, quality, failed: None, simulate_s: 0.0 }
+    }
+
+    /// Simulates to the end.
+    pub(crate) fn drive<M: Draws, P: Probe>(&mut self, mut machine: M, probe: &mut P) -> Result<Driven, SessionError> {
+        let &Settings { clock, engine, max_cycles, .. } = self.settings;
+        let began = clock();
+        let mut aside = 0.0;
+        let report = {
+            let mut progress = |machine: &mut M| self.look(machine, &mut aside);
+            match engine {
+                Some(engine) => {
+                    let limits = Limits { max_cycles, progress: &mut progress };
+                    Some(kernel::run_with(&mut machine, engine, probe, limits))
+                }
+                None => match kernel::run_functional(&mut machine, &mut progress) {
+                    Ok(()) => None,
+                    Err(fault) => return Err(self.fault(fault)),
+                },
+            }
+        };
+        self.simulate_s = clock() - began - aside;
+        self.take_frames(&mut machine);
+        if let Some(RunReport { outcome: Outcome::Fault(fault), .. }) = &report {
+            return Err(self.fault(fault.clone()));
+        }
+        match self.failed.take() {
+            Some(failed) => Err(SessionError::Observer(failed)),
+            None => Ok(Driven { counts: machine.counts(), report }),
+        }
+    }
+
+    fn fault(&mut self, fault: String) -> SessionError {
+        self.failed.take().map_or(SessionError::Fault(fault), SessionError::Observer)
+    }
+
+    /// Called by the engine between its rounds; what is done here counts as no simulation.
+    fn look<M: Draws>(&mut self, machine: &mut M, aside: &mut f64) -> bool {
+        if machine.has_finished() {
+            let began = (self.settings.clock)();
+            self.take_frames(machine);
+            *aside += (self.settings.clock)() - began;
+        }
+        let (commands, total) = (self.commands)();
+        self.failed.is_none() && self.observer.progress(commands, total)
+    }
+
+    fn take_frames<M: Draws>(&mut self, machine: &mut M) {
+        for frame in machine.drain_finished() {
+            if self.failed.is_none() {
+                self.failed = self.take_frame(frame).err();
+            }
+        }
+    }
+
+    fn take_frame(&mut self, frame: FinishedFrame) -> Result<(), String> {
+        let index = self.images.len();
+        let machine = Picture { width: frame.width, height: frame.height, rgb: frame.rgb, covered: frame.covered };
+        self.images.push(digest(&machine));
+        let exact = self.exact.picture(index);
+        let quality = exact.as_ref().map(|e| Quality::measure(e, &machine)).transpose().map_err(|e| e.to_string())?;
+        self.quality.extend(quality);
+        self.observer.frame(&Pictures { index, machine: &machine, exact: exact.as_ref().zip(quality) })
+    }
+
+    pub(crate) fn finish<D: Device>(
+        self,
+        device: &D,
+        input: Input,
+        frame: Option<&Frame>,
+        driven: Driven,
+        warnings: &[String],
+        expectations: Vec<Expectation>,
+    ) -> Run {
+        let several = self.images.len() > 1;
+        let image = self.images.into_iter().enumerate();
+        let no_view = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+        let facts = Facts {
+            machine: D::NAME.into(),
+            input,
+            config: serde_json::to_value(device).unwrap_or_default(),
+            camera: frame.map_or(no_view, |f| f.camera),
+            size: frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
+            numerals: D::UNITS.iter().filter_map(|u| Some((u.name.to_owned(), u.numeral.parse().ok()?))).collect(),
+            device: driven.counts.iter().map(|(name, value)| (name.to_owned(), figure(value))).collect(),
+            quality: self
+                .quality
+                .last()
+                .map(|&last| PictureQuality { last, frames: if several { self.quality.clone() } else { vec![] } }),
+            image: image.map(|(i, sha256)| PictureFile { file: picture_name("image", i, several), sha256 }).collect(),
+            warnings: warnings.iter().cloned().chain(device.warnings(&driven.counts)).collect(),
+        };
+        let report = match &driven.report {
+            Some(run) => Report::timed(facts, run),
+            None => Report::functional(facts, &Outcome::Complete),
+        };
+        Run { report, timing: driven.report, expectations, simulate_s: self.simulate_s }
+    }
+}
+
+/// SHA-256 of the RGB8 rows, top row first.
+fn digest(picture: &Picture) -> String {
+    let mut hash = Sha256::new();
+    hash.update(picture.rgb.as_flattened());
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn figure(value: &serde_json::Value) -> Figure {
+    serde_json::from_value(value.clone()).unwrap_or_else(|_| Figure::Text(value.to_string()))
+}
