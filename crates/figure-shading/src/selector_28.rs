@@ -2,7 +2,7 @@
 
 use crate::{CircuitConfig, Dot, Figure, Finished, Mode, Path, Selection, Signal};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::{Control, Flow, Pixel};
+use basrelief_signals::{Control, Flow, Pixel, Stamp};
 use serde::{Deserialize, Serialize};
 
 /// The output of selector (53); control comes this way.
@@ -70,7 +70,7 @@ impl Selector28 {
 
 impl Unit for Selector28 {
     type In = (Option<Signal>, Option<Signal>, Option<Signal>);
-    type Out = (Option<Flow<Pixel>>, Option<Finished>);
+    type Out = (Option<Flow<Stamp<Pixel>>>, Option<Finished>);
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -83,7 +83,7 @@ impl Unit for Selector28 {
         let out = match from_53.or(from_21).or(from_24) {
             Some(Signal::Dot(dot)) => {
                 cycles = u64::from(self.config.initiation_interval);
-                (Some(Flow::Item(self.pixel(dot))), None)
+                (Some(Flow::Item(Stamp::from_iter([self.pixel(dot)]))), None)
             }
             Some(Signal::Figure(figure)) => {
                 self.select(&figure);

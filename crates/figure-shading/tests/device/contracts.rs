@@ -7,7 +7,7 @@ use basrelief_figure_shading::{
     Selector53, Signal, SpecularSkip,
 };
 use basrelief_kernel::{Demand, Step, Traffic, Unit, unit_contract};
-use basrelief_signals::{Control, Flow, Lighting, ObjectInfo, Pixel};
+use basrelief_signals::{Control, Flow, Lighting, ObjectInfo, Pixel, Stamp};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -132,7 +132,7 @@ struct TwoWays {
 
 impl Unit for TwoWays {
     type In = (Option<Signal>, Option<Signal>);
-    type Out = (Option<Flow<Pixel>>, Option<Finished>);
+    type Out = (Option<Flow<Stamp<Pixel>>>, Option<Finished>);
 
     fn demand(&self) -> Demand {
         if self.unit.demand() == Demand::Only(0) { Demand::Only(0) } else { Demand::Only(1) }
@@ -277,5 +277,5 @@ fn section_2_the_sum_is_not_saturated_and_the_output_is_once() {
     assert!((sum.brightness[0] - 1.4).abs() < 1e-6 && (sum.brightness[1] - 0.3).abs() < 1e-6);
     let (pixel, _) = Selector28::default().step((Some(Signal::Dot(sum)), None, None), &mut Traffic::default()).out;
     let Some(Flow::Item(pixel)) = pixel else { panic!("{pixel:?}") };
-    assert_eq!(pixel.rgb, [255, 77, 153]);
+    assert_eq!(pixel[0].rgb, [255, 77, 153]);
 }

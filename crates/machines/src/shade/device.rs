@@ -12,7 +12,7 @@ use basrelief_figure_shading::{
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::{Clients, Fifo, Machine, MemorySystem, Stage, Visitor};
-use basrelief_signals::{Control, Flow, Pixel};
+use basrelief_signals::{Control, Flow, Pixel, Stamp};
 use std::sync::Arc;
 
 /// Figure shading device (200) between host computer (100) and frame memory (300).
@@ -39,10 +39,10 @@ pub struct FigureShadingDevice<F> {
     selector_53: Stage<Selector53>,
     selected: Fifo<Signal>,
     pub(super) selector_28: Stage<Selector28>,
-    pixels: Fifo<Flow<Pixel>>,
+    pixels: Fifo<Flow<Stamp<Pixel>>>,
     finished: Fifo<Finished>,
     pub(super) depth: Stage<DepthTest<Pixel>>,
-    tested_pixels: Fifo<Flow<Pixel>>,
+    tested_pixels: Fifo<Flow<Stamp<Pixel>>>,
     pub(super) frame_memory: Stage<FrameBuffer>,
     finished_frames: Fifo<FrameDone>,
     pub(super) video_out: Stage<VideoOut>,
