@@ -63,7 +63,7 @@ pub use config::{
 pub use gate::{Gate, GateState};
 pub use host::{HostInterface, HostState};
 pub use interpolation::{BrightnessInterpolation, InterpolationState};
-pub use microcomputer::{Microcomputer, MicrocomputerState, Plane, Process, ProcessCounters};
+pub use microcomputer::{Counters, Microcomputer, MicrocomputerState, Plane, Process, ProcessCounters};
 pub use normal_interpolation::{NormalInterpolation, NormalInterpolationState};
 pub use power::{Power, power};
 pub use registers::{Path, Registers, Selection};

@@ -17,6 +17,9 @@ pub struct NormalInterpolationState {
     pub dots: Dots,
     /// Normals at the corners of the current triangle.
     pub corners: Corners,
+    /// Cycles that a dot of this polygon keeps the circuit, and from its start to delivery; they follow from n and the
+    /// number of lights.
+    pub dot_cycles: [u64; 2],
     /// Exponent for which the table is filled, with a table.
     pub filled_for: Option<f32>,
     /// Polygons drawn.
@@ -81,6 +84,7 @@ impl NormalInterpolation {
         self.power.fill(n);
         let cycles = (setup + fill).max(1);
         let open = load.open;
+        self.state.dot_cycles = self.dot_cycles(n, load.setting.lights.len().max(1) as u64);
         self.state.dots = Dots::new(&load.polygon, load.raster);
         self.state.corners = Corners::default();
         self.state.polygons += 1;
@@ -95,29 +99,30 @@ impl NormalInterpolation {
         let state = &mut self.state;
         let Some(load) = &state.load else { return Step::after(0, None) };
         let (setting, open) = (&load.setting, load.open);
-        let n = setting.lighting.n;
-        let Some(dot) = state.dots.next(&load.polygon) else {
+        let [mut cycles, latency] = state.dot_cycles;
+        let out = if let Some(dot) = state.dots.next(&load.polygon) {
+            let sum = Vec3::from(state.corners.at(&dot, |i| load.normals.get(i).copied().unwrap_or_default().to_array()));
+            let normal = if self.renormalise { sum.normalize_or_zero() } else { sum };
+            let (power, n) = (&self.power, setting.lighting.n);
+            let brightness = setting.highlight(|light| power.at(normal.dot(light.halfway).clamp(0.0, 1.0), n));
+            state.drawn += 1;
+            Highlights::Dot(Highlight { x: dot.x, y: dot.y, brightness })
+        } else {
             state.load = None;
-            self.charge(open, 1);
-            return Step::after(self.latency(n), Some(Highlights::End));
+            cycles = 1;
+            Highlights::End
         };
-        let sum = Vec3::from(state.corners.at(&dot, |i| load.normals.get(i).copied().unwrap_or_default().to_array()));
-        let normal = if self.renormalise { sum.normalize_or_zero() } else { sum };
-        let power = &self.power;
-        let brightness = setting.highlight(|light| power.at(normal.dot(light.halfway).clamp(0.0, 1.0), n));
-        let cycles = power.occupancy(n) * setting.lights.len().max(1) as u64;
-        let latency = self.latency(n) + cycles - power.occupancy(n);
-        self.state.drawn += 1;
         self.charge(open, cycles);
-        let highlight = Highlight { x: dot.x, y: dot.y, brightness };
-        Step::after(latency, Some(Highlights::Dot(highlight))).busy(cycles)
+        Step::after(latency, Some(out)).busy(cycles)
     }
 
-    /// Cycles from start to delivery of a dot with one light.
-    #[inline]
-    fn latency(&self, n: f32) -> u64 {
+    /// Occupancy and latency of a dot: the first light's power comes behind the inner product, each further one's behind
+    /// the power before it.
+    fn dot_cycles(&self, n: f32, lights: u64) -> [u64; 2] {
         let normalise = if self.renormalise { self.config.normalise_latency } else { 0 };
-        u64::from(self.config.inner_product_latency + normalise) + self.power.latency(n)
+        let power = self.power.occupancy(n);
+        let first = u64::from(self.config.inner_product_latency + normalise) + self.power.latency(n);
+        [power * lights, first + power * (lights - 1)]
     }
 }
 

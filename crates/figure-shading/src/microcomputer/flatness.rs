@@ -1,10 +1,13 @@
 //! Process 15: flatness decision, for the flatness register (16).
 
+use super::Microcomputer;
+use super::state::Process;
+use crate::Mode;
 use basrelief_signals::Polygon;
 use glam::Vec3;
 
 /// Whether no normal is farther than `tolerance` from the first one. A polygon without points is not flat.
-pub(crate) fn is_flat(normals: &[Vec3], tolerance: f32) -> bool {
+fn is_flat(normals: &[Vec3], tolerance: f32) -> bool {
     let Some(first) = normals.first() else { return false };
     are_near(normals, *first, tolerance)
 }
@@ -17,4 +20,21 @@ pub(super) fn are_near(normals: &[Vec3], normal: Vec3, tolerance: f32) -> bool {
 /// Normals of the sample points; one that is not finite counts as zero.
 pub(super) fn normals_of(polygon: &Polygon) -> Vec<Vec3> {
     polygon.vertices.iter().map(|v| crate::setting::normal_of(v.normal)).collect()
+}
+
+impl Microcomputer {
+    /// Process 15; in polyhedron mode there is nothing to decide.
+    pub(super) fn judge_flatness(&mut self, normals: &[Vec3]) -> (bool, u64) {
+        let matters = match self.shading.mode {
+            Mode::Normal => true,
+            Mode::Brightness => self.shading.flat_in_brightness_mode,
+            Mode::Polyhedron => false,
+        };
+        if !matters || !self.short_cuts.flatness.enabled {
+            return (false, 0);
+        }
+        let flat = is_flat(normals, self.short_cuts.flatness.tolerance);
+        self.state.counters.flat += u64::from(flat);
+        (flat, self.run(Process::Flatness, u64::from(self.config.flatness_cycles_per_point) * normals.len() as u64))
+    }
 }

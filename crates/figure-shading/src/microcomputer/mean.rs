@@ -1,11 +1,11 @@
-//! Process 24: mean brightness of a polygon, and its memory (12) (Figure 7).
+//! Process 24: mean brightness of a polygon, and its output.
 
-use super::flatness::are_near;
-use crate::SamePlaneConfig;
-use basrelief_shading::doubled_area;
-use basrelief_signals::Polygon;
-use glam::Vec3;
-use serde::{Deserialize, Serialize};
+use super::Microcomputer;
+use super::state::{Phase, Process};
+use super::unit::{Out, nothing};
+use crate::{Dot, Mode, Signal};
+use basrelief_kernel::Step;
+use basrelief_signals::{Fragment, Polygon};
 
 /// Mean over the sample points; black without any.
 pub(crate) fn mean(brightness: &[[f32; 3]]) -> [f32; 3] {
@@ -15,66 +15,43 @@ pub(crate) fn mean(brightness: &[[f32; 3]]) -> [f32; 3] {
     std::array::from_fn(|i| first[i] + others.iter().map(|b| b[i] - first[i]).sum::<f32>() * share)
 }
 
-/// What memory (12) keeps of the last flat polygon that was calculated.
-///
-/// The plane is kept in window coordinates, in which the points come: a projection keeps planes. Instead of its constant,
-/// the depth of each new point is held against it: the slopes of an almost edge-on polygon would make any constant
-/// worthless. The colour of the points belongs to the key, since here Ka and Kd carry it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Plane {
-    normal: Vec3,
-    color: [f32; 3],
-    /// A point: x, y \[pixels\], depth.
-    anchor: [f32; 3],
-    /// Change of depth per pixel in x and y.
-    slope: [f32; 2],
-    /// Its brightness.
-    pub(super) brightness: [f32; 3],
-}
-
-/// Colour of all sample points, if it is the same.
-fn color(polygon: &Polygon) -> Option<[f32; 3]> {
-    let mut colors = polygon.vertices.iter().map(|v| [v.color[0], v.color[1], v.color[2]]);
-    let first = colors.next()?;
-    colors.all(|c| c == first).then_some(first)
-}
-
-impl Plane {
-    /// Of a flat polygon with this brightness; none where its points differ in colour, or lie on a line.
-    pub(super) fn of(polygon: &Polygon, normal: Vec3, brightness: [f32; 3]) -> Option<Self> {
-        let color = color(polygon)?;
-        let area = |x: usize, y: usize| doubled_area(polygon.vertices.iter().map(|v| [v.position[x], v.position[y]]));
-        let window = area(0, 1);
-        let slope = [area(2, 1) / window, area(0, 2) / window];
-        let [x, y, z, _] = polygon.vertices.first()?.position;
-        slope.iter().all(|s| s.is_finite()).then_some(Self { normal, color, anchor: [x, y, z], slope, brightness })
+impl Microcomputer {
+    /// Brightness of all dots, reused or calculated from that of the sample points, and the cycles that it takes.
+    pub(super) fn mean(&mut self, polygon: &Polygon, brightness: &[[f32; 3]], reused: bool) -> ([f32; 3], u64) {
+        if let (true, Some(plane)) = (reused, &self.state.plane) {
+            return (plane.brightness, 0);
+        }
+        let mut cycles = self.run(Process::Mean, u64::from(self.config.mean_cycles_per_point) * brightness.len() as u64);
+        let mean = mean(brightness);
+        if self.shading.mode != Mode::Polyhedron {
+            cycles += self.store(polygon, mean);
+        }
+        (mean, cycles)
     }
 
-    /// Step 92: whether a flat polygon with these normals lies on this plane, in the same colour.
-    pub(super) fn holds(&self, polygon: &Polygon, normals: &[Vec3], config: &SamePlaneConfig) -> bool {
-        let [x, y, z] = self.anchor;
-        let is_on = |p: &[f32; 4]| {
-            let depth = z + self.slope[0] * (p[0] - x) + self.slope[1] * (p[1] - y);
-            (p[2] - depth).abs() <= config.constant_tolerance
+    /// The next dot of process 24, or the polygon's end.
+    #[inline]
+    pub(super) fn put_out(&mut self) -> Out {
+        let Phase::Output { figure, brightness } = &self.state.phase else { return nothing(1) };
+        let to_53 = figure.registers.mean_goes_to_53();
+        let mut cycles = 1;
+        let signal = if let Some(Fragment { x, y, z, .. }) = self.state.dots.next(&figure.polygon) {
+            cycles = u64::from(self.config.dot_cycles);
+            self.state.counters.dots += 1;
+            self.state.processes[Process::Mean as usize].cycles += cycles;
+            Signal::Dot(Dot { x, y, z, brightness: *brightness })
+        } else {
+            self.state.phase = Phase::Idle;
+            Signal::End
         };
-        are_near(normals, self.normal, config.normal_tolerance)
-            && color(polygon) == Some(self.color)
-            && polygon.vertices.iter().all(|v| is_on(&v.position))
+        let out = if to_53 { (None, None, Some(signal), None) } else { (None, None, None, Some(signal)) };
+        Step::after(cycles, out).busy(cycles)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_signals::Vertex;
-    use proptest::prelude::*;
-    use std::sync::Arc;
-
-    fn polygon(points: &[[f32; 3]]) -> Polygon {
-        let vertex = |&[x, y, z]: &[f32; 3]| Vertex { position: [x, y, z, 1.0], ..Vertex::default() };
-        let vertices = points.iter().map(vertex).collect();
-        Polygon { vertices, material: Arc::default(), object: 0, lod: 0, bump: false, arrival: 0 }
-    }
 
     #[test]
     fn the_mean_of_equal_brightness_is_that_brightness() {
@@ -83,33 +60,5 @@ mod tests {
         }
         assert_eq!(mean(&[[0.0; 3], [0.5; 3], [1.0; 3]]), [0.5; 3]);
         assert_eq!(mean(&[]), [0.0; 3]);
-    }
-
-    #[test]
-    fn a_polygon_without_area_or_of_several_colours_is_not_stored() {
-        let line = polygon(&[[1.0, 1.0, 0.1], [2.0, 2.0, 0.2], [3.0, 3.0, 0.9]]);
-        assert_eq!(Plane::of(&line, Vec3::Z, [0.5; 3]), None);
-        let mut coloured = polygon(&[[1.0, 1.0, 0.1], [2.0, 1.0, 0.1], [1.0, 2.0, 0.1]]);
-        assert!(Plane::of(&coloured, Vec3::Z, [0.5; 3]).is_some());
-        coloured.vertices[1].color = [1.0, 0.0, 0.0, 1.0];
-        assert_eq!(Plane::of(&coloured, Vec3::Z, [0.5; 3]), None);
-    }
-
-    proptest! {
-        #[test]
-        fn figure_7_step_92_same_normal_and_same_plane(
-            slope in prop::array::uniform2(-1e-3f32..1e-3), at in prop::array::uniform4(5f32..100.0), off in -3e-4f32..3e-4,
-        ) {
-            let z = |x: f32, y: f32| 0.5 + slope[0] * x + slope[1] * y;
-            let square = |x: f32, y: f32, off: f32| {
-                polygon(&[[x, y], [x + 9.0, y], [x + 9.0, y + 7.0]].map(|[x, y]| [x, y, z(x, y) + off]))
-            };
-            let plane = Plane::of(&square(at[0], at[1], 0.0), Vec3::Z, [0.5; 3]).expect("has an area");
-            let other = square(at[2], at[3], off);
-            let config = SamePlaneConfig::default();
-            prop_assume!((off.abs() - config.constant_tolerance).abs() > 2e-5);
-            prop_assert_eq!(plane.holds(&other, &[Vec3::Z; 3], &config), off.abs() < config.constant_tolerance);
-            prop_assert!(!plane.holds(&square(at[2], at[3], 0.0), &[Vec3::Z, Vec3::Z, Vec3::new(0.0, 1e-3, 1.0)], &config));
-        }
     }
 }

@@ -1,20 +1,27 @@
-//! Microcomputer (10) = CPU (11) + memory (12), with its processes.
+//! Microcomputer (10) = CPU (11) + memory (12), with a module for each process.
 //!
-//! | process | module |
+//! | numeral | module |
 //! |---|---|
-//! | 13 mode decision, 20 start of circuit (50), 23 transfer to circuit (21) | `unit` |
-//! | 15 flatness decision | `flatness` |
-//! | 17 specular-negligible decision | `specular` |
-//! | 22 brightness at the sample points | `sample_points` |
-//! | 24 mean and its output, Figure 7 | `mean`, `unit` |
+//! | process 13, mode decision | `mode` |
+//! | process 15, flatness decision | `flatness` |
+//! | process 17, specular-negligible decision | `specular` |
+//! | process 20, start of circuit (50) | `start` |
+//! | process 22, brightness at the sample points | `sample_points` |
+//! | process 23, transfer to circuit (21) | `transfer` |
+//! | process 24, mean and its output | `mean` |
+//! | memory (12), same plane as before | `memory` |
 
 mod flatness;
 mod mean;
+mod memory;
+mod mode;
 mod sample_points;
 mod specular;
+mod start;
 mod state;
+mod transfer;
 mod unit;
 
-pub use mean::Plane;
+pub use memory::Plane;
 pub use state::{Counters, MicrocomputerState, Process, ProcessCounters};
 pub use unit::Microcomputer;

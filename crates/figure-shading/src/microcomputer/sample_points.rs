@@ -1,12 +1,14 @@
 //! Process 22: brightness at the sample points (Figure 6).
 
+use super::Microcomputer;
+use super::state::Process;
 use crate::setting::normal_of;
 use crate::{Clamp, Registers, Setting};
 use basrelief_signals::Polygon;
 
 /// Red, green and blue of each sample point: first ambient and diffuse; then (steps 80 to 83) the specular term, where
 /// circuit (50) does not add it and it is not negligible.
-pub(crate) fn brightness(polygon: &Polygon, setting: &Setting, registers: Registers, clamp: Clamp) -> Vec<[f32; 3]> {
+fn brightness(polygon: &Polygon, setting: &Setting, registers: Registers, clamp: Clamp) -> Vec<[f32; 3]> {
     let points = polygon.vertices.iter().map(|vertex| {
         let normal = normal_of(vertex.normal);
         let reflected = setting.ambient_and_diffuse(normal, clamp);
@@ -14,4 +16,15 @@ pub(crate) fn brightness(polygon: &Polygon, setting: &Setting, registers: Regist
         std::array::from_fn(|i| setting.color[i] * vertex.color[i] * reflected + specular)
     });
     points.collect()
+}
+
+impl Microcomputer {
+    /// Brightness of the sample points, and the cycles that it takes.
+    pub(super) fn sample_points(&mut self, polygon: &Polygon, registers: Registers) -> (Vec<[f32; 3]>, u64) {
+        let c = &self.config;
+        let specular = if registers.adds_specular_at_sample_points() { c.specular_brightness_cycles_per_point } else { 0 };
+        let per_point = u64::from(c.brightness_cycles_per_point + specular) * self.state.setting.lights.len().max(1) as u64;
+        let cycles = self.run(Process::Brightness, per_point * polygon.vertices.len() as u64);
+        (brightness(polygon, &self.state.setting, registers, self.shading.clamp), cycles)
+    }
 }

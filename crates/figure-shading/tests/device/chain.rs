@@ -109,14 +109,14 @@ pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> Sha
 /// Through the adder (52).
 fn add(linear: Vec<Signal>, highlights: Vec<Highlights>) -> Vec<Signal> {
     let mut adder = Adder::new(CircuitConfig::default());
-    let (mut linear, mut highlights, mut out) = (linear.into_iter(), highlights.into_iter(), Vec::new());
-    while let Some(signal) = linear.next() {
+    let (mut highlights, mut out) = (highlights.into_iter(), Vec::new());
+    for signal in linear {
         let highlight = if adder.demand() == Demand::All { highlights.next() } else { None };
         let mut traffic = Traffic::default();
         out.extend(adder.step((Some(signal), highlight), &mut traffic).out);
         assert!(format!("{traffic:?}").contains("fault: None"), "{traffic:?}");
     }
-    assert_eq!((highlights.next(), linear.next()), (None, None));
+    assert_eq!(highlights.next(), None);
     out
 }
 

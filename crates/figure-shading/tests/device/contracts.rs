@@ -163,14 +163,14 @@ unit_contract! {
     name: contract_of_the_microcomputer,
     unit: OneWire(config(Mode::Normal).microcomputer()),
     inputs: display_list(),
-    state: |unit| state_of(unit) => |unit, state| unit.0.set_state(state),
+    state: state_of => |unit, state| unit.0.set_state(state),
 }
 
 unit_contract! {
     name: contract_of_the_microcomputer_in_polyhedron_mode,
     unit: OneWire(config(Mode::Polyhedron).microcomputer()),
     inputs: display_list(),
-    state: |unit| state_of(unit) => |unit, state| unit.0.set_state(state),
+    state: state_of => |unit, state| unit.0.set_state(state),
 }
 
 unit_contract! {

@@ -4,6 +4,7 @@ use crate::chain::{Config, direction, draw, lighting, polygon, sun, triangle, we
 use basrelief_figure_shading::{Clamp, Mode};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
+use std::cmp::Ordering;
 
 /// As the theorem wants it.
 fn exact() -> Config {
@@ -26,8 +27,9 @@ fn two_steps(t: &[[f32; 2]; 3], i: [f64; 3], dot: (u16, u16)) -> f64 {
     let (x, y) = (f64::from(dot.0) + 0.5, f64::from(dot.1) + 0.5);
     let p = t.map(|p| p.map(f64::from));
     // P1 is the point that lies alone on its side of the scan line.
-    let above = p.map(|p| p[1] < y);
-    let alone = (0..3).find(|&k| (0..3).filter(|&l| above[l] == above[k]).count() == 1).expect("the line cuts the triangle");
+    let side = p.map(|p| p[1].partial_cmp(&y).expect("numbers"));
+    let is_alone = |&k: &usize| side[k] != Ordering::Equal && (0..3).filter(|&l| side[l] == side[k]).count() == 1;
+    let alone = (0..3).find(is_alone).expect("the line cuts the triangle");
     let [p1, p2, p3] = [0, 1, 2].map(|k| p[(alone + k) % 3]);
     let [i1, i2, i3] = [0, 1, 2].map(|k| i[(alone + k) % 3]);
     let cut = |q: [f64; 2]| (y - p1[1]) / (q[1] - p1[1]);

@@ -82,6 +82,9 @@ fn default_tolerances_move_no_output_by_more_than_1() {
     }
 }
 
+/// A name, and what it changes.
+type Change<T> = (&'static str, fn(&mut T));
+
 /// What may change between two polygons of one plane.
 #[derive(Clone)]
 struct Scene {
@@ -133,7 +136,7 @@ fn second(before: &Scene, after: &Scene, config: &Config) -> Path {
 fn figure_7_the_stored_brightness_is_void_after_any_new_mode_ia_is_l_v_ka_kd_ks_n() {
     let (scene, same) = (Scene::new(), Config::default());
     assert_eq!(second(&scene, &scene, &same), Path::Reused, "sent again, but not changed");
-    let changes: [(&str, fn(&mut Scene)); 10] = [
+    let changes: [Change<Scene>; 10] = [
         ("L", |s| s.light = sun(Vec3::new(0.3, 0.2, 1.0))),
         ("Is", |s| s.light.intensity = 0.5),
         ("V", |s| s.to_viewer = [0.6, 0.0, 0.8]),
@@ -150,7 +153,7 @@ fn figure_7_the_stored_brightness_is_void_after_any_new_mode_ia_is_l_v_ka_kd_ks_
         change(&mut changed);
         assert_eq!(second(&scene, &changed, &same), Path::Flat, "{name}");
     }
-    let settings: [(&str, fn(&mut Config)); 4] = [
+    let settings: [Change<Config>; 4] = [
         ("mode", |c| (c.shading.mode, c.shading.flat_in_brightness_mode) = (Mode::Brightness, true)),
         ("Ia", |c| c.shading.ia = 0.5),
         ("Is", |c| c.shading.is = 0.5),

@@ -1,5 +1,6 @@
 //! The figure shading device as a whole: its engines, its configurations, its paths, and what the patent says of them.
 
 mod engines;
+mod page;
 mod recipe;
 mod runs;

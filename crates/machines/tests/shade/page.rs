@@ -1,0 +1,191 @@
+//! What the patent's page says of the device as a whole: paths, short cuts, buffers, and what each of them costs or saves.
+
+use crate::recipe::{display_lists, frame, material, object, polygon, sun, unit};
+use crate::runs::{Ran, config, replay, run, small_demo, timed};
+use basrelief_geometry_processor::{GeometryProcessor, SceneDraws};
+use basrelief_kernel::{Engine, Traffic, Unit, run_functional};
+use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig, TraceFront};
+use basrelief_machines::shade::{ShadeConfig, input_warnings, warnings};
+use basrelief_signals::{Control, Draw, Lighting, Material, Polygon};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+const SQUARE: [[f32; 3]; 4] = [[2.0, 2.0, 0.5], [34.0, 2.0, 0.5], [34.0, 26.0, 0.5], [2.0, 26.0, 0.5]];
+
+/// A frame of `count` equal squares, one behind the other, with these normals.
+fn squares(count: usize, normals: [[f32; 3]; 4]) -> Vec<Control> {
+    let material = material(Lighting { n: 50.0, ..Lighting::default() });
+    let square = |i| polygon(&SQUARE.map(|[x, y, _]| [x, y, 0.1 + 0.01 * i as f32]), &normals.map(unit), &material);
+    let begin = [frame(0, [40, 30], vec![sun([0.0, 0.0, 1.0], 1.0)]), object(0)];
+    begin.into_iter().chain((0..count).map(square)).chain([Control::FrameEnd]).collect()
+}
+
+/// Bright in the middle, all of it, none of it, flat.
+const SHINY: [[f32; 3]; 4] = [[-0.1, 0.0, 1.0], [0.1, 0.0, 1.0], [0.1, 0.1, 1.0], [-0.1, 0.1, 1.0]];
+const DULL: [[f32; 3]; 4] = [[0.9, 0.0, 0.1], [0.8, 0.0, 0.1], [0.8, 0.1, 0.1], [0.9, 0.1, 0.1]];
+const FLAT: [[f32; 3]; 4] = [[0.1, 0.0, 1.0]; 4];
+
+const DOTS: u64 = 32 * 24;
+
+/// All polygons and dots take this path.
+fn assert_path(ran: &Ran, path: &str, polygons: u64) {
+    assert_eq!(ran.count(&format!("polygons_{path}")), polygons, "{path}");
+    assert_eq!(ran.count(&format!("dots_{path}")), polygons * DOTS, "{path}");
+}
+
+#[test]
+fn section_6_the_six_paths() {
+    for (normals, settings, path) in [
+        (SHINY, &[("shade.mode", "polyhedron")][..], "polyhedron"),
+        (SHINY, &[("shade.mode", "brightness")], "brightness"),
+        (SHINY, &[], "normal"),
+        (DULL, &[], "gate_closed"),
+        (FLAT, &[], "flat"),
+        (FLAT, &[("shade.mode", "brightness"), ("shade.flat_in_brightness_mode", "true")], "flat"),
+    ] {
+        assert_path(&timed(&squares(3, normals), settings), path, 3);
+    }
+    let plane = |_| squares(1, FLAT)[2].clone();
+    let list = [squares(1, FLAT)[..2].to_vec(), (0..3).map(plane).collect(), vec![Control::FrameEnd]].concat();
+    let ran = timed(&list, &[("frame_memory.depth_test", "false")]);
+    assert_path(&ran, "flat", 1);
+    assert_path(&ran, "reused", 2);
+}
+
+#[test]
+fn each_path_costs_less_than_the_full_one() {
+    let total = |normals, settings: &[(&str, &str)]| timed(&squares(8, normals), settings).report.total;
+    let full = total(SHINY, &[]);
+    assert!(total(DULL, &[]) < full);
+    assert!(total(SHINY, &[("shade.mode", "brightness")]) < full);
+    assert!(total(SHINY, &[("shade.mode", "polyhedron")]) < full);
+    // Of a flat polygon the mean, and of one on the plane before not even that.
+    let flat = total(FLAT, &[]);
+    assert!(flat < total(FLAT, &[("shortcut.flatness.enabled", "false")]));
+    let on_one_plane = ("shortcut.same_plane.constant_tolerance", "1");
+    assert!(total(FLAT, &[on_one_plane]) < flat);
+}
+
+#[test]
+fn short_cut_1_only_not_starting_circuit_50_saves_cycles() {
+    let run = |settings: &[(&str, &str)]| timed(&squares(8, DULL), settings);
+    let off = run(&[("shortcut.specular_negligible.enabled", "false")]);
+    let gate = run(&[("shade.specular_skip", "gate")]);
+    let no_start = run(&[]);
+    assert_eq!(gate.frames, no_start.frames);
+    assert!(gate.difference(&off) <= 1);
+    assert_eq!((gate.count("gate_blocked"), gate.count("gate_passed")), (8 * DOTS, 0));
+    assert_eq!(gate.count("normal_interpolation_needed_cycles"), 0);
+    assert!(gate.count("normal_interpolation_started_cycles") > 0);
+    assert_eq!(no_start.count("normal_interpolation_started_cycles"), 0);
+    assert_eq!(off.count("normal_interpolation_needed_cycles"), off.count("normal_interpolation_started_cycles"));
+    assert!(no_start.report.total < gate.report.total, "{} {}", no_start.report.total, gate.report.total);
+}
+
+#[test]
+fn the_device_finishes_one_polygon_before_it_takes_the_next_or_has_two_buffers() {
+    let run = |buffers| timed(&squares(8, SHINY), &[("host.buffers", buffers)]);
+    let (single, double) = (run("1"), run("2"));
+    assert_eq!(single.frames, double.frames);
+    assert!(double.report.total < single.report.total);
+    for (ran, buffers) in [(&single, 1), (&double, 2)] {
+        let fifo = ran.report.fifos.iter().find(|f| f.name == "normals").expect("wired");
+        assert!(fifo.high_water() < buffers.max(2), "{} polygons wait in front of circuit (50)", fifo.high_water());
+    }
+}
+
+#[test]
+fn the_power_of_circuit_50_limits_the_full_path() {
+    let total = |settings: &[(&str, &str)]| timed(&squares(8, SHINY), settings).report.total;
+    let iteration = total(&[]);
+    // n = 50: five squarings and two products, of two cycles each.
+    assert!(iteration >= 8 * DOTS * 14);
+    assert!(total(&[("normal_interpolation.multiply_cycles", "4")]) >= 8 * DOTS * 28);
+    assert!(total(&[("normal_interpolation.pipelined", "true")]) < iteration / 4);
+    let table = timed(&squares(8, SHINY), &[("normal_interpolation.power", "table")]);
+    assert!(table.report.total < iteration / 4);
+    assert_eq!(table.count("power_table_fills"), 1);
+}
+
+#[test]
+fn without_a_depth_test_the_last_dot_stays() {
+    let colour = |ks| material(Lighting { ka: 1.0, kd: 0.0, ks, n: 1.0 });
+    let square = |z: f32, ks| polygon(&SQUARE.map(|[x, y, _]| [x, y, z]), &FLAT.map(unit), &colour(ks));
+    let begin = frame(0, [40, 30], vec![sun([0.0, 0.0, 1.0], 1.0)]);
+    let list = [begin, object(0), square(0.2, 1.0), square(0.7, 0.0), Control::FrameEnd];
+    let blue = |settings: &[(&str, &str)]| timed(&list, settings).frames[0].rgb[15 * 40 + 20][2];
+    assert_eq!(blue(&[]), 255, "the near one, with its highlight");
+    assert_eq!(blue(&[("frame_memory.depth_test", "false")]), 77, "0.3 of the base colour");
+}
+
+#[test]
+fn what_the_device_cannot_draw_is_said() {
+    assert!(warnings(&ShadeConfig::default()).is_empty(), "defaults hold full rate");
+    let short = warnings(&config(&[("fifo.interpolated.depth", "2")]));
+    assert!(short.len() == 1 && short[0].contains("fifo.interpolated.depth = 2"), "{short:?}");
+    let mut list = squares(2, FLAT);
+    let Control::Polygon(first) = &list[2] else { unreachable!() };
+    let texture = Arc::new(basrelief_signals::Texture {
+        id: 0,
+        name: "t".into(),
+        sampler: Default::default(),
+        levels: Vec::new(),
+        offset: 0,
+    });
+    let material = Arc::new(Material { color_texture: Some(texture), ..Material::clone(&first.material) });
+    let line = Polygon { vertices: first.vertices[..2].to_vec(), ..Polygon::clone(first) };
+    list[2] = Control::Polygon(Arc::new(Polygon { material, ..Polygon::clone(first) }));
+    list.insert(2, Control::Polygon(Arc::new(line)));
+    let said = input_warnings(&timed(&list, &[]).counts);
+    assert!(said[0].contains("1 polygons have a colour texture") && said[1].contains("1 polygons have fewer"), "{said:?}");
+    assert!(input_warnings(&timed(&squares(2, FLAT), &[]).counts).is_empty());
+}
+
+/// The display list that the geometry processor of a bump-mapping processor makes of a demo.
+fn recorded(demo: &str) -> Vec<Control> {
+    let config = BumpProcessorConfig::default();
+    let mut geometry = GeometryProcessor::new(config.geometry, config.bump);
+    let draws = SceneDraws::new(small_demo(demo));
+    draws.filter_map(|draw: Draw| geometry.step(Some(draw), &mut Traffic::default()).out).collect()
+}
+
+/// Which pixels the bump-mapping processor covers.
+fn covered_by_bump(list: &[Control]) -> Vec<Vec<bool>> {
+    let config = BumpProcessorConfig::default();
+    let commands = list.iter().map(|c| Ok::<_, String>((c.clone(), None)));
+    let mut machine = BumpProcessor::new(TraceFront::new(commands, &config), &config).expect("defaults fit");
+    run_functional(&mut machine, &mut |_| true).expect("runs");
+    machine.drain_finished().into_iter().map(|f| f.covered).collect()
+}
+
+#[test]
+fn a_display_list_recorded_for_either_machine_runs_on_both_and_covers_the_same_pixels() {
+    for demo in ["sphere", "mixed"] {
+        let list = recorded(demo);
+        let config = config(&[]);
+        let ran = run(replay(&list, &config), &config, Engine::Timed);
+        assert_eq!(ran.frames.iter().map(|f| f.covered.clone()).collect::<Vec<_>>(), covered_by_bump(&list));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 2, ..ProptestConfig::default() })]
+
+    #[test]
+    fn coverage_is_that_of_the_rasterizer_in_every_mode(
+        list in display_lists(), mode in prop::sample::select(vec!["normal", "brightness", "polyhedron"]),
+    ) {
+        let ran = timed(&list, &[("shade.mode", mode)]);
+        prop_assert_eq!(ran.frames.iter().map(|f| f.covered.clone()).collect::<Vec<_>>(), covered_by_bump(&list));
+    }
+
+    #[test]
+    fn each_short_cut_moves_no_output_by_more_than_its_rounding(list in display_lists()) {
+        let whole = timed(&list, &[]);
+        for cut in ["specular_negligible", "same_plane", "flatness"] {
+            let key = format!("shortcut.{cut}.enabled");
+            let without = timed(&list, &[(key.as_str(), "false")]);
+            prop_assert!(whole.difference(&without) <= 1, "{}: {}", cut, whole.difference(&without));
+        }
+    }
+}
