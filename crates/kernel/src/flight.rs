@@ -68,8 +68,6 @@ pub(crate) struct Flights {
     steps: VecDeque<Flight>,
     /// Their look-ups that have no answer yet, by client, in order.
     look_ups: [VecDeque<LookUp>; MAX_CLIENTS],
-    /// Lines that a client has looked up in the step being made.
-    lines: Vec<u64>,
 }
 
 impl Flights {
@@ -115,15 +113,11 @@ impl Flights {
         for (own, &client) in ids.iter().enumerate() {
             let Some(mut cached) = system.cached(client) else { continue };
             let pending = &mut self.look_ups[own];
-            self.lines.clear();
+            cached.cache.begin_step();
             for r in traffic.look_ups.iter().filter(|r| r.client as usize == own) {
                 let (first, last) = cached.cache.lines(r.address, r.bytes);
                 for line in first..last + 1 {
-                    if self.lines.contains(&line) {
-                        continue;
-                    }
-                    self.lines.push(line);
-                    let look_up = cached.look_up(line, start);
+                    let Some(look_up) = cached.look_up(line, start) else { continue };
                     if look_up.fill.is_known() && pending.is_empty() {
                         flight.answers[own] = cached.cache.resolve(&look_up, look_up.fill);
                     } else {
@@ -133,7 +127,7 @@ impl Flights {
                     }
                 }
             }
-            least = least.max(cached.cache.cycles(self.lines.len()));
+            least = least.max(cached.cache.cycles());
         }
         (least, waits)
     }

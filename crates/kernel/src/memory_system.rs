@@ -1,6 +1,6 @@
 //! All memories, ports and caches of a machine, and the order in which requests are served.
 
-use crate::cache::{Cache, LookUp};
+use crate::cache::{Cache, Found, LookUp};
 use crate::memory::{Memory, Port};
 use crate::{CacheConfig, Cycle, MemoryConfig};
 
@@ -29,22 +29,26 @@ pub(crate) struct Cached<'a> {
 }
 
 impl Cached<'_> {
-    /// Looks a line up for a step that starts at `start`.
+    /// Looks a line up for a step that starts at `start`; `None` if the step has done so before.
     #[inline(always)]
-    pub(crate) fn look_up(&mut self, line: u64, start: Cycle) -> LookUp {
+    pub(crate) fn look_up(&mut self, line: u64, start: Cycle) -> Option<LookUp> {
+        match self.cache.look_up(line, self.port.issued) {
+            Found::Before => None,
+            Found::Line(request) => Some(LookUp { start, request, fill: self.port.answer(request), missed: false }),
+            Found::Nothing => Some(self.fill(line, start)),
+        }
+    }
+
+    fn fill(&mut self, line: u64, start: Cycle) -> LookUp {
         let Self { cache, port, memory } = self;
-        let found = cache.look_up(line, port.issued);
-        let request = found.unwrap_or_else(|| {
-            let bytes = cache.config.line_bytes;
-            memory.queued += 1;
-            let request = port.issue(start, line * u64::from(bytes), bytes, false);
-            // With others, their order would have to be known.
-            if memory.private && memory.ports.len() == 1 {
-                memory.serve(port);
-            }
-            request
-        });
-        LookUp { start, request, fill: port.answer(request), missed: found.is_none() }
+        let bytes = cache.config.line_bytes;
+        memory.queued += 1;
+        let request = port.issue(start, line * u64::from(bytes), bytes, false);
+        // With others, their order would have to be known.
+        if memory.private && memory.ports.len() == 1 {
+            memory.serve(port);
+        }
+        LookUp { start, request, fill: port.answer(request), missed: true }
     }
 }
 

@@ -8,6 +8,7 @@ use basrelief_shading::{Gradient, LEVELS, Taps, decode_normal, fan_triangle, lev
 use basrelief_signals::{
     Control, Flow, Fragment, Image, MAX_SAMPLES, Polygon, PseudoNormal, PseudoNormals, Samples, Stamp, samples_per_item,
 };
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// Normal-vector mapping unit (108).
@@ -88,6 +89,7 @@ impl NormalMapping {
 
     fn map(&mut self, stamp: Stamp<Fragment>, traffic: &mut Traffic) -> PseudoNormals {
         let mut samples = Samples::new();
+        self.lines.begin_step();
         for fragment in &stamp {
             let before = samples.len();
             self.sample(fragment, &mut samples, traffic);
@@ -121,7 +123,7 @@ impl NormalMapping {
         };
         let frame = TangentFrame::new([nx, ny, nz], [tx, ty, tz], setup.handedness);
         let scale = polygon.material.normal_scale;
-        let mut gathered = Gathered::default();
+        let mut gathered = Gathered { samples: SmallVec::new() };
         for (level, weight, base) in selected {
             let image = map.levels.get(usize::from(level))?;
             let taps = taps(image, &map.sampler, self.config.filter, [u, v]);
@@ -130,7 +132,7 @@ impl NormalMapping {
             gathered.add((level, weight), self.config.filter_at, image, &taps);
         }
         // A loop of its own: the samples do not depend on each other, and a short body lets the processor overlap them.
-        for sample in &gathered.samples[..gathered.count] {
+        for sample in &gathered.samples {
             let [x, y, z, _] = decode_normal(sample.stored);
             let normal = self.fixed_point.quantize(frame.rotate([x * scale, y * scale, z]));
             out.push(PseudoNormal { weight: sample.weight, normal, level: sample.level });
@@ -150,7 +152,7 @@ fn stored(image: &Image, [x, y]: [u32; 2]) -> [f32; 4] {
 }
 
 /// A sample in tangent space, as stored in the map.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Stored {
     stored: [f32; 4],
     weight: f32,
@@ -158,10 +160,8 @@ struct Stored {
 }
 
 /// The samples of a fragment.
-#[derive(Default)]
 struct Gathered {
-    samples: [Stored; MAX_SAMPLES],
-    count: usize,
+    samples: SmallVec<[Stored; MAX_SAMPLES]>,
 }
 
 impl Gathered {
@@ -192,9 +192,8 @@ impl Gathered {
     /// A ninth is dropped.
     #[inline]
     fn push(&mut self, sample: Stored) {
-        if let Some(slot) = self.samples.get_mut(self.count) {
-            *slot = sample;
-            self.count += 1;
+        if self.samples.len() < MAX_SAMPLES {
+            self.samples.push(sample);
         }
     }
 }

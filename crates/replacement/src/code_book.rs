@@ -74,7 +74,7 @@ fn dot(a: [i16; 3], b: [i16; 3]) -> i64 {
 
 /// One pass; a reference normal that no direction goes to stays where it is.
 fn means(directions: &[Weighted], book: &[[i16; 3]], bits: u32) -> Vec<[i16; 3]> {
-    let search = NearestSearch::new(book, directions.len());
+    let mut search = NearestSearch::new(book, directions.len());
     let mut sums = vec![[0_i64; 3]; book.len()];
     for (direction, count) in directions {
         if let Some(sum) = sums.get_mut(usize::from(search.nearest(*direction))) {
@@ -115,7 +115,7 @@ mod tests {
 
     /// Mean squared distance between unit normals and their entries, in units of the unit vector.
     fn error(normals: &[[i16; 3]], book: &[[i16; 3]]) -> f64 {
-        let search = NearestSearch::new(book, normals.len());
+        let mut search = NearestSearch::new(book, normals.len());
         let one = |n: &[i16; 3]| {
             let q = book[usize::from(search.nearest(*n))];
             (0..3).map(|i| (f64::from(n[i] - q[i]) / 32_767.0).powi(2)).sum::<f64>()

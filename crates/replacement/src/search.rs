@@ -41,14 +41,16 @@ impl Candidate {
 }
 
 /// Search structure over one VQ table (121) or code book.
+///
+/// A quadtree of squares over each face: a square is divided when a direction falls into one of its quarters for the first
+/// time. (All at once took a tenth of a short run, and most surfaces show a table a part of all directions.)
 #[derive(Clone, Debug)]
 pub struct NearestSearch {
-    /// Cells per edge of a face, a power of two.
+    /// Cells per edge of a face in the finest grid, a power of two.
     cells: u32,
-    /// Candidates of cell i are `starts[i] .. starts[i + 1]`.
-    starts: Vec<u32>,
-    candidates: Vec<Candidate>,
-    entries: u32,
+    all: Vec<Candidate>,
+    /// Candidates left on each square: grid after grid, from the whole faces to the finest. `None`: not asked for yet.
+    squares: Vec<Option<Box<[Candidate]>>>,
 }
 
 impl NearestSearch {
@@ -58,72 +60,97 @@ impl NearestSearch {
         let all: Vec<Candidate> = normals.iter().zip(0..=u16::MAX).map(|(&normal, index)| Candidate { normal, index }).collect();
         let worth = (4 * all.len()).min(searches / 4);
         let cells = (0..).map(|d| 1 << d).find(|&c| c >= MOST_CELLS || (6 * c * c) as usize >= worth).unwrap_or(1);
-        let mut search =
-            Self { cells, starts: vec![0; (6 * cells * cells) as usize + 1], candidates: Vec::new(), entries: all.len() as u32 };
-        let mut lists = vec![Vec::new(); (6 * cells * cells) as usize];
-        for face in 0..6 {
-            divide(&Square { face, cells: 1, column: 0, row: 0 }, &all, cells, &mut lists);
-        }
-        for (i, list) in lists.iter().enumerate() {
-            search.candidates.extend_from_slice(list);
-            search.starts[i + 1] = search.candidates.len() as u32;
-        }
-        search
+        Self { cells, all, squares: vec![None; first_of_grid(2 * cells)] }
     }
 
     /// Entries of the table.
     pub fn entries(&self) -> u32 {
-        self.entries
+        self.all.len() as u32
     }
 
     /// Index of the nearest reference normal; 0 in an empty table.
     #[inline]
-    pub fn nearest(&self, normal: [i16; 3]) -> u16 {
+    pub fn nearest(&mut self, normal: [i16; 3]) -> u16 {
+        let Some(square) = Square::of(normal, self.cells) else { return 0 };
+        if self.squares[square.number()].is_none() {
+            self.divide(&square);
+        }
         let n = normal.map(i64::from);
-        let cell = cell_of(normal, self.cells);
-        let list = match (self.starts.get(cell), self.starts.get(cell + 1)) {
-            (Some(&from), Some(&to)) => self.candidates.get(from as usize..to as usize).unwrap_or_default(),
-            _ => &[],
-        };
         // Product and index in one number, of which the largest is sought: a branch on which is larger could not be
         // predicted. Products have 33 bits; the complement of the index makes ties go to the lowest.
         let key = |c: &Candidate| c.dot(n) << 16 | i64::from(!c.index);
-        list.iter().map(key).max().map_or(0, |best| !(best as u16))
+        let left = self.squares[square.number()].as_deref().unwrap_or_default();
+        left.iter().map(key).max().map_or(0, |best| !(best as u16))
+    }
+
+    /// Finds who is left on a square, from those left on the square around it: it lies within that one, so whoever is beaten
+    /// there is beaten here. (The margin is half as wide: also within.)
+    #[cold]
+    fn divide(&mut self, square: &Square) {
+        let thorough = square.cells == self.cells;
+        let left = match square.around() {
+            None => unbeaten(square, &self.all, thorough),
+            Some(around) => {
+                if self.squares[around.number()].is_none() {
+                    self.divide(&around);
+                }
+                let candidates = self.squares[around.number()].as_deref().unwrap_or_default();
+                unbeaten(square, candidates, thorough)
+            }
+        };
+        self.squares[square.number()] = Some(left.into());
     }
 }
 
-/// Number of the cell that a direction falls into; the zero vector has cell 0 by the rules of conversion, but no answer
-/// there, so it is sent past the last.
+/// Squares of all coarser grids: where the grid of `cells` cells per edge begins. 6 (1 + 4 + 16 + ...).
 #[inline]
-fn cell_of(normal: [i16; 3], cells: u32) -> usize {
-    let [x, y, z] = normal.map(i32::from);
-    let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
-    let (axis, m, a, b) = if ax >= ay && ax >= az {
-        (0, x, y, z)
-    } else if ay >= az {
-        (1, y, z, x)
-    } else {
-        (2, z, x, y)
-    };
-    if m == 0 {
-        return (6 * cells * cells) as usize;
-    }
-    let scale = 1.0 / m.abs() as f32;
-    let half = 0.5 * cells as f32;
-    let place = |c: i32| (((c as f32 * scale + 1.0) * half) as u32).min(cells - 1);
-    let face = 2 * axis + u32::from(m < 0);
-    ((face * cells + place(b)) * cells + place(a)) as usize
+fn first_of_grid(cells: u32) -> usize {
+    (2 * (cells * cells - 1)) as usize
 }
 
 /// A square of a cube face at some fineness.
 struct Square {
     face: u32,
+    /// Squares per edge of the face.
     cells: u32,
     column: u32,
     row: u32,
 }
 
 impl Square {
+    /// The square that a direction falls into; none for the zero vector.
+    #[inline]
+    fn of(normal: [i16; 3], cells: u32) -> Option<Self> {
+        let [x, y, z] = normal.map(i32::from);
+        let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+        let (axis, m, a, b) = if ax >= ay && ax >= az {
+            (0, x, y, z)
+        } else if ay >= az {
+            (1, y, z, x)
+        } else {
+            (2, z, x, y)
+        };
+        if m == 0 {
+            return None;
+        }
+        let scale = 1.0 / m.abs() as f32;
+        let half = 0.5 * cells as f32;
+        let place = |c: i32| (((c as f32 * scale + 1.0) * half) as u32).min(cells - 1);
+        Some(Self { face: 2 * axis + u32::from(m < 0), cells, column: place(a), row: place(b) })
+    }
+
+    /// Its number among the squares of all grids.
+    #[inline]
+    fn number(&self) -> usize {
+        first_of_grid(self.cells) + ((self.face * self.cells + self.row) * self.cells + self.column) as usize
+    }
+
+    /// The square of the next coarser grid that it is a quarter of.
+    fn around(&self) -> Option<Self> {
+        let cells = self.cells / 2;
+        (cells > 0).then_some(Self { face: self.face, cells, column: self.column / 2, row: self.row / 2 })
+    }
+
     /// The point at `(a, b)` of the face, where the face reaches from `-m` to `m`.
     fn point(&self, m: i64, a: i64, b: i64) -> [i64; 3] {
         let m = if self.face % 2 == 1 { -m } else { m };
@@ -141,21 +168,6 @@ impl Square {
         let reach = HALF_CELL + MARGIN;
         let corner = |s: i64, t: i64| self.point(m, a + s * reach, b + t * reach);
         (self.point(m, a, b), [corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, 1)])
-    }
-
-    fn quarter(&self, i: u32) -> Self {
-        Self { face: self.face, cells: 2 * self.cells, column: 2 * self.column + i % 2, row: 2 * self.row + i / 2 }
-    }
-}
-
-/// Hands the candidates that are left on a square down to its quarters: they lie within it, so whoever is beaten on the
-/// whole is beaten there. (The margin of a quarter is half as wide: also within.)
-fn divide(square: &Square, candidates: &[Candidate], finest: u32, lists: &mut [Vec<Candidate>]) {
-    let left = unbeaten(square, candidates, square.cells == finest);
-    if square.cells < finest {
-        (0..4).for_each(|i| divide(&square.quarter(i), &left, finest, lists));
-    } else if let Some(list) = lists.get_mut(((square.face * finest + square.row) * finest + square.column) as usize) {
-        *list = left;
     }
 }
 

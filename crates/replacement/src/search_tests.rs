@@ -47,7 +47,7 @@ fn equals_the_scan_for_a_million_directions_per_table() {
         (Table::Fibonacci, 1, 16, 1_000),
     ] {
         let normals = reference_normals(3, entries, table, true, bits).unwrap();
-        let search = NearestSearch::new(&normals, usize::MAX);
+        let mut search = NearestSearch::new(&normals, usize::MAX);
         for _ in 0..searches {
             let n = random.normal();
             assert_eq!(search.nearest(n), scan(&normals, n), "{table:?} {entries} {n:?}");
@@ -58,7 +58,7 @@ fn equals_the_scan_for_a_million_directions_per_table() {
 #[test]
 fn equals_the_scan_on_the_edges_of_all_cells() {
     let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
-    let search = NearestSearch::new(&normals, usize::MAX);
+    let mut search = NearestSearch::new(&normals, usize::MAX);
     let edges: Vec<i16> = (-16..=16).flat_map(|i| [-1, 0, 1].map(|d| (i * 2_048 + d).clamp(-32_768, 32_767) as i16)).collect();
     for &a in &edges {
         for &b in &edges {
@@ -85,10 +85,28 @@ fn erratum_the_nearest_has_the_largest_inner_product() {
 #[test]
 fn a_cell_of_a_full_table_has_few_candidates() {
     let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
-    let search = NearestSearch::new(&normals, usize::MAX);
-    let mean = search.candidates.len() as f64 / (search.starts.len() - 1) as f64;
+    let mut search = NearestSearch::new(&normals, usize::MAX);
+    let mut random = Random(1);
+    for _ in 0..50_000 {
+        search.nearest(random.normal());
+    }
+    let finest: Vec<usize> = search.squares[first_of_grid(search.cells)..].iter().flatten().map(|s| s.len()).collect();
+    assert!(finest.len() > 1_000, "{} cells were asked for", finest.len());
+    let mean = finest.iter().sum::<usize>() as f64 / finest.len() as f64;
     assert!(mean < 5.0, "{mean} candidates per cell");
     assert_eq!(NearestSearch::new(&normals, 8).cells, 1);
+}
+
+#[test]
+fn squares_are_divided_when_a_direction_falls_into_them() {
+    let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
+    let mut search = NearestSearch::new(&normals, usize::MAX);
+    let divided = |search: &NearestSearch| search.squares.iter().filter(|s| s.is_some()).count();
+    assert_eq!(divided(&search), 0);
+    search.nearest([1, 2, 32_767]);
+    assert_eq!(divided(&search), 5, "grids of 1, 2, 4, 8 and 16 squares per edge");
+    search.nearest([2, 1, 32_766]);
+    assert_eq!(divided(&search), 5);
 }
 
 proptest! {
@@ -99,7 +117,7 @@ proptest! {
         directions in prop::collection::vec(prop::array::uniform3(-50i16..50), 200),
         effort in prop_oneof![Just(0usize), Just(2_000), Just(usize::MAX)],
     ) {
-        let search = NearestSearch::new(&normals, effort);
+        let mut search = NearestSearch::new(&normals, effort);
         for n in directions {
             prop_assert_eq!(search.nearest(n), scan(&normals, n), "{:?}", n);
         }
@@ -110,7 +128,7 @@ proptest! {
         normals in prop::collection::vec(prop::array::uniform3(any::<i16>()), 1..40),
         directions in prop::collection::vec(prop::array::uniform3(any::<i16>()), 100),
     ) {
-        let search = NearestSearch::new(&normals, usize::MAX);
+        let mut search = NearestSearch::new(&normals, usize::MAX);
         for n in directions {
             prop_assert_eq!(search.nearest(n), scan(&normals, n), "{:?}", n);
         }

@@ -200,8 +200,8 @@ impl Replacement {
         let mut pipelined = 0;
         for (i, &PseudoNormal { weight, normal, level }) in normals.samples.iter().enumerate() {
             let level = self.table_level(level);
-            let search = match &self.book {
-                Some(book) => book.get(usize::from(level)).ok_or(TableError::Entries(0)),
+            let search = match &mut self.book {
+                Some(book) => book.get_mut(usize::from(level)).ok_or(TableError::Entries(0)),
                 None => self.tables.table(level, object),
             };
             let mut index = 0;
