@@ -196,8 +196,9 @@ impl Replacement {
     fn replace(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
         let object = self.fixed_by_object();
         let mut samples = Samples::new();
-        let mut serial = 0;
-        let mut pipelined = 0;
+        let (mut serial, mut pipelined) = (0, 0);
+        // A division per sample is worth avoiding: tables mostly have one size.
+        let (mut entries, mut cycles) = (0, self.config.search_cycles(0));
         for (i, &PseudoNormal { weight, normal, level }) in normals.samples.iter().enumerate() {
             let level = self.table_level(level);
             let search = match &mut self.book {
@@ -207,7 +208,10 @@ impl Replacement {
             let mut index = 0;
             match search {
                 Ok(search) => {
-                    let cycles = self.config.search_cycles(search.entries());
+                    if search.entries() != entries {
+                        entries = search.entries();
+                        cycles = self.config.search_cycles(entries);
+                    }
                     serial += cycles;
                     pipelined = pipelined.max(i as u64 + cycles);
                     index = search.nearest(normal);
