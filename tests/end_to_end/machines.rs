@@ -117,10 +117,10 @@ fn bad_values_of_the_figure_shading_device_are_errors_that_name_them() {
         ("--set shade.clamp=maybe", 2, "shade.clamp"),
         ("--set shade.ia=nan", 2, "`shade.ia`"),
         ("--set interpolation.latency=99999", 2, "`interpolation.latency` is 99999, expected 0..=4096"),
-        ("--set replacement.entries=64", 2, "unknown parameter `replacement.entries`"),
+        ("--set replacement.entries=64", 2, "`replacement.entries` is a parameter of machine `bump`, and this is `shade`"),
         ("--set host.buffers=2 --set fifo.finished.depth=1", 1, "`fifo.finished.depth`: is 1, but 2 polygons"),
         ("--set cache.depth.line_bytes=48", 1, "`cache.depth.line_bytes`: is 48, expected a power of two"),
-        ("--machine bump --set shade.mode=normal", 2, "unknown parameter `shade.mode`"),
+        ("--machine bump --set shade.mode=normal", 2, "`shade.mode` is a parameter of machine `shade`"),
         ("--machine lathe", 2, ""),
     ] {
         let outcome = place.run(&format!("demo ellipsoid@1 --size 16x12 {settings}"));
@@ -129,6 +129,9 @@ fn bad_values_of_the_figure_shading_device_are_errors_that_name_them() {
     fs::write(place.path("c.toml"), "[shortcut.flatness]\nenable = false\n").expect("written");
     let outcome = place.run("demo ellipsoid --config c.toml");
     assert!(outcome.error(1).contains("did you mean `shortcut.flatness.enabled`"), "{}", outcome.err);
+    fs::write(place.path("c.toml"), "[replacement]\nentries = 64\n").expect("written");
+    let outcome = place.run("demo ellipsoid --config c.toml");
+    assert!(outcome.error(1).contains("c.toml: `replacement` is a parameter of machine `bump`"), "{}", outcome.err);
     assert_eq!(place.names(""), ["c.toml"]);
 }
 

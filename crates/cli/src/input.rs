@@ -5,7 +5,7 @@ use crate::error::{Done, Failure};
 use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_parameters::ConfigError;
 use basrelief_scene::{SceneError, ViewOptions, demo, load_path, read_camera};
-use basrelief_session::{MachineConfig, MachineInfo, Source};
+use basrelief_session::{MACHINES, MachineConfig, MachineInfo, Source};
 use basrelief_signals::Scene;
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -173,8 +173,25 @@ pub fn config(args: &MachineArgs, demo: Option<&str>) -> Done<MachineConfig> {
         Some(path) => read_text(path)?,
     };
     if let Some(path) = &args.config {
-        machine.load(&text, &[]).map_err(Failure::within::<ConfigError>(&path.display().to_string()))?;
+        let failed = Failure::within(&path.display().to_string());
+        machine.load(&text, &[]).map_err(|e| failed(explained(&e, machine)))?;
     }
     let settings: Vec<(&str, &str)> = args.settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
-    machine.load(&text, &settings).map_err(|e| Failure::Usage(format!("--set: {e}")))
+    machine.load(&text, &settings).map_err(|e| Failure::Usage(format!("--set: {}", explained(&e, machine))))
+}
+
+/// What is wrong with a configuration. A parameter of another machine is no slip of the pen.
+fn explained(error: &ConfigError, machine: &MachineInfo) -> String {
+    let ConfigError::Unknown { key, .. } = error else { return error.to_string() };
+    let group = format!("{key}.");
+    let knows = |m: &&MachineInfo| m.parameters().iter().any(|p| p.key == *key || p.key.starts_with(&group));
+    MACHINES.iter().find(knows).map_or_else(
+        || error.to_string(),
+        |other| {
+            format!(
+                "`{key}` is a parameter of machine `{0}`, and this is `{1}`; --machine {0} takes that one",
+                other.name, machine.name
+            )
+        },
+    )
 }

@@ -26,7 +26,7 @@ pub struct Facts {
     pub size: Size,
     /// The patent's reference numerals, by name of unit.
     pub numerals: IndexMap<String, u32>,
-    /// Figures of the device; cycles and bytes are divided by its [`work`](crate::work::work).
+    /// Figures of the device; cycles and bytes are divided by its [`work`].
     pub device: IndexMap<String, Figure>,
     /// Against the exact pictures.
     pub quality: Option<PictureQuality>,
