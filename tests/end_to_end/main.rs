@@ -2,11 +2,13 @@
 //!
 //! Small pictures and few processes: the whole takes seconds, also when built for debugging.
 
+mod ablation;
 mod bad_input;
 #[cfg(unix)]
 mod interrupt;
 #[cfg(unix)]
 mod limits;
+mod machines;
 mod pictures;
 mod reports;
 mod samples;

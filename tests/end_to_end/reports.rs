@@ -1,16 +1,9 @@
 //! What a run says: the report on disk and on standard output, tables, the time line, and comparisons.
 
-use crate::support::{Place, picture, without_host};
+use crate::support::{Place, is_valid, picture, without_host};
 use serde_json::Value;
 
 const SMALL: &str = "demo mixed --size 64x48";
-
-fn is_valid(report: &Value, place: &Place) {
-    let schema: Value = serde_json::from_str(&place.ok("schema report").out).expect("a schema");
-    let validator = jsonschema::validator_for(&schema).expect("a valid schema");
-    let wrong: Vec<String> = validator.iter_errors(report).map(|e| format!("{}: {e}", e.instance_path())).collect();
-    assert!(wrong.is_empty(), "{wrong:?}");
-}
 
 #[test]
 fn a_demo_writes_picture_exact_picture_difference_and_report() {

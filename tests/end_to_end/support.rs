@@ -170,6 +170,14 @@ pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
+/// A report keeps to its schema.
+pub fn is_valid(report: &Value, place: &Place) {
+    let schema: Value = serde_json::from_str(&place.ok("schema report").out).expect("a schema");
+    let validator = jsonschema::validator_for(&schema).expect("a valid schema");
+    let wrong: Vec<String> = validator.iter_errors(report).map(|e| format!("{}: {e}", e.instance_path())).collect();
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
 /// A report without the host's figures.
 pub fn without_host(mut report: Value) -> Value {
     report.as_object_mut().expect("a report").remove("host").expect("host figures");

@@ -53,9 +53,9 @@ pub enum EngineName {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Machine")]
 pub struct MachineArgs {
-    /// The machine.
-    #[arg(long, value_parser = machine(), default_value = MACHINES[0].name)]
-    pub machine: &'static MachineInfo,
+    /// The machine; where none is named, the one that the demo is made for, or bump.
+    #[arg(long, value_parser = machine())]
+    pub machine: Option<&'static MachineInfo>,
     /// Parameters from a TOML file.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
@@ -116,14 +116,17 @@ pub struct SimulationArgs {
     /// Write what every unit did when, as a Perfetto trace (open at ui.perfetto.dev).
     #[arg(long, value_name = "FILE")]
     pub timeline: Option<PathBuf>,
+    /// Run the same input without each short cut of the machine in turn, and without any, and write the table of cycles and
+    /// changes as ablation.json and ablation.csv, and nothing else.
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "csv"])]
+    pub ablate: bool,
 }
 
 /// Arguments of `demo`.
 #[derive(Clone, Debug, Args)]
 pub struct DemoArgs {
-    /// Which scene; see the list below.
-    #[arg(default_value = DEFAULT_DEMO)]
-    pub name: String,
+    /// Which scene; `basrelief describe` lists all. Where none is named, the first that is made for the machine.
+    pub name: Option<String>,
     #[command(flatten)]
     pub machine: MachineArgs,
     #[command(flatten)]
@@ -131,9 +134,6 @@ pub struct DemoArgs {
     #[command(flatten)]
     pub view: ViewArgs,
 }
-
-/// The scene of `basrelief demo`.
-pub const DEFAULT_DEMO: &str = "golf-ball";
 
 /// Arguments of `run`.
 #[derive(Clone, Debug, Args)]

@@ -1,5 +1,6 @@
 //! What can go wrong, and the exit code it means.
 
+use basrelief_session::SessionError;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -12,6 +13,15 @@ pub enum Failure {
     /// Bad input, or a check that failed: exit code 1.
     #[error("{0}")]
     Bad(String),
+}
+
+impl From<SessionError> for Failure {
+    fn from(error: SessionError) -> Self {
+        match error {
+            SessionError::NoShortCuts(_) => Self::Usage(error.to_string()),
+            _ => Self::bad(error),
+        }
+    }
 }
 
 impl Failure {

@@ -5,7 +5,7 @@ use crate::error::{Done, Failure};
 use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_parameters::ConfigError;
 use basrelief_scene::{SceneError, ViewOptions, demo, load_path, read_camera};
-use basrelief_session::MachineConfig;
+use basrelief_session::{MACHINES, MachineConfig, MachineInfo, Source};
 use basrelief_signals::Scene;
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -32,6 +32,8 @@ pub struct TraceFile {
     pub read: Rc<Cell<u64>>,
     /// As the user named it.
     pub name: String,
+    /// Where it is, if it can be read again.
+    file: Option<PathBuf>,
     /// Where files that it refers to lie.
     pub folder: PathBuf,
 }
@@ -42,13 +44,26 @@ impl TraceFile {
         let read = Rc::new(Cell::new(0));
         if path == Path::new("-") {
             let reader = Box::new(Counting(io::stdin(), Rc::clone(&read)));
-            return Ok(Self { reader, bytes: None, read, name: "standard input".into(), folder: PathBuf::new() });
+            return Ok(Self { reader, bytes: None, read, name: "standard input".into(), file: None, folder: PathBuf::new() });
         }
         let file = File::open(path).map_err(Failure::file(path, "be read"))?;
         let bytes = file.metadata().ok().filter(fs::Metadata::is_file).map(|m| m.len());
         let reader = Box::new(Counting(BufReader::new(file), Rc::clone(&read)));
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        Ok(Self { reader, bytes, read, name: path.display().to_string(), folder })
+        let again = bytes.map(|_| path.to_path_buf());
+        Ok(Self { reader, bytes, read, name: path.display().to_string(), file: again, folder })
+    }
+
+    /// Opens it again, from its beginning.
+    pub fn again(&self) -> Done<Self> {
+        let once = || Failure::Usage(format!("{}: can be read only once, and several runs need it: give a file", self.name));
+        Self::open(self.file.as_deref().ok_or_else(once)?)
+    }
+
+    /// As what a run takes.
+    pub fn into_source(self) -> Source {
+        let files = Box::new(beside(&self.folder));
+        Source::Trace { reader: self.reader, files, name: self.name }
     }
 
     /// Whether it is a display list: by its first bytes, and only where these say nothing, as in a file cut short, by
@@ -92,8 +107,7 @@ pub fn beside(folder: &Path) -> impl FnMut(&str) -> io::Result<Box<dyn Read>> + 
 
 /// Opens a model, a demo (`demo:NAME`) or a display list.
 pub fn open(path: &Path, view: &ViewArgs) -> Done<Input> {
-    let text = path.to_string_lossy();
-    if let Some(name) = text.strip_prefix("demo:") {
+    if let Some(name) = demo_of(path) {
         return demo_scene(name, view).map(Input::Scene);
     }
     let mut trace = TraceFile::open(path)?;
@@ -146,15 +160,38 @@ pub fn view_options(view: &ViewArgs) -> Done<ViewOptions> {
     })
 }
 
-/// The machine's parameters: defaults, then the file, then single settings.
-pub fn config(args: &MachineArgs) -> Done<MachineConfig> {
+/// The name of the demo that an input stands for.
+pub fn demo_of(path: &Path) -> Option<&str> {
+    path.to_str()?.strip_prefix("demo:")
+}
+
+/// The machine's parameters: defaults, then the file, then single settings. A demo knows which machine it is made for.
+pub fn config(args: &MachineArgs, demo: Option<&str>) -> Done<MachineConfig> {
+    let machine = args.machine.unwrap_or_else(|| MachineInfo::of_demo(demo.unwrap_or_default()));
     let text = match &args.config {
         None => String::new(),
         Some(path) => read_text(path)?,
     };
     if let Some(path) = &args.config {
-        args.machine.load(&text, &[]).map_err(Failure::within::<ConfigError>(&path.display().to_string()))?;
+        let failed = Failure::within(&path.display().to_string());
+        machine.load(&text, &[]).map_err(|e| failed(explained(&e, machine)))?;
     }
     let settings: Vec<(&str, &str)> = args.settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
-    args.machine.load(&text, &settings).map_err(|e| Failure::Usage(format!("--set: {e}")))
+    machine.load(&text, &settings).map_err(|e| Failure::Usage(format!("--set: {}", explained(&e, machine))))
+}
+
+/// What is wrong with a configuration. A parameter of another machine is no slip of the pen.
+fn explained(error: &ConfigError, machine: &MachineInfo) -> String {
+    let ConfigError::Unknown { key, .. } = error else { return error.to_string() };
+    let group = format!("{key}.");
+    let knows = |m: &&MachineInfo| m.parameters().iter().any(|p| p.key == *key || p.key.starts_with(&group));
+    MACHINES.iter().find(knows).map_or_else(
+        || error.to_string(),
+        |other| {
+            format!(
+                "`{key}` is a parameter of machine `{0}`, and this is `{1}`; --machine {0} takes that one",
+                other.name, machine.name
+            )
+        },
+    )
 }

@@ -194,6 +194,8 @@ parameters! {
         setup_cycles: u32 = 8, unit: "cycles", Assumed("as interpolation.setup_cycles"), range: 0..=4096;
         /// Interpolation of the normal and inner product with H.
         inner_product_latency: u32 = 8, unit: "cycles", Assumed("two multiplications and two sums, then three products and two sums"), range: 0..=4096;
+        /// Inner products per dot and light, initiation_interval each: 1, or 2 to time full normal interpolation.
+        inner_products: u32 = 1, unit: "", Derived("only N.H is left to circuit (50); full normal interpolation takes N.L as well, for terms that by the theorem are those of circuit (21), so the picture stays the same"), range: 1..=2;
         /// Normalisation, where shade.renormalise asks for it.
         normalise_latency: u32 = 16, unit: "cycles", Assumed("a square root and a division, in a pipeline"), range: 0..=4096;
         /// Power: iteration or table.

@@ -121,7 +121,9 @@ impl NormalInterpolation {
     fn dot_cycles(&self, n: f32, lights: u64) -> [u64; 2] {
         let normalise = if self.renormalise { self.config.normalise_latency } else { 0 };
         let power = self.power.occupancy(n);
-        let first = u64::from(self.config.inner_product_latency + normalise) + self.power.latency(n);
+        let second_product = self.power.inner_products() - u64::from(self.config.initiation_interval);
+        let products = u64::from(self.config.inner_product_latency + normalise) + second_product;
+        let first = products + self.power.latency(n);
         [power * lights, first + power * (lights - 1)]
     }
 }

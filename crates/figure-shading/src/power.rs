@@ -55,11 +55,17 @@ impl Power {
         }
     }
 
-    /// Cycles that a power keeps the circuit.
+    /// Cycles that inner products and power of a dot keep the circuit, per light: the power of a dot is calculated beside the
+    /// inner products of the next.
     pub fn occupancy(&self, n: f32) -> u64 {
         let iterates = self.config.power == PowerMethod::Iteration && !self.config.pipelined;
-        let least = u64::from(self.config.initiation_interval);
-        if iterates { self.latency(n).max(least) } else { least }
+        let products = self.inner_products();
+        if iterates { self.latency(n).max(products) } else { products }
+    }
+
+    /// Cycles that the inner products keep the circuit, per light.
+    pub fn inner_products(&self) -> u64 {
+        u64::from(self.config.initiation_interval) * u64::from(self.config.inner_products)
     }
 
     /// Cycles that it takes to fill the table for another n.
@@ -134,6 +140,8 @@ mod tests {
         assert_eq!((iteration.occupancy(50.0), iteration.latency(50.0), iteration.fill_cycles()), (14, 14, 0));
         let pipelined = Power::new(&NormalInterpolationConfig { pipelined: true, ..NormalInterpolationConfig::default() });
         assert_eq!((pipelined.occupancy(50.0), pipelined.latency(50.0)), (1, 14));
+        let full = NormalInterpolationConfig { inner_products: 2, initiation_interval: 3, ..config };
+        assert_eq!((Power::new(&full).occupancy(50.0), Power::new(&full).inner_products()), (6, 6));
     }
 
     proptest! {

@@ -5,6 +5,7 @@ use crate::json::SCHEMA;
 use crate::model::{
     Cache, Client, Cycles, Fifo, Figure, Input, Memory, Outcome, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
 };
+use crate::work::work;
 use basrelief_kernel as kernel;
 use basrelief_signals::Camera;
 use indexmap::IndexMap;
@@ -25,7 +26,7 @@ pub struct Facts {
     pub size: Size,
     /// The patent's reference numerals, by name of unit.
     pub numerals: IndexMap<String, u32>,
-    /// Figures of the device; `fragments` is what cycles and bytes are divided by.
+    /// Figures of the device; cycles and bytes are divided by its [`work`].
     pub device: IndexMap<String, Figure>,
     /// Against the exact pictures.
     pub quality: Option<PictureQuality>,
@@ -82,7 +83,7 @@ impl Report {
             wall_s,
             simulate_s,
             cycles_per_s: self.cycles.as_ref().map(|c| rate(c.total as f64)),
-            fragments_per_s: rate(self.device_number("fragments").unwrap_or(0.0)),
+            fragments_per_s: rate(work(&self).count as f64),
         });
         self
     }

@@ -12,7 +12,7 @@
 //! | `memories` | memory | `reads` ... `wait_cycles` | client |
 //! | `caches` | cache | `look_ups`, `hits`, `misses`, `merged` | |
 //! | `device` | figure | `value` | place in a list, from 0 |
-//! | `quality` | | `psnr_db`, `ssim`, `flip` | frame, from 0; empty: the final picture |
+//! | `quality` | | `psnr_db`, `ssim`, `flip`; of the final picture `mean_difference`, `largest_difference` | frame, from 0; empty: the final picture |
 //! | `image` | file | `sha256` | |
 //! | `derived` | figure | `value` | unit of measure |
 //!
@@ -43,7 +43,7 @@ fn plain(value: &Figure) -> String {
     }
 }
 
-fn quoted(cell: &str) -> Cow<'_, str> {
+pub(crate) fn quoted(cell: &str) -> Cow<'_, str> {
     if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")).into() } else { cell.into() }
 }
 

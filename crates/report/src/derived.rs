@@ -2,6 +2,7 @@
 //! report is the same on every host. A figure whose divisor is 0 or unknown is left out.
 
 use crate::model::{Client, Derived, Report};
+use crate::work::{Work, circuits, paths, work};
 use indexmap::IndexMap;
 
 /// Rounds to 6 decimals, halves away from zero.
@@ -28,9 +29,23 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     let Some(cycles) = &report.cycles else { return figures.0 };
     let total = cycles.total as f64;
     let hz = report.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).unwrap_or(0.0);
-    let fragments = report.device_number("fragments").unwrap_or(0.0);
+    let work = work(report);
+    let fragments = work.count as f64;
 
-    figures.ratio("cycles_per_fragment", (total, fragments), "cycles", "cycles.total / device.fragments");
+    let formula = format!("cycles.total / {}", work.formula);
+    figures.ratio(format!("cycles_per_{}", work.one), (total, fragments), "cycles", formula);
+    let polygons = paths(report).iter().map(|p| p.polygons as f64).sum::<f64>();
+    figures.ratio(
+        "cycles_per_polygon",
+        (total, polygons),
+        "cycles",
+        "cycles.total / sum(device.polygons_NAME), NAME as in device.dots_NAME",
+    );
+    for circuit in circuits(report) {
+        let (name, idle) = (circuit.name, total - circuit.started as f64);
+        let formula = format!("cycles.total - device.{name}_started_cycles");
+        figures.ratio(format!("{name}.idle"), (idle, 1.0), "cycles", formula);
+    }
     figures.ratio("time_ms", (1e3 * total, hz), "ms", "1000 * cycles.total / config.clock.hz");
     let frames = cycles.frames.len() as f64;
     let drawing = total - cycles.drain as f64;
@@ -40,9 +55,9 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
         let formula = "config.clock.hz * count(cycles.frames) / sum(cycles.frames)";
         figures.ratio("frames_per_s", (hz * frames, drawing), "1/s", formula);
     }
-    let formula = "device.fragments * config.clock.hz / cycles.total / 1e6";
-    figures.ratio("fill_rate", (fragments * hz / 1e6, total), "M fragments/s", formula);
-    memories(report, &mut figures, (total, hz, fragments));
+    let formula = format!("{} * config.clock.hz / cycles.total / 1e6", work.formula);
+    figures.ratio("fill_rate", (fragments * hz / 1e6, total), &format!("M {}s/s", work.one), formula);
+    memories(report, &mut figures, (total, hz), &work);
     for (name, c) in report.caches.iter().flatten() {
         let formula = format!("caches.{name}.hits / caches.{name}.look_ups");
         figures.ratio(format!("{name}.hit_rate"), (c.hits as f64, c.look_ups as f64), "1", formula);
@@ -54,13 +69,13 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     figures.0
 }
 
-fn memories(report: &Report, figures: &mut Figures, (total, hz, fragments): (f64, f64, f64)) {
+fn memories(report: &Report, figures: &mut Figures, (total, hz): (f64, f64), work: &Work) {
     for (name, memory) in report.memories.iter().flatten() {
         let sum = |f: fn(&Client) -> u64| memory.clients.values().map(|c| f(c) as f64).sum::<f64>();
         let bytes = sum(Client::bytes);
         let bytes_text = format!("sum(memories.{name}.clients.*.{{read_bytes, write_bytes}})");
-        let formula = format!("{bytes_text} / device.fragments");
-        figures.ratio(format!("{name}.bytes_per_fragment"), (bytes, fragments), "bytes", formula);
+        let formula = format!("{bytes_text} / {}", work.formula);
+        figures.ratio(format!("{name}.bytes_per_{}", work.one), (bytes, work.count as f64), "bytes", formula);
         let formula = format!("{bytes_text} * config.clock.hz / cycles.total / 1e9");
         figures.ratio(format!("{name}.gb_per_s"), (bytes * hz / 1e9, total), "GB/s", formula);
         let (hits, bursts) = (sum(|c| c.row_hits), sum(|c| c.bursts));
@@ -91,6 +106,17 @@ mod tests {
         assert_eq!(derived["graphics.bytes_per_fragment"].value, 8.0);
         assert_eq!(derived["graphics.gb_per_s"].value, 0.32);
         assert_eq!(derived["graphics.bus_utilisation"].value, 0.24);
+    }
+
+    #[test]
+    fn a_device_with_paths_is_told_in_dots_and_polygons() {
+        let derived = samples::with_paths().derived;
+        assert_eq!(derived["cycles_per_dot"].value, 5.0);
+        assert_eq!(derived["cycles_per_polygon"].value, 1000.0);
+        assert_eq!(derived["circuit_50.idle"].value, 400_000.0);
+        assert_eq!(derived["graphics.bytes_per_dot"].value, 8.0);
+        assert_eq!(derived["fill_rate"].unit, "M dots/s");
+        assert!(!derived.contains_key("cycles_per_fragment"));
     }
 
     #[test]

@@ -7,12 +7,15 @@
 //! | [`blame`] | what limits a run, in one sentence that follows from the accounting |
 //! | [`text`] | the tables of the terminal |
 //! | [`compare`](mod@compare) | what changed between two runs, and which unit and cause explain it |
+//! | [`ablation`] | what each short cut of a machine saves, and what it costs |
+//! | [`work`] | what a device draws, in its own words |
 //! | [`csv`] | the same figures, one per line |
 //! | [`timeline`] | what every unit did when, as a Perfetto trace |
 //!
 //! Nothing here opens a file, reads a clock or prints: writers are arguments, host figures are arguments, tables are
 //! strings. A report without its `host` part is the same to the bit whatever the engine, machine or thread count.
 
+pub mod ablation;
 pub mod blame;
 pub mod build;
 pub mod compare;
@@ -25,7 +28,9 @@ mod samples;
 pub mod text;
 mod tidy;
 pub mod timeline;
+pub mod work;
 
+pub use ablation::Ablation;
 pub use build::Facts;
 pub use compare::{Comparison, compare};
 pub use csv::to_csv;

@@ -253,9 +253,21 @@ pub struct PictureQuality {
     /// Of the final picture.
     #[serde(flatten)]
     pub last: Quality,
+    /// Of the final picture, in steps of its 8-bit values.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub difference: Option<Difference>,
     /// Of each picture in order of time; empty where only the final one was compared.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<Quality>,
+}
+
+/// Absolute differences of 8-bit values, red, green and blue alike, over the pixels covered in either picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Difference {
+    /// Rounded to 6 decimals \[steps of 1/255\].
+    pub mean: f64,
+    /// \[steps of 1/255\].
+    pub largest: u8,
 }
 
 /// A picture that was written.
@@ -288,7 +300,7 @@ pub struct Host {
     /// Simulated cycles per second of `simulate_s`; absent from a functional run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycles_per_s: Option<f64>,
-    /// Fragments per second of `simulate_s`.
+    /// Fragments, or dots, per second of `simulate_s`.
     pub fragments_per_s: f64,
 }
 

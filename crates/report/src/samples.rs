@@ -3,7 +3,7 @@
 use crate::build::Facts;
 use crate::derived::derive;
 use crate::model::{
-    Cache, Client, Cycles, Fifo, Figure, Input, Memory, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
+    Cache, Client, Cycles, Difference, Fifo, Figure, Input, Memory, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
 };
 use basrelief_kernel::plan::{Plan, PlanMachine};
 use basrelief_kernel::{Engine, Outcome, RunReport};
@@ -40,7 +40,11 @@ pub fn facts() -> Facts {
         ]
         .into_iter()
         .collect(),
-        quality: Some(PictureQuality { last: Quality { psnr_db: 41.25, ssim: 0.987654, flip: 0.0321 }, frames: vec![] }),
+        quality: Some(PictureQuality {
+            last: Quality { psnr_db: 41.25, ssim: 0.987654, flip: 0.0321 },
+            difference: Some(Difference { mean: 0.75, largest: 12 }),
+            frames: vec![],
+        }),
         image: vec![
             Picture { file: "image-0001.png".into(), sha256: "01".repeat(32) },
             Picture { file: "image.png".into(), sha256: "02".repeat(32) },
@@ -129,6 +133,27 @@ pub fn balanced() -> Report {
         ("replacement", &[("busy", 970_000), ("<pseudo_normals", 20_000), (">indexes", 0), ("done", 10_000)]),
         ("frame-buffer", &[("busy", 200_000), ("<indexes", 795_000), ("@z", 3_000), ("@color", 2_000), ("done", 0)]),
     ])
+}
+
+/// [`balanced`], of a device that counts dots on two paths, and the cycles of two circuits.
+pub fn with_paths() -> Report {
+    let mut report = balanced();
+    report.machine = "shade".into();
+    report.device = [
+        ("fragments", 200_000),
+        ("polygons_normal", 900),
+        ("polygons_flat", 100),
+        ("dots_normal", 150_000),
+        ("dots_flat", 50_000),
+        ("circuit_21_started_cycles", 150_000),
+        ("circuit_50_started_cycles", 600_000),
+        ("circuit_50_needed_cycles", 450_000),
+    ]
+    .map(|(name, n)| (name.to_owned(), Figure::Count(n)))
+    .into_iter()
+    .collect();
+    report.derived = derive(&report);
+    report
 }
 
 /// Limited by the port through which z is written.

@@ -153,6 +153,10 @@ fn pictures(report: &Report, rows: &mut Rows) {
                 rows.add(("quality", ""), field, &key, x);
             }
         }
+        if let Some(difference) = &quality.difference {
+            rows.add(("quality", ""), "mean_difference", "", difference.mean);
+            rows.add(("quality", ""), "largest_difference", "", u64::from(difference.largest));
+        }
     }
     for picture in &report.image {
         rows.add(("image", &picture.file), "sha256", "", picture.sha256.as_str());

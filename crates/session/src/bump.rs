@@ -5,7 +5,7 @@ use basrelief_brightness::Components;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::bump::{self, BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, ReferenceFilter, UnitInfo};
-use basrelief_reference::{self as reference, Options, TextureFilter};
+use basrelief_reference::{self as reference, Options, Style, TextureFilter};
 
 impl Device for BumpProcessorConfig {
     const NAME: &'static str = "bump";
@@ -23,8 +23,8 @@ impl Device for BumpProcessorConfig {
         self.into()
     }
 
-    fn exact_options(&self) -> Options {
-        Options {
+    fn exact_style(&self) -> Style {
+        let options = Options {
             filter: match self.reference.filter {
                 ReferenceFilter::Nearest => TextureFilter::Nearest,
                 ReferenceFilter::Bilinear => TextureFilter::Bilinear,
@@ -35,7 +35,8 @@ impl Device for BumpProcessorConfig {
                 Components::Separate => reference::Components::Separate,
             },
             two_sided_lighting: self.geometry.two_sided_lighting,
-        }
+        };
+        options.into()
     }
 
     fn warnings(&self, counts: &Counts) -> Vec<String> {

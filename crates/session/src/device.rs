@@ -4,12 +4,15 @@ use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::Machine;
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_parameters::Parameters;
-use basrelief_reference::Options;
+use basrelief_reference::Style;
 use schemars::JsonSchema;
 use std::fmt::Debug;
 
+/// A short cut: its name, and what switches it off.
+pub type ShortCut<D> = (&'static str, fn(&mut D));
+
 /// A machine, as its configuration: names it, and builds it behind either way in.
-pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq {
+pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq + 'static {
     /// As `--machine` names it.
     const NAME: &'static str;
     /// What it is, in a sentence.
@@ -20,6 +23,8 @@ pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq {
     const UNITS: &'static [UnitInfo];
     /// The demo scenes that are made for it; the first is drawn where none is named.
     const DEMOS: &'static [&'static str];
+    /// The short cuts that an ablation switches off.
+    const SHORT_CUTS: &'static [ShortCut<Self>] = &[];
     /// The machine behind one way in.
     type Machine<F: FrontEnd>: Draws;
 
@@ -31,7 +36,7 @@ pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq {
     /// What its way in needs.
     fn front(&self) -> FrontConfig;
     /// What its pictures are held against.
-    fn exact_options(&self) -> Options;
+    fn exact_style(&self) -> Style;
     /// What the reader of a report should know, one sentence each.
     fn warnings(&self, counts: &Counts) -> Vec<String>;
 }

@@ -1,6 +1,7 @@
 //! A run under way: the engine, the pictures it finishes, and the report in the end.
 
 use crate::device::{Device, Draws};
+use crate::difference::difference;
 use crate::exact::Exact;
 use crate::observer::{Observer, Pictures, picture_name};
 use crate::run::{Run, SessionError};
@@ -10,7 +11,7 @@ use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
 use basrelief_machines::Counts;
 use basrelief_reference::{Picture, Quality};
-use basrelief_report::model::{Figure, Input, Picture as PictureFile, PictureQuality, Size};
+use basrelief_report::model::{Difference, Figure, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_report::{Facts, Report};
 use basrelief_signals::{Camera, Frame};
 use sha2::{Digest as _, Sha256};
@@ -29,6 +30,7 @@ pub(crate) struct Session<'a> {
     commands: Box<dyn Fn() -> (u64, Option<u64>)>,
     images: Vec<String>,
     quality: Vec<Quality>,
+    difference: Option<Difference>,
     failed: Option<String>,
     /// Seconds of simulation.
     pub(crate) simulate_s: f64,
@@ -41,8 +43,8 @@ impl<'a> Session<'a> {
         exact: Exact,
         commands: Box<dyn Fn() -> (u64, Option<u64>)>,
     ) -> Self {
-        let (images, quality) = (Vec::new(), Vec::new());
-        Self { settings, observer, exact, commands, images, quality, failed: None, simulate_s: 0.0 }
+        let (images, quality, difference) = (Vec::new(), Vec::new(), None);
+        Self { settings, observer, exact, commands, images, quality, difference, failed: None, simulate_s: 0.0 }
     }
 
     /// Simulates to the end.
@@ -104,6 +106,7 @@ impl<'a> Session<'a> {
         let exact = self.exact.picture(index);
         let quality = exact.as_ref().map(|e| Quality::measure(e, &machine)).transpose().map_err(|e| e.to_string())?;
         self.quality.extend(quality);
+        self.difference = exact.as_ref().map(|e| difference(e, &machine));
         self.observer.frame(&Pictures { index, machine: &machine, exact: exact.as_ref().zip(quality) })
     }
 
@@ -127,10 +130,11 @@ impl<'a> Session<'a> {
             size: frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
             numerals: D::UNITS.iter().filter_map(|u| Some((u.name.to_owned(), u.numeral.parse().ok()?))).collect(),
             device: driven.counts.iter().map(|(name, value)| (name.to_owned(), figure(value))).collect(),
-            quality: self
-                .quality
-                .last()
-                .map(|&last| PictureQuality { last, frames: if several { self.quality.clone() } else { vec![] } }),
+            quality: self.quality.last().map(|&last| PictureQuality {
+                last,
+                difference: self.difference,
+                frames: if several { self.quality.clone() } else { vec![] },
+            }),
             image: image.map(|(i, sha256)| PictureFile { file: picture_name("image", i, several), sha256 }).collect(),
             warnings: warnings.iter().cloned().chain(device.warnings(&driven.counts)).collect(),
         };

@@ -1,7 +1,7 @@
 //! The exact pictures that the machine's are held against.
 
 use crate::tee::Seen;
-use basrelief_reference::{Options, Picture, draw_scene};
+use basrelief_reference::{Picture, Style, draw_scene};
 use basrelief_signals::Scene;
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -12,7 +12,7 @@ pub(crate) enum Exact {
     /// Nobody wants any.
     None,
     /// The scene itself.
-    Scene(Arc<Scene>, Options),
+    Scene(Arc<Scene>, Style),
     /// The polygons of a trace, drawn as they passed.
     Trace(Rc<RefCell<Seen>>),
 }
@@ -22,7 +22,7 @@ impl Exact {
     pub(crate) fn picture(&self, index: usize) -> Option<Picture> {
         match self {
             Self::None => None,
-            Self::Scene(scene, options) => scene.frames.get(index).map(|frame| draw_scene(scene, frame, options)),
+            Self::Scene(scene, style) => scene.frames.get(index).map(|frame| draw_scene(scene, frame, style)),
             Self::Trace(seen) => seen.borrow_mut().exact.pop_front(),
         }
     }

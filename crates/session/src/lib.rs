@@ -18,8 +18,10 @@
 //! # }
 //! ```
 
+mod ablation;
 mod bump;
 mod device;
+mod difference;
 mod drive;
 mod exact;
 mod expectation;
@@ -28,8 +30,10 @@ mod observer;
 mod record;
 mod run;
 mod settings;
+mod shade;
 mod tee;
 
+pub use ablation::ablate;
 pub use basrelief_kernel::NoProbe;
 pub use expectation::{check_expectation, expectation_of};
 pub use machine::{MACHINES, MachineConfig, MachineInfo};

@@ -1,7 +1,8 @@
 //! The machines by name, and the configuration of any of them.
 
-use crate::device::Device;
+use crate::device::{Device, ShortCut};
 use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_machines::shade::ShadeConfig;
 use basrelief_machines::{FrontConfig, UnitInfo};
 use basrelief_parameters::{ConfigError, Parameter};
 use serde_json::Value;
@@ -11,6 +12,8 @@ use serde_json::Value;
 pub enum MachineConfig {
     /// The quantized bump-mapping processor.
     Bump(BumpProcessorConfig),
+    /// The figure shading device.
+    Shade(ShadeConfig),
 }
 
 impl Default for MachineConfig {
@@ -25,11 +28,18 @@ impl From<BumpProcessorConfig> for MachineConfig {
     }
 }
 
+impl From<ShadeConfig> for MachineConfig {
+    fn from(config: ShadeConfig) -> Self {
+        Self::Shade(config)
+    }
+}
+
 /// Does the same for whichever machine is configured: `for_device!(config, device => expression)`.
 macro_rules! for_device {
     ($config:expr, $device:ident => $body:expr) => {
         match $config {
             $crate::machine::MachineConfig::Bump($device) => $body,
+            $crate::machine::MachineConfig::Shade($device) => $body,
         }
     };
 }
@@ -52,9 +62,32 @@ impl MachineConfig {
         for_device!(self, device => serde_json::to_value(device)).unwrap_or_default()
     }
 
+    /// The machine as it is, without each of its short cuts in turn, and without any: names and configurations. Nothing
+    /// where it has none.
+    pub(crate) fn ablations(&self) -> Vec<(String, Self)> {
+        for_device!(self, device => ablations(device))
+    }
+
     pub(crate) fn front(&self) -> FrontConfig {
         for_device!(self, device => device.front())
     }
+}
+
+fn ablations<D: Device>(device: &D) -> Vec<(String, MachineConfig)>
+where
+    MachineConfig: From<D>,
+{
+    if D::SHORT_CUTS.is_empty() {
+        return vec![];
+    }
+    let without = |short_cuts: &[ShortCut<D>]| {
+        let mut device = device.clone();
+        short_cuts.iter().for_each(|(_, switch_off)| switch_off(&mut device));
+        MachineConfig::from(device)
+    };
+    let each = D::SHORT_CUTS.iter().map(|one| (format!("without {}", one.0), without(&[*one])));
+    let all = ("without any".into(), without(D::SHORT_CUTS));
+    std::iter::once(("as configured".into(), without(&[]))).chain(each).chain([all]).collect()
 }
 
 /// What there is to know of a machine before it runs.
@@ -79,7 +112,7 @@ pub struct MachineInfo {
 type Load = fn(&str, &[(&str, &str)]) -> Result<MachineConfig, ConfigError>;
 
 /// All machines, the default one first.
-pub const MACHINES: &[MachineInfo] = &[MachineInfo::of::<BumpProcessorConfig>()];
+pub const MACHINES: &[MachineInfo] = &[MachineInfo::of::<BumpProcessorConfig>(), MachineInfo::of::<ShadeConfig>()];
 
 impl MachineInfo {
     const fn of<D: Device>() -> Self
@@ -109,6 +142,12 @@ impl MachineInfo {
         })
     }
 
+    /// The machine that a demo scene is made for, by the name of the demo, with its tessellation or not.
+    pub fn of_demo(demo: &str) -> &'static Self {
+        let name = demo.split('@').next().unwrap_or(demo);
+        MACHINES.iter().find(|m| m.demos.contains(&name)).unwrap_or(&MACHINES[0])
+    }
+
     /// All parameters, in the order of the block diagram.
     pub fn parameters(&self) -> Vec<Parameter> {
         (self.table)()
@@ -134,12 +173,28 @@ mod tests {
     use basrelief_scene::DEMOS;
 
     #[test]
-    fn no_demo_is_made_for_two_machines() {
-        let made_for: Vec<&str> = MACHINES.iter().flat_map(|m| m.demos).copied().collect();
-        for name in &made_for {
-            assert_eq!(made_for.iter().filter(|n| n == &name).count(), 1, "{name}");
-            assert!(DEMOS.iter().any(|d| d.name == *name), "{name}");
-        }
+    fn every_demo_is_made_for_one_machine() {
+        let mut made_for: Vec<&str> = MACHINES.iter().flat_map(|m| m.demos).copied().collect();
+        let mut all: Vec<&str> = DEMOS.iter().map(|d| d.name).collect();
+        made_for.sort_unstable();
+        all.sort_unstable();
+        assert_eq!(made_for, all);
+        assert_eq!(MachineInfo::of_demo("goblet@8").name, "shade");
+        assert_eq!(MachineInfo::of_demo("coin").name, "bump");
+    }
+
+    #[test]
+    fn an_ablation_switches_off_one_short_cut_at_a_time_and_then_all() {
+        let variants = MachineConfig::from(ShadeConfig::default()).ablations();
+        let off = |c: &MachineConfig| {
+            let MachineConfig::Shade(c) = c else { panic!("another machine") };
+            let s = &c.shortcut;
+            [!s.specular_negligible.enabled, !s.flatness.enabled, !s.same_plane.enabled]
+        };
+        let switched: Vec<[bool; 3]> = variants.iter().map(|(_, c)| off(c)).collect();
+        assert_eq!(switched, [[false; 3], [true, false, false], [false, true, false], [false, false, true], [true; 3]]);
+        assert_eq!(variants[0].0, "as configured");
+        assert!(MachineConfig::default().ablations().is_empty());
     }
 
     #[test]
@@ -151,6 +206,6 @@ mod tests {
             assert_eq!(config.to_value().pointer(&format!("/{}", first.key.replace('.', "/"))), Some(&first.default));
         }
         assert_eq!(MachineConfig::default().machine().name, MACHINES[0].name);
-        assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump"));
+        assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade"));
     }
 }

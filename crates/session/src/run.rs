@@ -17,6 +17,7 @@ use basrelief_report::model::Input;
 use basrelief_signals::{Control, Draw, Scene};
 use std::cell::{Cell, RefCell};
 use std::io::Read;
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -35,6 +36,12 @@ pub enum SessionError {
     /// The observer could not take a frame.
     #[error("{0}")]
     Observer(String),
+    /// Nothing to switch off in an ablation.
+    #[error("machine `{0}` has no short cuts that could be switched off")]
+    NoShortCuts(&'static str),
+    /// A run of an ablation whose cycles mean nothing.
+    #[error("{0}")]
+    Incomplete(String),
 }
 
 /// What a run came to.
@@ -109,11 +116,11 @@ fn run_scene<D: Device, P: Probe>(
     let draws = SceneDraws::new(Arc::clone(scene)).inspect(move |_: &Draw| counter.set(counter.get() + 1));
     let machine = device.build(SceneFront::new(draws, device.front()))?;
     let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
-    let exact = if settings.exact { Exact::Scene(Arc::clone(scene), device.exact_options()) } else { Exact::None };
+    let exact = if settings.exact { Exact::Scene(Arc::clone(scene), device.exact_style()) } else { Exact::None };
     let total = Some((per_frame * scene.frames.len()) as u64);
     let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.get(), total)));
     let driven = session.drive(machine, probe)?;
-    let input = Input { kind: "scene".into(), name: scene.name.clone(), sha256 };
+    let input = Input { kind: "scene".into(), name: file_name(&scene.name), sha256 };
     let frame = scene.frames.last().map(|f| &**f);
     Ok(session.finish(device, input, frame, driven, &scene.warnings, vec![]))
 }
@@ -127,7 +134,7 @@ fn run_trace<D: Device, P: Probe>(
 ) -> Result<Run, SessionError> {
     let resolver = Resolver::new(reader, move |name: &str| files.open(name))?;
     let seen = Rc::new(RefCell::new(Seen::default()));
-    let tee = Tee::new(resolver, settings.exact.then(|| device.exact_options()), Rc::clone(&seen), settings.clock);
+    let tee = Tee::new(resolver, settings.exact.then(|| device.exact_style()), Rc::clone(&seen), settings.clock);
     let machine = device.build(TraceFront::new(tee, device.front()))?;
     let exact = if settings.exact { Exact::Trace(Rc::clone(&seen)) } else { Exact::None };
     let commands = Rc::clone(&seen);
@@ -140,6 +147,11 @@ fn run_trace<D: Device, P: Probe>(
     let passed = std::mem::take(&mut *seen.borrow_mut());
     session.simulate_s -= passed.seconds;
     let sha256 = passed.digest.map(|d| d.to_string()).unwrap_or_default();
-    let input = Input { kind: "trace".into(), name, sha256 };
+    let input = Input { kind: "trace".into(), name: file_name(&name), sha256 };
     Ok(session.finish(device, input, passed.frame.as_deref(), driven, &[], passed.expectations))
+}
+
+/// A name without its folders: reports do not differ between them.
+fn file_name(name: &str) -> String {
+    Path::new(name).file_name().map_or_else(|| name.into(), |file| file.to_string_lossy().into_owned())
 }

@@ -17,12 +17,20 @@ pub enum Source {
         reader: Box<dyn Read>,
         /// The files beside it.
         files: Box<dyn Files>,
-        /// For messages and the report.
+        /// For messages, and without its folders for the report.
         name: String,
     },
 }
 
 impl Source {
+    /// As the user named it.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Scene(scene) => &scene.name,
+            Self::Trace { name, .. } => name,
+        }
+    }
+
     /// A display list that stands alone.
     pub fn trace(reader: impl Read + 'static, name: &str) -> Self {
         Self::Trace { reader: Box::new(reader), files: Box::new(NoFiles), name: name.into() }

@@ -1,7 +1,7 @@
 //! A trace on its way into the machine: hashed and drawn exactly as it passes, since it can be read only once.
 
 use basrelief_display_list::{CanonicalHash, Digest, Expectation, Files, Resolver, TraceError};
-use basrelief_reference::{Options, Picture, PolygonRenderer};
+use basrelief_reference::{Picture, PolygonRenderer, Style};
 use basrelief_signals::{Control, Frame};
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -37,11 +37,11 @@ pub(crate) struct Tee<R: Read, F> {
 }
 
 impl<R: Read, F: Files> Tee<R, F> {
-    pub(crate) fn new(resolver: Resolver<R, F>, exact: Option<Options>, seen: Rc<RefCell<Seen>>, clock: fn() -> f64) -> Self {
+    pub(crate) fn new(resolver: Resolver<R, F>, exact: Option<Style>, seen: Rc<RefCell<Seen>>, clock: fn() -> f64) -> Self {
         let begin = resolver.begin();
         Self {
             hash: Some(CanonicalHash::new(begin)),
-            renderer: exact.map(|options| PolygonRenderer::new(begin.width, begin.height, options)),
+            renderer: exact.map(|style| PolygonRenderer::new(begin.width, begin.height, style)),
             resolver,
             seen,
             clock,

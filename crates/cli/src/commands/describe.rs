@@ -4,6 +4,7 @@ use crate::args::DescribeArgs;
 use crate::error::{Done, print};
 use basrelief_parameters::Parameter;
 use basrelief_scene::DEMOS;
+use basrelief_session::MachineInfo;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -16,15 +17,17 @@ pub fn describe(args: &DescribeArgs) -> Done {
         return print(&format!("{:#}\n", Value::Array(list)));
     }
     let mut text = format!("{} - {}\n\n{}\nUnits\n", machine.name, machine.about, machine.diagram);
+    let width = machine.units.iter().map(|u| u.name.len()).max().unwrap_or(0);
     for u in machine.units {
         let numeral = if u.numeral.is_empty() { String::new() } else { format!("({})", u.numeral) };
-        let _ = writeln!(text, "  {:<15} {numeral:<6} {}\n{:26}{}", u.name, u.role, "", u.code);
+        let _ = writeln!(text, "  {:<width$} {numeral:<6} {}", u.name, u.role);
+        let _ = writeln!(text, "{:indent$}{}", "", u.code, indent = 2 + width + 1 + 6 + 1);
     }
     text.push_str("\nParameters (--set KEY=VALUE, or TOML by --config)\n");
     table.iter().for_each(|p| entry(&mut text, p));
-    text.push_str("\nDemo scenes\n");
+    text.push_str("\nDemo scenes, and the machine that each is made for\n");
     for d in DEMOS {
-        let _ = writeln!(text, "  {:<10} {}", d.name, d.about);
+        let _ = writeln!(text, "  {:<10} {:<6} {}", d.name, MachineInfo::of_demo(d.name).name, d.about);
     }
     print(&text)
 }

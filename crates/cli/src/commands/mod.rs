@@ -1,5 +1,6 @@
 //! One file per command.
 
+mod ablate;
 mod compare;
 mod convert;
 mod describe;

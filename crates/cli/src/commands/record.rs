@@ -4,7 +4,7 @@ use super::convert::to_trace_file;
 use super::run::simulate_quietly;
 use crate::args::RecordArgs;
 use crate::error::{Done, Failure};
-use crate::input::{self, Input};
+use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
 use basrelief_display_list::{Encoding, Expectation, Form, Recorder, Setting};
 use basrelief_session::{MachineConfig, Source, begin_of, display_list, expectation_of};
@@ -21,7 +21,7 @@ pub fn record(args: &RecordArgs, quiet: bool) -> Done {
             args.input.display()
         )));
     };
-    let config = input::config(&args.machine)?;
+    let config = input::config(&args.machine, demo_of(&args.input))?;
     let expectations = if args.expect { vec![expected(&scene, &config, args)?] } else { vec![] };
     to_trace_file(&args.out, |writer, form| {
         let progress = Progress::new(None, "commands", quiet);

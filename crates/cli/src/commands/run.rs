@@ -1,8 +1,9 @@
 //! `basrelief run` and `basrelief demo`.
 
-use crate::args::{DemoArgs, EngineName, MachineArgs, RunArgs, SimulationArgs};
+use super::ablate::ablate;
+use crate::args::{DemoArgs, EngineName, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure, print};
-use crate::input::{self, Input, TraceFile, beside};
+use crate::input::{self, Input, demo_of};
 use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
 use basrelief_kernel::{Engine, Probe, StageTopology};
@@ -10,7 +11,8 @@ use basrelief_reference::{Picture, metrics};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, MachineConfig, NoProbe, Observer, Pictures, Run, SessionError, Settings, Source, Unobserved, picture_name,
+    self as session, MACHINES, MachineConfig, NoProbe, Observer, Pictures, Run, SessionError, Settings, Source, Unobserved,
+    picture_name,
 };
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
@@ -39,15 +41,17 @@ impl From<EngineName> for Engine {
 /// Draws an embedded scene.
 pub fn demo(args: &DemoArgs, quiet: bool) -> Done {
     let began = seconds();
-    let scene = input::demo_scene(&args.name, &args.view)?;
-    simulate(began, Input::Scene(scene), &args.machine, &args.simulation, quiet)
+    let machine = args.machine.machine.unwrap_or(&MACHINES[0]);
+    let name = args.name.as_deref().unwrap_or(machine.demos[0]);
+    let scene = input::demo_scene(name, &args.view)?;
+    simulate(began, Input::Scene(scene), input::config(&args.machine, Some(name))?, &args.simulation, quiet)
 }
 
 /// Draws a model or replays a display list.
 pub fn run(args: &RunArgs, quiet: bool) -> Done {
     let began = seconds();
     let input = input::open(&args.input, &args.view)?;
-    simulate(began, input, &args.machine, &args.simulation, quiet)
+    simulate(began, input, input::config(&args.machine, demo_of(&args.input))?, &args.simulation, quiet)
 }
 
 /// Files, progress and pictures of a run.
@@ -87,14 +91,17 @@ impl Watcher {
     }
 }
 
-fn simulate(began: f64, input: Input, machine: &MachineArgs, simulation: &SimulationArgs, quiet: bool) -> Done {
+fn simulate(began: f64, input: Input, config: MachineConfig, simulation: &SimulationArgs, quiet: bool) -> Done {
     let settings = Settings {
-        config: input::config(machine)?,
+        config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
         clock: seconds,
     };
+    if simulation.ablate {
+        return ablate(&input, &settings, simulation, quiet);
+    }
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
     let (source, progress, read) = source_of(input, quiet || simulation.json);
     let mut watcher = Watcher { outputs, progress, read, frames: 0 };
@@ -119,22 +126,19 @@ fn source_of(input: Input, quiet: bool) -> (Source, Progress, Option<Rc<Cell<u64
             let total = (per_frame * scene.frames.len()) as u64;
             (Source::Scene(scene), Progress::new(Some(total), "draw commands", quiet), None)
         }
-        Input::Trace(TraceFile { reader, bytes, read, name, folder }) => {
-            let files = Box::new(beside(&folder));
-            (Source::Trace { reader, files, name }, Progress::new(bytes, "bytes", quiet), Some(read))
+        Input::Trace(trace) => {
+            let (progress, read) = (Progress::new(trace.bytes, "bytes", quiet), Rc::clone(&trace.read));
+            (trace.into_source(), progress, Some(read))
         }
     }
 }
 
 /// A run whose errors name the input, unless it is the parameters that are wrong.
-fn run_named<P: Probe>(source: Source, settings: &Settings, observer: &mut dyn Observer, probe: &mut P) -> Done<Run> {
-    let name = match &source {
-        Source::Scene(scene) => scene.name.clone(),
-        Source::Trace { name, .. } => name.clone(),
-    };
+pub fn run_named<P: Probe>(source: Source, settings: &Settings, observer: &mut dyn Observer, probe: &mut P) -> Done<Run> {
+    let name = source.name().to_owned();
     session::run(source, settings, observer, probe).map_err(|e| match e {
-        SessionError::Config(_) => Failure::bad(e),
         SessionError::Trace(_) | SessionError::Fault(_) | SessionError::Observer(_) => Failure::within(&name)(e),
+        SessionError::Config(_) | SessionError::NoShortCuts(_) | SessionError::Incomplete(_) => e.into(),
     })
 }
 
@@ -213,9 +217,10 @@ pub fn style() -> Style {
 pub fn simulate_quietly(source: Source, config: &MachineConfig, engine: Option<Engine>) -> Done<Run> {
     let settings =
         Settings { config: config.clone(), engine: engine.or(Some(Engine::Timed)), exact: false, ..Settings::default() };
+    let name = source.name().to_owned();
     let run = run_named(source, &settings, &mut Unobserved, &mut NoProbe)?;
     match run.report.outcome.kind {
         OutcomeKind::Complete => Ok(run),
-        _ => Err(Failure::within(&run.report.input.name)(run.report.outcome.message.as_deref().unwrap_or("incomplete"))),
+        _ => Err(Failure::within(&name)(run.report.outcome.message.as_deref().unwrap_or("incomplete"))),
     }
 }

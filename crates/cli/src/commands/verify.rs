@@ -9,7 +9,7 @@ use crate::outputs::PartialFile;
 use basrelief_display_list::{Command, Expectation, Form, Resolver, Writer, open};
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
-use basrelief_session::{MACHINES, MachineInfo, Source, check_expectation, expectation_of};
+use basrelief_session::{MACHINES, MachineInfo, check_expectation, expectation_of};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -84,9 +84,7 @@ fn replay(path: &Path, expected: &Expectation, engine: Engine) -> Done<Report> {
     let machine = expected.machine.as_deref().map_or(Ok(&MACHINES[0]), MachineInfo::named).map_err(within(path))?;
     let config = machine.load("", &borrowed).map_err(within(path))?;
     let file = TraceFile::open(path)?;
-    let files = Box::new(beside(&file.folder));
-    let source = Source::Trace { reader: file.reader, files, name: file.name };
-    simulate_quietly(source, &config, Some(engine)).map(|run| run.report)
+    simulate_quietly(file.into_source(), &config, Some(engine)).map(|run| run.report)
 }
 
 fn check(path: &Path, engines: &[Engine]) -> Done<Vec<String>> {

@@ -152,6 +152,17 @@ fn section_4_the_shortened_normal_dims_the_highlight() {
 }
 
 #[test]
+fn section_2_n_h_is_clamped_to_0_and_1_before_the_power_in_circuit_50() {
+    let t = [[1.0, 1.0], [30.0, 3.0], [9.0, 29.0]];
+    let lighting = basrelief_signals::Lighting { ka: 0.0, kd: 0.0, ks: 0.5, n: 2.0 };
+    for (normal, highlight) in [(1.5 * Vec3::Z, 0.5), (-Vec3::Z, 0.0), (-1.5 * Vec3::Z, 0.0), (0.5 * Vec3::Z, 0.125)] {
+        let shaded = draw(&exact(), vec![sun(Vec3::Z)], polygon(&t, &[normal; 3], lighting));
+        assert!(!shaded.highlights.is_empty());
+        assert!(shaded.highlights.iter().all(|h| (h.brightness - highlight).abs() < 1e-6), "{normal}");
+    }
+}
+
+#[test]
 fn section_2_the_terms_of_several_lights_add_up() {
     let t = [[1.0, 1.0], [30.0, 3.0], [9.0, 29.0]];
     let normals = [Vec3::new(0.1, 0.0, 1.0), Vec3::new(-0.2, 0.1, 1.0), Vec3::new(0.0, -0.2, 1.0)].map(Vec3::normalize);

@@ -108,6 +108,47 @@ fn the_power_of_circuit_50_limits_the_full_path() {
 }
 
 #[test]
+fn full_normal_interpolation_draws_the_same_picture_and_saves_at_most_the_decisions() {
+    let run = |normals, settings: &[(&str, &str)]| timed(&squares(8, normals), settings);
+    let full = [
+        ("normal_interpolation.inner_products", "2"),
+        ("shortcut.specular_negligible.enabled", "false"),
+        ("shortcut.flatness.enabled", "false"),
+    ];
+    let table = ("normal_interpolation.power", "table");
+    for power in [&[][..], &[table]] {
+        let [shiny, dull] = [SHINY, DULL].map(|normals| (run(normals, power), run(normals, &[&full[..], power].concat())));
+        for (hybrid, full) in [&shiny, &dull] {
+            assert!(hybrid.difference(full) <= 1);
+            let decisions = hybrid.count("process_15_cycles") + hybrid.count("process_17_cycles");
+            assert!(hybrid.report.total <= full.report.total + decisions);
+        }
+        assert!(dull.0.report.total < dull.1.report.total);
+    }
+    let pipelined = |products| {
+        let settings = [("normal_interpolation.inner_products", products), table];
+        run(SHINY, &settings).count("normal_interpolation_started_cycles")
+    };
+    assert_eq!(pipelined("2") - pipelined("1"), 8 * DOTS, "a cycle more per dot");
+}
+
+#[test]
+fn each_light_keeps_circuit_50_and_process_22_once_more() {
+    let run = |lights: usize| {
+        let mut list = squares(8, SHINY);
+        list[0] = frame(0, [40, 30], vec![sun([0.0, 0.0, 1.0], 0.5); lights]);
+        timed(&list, &[])
+    };
+    for lights in 1..4 {
+        let ran = run(lights);
+        // Set-up of two triangles, 14 cycles per power, and the end.
+        let started = 8 * (2 * 8 + DOTS * 14 * lights as u64 + 1);
+        assert_eq!(ran.count("normal_interpolation_started_cycles"), started);
+        assert_eq!(ran.count("process_22_cycles"), 8 * 4 * 12 * lights as u64);
+    }
+}
+
+#[test]
 fn without_a_depth_test_the_last_dot_stays() {
     let colour = |ks| material(Lighting { ka: 1.0, kd: 0.0, ks, n: 1.0 });
     let square = |z: f32, ks| polygon(&SQUARE.map(|[x, y, _]| [x, y, z]), &FLAT.map(unit), &colour(ks));

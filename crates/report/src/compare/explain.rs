@@ -18,8 +18,14 @@ pub(super) fn explain(a: &Report, b: &Report, equal: bool) -> String {
         return "The reports are equal, host figures aside.".into();
     }
     let mut sentences = vec![];
+    if a.machine != b.machine {
+        sentences.push(format!(
+            "The machines differ: A is {}, B is {}; units and figures of one name need not mean the same.",
+            a.machine, b.machine
+        ));
+    }
     if a.input.sha256 != b.input.sha256 {
-        sentences.push("The inputs differ.".into());
+        sentences.push("The inputs differ.".to_owned());
     }
     sentences.push(match (&a.cycles, &b.cycles) {
         (Some(before), Some(after)) => cycles(a, b, (before.total, after.total)),
@@ -122,6 +128,8 @@ mod tests {
     fn what_cannot_be_compared_is_said() {
         let (a, mut b) = (samples::balanced(), samples::functional());
         assert!(compare(&a, &b).explanation.contains("there are no cycles to compare"));
+        let other = compare(&a, &samples::with_paths()).explanation;
+        assert!(other.starts_with("The machines differ: A is bump, B is shade;"), "{other}");
         b.input.sha256 = "cd".repeat(32);
         assert!(compare(&samples::functional(), &b).explanation.starts_with("The inputs differ. Both runs are functional"));
     }

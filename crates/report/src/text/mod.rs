@@ -64,6 +64,8 @@ pub fn to_text(report: &Report, style: Style) -> String {
         sections::fifos(report),
         sections::memories(report),
         sections::caches(report),
+        sections::paths(report),
+        sections::circuits(report),
         sections::device(report),
         sections::quality(report),
         sections::derived(report),
@@ -123,6 +125,18 @@ mod tests {
     fn tables_of_a_functional_run_and_of_a_deadlock() {
         insta::assert_snapshot!("functional", to_text(&samples::functional(), Style::default()));
         insta::assert_snapshot!("deadlock", to_text(&samples::deadlocked(), Style { width: 72, color: false }));
+    }
+
+    #[test]
+    fn paths_and_circuits_have_tables_of_their_own() {
+        let text = to_text(&samples::with_paths(), Style::default());
+        let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
+        has("Path polygons % dots %");
+        has("normal 900 90.0 150,000 75.0");
+        has("Circuit needed % started % idle %");
+        has("circuit_21 15.0 15.0 85.0");
+        has("circuit_50 45.0 60.0 40.0");
+        assert!(!text.contains("dots_normal") && !text.contains("circuit_50_started_cycles"), "{text}");
     }
 
     #[test]

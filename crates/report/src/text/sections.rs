@@ -3,7 +3,8 @@
 use super::number::{percent, real, thousands};
 use super::{Align, Table};
 use crate::blame::{Wait, largest_wait};
-use crate::model::{Fifo, Figure, Report};
+use crate::model::{Difference, Fifo, Figure, Report};
+use crate::work;
 use Align::{Left, Right};
 
 /// Heights of a histogram's bars; the first means none at all.
@@ -143,9 +144,40 @@ pub(super) fn caches(report: &Report) -> Table {
     table
 }
 
+pub(super) fn paths(report: &Report) -> Table {
+    let columns = [("Path", Left, 0), ("polygons", Right, 0), ("%", Right, 1), ("dots", Right, 0), ("%", Right, 0)];
+    let mut table = Table::new(&columns);
+    let paths = work::paths(report);
+    let polygons = sum(paths.iter().map(|p| &p.polygons));
+    let dots = sum(paths.iter().map(|p| &p.dots));
+    for p in paths {
+        let (share_polygons, share_dots) = (percent(p.polygons, polygons), percent(p.dots, dots));
+        table.row([p.name.into(), thousands(p.polygons), share_polygons, thousands(p.dots), share_dots]);
+    }
+    table
+}
+
+pub(super) fn circuits(report: &Report) -> Table {
+    let mut table = Table::new(&[("Circuit", Left, 0), ("needed %", Right, 0), ("started %", Right, 0), ("idle %", Right, 0)]);
+    let Some(cycles) = &report.cycles else { return table };
+    for c in work::circuits(report) {
+        let share = |n: u64| percent(n, cycles.total);
+        let idle = cycles.total.saturating_sub(c.started);
+        table.row([c.name.into(), share(c.needed.unwrap_or(c.started)), share(c.started), share(idle)]);
+    }
+    table
+}
+
+/// Figures of the device, but for those of paths and circuits, which have tables of their own.
 pub(super) fn device(report: &Report) -> Table {
     let mut table = Table::new(&[("Device", Left, 0), ("", Right, 0)]);
-    for (name, value) in &report.device {
+    let paths: Vec<&str> = work::paths(report).iter().map(|p| p.name).collect();
+    let of_a_path = |name: &str| ["dots_", "polygons_"].iter().any(|p| name.strip_prefix(p).is_some_and(|n| paths.contains(&n)));
+    let of_a_circuit = |name: &str| {
+        let told = ["_started_cycles", "_needed_cycles"].iter().any(|end| name.ends_with(end));
+        told && report.cycles.is_some()
+    };
+    for (name, value) in report.device.iter().filter(|(name, _)| !of_a_path(name) && !of_a_circuit(name)) {
         table.row([name.clone(), figure(value)]);
     }
     table
@@ -166,22 +198,31 @@ pub(crate) fn figure(value: &Figure) -> String {
 }
 
 pub(super) fn quality(report: &Report) -> Table {
-    let mut table = Table::new(&[("Quality", Left, 0), ("PSNR dB", Right, 0), ("SSIM", Right, 0), ("FLIP", Right, 0)]);
+    let columns = [
+        ("Quality", Left, 0),
+        ("PSNR dB", Right, 0),
+        ("SSIM", Right, 0),
+        ("FLIP", Right, 0),
+        ("mean error", Right, 1),
+        ("largest error", Right, 1),
+    ];
+    let mut table = Table::new(&columns);
     let Some(quality) = &report.quality else { return table };
-    let mut row = |name: String, q: &basrelief_reference::Quality| {
-        table.row([name, format!("{:.2}", q.psnr_db), format!("{:.4}", q.ssim), format!("{:.4}", q.flip)]);
+    let mut row = |name: String, q: &basrelief_reference::Quality, d: Option<Difference>| {
+        let [mean, largest] = d.map_or_else(Default::default, |d| [format!("{:.3}", d.mean), d.largest.to_string()]);
+        table.row([name, format!("{:.2}", q.psnr_db), format!("{:.4}", q.ssim), format!("{:.4}", q.flip), mean, largest]);
     };
     for (k, frame) in quality.frames.iter().enumerate() {
-        row(format!("frame {}", k + 1), frame);
+        row(format!("frame {}", k + 1), frame, None);
     }
-    row("final picture".into(), &quality.last);
+    row("final picture".into(), &quality.last, quality.difference);
     table
 }
 
-/// Derived figures, but for the utilisation of units and the hit rates, which stand in their tables.
+/// Derived figures, but for the utilisation of units, idle circuits and the hit rates, which stand in their tables.
 pub(super) fn derived(report: &Report) -> Table {
     let mut table = Table::new(&[("Derived", Left, 0), ("", Right, 0), ("", Left, 1)]);
-    let told = |name: &str| [".utilisation", ".hit_rate"].iter().any(|end| name.ends_with(end));
+    let told = |name: &str| [".utilisation", ".hit_rate", ".idle"].iter().any(|end| name.ends_with(end));
     for (name, d) in report.derived.iter().filter(|(name, _)| !told(name)) {
         let (value, unit) = if d.unit == "1" { (100.0 * d.value, "%") } else { (d.value, d.unit.as_str()) };
         table.row([name.clone(), rounded(value), unit.into()]);
@@ -203,7 +244,8 @@ pub(super) fn host(report: &Report) -> Option<String> {
     let millions = |x: f64| format!("{:.2} M", x / 1e6);
     let cycles = host.cycles_per_s.map_or(String::new(), |c| format!("{} cycles/s, ", millions(c)));
     let fragments = millions(host.fragments_per_s);
-    Some(format!("Simulated in {:.2} s of {:.2} s: {cycles}{fragments} fragments/s.", host.simulate_s, host.wall_s))
+    let one = work::work(report).one;
+    Some(format!("Simulated in {:.2} s of {:.2} s: {cycles}{fragments} {one}s/s.", host.simulate_s, host.wall_s))
 }
 
 #[cfg(test)]

@@ -1,0 +1,78 @@
+//! What each short cut of a machine saves, and what it costs: the same input with each switched off in turn.
+
+use crate::observer::{Observer, Pictures};
+use crate::run::{Run, SessionError};
+use crate::settings::Settings;
+use basrelief_kernel::Outcome;
+use basrelief_report::Report;
+use basrelief_report::ablation::{Ablation, Variant};
+
+/// Most bytes of the pictures that are kept to hold the others against.
+const MAX_KEPT_BYTES: usize = 1 << 30;
+
+/// Runs the machine as configured, without each of its short cuts in turn, and without any. `run` makes one run to its end,
+/// of the same input under the settings it is given, watched by the observer it is given; that one passes only the progress on
+/// to `observer`. Settings are without the exact picture.
+///
+/// # Errors
+/// A machine without short cuts, a run that does not complete or has no time, whatever `run` says.
+pub fn ablate<E: From<SessionError>>(
+    settings: &Settings,
+    observer: &mut dyn Observer,
+    mut run: impl FnMut(&Settings, &mut dyn Observer) -> Result<Run, E>,
+) -> Result<Ablation, E> {
+    let no_short_cuts = || SessionError::NoShortCuts(settings.config.machine().name);
+    let mut beside = Beside { observer, kept: Vec::new(), bytes: 0, first: true, largest: 0 };
+    let mut ablation: Option<Ablation> = None;
+    for (variant, config) in settings.config.ablations() {
+        let settings = Settings { config, exact: false, ..settings.clone() };
+        let report = complete(&variant, run(&settings, &mut beside)?)?;
+        let ablation = ablation.get_or_insert_with(|| Ablation::of(&report));
+        ablation.variants.push(Variant::of(variant, &report, ablation.variants.first(), beside.largest));
+        (beside.first, beside.largest) = (false, 0);
+    }
+    ablation.ok_or_else(|| no_short_cuts().into())
+}
+
+fn complete(variant: &str, run: Run) -> Result<Report, SessionError> {
+    let why = match run.timing.as_ref().map(|t| &t.outcome) {
+        Some(Outcome::Complete) => return Ok(run.report),
+        Some(Outcome::Limit) => "stopped at the limit of cycles",
+        Some(_) => run.report.outcome.message.as_deref().unwrap_or("stopped"),
+        None => "has no cycles that could be compared",
+    };
+    Err(SessionError::Incomplete(format!("`{variant}`: {why}")))
+}
+
+/// Keeps the pictures of the first run, and holds those of the others against them.
+struct Beside<'a> {
+    observer: &'a mut dyn Observer,
+    kept: Vec<Vec<[u8; 3]>>,
+    bytes: usize,
+    first: bool,
+    largest: u8,
+}
+
+impl Observer for Beside<'_> {
+    fn progress(&mut self, commands: u64, total: Option<u64>) -> bool {
+        self.observer.progress(commands, total)
+    }
+
+    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+        let rgb = &pictures.machine.rgb;
+        if self.first {
+            self.bytes += size_of_val(rgb.as_slice());
+            if self.bytes > MAX_KEPT_BYTES {
+                return Err(format!(
+                    "an ablation keeps the pictures of its first run, at most {MAX_KEPT_BYTES} bytes; take fewer frames or a smaller picture"
+                ));
+            }
+            self.kept.push(rgb.clone());
+            return Ok(());
+        }
+        let kept = self.kept.get(pictures.index).ok_or("there are more pictures than in the first run")?;
+        let steps = kept.as_flattened().iter().zip(rgb.as_flattened()).map(|(a, b)| a.abs_diff(*b));
+        self.largest = steps.max().unwrap_or(0).max(self.largest);
+        Ok(())
+    }
+}

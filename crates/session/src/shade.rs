@@ -1,0 +1,58 @@
+//! The figure shading device as a [`Device`].
+
+use crate::device::{Device, Draws, ShortCut};
+use basrelief_frame_buffer::FinishedFrame;
+use basrelief_machines::shade::{self, FigureShadingDevice, ShadeConfig};
+use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_reference::{Components, Options, Shading, Style, TextureFilter};
+
+impl Device for ShadeConfig {
+    const NAME: &'static str = shade::NAME;
+    const ABOUT: &'static str = "Hitachi's figure shading device";
+    const DIAGRAM: &'static str = shade::DIAGRAM;
+    const UNITS: &'static [UnitInfo] = shade::UNITS;
+    const DEMOS: &'static [&'static str] = &["ellipsoid", "cut-plane", "goblet"];
+    const SHORT_CUTS: &'static [ShortCut<Self>] = &[
+        ("specular-negligible", |c| c.shortcut.specular_negligible.enabled = false),
+        ("flatness", |c| c.shortcut.flatness.enabled = false),
+        ("same-plane", |c| c.shortcut.same_plane.enabled = false),
+    ];
+    type Machine<F: FrontEnd> = FigureShadingDevice<F>;
+
+    fn build<F: FrontEnd>(&self, front: F) -> Result<FigureShadingDevice<F>, ConfigProblem> {
+        FigureShadingDevice::new(front, self)
+    }
+
+    fn front(&self) -> FrontConfig {
+        self.into()
+    }
+
+    /// Phong, whatever the mode: the price of every mode and short cut is told in the same money. The device has no
+    /// textures, and a highlight of the light's colour.
+    fn exact_style(&self) -> Style {
+        let options = Options {
+            filter: TextureFilter::None,
+            components: Components::Separate,
+            two_sided_lighting: self.geometry.two_sided_lighting,
+        };
+        Style { shading: Shading::Phong, options }
+    }
+
+    fn warnings(&self, counts: &Counts) -> Vec<String> {
+        shade::warnings(self).into_iter().chain(shade::input_warnings(counts)).collect()
+    }
+}
+
+impl<F: FrontEnd> Draws for FigureShadingDevice<F> {
+    fn counts(&self) -> Counts {
+        self.counts()
+    }
+
+    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
+        self.drain_finished()
+    }
+
+    fn has_finished(&self) -> bool {
+        self.has_finished()
+    }
+}

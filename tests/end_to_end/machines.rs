@@ -1,0 +1,186 @@
+//! Every machine behind the same commands.
+
+use crate::support::{Place, is_valid, patch, without_host};
+use serde_json::Value;
+use std::fs;
+
+const DEMOS: [&str; 8] = ["golf-ball", "coin", "brick", "mixed", "sphere", "ellipsoid", "cut-plane", "goblet"];
+
+#[test]
+fn a_demo_is_drawn_by_the_machine_it_is_made_for_unless_another_is_named() {
+    let place = Place::new();
+    for (line, name, drawn_by) in [
+        ("demo ellipsoid@1", "ellipsoid@1", "shade"),
+        ("demo --machine shade", "ellipsoid", "shade"),
+        ("demo goblet@1 --machine bump", "goblet@1", "bump"),
+        ("demo", "golf-ball", "bump"),
+        ("run demo:cut-plane@1", "cut-plane@1", "shade"),
+        ("run PATCH", "patch.gltf", "bump"),
+        ("run PATCH --machine shade", "patch.gltf", "shade"),
+    ] {
+        place.ok(&format!("{line} --size 32x24 --no-exact --quiet"));
+        let report = place.report("out");
+        assert_eq!((&report["machine"], &report["input"]["name"]), (&drawn_by.into(), &name.into()), "{line}");
+    }
+}
+
+#[test]
+fn both_engines_and_the_functional_model_agree_on_every_demo_and_machine() {
+    let place = Place::new();
+    for demo in DEMOS {
+        for machine in ["bump", "shade"] {
+            let line = format!("demo {demo} --machine {machine} --size 32x24 --frames 1 --quiet");
+            place.ok(&format!("{line} --out timed"));
+            place.ok(&format!("{line} --out ticked --engine ticked"));
+            place.ok(&format!("{line} --out functional --functional --no-exact"));
+            let [timed, ticked] = ["timed", "ticked"].map(|out| without_host(place.report(out)));
+            assert_eq!(timed.to_string(), ticked.to_string(), "{line}");
+            assert_eq!(timed["image"], place.report("functional")["image"], "{line}");
+        }
+    }
+}
+
+#[test]
+fn the_report_of_the_figure_shading_device_tells_paths_circuits_and_errors() {
+    let place = Place::new();
+    let said = place.ok("demo cut-plane@2 --size 64x48 --csv --timeline t.pftrace").out;
+    let report = place.report("out");
+    is_valid(&report, &place);
+    let count = |name: &str| report["device"][name].as_u64().unwrap_or_else(|| panic!("{name}"));
+    let paths = ["polyhedron", "brightness", "normal", "gate_closed", "flat", "reused"];
+    let [dots, polygons] = ["dots", "polygons"].map(|what| paths.map(|p| count(&format!("{what}_{p}"))).iter().sum::<u64>());
+    assert_eq!(dots, count("fragments"));
+    assert_eq!(polygons, count("polygons_sent"));
+    assert!(count("dots_reused") > 0 && count("dots_gate_closed") > 0, "the demo is made for the short cuts");
+    let total = report["cycles"]["total"].as_f64().expect("cycles");
+    let derived = |name: &str| report["derived"][name]["value"].as_f64().unwrap_or_else(|| panic!("{name}"));
+    assert!((derived("cycles_per_dot") - total / dots as f64).abs() < 1e-6);
+    assert!((derived("cycles_per_polygon") - total / polygons as f64).abs() < 1e-6);
+    let started = count("normal_interpolation_started_cycles");
+    assert!((derived("normal_interpolation.idle") - (total - started as f64)).abs() < 1e-6);
+    let difference = &report["quality"]["difference"];
+    assert!(difference["mean"].as_f64().is_some_and(|mean| mean > 0.0 && mean < 255.0));
+    assert!(difference["largest"].as_u64().is_some_and(|largest| largest > 0 && largest < 256));
+    for part in ["Path ", "gate_closed", "Circuit ", "mean error", "microcomputer (10)", "dots/s"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    assert!(place.text("out/report.csv").contains("quality,,largest_difference,,"));
+    assert!(!place.bytes("t.pftrace").is_empty());
+}
+
+#[test]
+fn normals_brought_to_length_one_come_closest_to_the_exact_picture() {
+    let place = Place::new();
+    let error = |settings: &str| {
+        place.ok(&format!("demo ellipsoid@4 --size 64x48 --quiet {settings}"));
+        place.report("out")["quality"]["difference"]["mean"].as_f64().expect("an error")
+    };
+    let renormalised = error("--set shade.renormalise=true");
+    let [plain, polyhedron] = ["", "--set shade.mode=polyhedron"].map(error);
+    assert!(renormalised < 0.5 * plain && renormalised < 0.5 * polyhedron, "{renormalised} {plain} {polyhedron}");
+}
+
+#[test]
+fn a_replay_gives_the_same_picture_to_the_bit_whichever_machine_recorded_it() {
+    let place = Place::new();
+    place.ok("run PATCH --machine shade --size 48x36 --frames 2 --orbit 30 --out scene");
+    for (recorder, list) in [("bump", "b.jsonl"), ("shade", "s.bdl.zst")] {
+        place.ok(&format!("record PATCH --machine {recorder} --size 48x36 --frames 2 --orbit 30 --out {list}"));
+        place.ok(&format!("run {list} --machine shade --out replay"));
+        assert_eq!(place.report("replay")["image"], place.report("scene")["image"], "{list}");
+        assert_eq!(place.report("replay")["input"]["sha256"], place.report("scene")["input"]["sha256"], "{list}");
+    }
+}
+
+#[test]
+fn an_expectation_names_its_machine() {
+    let place = Place::new();
+    place.ok("record demo:cut-plane@1 --size 48x36 --set shade.mode=brightness --expect --out t.jsonl");
+    let good = place.text("t.jsonl");
+    assert!(good.contains(r#""machine":"shade""#) && good.contains(r#""shade.mode":"brightness""#), "{good}");
+    place.ok("verify t.jsonl");
+    place.ok("verify --bless t.jsonl");
+    assert_eq!(place.text("t.jsonl"), good);
+    fs::write(place.path("t.jsonl"), good.replace(r#""machine":"shade""#, r#""machine":"lathe""#)).expect("written");
+    let outcome = place.run("verify t.jsonl");
+    outcome.error(1);
+    assert!(outcome.out.contains("t.jsonl: no machine is called `lathe`; expected bump, shade"), "{}", outcome.out);
+}
+
+#[test]
+fn bad_values_of_the_figure_shading_device_are_errors_that_name_them() {
+    let place = Place::new();
+    for (settings, code, part) in [
+        ("--set shade.mod=normal", 2, "did you mean `shade.mode`"),
+        ("--set mode=normal", 2, "did you mean `shade.mode`"),
+        ("--set shade.mode=flat", 2, "unknown variant `flat`, expected one of `normal`, `brightness`, `polyhedron`"),
+        ("--set shade.clamp=maybe", 2, "shade.clamp"),
+        ("--set shade.ia=nan", 2, "`shade.ia`"),
+        ("--set interpolation.latency=99999", 2, "`interpolation.latency` is 99999, expected 0..=4096"),
+        ("--set replacement.entries=64", 2, "`replacement.entries` is a parameter of machine `bump`, and this is `shade`"),
+        ("--set host.buffers=2 --set fifo.finished.depth=1", 1, "`fifo.finished.depth`: is 1, but 2 polygons"),
+        ("--set cache.depth.line_bytes=48", 1, "`cache.depth.line_bytes`: is 48, expected a power of two"),
+        ("--machine bump --set shade.mode=normal", 2, "`shade.mode` is a parameter of machine `shade`"),
+        ("--machine lathe", 2, ""),
+    ] {
+        let outcome = place.run(&format!("demo ellipsoid@1 --size 16x12 {settings}"));
+        assert!(outcome.error(code).contains(part), "{settings}: {}", outcome.err);
+    }
+    fs::write(place.path("c.toml"), "[shortcut.flatness]\nenable = false\n").expect("written");
+    let outcome = place.run("demo ellipsoid --config c.toml");
+    assert!(outcome.error(1).contains("did you mean `shortcut.flatness.enabled`"), "{}", outcome.err);
+    fs::write(place.path("c.toml"), "[replacement]\nentries = 64\n").expect("written");
+    let outcome = place.run("demo ellipsoid --config c.toml");
+    assert!(outcome.error(1).contains("c.toml: `replacement` is a parameter of machine `bump`"), "{}", outcome.err);
+    assert_eq!(place.names(""), ["c.toml"]);
+}
+
+#[test]
+fn the_configuration_in_a_report_keeps_to_the_schema_of_its_machine() {
+    let place = Place::new();
+    for (machine, other, demo) in [("shade", "bump", "ellipsoid@1"), ("bump", "shade", "mixed")] {
+        place.ok(&format!("demo {demo} --size 16x12 --no-exact --quiet"));
+        let config = place.report("out")["config"].clone();
+        let valid = |of: &str| {
+            let schema: Value = serde_json::from_str(&place.ok(&format!("schema config --machine {of}")).out).expect("a schema");
+            jsonschema::validator_for(&schema).expect("a valid schema").is_valid(&config)
+        };
+        assert!(valid(machine) && !valid(other), "{machine}");
+        let said = place.ok(&format!("describe {machine}")).out;
+        let table: Value = serde_json::from_str(&place.ok(&format!("describe {machine} --json")).out).expect("a table");
+        for parameter in table.as_array().expect("a list") {
+            let key = parameter["key"].as_str().expect("a key");
+            assert!(said.contains(&format!("\n  {key} = ")), "{key}");
+            assert!(config.pointer(&format!("/{}", key.replace('.', "/"))).is_some(), "{key}");
+        }
+    }
+}
+
+#[test]
+fn comparing_two_machines_says_that_they_are_two() {
+    let place = Place::new();
+    place.ok("demo goblet@1 --size 32x24 --out a --quiet");
+    place.ok("demo goblet@1 --size 32x24 --machine bump --out b --quiet");
+    let said = place.ok("compare a b").out;
+    let words: Vec<&str> = said.split_whitespace().collect();
+    assert!(words.join(" ").starts_with("The machines differ: A is shade, B is bump;"), "{said}");
+}
+
+#[test]
+fn reports_do_not_differ_between_folders() {
+    let place = Place::new();
+    for folder in ["here", "far/away"] {
+        fs::create_dir_all(place.path(folder)).expect("a folder");
+        fs::copy(patch(), place.path(&format!("{folder}/patch.gltf"))).expect("copied");
+        place.ok(&format!("record {folder}/patch.gltf --size 32x24 --out {folder}/t.jsonl"));
+    }
+    for (name, machine) in [("patch.gltf --size 32x24", "bump"), ("patch.gltf --size 32x24", "shade"), ("t.jsonl", "shade")] {
+        let report = |folder: &str| {
+            place.ok(&format!("run {folder}/{name} --machine {machine} --quiet"));
+            without_host(place.report("out"))
+        };
+        let here = report("here");
+        assert_eq!(here.to_string(), report("far/away").to_string(), "{name}");
+        assert_eq!(here["input"]["name"].as_str(), name.split(' ').next());
+    }
+}
