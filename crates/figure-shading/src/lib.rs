@@ -38,6 +38,7 @@
 //! | coordinate NaN | counts as 0 |
 //! | normal with a component that is not finite | counts as a normal of length zero |
 //! | normal of length zero | taken as it is: N.L = N.H = 0, ambient brightness; in the mean of normals it has no weight; renormalised it stays zero. The specular term is then never called negligible where normals are renormalised |
+//! | points of different colours | brightness is interpolated with them; never flat |
 //! | brightness NaN | black |
 
 mod adder;

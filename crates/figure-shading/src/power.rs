@@ -165,6 +165,7 @@ mod tests {
             // The slope of the power is at most n.
             let off = 0.5 * n / (entries - 1) as f32 + 0.5 / ((1u32 << bits) - 1) as f32;
             prop_assert!((table.at(x, n) - power(x, n)).abs() <= off * 1.001 + 1e-5);
+            prop_assert!(table.at(x, n) <= table.bound(x, n));
             prop_assert!(table.at(share * x, n) <= table.bound(x, n));
             prop_assert!(power(share * x, n) <= table.bound(x, n));
         }

@@ -135,7 +135,7 @@ pub fn balanced() -> Report {
     ])
 }
 
-/// [`balanced`], of a device that counts dots on two paths, and the cycles of two circuits.
+/// [`balanced`], of a device that counts dots on two paths, runs of a process, and the cycles of two circuits.
 pub fn with_paths() -> Report {
     let mut report = balanced();
     report.machine = "shade".into();
@@ -145,6 +145,8 @@ pub fn with_paths() -> Report {
         ("polygons_flat", 100),
         ("dots_normal", 150_000),
         ("dots_flat", 50_000),
+        ("process_22_runs", 1_000),
+        ("process_22_cycles", 36_000),
         ("circuit_21_started_cycles", 150_000),
         ("circuit_50_started_cycles", 600_000),
         ("circuit_50_needed_cycles", 450_000),

@@ -65,3 +65,24 @@ pub fn circuits(report: &Report) -> Vec<Circuit<'_>> {
     let needed = |name: &str| report.device.get(&format!("{name}_needed_cycles")).map(|f| count(Some(f)));
     named.map(|(name, figure)| Circuit { name, needed: needed(name), started: count(Some(figure)) }).collect()
 }
+
+/// A process of which a device counts runs and cycles: figures `NAME_runs` and `NAME_cycles`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Process<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// How often it ran.
+    pub runs: u64,
+    /// Cycles that all runs took.
+    pub cycles: u64,
+}
+
+/// The processes of a device, in its order.
+pub fn processes(report: &Report) -> Vec<Process<'_>> {
+    let cycles = |name: &str| report.device.get(&format!("{name}_cycles"));
+    let named = report.device.iter().filter_map(|(key, figure)| {
+        let name = key.strip_suffix("_runs")?;
+        cycles(name).map(|cycles| Process { name, runs: count(Some(figure)), cycles: count(Some(cycles)) })
+    });
+    named.collect()
+}

@@ -76,3 +76,39 @@ impl Observer for Beside<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observer::Unobserved;
+    use basrelief_reference::Picture;
+
+    fn picture(grey: u8) -> Picture {
+        let mut picture = Picture::new(2, 1);
+        picture.rgb = vec![[7; 3], [7, grey, 7]];
+        picture
+    }
+
+    fn show(beside: &mut Beside<'_>, index: usize, machine: &Picture) -> Result<(), String> {
+        beside.frame(&Pictures { index, machine, exact: None })
+    }
+
+    #[test]
+    fn the_largest_change_of_any_picture_counts() {
+        let mut beside = Beside { observer: &mut Unobserved, kept: vec![], bytes: 0, first: true, largest: 0 };
+        show(&mut beside, 0, &picture(100)).unwrap();
+        show(&mut beside, 1, &picture(50)).unwrap();
+        beside.first = false;
+        show(&mut beside, 0, &picture(91)).unwrap();
+        show(&mut beside, 1, &picture(52)).unwrap();
+        assert_eq!(beside.largest, 9);
+        assert!(show(&mut beside, 2, &picture(0)).unwrap_err().contains("more pictures"));
+    }
+
+    #[test]
+    fn pictures_beyond_the_limit_are_an_error_that_says_what_to_do() {
+        let mut beside = Beside { observer: &mut Unobserved, kept: vec![], bytes: MAX_KEPT_BYTES - 6, first: true, largest: 0 };
+        show(&mut beside, 0, &picture(0)).unwrap();
+        assert!(show(&mut beside, 1, &picture(0)).unwrap_err().contains("take fewer frames"));
+    }
+}

@@ -22,9 +22,17 @@ pub(super) fn normals_of(polygon: &Polygon) -> Vec<Vec3> {
     polygon.vertices.iter().map(|v| crate::setting::normal_of(v.normal)).collect()
 }
 
+/// Colour of all sample points, if it is the same.
+pub(super) fn color_of(polygon: &Polygon) -> Option<[f32; 3]> {
+    let mut colors = polygon.vertices.iter().map(|v| [v.color[0], v.color[1], v.color[2]]);
+    let first = colors.next()?;
+    colors.all(|c| c == first).then_some(first)
+}
+
 impl Microcomputer {
-    /// Process 15; in polyhedron mode there is nothing to decide.
-    pub(super) fn judge_flatness(&mut self, normals: &[Vec3]) -> (bool, u64) {
+    /// Process 15; in polyhedron mode there is nothing to decide. A polygon whose points differ in colour is never flat: here
+    /// Ka and Kd carry the colour, so its brightness is not constant though its normal is.
+    pub(super) fn judge_flatness(&mut self, polygon: &Polygon, normals: &[Vec3]) -> (bool, u64) {
         let matters = match self.shading.mode {
             Mode::Normal => true,
             Mode::Brightness => self.shading.flat_in_brightness_mode,
@@ -33,7 +41,7 @@ impl Microcomputer {
         if !matters || !self.short_cuts.flatness.enabled {
             return (false, 0);
         }
-        let flat = is_flat(normals, self.short_cuts.flatness.tolerance);
+        let flat = is_flat(normals, self.short_cuts.flatness.tolerance) && color_of(polygon).is_some();
         self.state.counters.flat += u64::from(flat);
         (flat, self.run(Process::Flatness, u64::from(self.config.flatness_cycles_per_point) * normals.len() as u64))
     }

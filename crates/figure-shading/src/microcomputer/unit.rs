@@ -104,7 +104,7 @@ impl Microcomputer {
     fn decide(&mut self, polygon: Arc<Polygon>) -> Out {
         let mut cycles = self.set(&polygon);
         let normals = normals_of(&polygon);
-        let (flat, flat_cycles) = self.judge_flatness(&normals);
+        let (flat, flat_cycles) = self.judge_flatness(&polygon, &normals);
         let (reused, plane_cycles) = if flat { self.judge_plane(&polygon, &normals) } else { (false, 0) };
         let (specular, specular_cycles) = if reused { (true, 0) } else { self.judge_specular(&normals) };
         cycles += flat_cycles + plane_cycles + specular_cycles;

@@ -37,7 +37,7 @@ proptest! {
     }
 
     #[test]
-    fn a_polygon_that_is_not_flat_is_never_called_so(t in triangle(), normal in direction(), off in direction(), far in 1.1f32..100.0) {
+    fn a_polygon_that_is_not_flat_is_never_called_so(t in triangle(), normal in direction(), off in direction(), far in 1.125f32..100.0) {
         let config = Config::default();
         let other = normal + far * config.short_cuts.flatness.tolerance * off;
         prop_assume!((other - normal).length() > 1.01 * config.short_cuts.flatness.tolerance);
@@ -65,6 +65,15 @@ proptest! {
             prop_assert!((a.brightness[0] - b.brightness[0]).abs() <= tolerance * slope(&lighting) + 1.0 / 510.0 + 1e-5);
         }
     }
+}
+
+#[test]
+fn a_polygon_whose_points_differ_in_colour_is_not_flat() {
+    let Control::Polygon(white) = polygon(&SQUARE, &[Vec3::Z; 4], Lighting::default()) else { unreachable!() };
+    let mut coloured = Polygon::clone(&white);
+    coloured.vertices[2].color = [1.0, 0.0, 0.0, 1.0];
+    let path = |polygon| draw(&Config::default(), vec![sun(Vec3::Z)], Control::Polygon(polygon)).figure.expect("a figure").path;
+    assert_eq!((path(white), path(Arc::new(coloured))), (Path::Flat, Path::Normal));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The figure shading device (Hitachi; M. Kanema, T. Sakaibara, S. Tsujioka, S. Senda).
+//! The figure shading device (Hitachi, 1986; JPH0772915B2).
 //!
 //! Figure 1, as it is wired by [`FigureShadingDevice`]:
 //!

@@ -32,21 +32,29 @@ pub fn polygon(points: &[V3], normals: &[V3], material: &Arc<Material>) -> Contr
     Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: false, arrival: 0 }))
 }
 
+/// The polygon with a red first point.
+fn coloured(polygon: &Control) -> Control {
+    let Control::Polygon(polygon) = polygon else { unreachable!() };
+    let mut polygon = Polygon::clone(polygon);
+    polygon.vertices[0].color = [1.0, 0.0, 0.0, 1.0];
+    Control::Polygon(Arc::new(polygon))
+}
+
 pub fn material(lighting: Lighting) -> Arc<Material> {
     Arc::new(Material { base_color: [0.9, 0.6, 0.3, 1.0], lighting, ..Material::default() })
 }
 
 pub fn lighting() -> impl Strategy<Value = Lighting> {
-    (0.0f32..0.3, 0.0f32..0.8, 0.05f32..0.8, 1u32..=200).prop_map(|(ka, kd, ks, n)| Lighting { ka, kd, ks, n: n as f32 })
+    (0.0f32..0.3, 0.0f32..0.8, 0.0625f32..0.8, 1u32..=200).prop_map(|(ka, kd, ks, n)| Lighting { ka, kd, ks, n: n as f32 })
 }
 
 pub fn direction() -> impl Strategy<Value = V3> {
-    ([-1f32..1.0, -1f32..1.0, 0.05f32..1.0]).prop_map(unit)
+    ([-1f32..1.0, -1f32..1.0, 0.0625f32..1.0]).prop_map(unit)
 }
 
 /// Normals that spread about a common direction: not at all, little, or much.
 fn normals(count: usize) -> impl Strategy<Value = Vec<V3>> {
-    let spread = prop_oneof![2 => Just(0.0f32), 3 => 0.01f32..0.3, 1 => 0.3f32..2.0];
+    let spread = prop_oneof![2 => Just(0.0f32), 3 => 0.015625f32..0.25, 1 => 0.25f32..2.0];
     let off = prop::collection::vec(prop::array::uniform3(-1f32..1.0), count);
     (direction(), spread, off).prop_map(|(middle, spread, off)| {
         off.into_iter().map(|o| unit([0, 1, 2].map(|i| middle[i] + spread * o[i] + 1e-9))).collect()
@@ -85,7 +93,8 @@ pub fn display_lists() -> impl Strategy<Value = Vec<Control>> {
                 if i % 3 == 0 {
                     list.push(object(i as u32 / 3));
                 }
-                list.push(polygon(&points, &normals, &materials[which]));
+                let polygon = polygon(&points, &normals, &materials[which]);
+                list.push(if points.len() == 5 { coloured(&polygon) } else { polygon });
             }
             list.push(Control::FrameEnd);
         }

@@ -66,6 +66,7 @@ pub fn to_text(report: &Report, style: Style) -> String {
         sections::caches(report),
         sections::paths(report),
         sections::circuits(report),
+        sections::processes(report),
         sections::device(report),
         sections::quality(report),
         sections::derived(report),
@@ -128,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_and_circuits_have_tables_of_their_own() {
+    fn paths_circuits_and_processes_have_tables_of_their_own() {
         let text = to_text(&samples::with_paths(), Style::default());
         let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
         has("Path polygons % dots %");
@@ -136,6 +137,9 @@ mod tests {
         has("Circuit needed % started % idle %");
         has("circuit_21 15.0 15.0 85.0");
         has("circuit_50 45.0 60.0 40.0");
+        has("Process runs cycles %");
+        has("process_22 1,000 36,000 3.6");
+        assert!(!text.contains("process_22_runs"), "{text}");
         assert!(!text.contains("dots_normal") && !text.contains("circuit_50_started_cycles"), "{text}");
     }
 

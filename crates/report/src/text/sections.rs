@@ -6,6 +6,7 @@ use crate::blame::{Wait, largest_wait};
 use crate::model::{Difference, Fifo, Figure, Report};
 use crate::work;
 use Align::{Left, Right};
+use std::collections::BTreeSet;
 
 /// Heights of a histogram's bars; the first means none at all.
 const BARS: [char; 9] = ['·', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
@@ -168,19 +169,35 @@ pub(super) fn circuits(report: &Report) -> Table {
     table
 }
 
-/// Figures of the device, but for those of paths and circuits, which have tables of their own.
+pub(super) fn processes(report: &Report) -> Table {
+    let mut table = Table::new(&[("Process", Left, 0), ("runs", Right, 0), ("cycles", Right, 0), ("%", Right, 0)]);
+    let total = report.cycles.as_ref().map_or(0, |c| c.total);
+    for p in work::processes(report) {
+        table.row([p.name.into(), thousands(p.runs), thousands(p.cycles), percent(p.cycles, total)]);
+    }
+    table
+}
+
+/// Figures of the device, but for those of paths, circuits and processes, which have tables of their own.
 pub(super) fn device(report: &Report) -> Table {
     let mut table = Table::new(&[("Device", Left, 0), ("", Right, 0)]);
-    let paths: Vec<&str> = work::paths(report).iter().map(|p| p.name).collect();
-    let of_a_path = |name: &str| ["dots_", "polygons_"].iter().any(|p| name.strip_prefix(p).is_some_and(|n| paths.contains(&n)));
-    let of_a_circuit = |name: &str| {
-        let told = ["_started_cycles", "_needed_cycles"].iter().any(|end| name.ends_with(end));
-        told && report.cycles.is_some()
-    };
-    for (name, value) in report.device.iter().filter(|(name, _)| !of_a_path(name) && !of_a_circuit(name)) {
+    let told = told(report);
+    for (name, value) in report.device.iter().filter(|(name, _)| !told.contains(*name)) {
         table.row([name.clone(), figure(value)]);
     }
     table
+}
+
+/// Figures of the device that stand in other tables.
+fn told(report: &Report) -> BTreeSet<String> {
+    let mut told = BTreeSet::new();
+    let mut add = |name: &str, forms: &[&str]| told.extend(forms.iter().map(|form| form.replace("NAME", name)));
+    work::paths(report).iter().for_each(|p| add(p.name, &["polygons_NAME", "dots_NAME"]));
+    work::processes(report).iter().for_each(|p| add(p.name, &["NAME_runs", "NAME_cycles"]));
+    if report.cycles.is_some() {
+        work::circuits(report).iter().for_each(|c| add(c.name, &["NAME_started_cycles", "NAME_needed_cycles"]));
+    }
+    told
 }
 
 /// A figure as people read it; a long list is cut short.
