@@ -40,19 +40,19 @@ pub struct VertexCache {
 
 impl VertexCache {
     /// The transformed vertex, if it is there.
-    pub fn get(&self, index: u32) -> Option<Corner> {
+    pub fn get(&self, index: u32) -> Option<&Corner> {
         let place = self.indices.iter().position(|i| *i == index)?;
-        self.corners.get(place).copied()
+        self.corners.get(place)
     }
 
     /// Takes in a vertex that is not there; `entries` is the size of the cache.
-    pub fn insert(&mut self, index: u32, corner: Corner, entries: usize) {
+    pub fn insert(&mut self, index: u32, corner: &Corner, entries: usize) {
         if self.indices.len() < entries {
             self.indices.push(index);
-            self.corners.push(corner);
+            self.corners.push(*corner);
         } else if let (Some(i), Some(c)) = (self.indices.get_mut(self.oldest), self.corners.get_mut(self.oldest)) {
             *i = index;
-            *c = corner;
+            *c = *corner;
             self.oldest = (self.oldest + 1) % entries;
         }
     }

@@ -58,7 +58,14 @@ impl GeometryProcessor {
     fn triangle(&mut self, number: u32) -> (Option<Polygon>, u64) {
         let before = self.state.counters.vertices;
         self.state.counters.triangles += 1;
-        let polygon = match self.polygon(number) {
+        // Taken out for the time, rather than counted: that would cost a twentieth of the step.
+        let drawn = (self.state.object.take(), self.state.frame.take());
+        let polygon = match &drawn {
+            (Some(object), Some(frame)) => self.polygon(object, frame, number),
+            _ => Err(Dropped::Degenerate),
+        };
+        (self.state.object, self.state.frame) = drawn;
+        let polygon = match polygon {
             Ok(polygon) => Some(polygon),
             Err(reason) => {
                 let counters = &mut self.state.counters;
@@ -75,10 +82,8 @@ impl GeometryProcessor {
         (polygon, cycles.max(1))
     }
 
-    fn polygon(&mut self, number: u32) -> Result<Polygon, Dropped> {
-        let object = self.state.object.clone().ok_or(Dropped::Degenerate)?;
-        let frame = self.state.frame.clone().ok_or(Dropped::Degenerate)?;
-        let triangle = self.corners(&object, number).ok_or(Dropped::Degenerate)?;
+    fn polygon(&mut self, object: &Object, frame: &Frame, number: u32) -> Result<Polygon, Dropped> {
+        let triangle = self.corners(object, number).ok_or(Dropped::Degenerate)?;
         if !triangle.iter().all(|c| c.clip.is_finite()) {
             return Err(Dropped::Degenerate);
         }
@@ -89,9 +94,9 @@ impl GeometryProcessor {
             Clipped::Cut(corners) => corners,
         };
         self.state.counters.clipped += u64::from(matches!(clipped, Clipped::Cut(_)));
-        let window = Window::new(&frame);
+        let window = Window::new(frame);
         // Half of all triangles face away: attributes are for those that do not.
-        let is_back = self.faces_back(&object, corners, &window)?;
+        let is_back = self.faces_back(object, corners, &window)?;
         let mut vertices: Vec<Vertex> = corners.iter().map(|c| Vertex { position: window.place(c), ..c.vertex }).collect();
         if is_back && self.config.two_sided_lighting {
             turn_round(&mut vertices);
@@ -102,7 +107,7 @@ impl GeometryProcessor {
             (None, Some(texture)) => polygon_lod(&vertices, texture, |v| v.uv),
             (None, None) => 0,
         };
-        let bump = object.bump.unwrap_or(self.is_target(&object, lod));
+        let bump = object.bump.unwrap_or(self.is_target(object, lod));
         if !bump {
             for vertex in &mut vertices {
                 vertex.brightness = brightness(Vec3::from(vertex.normal), &material.lighting, &self.state.lights);
@@ -117,18 +122,18 @@ impl GeometryProcessor {
     fn corners(&mut self, object: &Object, number: u32) -> Option<[Corner; 3]> {
         let first = (number as usize).checked_mul(3)?;
         let &[a, b, c] = object.mesh.indices.get(first..first.checked_add(3)?)? else { return None };
-        Some([self.vertex(object, a)?, self.vertex(object, b)?, self.vertex(object, c)?])
-    }
-
-    fn vertex(&mut self, object: &Object, index: u32) -> Option<Corner> {
-        if let Some(corner) = self.state.cache.get(index) {
-            self.state.counters.vertex_cache_hits += 1;
-            return Some(corner);
+        let mut corners = [Corner::default(); 3];
+        for (corner, index) in corners.iter_mut().zip([a, b, c]) {
+            if let Some(found) = self.state.cache.get(index) {
+                self.state.counters.vertex_cache_hits += 1;
+                *corner = *found;
+            } else {
+                *corner = self.state.transform.vertex(&object.mesh, index)?;
+                self.state.counters.vertices += 1;
+                self.state.cache.insert(index, corner, self.config.vertex_cache as usize);
+            }
         }
-        let corner = self.state.transform.vertex(&object.mesh, index)?;
-        self.state.counters.vertices += 1;
-        self.state.cache.insert(index, corner, self.config.vertex_cache as usize);
-        Some(corner)
+        Some(corners)
     }
 
     /// Drops what is not in front of the viewer, has no area, or faces away and is not seen from there; whether it faces away.

@@ -7,6 +7,7 @@ use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LEVELS, TableError};
 use basrelief_signals::{
     Control, Flow, Index, Indexes, MAX_SAMPLES, MAX_STAMP, PseudoNormal, PseudoNormals, Samples, quantization_memory,
+    samples_per_item,
 };
 use std::sync::Arc;
 
@@ -28,8 +29,8 @@ pub struct Replacement {
     tables: HostTables,
     /// Search structures of the current code book; they follow from the state.
     book: Option<Vec<NearestSearch>>,
-    /// Levels of the samples of a stamp that found all tables resident: using them again in the same order leaves their order
-    /// of use as it is, so the next stamp of the kind need not look.
+    /// Levels of the samples of a fragment whose stamp found all tables resident: using them again in the same order leaves
+    /// their order of use as it is, so the next stamp of the kind need not look. (All fragments of a stamp have the same.)
     settled: Option<Samples<u8>>,
 }
 
@@ -146,7 +147,8 @@ impl Replacement {
     /// Marks the tables of a fragment as used, and queues those that are not resident.
     #[inline]
     fn request_tables(&mut self, normals: &PseudoNormals) {
-        let levels = || normals.samples.iter().map(|s| s.level);
+        let per_fragment = samples_per_item(normals.samples.len(), normals.stamp.len());
+        let levels = || normals.samples.iter().take(per_fragment).map(|s| s.level);
         if self.settled.as_ref().is_some_and(|settled| settled.iter().copied().eq(levels())) {
             return;
         }
