@@ -47,13 +47,16 @@ fn shaded(i: u16) -> Flow<Stamp<Shaded>> {
 }
 
 /// Two frames of bump targets and other polygons, textured and not, some without fragments, on the two ways.
-fn both_ways() -> (Vec<Flow<Stamp<Shaded>>>, Vec<Flow<Stamp<Fragment>>>) {
+type Shading = Vec<Flow<Stamp<Shaded>>>;
+type Plain = Vec<Flow<Stamp<Fragment>>>;
+
+fn both_ways() -> (Shading, Plain) {
     let textured = Material { id: 1, color_texture: Some(texture()), ..Material::default() };
     let bare = Material { base_color: [0.9, 0.4, 0.1, 1.0], ..Material::default() };
     let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None };
     let (mut bump_way, mut plain_way) = (Vec::new(), Vec::new());
     let mut after_plain = false;
-    let mut control = |c: Control, plain: bool, ways: (&mut Vec<Flow<Stamp<Shaded>>>, &mut Vec<Flow<Stamp<Fragment>>>)| {
+    let mut control = |c: Control, plain: bool, ways: (&mut Shading, &mut Plain)| {
         if plain || after_plain {
             ways.1.push(Flow::Control(c.clone()));
         }

@@ -8,7 +8,6 @@ use basrelief_shading::{Gradient, LEVELS, Taps, decode_normal, fan_triangle, lev
 use basrelief_signals::{
     Control, Flow, Fragment, Image, MAX_SAMPLES, Polygon, PseudoNormal, PseudoNormals, Samples, Stamp, samples_per_item,
 };
-use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// Normal-vector mapping unit (108).
@@ -25,6 +24,8 @@ pub struct NormalMapping {
     state: NormalMappingState,
     /// Of the triangle that the last fragment was in; follows from the state.
     setup: Option<Setup>,
+    /// Room for the samples of a fragment: kept, since a new one would be cleared or copied for each.
+    gathered: Gathered,
 }
 
 /// Attributes over a triangle; follows from polygon and triangle.
@@ -56,7 +57,16 @@ impl NormalMapping {
     pub fn new(config: NormalMappingConfig, levels: u8, stamp: u32, line_bytes: u32) -> Self {
         let lines = Lines::new(config.texel_bytes, line_bytes);
         let fixed_point = FixedPoint::new(config.normal_bits);
-        Self { config, levels, stamp, lines, fixed_point, state: NormalMappingState::default(), setup: None }
+        Self {
+            config,
+            levels,
+            stamp,
+            lines,
+            fixed_point,
+            state: NormalMappingState::default(),
+            setup: None,
+            gathered: Gathered::default(),
+        }
     }
 
     /// State; for checkpoints.
@@ -123,7 +133,8 @@ impl NormalMapping {
         };
         let frame = TangentFrame::new([nx, ny, nz], [tx, ty, tz], setup.handedness);
         let scale = polygon.material.normal_scale;
-        let mut gathered = Gathered { samples: SmallVec::new() };
+        let gathered = &mut self.gathered;
+        gathered.samples.clear();
         for (level, weight, base) in selected {
             let image = map.levels.get(usize::from(level))?;
             let taps = taps(image, &map.sampler, self.config.filter, [u, v]);
@@ -152,7 +163,7 @@ fn stored(image: &Image, [x, y]: [u32; 2]) -> [f32; 4] {
 }
 
 /// A sample in tangent space, as stored in the map.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Stored {
     stored: [f32; 4],
     weight: f32,
@@ -160,8 +171,9 @@ struct Stored {
 }
 
 /// The samples of a fragment.
+#[derive(Clone, Debug, Default)]
 struct Gathered {
-    samples: SmallVec<[Stored; MAX_SAMPLES]>,
+    samples: Vec<Stored>,
 }
 
 impl Gathered {
