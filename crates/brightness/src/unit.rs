@@ -79,7 +79,7 @@ impl BrightnessFetch {
         Step::after(u64::from(self.config.latency), out)
     }
 
-    #[inline]
+    #[inline(always)]
     fn item(&mut self, indexes: Indexes, traffic: &mut Traffic) -> Out {
         if self.state.check {
             self.state.check = false;
@@ -145,7 +145,7 @@ impl BrightnessFetch {
         self.quiet().busy(cycles)
     }
 
-    #[inline]
+    #[inline(always)]
     fn fetch(&mut self, indexes: &Indexes, traffic: &mut Traffic) -> Out {
         let state = &mut self.state;
         let per_fragment = samples_per_item(indexes.samples.len(), indexes.stamp.len());
@@ -181,7 +181,7 @@ impl Unit for BrightnessFetch {
         if self.state.pending.is_some() { Demand::Nothing } else { Demand::All }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         match input {
             Some(Flow::Item(indexes)) => self.item(indexes, traffic),

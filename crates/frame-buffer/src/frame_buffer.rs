@@ -106,7 +106,7 @@ impl FrameBuffer {
         layout::COLOR_BUFFERS + self.state.counters.frames % 2 * layout::COLOR_BUFFER_STRIDE
     }
 
-    #[inline]
+    #[inline(always)]
     fn write(&mut self, pixel: Pixel, traffic: &mut Traffic) {
         let Some(picture) = &mut self.state.picture else { return };
         let (x, y, width) = (u32::from(pixel.x), u32::from(pixel.y), picture.width);
@@ -157,7 +157,7 @@ impl Unit for FrameBuffer {
         Demand::All
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match input {

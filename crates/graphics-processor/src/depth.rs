@@ -92,7 +92,7 @@ impl<T: Placed> DepthTest<T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn passes(&mut self, item: &T, traffic: &mut Traffic) -> bool {
         let (x, y, z) = item.place();
         let (x, y, bytes) = (u32::from(x), u32::from(y), self.z_bytes());
@@ -124,7 +124,7 @@ impl<T: Placed + Copy> Unit for DepthTest<T> {
         Demand::All
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match input {

@@ -107,7 +107,7 @@ impl GraphicsProcessor {
     }
 
     /// Draws the result, or holds it until the end of the list.
-    #[inline]
+    #[inline(always)]
     fn result(&mut self, result: Held, traffic: &mut Traffic) -> Out {
         if !matches!(self.state.phase, Phase::Fragments(_)) {
             return self.after(misplaced(traffic));
@@ -161,7 +161,7 @@ impl GraphicsProcessor {
         self.draw(held, traffic)
     }
 
-    #[inline]
+    #[inline(always)]
     fn draw(&mut self, held: Held, traffic: &mut Traffic) -> Out {
         let fragments = held.fragments();
         let pixels = match held {
@@ -177,7 +177,7 @@ impl GraphicsProcessor {
     }
 
     /// Pixels of the fragments of a triangle, each with brightness and highlight where they do not come from the vertices.
-    #[inline]
+    #[inline(always)]
     fn pixels(
         &mut self,
         mut shaded: impl Iterator<Item = (Fragment, Option<[f32; 2]>)>,
@@ -263,7 +263,7 @@ impl Unit for GraphicsProcessor {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         match input {
             (Some(Flow::Item(stamp)), None) => self.result(Held::Bump(stamp), traffic),

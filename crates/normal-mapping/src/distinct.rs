@@ -46,7 +46,7 @@ impl DistinctCounter {
     }
 
     fn grow(&mut self) {
-        let mut larger = vec![0; (self.slots.len() * 2).max(1_024)];
+        let mut larger = vec![0; (self.slots.len() * 4).clamp(4_096, 2 * Self::LIMIT as usize)];
         for &key in self.slots.iter().filter(|k| **k != 0) {
             place(&mut larger, key);
         }

@@ -97,6 +97,7 @@ impl NormalMapping {
         self.setup = None;
     }
 
+    #[inline(always)]
     fn map(&mut self, stamp: Stamp<Fragment>, traffic: &mut Traffic) -> PseudoNormals {
         let mut samples = Samples::new();
         self.lines.begin_step();
@@ -218,7 +219,7 @@ impl Unit for NormalMapping {
         Demand::All
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match input {

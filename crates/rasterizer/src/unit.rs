@@ -58,7 +58,7 @@ impl Rasterizer {
     }
 
     /// The next fragment and those after it in the same block.
-    #[inline]
+    #[inline(always)]
     fn emit(&mut self) -> Stamp<Fragment> {
         let mut stamp = Stamp::new();
         let mut block = None;
@@ -88,7 +88,7 @@ impl Unit for Rasterizer {
         if self.state.polygon.is_some() { Demand::Nothing } else { Demand::All }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match input {

@@ -85,6 +85,7 @@ impl Replacement {
         Step::after(u64::from(self.config.latency), None)
     }
 
+    #[inline(always)]
     fn item(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
         if self.config.codebook != CodeBookMode::Fixed {
             return self.gather(normals, traffic);
@@ -194,7 +195,7 @@ impl Replacement {
     }
 
     /// Searches every sample of a stamp in the table or code book of its level.
-    #[inline]
+    #[inline(always)]
     fn replace(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
         let object = self.fixed_by_object();
         let mut samples = Samples::new();
@@ -333,7 +334,7 @@ impl Unit for Replacement {
         if self.state.pending.is_some() || self.state.gather.is_flushing() { Demand::Nothing } else { Demand::All }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         match input {
             Some(Flow::Item(normals)) => self.item(normals, traffic),
