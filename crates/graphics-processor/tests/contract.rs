@@ -46,10 +46,10 @@ fn shaded(i: u16) -> Flow<Stamp<Shaded>> {
     Flow::Item((0..=i % 3).map(|k| one(i + 2 * k)).collect())
 }
 
-/// Two frames of bump targets and other polygons, textured and not, some without fragments, on the two ways.
 type Shading = Vec<Flow<Stamp<Shaded>>>;
 type Plain = Vec<Flow<Stamp<Fragment>>>;
 
+/// Two frames of bump targets and other polygons, textured and not, some without fragments, on the two ways.
 fn both_ways() -> (Shading, Plain) {
     let textured = Material { id: 1, color_texture: Some(texture()), ..Material::default() };
     let bare = Material { base_color: [0.9, 0.4, 0.1, 1.0], ..Material::default() };

@@ -35,10 +35,12 @@ fn fragment(x: u16) -> Fragment {
     Fragment { x, y: 1, z: 7, weights: [0.5, 0.25], triangle: 0 }
 }
 
+type Token<T> = Flow<Stamp<T>>;
+
 /// Feeds both inputs as the unit demands, until they are empty; the tokens out, and the traffic of each step.
 struct Bench {
     unit: GraphicsProcessor,
-    inputs: (Vec<Flow<Stamp<Shaded>>>, Vec<Flow<Stamp<Fragment>>>),
+    inputs: (Vec<Token<Shaded>>, Vec<Token<Fragment>>),
     /// The polygon that was fed last is no bump target.
     plain: bool,
     out: Vec<Flow<Stamp<Pixel>>>,

@@ -1,6 +1,6 @@
 //! All parameters of the figure shading device, in the order of its block diagram.
 
-use crate::config::{ClockConfig, ReferenceConfig, slots};
+use crate::config::{ClockConfig, slots};
 use crate::front::FrontConfig;
 use basrelief_figure_shading::{
     CircuitConfig, HostConfig, InterpolationConfig, MicrocomputerConfig, NormalInterpolationConfig, ScanConfig, ShadingConfig,
@@ -124,8 +124,6 @@ parameter_groups! {
         memory: MemoryConfigs = MemoryConfigs::default(),
         /// Caches.
         cache: CacheConfigs = CacheConfigs::default(),
-        /// The exact picture that the machine's is compared with.
-        reference: ReferenceConfig = ReferenceConfig::default(),
     }
 }
 

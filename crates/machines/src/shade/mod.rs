@@ -12,7 +12,7 @@ mod counts;
 mod device;
 mod units;
 
-pub use crate::config::{ClockConfig, ReferenceConfig, ReferenceFilter};
+pub use crate::config::ClockConfig;
 pub use crate::front::{FrontEnd, SceneFront, TraceFront};
 pub use crate::problem::ConfigProblem;
 pub use crate::unit_info::UnitInfo;
