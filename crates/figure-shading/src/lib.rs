@@ -68,7 +68,7 @@ pub use microcomputer::{Counters, Microcomputer, MicrocomputerState, Plane, Proc
 pub use normal_interpolation::{NormalInterpolation, NormalInterpolationState};
 pub use power::{Power, power};
 pub use registers::{Path, Registers, Selection};
-pub use selector_28::{Selector28, Selector28State, saturated};
+pub use selector_28::{Selector28, Selector28State};
 pub use selector_53::{Selector53, Selector53State};
 pub use setting::Setting;
 pub use signals::{Dot, Figure, Finished, Highlight, Highlights, NormalLoad, Signal};

@@ -2,6 +2,7 @@
 
 use crate::{CircuitConfig, Dot, Figure, Finished, Mode, Path, Selection, Signal};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::saturated;
 use basrelief_signals::{Control, Flow, Pixel, Stamp};
 use serde::{Deserialize, Serialize};
 
@@ -36,13 +37,6 @@ pub struct Selector28 {
     pub config: CircuitConfig,
     /// Everything it remembers.
     pub state: Selector28State,
-}
-
-/// 8 bits of each component: saturating, halves rounded up; NaN is black.
-#[inline]
-pub fn saturated(brightness: [f32; 3]) -> [u8; 3] {
-    // The conversion saturates at both ends.
-    brightness.map(|b| (b * 255.0 + 0.5) as u8)
 }
 
 impl Selector28 {

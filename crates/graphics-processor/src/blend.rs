@@ -1,6 +1,6 @@
 //! The colour of a pixel.
 
-use basrelief_shading::Taps;
+use basrelief_shading::{Taps, saturated};
 use basrelief_signals::Image;
 
 /// Filtered RGB of the texels that `taps` names, 0..=1 each.
@@ -19,8 +19,7 @@ pub fn filtered(image: &Image, taps: &Taps) -> [f32; 3] {
 /// `base * brightness + highlight` in 8 bits each: saturating, halves rounded up.
 #[inline]
 pub fn blended(base: [f32; 3], brightness: f32, highlight: f32) -> [u8; 3] {
-    // The conversion saturates at both ends.
-    base.map(|c| ((c * brightness + highlight) * 255.0 + 0.5) as u8)
+    saturated(base.map(|c| c * brightness + highlight))
 }
 
 #[cfg(test)]

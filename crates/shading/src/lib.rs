@@ -21,7 +21,7 @@ pub mod texture;
 
 pub use area::{doubled_area, polygon_lod};
 pub use interpolation::{Gradient, fan_triangle, interpolate};
-pub use lighting::{LightVector, brightness, light_vectors};
+pub use lighting::{LightVector, brightness, light_vectors, saturated};
 pub use lod::{LEVELS, LevelSet, lod, select_levels};
 pub use reference_normals::{MAX_ENTRIES, Table, TableError, TableSet, quantize_unit, reference_normals};
 pub use scan::{MAX_BLOCK, Raster, Scan, fan_triangles};

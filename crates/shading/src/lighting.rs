@@ -16,6 +16,13 @@ pub struct LightVector {
     pub intensity: f32,
 }
 
+/// 8 bits of each component of a colour, 0..=1: saturating, halves rounded up; NaN is black.
+#[inline]
+pub fn saturated(color: [f32; 3]) -> [u8; 3] {
+    // The conversion saturates at both ends.
+    color.map(|c| (c * 255.0 + 0.5) as u8)
+}
+
 /// The frame's lights as seen from `centre` (world space): point lights are evaluated there.
 pub fn light_vectors(frame: &Frame, centre: [f32; 3]) -> Vec<LightVector> {
     let to_viewer = Vec3::from(frame.camera.to_viewer.map(|c| c as f32));

@@ -1,7 +1,8 @@
 //! Short cuts 2 and 3 (flat; same plane as before), and Figure 6.
 
 use crate::chain::{Config, SIDE, direction, draw, feed, frame, lighting, polygon, shade, sun, triangle};
-use basrelief_figure_shading::{Clamp, Microcomputer, Mode, Path, Process, saturated};
+use basrelief_figure_shading::{Clamp, Microcomputer, Mode, Path, Process};
+use basrelief_shading::saturated;
 use basrelief_signals::{Camera, Control, Frame, Light, Lighting, Material, Polygon};
 use glam::Vec3;
 use proptest::prelude::*;

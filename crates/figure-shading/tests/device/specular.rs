@@ -1,7 +1,8 @@
 //! Short cut 1: the specular term is negligible.
 
 use crate::chain::{Config, direction, draw, lighting, polygon, sun, triangle};
-use basrelief_figure_shading::{Mode, NormalInterpolationConfig, Path, PowerMethod, SpecularSkip, saturated};
+use basrelief_figure_shading::{Mode, NormalInterpolationConfig, Path, PowerMethod, SpecularSkip};
+use basrelief_shading::saturated;
 use basrelief_signals::Lighting;
 use glam::Vec3;
 use proptest::prelude::*;
