@@ -184,8 +184,11 @@ pub fn config(args: &MachineArgs, demo: Option<&str>) -> Done<MachineConfig> {
 fn explained(error: &ConfigError, machine: &MachineInfo) -> String {
     let ConfigError::Unknown { key, .. } = error else { return error.to_string() };
     let group = format!("{key}.");
+    if let Some(first) = machine.parameters().iter().find(|p| p.key.starts_with(&group)) {
+        return format!("`{key}` is a group of parameters; set one of them, such as `{}`", first.key);
+    }
     let knows = |m: &&MachineInfo| m.parameters().iter().any(|p| p.key == *key || p.key.starts_with(&group));
-    MACHINES.iter().find(knows).map_or_else(
+    MACHINES.iter().filter(|m| m.name != machine.name).find(knows).map_or_else(
         || error.to_string(),
         |other| {
             format!(

@@ -15,7 +15,7 @@ parameters! {
 parameters! {
     /// A memory with banks of open rows and one data bus.
     pub struct MemoryConfig {
-        /// Bytes of one burst; a power of two.
+        /// Bytes of one burst, which begins at a multiple of them.
         burst_bytes: u32 = 64, unit: "bytes", Assumed("16 transfers of 32 bits"), range: 4..=4096;
         /// Cycles the data bus is kept by one burst.
         burst_cycles: u32 = 4, unit: "cycles", Assumed("16 bytes per cycle"), range: 1..=1024;

@@ -10,12 +10,12 @@ pub enum ConfigError {
     #[error("not valid TOML: {0}")]
     Syntax(String),
     /// No parameter has this name.
-    #[error("unknown parameter `{key}`; did you mean `{nearest}`? (`basrelief describe` lists all)")]
+    #[error("unknown parameter `{key}`{} (`basrelief describe` lists all)", hint(nearest))]
     Unknown {
         /// As given.
         key: String,
-        /// The nearest known name.
-        nearest: String,
+        /// The nearest known name, if any is near.
+        nearest: Option<String>,
     },
     /// The value has the wrong type.
     #[error("`{key}`: {message}")]
@@ -43,9 +43,21 @@ pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result
     }
     check_tree(&tree, "", &known)?;
     let config: C = serde_path_to_error::deserialize(Value::Table(over_defaults::<C>(tree)?))
-        .map_err(|e| ConfigError::Type { key: e.path().to_string(), message: e.inner().to_string().trim().to_owned() })?;
+        .map_err(|e| wrong_type::<C>(e.path().to_string(), &e.inner().to_string()))?;
     config.check("")?;
     Ok(config)
+}
+
+fn hint(nearest: &Option<String>) -> String {
+    nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+/// The reader's own words, without the place that it repeats, and what the table says of the parameter.
+fn wrong_type<C: Parameters>(key: String, message: &str) -> ConfigError {
+    let first = message.trim().lines().next().unwrap_or_default();
+    let known = C::table().into_iter().find(|p| p.key == key && !p.range.is_empty());
+    let range = known.map_or_else(String::new, |p| format!("; expected {}", format!("{} {}", p.range, p.unit).trim_end()));
+    ConfigError::Type { key, message: format!("{first}{range}") }
 }
 
 /// All parameters: as given, the rest as the whole configuration has it. (Serde's own defaults would be those of the
@@ -110,14 +122,17 @@ fn check_known(key: &str, known: &[String]) -> Result<(), ConfigError> {
     if known.iter().any(|k| k == key) {
         return Ok(());
     }
-    let nearest = known.iter().min_by_key(|k| distance(key, k)).cloned().unwrap_or_default();
-    Err(ConfigError::Unknown { key: key.into(), nearest })
+    // Half of it may be wrong; beyond that a suggestion would only mislead.
+    let near = known.iter().map(|k| (distance(key, k), k)).filter(|(edits, _)| 2 * edits <= key.len());
+    Err(ConfigError::Unknown { key: key.into(), nearest: near.min_by_key(|(edits, _)| *edits).map(|(_, k)| k.clone()) })
 }
 
-/// Levenshtein distance, with a bonus for a shared last part: users forget groups more often than they mistype.
-fn distance(a: &str, b: &str) -> usize {
+/// Levenshtein distance of what was `given` from a `known` name or the group that it is in, with a bonus for a shared last
+/// part: users forget groups more often than they mistype.
+fn distance(given: &str, known: &str) -> usize {
     let last = |s: &str| s.rsplit('.').next().unwrap_or("").to_owned();
-    edits(a, b).min(1 + 2 * edits(&last(a), &last(b)))
+    let group: Vec<&str> = known.split('.').take(given.split('.').count()).collect();
+    edits(given, known).min(edits(given, &group.join("."))).min(1 + 2 * edits(&last(given), &last(known)))
 }
 
 fn edits(a: &str, b: &str) -> usize {
@@ -186,8 +201,9 @@ mod tests {
         says("", &[("lanes", "1")], "did you mean `search.lanes`");
         says("[serch]\nlanes = 1", &[], "did you mean `search.lanes`");
         says("", &[("search.lanes", "0")], "`search.lanes` is 0, expected 1..=4096");
-        says("", &[("search.lanes", "many")], "search.lanes");
+        says("", &[("search.lanes", "many")], "expected 1..=4096 inner products/cycle");
         says("[search", &[], "not valid TOML");
-        says("", &[("search.lanes", "-1")], "search.lanes");
+        says("", &[("search.lanes", "-1")], "expected 1..=4096");
+        says("", &[("zzz", "1")], "unknown parameter `zzz` (`basrelief describe` lists all)");
     }
 }

@@ -105,7 +105,11 @@ macro_rules! parameters {
                 $($(if !($range).contains(&self.$field) {
                     return Err($crate::RangeError {
                         key: format!("{prefix}{}", stringify!($field)),
-                        value: $crate::private::serde_json::to_value(&self.$field).unwrap_or_default().to_string(),
+                        value: match $crate::private::serde_json::to_value(&self.$field).unwrap_or_default() {
+                            // What is not finite has no JSON.
+                            $crate::private::serde_json::Value::Null => format!("{:?}", self.$field),
+                            value => value.to_string(),
+                        },
                         expected: format!("{:?} {}", $range, $unit).trim_end().into(),
                     });
                 })?)*

@@ -158,8 +158,13 @@ impl<'a> Plan<'a> {
         about(if self.total == 0 { 0.0 } else { cycles as f64 / self.total as f64 })
     }
 
+    /// Whether the cycles after its last step are worth a word.
+    fn drains(&self, unit: &Unit) -> bool {
+        unit.done as f64 >= LONG_DRAIN * self.total as f64
+    }
+
     fn bottleneck(&self, (name, unit): Named<'a>) -> (Limit, String) {
-        let drains = unit.done as f64 >= LONG_DRAIN * self.total as f64;
+        let drains = self.drains(unit);
         let up_to = if drains { " up to its last step" } else { "" };
         let busy = about(self.busy_share(unit));
         let mut sentence =
@@ -180,8 +185,9 @@ impl<'a> Plan<'a> {
             };
             format!("; it waits {what} {} of the time", self.of_total(n))
         });
+        let up_to = if self.drains(unit) { " up to its last step" } else { "" };
         let sentence = format!(
-            "{} limits this run most, though not alone: busy {busy} of the cycles{}{own}.",
+            "{} limits this run most, though not alone: busy {busy} of the cycles{up_to}{}{own}.",
             label(name, unit),
             self.victim(name)
         );
