@@ -29,23 +29,11 @@ pub(crate) struct LookUp {
 /// Number of no line: addresses have 64 bits, and lines at least 4 bytes.
 const NO_LINE: u64 = u64::MAX;
 
-/// One tag: the line, the request that fills it, and the step that looked it up last.
+/// One tag: the line and the request that fills it.
 #[derive(Clone, Copy, Debug)]
 struct Tag {
     line: u64,
     request: u64,
-    step: u64,
-}
-
-/// What a look-up found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Found {
-    /// The step has looked the line up before: nothing happens.
-    Before,
-    /// The line, filled by this request.
-    Line(u64),
-    /// No such line.
-    Nothing,
 }
 
 /// A cache in front of one memory port.
@@ -57,10 +45,6 @@ pub(crate) struct Cache {
     sets: Divisor,
     /// `sets` runs of `ways` tags, most recently used first.
     tags: Vec<Tag>,
-    /// Number of the step that looks up now, its look-ups so far, and those of its lines that it has itself replaced.
-    step: u64,
-    look_ups: u32,
-    replaced: Vec<u64>,
     answer: Cycle,
     pub(crate) counts: CacheCounts,
 }
@@ -72,10 +56,7 @@ impl Cache {
             name: name.into(),
             line: Divisor::new(config.line_bytes),
             sets: Divisor::new(config.sets),
-            tags: vec![Tag { line: NO_LINE, request: 0, step: 0 }; sets * ways],
-            step: 0,
-            look_ups: 0,
-            replaced: Vec::new(),
+            tags: vec![Tag { line: NO_LINE, request: 0 }; sets * ways],
             config: config.clone(),
             answer: Cycle::ZERO,
             counts: CacheCounts::default(),
@@ -89,70 +70,35 @@ impl Cache {
         (self.line.split(address).0, self.line.split(last).0)
     }
 
-    /// The look-ups that follow are of another step.
+    /// Cycles that this many look-ups take.
     #[inline(always)]
-    pub(crate) fn begin_step(&mut self) {
-        self.step += 1;
-        self.look_ups = 0;
-        self.replaced.clear();
-    }
-
-    /// Cycles that the look-ups of the step take.
-    #[inline(always)]
-    pub(crate) fn cycles(&self) -> u64 {
-        let per_cycle = self.config.lookups_per_cycle.max(1);
+    pub(crate) fn cycles(&self, look_ups: usize) -> u64 {
+        let per_cycle = self.config.lookups_per_cycle.max(1) as usize;
         // A division takes longer than all the rest.
-        if self.look_ups <= per_cycle { 1 } else { u64::from(self.look_ups.div_ceil(per_cycle)) }
+        if look_ups <= per_cycle { 1 } else { look_ups.div_ceil(per_cycle) as u64 }
     }
 
-    /// Looks `line` up and makes it the most recently used of its set. If it is not there, it will be filled by request
-    /// `next`, which the caller issues.
+    /// Looks `line` up and makes it the most recently used of its set: the number of the request that fills it. `None` where
+    /// it is not there: it will be filled by request `next`, which the caller issues.
     #[inline(always)]
-    pub(crate) fn look_up(&mut self, line: u64, next: u64) -> Found {
+    pub(crate) fn look_up(&mut self, line: u64, next: u64) -> Option<u64> {
         let (_, set) = self.sets.split(line);
         let ways = self.config.ways as usize;
         let tags = &mut self.tags[set as usize * ways..][..ways];
         // Mostly it is the one used last.
         if tags[0].line == line {
-            return Self::touch(&mut tags[0], self.step, &mut self.look_ups);
+            return Some(tags[0].request);
         }
-        let Some(at) = tags.iter().position(|t| t.line == line) else { return self.fill(line, next) };
-        if tags[at].step != self.step {
-            // Each tag before it moves one down.
-            for i in (0..at).rev() {
-                tags.swap(i, i + 1);
+        // Each tag moves one down, until the line is found or the last falls out.
+        let mut carried = Tag { line, request: next };
+        for at in 0..tags.len() {
+            std::mem::swap(&mut carried, &mut tags[at]);
+            if carried.line == line {
+                tags[0].request = carried.request;
+                return Some(carried.request);
             }
-            return Self::touch(&mut tags[0], self.step, &mut self.look_ups);
         }
-        Found::Before
-    }
-
-    #[inline(always)]
-    fn touch(tag: &mut Tag, step: u64, look_ups: &mut u32) -> Found {
-        if tag.step == step {
-            return Found::Before;
-        }
-        tag.step = step;
-        *look_ups += 1;
-        Found::Line(tag.request)
-    }
-
-    /// Replaces the least recently used line of a set.
-    fn fill(&mut self, line: u64, next: u64) -> Found {
-        if self.replaced.contains(&line) {
-            return Found::Before;
-        }
-        let (_, set) = self.sets.split(line);
-        let ways = self.config.ways as usize;
-        let tags = &mut self.tags[set as usize * ways..][..ways];
-        let last = tags[ways - 1];
-        if last.step == self.step && last.line != NO_LINE {
-            self.replaced.push(last.line);
-        }
-        tags.copy_within(..ways - 1, 1);
-        tags[0] = Tag { line, request: next, step: self.step };
-        self.look_ups += 1;
-        Found::Nothing
+        None
     }
 
     /// Accounts for a look-up whose fill is known, and gives its answer: in order, so never before the one ahead.

@@ -68,6 +68,8 @@ pub(crate) struct Flights {
     steps: VecDeque<Flight>,
     /// Their look-ups that have no answer yet, by client, in order.
     look_ups: [VecDeque<LookUp>; MAX_CLIENTS],
+    /// Lines that a client has looked up in the step being made.
+    lines: Vec<u64>,
 }
 
 impl Flights {
@@ -113,11 +115,15 @@ impl Flights {
         for (own, &client) in ids.iter().enumerate() {
             let Some(mut cached) = system.cached(client) else { continue };
             let pending = &mut self.look_ups[own];
-            cached.cache.begin_step();
+            self.lines.clear();
             for r in traffic.look_ups.iter().filter(|r| r.client as usize == own) {
                 let (first, last) = cached.cache.lines(r.address, r.bytes);
                 for line in first..last + 1 {
-                    let Some(look_up) = cached.look_up(line, start) else { continue };
+                    if self.lines.contains(&line) {
+                        continue;
+                    }
+                    self.lines.push(line);
+                    let look_up = cached.look_up(line, start);
                     if look_up.fill.is_known() && pending.is_empty() {
                         flight.answers[own] = cached.cache.resolve(&look_up, look_up.fill);
                     } else {
@@ -127,7 +133,7 @@ impl Flights {
                     }
                 }
             }
-            least = least.max(cached.cache.cycles());
+            least = least.max(cached.cache.cycles(self.lines.len()));
         }
         (least, waits)
     }

@@ -1,6 +1,6 @@
 //! All memories, ports and caches of a machine, and the order in which requests are served.
 
-use crate::cache::{Cache, Found, LookUp};
+use crate::cache::{Cache, LookUp};
 use crate::memory::{Memory, Port};
 use crate::{CacheConfig, Cycle, MemoryConfig};
 
@@ -29,13 +29,12 @@ pub(crate) struct Cached<'a> {
 }
 
 impl Cached<'_> {
-    /// Looks a line up for a step that starts at `start`; `None` if the step has done so before.
+    /// Looks a line up for a step that starts at `start`.
     #[inline(always)]
-    pub(crate) fn look_up(&mut self, line: u64, start: Cycle) -> Option<LookUp> {
+    pub(crate) fn look_up(&mut self, line: u64, start: Cycle) -> LookUp {
         match self.cache.look_up(line, self.port.issued) {
-            Found::Before => None,
-            Found::Line(request) => Some(LookUp { start, request, fill: self.port.answer(request), missed: false }),
-            Found::Nothing => Some(self.fill(line, start)),
+            Some(request) => LookUp { start, request, fill: self.port.answer(request), missed: false },
+            None => self.fill(line, start),
         }
     }
 

@@ -43,7 +43,7 @@ impl Candidate {
 /// Search structure over one VQ table (121) or code book.
 ///
 /// A quadtree of squares over each face: a square is divided when a direction falls into one of its quarters for the first
-/// time. (All at once took a tenth of a short run, and most surfaces show a table a part of all directions.)
+/// time: what no direction falls into is never divided.
 #[derive(Clone, Debug)]
 pub struct NearestSearch {
     /// Cells per edge of a face in the finest grid, a power of two.
