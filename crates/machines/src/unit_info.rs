@@ -17,3 +17,38 @@ pub struct UnitInfo {
 pub(crate) const fn unit(name: &'static str, numeral: &'static str, role: &'static str, code: &'static str) -> UnitInfo {
     UnitInfo { name, numeral, role, code }
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::UnitInfo;
+    use basrelief_kernel::StageTopology;
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    /// The table names exactly the stages that are wired.
+    pub(crate) fn names_the_stages(units: &[UnitInfo], stages: &[StageTopology]) {
+        let wired: BTreeSet<&str> = stages.iter().map(|s| s.name.as_str()).collect();
+        let named: BTreeSet<&str> = units.iter().map(|u| u.name).collect();
+        assert_eq!(wired, named);
+    }
+
+    /// The diagram shows every FIFO, every client and every numeral.
+    pub(crate) fn diagram_is_complete(diagram: &str, units: &[UnitInfo], stages: &[StageTopology]) {
+        for stage in stages {
+            for name in stage.inputs.iter().chain(&stage.outputs).chain(&stage.clients) {
+                assert!(diagram.contains(name.as_str()), "{name}");
+            }
+        }
+        for unit in units.iter().filter(|u| !u.numeral.is_empty()) {
+            assert!(diagram.contains(&format!("({})", unit.numeral)), "{}", unit.name);
+        }
+    }
+
+    /// The code is where the table says.
+    pub(crate) fn code_is_there(units: &[UnitInfo]) {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        for unit in units {
+            assert!(root.join(unit.code).exists(), "{}", unit.code);
+        }
+    }
+}

@@ -22,9 +22,9 @@ pub const UNITS: &[UnitInfo] = &[
 mod tests {
     use super::*;
     use crate::bump::{BumpProcessor, BumpProcessorConfig, DIAGRAM, FrontEnd, SceneFront, TraceFront};
+    use crate::unit_info::tests::{code_is_there, diagram_is_complete, names_the_stages};
     use basrelief_kernel::{StageTopology, topology};
     use basrelief_signals::{Control, Draw};
-    use std::collections::BTreeSet;
 
     fn stages<F: FrontEnd>(front: F, config: &BumpProcessorConfig) -> Vec<StageTopology> {
         topology(&mut BumpProcessor::new(front, config).unwrap())
@@ -43,28 +43,16 @@ mod tests {
 
     #[test]
     fn the_table_names_exactly_the_stages_that_are_wired() {
-        let wired: BTreeSet<String> = all().into_iter().map(|s| s.name).collect();
-        let named: BTreeSet<String> = UNITS.iter().map(|u| u.name.to_owned()).collect();
-        assert_eq!(wired, named);
+        names_the_stages(UNITS, &all());
     }
 
     #[test]
     fn the_diagram_shows_every_fifo_every_client_and_every_numeral() {
-        for stage in all() {
-            for name in stage.inputs.iter().chain(&stage.outputs).chain(&stage.clients) {
-                assert!(DIAGRAM.contains(name.as_str()), "{name}");
-            }
-        }
-        for unit in UNITS.iter().filter(|u| !u.numeral.is_empty()) {
-            assert!(DIAGRAM.contains(&format!("({})", unit.numeral)), "{}", unit.name);
-        }
+        diagram_is_complete(DIAGRAM, UNITS, &all());
     }
 
     #[test]
     fn the_code_is_where_the_table_says() {
-        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        for unit in UNITS {
-            assert!(root.join(unit.code).exists(), "{}", unit.code);
-        }
+        code_is_there(UNITS);
     }
 }
