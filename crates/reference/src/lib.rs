@@ -22,6 +22,7 @@
 //!   `H = normalize(L + V)`, viewer at infinity. The specular term is not cut off where `N.L <= 0`.
 //! - Its colour is the base (factor * vertex colour * texture, texels as stored) lit by these two terms as
 //!   [`Components`] says, saturated once, rounded half up to 8 bits.
+//! - In [`Shading::Texture`] there is no light: the colour is the base.
 //! - Where light is computed at vertices or once per polygon ([`Shading`]), the two terms, already multiplied by the
 //!   vertex colour where they will be, stand for them unsaturated; factor and texture are the pixel's. The vertices are
 //!   those of the triangle ahead of clipping, or of the polygon as the display list has it: one that was clipped there
@@ -37,6 +38,7 @@ pub mod metrics;
 mod options;
 mod picture;
 mod polygons;
+mod pyramid;
 mod raster;
 mod renderer;
 mod scene;
@@ -44,7 +46,7 @@ mod surface;
 mod texture;
 
 pub use metrics::{Quality, SizeMismatch};
-pub use options::{Components, Options, Shading, Style, TextureFilter};
+pub use options::{Components, LevelRule, Options, Pyramid, Shading, Style, TexelCentre, TextureFilter};
 pub use picture::Picture;
 pub use polygons::PolygonRenderer;
 pub use scene::{draw_scene, object_centre};

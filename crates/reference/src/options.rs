@@ -18,6 +18,53 @@ pub enum TextureFilter {
     /// log2 of the longer of the two footprint axes \[texels of level 0 per pixel\].
     #[default]
     Trilinear,
+    /// The texel of the level nearest to the level of detail; half way, of the finer one, as in OpenGL.
+    NearestMipNearest,
+    /// Four texels of that level, weighted.
+    BilinearMipNearest,
+    /// One texel each of the two levels next to the level of detail, weighted.
+    NearestMipLinear,
+}
+
+/// Which change of the texture coordinates decides the level of detail of a pixel \[texels of level 0 per pixel\].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LevelRule {
+    /// The longer of the two footprint axes: log2 of the larger length of d(u, v)/dx and d(u, v)/dy.
+    #[default]
+    LongerAxis,
+    /// The larger component along the scan line: log2(max(|du/dx|, |dv/dx|)), the rule of the MIP-map selector (320) of
+    /// the texel value generator.
+    AlongScanLine,
+}
+
+/// Which levels a colour texture has, and where its texels lie in them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Pyramid {
+    /// Those that it is given with. A coordinate spans all levels alike: texel u * width of each.
+    #[default]
+    Given,
+    /// Those of the rate-limited renderer, made of the finest one: sides halved and rounded up, an odd edge repeating
+    /// its last texel, means `(sum of 4 + 2) >> 2`, down to the first level that fits in one tile. Texel u * width of
+    /// the finest level is texel u * width / 2^k of level k.
+    Tiled {
+        /// Columns and rows of a tile \[texels\].
+        tile: [u32; 2],
+        /// Where the middle of a texel is.
+        centre: TexelCentre,
+    },
+}
+
+/// Where the middle of texel 0 is, in texels of its level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TexelCentre {
+    /// At 0.5.
+    #[default]
+    Half,
+    /// At 0: coarse levels are shifted by 0.5, 1.5, 3.5 ... finest texels.
+    Integer,
 }
 
 /// What the highlight is coloured with.
@@ -47,6 +94,8 @@ pub enum Shading {
     Face,
     /// Once per polygon: the mean over its vertices (constant shading of the shading device).
     Mean,
+    /// No light: the base colour alone.
+    Texture,
 }
 
 /// Options of an exact picture.
@@ -55,6 +104,10 @@ pub enum Shading {
 pub struct Options {
     /// Texture filter, for colour textures and normal maps.
     pub filter: TextureFilter,
+    /// Which level of detail a pixel has.
+    pub level: LevelRule,
+    /// Levels of colour textures.
+    pub pyramid: Pyramid,
     /// Colour of the highlight.
     pub components: Components,
     /// Reverses the normals of back faces, as glTF asks of double-sided materials. Off by default: neither the

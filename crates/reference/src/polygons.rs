@@ -1,5 +1,6 @@
 //! The exact picture of a display list.
 
+use crate::pyramid::Pyramids;
 use crate::raster::{Corner, doubled_area};
 use crate::renderer::Renderer;
 use crate::surface::{Attributes, Lit, Surface, face_normal};
@@ -22,6 +23,7 @@ pub struct PolygonRenderer {
     unproject: DMat4,
     centre: [f32; 3],
     material: Option<Arc<Material>>,
+    pyramids: Pyramids,
     renderer: Renderer,
 }
 
@@ -35,6 +37,7 @@ impl PolygonRenderer {
             unproject: DMat4::IDENTITY,
             centre: [0.0; 3],
             material: None,
+            pyramids: Pyramids::default(),
             renderer: Renderer::new(width, height),
         }
     }
@@ -57,7 +60,8 @@ impl PolygonRenderer {
     pub fn polygon(&mut self, polygon: &Polygon) {
         if !self.material.as_ref().is_some_and(|current| Arc::ptr_eq(current, &polygon.material)) {
             let Some(frame) = &self.frame else { return };
-            self.renderer.surface(Surface::new(self.style, frame, &polygon.material, self.centre));
+            let surface = Surface::new(self.style, frame, &polygon.material, self.centre, &mut self.pyramids);
+            self.renderer.surface(surface);
             self.material = Some(polygon.material.clone());
         }
         let mut corners: Vec<_> = polygon.vertices.iter().map(corner).collect();

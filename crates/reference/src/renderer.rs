@@ -172,6 +172,7 @@ fn for_each<'a>(bands: impl Iterator<Item = Band<'a>>, draw: impl Fn(Band<'a>)) 
 mod tests {
     use super::*;
     use crate::Style;
+    use crate::pyramid::Pyramids;
     use basrelief_signals::{Camera, Frame, Material};
     use glam::DVec2;
 
@@ -186,7 +187,7 @@ mod tests {
         let frame = Frame { index: 0, width: 64, height: 48, camera, lights: Vec::new() };
         let material = Material { base_color: [9.0; 4], ..Material::default() };
         let mut renderer = Renderer::new(64, 48);
-        renderer.surface(Surface::new(Style::default(), &frame, &material, [0.0; 3]));
+        renderer.surface(Surface::new(Style::default(), &frame, &material, [0.0; 3], &mut Pyramids::default()));
         renderer.triangle([corner(3.0, 2.0, 0.1), corner(60.0, 20.0, 0.9), corner(20.0, 45.0, 0.5)], false, false);
         renderer.triangle([corner(1.0, 40.0, 0.6), corner(63.0, 30.0, 0.2), corner(20.0, 3.0, 0.8)], false, false);
         let pictures = [1, 5, 48, 100].map(|rows| {

@@ -1,6 +1,7 @@
 //! The exact picture of a scene.
 
 use crate::clip::{ClipVertex, clipped, inside};
+use crate::pyramid::Pyramids;
 use crate::raster::Corner;
 use crate::renderer::Renderer;
 use crate::surface::{Attributes, Lit, Surface, face_normal};
@@ -16,8 +17,11 @@ use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 pub fn draw_scene(scene: &Scene, frame: &Frame, style: &(impl Into<Style> + Copy)) -> Picture {
     let style = (*style).into();
     let mut renderer = Renderer::new(frame.width, frame.height);
+    let mut pyramids = Pyramids::default();
     for object in &scene.objects {
-        draw_object(&mut renderer, object, frame, style);
+        let surface = Surface::new(style, frame, &object.material, object_centre(object), &mut pyramids);
+        renderer.surface(surface);
+        draw_object(&mut renderer, object, frame);
     }
     renderer.finish()
 }
@@ -31,11 +35,11 @@ pub fn object_centre(object: &Object) -> [f32; 3] {
     ((low + high) * 0.5).as_vec3().to_array()
 }
 
-fn draw_object(renderer: &mut Renderer, object: &Object, frame: &Frame, style: Style) {
+/// Draws the triangles of an object in the surface set last.
+fn draw_object(renderer: &mut Renderer, object: &Object, frame: &Frame) {
     let world = row_major(&object.world);
     let mirrored = DMat3::from_mat4(world).determinant() < 0.0;
     let cull = !object.material.double_sided;
-    renderer.surface(Surface::new(style, frame, &object.material, object_centre(object)));
     let mesh = &object.mesh;
     let vertices = transformed(mesh, world, row_major(&frame.camera.view_projection));
     let size = DVec2::new(f64::from(frame.width), f64::from(frame.height));

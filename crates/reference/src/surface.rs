@@ -2,8 +2,9 @@
 
 use crate::light::Illumination;
 use crate::picture::to_8_bits;
+use crate::pyramid::Pyramids;
 use crate::texture::{Footprint, sample};
-use crate::{Components, Shading, Style, TextureFilter};
+use crate::{Components, Options, Pyramid, Shading, Style, TextureFilter};
 use basrelief_signals::{Frame, Material, Texture};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -76,13 +77,13 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    pub fn new(style: Style, frame: &Frame, material: &Material, centre: [f32; 3]) -> Self {
+    pub fn new(style: Style, frame: &Frame, material: &Material, centre: [f32; 3], pyramids: &mut Pyramids) -> Self {
         let [r, g, b, _] = material.base_color.map(f64::from);
         let mapped = style.shading == Shading::NormalMap && style.options.filter != TextureFilter::None;
         Self {
             style,
             base: DVec3::new(r, g, b),
-            color_texture: material.color_texture.clone(),
+            color_texture: material.color_texture.as_ref().map(|texture| pyramids.of(texture, &style.options)),
             normal_map: material.normal_map.clone().filter(|_| mapped),
             normal_scale: f64::from(material.normal_scale),
             light: Illumination::new(frame, &material.lighting, centre),
@@ -93,7 +94,7 @@ impl Surface {
     /// length; `back`: it is seen from behind.
     pub fn light<V: AsMut<Attributes>>(&self, vertices: &mut [V], face: impl FnOnce(&[V]) -> DVec3, back: bool) {
         let normal = match self.style.shading {
-            Shading::NormalMap | Shading::Phong => return,
+            Shading::NormalMap | Shading::Phong | Shading::Texture => return,
             Shading::Face => Some(face(vertices)),
             Shading::Gouraud | Shading::Mean => None,
         };
@@ -112,11 +113,12 @@ impl Surface {
     pub fn shade(&self, point: &Point) -> [u8; 3] {
         let mut base = self.base;
         if let Some(texture) = &self.color_texture {
-            base *= sample(texture, self.style.options.filter, &point.uv);
+            base *= sample(texture, &self.style.options, &point.uv);
         }
         let lit = match self.style.shading {
             Shading::NormalMap | Shading::Phong => self.lit(point.attributes.color, self.normal(point), point.back),
             Shading::Gouraud | Shading::Face | Shading::Mean => point.attributes.lit,
+            Shading::Texture => Lit { diffuse: point.attributes.color, specular: DVec3::ZERO },
         };
         let color = match self.style.options.components {
             Components::Combined => base * (lit.diffuse + lit.specular),
@@ -140,7 +142,8 @@ impl Surface {
     fn normal(&self, point: &Point) -> DVec3 {
         let Attributes { normal, tangent, handedness, .. } = point.attributes;
         self.normal_map.as_ref().map_or(normal, |map| {
-            let texel = sample(map, self.style.options.filter, &point.uv_normal) * 2.0 - 1.0;
+            let options = Options { pyramid: Pyramid::Given, ..self.style.options };
+            let texel = sample(map, &options, &point.uv_normal) * 2.0 - 1.0;
             let bitangent = normal.cross(tangent) * handedness;
             (tangent * texel.x + bitangent * texel.y) * self.normal_scale + normal * texel.z
         })

@@ -1,6 +1,6 @@
-//! Texture sampling as OpenGL defines it, in `f64`.
+//! Texture sampling as OpenGL defines it, and as the rate-limited renderer does, in `f64`.
 
-use crate::TextureFilter;
+use crate::{LevelRule, Options, Pyramid, TexelCentre, TextureFilter};
 use basrelief_signals::{Image, Texture, Wrap};
 use glam::{DVec2, DVec3};
 
@@ -13,56 +13,102 @@ pub(crate) struct Footprint {
 }
 
 /// Filtered RGB, 0..=1. A texture without levels is white.
-pub(crate) fn sample(texture: &Texture, filter: TextureFilter, footprint: &Footprint) -> DVec3 {
+pub(crate) fn sample(texture: &Texture, options: &Options, footprint: &Footprint) -> DVec3 {
     let Some(finest) = texture.levels.first() else { return DVec3::ONE };
-    let wrap = texture.sampler.wrap;
-    let stored = match filter {
+    let sampler = Sampler { texture, finest, pyramid: options.pyramid, at: footprint.at };
+    let lod = || {
+        let last = texture.levels.len() - 1;
+        level_of_detail(finest, options.level, footprint).clamp(0.0, last as f64)
+    };
+    let stored = match options.filter {
         TextureFilter::None => return DVec3::ONE,
-        TextureFilter::Nearest => nearest(finest, wrap, footprint.at),
-        TextureFilter::Bilinear => bilinear(finest, wrap, footprint.at),
-        TextureFilter::Trilinear => trilinear(texture, level_of_detail(finest, footprint), footprint.at),
+        TextureFilter::Nearest => sampler.nearest(0),
+        TextureFilter::Bilinear => sampler.bilinear(0),
+        TextureFilter::Trilinear => blended(lod(), |k| sampler.bilinear(k)),
+        TextureFilter::NearestMipNearest => sampler.nearest(nearest_level(lod())),
+        TextureFilter::BilinearMipNearest => sampler.bilinear(nearest_level(lod())),
+        TextureFilter::NearestMipLinear => blended(lod(), |k| sampler.nearest(k)),
     };
     stored / 255.0
 }
 
-/// log2 of the longer axis of the pixel's footprint \[texels of level 0\]; minus infinity where it is a point.
-fn level_of_detail(finest: &Image, footprint: &Footprint) -> f64 {
+/// The level of detail of a pixel; minus infinity where its footprint is a point.
+fn level_of_detail(finest: &Image, rule: LevelRule, footprint: &Footprint) -> f64 {
     let size = DVec2::new(f64::from(finest.width), f64::from(finest.height));
-    let squared = (footprint.right * size).length_squared().max((footprint.down * size).length_squared());
-    0.5 * libm::log2(squared)
+    let (right, down) = (footprint.right * size, footprint.down * size);
+    match rule {
+        LevelRule::LongerAxis => 0.5 * libm::log2(right.length_squared().max(down.length_squared())),
+        LevelRule::AlongScanLine => libm::log2(right.abs().max_element()),
+    }
 }
 
-fn trilinear(texture: &Texture, lod: f64, at: DVec2) -> DVec3 {
-    let wrap = texture.sampler.wrap;
-    let last = texture.levels.len().saturating_sub(1);
-    let lod = lod.clamp(0.0, last as f64);
+/// What two levels give, by the fraction of the level of detail.
+fn blended(lod: f64, of: impl Fn(usize) -> DVec3) -> DVec3 {
     let level = lod.floor() as usize;
     let fraction = lod - level as f64;
-    let of = |k: usize| texture.levels.get(k.min(last)).map_or(DVec3::ZERO, |image| bilinear(image, wrap, at));
     let fine = of(level);
     if fraction > 0.0 { fine + (of(level + 1) - fine) * fraction } else { fine }
 }
 
-fn nearest(image: &Image, wrap: [Wrap; 2], at: DVec2) -> DVec3 {
-    let column = wrapped((at.x * f64::from(image.width)).floor(), image.width, wrap[0]);
-    let row = wrapped((at.y * f64::from(image.height)).floor(), image.height, wrap[1]);
-    texel(image, column, row)
+/// The nearest level, the finer one half way.
+fn nearest_level(lod: f64) -> usize {
+    (lod - 0.5).ceil().max(0.0) as usize
 }
 
-fn bilinear(image: &Image, wrap: [Wrap; 2], at: DVec2) -> DVec3 {
-    let (left, right, fx) = taps(at.x, image.width, wrap[0]);
-    let (upper, lower, fy) = taps(at.y, image.height, wrap[1]);
-    let row = |y| {
-        let start = texel(image, left, y);
-        start + (texel(image, right, y) - start) * fx
-    };
-    let top = row(upper);
-    top + (row(lower) - top) * fy
+/// A texture at one pair of coordinates.
+struct Sampler<'a> {
+    texture: &'a Texture,
+    finest: &'a Image,
+    pyramid: Pyramid,
+    at: DVec2,
+}
+
+impl Sampler<'_> {
+    fn nearest(&self, level: usize) -> DVec3 {
+        let Some(image) = self.texture.levels.get(level) else { return DVec3::ZERO };
+        let [column, row] = self.place(image, level).map(|(at, size, wrap)| wrapped(at.floor(), size, wrap));
+        texel(image, column, row)
+    }
+
+    fn bilinear(&self, level: usize) -> DVec3 {
+        let Some(image) = self.texture.levels.get(level) else { return DVec3::ZERO };
+        let [(left, right, fx), (upper, lower, fy)] = self.place(image, level).map(|(at, size, wrap)| taps(at, size, wrap));
+        let row = |y| {
+            let start = texel(image, left, y);
+            start + (texel(image, right, y) - start) * fx
+        };
+        let top = row(upper);
+        top + (row(lower) - top) * fy
+    }
+
+    /// Across and down: the coordinate in texels of a level, texel i covering i..i + 1; how many there are; the wrap.
+    fn place(&self, image: &Image, level: usize) -> [(f64, u32, Wrap); 2] {
+        let [across, down] = self.texture.sampler.wrap;
+        [
+            (self.coordinate(self.at.x, self.finest.width, image.width, level, across), image.width, across),
+            (self.coordinate(self.at.y, self.finest.height, image.height, level, down), image.height, down),
+        ]
+    }
+
+    fn coordinate(&self, at: f64, finest: u32, size: u32, level: usize, wrap: Wrap) -> f64 {
+        let Pyramid::Tiled { centre, .. } = self.pyramid else { return at * f64::from(size) };
+        // The period is that of the finest level: a side that was rounded up does not fill its level.
+        let inside = match wrap {
+            Wrap::Repeat => at.rem_euclid(1.0),
+            Wrap::Clamp => at,
+            Wrap::Mirror => 1.0 - (at.rem_euclid(2.0) - 1.0).abs(),
+        };
+        let corner = match centre {
+            TexelCentre::Half => 0.0,
+            TexelCentre::Integer => 0.5,
+        };
+        inside * f64::from(finest) / (1_u64 << level.min(63)) as f64 + corner
+    }
 }
 
 /// The two texels around a coordinate and the share of the second.
 fn taps(coordinate: f64, size: u32, wrap: Wrap) -> (usize, usize, f64) {
-    let at = coordinate * f64::from(size) - 0.5;
+    let at = coordinate - 0.5;
     let first = at.floor();
     (wrapped(first, size, wrap), wrapped(first + 1.0, size, wrap), at - first)
 }
@@ -93,14 +139,14 @@ fn texel(image: &Image, column: usize, row: usize) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_signals::Sampler;
+    use basrelief_signals::Sampler as Modes;
 
     fn gray(width: u32, height: u32, values: &[u8]) -> Image {
         Image { width, height, texels: values.iter().map(|&v| [v, v, v, 255]).collect() }
     }
 
     fn ramp(wrap: Wrap) -> Texture {
-        let sampler = Sampler { wrap: [wrap; 2], ..Sampler::default() };
+        let sampler = Modes { wrap: [wrap; 2], ..Modes::default() };
         let levels = vec![gray(4, 1, &[0, 51, 102, 153]), gray(2, 1, &[0, 255]), gray(1, 1, &[204])];
         Texture { id: 0, name: String::new(), sampler, levels, offset: 0 }
     }
@@ -108,7 +154,15 @@ mod tests {
     /// Value in fifths at column coordinate `u` \[texels of level 0\], footprint `step` texels wide.
     fn fifths(texture: &Texture, filter: TextureFilter, u: f64, step: f64) -> f64 {
         let at = Footprint { at: DVec2::new(u / 4.0, 0.5), right: DVec2::new(step / 4.0, 0.0), down: DVec2::ZERO };
-        sample(texture, filter, &at).x * 5.0
+        sample(texture, &Options { filter, ..Options::default() }, &at).x * 5.0
+    }
+
+    /// As [`fifths`], in any way, with any footprint \[texels of level 0\].
+    fn fifths_by(texture: &Texture, options: Options, u: f64, right: [f64; 2], down: [f64; 2]) -> f64 {
+        let finest = &texture.levels[0];
+        let size = DVec2::new(f64::from(finest.width), f64::from(finest.height));
+        let at = Footprint { at: DVec2::new(u, 0.5) / size, right: DVec2::from(right) / size, down: DVec2::from(down) / size };
+        sample(texture, &options, &at).x * 5.0
     }
 
     #[test]
@@ -142,12 +196,77 @@ mod tests {
         assert!((at(2.0 * std::f64::consts::SQRT_2) - 0.5 * (1.25 + 4.0)).abs() < 1e-9);
     }
 
+    const FILTERS: [TextureFilter; 6] = [
+        TextureFilter::Nearest,
+        TextureFilter::Bilinear,
+        TextureFilter::Trilinear,
+        TextureFilter::NearestMipNearest,
+        TextureFilter::BilinearMipNearest,
+        TextureFilter::NearestMipLinear,
+    ];
+
+    const TILED: Pyramid = Pyramid::Tiled { tile: [1, 1], centre: TexelCentre::Half };
+
+    #[test]
+    fn one_level_is_the_nearest_one_and_the_finer_half_way() {
+        let texture = ramp(Wrap::Clamp);
+        let half_way = std::f64::consts::SQRT_2;
+        let (below, above) = (half_way * 0.999, half_way * 1.001);
+        let nearest = |step| fifths(&texture, TextureFilter::NearestMipNearest, 3.2, step);
+        assert_eq!([0.0, 1.0, below, above, 2.0, 4.0, 1e9].map(nearest), [3.0, 3.0, 3.0, 5.0, 5.0, 4.0, 4.0]);
+        assert_eq!((nearest_level(0.5), nearest_level(1.5), nearest_level(0.0)), (0, 1, 0));
+        let bilinear = |step| fifths(&texture, TextureFilter::BilinearMipNearest, 1.5, step);
+        assert!((bilinear(below) - 1.0).abs() < 1e-12 && (bilinear(above) - 1.25).abs() < 1e-12);
+        let blended = fifths(&texture, TextureFilter::NearestMipLinear, 3.2, half_way);
+        assert!((blended - 4.0).abs() < 1e-9, "half of 3 and half of 5: {blended}");
+    }
+
+    #[test]
+    fn the_mip_map_selector_looks_along_the_scan_line_only() {
+        let texture = ramp(Wrap::Clamp);
+        let by = |level| move |right, down| fifths_by(&texture, Options { level, ..Options::default() }, 1.5, right, down);
+        let scan_line = by(LevelRule::AlongScanLine);
+        assert!((scan_line([2.0, 0.0], [1e6, 1e6]) - 1.25).abs() < 1e-12, "level 1, whatever changes downwards");
+        assert!((scan_line([-4.0, 0.1], [0.0, 0.0]) - 4.0).abs() < 1e-12);
+        assert!((scan_line([2.0, 2.0], [0.0, 0.0]) - 1.25).abs() < 1e-12, "the larger component, not the length");
+        assert!((scan_line([0.0, 0.0], [9.0, 9.0]) - 1.0).abs() < 1e-12, "no change at all: level 0");
+    }
+
+    /// A row of five texels: levels of 5, 3, 2 and 1 where sides are rounded up.
+    fn five(centre: TexelCentre, wrap: Wrap) -> (Texture, Options) {
+        let sampler = Modes { wrap: [wrap; 2], ..Modes::default() };
+        let levels = [&[0, 10, 20, 30, 40][..], &[5, 25, 40], &[15, 40], &[28]].map(|v| gray(v.len() as u32, 1, v));
+        let options = Options { pyramid: Pyramid::Tiled { tile: [1, 1], centre }, ..Options::default() };
+        (Texture { id: 0, name: String::new(), sampler, levels: levels.into(), offset: 0 }, options)
+    }
+
+    #[test]
+    fn in_a_tiled_pyramid_texels_of_level_k_are_two_to_the_k_finest_ones_wide() {
+        let value = |centre, wrap, u, step| {
+            let (texture, options) = five(centre, wrap);
+            fifths_by(&texture, options, u, [step, 0.0], [0.0, 0.0]) * 51.0
+        };
+        let half = |u, step| value(TexelCentre::Half, Wrap::Clamp, u, step);
+        assert!((half(1.0, 2.0) - 5.0).abs() < 1e-9 && (half(3.0, 2.0) - 25.0).abs() < 1e-9, "middles of level 1");
+        assert!((half(2.0, 2.0) - 15.0).abs() < 1e-9 && (half(5.0, 2.0) - 40.0).abs() < 1e-9);
+        let integer = |u, step| value(TexelCentre::Integer, Wrap::Clamp, u, step);
+        assert!((integer(2.0, 2.0) - 25.0).abs() < 1e-9, "texel 1 of level 1, half a texel aside");
+        assert!((integer(3.0, 1.0) - 30.0).abs() < 1e-9);
+        // The seam of a texture that repeats: half of the last texel and half of the first, on every level.
+        let seam = value(TexelCentre::Half, Wrap::Repeat, 0.0, 2.0);
+        assert!((seam - 22.5).abs() < 1e-9, "{seam}");
+        assert!((value(TexelCentre::Half, Wrap::Repeat, 5.0 + 3.0, 2.0) - 25.0).abs() < 1e-9, "one turn on");
+        assert!((value(TexelCentre::Half, Wrap::Mirror, 10.0 - 3.0, 2.0) - 25.0).abs() < 1e-9, "and mirrored");
+        assert!((value(TexelCentre::Half, Wrap::Mirror, -3.0, 2.0) - 25.0).abs() < 1e-9);
+    }
+
     #[test]
     fn senseless_input_is_harmless() {
         let mut texture = ramp(Wrap::Mirror);
         for u in [f64::NAN, f64::INFINITY, -1e300] {
-            for filter in [TextureFilter::Nearest, TextureFilter::Bilinear, TextureFilter::Trilinear] {
+            for filter in FILTERS {
                 let _ = fifths(&texture, filter, u, u);
+                let _ = fifths_by(&texture, Options { filter, pyramid: TILED, ..Options::default() }, u, [u, u], [u, u]);
             }
         }
         texture.levels[0].texels.clear();

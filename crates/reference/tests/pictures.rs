@@ -56,7 +56,7 @@ fn scene_and_polygons_agree_to_60_db() {
     assert!(scene.objects[0].mesh.indices.len() / 3 > 2 * 8192, "more than one batch");
     for filter in [TextureFilter::Nearest, TextureFilter::Bilinear, TextureFilter::Trilinear] {
         for components in [Components::Combined, Components::Separate] {
-            let options = Options { filter, components, two_sided_lighting: false };
+            let options = Options { filter, components, ..Options::default() };
             let (exact, other) = (draw_scene(&scene, &frame, &options), from_polygons(&scene, &frame, &options));
             let db = psnr(&exact, &other).expect("same size");
             assert!(covered(&exact) > 20_000 && db >= 60.0, "{options:?}: {db} dB");

@@ -17,7 +17,7 @@ const SIDE: u32 = 64;
 
 /// Colours as the shading device makes them: highlights white, no textures.
 fn plain(shading: Shading) -> Style {
-    let options = Options { filter: TextureFilter::None, components: Components::Separate, two_sided_lighting: false };
+    let options = Options { filter: TextureFilter::None, components: Components::Separate, ..Options::default() };
     Style { shading, options }
 }
 

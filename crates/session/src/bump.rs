@@ -35,6 +35,7 @@ impl Device for BumpProcessorConfig {
                 Components::Separate => reference::Components::Separate,
             },
             two_sided_lighting: self.geometry.two_sided_lighting,
+            ..Options::default()
         };
         options.into()
     }

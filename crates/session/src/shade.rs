@@ -34,6 +34,7 @@ impl Device for ShadeConfig {
             filter: TextureFilter::None,
             components: Components::Separate,
             two_sided_lighting: self.geometry.two_sided_lighting,
+            ..Options::default()
         };
         Style { shading: Shading::Phong, options }
     }

@@ -1,0 +1,89 @@
+//! The pyramid of the rate-limited renderer.
+
+use crate::{Options, Pyramid};
+use basrelief_signals::{Image, Texture};
+use std::sync::Arc;
+
+/// Textures with the levels that the picture asks for; each is made once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pyramids(Vec<(Arc<Texture>, Arc<Texture>)>);
+
+impl Pyramids {
+    /// The texture as it is sampled. The options are the same in every call.
+    pub fn of(&mut self, texture: &Arc<Texture>, options: &Options) -> Arc<Texture> {
+        let Pyramid::Tiled { tile, .. } = options.pyramid else { return Arc::clone(texture) };
+        if let Some((_, made)) = self.0.iter().find(|(given, _)| Arc::ptr_eq(given, texture)) {
+            return Arc::clone(made);
+        }
+        let levels = texture.levels.first().map_or_else(Vec::new, |finest| tiled(finest.clone(), tile));
+        let made = Arc::new(Texture { name: texture.name.clone(), levels, ..**texture });
+        self.0.push((Arc::clone(texture), Arc::clone(&made)));
+        made
+    }
+}
+
+/// Levels from the finest to the first that fits in one tile.
+fn tiled(finest: Image, [columns, rows]: [u32; 2]) -> Vec<Image> {
+    let mut levels = Vec::new();
+    let mut last = finest;
+    while last.width > columns.max(1) || last.height > rows.max(1) {
+        let next = halved(&last);
+        levels.push(std::mem::replace(&mut last, next));
+    }
+    levels.push(last);
+    levels
+}
+
+fn halved(image: &Image) -> Image {
+    let (width, height) = (image.width.div_ceil(2), image.height.div_ceil(2));
+    let texel = |x: u32, y: u32| {
+        let at = y.min(image.height - 1) as usize * image.width as usize + x.min(image.width - 1) as usize;
+        image.texels.get(at).copied().unwrap_or([255; 4]).map(u16::from)
+    };
+    let mean = |x: u32, y: u32| {
+        let four = [texel(2 * x, 2 * y), texel(2 * x + 1, 2 * y), texel(2 * x, 2 * y + 1), texel(2 * x + 1, 2 * y + 1)];
+        std::array::from_fn(|channel| ((four.iter().map(|t| t[channel]).sum::<u16>() + 2) >> 2) as u8)
+    };
+    let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| mean(x, y)).collect();
+    Image { width, height, texels }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::TexelCentre;
+
+    fn image(width: u32, height: u32) -> Image {
+        Image { width, height, texels: (0..width * height).map(|i| [i as u8; 4]).collect() }
+    }
+
+    /// The example of the page on the renderer.
+    #[test]
+    fn layers_of_700_by_300_texels_fit_in_one_tile_at_the_top() {
+        let sizes: Vec<_> = tiled(image(700, 300), [64, 64]).iter().map(|l| (l.width, l.height)).collect();
+        assert_eq!(sizes, [(700, 300), (350, 150), (175, 75), (88, 38), (44, 19)]);
+        assert_eq!(tiled(image(64, 64), [64, 64]).len(), 1);
+        assert_eq!(tiled(image(65, 1), [64, 64]).len(), 2);
+    }
+
+    #[test]
+    fn an_odd_edge_repeats_its_last_texel() {
+        let levels = tiled(image(3, 3), [1, 1]);
+        // Texels are numbered row by row: 0 1 2 / 3 4 5 / 6 7 8.
+        assert_eq!(levels[1].texels.iter().map(|t| t[0]).collect::<Vec<_>>(), [2, 4, 7, 8]);
+        assert_eq!(levels[2].texels, [[5; 4]], "(2 + 4 + 7 + 8 + 2) >> 2");
+    }
+
+    #[test]
+    fn a_pyramid_is_made_once_and_given_levels_are_taken_as_they_are() {
+        let texture = Texture { id: 3, name: "t".into(), sampler: Default::default(), levels: vec![image(9, 2)], offset: 7 };
+        let texture = Arc::new(texture);
+        let mut pyramids = Pyramids::default();
+        assert!(Arc::ptr_eq(&pyramids.of(&texture, &Options::default()), &texture));
+        let pyramid = Pyramid::Tiled { tile: [4, 4], centre: TexelCentre::Half };
+        let options = Options { pyramid, ..Options::default() };
+        let made = pyramids.of(&texture, &options);
+        assert_eq!(made.levels.len(), 3);
+        assert!(Arc::ptr_eq(&pyramids.of(&texture, &options), &made));
+    }
+}
