@@ -49,6 +49,15 @@ pub(crate) enum Lamp {
     Point(DVec3),
 }
 
+/// How far the light turns, where the user does not say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum LightOrbit {
+    /// By this angle over all frames \[degrees\].
+    Degrees(f64),
+    /// With the camera: the model turns under a light that stands.
+    WithCamera,
+}
+
 /// What a model or a demo says about its view.
 pub(crate) struct Setting {
     /// Around all vertices, in the world.
@@ -59,14 +68,16 @@ pub(crate) struct Setting {
     pub lamps: Vec<(Lamp, f64)>,
     /// Frames, where the user does not say.
     pub frames: u32,
-    /// Orbit of the light \[degrees\], where the user does not say.
-    pub light_orbit: f64,
+    /// Orbit of the camera over all frames \[degrees\], where the user does not say.
+    pub orbit: f64,
+    /// Orbit of the light, where the user does not say.
+    pub light_orbit: LightOrbit,
 }
 
 impl Setting {
     /// The setting of a model without animation.
     pub(crate) fn still(bounds: Bounds, camera: Option<Viewpoint>, lamps: Vec<(Lamp, f64)>) -> Self {
-        Self { bounds, camera, lamps, frames: 1, light_orbit: 0.0 }
+        Self { bounds, camera, lamps, frames: 1, orbit: 0.0, light_orbit: LightOrbit::Degrees(0.0) }
     }
 
     /// All frames, in order.
@@ -84,8 +95,12 @@ impl Setting {
         if !(1..=MAX_FRAMES).contains(&count) {
             return Err(SceneError::at("frames", count.to_string()).expected(format!("1..={MAX_FRAMES}")));
         }
-        let orbit = finite(options.orbit_degrees.unwrap_or(0.0), "orbit")?;
-        let light_orbit = finite(options.light_orbit_degrees.unwrap_or(self.light_orbit), "light-orbit")?;
+        let orbit = finite(options.orbit_degrees.unwrap_or(self.orbit), "orbit")?;
+        let own_light_orbit = match self.light_orbit {
+            LightOrbit::Degrees(degrees) => degrees,
+            LightOrbit::WithCamera => orbit,
+        };
+        let light_orbit = finite(options.light_orbit_degrees.unwrap_or(own_light_orbit), "light-orbit")?;
         let view = self.first_view(options)?;
         let lamps = self.first_lamps(options)?;
         let frame = |index: u32| {
@@ -210,6 +225,21 @@ mod tests {
         let turned = DVec3::from_array(frames[1].camera.to_light);
         assert!((turned - DVec3::X).length() < 1e-12, "{turned:?}");
         assert_eq!(frames[0].camera.view_projection, frames[1].camera.view_projection);
+    }
+
+    #[test]
+    fn a_model_that_turns_is_lit_from_where_the_camera_stands() {
+        let turning = Setting { frames: 4, orbit: 360.0, light_orbit: LightOrbit::WithCamera, ..setting(vec![]) };
+        let seen_by_the_camera = |options: ViewOptions| {
+            let frames = turning.frames(&options).unwrap();
+            let angle = |v: [f64; 3]| libm::atan2(v[0], v[2]).to_degrees();
+            frames.iter().map(|f| (angle(f.camera.to_light) - angle(f.camera.to_viewer)).rem_euclid(360.0).round()).collect()
+        };
+        let own: Vec<f64> = seen_by_the_camera(ViewOptions::default());
+        assert_eq!(own, [own[0]; 4]);
+        assert_eq!(seen_by_the_camera(ViewOptions { orbit_degrees: Some(90.0), ..ViewOptions::default() }), own);
+        let standing: Vec<f64> = seen_by_the_camera(ViewOptions { light_orbit_degrees: Some(0.0), ..ViewOptions::default() });
+        assert_ne!(standing[1], own[1]);
     }
 
     #[test]

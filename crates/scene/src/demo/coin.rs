@@ -4,6 +4,7 @@ use super::framing;
 use super::lettering::{distance, width};
 use super::pattern::{noise, smoothstep};
 use super::stage::{Grid, PI, Point, Stage, Workshop};
+use crate::view::LightOrbit;
 use basrelief_signals::Mesh;
 use glam::{DMat4, DVec2, DVec3};
 
@@ -23,7 +24,7 @@ pub(super) fn build() -> Stage {
     shop.place("face", disc(), DMat4::IDENTITY, &face);
     shop.place("edge", rim(), DMat4::IDENTITY, &edge);
     let stage = shop.stage(framing([-0.72, -THICKNESS, -0.72], [0.72, 0.0, 0.72], 0.0, 52.0), [-0.75, 0.75, 0.45]);
-    Stage { frames: 8, light_orbit: 360.0, ..stage }
+    Stage { frames: 8, light_orbit: LightOrbit::Degrees(360.0), ..stage }
 }
 
 /// The upper side: rings around the centre, u to the right and v to the front.

@@ -2,16 +2,20 @@
 
 mod brick;
 mod coin;
+mod corridor;
 mod cut_plane;
 mod ellipsoid;
+mod gallery;
 mod goblet;
 mod golf_ball;
 mod lettering;
 mod mixed;
+mod paintings;
 mod pattern;
 mod sphere;
 mod spline;
 mod stage;
+mod turntable;
 
 use crate::camera::{Bounds, Viewpoint};
 use crate::model::bounds;
@@ -34,7 +38,7 @@ pub struct DemoInfo {
     pub name: &'static str,
     /// What it shows, in a sentence.
     pub about: &'static str,
-    /// The machine whose work it shows: `bump` or `shade`. Any other draws it, too.
+    /// The machine whose work it shows: `bump`, `shade`, `texel` or `defer`. Any other draws it, too.
     pub machine: &'static str,
     build: Build,
 }
@@ -50,6 +54,14 @@ enum Build {
 impl DemoInfo {
     const fn bump(name: &'static str, about: &'static str, build: fn() -> Stage) -> Self {
         Self { name, about, machine: "bump", build: Build::Fixed(build) }
+    }
+
+    const fn texel(name: &'static str, about: &'static str, build: fn() -> Stage) -> Self {
+        Self { name, about, machine: "texel", build: Build::Fixed(build) }
+    }
+
+    const fn defer(name: &'static str, about: &'static str, build: fn() -> Stage) -> Self {
+        Self { name, about, machine: "defer", build: Build::Fixed(build) }
     }
 
     const fn shade(name: &'static str, about: &'static str, build: fn(u32) -> Stage) -> Self {
@@ -110,6 +122,13 @@ pub const DEMOS: &[DemoInfo] = &[
         cut_plane::build,
     ),
     DemoInfo::shade("goblet", "A spline surface of revolution with narrow highlights; tessellation as above.", goblet::build),
+    DemoInfo::texel("corridor", "A corridor with checkered floor, walls and ceiling, to the vanishing point.", corridor::build),
+    DemoInfo::texel("turntable", "A box with a picture on every side, turning close to the eye.", turntable::build),
+    DemoInfo::defer(
+        "gallery",
+        "A hall with many large pictures, most of them hidden, oblique or far; `--frames` walks around in it.",
+        gallery::build,
+    ),
 ];
 
 /// Builds a demo scene, by its name or as `NAME@N` with tessellation N. What the options leave open is the demo's choice.
@@ -128,6 +147,7 @@ pub fn demo(name: &str, options: &ViewOptions) -> Result<Scene, SceneError> {
         camera: Some(stage.camera),
         lamps: vec![(Lamp::Directional(stage.to_light), 1.0)],
         frames: stage.frames,
+        orbit: stage.orbit,
         light_orbit: stage.light_orbit,
     };
     Ok(Scene { name: name.into(), frames: setting.frames(options)?, objects: stage.objects, warnings: Vec::new() })
@@ -207,7 +227,10 @@ mod tests {
     #[test]
     fn an_unknown_demo_is_told_the_known_ones() {
         let error = demo("bricks", &ViewOptions::default()).unwrap_err().to_string();
-        assert!(error.contains("golf-ball, coin, brick, mixed, sphere, ellipsoid, cut-plane, goblet"), "{error}");
+        assert!(
+            error.contains("golf-ball, coin, brick, mixed, sphere, ellipsoid, cut-plane, goblet, corridor, turntable, gallery"),
+            "{error}"
+        );
     }
 
     fn triangles(scene: &Scene) -> usize {
@@ -247,6 +270,49 @@ mod tests {
             }
         }
         assert_eq!(triangles(&demo("goblet", &ViewOptions::default()).unwrap()), 6_864);
+    }
+
+    /// Polygons in front of the near plane and behind it, texture coordinates in the hundreds.
+    #[test]
+    fn the_corridor_begins_behind_the_eye_and_repeats_its_texture_a_thousand_times() {
+        let scene = demo("corridor", &ViewOptions::default()).unwrap();
+        let camera = glam::DMat4::from_cols_array(&scene.frames[0].camera.view_projection).transpose();
+        for object in scene.objects.iter().filter(|o| o.material.color_texture.is_some()) {
+            let mesh = &object.mesh;
+            let w: Vec<f64> = mesh.positions.iter().map(|p| (camera * vector(*p).extend(1.0)).w).collect();
+            assert!(w.iter().any(|w| *w < 0.0) && w.iter().any(|w| *w > 1000.0), "{}", object.name);
+            assert!(mesh.uv.iter().flatten().any(|c| c.abs() >= 999.0), "{}", object.name);
+        }
+    }
+
+    #[test]
+    fn the_turntable_turns_once_under_a_standing_light() {
+        let frames = |options: &ViewOptions| demo("turntable", options).unwrap().frames;
+        let own = frames(&ViewOptions::default());
+        let asked = frames(&ViewOptions { frames: Some(3), ..ViewOptions::default() });
+        assert_eq!((own.len(), asked.len()), (8, 3));
+        let side = |f: &basrelief_signals::Frame| libm::atan2(f.camera.to_viewer[0], f.camera.to_viewer[2]).to_degrees();
+        assert!(((side(&asked[1]) - side(&asked[0])).rem_euclid(360.0) - 120.0).abs() < 1e-9);
+        let scene = demo("turntable", &ViewOptions::default()).unwrap();
+        let positions: Vec<_> = scene.objects.iter().flat_map(|o| &o.mesh.positions).map(|p| vector(*p).extend(1.0)).collect();
+        let cameras = own.iter().map(|f| glam::DMat4::from_cols_array(&f.camera.view_projection).transpose());
+        let nearest = cameras.flat_map(|camera| positions.iter().map(move |p| (camera * *p).w));
+        assert!(nearest.fold(f64::INFINITY, f64::min) < 0.8, "close to the eye");
+    }
+
+    /// What the rate-limited renderer is for.
+    #[test]
+    fn the_gallery_has_many_large_pictures_of_all_sizes_and_plain_polygons() {
+        let scene = demo("gallery", &ViewOptions { frames: Some(12), ..ViewOptions::default() }).unwrap();
+        let pictures: Vec<_> = scene.objects.iter().filter_map(|o| o.material.color_texture.as_ref()).collect();
+        let sizes: Vec<_> = pictures.iter().map(|t| (t.levels[0].width, t.levels[0].height)).collect();
+        assert!(pictures.len() >= 30 && scene.objects.iter().any(|o| o.material.color_texture.is_none()));
+        assert!(sizes.iter().any(|(w, h)| w > h) && sizes.iter().any(|(w, h)| w < h) && sizes.iter().any(|(w, h)| w == h));
+        assert!(sizes.iter().filter(|(w, h)| !w.is_power_of_two() || !h.is_power_of_two()).count() > 10);
+        assert!(sizes.iter().any(|(w, _)| w % 2 == 1) && sizes.iter().any(|(w, h)| w * h > 500_000));
+        let mut eyes: Vec<_> = scene.frames.iter().map(|f| f.camera.to_viewer.map(|c| (c * 1e6).round() as i64)).collect();
+        eyes.dedup();
+        assert_eq!(eyes.len(), 12, "it walks around");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::camera::Viewpoint;
 use crate::pyramid::{HeightMap, color_levels, height_levels, normal_levels};
 use crate::textures::{Content, TextureStore};
+use crate::view::LightOrbit;
 use basrelief_signals::{Filter, Image, Lighting, Material, Mesh, Object, Sampler, Texture, Wrap};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
@@ -14,8 +15,9 @@ pub(super) struct Stage {
     /// Unit direction.
     pub to_light: DVec3,
     pub frames: u32,
-    /// Degrees over all frames.
-    pub light_orbit: f64,
+    /// Of the camera \[degrees over all frames\].
+    pub orbit: f64,
+    pub light_orbit: LightOrbit,
 }
 
 /// A point of a surface.
@@ -80,6 +82,23 @@ impl Grid {
     }
 }
 
+/// A flat rectangle of two triangles, from its upper left corner as seen from its front. Texture coordinates are `uv[0]`
+/// there and `uv[1]` in the opposite corner.
+pub(super) fn rectangle(corner: DVec3, right: DVec3, down: DVec3, uv: [[f64; 2]; 2]) -> Mesh {
+    let normal = down.cross(right).normalize_or_zero();
+    let tangent = right.normalize_or_zero();
+    let between = |axis: usize, share: f64| uv[0][axis] + share * (uv[1][axis] - uv[0][axis]);
+    Grid::open(1, 1).mesh(|s, t| Point {
+        position: corner + right * s + down * t,
+        normal,
+        tangent,
+        uv: [between(0, s), between(1, t)],
+    })
+}
+
+/// Texture coordinates of a rectangle that shows its texture once.
+pub(super) const WHOLE: [[f64; 2]; 2] = [[0.0, 0.0], [1.0, 1.0]];
+
 /// Adds the triangles of another mesh, whose optional arrays are those of the first.
 pub(super) fn append(mesh: &mut Mesh, part: Mesh) {
     let first = mesh.positions.len() as u32;
@@ -141,13 +160,22 @@ impl Workshop {
 
     /// A repeating colour texture; components 0..=1.
     pub(super) fn colors(&mut self, name: &str, size: [u32; 2], at: impl Fn(f64, f64) -> DVec3) -> Arc<Texture> {
+        self.colors_as(name, size, [Wrap::Repeat; 2], at)
+    }
+
+    /// A picture that ends at its edges; components 0..=1.
+    pub(super) fn picture(&mut self, name: &str, size: [u32; 2], at: impl Fn(f64, f64) -> DVec3) -> Arc<Texture> {
+        self.colors_as(name, size, [Wrap::Clamp; 2], at)
+    }
+
+    fn colors_as(&mut self, name: &str, size: [u32; 2], wrap: [Wrap; 2], at: impl Fn(f64, f64) -> DVec3) -> Arc<Texture> {
         let texel = |c: DVec3| {
             let [r, g, b] = (c.clamp(DVec3::ZERO, DVec3::ONE) * 255.0).round().to_array().map(|c| c as u8);
             [r, g, b, 255]
         };
         let texels = texel_centres(size[0], size[1]).map(|[u, v]| texel(at(u, v))).collect();
         let levels = color_levels(Image { width: size[0], height: size[1], texels });
-        self.store.add(name, sampler([Wrap::Repeat; 2]), Content::Color, levels)
+        self.store.add(name, sampler(wrap), Content::Color, levels)
     }
 
     /// A material of this colour and these textures.
@@ -166,6 +194,13 @@ impl Workshop {
     pub(super) fn lacquer(&mut self, name: &str, color: [f32; 3], lighting: Lighting) -> Arc<Material> {
         let material = self.untextured(name, color);
         Arc::new(Material { lighting, ..material })
+    }
+
+    /// A dull material of this colour, under this texture.
+    pub(super) fn dull(&mut self, name: &str, color: [f32; 3], color_texture: Option<Arc<Texture>>) -> Arc<Material> {
+        let material = self.untextured(name, color);
+        let lighting = Lighting { ka: 0.55, kd: 0.45, ks: 0.0, n: 1.0 };
+        Arc::new(Material { color_texture, lighting, ..material })
     }
 
     fn untextured(&mut self, name: &str, [r, g, b]: [f32; 3]) -> Material {
@@ -210,7 +245,7 @@ impl Workshop {
     /// The finished stage, one frame, under a light from this direction.
     pub(super) fn stage(self, camera: Viewpoint, to_light: [f64; 3]) -> Stage {
         let to_light = DVec3::from_array(to_light).normalize_or(DVec3::Y);
-        Stage { objects: self.objects, camera, to_light, frames: 1, light_orbit: 0.0 }
+        Stage { objects: self.objects, camera, to_light, frames: 1, orbit: 0.0, light_orbit: LightOrbit::Degrees(0.0) }
     }
 }
 
