@@ -8,8 +8,10 @@
 
 pub mod config;
 pub mod frame_buffer;
+pub mod pixel_buffer;
 pub mod video_out;
 
 pub use config::{FrameBufferConfig, VideoOutConfig};
 pub use frame_buffer::{FinishedFrame, FrameBuffer, FrameBufferCounters, FrameBufferState, FrameDone};
+pub use pixel_buffer::{PixelBuffer, PixelBufferCounters, ShownPicture};
 pub use video_out::{VideoOut, VideoOutState};

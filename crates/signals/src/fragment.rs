@@ -1,8 +1,10 @@
 //! What travels between the units behind the rasterizer. Tokens are small; what is constant over a polygon travels
 //! once, in the control token ahead of its fragments.
 
+use crate::Frame;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
+use std::sync::Arc;
 
 /// Most pseudo-normals per fragment: eight MIP levels, or two levels of four texels.
 pub const MAX_SAMPLES: usize = 8;
@@ -104,4 +106,29 @@ pub struct Pixel {
     pub z: u32,
     /// Final colour, 8 bits each.
     pub rgb: [u8; 3],
+}
+
+/// Pixels of one 4 x 4 block of the picture, in a token as wide as that.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PixelBlock {
+    /// Column and row of the block \[blocks of 4 x 4 pixels\].
+    pub at: [u16; 2],
+    /// Which pixels are meant: bit 4 * row + column.
+    pub mask: u16,
+    /// Colours, 8 bits each, by the number of their bit.
+    pub rgb: [[u8; 3]; 16],
+}
+
+/// What a buffer takes that shows one picture of a frame after the other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PictureFlow {
+    /// A frame begins.
+    Frame(Arc<Frame>),
+    /// Final colours of pixels.
+    Pixels(PixelBlock),
+    /// The picture is complete, to be shown; whether it is the last of its frame.
+    Show {
+        /// No better one follows.
+        last: bool,
+    },
 }

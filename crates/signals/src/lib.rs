@@ -22,8 +22,8 @@ pub mod quantization_memory;
 
 pub use flow::{Control, Flow};
 pub use fragment::{
-    Fragment, Index, Indexes, MAX_SAMPLES, MAX_STAMP, Pixel, PseudoNormal, PseudoNormals, Samples, Shaded, Stamp,
-    samples_per_item,
+    Fragment, Index, Indexes, MAX_SAMPLES, MAX_STAMP, PictureFlow, Pixel, PixelBlock, PseudoNormal, PseudoNormals, Samples,
+    Shaded, Stamp, samples_per_item,
 };
 pub use model::{
     Camera, Draw, Filter, Frame, Image, Light, LightKind, Lighting, MAX_PICTURE_PIXELS, Material, Mesh, Object, Sampler, Scene,

@@ -1,0 +1,109 @@
+//! Figure 6: which tiles of the tile load list (136) are loaded, and which are synthesized.
+
+use crate::Page;
+
+/// State of a tile in the tile load list (136), 2 bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TileState {
+    /// N: not present.
+    #[default]
+    NotPresent,
+    /// L: to be loaded.
+    Load,
+    /// E: exists.
+    Exists,
+}
+
+impl TileState {
+    /// The patent's letter.
+    pub fn letter(self) -> char {
+        match self {
+            Self::NotPresent => 'N',
+            Self::Load => 'L',
+            Self::Exists => 'E',
+        }
+    }
+}
+
+/// How a tile comes about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum How {
+    /// Over the path.
+    Loaded,
+    /// Averaged from its sources in the layer below it (the next finer one).
+    Synthesized,
+}
+
+/// A tile that is acquired.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Acquired {
+    /// Its number in its texture.
+    pub tile: u32,
+    /// How.
+    pub how: How,
+}
+
+/// Tile load list (136) of one page.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TileList {
+    states: Vec<TileState>,
+    /// Tiles in state L.
+    waiting: u32,
+}
+
+impl TileList {
+    /// All tiles N.
+    pub fn new(tiles: u32) -> Self {
+        Self { states: vec![TileState::NotPresent; tiles as usize], waiting: 0 }
+    }
+
+    /// States, in order of tile number.
+    pub fn states(&self) -> &[TileState] {
+        &self.states
+    }
+
+    /// Marks a tile: N becomes L. E stays E (taken literally, steps [0100] and [0148] would load it anew). Whether it was N.
+    #[inline]
+    pub fn mark(&mut self, tile: u32) -> bool {
+        let state = &mut self.states[tile as usize];
+        let new = *state == TileState::NotPresent;
+        if new {
+            *state = TileState::Load;
+            self.waiting += 1;
+        }
+        new
+    }
+
+    /// A new viewpoint: L becomes N again.
+    pub fn forget(&mut self) {
+        for state in self.states.iter_mut().filter(|s| **s == TileState::Load) {
+            *state = TileState::NotPresent;
+        }
+        self.waiting = 0;
+    }
+
+    /// Figure 6: from layer Dmax down to 0, every tile in state L is loaded, or synthesized where all its sources exist. Then
+    /// it exists. In order; a tile comes behind the tiles it is made of.
+    ///
+    /// A layer ends in front of the first tile of the next finer one (the text says behind it).
+    pub fn acquire(&mut self, page: &Page) -> Vec<Acquired> {
+        let mut all = Vec::new();
+        if self.waiting == 0 {
+            return all;
+        }
+        for layer in page.layers.iter().rev() {
+            for tile in layer.base..layer.base + layer.pitch * layer.rows {
+                if self.states[tile as usize] != TileState::Load {
+                    continue;
+                }
+                let sources = page.sources(tile);
+                let exist = |t: &u32| self.states[*t as usize] == TileState::Exists;
+                let how = if !sources.is_empty() && sources.iter().all(exist) { How::Synthesized } else { How::Loaded };
+                self.states[tile as usize] = TileState::Exists;
+                all.push(Acquired { tile, how });
+            }
+        }
+        self.waiting = 0;
+        all
+    }
+}

@@ -1,0 +1,171 @@
+//! Cell of the reference buffer (126), Figures 3A and 3B, and the number formats of its fields.
+
+use crate::config::{CellConfig, NumberFormat};
+use crate::page::Page;
+
+/// What a pixel of the reference buffer (126) holds. Numbers are those that its fields can hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Texture page pointer (310), or one of the two below.
+    page: u16,
+    /// Brightness coefficients IR IG IB (316), or R G B (303) in steps of 1 / 255.
+    coefficients: [u16; 3],
+    /// Texture coordinates S, T (312) \[texels of the finest layer\].
+    pub coordinates: [f32; 2],
+    /// Layer depth D (314).
+    pub depth: f32,
+}
+
+/// Nothing was drawn.
+const EMPTY: u16 = u16::MAX;
+/// Field (301) is 0: direct colour.
+const DIRECT: u16 = u16::MAX - 1;
+
+impl Default for Cell {
+    fn default() -> Self {
+        Self { page: EMPTY, coefficients: [0; 3], coordinates: [0.0; 2], depth: 0.0 }
+    }
+}
+
+impl Cell {
+    /// Figure 3A: direct colour, already multiplied by its brightness.
+    #[inline]
+    pub fn direct(rgb: [u8; 3]) -> Self {
+        Self { page: DIRECT, coefficients: rgb.map(u16::from), ..Self::default() }
+    }
+
+    /// Figure 3B: a textured pixel.
+    #[inline]
+    pub fn textured(page: u16, coordinates: [f32; 2], depth: f32, coefficients: [u16; 3]) -> Self {
+        Self { page, coefficients, coordinates, depth }
+    }
+
+    /// Whether anything was drawn.
+    #[inline]
+    pub fn is_drawn(&self) -> bool {
+        self.page != EMPTY
+    }
+
+    /// Texture page pointer (310) of a textured pixel.
+    #[inline]
+    pub fn page(&self) -> Option<u16> {
+        (self.page < DIRECT).then_some(self.page)
+    }
+
+    /// R G B (303); meaningful where there is no page.
+    #[inline]
+    pub fn rgb(&self) -> [u8; 3] {
+        self.coefficients.map(|c| c as u8)
+    }
+
+    /// Brightness coefficients IR IG IB (316) as they are stored.
+    #[inline]
+    pub fn coefficients(&self) -> [u16; 3] {
+        self.coefficients
+    }
+}
+
+/// Most pages that a cell can point to.
+pub fn most_pages(bits: u32) -> usize {
+    (1usize << bits.min(16)).min(usize::from(DIRECT))
+}
+
+/// Formats of the fields, ready for use.
+#[derive(Clone, Debug)]
+pub struct CellFormat {
+    coordinate: Rounding,
+    depth: Rounding,
+    /// Largest stored coefficient.
+    full: f32,
+    /// Brightness that it stands for.
+    pub range: f32,
+    /// Bytes of a cell in memory.
+    pub bytes: u32,
+}
+
+/// How a number is rounded to its field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rounding {
+    /// Steps per unit and largest magnitude.
+    Fixed(f64, f64),
+    /// Bits of the fraction of single precision that are lost.
+    Float(u32),
+}
+
+impl Rounding {
+    fn new(format: NumberFormat, bits: u32, fraction_bits: u32) -> Self {
+        match format {
+            NumberFormat::Fixed => {
+                let steps = (1u64 << fraction_bits.min(bits)) as f64;
+                Self::Fixed(steps, (1u64 << (bits - 1)) as f64 / steps - 1.0 / steps)
+            }
+            // Sign and exponent take 9 bits.
+            NumberFormat::Float => Self::Float(32 - bits.clamp(10, 32)),
+        }
+    }
+
+    /// The nearest number that the field holds; NaN becomes 0.
+    #[inline]
+    fn apply(self, value: f32) -> f32 {
+        match self {
+            Self::Float(0) if value.is_finite() => value,
+            Self::Float(lost) => {
+                let half = if lost == 0 { 0 } else { 1u32 << (lost - 1) };
+                let rounded = f32::from_bits((value.to_bits().wrapping_add(half)) >> lost << lost);
+                if rounded.is_finite() { rounded } else { 0.0 }
+            }
+            Self::Fixed(steps, most) => {
+                let scaled = f64::from(value).clamp(-most, most) * steps;
+                let whole = (if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 }) as i64;
+                (whole as f64 / steps) as f32
+            }
+        }
+    }
+}
+
+impl CellFormat {
+    /// The formats that a configuration asks for; `range`: the brightness that a full coefficient stands for.
+    pub fn new(config: &CellConfig, range: f32) -> Self {
+        let c = config;
+        Self {
+            coordinate: Rounding::new(c.coordinate_format, c.coordinate_bits, c.coordinate_fraction_bits),
+            depth: Rounding::new(c.depth_format, c.depth_bits, c.depth_fraction_bits),
+            full: ((1u32 << c.brightness_bits) - 1) as f32,
+            range,
+            bytes: c.bits().div_ceil(8),
+        }
+    }
+
+    /// The cell of a textured pixel: coordinates \[texels of the finest layer\], layer depth, brightness per channel.
+    #[inline]
+    pub fn textured(&self, page: &Page, st: [f32; 2], depth: f32, brightness: [f32; 3]) -> Cell {
+        let scale = self.full / self.range;
+        let stored = brightness.map(|b| (b * scale + 0.5).clamp(0.0, self.full) as u16);
+        let depth = self.depth.apply(depth).clamp(0.0, f32::from(page.dmax()));
+        Cell::textured(page.number, st.map(|s| self.coordinate.apply(s)), depth, stored)
+    }
+
+    /// What a texel is multiplied by, per channel.
+    #[inline]
+    pub fn brightness(&self, cell: &Cell) -> [f32; 3] {
+        let scale = self.range / self.full;
+        cell.coefficients.map(|c| f32::from(c) * scale)
+    }
+}
+
+/// D = Dmax - log2(rho), with rho the longer axis of the pixel's footprint \[finest texels\], given squared; 0 ..= Dmax.
+#[inline]
+pub fn layer_depth(dmax: u8, rho_squared: f32) -> f32 {
+    let dmax = f32::from(dmax);
+    if rho_squared > 0.0 { (dmax - 0.5 * libm::log2f(rho_squared)).clamp(0.0, dmax) } else { dmax }
+}
+
+/// Layer depth split: D_L = floor(D) and D_f. At Dmax and beyond there is nothing finer: D_f = 0.
+#[inline]
+pub fn split_depth(depth: f32, dmax: u8) -> (u8, f32) {
+    if depth >= f32::from(dmax) {
+        return (dmax, 0.0);
+    }
+    let coarse = depth.max(0.0) as u8;
+    (coarse, depth.max(0.0) - f32::from(coarse))
+}

@@ -1,0 +1,243 @@
+//! Initial rasterization (454): what a pixel will want of which texture.
+
+use crate::Cell;
+use crate::cell::{CellFormat, layer_depth, most_pages};
+use crate::config::{CellConfig, EngineConfig, Lighting, WrapMode};
+use crate::page::{Cut, Page};
+use crate::tokens::{CellFlow, PlacedCell};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::{Gradient, fan_triangle, saturated};
+use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp, Texture};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What is known of the current triangle.
+#[derive(Clone, Debug)]
+struct Slopes {
+    /// Number in the fan.
+    number: u16,
+    colour: Gradient<3>,
+    /// S and T \[finest texels\].
+    coordinates: Gradient<2>,
+    footprint: Footprint,
+}
+
+/// How texture coordinates change over the screen: planes of S/w, T/w and 1/w, from the first vertex on.
+#[derive(Clone, Copy, Debug)]
+struct Footprint {
+    origin: [f64; 2],
+    q: f64,
+    /// Change of 1/w per pixel to the right and down.
+    q_by: [f64; 2],
+    /// Change of (S - S0)/w and (T - T0)/w.
+    st_by: [[f64; 2]; 2],
+}
+
+impl Footprint {
+    /// Of three corners: window position, 1/w, and S, T.
+    fn new(corners: [([f64; 2], f64); 3], st: [[f64; 2]; 3]) -> Self {
+        let largest = corners.iter().fold(f64::MIN_POSITIVE, |l, c| l.max(c.1));
+        let q = corners.map(|c| c.1 / largest);
+        let [o, a, b] = corners.map(|c| c.0);
+        let (ax, ay, bx, by) = (a[0] - o[0], a[1] - o[1], b[0] - o[0], b[1] - o[1]);
+        let scale = 1.0 / (ax * by - bx * ay);
+        // Of a plane with these differences to the first corner.
+        let slope = |da: f64, db: f64| [(da * by - db * ay) * scale, (db * ax - da * bx) * scale];
+        let of = |i: usize| slope((st[1][i] - st[0][i]) * q[1], (st[2][i] - st[0][i]) * q[2]);
+        Self { origin: o, q: q[0], q_by: slope(q[1] - q[0], q[2] - q[0]), st_by: [of(0), of(1)] }
+    }
+
+    /// Square of the longer of the two axes of the pixel's footprint \[finest texels\].
+    #[inline]
+    fn rho_squared(&self, x: u16, y: u16) -> f32 {
+        let (dx, dy) = (f64::from(x) + 0.5 - self.origin[0], f64::from(y) + 0.5 - self.origin[1]);
+        let inverse = 1.0 / (self.q + self.q_by[0] * dx + self.q_by[1] * dy);
+        let st = self.st_by.map(|by| (by[0] * dx + by[1] * dy) * inverse);
+        let axis = |i: usize| {
+            let [s, t] = [0, 1].map(|c| self.st_by[c][i] - st[c] * self.q_by[i]);
+            s * s + t * t
+        };
+        (axis(0).max(axis(1)) * inverse * inverse) as f32
+    }
+}
+
+/// The current polygon.
+#[derive(Clone, Debug)]
+struct Surface {
+    polygon: Arc<Polygon>,
+    page: Option<Arc<Page>>,
+    slopes: Option<Slopes>,
+}
+
+/// What the initial rasterization has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CellCounters {
+    /// Cells of textured pixels.
+    pub textured: u64,
+    /// Cells of direct colour.
+    pub direct: u64,
+}
+
+/// Makes cells of the fragments that are in front, and sets up a page (132) when a polygon first names its texture (452).
+#[derive(Clone, Debug)]
+pub struct Cells {
+    engine: EngineConfig,
+    format: CellFormat,
+    page_bits: u32,
+    lighting: Lighting,
+    wrap: WrapMode,
+    cut: Cut,
+    pages: BTreeMap<u32, Arc<Page>>,
+    /// First free byte of the texture-data memory (130).
+    end: u64,
+    surface: Option<Surface>,
+    /// What it has counted.
+    pub counters: CellCounters,
+}
+
+/// Largest brightness that a coefficient stands for: with light, vertices may be brighter than 1.
+pub fn brightness_range(lighting: Lighting) -> f32 {
+    if lighting == Lighting::Gouraud { 2.0 } else { 1.0 }
+}
+
+impl Cells {
+    /// At power-on.
+    pub fn new(engine: EngineConfig, cell: &CellConfig, (lighting, wrap): (Lighting, WrapMode), cut: Cut) -> Self {
+        Self {
+            engine,
+            format: CellFormat::new(cell, brightness_range(lighting)),
+            page_bits: cell.page_bits,
+            lighting,
+            wrap,
+            cut,
+            pages: BTreeMap::new(),
+            end: 0,
+            surface: None,
+            counters: CellCounters::default(),
+        }
+    }
+
+    /// Pages set up so far, in order of their texture's number.
+    pub fn pages(&self) -> impl Iterator<Item = &Arc<Page>> {
+        self.pages.values()
+    }
+
+    /// The page of a texture, and whether it is new.
+    fn page(&mut self, texture: &Texture, traffic: &mut Traffic) -> (Option<Arc<Page>>, bool) {
+        if let Some(page) = self.pages.get(&texture.id) {
+            return (Some(Arc::clone(page)), false);
+        }
+        if self.pages.len() >= most_pages(self.page_bits) {
+            traffic.fault(format!(
+                "there are more than {} textures, as many as `cell.page_bits` = {} can tell apart; raise it",
+                self.pages.len(),
+                self.page_bits
+            ));
+            return (None, false);
+        }
+        let page = Page::new(self.pages.len() as u16, texture, self.wrap.of(texture.sampler.wrap), self.cut, self.end);
+        self.end += page.bytes();
+        if self.end > self.engine.texture_memory {
+            traffic.fault(format!(
+                "the pyramids of {} textures take {} bytes, `engine.texture_memory` has {}; raise it",
+                self.pages.len() + 1,
+                self.end,
+                self.engine.texture_memory
+            ));
+            return (None, false);
+        }
+        let page = Arc::new(page);
+        self.pages.insert(texture.id, Arc::clone(&page));
+        (Some(page), true)
+    }
+
+    fn begin(&mut self, polygon: &Arc<Polygon>, traffic: &mut Traffic) -> Option<CellFlow> {
+        let (page, new) = match &polygon.material.color_texture {
+            Some(texture) => self.page(texture, traffic),
+            None => (None, false),
+        };
+        self.surface = Some(Surface { polygon: Arc::clone(polygon), page: page.clone(), slopes: None });
+        if new { page.map(CellFlow::Page) } else { None }
+    }
+
+    fn control(&mut self, control: Control, traffic: &mut Traffic) -> Option<CellFlow> {
+        match control {
+            Control::Frame(frame) => Some(CellFlow::Frame(frame)),
+            Control::Polygon(polygon) => self.begin(&polygon, traffic),
+            Control::FrameEnd => Some(CellFlow::FrameEnd),
+            Control::Object(_) | Control::CodeBook(_) => None,
+        }
+    }
+
+    #[inline]
+    fn cells(&mut self, fragments: &Stamp<Fragment>) -> Stamp<PlacedCell> {
+        let Some(surface) = &mut self.surface else { return Stamp::new() };
+        let mut cells = Stamp::new();
+        for f in fragments {
+            if surface.slopes.as_ref().is_none_or(|s| s.number != f.triangle) {
+                surface.slopes = slopes(&surface.polygon, surface.page.as_deref(), f.triangle, self.lighting);
+            }
+            let Some(slopes) = &surface.slopes else { continue };
+            let colour = slopes.colour.at(f.weights);
+            let cell = match &surface.page {
+                Some(page) => {
+                    self.counters.textured += 1;
+                    let depth = layer_depth(page.dmax(), slopes.footprint.rho_squared(f.x, f.y));
+                    self.format.textured(page, slopes.coordinates.at(f.weights), depth, colour)
+                }
+                None => {
+                    self.counters.direct += 1;
+                    Cell::direct(saturated(colour))
+                }
+            };
+            cells.push(PlacedCell { x: f.x, y: f.y, cell });
+        }
+        cells
+    }
+}
+
+/// Sets a triangle of the polygon's fan up.
+fn slopes(polygon: &Polygon, page: Option<&Page>, number: u16, lighting: Lighting) -> Option<Slopes> {
+    let vertices = fan_triangle(polygon, number)?;
+    let factor = polygon.material.base_color;
+    let colours = vertices.map(|v| {
+        let light = if lighting == Lighting::Gouraud { v.brightness[0] + v.brightness[1] } else { 1.0 };
+        [0, 1, 2].map(|i| factor[i] * v.color[i] * light)
+    });
+    let size = page.map_or([1.0; 2], Page::size);
+    let st = vertices.map(|v| [v.uv[0] * size[0], v.uv[1] * size[1]]);
+    let corner = |i: usize| {
+        let [x, y, _, q] = vertices[i].position.map(f64::from);
+        ([x, y], q)
+    };
+    Some(Slopes {
+        number,
+        colour: Gradient::new([&colours[0], &colours[1], &colours[2]]),
+        coordinates: Gradient::new([&st[0], &st[1], &st[2]]),
+        footprint: Footprint::new([corner(0), corner(1), corner(2)], st.map(|c| c.map(f64::from))),
+    })
+}
+
+impl Unit for Cells {
+    type In = Option<Flow<Stamp<Fragment>>>;
+    type Out = Option<CellFlow>;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+
+    #[inline(always)]
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let latency = u64::from(self.engine.latency);
+        match input {
+            Some(Flow::Item(stamp)) => {
+                let cells = self.cells(&stamp);
+                let groups = cells.len().div_ceil(self.engine.fill_rate as usize);
+                Step::over(groups, 1, latency, (!cells.is_empty()).then_some(CellFlow::Cells(cells)))
+            }
+            Some(Flow::Control(control)) => Step::after(latency, self.control(control, traffic)),
+            None => Step::after(latency, None),
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! How a tile travels on the path. Pattern data may be compressed, and are expanded before they are stored.
+
+use image::codecs::jpeg::{JpegDecoder, JpegEncoder};
+use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
+use image::{ExtendedColorType, ImageDecoder, ImageEncoder, ImageResult};
+use serde::{Deserialize, Serialize};
+use std::io::Cursor;
+
+/// Encoding of tiles on the path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TileEncoding {
+    /// R, G, B, 8 bits each.
+    #[default]
+    Raw,
+    /// PNG, without loss.
+    Png,
+    /// JPEG, with loss.
+    Jpeg,
+}
+
+impl TileEncoding {
+    /// Encodes the texels of a tile of this size; `quality` (1..=100) is JPEG's.
+    ///
+    /// # Errors
+    /// What the encoder says.
+    pub fn encode(self, texels: &[[u8; 4]], size: [u32; 2], quality: u8) -> Result<Vec<u8>, String> {
+        let rgb: Vec<u8> = texels.iter().flat_map(|t| [t[0], t[1], t[2]]).collect();
+        let mut bytes = Vec::new();
+        let written = match self {
+            Self::Raw => return Ok(rgb),
+            Self::Png => PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive).write_image(
+                &rgb,
+                size[0],
+                size[1],
+                ExtendedColorType::Rgb8,
+            ),
+            Self::Jpeg => {
+                JpegEncoder::new_with_quality(&mut bytes, quality).write_image(&rgb, size[0], size[1], ExtendedColorType::Rgb8)
+            }
+        };
+        written.map(|()| bytes).map_err(|e| e.to_string())
+    }
+
+    /// Expands a tile that shall have this size.
+    ///
+    /// # Errors
+    /// A sentence: truncated, corrupt, or of another size.
+    pub fn decode(self, bytes: &[u8], size: [u32; 2]) -> Result<Vec<[u8; 4]>, String> {
+        let rgb = match self {
+            Self::Raw => bytes.to_vec(),
+            Self::Png => read(PngDecoder::new(Cursor::new(bytes)), size)?,
+            Self::Jpeg => read(JpegDecoder::new(Cursor::new(bytes)), size)?,
+        };
+        let expected = 3 * size[0] as usize * size[1] as usize;
+        if rgb.len() != expected {
+            return Err(format!("holds {} bytes of colour, expected {expected} for {} x {} texels", rgb.len(), size[0], size[1]));
+        }
+        Ok(rgb.as_chunks::<3>().0.iter().map(|&[r, g, b]| [r, g, b, 255]).collect())
+    }
+}
+
+/// Reads a picture of exactly this size: what it says of itself is checked before memory is taken.
+fn read<D: ImageDecoder>(decoder: ImageResult<D>, size: [u32; 2]) -> Result<Vec<u8>, String> {
+    let decoder = decoder.map_err(|e| e.to_string())?;
+    let (width, height) = decoder.dimensions();
+    if [width, height] != size || decoder.color_type() != image::ColorType::Rgb8 {
+        return Err(format!("is a picture of {width} x {height}, expected RGB of {} x {}", size[0], size[1]));
+    }
+    let mut rgb = vec![0; 3 * size[0] as usize * size[1] as usize];
+    decoder.read_image(&mut rgb).map_err(|e| e.to_string())?;
+    Ok(rgb)
+}

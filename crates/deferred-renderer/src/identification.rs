@@ -1,0 +1,121 @@
+//! Identification of tiles (461), Figures 5A and 5B.
+
+use crate::cell::split_depth;
+use crate::config::EngineConfig;
+use crate::tokens::{CellBlock, Mark, MarkFlow, Marks, PassFlow};
+use crate::{Cell, Page};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::Frame;
+use std::sync::Arc;
+
+/// Layers that a cell is interpolated from: D_L, D_f, and D_G = D_L + 1 where D_f is above 0.
+#[inline]
+pub fn layers_of(page: &Page, cell: &Cell) -> (u8, f32, Option<u8>) {
+    let (coarse, fraction) = split_depth(cell.depth, page.dmax());
+    (coarse, fraction, (fraction > 0.0).then_some(coarse + 1))
+}
+
+/// Gathers the marks of the pixels of one block.
+#[derive(Clone, Debug, Default)]
+pub struct BlockMarks {
+    marks: Marks,
+    distance: u32,
+}
+
+impl BlockMarks {
+    /// For the block at this place; `centre` of the screen \[pixels\].
+    #[inline]
+    pub fn new(at: [u16; 2], centre: [u32; 2]) -> Self {
+        let distance = [0, 1].map(|i| (u32::from(at[i]) * 4 + 2).abs_diff(centre[i]));
+        Self { marks: Marks::new(), distance: distance[0] * distance[0] + distance[1] * distance[1] }
+    }
+
+    /// One more pixel wants this tile.
+    #[inline]
+    pub fn add(&mut self, page: u16, tile: u32) {
+        match self.marks.iter_mut().find(|m| m.tile == tile && m.page == page) {
+            Some(mark) => mark.pixels += 1,
+            None => self.marks.push(Mark { page, tile, pixels: 1, distance: self.distance }),
+        }
+    }
+
+    /// The token; none without marks.
+    #[inline]
+    pub fn finish(self) -> Option<MarkFlow> {
+        (!self.marks.is_empty()).then_some(MarkFlow::Marks(self.marks))
+    }
+}
+
+/// Centre of a frame's picture \[pixels\].
+pub fn centre_of(frame: &Frame) -> [u32; 2] {
+    [frame.width / 2, frame.height / 2]
+}
+
+/// Marks the tiles that the pixels of the reference buffer (126) need (461).
+#[derive(Clone, Debug)]
+pub struct Identification {
+    engine: EngineConfig,
+    pages: Vec<Arc<Page>>,
+    centre: [u32; 2],
+    /// Tiles marked, one for each pixel and tile.
+    pub marked: u64,
+}
+
+impl Identification {
+    /// At power-on.
+    pub fn new(engine: EngineConfig) -> Self {
+        Self { engine, pages: Vec::new(), centre: [0; 2], marked: 0 }
+    }
+
+    /// Figure 5A for every textured pixel of a block; its token, and the layers looked at.
+    #[inline]
+    fn identify(&mut self, block: &CellBlock) -> (Option<MarkFlow>, usize) {
+        let mut marks = BlockMarks::new(block.at, self.centre);
+        let mut looked_at = 0;
+        for (_, cell) in block.drawn() {
+            let Some(page) = cell.page().and_then(|p| self.pages.get(usize::from(p))) else { continue };
+            let placed = page.placed(cell.coordinates);
+            let (coarse, _, fine) = layers_of(page, cell);
+            for layer in [Some(coarse), fine].into_iter().flatten() {
+                looked_at += 1;
+                for tile in page.marked(layer, placed) {
+                    marks.add(page.number, tile);
+                    self.marked += 1;
+                }
+            }
+        }
+        (marks.finish(), looked_at)
+    }
+}
+
+impl Unit for Identification {
+    type In = Option<PassFlow>;
+    type Out = Option<MarkFlow>;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+
+    #[inline(always)]
+    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+        let latency = u64::from(self.engine.latency);
+        let out = match input {
+            Some(PassFlow::Cells(block)) => {
+                let (out, looked_at) = self.identify(&block);
+                return Step::over(looked_at.div_ceil(self.engine.scan_rate as usize), 1, latency, out);
+            }
+            Some(PassFlow::Frame(frame)) => {
+                self.centre = centre_of(&frame);
+                Some(MarkFlow::Frame)
+            }
+            Some(PassFlow::Page(page)) => {
+                self.pages.push(Arc::clone(&page));
+                Some(MarkFlow::Page(page))
+            }
+            Some(PassFlow::End) => Some(MarkFlow::End),
+            Some(PassFlow::Begin) | None => None,
+        };
+        Step::after(latency, out)
+    }
+}

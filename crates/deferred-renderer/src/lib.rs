@@ -1,0 +1,54 @@
+//! Rendering device for a rate-limited path (HP, 1998; JP 2000-057370): fetch only what the picture needs.
+//!
+//! ```text
+//!  server (110) --> path (104, 106, 108) --> polygons --> [rasterizer, z-test] --> cells (454) --> reference buffer (126)
+//!       ^                  |                                                          |                     |
+//!       |                  +--> tiles --> expander --+                     passes: identification (461)     |
+//!       |                                            v                                |                     |
+//!       +---- requests ---- tile load lists (136) --orders--> texture-data memory (130), final <------------+
+//!                                                             rasterization (463, 472) --> pixel buffer (124)
+//! ```
+//!
+//! Two parts. Arithmetic that knows neither tokens nor time: [`page`] (layers, tiles, marking), [`pyramid`] (texels), [`cell`],
+//! [`acquisition`], [`texels`], [`colour`], [`encoding`]. Units: [`server`], [`path`], [`expander`], [`cells`],
+//! [`reference_buffer`], [`identification`], [`tile_list`], [`rasterization`].
+//!
+//! A frame goes through phases (Figure 4B). Each unit knows its own, and leaves it by what it takes: no phase is known to the
+//! machine as a whole.
+
+pub mod acquisition;
+pub mod cell;
+pub mod cells;
+pub mod colour;
+pub mod config;
+pub mod encoding;
+pub mod expander;
+pub mod identification;
+pub mod page;
+pub mod path;
+pub mod pyramid;
+pub mod rasterization;
+pub mod reference_buffer;
+pub mod server;
+pub mod texels;
+pub mod tile_list;
+pub mod tokens;
+
+pub use acquisition::{Acquired, How, TileList, TileState};
+pub use cell::{Cell, CellFormat};
+pub use cells::{Cells, brightness_range};
+pub use config::{
+    CellConfig, DepthPixel, EngineConfig, Lighting, NumberFormat, PathConfig, RenderMode, RendererConfig, TileConfig, TileOrder,
+    WrapMode,
+};
+pub use encoding::TileEncoding;
+pub use expander::Expander;
+pub use identification::Identification;
+pub use page::{Cut, Layer, Page, TexelCentre};
+pub use path::Path;
+pub use pyramid::{LayerTexels, ServedTexture};
+pub use rasterization::{MOST_LINES, Rasterization, TileRecord};
+pub use reference_buffer::{FilledBuffer, ReferenceBuffer};
+pub use server::{Server, TextureMemory, TileSource};
+pub use texels::{LayerCounts, PageTexels};
+pub use tile_list::TileLists;

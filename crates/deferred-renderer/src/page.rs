@@ -1,0 +1,299 @@
+//! Texture page (132): how a texture is cut into layers and tiles.
+//!
+//! Layer 0 is one tile, layer Dmax (133) the full resolution; each layer halves the one below it, rounding up. Tiles of a
+//! layer are numbered row by row, layers one after the other: a tile has one number within its texture.
+
+use basrelief_signals::{Texture, Wrap};
+use smallvec::SmallVec;
+
+/// Where texel centres lie.
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    basrelief_parameters::private::schemars::JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum TexelCentre {
+    /// At whole coordinates (the patent): a layer is sampled at S / 2^SF.
+    Integer,
+    /// At halves: a layer is sampled at S / 2^SF - 0.5, so that layers lie on top of each other.
+    #[default]
+    Half,
+}
+
+/// How a texture is cut: what is the same for all pages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cut {
+    /// Width and height of a tile \[texels\], powers of two.
+    pub tile: [u32; 2],
+    /// Where texel centres lie.
+    pub centre: TexelCentre,
+}
+
+impl Default for Cut {
+    fn default() -> Self {
+        Self { tile: [64, 64], centre: TexelCentre::Half }
+    }
+}
+
+/// A layer of a pyramid (134).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Layer {
+    /// Width and height \[texels\].
+    pub size: [u32; 2],
+    /// Tile pitch (138): tiles per row.
+    pub pitch: u32,
+    /// Rows of tiles.
+    pub rows: u32,
+    /// Tile base (140): number of its top-left tile.
+    pub base: u32,
+    /// 2^-SF: texels of this layer per texel of the finest.
+    pub scale: f32,
+}
+
+/// A texture page (132), without its texels: Dmax (133), tile pitch array (138), tile base array (140).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Page {
+    /// Number of the page: the texture page pointer (310) of a cell.
+    pub number: u16,
+    /// Number of the texture in its scene or display list.
+    pub texture: u32,
+    /// For messages.
+    pub name: String,
+    /// Wrap mode in u, then in v.
+    pub wrap: [Wrap; 2],
+    /// How it is cut.
+    pub cut: Cut,
+    /// From coarsest to finest.
+    pub layers: Vec<Layer>,
+    /// Where it starts in the texture-data memory (130) \[bytes\].
+    pub address: u64,
+    /// Number of all its tiles: the extra entry of the tile base array (140).
+    tiles: u32,
+    shift: [u32; 2],
+    offset: f32,
+    size: [f32; 2],
+    inverse: [f32; 2],
+}
+
+/// Tiles of one layer that a sample reads: distinct, one to four.
+pub type Tiles = SmallVec<[u32; 4]>;
+
+/// What a sample reads along one axis of a layer: two neighbouring texels and the share of the second. Where that is 0,
+/// the second is not read, and is the first.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tap {
+    /// Integer coordinate S_i.
+    pub first: u32,
+    /// The right or lower neighbour.
+    pub second: u32,
+    /// Fraction S_f, 0..1.
+    pub fraction: f32,
+}
+
+/// Round towards minus infinity; the library function would be a call.
+#[inline]
+fn floor(x: f32) -> f32 {
+    let whole = x as i32 as f32;
+    if whole > x { whole - 1.0 } else { whole }
+}
+
+impl Page {
+    /// The page of a texture; `address` is free in the texture-data memory (130) from there on.
+    pub fn new(number: u16, texture: &Texture, wrap: [Wrap; 2], cut: Cut, address: u64) -> Self {
+        let size = texture.levels.first().map_or([1, 1], |image| [image.width.max(1), image.height.max(1)]);
+        let layers = layers(size, cut.tile);
+        let tiles = layers.last().map_or(0, |l| l.base + l.pitch * l.rows);
+        let offset = if cut.centre == TexelCentre::Half { 0.5 } else { 0.0 };
+        Self {
+            number,
+            texture: texture.id,
+            name: texture.name.clone(),
+            wrap,
+            cut,
+            layers,
+            address,
+            tiles,
+            shift: cut.tile.map(u32::trailing_zeros),
+            offset,
+            size: size.map(|n| n as f32),
+            inverse: size.map(|n| 1.0 / n as f32),
+        }
+    }
+
+    /// Depth of the finest layer, Dmax (133).
+    #[inline]
+    pub fn dmax(&self) -> u8 {
+        (self.layers.len() - 1) as u8
+    }
+
+    /// Width and height of the texture \[texels\].
+    #[inline]
+    pub fn size(&self) -> [f32; 2] {
+        self.size
+    }
+
+    /// Number of all tiles of all layers.
+    #[inline]
+    pub fn tiles(&self) -> u32 {
+        self.tiles
+    }
+
+    /// Bytes that it takes in the texture-data memory (130): whole tiles, 4 bytes per texel.
+    pub fn bytes(&self) -> u64 {
+        u64::from(self.tiles) * self.tile_bytes()
+    }
+
+    /// Bytes of a tile in the texture-data memory (130).
+    #[inline]
+    pub fn tile_bytes(&self) -> u64 {
+        4 * u64::from(self.cut.tile[0]) * u64::from(self.cut.tile[1])
+    }
+
+    /// The layer that a tile belongs to.
+    pub fn layer_of(&self, tile: u32) -> u8 {
+        (self.layers.partition_point(|l| l.base <= tile) - 1) as u8
+    }
+
+    /// Ntil = B_D + Tr * W_D + Sr: the tile that holds a texel of a layer.
+    #[inline]
+    pub fn tile_of(&self, layer: u8, texel: [u32; 2]) -> u32 {
+        let l = &self.layers[usize::from(layer)];
+        l.base + (texel[1] >> self.shift[1]) * l.pitch + (texel[0] >> self.shift[0])
+    }
+
+    /// Texels of a tile: first column and row, and those behind the last. Tiles at the right and lower edge may be smaller.
+    pub fn texels_of(&self, tile: u32) -> ([u32; 2], [u32; 2]) {
+        let layer = &self.layers[usize::from(self.layer_of(tile))];
+        let place = [(tile - layer.base) % layer.pitch, (tile - layer.base) / layer.pitch];
+        let first = [0, 1].map(|i| place[i] << self.shift[i]);
+        (first, [0, 1].map(|i| (first[i] + self.cut.tile[i]).min(layer.size[i])))
+    }
+
+    /// The tiles of the next finer layer that a tile is the average of: four, or two or one at the right and lower edge;
+    /// none in the finest layer.
+    pub fn sources(&self, tile: u32) -> Tiles {
+        let depth = self.layer_of(tile);
+        let Some(finer) = self.layers.get(usize::from(depth) + 1) else { return Tiles::new() };
+        let layer = &self.layers[usize::from(depth)];
+        let (column, row) = ((tile - layer.base) % layer.pitch, (tile - layer.base) / layer.pitch);
+        let rows = (2 * row..2 * row + 2).filter(|r| *r < finer.rows);
+        rows.flat_map(|r| {
+            (2 * column..2 * column + 2).filter(|c| *c < finer.pitch).map(move |c| finer.base + r * finer.pitch + c)
+        })
+        .collect()
+    }
+
+    /// Byte address of a texel in the texture-data memory (130): tile by tile, 4 x 4 blocks row by row in each.
+    #[inline]
+    pub fn address_of(&self, layer: u8, texel: [u32; 2]) -> u64 {
+        let tile = u64::from(self.tile_of(layer, texel)) * self.tile_bytes();
+        let [x, y] = [0, 1].map(|i| texel[i] & (self.cut.tile[i] - 1));
+        let block = (y >> 2) * (self.cut.tile[0] >> 2) + (x >> 2);
+        self.address + tile + u64::from(block * 64 + (y & 3) * 16 + (x & 3) * 4)
+    }
+
+    /// Texture coordinates (312) mapped back into the texture by its wrap modes \[finest texels\], 0 ..= size. NaN
+    /// becomes 0.
+    #[inline]
+    pub fn placed(&self, st: [f32; 2]) -> [f32; 2] {
+        [0, 1].map(|i| {
+            let (s, size) = (st[i], self.size[i]);
+            let inside = match self.wrap[i] {
+                Wrap::Repeat => {
+                    let rest = s - size * floor(s * self.inverse[i]);
+                    // The quotient is rounded: the rest may be off by one texture.
+                    let rest = if rest < 0.0 { rest + size } else { rest };
+                    if rest >= size { rest - size } else { rest }
+                }
+                Wrap::Mirror => {
+                    let rest = s - 2.0 * size * floor(0.5 * s * self.inverse[i]);
+                    if rest > size { 2.0 * size - rest } else { rest }
+                }
+                Wrap::Clamp => s,
+            };
+            if inside > 0.0 { inside.min(size) } else { 0.0 }
+        })
+    }
+
+    /// What a bilinear sample at `placed` coordinates reads of a layer, by axis.
+    #[inline]
+    pub fn taps(&self, layer: u8, placed: [f32; 2]) -> [Tap; 2] {
+        let l = &self.layers[usize::from(layer)];
+        [0, 1].map(|i| {
+            let x = placed[i] * l.scale - self.offset;
+            let whole = floor(x);
+            tap(whole as i32, x - whole, l.size[i] as i32, self.wrap[i] == Wrap::Repeat)
+        })
+    }
+
+    /// Figure 5A with the border check of Figure 5B, corrected: the tiles that a bilinear sample at `placed` coordinates
+    /// reads of a layer.
+    ///
+    /// A neighbour is read where the fraction is above 0. It lies in the next tile where the texel is the last of its tile;
+    /// at the edge of the layer it lies in column (row) 0 where the texture repeats, and nowhere else.
+    #[inline]
+    pub fn marked(&self, layer: u8, placed: [f32; 2]) -> Tiles {
+        let l = &self.layers[usize::from(layer)];
+        let taps = self.taps(layer, placed);
+        let [here, beyond] = [0, 1].map(|i| (taps[0].at(i) >> self.shift[0], taps[1].at(i) >> self.shift[1]));
+        let number = |column: u32, row: u32| l.base + row * l.pitch + column;
+        let mut tiles = Tiles::new();
+        tiles.push(number(here.0, here.1));
+        let (right, below) = (beyond.0 != here.0, beyond.1 != here.1);
+        if right {
+            tiles.push(number(beyond.0, here.1));
+        }
+        if right && below {
+            tiles.push(number(beyond.0, beyond.1));
+        }
+        if below {
+            tiles.push(number(here.0, beyond.1));
+        }
+        tiles
+    }
+}
+
+impl Tap {
+    #[inline]
+    fn at(&self, i: usize) -> u32 {
+        if i == 0 { self.first } else { self.second }
+    }
+}
+
+#[inline]
+fn tap(whole: i32, fraction: f32, size: i32, repeats: bool) -> Tap {
+    if repeats {
+        let first = if whole < 0 { size - 1 } else { whole.min(size - 1) };
+        let next = if first + 1 == size { 0 } else { first + 1 };
+        let second = if fraction > 0.0 { next } else { first };
+        Tap { first: first as u32, second: second as u32, fraction }
+    } else if whole < 0 || whole >= size - 1 {
+        // Beyond the edge the edge texel extends: no neighbour.
+        let edge = if whole < 0 { 0 } else { size - 1 } as u32;
+        Tap { first: edge, second: edge, fraction: 0.0 }
+    } else {
+        Tap { first: whole as u32, second: whole as u32 + u32::from(fraction > 0.0), fraction }
+    }
+}
+
+/// Layers of a texture of `size` texels: Dmax is the least depth whose coarsest layer fits into one tile.
+fn layers(size: [u32; 2], tile: [u32; 2]) -> Vec<Layer> {
+    let at = |shift: u32| size.map(|n| u64::from(n).div_ceil(1 << shift) as u32);
+    let dmax = (0..32).find(|&d| at(d)[0] <= tile[0] && at(d)[1] <= tile[1]).unwrap_or(31);
+    let mut base = 0;
+    let layer = |depth: u32| {
+        let size = at(dmax - depth);
+        let [pitch, rows] = [0, 1].map(|i| size[i].div_ceil(tile[i]));
+        let layer = Layer { size, pitch, rows, base, scale: 1.0 / (1u64 << (dmax - depth)) as f32 };
+        base += pitch * rows;
+        layer
+    };
+    (0..=dmax).map(layer).collect()
+}

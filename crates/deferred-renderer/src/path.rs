@@ -1,0 +1,65 @@
+//! The path: I/O port (104), network (106), bus (108).
+
+use crate::config::PathConfig;
+use crate::tokens::{Content, EncodedTile, Parcel};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::Control;
+
+/// The path (104, 106, 108): so many bits per second, and a latency from a request to its answer.
+///
+/// What it carries keeps it for its bytes at its rate; the remainder of a division is carried on, so that nothing is rounded
+/// in the long run. A tile comes a latency later than the path lets it through; so there can be as many tiles in flight as the
+/// FIFO behind it has slots (law 2), which are the requests in flight. The polygons come as one answer: only the first of
+/// them waits for the latency.
+#[derive(Clone, Debug)]
+pub struct Path {
+    bits_per_second: u128,
+    hz: u128,
+    latency: u64,
+    /// What the last transfer left of a cycle \[bit cycles per second\].
+    left: u128,
+    /// Bytes carried.
+    pub bytes: u64,
+}
+
+impl Path {
+    /// A path seen from a device with a clock of `hz`.
+    pub fn new(config: &PathConfig, hz: u64) -> Self {
+        let latency = u64::try_from(u128::from(config.latency_us) * u128::from(hz) / 1_000_000).unwrap_or(u64::MAX);
+        Self { bits_per_second: config.bits_per_second.into(), hz: hz.into(), latency, left: 0, bytes: 0 }
+    }
+
+    /// Cycles that the path is kept by this many bytes.
+    fn carry(&mut self, bytes: u64) -> u64 {
+        self.bytes += bytes;
+        self.left += u128::from(bytes) * 8 * self.hz;
+        let cycles = self.left / self.bits_per_second;
+        self.left %= self.bits_per_second;
+        u64::try_from(cycles).unwrap_or(u64::MAX)
+    }
+}
+
+impl Unit for Path {
+    type In = Option<Parcel>;
+    type Out = (Option<Control>, Option<EncodedTile>);
+
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+
+    fn step(&mut self, parcel: Option<Parcel>, _: &mut Traffic) -> Step<Self::Out> {
+        let Some(Parcel { bytes, content }) = parcel else { return Step::after(0, (None, None)) };
+        let carried = self.carry(bytes);
+        match content {
+            Content::Asked(control) => {
+                let cycles = carried.saturating_add(self.latency);
+                Step::after(cycles, (Some(control), None)).busy(cycles.max(1))
+            }
+            Content::Mesh(control) => Step::after(carried, (Some(control), None)).busy(carried.max(1)),
+            Content::Tile(tile) => {
+                let latency = carried.saturating_add(self.latency);
+                Step::after(latency, (None, Some(tile))).busy(carried.max(1))
+            }
+        }
+    }
+}

@@ -1,0 +1,347 @@
+//! Final rasterization (463, 464; 472, 473), with the texture-data memory (130) that it reads.
+
+use crate::acquisition::How;
+use crate::cell::CellFormat;
+use crate::colour::{Choice, best, progressive, sample, shaded};
+use crate::config::{EngineConfig, RenderMode};
+use crate::identification::{BlockMarks, centre_of};
+use crate::page::Tap;
+use crate::server::place_of;
+use crate::texels::PageTexels;
+use crate::tokens::{CellBlock, ExpandedTile, MarkFlow, Order, PassFlow};
+use crate::{Cell, Page};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::{PictureFlow, PixelBlock};
+use std::sync::Arc;
+
+/// Client of the texel cache.
+const TEXELS: u32 = 0;
+/// Client that writes tiles.
+const STORE: u32 = 1;
+/// Client that reads tiles to be averaged.
+const SOURCES: u32 = 2;
+
+/// Most lines of the texel cache that a block of 4 x 4 pixels touches: four texels of two layers each.
+pub const MOST_LINES: u32 = 16 * 2 * 4;
+
+/// What the final rasterization waits for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Phase {
+    /// A block to be coloured, or what is in front of a pass.
+    #[default]
+    Cells,
+    /// What becomes of tiles.
+    Orders,
+    /// A tile of the path.
+    Tile(u16, u32),
+}
+
+/// What a tile was in a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TileRecord {
+    /// Its page.
+    pub page: Arc<Page>,
+    /// Its number.
+    pub tile: u32,
+    /// How it came in this frame; none: it was there before, and was needed.
+    pub acquired: Option<How>,
+}
+
+/// What the final rasterization has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RasterizationCounters {
+    /// Pictures coloured.
+    pub pictures: u64,
+    /// Textured pixels coloured.
+    pub textured: u64,
+    /// Pixels of direct colour copied (464, 473).
+    pub direct: u64,
+    /// Interpolations within a layer.
+    pub interpolations: u64,
+    /// Interpolations between two layers.
+    pub between_layers: u64,
+    /// Most pictures of one frame.
+    pub most_pictures: u64,
+}
+
+/// Final rasterization, and the texture-data memory (130) with its pyramids (134): stores and averages tiles as ordered, then
+/// colours the pixels of a pass.
+///
+/// Inputs: passes over the reference buffer (126), orders, tiles. Outputs: tiles that would improve a progressive picture, and
+/// pixels. Client 0 is the texel cache, client 1 writes tiles, client 2 reads those to be averaged.
+#[derive(Clone, Debug)]
+pub struct Rasterization {
+    engine: EngineConfig,
+    mode: RenderMode,
+    pictures_per_view: u32,
+    format: CellFormat,
+    /// What became of tiles is kept, frame by frame, for who wants to look at it.
+    pub keep: bool,
+    phase: Phase,
+    pages: Vec<PageTexels>,
+    /// Number of the current frame, from 1.
+    frame: u64,
+    /// Pictures of the current frame.
+    pictures: u32,
+    centre: [u32; 2],
+    /// Pixels of the pass that could be better.
+    improvable: bool,
+    records: Vec<Vec<TileRecord>>,
+    /// What it has counted.
+    pub counters: RasterizationCounters,
+}
+
+type Out = (Option<MarkFlow>, Option<PictureFlow>);
+
+impl Rasterization {
+    /// At power-on; `pictures_per_view` as of the tile load lists.
+    pub fn new(engine: EngineConfig, mode: RenderMode, pictures_per_view: u32, format: CellFormat) -> Self {
+        Self {
+            engine,
+            mode,
+            pictures_per_view,
+            format,
+            keep: false,
+            phase: Phase::Cells,
+            pages: Vec::new(),
+            frame: 0,
+            pictures: 0,
+            centre: [0; 2],
+            improvable: false,
+            records: Vec::new(),
+            counters: RasterizationCounters::default(),
+        }
+    }
+
+    /// Pages and what has come of their pyramids.
+    pub fn pages(&self) -> &[PageTexels] {
+        &self.pages
+    }
+
+    /// What became of tiles in the frames finished since the last call, where that is kept.
+    pub fn drain_records(&mut self) -> Vec<Vec<TileRecord>> {
+        std::mem::take(&mut self.records)
+    }
+
+    /// Tiles that came in this frame, and those of earlier ones that it needed.
+    fn record(&self) -> Vec<TileRecord> {
+        let of_page = |texels: &PageTexels| {
+            let page = Arc::clone(&texels.page);
+            let frame = self.frame;
+            let of_tile = move |(tile, h): (usize, &crate::texels::TileHistory)| {
+                let acquired = h.acquired.filter(|a| a.1 == frame).map(|a| a.0);
+                let record = TileRecord { page: Arc::clone(&page), tile: tile as u32, acquired };
+                (acquired.is_some() || (h.needed == frame && h.acquired.is_some())).then_some(record)
+            };
+            texels.history().iter().enumerate().filter_map(of_tile).collect::<Vec<_>>()
+        };
+        self.pages.iter().flat_map(of_page).collect()
+    }
+
+    fn order(&mut self, order: Order, traffic: &mut Traffic) -> Step<Out> {
+        match order {
+            Order::Load { page, tile } => self.phase = Phase::Tile(page, tile),
+            Order::Synthesize { page, tile } => return self.synthesize(page, tile, traffic),
+            Order::End => self.phase = Phase::Cells,
+        }
+        Step::after(0, (None, None))
+    }
+
+    fn synthesize(&mut self, page: u16, tile: u32, traffic: &mut Traffic) -> Step<Out> {
+        let Some(texels) = self.pages.get_mut(usize::from(page)) else { return Step::after(0, (None, None)) };
+        let bytes = texels.page.tile_bytes();
+        let address = |tile: u32| texels.page.address + u64::from(tile) * bytes;
+        for source in texels.page.sources(tile) {
+            traffic.read(SOURCES, address(source), bytes as u32);
+        }
+        traffic.write(STORE, address(tile), bytes as u32);
+        let cycles = area(&texels.page, tile).div_ceil(self.engine.average_rate.into());
+        texels.synthesize(tile, self.frame);
+        Step::after(0, (None, None)).busy(cycles)
+    }
+
+    fn store(&mut self, arrived: &ExpandedTile, traffic: &mut Traffic) -> Step<Out> {
+        let ExpandedTile { page, tile, texels } = arrived;
+        let Phase::Tile(number, ordered) = std::mem::replace(&mut self.phase, Phase::Orders) else {
+            return Step::after(0, (None, None));
+        };
+        if (number, ordered) != (page.number, *tile) {
+            traffic.fault(format!("{}: came where another tile was expected; report this as a defect", place_of(page, *tile)));
+        }
+        if let Some(own) = self.pages.get_mut(usize::from(page.number)) {
+            own.store(*tile, texels, self.frame);
+        }
+        let bytes = page.tile_bytes();
+        traffic.write(STORE, page.address + u64::from(*tile) * bytes, bytes as u32);
+        let cycles = (texels.len() as u64).div_ceil(self.engine.average_rate.into());
+        Step::after(0, (None, None)).busy(cycles.max(1))
+    }
+
+    fn pass(&mut self, token: PassFlow, traffic: &mut Traffic) -> Step<Out> {
+        let latency = u64::from(self.engine.latency);
+        match token {
+            PassFlow::Frame(frame) => {
+                self.frame += 1;
+                self.pictures = 0;
+                self.centre = centre_of(&frame);
+                Step::after(latency, (None, Some(PictureFlow::Frame(frame))))
+            }
+            PassFlow::Page(page) => {
+                self.pages.push(PageTexels::new(page));
+                Step::after(latency, (None, None))
+            }
+            PassFlow::Begin => {
+                self.improvable = false;
+                self.phase = Phase::Orders;
+                Step::after(latency, (None, None))
+            }
+            PassFlow::Cells(block) => self.colour(&block, traffic),
+            PassFlow::End => Step::after(latency, self.end_of_picture()),
+        }
+    }
+
+    fn end_of_picture(&mut self) -> Out {
+        self.pictures += 1;
+        self.counters.pictures += 1;
+        self.counters.most_pictures = self.counters.most_pictures.max(self.pictures.into());
+        let last = !self.improvable || self.pictures == self.pictures_per_view;
+        if last && self.keep {
+            let record = self.record();
+            self.records.push(record);
+        }
+        let marks = (self.mode == RenderMode::Progressive).then_some(MarkFlow::End);
+        (marks, Some(PictureFlow::Show { last }))
+    }
+
+    /// Colours the drawn pixels of a block.
+    #[inline]
+    fn colour(&mut self, block: &CellBlock, traffic: &mut Traffic) -> Step<Out> {
+        let mut pixels = PixelBlock { at: block.at, mask: block.mask, rgb: [[0; 3]; 16] };
+        let mut marks = BlockMarks::new(block.at, self.centre);
+        let mut touched = [None; 2];
+        let mut interpolations = 0;
+        for (i, cell) in block.drawn() {
+            pixels.rgb[i] = match cell.page() {
+                None => {
+                    self.counters.direct += 1;
+                    cell.rgb()
+                }
+                Some(page) => {
+                    let (rgb, layers) = self.textured(usize::from(page), cell, (&mut marks, &mut touched), traffic);
+                    interpolations += layers;
+                    rgb
+                }
+            };
+        }
+        self.counters.interpolations += interpolations as u64;
+        let marks = marks.finish();
+        self.improvable |= marks.is_some();
+        let cycles = interpolations.max(block.mask.count_ones() as usize).div_ceil(self.engine.interpolation_rate as usize);
+        Step::over(cycles, 1, self.engine.latency.into(), (marks, Some(PictureFlow::Pixels(pixels))))
+    }
+
+    /// Colours a textured pixel, and says how many layers that took.
+    #[inline]
+    fn textured(
+        &mut self,
+        page: usize,
+        cell: &Cell,
+        (marks, touched): (&mut BlockMarks, &mut [Option<Touched>; 2]),
+        traffic: &mut Traffic,
+    ) -> ([u8; 3], usize) {
+        let Some(texels) = self.pages.get_mut(page) else { return ([0; 3], 0) };
+        let placed = texels.page.placed(cell.coordinates);
+        let choice = match self.mode {
+            RenderMode::Progressive => progressive(texels, cell, placed),
+            RenderMode::Best | RenderMode::Conventional => Some(best(texels, cell)),
+        };
+        let Some(choice) = choice else { return ([0; 3], 0) };
+        let Choice { improve, .. } = choice;
+        if let Some(layer) = improve {
+            for tile in texels.page.marked(layer, placed).into_iter().filter(|t| !texels.exists(*t)) {
+                marks.add(texels.page.number, tile);
+            }
+        }
+        let sample = sample(texels, &choice, placed);
+        let mut layers = 0;
+        for (slot, (layer, taps)) in sample.read.into_iter().flatten().enumerate() {
+            layers += 1;
+            if improve.is_none() {
+                texels.need(layer, placed, &taps, self.frame);
+            }
+            look_up(&texels.page, layer, &taps, &mut touched[slot], traffic);
+        }
+        self.counters.textured += 1;
+        self.counters.between_layers += u64::from(choice.upper.is_some());
+        (shaded(&self.format, cell, sample.colour), layers)
+    }
+}
+
+/// Page, layer, and blocks of texels: what the pixel before has touched.
+type Touched = (u16, u8, [u32; 4]);
+
+/// Looks the blocks of 4 x 4 texels up that a sample reads, unless the pixel before has read the same.
+#[inline]
+fn look_up(page: &Page, layer: u8, [x, y]: &[Tap; 2], before: &mut Option<Touched>, traffic: &mut Traffic) {
+    let blocks = [x.first >> 2, x.second >> 2, y.first >> 2, y.second >> 2];
+    let touched = Some((page.number, layer, blocks));
+    if *before == touched {
+        return;
+    }
+    *before = touched;
+    let mut one = |x: u32, y: u32| traffic.look_up(TEXELS, page.address_of(layer, [x, y]), 4);
+    one(x.first, y.first);
+    let (wide, high) = (blocks[0] != blocks[1], blocks[2] != blocks[3]);
+    if wide {
+        one(x.second, y.first);
+    }
+    if high {
+        one(x.first, y.second);
+    }
+    if wide && high {
+        one(x.second, y.second);
+    }
+}
+
+/// Texels of a tile.
+fn area(page: &Page, tile: u32) -> u64 {
+    let (first, end) = page.texels_of(tile);
+    u64::from(end[0] - first[0]) * u64::from(end[1] - first[1])
+}
+
+impl Unit for Rasterization {
+    type In = (Option<PassFlow>, Option<Order>, Option<ExpandedTile>);
+    type Out = Out;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        match self.phase {
+            Phase::Cells => Demand::Only(0),
+            Phase::Orders => Demand::Only(1),
+            Phase::Tile(..) => Demand::Only(2),
+        }
+    }
+
+    #[inline(always)]
+    fn step(&mut self, (pass, order, tile): Self::In, traffic: &mut Traffic) -> Step<Out> {
+        if let Some(token) = pass {
+            return self.pass(token, traffic);
+        }
+        if let Some(order) = order {
+            return self.order(order, traffic);
+        }
+        match tile {
+            Some(tile) => self.store(&tile, traffic),
+            None => Step::after(0, (None, None)),
+        }
+    }
+
+    /// The lines of a block; one tile; the sources of one tile.
+    fn largest_step(&self, client: usize) -> u32 {
+        [MOST_LINES, 1, 4].get(client).copied().unwrap_or(0)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.phase == Phase::Cells
+    }
+}

@@ -1,0 +1,204 @@
+//! Server (110): polygon memory (112) and texture memory (114).
+
+use crate::config::PathConfig;
+use crate::encoding::TileEncoding;
+use crate::pyramid::ServedTexture;
+use crate::tokens::{Content, EncodedTile, Parcel, Request};
+use crate::{Page, page::Cut};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::{Control, Texture};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// Where tiles come from. The server of the model holds the textures itself; a real one is elsewhere.
+pub trait TileSource: Debug {
+    /// A texture that polygons have named.
+    fn offer(&mut self, texture: &Arc<Texture>);
+    /// The tiles that will be asked for next, in this order.
+    fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
+        let _ = tiles;
+    }
+    /// A tile, encoded.
+    ///
+    /// # Errors
+    /// Why there is none: a sentence that names texture, layer and tile.
+    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String>;
+    /// Bytes of all tiles of the finest layers of all textures offered: the conventional total.
+    fn conventional_bytes(&mut self, cut: Cut) -> u64;
+}
+
+/// Texture memory (114): textures by number, their pyramids built when asked for.
+#[derive(Clone, Debug, Default)]
+pub struct TextureMemory {
+    encoding: TileEncoding,
+    quality: u8,
+    textures: BTreeMap<u32, ServedTexture>,
+}
+
+impl TextureMemory {
+    /// An empty one, that encodes tiles so.
+    pub fn new(encoding: TileEncoding, quality: u8) -> Self {
+        Self { encoding, quality, textures: BTreeMap::new() }
+    }
+}
+
+/// `texture 3 (name), layer 2, tile 17`: for messages.
+pub fn place_of(page: &Page, tile: u32) -> String {
+    format!("texture {} ({}), layer {}, tile {tile}", page.texture, page.name, page.layer_of(tile))
+}
+
+impl TileSource for TextureMemory {
+    fn offer(&mut self, texture: &Arc<Texture>) {
+        self.textures.entry(texture.id).or_insert_with(|| ServedTexture::new(Arc::clone(texture)));
+    }
+
+    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
+        let Some(texture) = self.textures.get_mut(&page.texture) else {
+            return Err(format!("{}: the server has no such texture", place_of(page, tile)));
+        };
+        let texels = texture.tile(page, tile);
+        let (first, end) = page.texels_of(tile);
+        let encoded = self.encoding.encode(&texels, [end[0] - first[0], end[1] - first[1]], self.quality);
+        encoded.map(Arc::from).map_err(|e| format!("{}: {e}", place_of(page, tile)))
+    }
+
+    fn conventional_bytes(&mut self, cut: Cut) -> u64 {
+        let all: Vec<Arc<Texture>> = self.textures.values().map(|t| Arc::clone(t.texture())).collect();
+        let bytes = |texture: &Arc<Texture>| {
+            let page = Arc::new(Page::new(0, texture, texture.sampler.wrap, cut, 0));
+            if self.encoding == TileEncoding::Raw {
+                return page.size().iter().fold(3, |all, side| all * *side as u64);
+            }
+            let finest = page.layers[usize::from(page.dmax())];
+            (finest.base..page.tiles()).filter_map(|tile| Some(self.tile(&page, tile).ok()?.len() as u64)).sum()
+        };
+        all.iter().map(bytes).sum()
+    }
+}
+
+/// What the server does: one phase of a frame after the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Phase {
+    /// Sends polygons and sizes of textures (451, 452), up to the end of the frame.
+    #[default]
+    Polygons,
+    /// Answers requests for tiles.
+    Tiles,
+    /// Waits until the picture is shown: with (124) in both jobs there is no room for the next.
+    Shown,
+}
+
+/// What the server has sent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ServerCounters {
+    /// Bytes of polygons.
+    pub polygon_bytes: u64,
+    /// Bytes of sizes of textures.
+    pub size_bytes: u64,
+    /// Bytes of tiles.
+    pub tile_bytes: u64,
+    /// Tiles.
+    pub tiles: u64,
+}
+
+/// Server (110). Inputs: polygons, requests for tiles, and the news that a picture is shown.
+///
+/// Polygons take their bytes on the path in the first frame; with the following ones the device has them (451 is not repeated
+/// by 482).
+#[derive(Debug)]
+pub struct Server {
+    config: PathConfig,
+    source: Box<dyn TileSource>,
+    phase: Phase,
+    frames: u64,
+    known: BTreeSet<u32>,
+    /// What it has sent.
+    pub counters: ServerCounters,
+}
+
+impl Server {
+    /// A server that takes its tiles from `source`.
+    pub fn new(config: PathConfig, source: Box<dyn TileSource>) -> Self {
+        let (phase, counters) = (Phase::Polygons, ServerCounters::default());
+        Self { config, source, phase, frames: 0, known: BTreeSet::new(), counters }
+    }
+
+    /// Bytes of all tiles of the finest layers of all textures seen.
+    pub fn conventional_bytes(&mut self, cut: Cut) -> u64 {
+        self.source.conventional_bytes(cut)
+    }
+
+    fn mesh(&mut self, control: Control) -> Parcel {
+        let first = self.frames == 0;
+        let mut bytes = 0;
+        match &control {
+            Control::Polygon(polygon) => {
+                if first {
+                    bytes = u64::from(self.config.vertex_bytes) * polygon.vertices.len() as u64;
+                    self.counters.polygon_bytes += bytes;
+                }
+                if let Some(texture) = &polygon.material.color_texture
+                    && self.known.insert(texture.id)
+                {
+                    self.source.offer(texture);
+                    self.counters.size_bytes += u64::from(self.config.texture_size_bytes);
+                    bytes += u64::from(self.config.texture_size_bytes);
+                }
+            }
+            Control::Frame(_) if first => return Parcel { bytes, content: Content::Asked(control) },
+            Control::FrameEnd => {
+                self.frames += 1;
+                self.phase = Phase::Tiles;
+            }
+            Control::Frame(_) | Control::Object(_) | Control::CodeBook(_) => {}
+        }
+        Parcel { bytes, content: Content::Mesh(control) }
+    }
+
+    fn answer(&mut self, request: &Request, traffic: &mut Traffic) -> Option<Parcel> {
+        match request {
+            Request::Announce(tiles) => {
+                self.source.announce(tiles);
+                None
+            }
+            Request::End => {
+                self.phase = Phase::Shown;
+                None
+            }
+            Request::Tile(page, tile) => match self.source.tile(page, *tile) {
+                Ok(bytes) => {
+                    self.counters.tile_bytes += bytes.len() as u64;
+                    self.counters.tiles += 1;
+                    let encoded = EncodedTile { page: Arc::clone(page), tile: *tile, bytes };
+                    Some(Parcel { bytes: encoded.bytes.len() as u64, content: Content::Tile(encoded) })
+                }
+                Err(error) => {
+                    traffic.fault(error);
+                    None
+                }
+            },
+        }
+    }
+}
+
+impl Unit for Server {
+    type In = (Option<Control>, Option<Request>, Option<()>);
+    type Out = Option<Parcel>;
+
+    fn demand(&self) -> Demand {
+        Demand::Only(self.phase as usize)
+    }
+
+    fn step(&mut self, (control, request, shown): Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        if shown.is_some() {
+            self.phase = Phase::Polygons;
+        }
+        let parcel = control.map(|c| self.mesh(c)).or_else(|| self.answer(&request?, traffic));
+        Step::after(0, parcel)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.phase == Phase::Polygons
+    }
+}

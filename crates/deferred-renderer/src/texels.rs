@@ -1,0 +1,149 @@
+//! Texels of a page in the texture-data memory (130): what is there of its pyramid (134), and how it is interpolated.
+
+use crate::Page;
+use crate::acquisition::How;
+use crate::page::Tap;
+use crate::pyramid::LayerTexels;
+use std::sync::Arc;
+
+/// What became of a tile.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TileHistory {
+    /// How it came, and in which frame, counted from 1.
+    pub acquired: Option<(How, u64)>,
+    /// The last frame, counted from 1, in which a pixel was coloured from it; 0: none.
+    pub needed: u64,
+}
+
+/// Tiles of one layer: what became of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LayerCounts {
+    /// Tiles that came over the path.
+    pub loaded: u64,
+    /// Tiles averaged from those below.
+    pub synthesized: u64,
+    /// Tiles of an earlier frame that a frame was coloured from, frame by frame.
+    pub reused: u64,
+    /// Tiles that no pixel was coloured from.
+    pub never_needed: u64,
+}
+
+/// Pyramid (134) of one page, as far as its tiles have come.
+#[derive(Clone, Debug)]
+pub struct PageTexels {
+    /// The page.
+    pub page: Arc<Page>,
+    layers: Vec<LayerTexels>,
+    history: Vec<TileHistory>,
+    reused: Vec<u64>,
+    /// The tile that was needed last, by layer: neighbours mostly need the same.
+    last: Vec<u32>,
+}
+
+const NO_TILE: u32 = u32::MAX;
+
+impl PageTexels {
+    /// An empty page: layers take memory when their first tile comes.
+    pub fn new(page: Arc<Page>) -> Self {
+        let layers = vec![LayerTexels::default(); page.layers.len()];
+        let history = vec![TileHistory::default(); page.tiles() as usize];
+        let (reused, last) = (vec![0; page.layers.len()], vec![NO_TILE; page.layers.len()]);
+        Self { page, layers, history, reused, last }
+    }
+
+    /// What became of each tile, by number.
+    pub fn history(&self) -> &[TileHistory] {
+        &self.history
+    }
+
+    /// What became of the tiles of a layer.
+    pub fn counts(&self, layer: u8) -> LayerCounts {
+        let l = &self.page.layers[usize::from(layer)];
+        let tiles = &self.history[l.base as usize..(l.base + l.pitch * l.rows) as usize];
+        let came = |how: How| tiles.iter().filter(|t| t.acquired.is_some_and(|a| a.0 == how)).count() as u64;
+        LayerCounts {
+            loaded: came(How::Loaded),
+            synthesized: came(How::Synthesized),
+            reused: self.reused[usize::from(layer)],
+            never_needed: tiles.iter().filter(|t| t.needed == 0).count() as u64,
+        }
+    }
+
+    /// Texels of a layer, where any of its tiles has come.
+    pub fn layer(&self, layer: u8) -> &LayerTexels {
+        &self.layers[usize::from(layer)]
+    }
+
+    /// Whether a tile is there.
+    #[inline]
+    pub fn exists(&self, tile: u32) -> bool {
+        self.history[tile as usize].acquired.is_some()
+    }
+
+    /// Whether all tiles are there that a sample reads of a layer.
+    #[inline]
+    pub fn can_sample(&self, layer: u8, placed: [f32; 2]) -> bool {
+        self.page.marked(layer, placed).iter().all(|&tile| self.exists(tile))
+    }
+
+    /// Stores a tile that has come over the path.
+    pub fn store(&mut self, tile: u32, texels: &[[u8; 4]], frame: u64) {
+        let layer = self.page.layer_of(tile);
+        let place = self.page.texels_of(tile);
+        self.room(layer).put(place, texels);
+        self.history[tile as usize].acquired = Some((How::Loaded, frame));
+    }
+
+    /// Averages a tile from the next finer layer.
+    pub fn synthesize(&mut self, tile: u32, frame: u64) {
+        let layer = self.page.layer_of(tile);
+        let place = self.page.texels_of(tile);
+        let mut own = std::mem::take(self.room(layer));
+        if let Some(finer) = self.layers.get(usize::from(layer) + 1) {
+            own.average(finer, place);
+        }
+        self.layers[usize::from(layer)] = own;
+        self.history[tile as usize].acquired = Some((How::Synthesized, frame));
+    }
+
+    fn room(&mut self, layer: u8) -> &mut LayerTexels {
+        let texels = &mut self.layers[usize::from(layer)];
+        if texels.texels.is_empty() {
+            *texels = LayerTexels::new(self.page.layers[usize::from(layer)].size);
+        }
+        texels
+    }
+
+    /// A pixel of the final picture of this frame, or one that gets no better, is coloured from these texels of a layer.
+    #[inline]
+    pub fn need(&mut self, layer: u8, placed: [f32; 2], taps: &[Tap; 2], frame: u64) {
+        let [x, y] = taps;
+        let first = self.page.tile_of(layer, [x.first, y.first]);
+        let inside = self.page.tile_of(layer, [x.second, y.second]) == first;
+        if inside && self.last[usize::from(layer)] == first && self.history[first as usize].needed == frame {
+            return;
+        }
+        self.last[usize::from(layer)] = first;
+        for tile in self.page.marked(layer, placed) {
+            let history = &mut self.history[tile as usize];
+            if history.needed != frame {
+                history.needed = frame;
+                self.reused[usize::from(layer)] += u64::from(history.acquired.is_some_and(|a| a.1 < frame));
+            }
+        }
+    }
+
+    /// Bilinear interpolation within a layer, 0..=255 per channel.
+    #[inline]
+    pub fn bilinear(&self, layer: u8, [x, y]: &[Tap; 2]) -> [f32; 4] {
+        let texels = &self.layers[usize::from(layer)];
+        let row = |y: u32| {
+            let start = (y * texels.size[0]) as usize;
+            let pair = [x.first, x.second].map(|x| texels.texels.get(start + x as usize).copied().unwrap_or_default());
+            let [left, right] = pair.map(|t| t.map(f32::from));
+            std::array::from_fn::<f32, 4, _>(|c| left[c] + (right[c] - left[c]) * x.fraction)
+        };
+        let (upper, lower) = (row(y.first), row(y.second));
+        std::array::from_fn(|c| upper[c] + (lower[c] - upper[c]) * y.fraction)
+    }
+}

@@ -1,0 +1,150 @@
+//! Pixel/depth buffer (124) of the rate-limited renderer, in its second job: keeps the picture and shows it.
+
+use crate::config::FrameBufferConfig;
+use crate::frame_buffer::{FinishedFrame, FrameDone};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::texture::BLOCK;
+use basrelief_signals::{Frame, PictureFlow, PixelBlock, layout};
+
+/// Pixels of a block.
+const BLOCK_PIXELS: u32 = BLOCK * BLOCK;
+
+/// What the pixel buffer has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PixelBufferCounters {
+    /// Frames shown to the last picture.
+    pub frames: u64,
+    /// Pictures shown.
+    pub pictures: u64,
+    /// Pixels written.
+    pub pixels: u64,
+}
+
+/// A picture that was shown: the frame's last, or one on the way to it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ShownPicture {
+    /// The picture.
+    pub picture: FinishedFrame,
+    /// Its number within its frame, from 0.
+    pub round: u32,
+    /// No better one follows.
+    pub last: bool,
+}
+
+/// Pixel buffer (124): takes blocks of pixels, and shows the picture when it is complete; with the progressive mode several
+/// times per frame, and each picture ends a frame in the sense of law 11. Pixels of blocks are written whole, as client 0.
+///
+/// Outputs: to the video output; and, behind the last picture of a frame, to the server, since the next frame's depth values
+/// take the place of the pixels.
+#[derive(Clone, Debug)]
+pub struct PixelBuffer {
+    config: FrameBufferConfig,
+    base: u64,
+    picture: Option<FinishedFrame>,
+    /// Pictures of the current frame.
+    round: u32,
+    shown: Vec<ShownPicture>,
+    /// What it has counted.
+    pub counters: PixelBufferCounters,
+}
+
+type Out = (Option<FrameDone>, Option<()>);
+
+impl PixelBuffer {
+    /// At power-on; `shared`: in the place of the depth values.
+    pub fn new(config: FrameBufferConfig, shared: bool) -> Self {
+        let base = if shared { layout::Z_BUFFER } else { layout::COLOR_BUFFERS };
+        Self { config, base, picture: None, round: 0, shown: Vec::new(), counters: PixelBufferCounters::default() }
+    }
+
+    /// Pictures shown since the last call, in order.
+    pub fn drain_shown(&mut self) -> Vec<ShownPicture> {
+        std::mem::take(&mut self.shown)
+    }
+
+    /// Whether [`PixelBuffer::drain_shown`] would give any.
+    pub fn has_shown(&self) -> bool {
+        !self.shown.is_empty()
+    }
+
+    fn begin(&mut self, frame: &Frame, traffic: &mut Traffic) {
+        let (index, width, height) = (frame.index, frame.width, frame.height);
+        self.picture = None;
+        self.round = 0;
+        if !layout::fits(width, height) {
+            return traffic.fault(format!(
+                "pixel buffer: frame {index} is {width} x {height} pixels; there is room for {} per side and {} in all, use a smaller size",
+                layout::MAX_SIDE,
+                layout::MAX_PIXELS
+            ));
+        }
+        let pixels = width as usize * height as usize;
+        self.picture = Some(FinishedFrame { index, width, height, rgb: vec![[0; 3]; pixels], covered: vec![false; pixels] });
+    }
+
+    #[inline]
+    fn write(&mut self, block: &PixelBlock, traffic: &mut Traffic) {
+        let Some(picture) = &mut self.picture else { return };
+        let [left, top] = block.at.map(|b| u32::from(b) * BLOCK);
+        for (i, rgb) in (0..).zip(&block.rgb).filter(|(i, _)| block.mask & 1 << i != 0) {
+            let (x, y) = (left + i % BLOCK, top + i / BLOCK);
+            let place = (y * picture.width + x) as usize;
+            if x < picture.width && y < picture.height {
+                picture.rgb[place] = *rgb;
+                picture.covered[place] = true;
+            }
+        }
+        self.counters.pixels += u64::from(block.mask.count_ones());
+        let number = u64::from(block.at[1]) * u64::from(picture.width.div_ceil(BLOCK)) + u64::from(block.at[0]);
+        let bytes = BLOCK_PIXELS * self.config.pixel_bytes;
+        traffic.write(0, self.base + number * u64::from(bytes), bytes);
+    }
+
+    /// Shows the picture (465, 474); nothing where no frame has begun.
+    fn show(&mut self, last: bool) -> Out {
+        let shown = |p: &FinishedFrame| ShownPicture { picture: p.clone(), round: self.round, last };
+        let Some(shown) = self.picture.as_ref().map(shown) else { return (None, None) };
+        let FinishedFrame { index, width, height, .. } = shown.picture;
+        self.shown.push(shown);
+        self.round += 1;
+        self.counters.pictures += 1;
+        self.counters.frames += u64::from(last);
+        let blocks = u64::from(width.div_ceil(BLOCK)) * u64::from(height.div_ceil(BLOCK));
+        let bytes = blocks * u64::from(BLOCK_PIXELS * self.config.pixel_bytes);
+        (Some(FrameDone { index, width, height, address: self.base, bytes }), last.then_some(()))
+    }
+}
+
+impl Unit for PixelBuffer {
+    type In = Option<PictureFlow>;
+    type Out = Out;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+
+    #[inline(always)]
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Out> {
+        let latency = u64::from(self.config.latency);
+        match input {
+            Some(PictureFlow::Pixels(block)) => {
+                self.write(&block, traffic);
+                return Step::over(block.mask.count_ones() as usize, 1, latency, (None, None));
+            }
+            Some(PictureFlow::Frame(frame)) => self.begin(&frame, traffic),
+            Some(PictureFlow::Show { last }) => {
+                let out = self.show(last);
+                let step = Step::after(latency, out);
+                return if out.0.is_some() { step.ending_frame() } else { step };
+            }
+            None => {}
+        }
+        Step::after(latency, (None, None))
+    }
+
+    /// One block.
+    fn largest_step(&self, client: usize) -> u32 {
+        u32::from(client == 0)
+    }
+}
