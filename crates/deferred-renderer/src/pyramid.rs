@@ -81,6 +81,11 @@ impl ServedTexture {
         &self.texture
     }
 
+    /// The texels of a tile of the finest layer, row by row.
+    pub fn finest_tile(&self, page: &Page, tile: u32) -> Vec<[u8; 4]> {
+        self.finest.cut(page.texels_of(tile)).collect()
+    }
+
     /// The texels of a tile, row by row.
     pub fn tile(&mut self, page: &Page, tile: u32) -> Vec<[u8; 4]> {
         let depth = page.layer_of(tile);

@@ -25,7 +25,7 @@ pub trait TileSource: Debug {
     /// Why there is none: a sentence that names texture, layer and tile.
     fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String>;
     /// Bytes of all tiles of the finest layers of all textures offered: the conventional total.
-    fn conventional_bytes(&mut self, cut: Cut) -> u64;
+    fn conventional_bytes(&self, cut: Cut) -> u64;
 }
 
 /// Texture memory (114): textures by number, their pyramids built when asked for.
@@ -40,6 +40,12 @@ impl TextureMemory {
     /// An empty one, that encodes tiles so.
     pub fn new(encoding: TileEncoding, quality: u8) -> Self {
         Self { encoding, quality, textures: BTreeMap::new() }
+    }
+
+    fn encode(&self, texels: &[[u8; 4]], page: &Page, tile: u32) -> Result<Vec<u8>, String> {
+        let (first, end) = page.texels_of(tile);
+        let encoded = self.encoding.encode(texels, [end[0] - first[0], end[1] - first[1]], self.quality);
+        encoded.map_err(|e| format!("{}: {e}", place_of(page, tile)))
     }
 }
 
@@ -58,22 +64,21 @@ impl TileSource for TextureMemory {
             return Err(format!("{}: the server has no such texture", place_of(page, tile)));
         };
         let texels = texture.tile(page, tile);
-        let (first, end) = page.texels_of(tile);
-        let encoded = self.encoding.encode(&texels, [end[0] - first[0], end[1] - first[1]], self.quality);
-        encoded.map(Arc::from).map_err(|e| format!("{}: {e}", place_of(page, tile)))
+        self.encode(&texels, page, tile).map(Arc::from)
     }
 
-    fn conventional_bytes(&mut self, cut: Cut) -> u64 {
-        let all: Vec<Arc<Texture>> = self.textures.values().map(|t| Arc::clone(t.texture())).collect();
-        let bytes = |texture: &Arc<Texture>| {
-            let page = Arc::new(Page::new(0, texture, texture.sampler.wrap, cut, 0));
+    fn conventional_bytes(&self, cut: Cut) -> u64 {
+        let bytes = |texture: &ServedTexture| {
+            let page = Page::new(0, texture.texture(), texture.texture().sampler.wrap, cut, 0);
             if self.encoding == TileEncoding::Raw {
                 return page.size().iter().fold(3, |all, side| all * *side as u64);
             }
             let finest = page.layers[usize::from(page.dmax())];
-            (finest.base..page.tiles()).filter_map(|tile| Some(self.tile(&page, tile).ok()?.len() as u64)).sum()
+            let encoded =
+                |tile| self.encode(&texture.finest_tile(&page, tile), &page, tile).map_or(0, |bytes| bytes.len() as u64);
+            (finest.base..page.tiles()).map(encoded).sum()
         };
-        all.iter().map(bytes).sum()
+        self.textures.values().map(bytes).sum()
     }
 }
 
@@ -125,7 +130,7 @@ impl Server {
     }
 
     /// Bytes of all tiles of the finest layers of all textures seen.
-    pub fn conventional_bytes(&mut self, cut: Cut) -> u64 {
+    pub fn conventional_bytes(&self, cut: Cut) -> u64 {
         self.source.conventional_bytes(cut)
     }
 

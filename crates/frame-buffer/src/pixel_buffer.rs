@@ -20,15 +20,13 @@ pub struct PixelBufferCounters {
     pub pixels: u64,
 }
 
-/// A picture that was shown: the frame's last, or one on the way to it.
+/// A picture that was shown.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ShownPicture {
     /// The picture.
     pub picture: FinishedFrame,
     /// Its number within its frame, from 0.
     pub round: u32,
-    /// No better one follows.
-    pub last: bool,
 }
 
 /// Pixel buffer (124): takes blocks of pixels, and shows the picture when it is complete; with the progressive mode several
@@ -43,7 +41,10 @@ pub struct PixelBuffer {
     picture: Option<FinishedFrame>,
     /// Pictures of the current frame.
     round: u32,
-    shown: Vec<ShownPicture>,
+    /// What the last picture takes.
+    bytes: u64,
+    rounds: Vec<ShownPicture>,
+    finished: Vec<ShownPicture>,
     /// What it has counted.
     pub counters: PixelBufferCounters,
 }
@@ -54,17 +55,36 @@ impl PixelBuffer {
     /// At power-on; `shared`: in the place of the depth values.
     pub fn new(config: FrameBufferConfig, shared: bool) -> Self {
         let base = if shared { layout::Z_BUFFER } else { layout::COLOR_BUFFERS };
-        Self { config, base, picture: None, round: 0, shown: Vec::new(), counters: PixelBufferCounters::default() }
+        Self {
+            config,
+            base,
+            picture: None,
+            round: 0,
+            bytes: 0,
+            rounds: Vec::new(),
+            finished: Vec::new(),
+            counters: PixelBufferCounters::default(),
+        }
     }
 
-    /// Pictures shown since the last call, in order.
-    pub fn drain_shown(&mut self) -> Vec<ShownPicture> {
-        std::mem::take(&mut self.shown)
+    /// Bytes that the last picture takes in memory.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
     }
 
-    /// Whether [`PixelBuffer::drain_shown`] would give any.
-    pub fn has_shown(&self) -> bool {
-        !self.shown.is_empty()
+    /// Pictures shown since the last call that a better one of the same frame follows, in order.
+    pub fn drain_rounds(&mut self) -> Vec<ShownPicture> {
+        std::mem::take(&mut self.rounds)
+    }
+
+    /// Last pictures of their frames shown since the last call, in order.
+    pub fn drain_finished(&mut self) -> Vec<ShownPicture> {
+        std::mem::take(&mut self.finished)
+    }
+
+    /// Whether [`PixelBuffer::drain_finished`] would give any.
+    pub fn has_finished(&self) -> bool {
+        !self.finished.is_empty()
     }
 
     fn begin(&mut self, frame: &Frame, traffic: &mut Traffic) {
@@ -102,16 +122,17 @@ impl PixelBuffer {
 
     /// Shows the picture (465, 474); nothing where no frame has begun.
     fn show(&mut self, last: bool) -> Out {
-        let shown = |p: &FinishedFrame| ShownPicture { picture: p.clone(), round: self.round, last };
-        let Some(shown) = self.picture.as_ref().map(shown) else { return (None, None) };
+        let picture = if last { self.picture.take() } else { self.picture.clone() };
+        let Some(picture) = picture else { return (None, None) };
+        let shown = ShownPicture { picture, round: self.round };
         let FinishedFrame { index, width, height, .. } = shown.picture;
-        self.shown.push(shown);
+        if last { &mut self.finished } else { &mut self.rounds }.push(shown);
+        let blocks = u64::from(width.div_ceil(BLOCK)) * u64::from(height.div_ceil(BLOCK));
+        self.bytes = blocks * u64::from(BLOCK_PIXELS * self.config.pixel_bytes);
         self.round += 1;
         self.counters.pictures += 1;
         self.counters.frames += u64::from(last);
-        let blocks = u64::from(width.div_ceil(BLOCK)) * u64::from(height.div_ceil(BLOCK));
-        let bytes = blocks * u64::from(BLOCK_PIXELS * self.config.pixel_bytes);
-        (Some(FrameDone { index, width, height, address: self.base, bytes }), last.then_some(()))
+        (Some(FrameDone { index, width, height, address: self.base, bytes: self.bytes }), last.then_some(()))
     }
 }
 

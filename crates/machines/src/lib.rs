@@ -4,10 +4,12 @@
 //! |---|---|---|
 //! | [`bump`] | Sony's quantized bump-mapping processor | [`bump::BumpProcessor`] |
 //! | [`shade`] | Hitachi's figure shading device | [`shade::FigureShadingDevice`] |
+//! | [`defer`] | HP's renderer for a rate-limited path | [`defer::DeferredRenderer`] |
 
 pub mod bump;
 mod config;
 mod counts;
+pub mod defer;
 mod front;
 mod problem;
 pub mod shade;

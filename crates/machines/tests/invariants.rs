@@ -28,6 +28,7 @@ const UNITS: &[&str] = &[
     "graphics-processor",
     "frame-buffer",
     "figure-shading",
+    "deferred-renderer",
 ];
 
 /// Crates that compute: no I/O, no clock, no global state, nothing printed.

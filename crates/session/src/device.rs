@@ -1,11 +1,13 @@
 //! What a run needs to know of a machine, whichever it is.
 
+use crate::exhibit::Exhibit;
 use basrelief_frame_buffer::FinishedFrame;
-use basrelief_kernel::Machine;
+use basrelief_kernel::{Machine, RunReport};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
 use schemars::JsonSchema;
+use serde_json::Value;
 use std::fmt::Debug;
 
 /// A short cut: its name, and what switches it off.
@@ -39,6 +41,46 @@ pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq + 'static 
     fn exact_style(&self) -> Style;
     /// What the reader of a report should know, one sentence each.
     fn warnings(&self, counts: &Counts) -> Vec<String>;
+    /// Figures that the machine alone cannot know: of the pictures shown, and of time.
+    fn figures(&self, told: &Told<'_>) -> Vec<(&'static str, Value)> {
+        let _ = told;
+        vec![]
+    }
+}
+
+/// A picture that was shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// Number of its frame.
+    pub frame: u32,
+    /// Number within its frame, from 0.
+    pub round: u32,
+    /// How far it is from the last of its frame \[dB\].
+    pub psnr_db: f64,
+    /// No better one followed.
+    pub last: bool,
+}
+
+/// What a run has told beside the counts of the machine.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<'a> {
+    /// What the engine came to; `None` for the functional model.
+    pub run: Option<&'a RunReport>,
+    /// All pictures, in order.
+    pub shown: &'a [Shown],
+}
+
+impl Told<'_> {
+    /// Cycles from the end of the frame before to each picture.
+    pub fn cycles_of_frames(&self, run: &RunReport) -> Vec<u64> {
+        let mut since = 0;
+        let cycles = self.shown.iter().zip(&run.frames).map(|(shown, cycles)| {
+            let own = since + cycles;
+            since = if shown.last { 0 } else { own };
+            own
+        });
+        cycles.collect()
+    }
 }
 
 /// A machine that finishes pictures.
@@ -49,4 +91,14 @@ pub trait Draws: Machine {
     fn drain_finished(&mut self) -> Vec<FinishedFrame>;
     /// Whether [`Draws::drain_finished`] would give any.
     fn has_finished(&self) -> bool;
+    /// Keeps what [`Draws::drain_exhibits`] shows and is not needed otherwise; called before the run.
+    fn keep(&mut self) {}
+    /// What there is to show since the last call beside finished pictures, in order; nothing stays in the machine.
+    fn drain_exhibits(&mut self) -> Vec<Exhibit> {
+        vec![]
+    }
+    /// What there is to show when the run is over.
+    fn last_exhibits(&mut self) -> Vec<Exhibit> {
+        vec![]
+    }
 }

@@ -1,8 +1,9 @@
 //! A run under way: the engine, the pictures it finishes, and the report in the end.
 
-use crate::device::{Device, Draws};
+use crate::device::{Device, Draws, Shown, Told};
 use crate::difference::difference;
 use crate::exact::Exact;
+use crate::exhibit::Exhibit;
 use crate::observer::{Observer, Pictures, picture_name};
 use crate::run::{Run, SessionError};
 use crate::settings::Settings;
@@ -10,7 +11,7 @@ use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
 use basrelief_machines::Counts;
-use basrelief_reference::{Picture, Quality};
+use basrelief_reference::{Picture, Quality, metrics};
 use basrelief_report::model::{Difference, Figure, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_report::{Facts, Report};
 use basrelief_signals::{Camera, Frame};
@@ -31,6 +32,9 @@ pub(crate) struct Session<'a> {
     images: Vec<String>,
     quality: Vec<Quality>,
     difference: Option<Difference>,
+    /// Pictures of the current frame that better ones follow.
+    rounds: Vec<(u32, Picture)>,
+    shown: Vec<Shown>,
     failed: Option<String>,
     /// Seconds of simulation.
     pub(crate) simulate_s: f64,
@@ -44,12 +48,16 @@ impl<'a> Session<'a> {
         commands: Box<dyn Fn() -> (u64, Option<u64>)>,
     ) -> Self {
         let (images, quality, difference) = (Vec::new(), Vec::new(), None);
-        Self { settings, observer, exact, commands, images, quality, difference, failed: None, simulate_s: 0.0 }
+        let (rounds, shown) = (Vec::new(), Vec::new());
+        Self { settings, observer, exact, commands, images, quality, difference, rounds, shown, failed: None, simulate_s: 0.0 }
     }
 
     /// Simulates to the end.
     pub(crate) fn drive<M: Draws, P: Probe>(&mut self, mut machine: M, probe: &mut P) -> Result<Driven, SessionError> {
         let &Settings { clock, engine, max_cycles, .. } = self.settings;
+        if self.settings.exhibits {
+            machine.keep();
+        }
         let began = clock();
         let mut aside = 0.0;
         let report = {
@@ -67,6 +75,9 @@ impl<'a> Session<'a> {
         };
         self.simulate_s = clock() - began - aside;
         self.take_frames(&mut machine);
+        if self.settings.exhibits {
+            self.take_exhibits(machine.last_exhibits());
+        }
         if let Some(RunReport { outcome: Outcome::Fault(fault), .. }) = &report {
             return Err(self.fault(fault.clone()));
         }
@@ -92,6 +103,7 @@ impl<'a> Session<'a> {
     }
 
     fn take_frames<M: Draws>(&mut self, machine: &mut M) {
+        self.take_exhibits(machine.drain_exhibits());
         for frame in machine.drain_finished() {
             if self.failed.is_none() {
                 self.failed = self.take_frame(frame).err();
@@ -101,13 +113,39 @@ impl<'a> Session<'a> {
 
     fn take_frame(&mut self, frame: FinishedFrame) -> Result<(), String> {
         let index = self.images.len();
-        let machine = Picture { width: frame.width, height: frame.height, rgb: frame.rgb, covered: frame.covered };
+        let number = frame.index;
+        let machine = picture(frame);
+        self.compare_rounds(number, &machine).map_err(|e| e.to_string())?;
         self.images.push(digest(&machine));
         let exact = self.exact.picture(index);
         let quality = exact.as_ref().map(|e| Quality::measure(e, &machine)).transpose().map_err(|e| e.to_string())?;
         self.quality.extend(quality);
         self.difference = exact.as_ref().map(|e| difference(e, &machine));
         self.observer.frame(&Pictures { index, machine: &machine, exact: exact.as_ref().zip(quality) })
+    }
+
+    fn take_exhibits(&mut self, exhibits: Vec<Exhibit>) {
+        for exhibit in exhibits {
+            if self.failed.is_none() {
+                self.failed = self.observer.exhibit(&exhibit).err();
+            }
+            if let Exhibit::Round(round) = exhibit {
+                self.rounds.push((round.picture.index, picture(round.picture)));
+            }
+        }
+    }
+
+    /// Holds the pictures that were shown before against the last one of their frame.
+    fn compare_rounds(&mut self, frame: u32, last: &Picture) -> Result<(), metrics::SizeMismatch> {
+        let (own, others) = std::mem::take(&mut self.rounds).into_iter().partition(|(of, _)| *of == frame);
+        self.rounds = others;
+        let own: Vec<(u32, Picture)> = own;
+        for (round, (_, picture)) in (0..).zip(&own) {
+            let psnr_db = basrelief_report::derived::round6(metrics::psnr(last, picture)?);
+            self.shown.push(Shown { frame, round, psnr_db, last: false });
+        }
+        self.shown.push(Shown { frame, round: own.len() as u32, psnr_db: metrics::IDENTICAL_DB, last: true });
+        Ok(())
     }
 
     pub(crate) fn finish<D: Device>(
@@ -122,6 +160,8 @@ impl<'a> Session<'a> {
         let several = self.images.len() > 1;
         let image = self.images.into_iter().enumerate();
         let no_view = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+        let told = Told { run: driven.report.as_ref(), shown: &self.shown };
+        let more = device.figures(&told).into_iter().map(|(name, value)| (name.to_owned(), figure(&value)));
         let facts = Facts {
             machine: D::NAME.into(),
             input,
@@ -129,7 +169,7 @@ impl<'a> Session<'a> {
             camera: frame.map_or(no_view, |f| f.camera),
             size: frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
             numerals: D::UNITS.iter().filter_map(|u| Some((u.name.to_owned(), u.numeral.parse().ok()?))).collect(),
-            device: driven.counts.iter().map(|(name, value)| (name.to_owned(), figure(value))).collect(),
+            device: driven.counts.iter().map(|(name, value)| (name.to_owned(), figure(value))).chain(more).collect(),
             quality: self.quality.last().map(|&last| PictureQuality {
                 last,
                 difference: self.difference,
@@ -144,6 +184,10 @@ impl<'a> Session<'a> {
         };
         Run { report, timing: driven.report, expectations, simulate_s: self.simulate_s }
     }
+}
+
+fn picture(frame: FinishedFrame) -> Picture {
+    Picture { width: frame.width, height: frame.height, rgb: frame.rgb, covered: frame.covered }
 }
 
 /// SHA-256 of the RGB8 rows, top row first.

@@ -20,10 +20,12 @@
 
 mod ablation;
 mod bump;
+mod defer;
 mod device;
 mod difference;
 mod drive;
 mod exact;
+mod exhibit;
 mod expectation;
 mod machine;
 mod observer;
@@ -35,6 +37,7 @@ mod tee;
 
 pub use ablation::ablate;
 pub use basrelief_kernel::NoProbe;
+pub use exhibit::Exhibit;
 pub use expectation::{check_expectation, expectation_of};
 pub use machine::{MACHINES, MachineConfig, MachineInfo};
 pub use observer::{Observer, Pictures, Unobserved, picture_name};

@@ -2,6 +2,7 @@
 
 use crate::device::{Device, ShortCut};
 use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_machines::defer::DeferConfig;
 use basrelief_machines::shade::ShadeConfig;
 use basrelief_machines::{FrontConfig, UnitInfo};
 use basrelief_parameters::{ConfigError, Parameter};
@@ -14,6 +15,8 @@ pub enum MachineConfig {
     Bump(BumpProcessorConfig),
     /// The figure shading device.
     Shade(ShadeConfig),
+    /// The rate-limited renderer.
+    Defer(DeferConfig),
 }
 
 impl Default for MachineConfig {
@@ -34,12 +37,19 @@ impl From<ShadeConfig> for MachineConfig {
     }
 }
 
+impl From<DeferConfig> for MachineConfig {
+    fn from(config: DeferConfig) -> Self {
+        Self::Defer(config)
+    }
+}
+
 /// Does the same for whichever machine is configured: `for_device!(config, device => expression)`.
 macro_rules! for_device {
     ($config:expr, $device:ident => $body:expr) => {
         match $config {
             $crate::machine::MachineConfig::Bump($device) => $body,
             $crate::machine::MachineConfig::Shade($device) => $body,
+            $crate::machine::MachineConfig::Defer($device) => $body,
         }
     };
 }
@@ -112,7 +122,8 @@ pub struct MachineInfo {
 type Load = fn(&str, &[(&str, &str)]) -> Result<MachineConfig, ConfigError>;
 
 /// All machines, the default one first.
-pub const MACHINES: &[MachineInfo] = &[MachineInfo::of::<BumpProcessorConfig>(), MachineInfo::of::<ShadeConfig>()];
+pub const MACHINES: &[MachineInfo] =
+    &[MachineInfo::of::<BumpProcessorConfig>(), MachineInfo::of::<ShadeConfig>(), MachineInfo::of::<DeferConfig>()];
 
 impl MachineInfo {
     const fn of<D: Device>() -> Self

@@ -1,5 +1,6 @@
 //! Watching a run from outside.
 
+use crate::exhibit::Exhibit;
 use basrelief_reference::{Picture, Quality};
 
 /// A finished frame, as the machine and as the exact renderer drew it.
@@ -27,6 +28,15 @@ pub trait Observer {
     /// What keeps the observer from taking it; stops the run.
     fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
         let _ = pictures;
+        Ok(())
+    }
+
+    /// Something beside the finished pictures; comes before the frame that it belongs to is finished.
+    ///
+    /// # Errors
+    /// What keeps the observer from taking it; stops the run.
+    fn exhibit(&mut self, exhibit: &Exhibit) -> Result<(), String> {
+        let _ = exhibit;
         Ok(())
     }
 }

@@ -1,0 +1,111 @@
+//! The rate-limited renderer as a [`Device`].
+
+use crate::device::{Device, Draws, Told};
+use crate::exhibit::Exhibit;
+use basrelief_deferred_renderer::{Lighting, TexelCentre};
+use basrelief_frame_buffer::FinishedFrame;
+use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
+use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_reference::{self as reference, Options, Pyramid, Shading, Style, TextureFilter};
+use serde_json::Value;
+use std::sync::Arc;
+
+impl Device for DeferConfig {
+    const NAME: &'static str = defer::NAME;
+    const ABOUT: &'static str = "HP's renderer for a rate-limited path";
+    const DIAGRAM: &'static str = defer::DIAGRAM;
+    const UNITS: &'static [UnitInfo] = defer::UNITS;
+    const DEMOS: &'static [&'static str] = &["gallery"];
+    type Machine<F: FrontEnd> = DeferredRenderer<F>;
+
+    fn build<F: FrontEnd>(&self, front: F) -> Result<DeferredRenderer<F>, ConfigProblem> {
+        DeferredRenderer::new(front, self)
+    }
+
+    fn front(&self) -> FrontConfig {
+        self.into()
+    }
+
+    /// Trilinear interpolation in the device's own pyramid; wrap modes are the textures' own.
+    fn exact_style(&self) -> Style {
+        let centre = match self.defer.texel_centre {
+            TexelCentre::Half => reference::TexelCentre::Half,
+            TexelCentre::Integer => reference::TexelCentre::Integer,
+        };
+        let options = Options {
+            filter: TextureFilter::Trilinear,
+            pyramid: Pyramid::Tiled { tile: [self.tile.width, self.tile.height], centre },
+            two_sided_lighting: self.geometry.two_sided_lighting,
+            ..Options::default()
+        };
+        let shading = if self.defer.lighting == Lighting::Gouraud { Shading::Gouraud } else { Shading::Texture };
+        Style { shading, options }
+    }
+
+    fn warnings(&self, _: &Counts) -> Vec<String> {
+        defer::warnings(self)
+    }
+
+    /// When each picture was shown, from the end of the frame before, and how far it is from the last of its frame.
+    fn figures(&self, told: &Told<'_>) -> Vec<(&'static str, Value)> {
+        let ms = |cycles: u64| ((cycles as f64 * 1e9 / self.clock.hz as f64).round()) / 1e6;
+        let mut figures = vec![
+            ("picture_frame", told.shown.iter().map(|s| s.frame).collect()),
+            ("picture_round", told.shown.iter().map(|s| s.round).collect()),
+            ("picture_psnr_db", told.shown.iter().map(|s| s.psnr_db).collect()),
+        ];
+        if let Some(run) = told.run {
+            let cycles = told.cycles_of_frames(run);
+            figures.push(("picture_cycles", cycles.iter().copied().collect()));
+            figures.push(("picture_ms", cycles.iter().copied().map(ms).collect()));
+            let of = |wanted: fn(&Vec<(u64, bool)>) -> Option<u64>| {
+                wanted(
+                    &told
+                        .shown
+                        .iter()
+                        .take_while(|s| s.frame == told.shown[0].frame)
+                        .zip(&cycles)
+                        .map(|(s, c)| (*c, s.last))
+                        .collect(),
+                )
+            };
+            if let Some(first) = of(|all| all.first().map(|p| p.0)) {
+                figures.extend([("first_picture_cycles", first.into()), ("first_picture_ms", ms(first).into())]);
+            }
+            if let Some(last) = of(|all| all.iter().find(|p| p.1).map(|p| p.0)) {
+                figures.extend([("final_picture_cycles", last.into()), ("final_picture_ms", ms(last).into())]);
+            }
+        }
+        figures
+    }
+}
+
+impl<F: FrontEnd> Draws for DeferredRenderer<F> {
+    fn counts(&self) -> Counts {
+        self.counts()
+    }
+
+    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
+        self.drain_finished().into_iter().map(|shown| shown.picture).collect()
+    }
+
+    fn has_finished(&self) -> bool {
+        self.has_finished()
+    }
+
+    fn keep(&mut self) {
+        self.keep();
+    }
+
+    fn drain_exhibits(&mut self) -> Vec<Exhibit> {
+        let rounds = self.drain_rounds().into_iter().map(Exhibit::Round);
+        let mut all: Vec<Exhibit> = rounds.collect();
+        all.extend(self.drain_filled().into_iter().map(Exhibit::ReferenceBuffer));
+        all.extend(self.drain_records().into_iter().map(Exhibit::Tiles));
+        all
+    }
+
+    fn last_exhibits(&mut self) -> Vec<Exhibit> {
+        vec![Exhibit::TileLists(self.lists().map(|(page, list)| (Arc::clone(page), list.clone())).collect())]
+    }
+}
