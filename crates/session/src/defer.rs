@@ -4,6 +4,7 @@ use crate::device::{Device, Draws, Told};
 use crate::exhibit::Exhibit;
 use basrelief_deferred_renderer::{Lighting, TexelCentre};
 use basrelief_frame_buffer::FinishedFrame;
+use basrelief_kernel::RunReport;
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_reference::{self as reference, Options, Pyramid, Shading, Style, TextureFilter};
@@ -48,36 +49,35 @@ impl Device for DeferConfig {
 
     /// When each picture was shown, from the end of the frame before, and how far it is from the last of its frame.
     fn figures(&self, told: &Told<'_>) -> Vec<(&'static str, Value)> {
-        let ms = |cycles: u64| ((cycles as f64 * 1e9 / self.clock.hz as f64).round()) / 1e6;
         let mut figures = vec![
             ("picture_frame", told.shown.iter().map(|s| s.frame).collect()),
             ("picture_round", told.shown.iter().map(|s| s.round).collect()),
             ("picture_psnr_db", told.shown.iter().map(|s| s.psnr_db).collect()),
         ];
         if let Some(run) = told.run {
-            let cycles = told.cycles_of_frames(run);
-            figures.push(("picture_cycles", cycles.iter().copied().collect()));
-            figures.push(("picture_ms", cycles.iter().copied().map(ms).collect()));
-            let of = |wanted: fn(&Vec<(u64, bool)>) -> Option<u64>| {
-                wanted(
-                    &told
-                        .shown
-                        .iter()
-                        .take_while(|s| s.frame == told.shown[0].frame)
-                        .zip(&cycles)
-                        .map(|(s, c)| (*c, s.last))
-                        .collect(),
-                )
-            };
-            if let Some(first) = of(|all| all.first().map(|p| p.0)) {
-                figures.extend([("first_picture_cycles", first.into()), ("first_picture_ms", ms(first).into())]);
-            }
-            if let Some(last) = of(|all| all.iter().find(|p| p.1).map(|p| p.0)) {
-                figures.extend([("final_picture_cycles", last.into()), ("final_picture_ms", ms(last).into())]);
-            }
+            figures.extend(times(self.clock.hz, told, run));
         }
         figures
     }
+}
+
+/// Milliseconds of these cycles, to the nanosecond.
+fn milliseconds(cycles: u64, hz: u64) -> f64 {
+    (cycles as f64 * 1e9 / hz as f64).round() / 1e6
+}
+
+/// Times of pictures: all of them, and the first and the last of the first frame.
+fn times(hz: u64, told: &Told<'_>, run: &RunReport) -> Vec<(&'static str, Value)> {
+    let cycles = told.cycles_of_frames(run);
+    let ms = |cycles: u64| milliseconds(cycles, hz);
+    let last = told.shown.iter().position(|s| s.last).and_then(|i| cycles.get(i));
+    let mut times =
+        vec![("picture_cycles", cycles.iter().copied().collect()), ("picture_ms", cycles.iter().map(|c| ms(*c)).collect())];
+    if let Some((&first, &last)) = cycles.first().zip(last) {
+        times.extend([("first_picture_cycles", first.into()), ("first_picture_ms", ms(first).into())]);
+        times.extend([("final_picture_cycles", last.into()), ("final_picture_ms", ms(last).into())]);
+    }
+    times
 }
 
 impl<F: FrontEnd> Draws for DeferredRenderer<F> {

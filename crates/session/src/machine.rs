@@ -218,6 +218,6 @@ mod tests {
             assert_eq!(config.to_value().pointer(&format!("/{}", first.key.replace('.', "/"))), Some(&first.default));
         }
         assert_eq!(MachineConfig::default().machine().name, MACHINES[0].name);
-        assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade"));
+        assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade, defer"));
     }
 }

@@ -1,0 +1,109 @@
+//! Embodiments 1 to 20 of the patent, by name: the device (1-10) and the method (11-20).
+
+use crate::recipe::{FAST, SMALL, rectangle, texture, textured, views};
+use crate::runs::{Seen, timed};
+use basrelief_deferred_renderer::How;
+use basrelief_deferred_renderer::acquisition::TileState;
+use basrelief_signals::{Control, Material, Wrap};
+use std::sync::Arc;
+
+fn seen(list: &[Control], more: &[(&str, &str)]) -> Seen {
+    timed(list, &[FAST, SMALL, more].concat()).seen
+}
+
+#[test]
+fn embodiments_1_and_11_rasterize_without_pattern_data_then_fetch_then_finish() {
+    let ran = timed(&views(&[0.0]), &[FAST, SMALL].concat());
+    let (seen, report) = (&ran.seen, &ran.report);
+    // The reference buffer is full before the first tile comes: (124) and (126) see everything ahead of (130).
+    assert_eq!(seen.filled.len(), 1);
+    assert!(
+        seen.filled[0].cells.iter().any(|c| c.page().is_some())
+            && seen.filled[0].cells.iter().any(|c| c.is_drawn() && c.page().is_none())
+    );
+    assert!(seen.count("path_tile_bytes") < seen.count("conventional_tile_bytes"));
+    let names: Vec<&str> = report.units.iter().map(|u| u.name.as_str()).collect();
+    for unit in ["server", "path", "reference-buffer", "tile-lists", "final-rasterization", "pixel-buffer"] {
+        assert!(names.contains(&unit), "{unit}");
+    }
+}
+
+#[test]
+fn embodiments_2_and_12_textures_are_pyramids_of_tiles() {
+    let seen = seen(&views(&[0.0]), &[]);
+    for (page, list) in &seen.lists {
+        assert!(page.layers.windows(2).all(|l| (0..2).all(|i| l[0].size[i] == l[1].size[i].div_ceil(2))));
+        assert_eq!(page.layers[0].pitch * page.layers[0].rows, 1, "layer 0 is one tile");
+        assert_eq!(list.states().len() as u32, page.tiles());
+    }
+}
+
+#[test]
+fn embodiments_3_and_13_brightness_coefficients_stand_in_the_cell_and_multiply_the_texel() {
+    let base = texture(1, [8, 8], [Wrap::Clamp; 2]);
+    let half = Arc::new(Material { base_color: [0.5, 1.0, 0.0, 1.0], ..Material::clone(&textured(&base)) });
+    let picture = |material: &Arc<Material>| {
+        let list = [crate::recipe::frame(0), rectangle([0.0, 0.0, 40.0, 30.0], 0.5, material), Control::FrameEnd];
+        seen(&list, &[])
+    };
+    let (full, half) = (picture(&textured(&base)), picture(&half));
+    assert_eq!(half.filled[0].cells[0].coefficients(), [128, 255, 0]);
+    for (full, half) in full.finished[0].picture.rgb.iter().zip(&half.finished[0].picture.rgb) {
+        assert!((f32::from(full[0]) * 128.0 / 255.0 - f32::from(half[0])).abs() <= 1.0);
+        assert_eq!((half[1], half[2]), (full[1], 0));
+    }
+}
+
+#[test]
+fn embodiments_4_5_14_and_15_the_list_marks_tiles_l_and_they_become_e_when_acquired() {
+    let left_early = seen(&views(&[0.0]), &[("defer.mode", "progressive"), ("defer.pictures_per_view", "1")]);
+    let states = |seen: &Seen, state: TileState| seen.lists.iter().flat_map(|(_, l)| l.states()).filter(|s| **s == state).count();
+    assert!(states(&left_early, TileState::Load) > 0, "marked when the user moved on");
+    let whole = seen(&views(&[0.0]), &[]);
+    assert_eq!(states(&whole, TileState::Load), 0);
+    assert_eq!(states(&whole, TileState::Exists), whole.acquired(0).len());
+    assert!(states(&whole, TileState::NotPresent) > 0);
+}
+
+#[test]
+fn embodiments_6_9_16_and_19_a_tile_is_synthesized_where_its_sources_exist_and_loaded_elsewhere() {
+    let seen = seen(&views(&[0.0]), &[]);
+    let (loaded, synthesized) = (seen.tiles(0, Some(How::Loaded)), seen.tiles(0, Some(How::Synthesized)));
+    assert!(!loaded.is_empty() && !synthesized.is_empty());
+    let all = seen.acquired(0);
+    for (page, _) in &seen.lists {
+        let sources_exist = |tile: u32| {
+            let sources = page.sources(tile);
+            !sources.is_empty() && sources.iter().all(|s| all.contains(&(page.texture, *s)))
+        };
+        for tile in (0..page.tiles()).filter(|t| all.contains(&(page.texture, *t))) {
+            assert_eq!(synthesized.contains(&(page.texture, tile)), sources_exist(tile), "{}, tile {tile}", page.name);
+        }
+    }
+}
+
+#[test]
+fn embodiments_7_8_17_and_18_progressive_pictures_until_the_best() {
+    let progressive = seen(&views(&[0.0]), &[("defer.mode", "progressive")]);
+    let best = seen(&views(&[0.0]), &[]);
+    assert!(progressive.rounds.len() >= 3);
+    let error = |rgb: &[[u8; 3]]| -> u64 {
+        let pairs = rgb.as_flattened().iter().zip(best.finished[0].picture.rgb.as_flattened());
+        pairs.map(|(a, b)| u64::from(a.abs_diff(*b)).pow(2)).sum()
+    };
+    let errors: Vec<u64> = progressive.rounds.iter().map(|r| error(&r.picture.rgb)).collect();
+    assert!(errors[0] > 0 && errors.last() < errors.first(), "{errors:?}");
+    assert_eq!(error(&progressive.finished[0].picture.rgb), 0);
+}
+
+#[test]
+fn embodiments_10_and_20_interpolate_once_at_integer_depth_and_twice_and_between_elsewhere() {
+    let base = textured(&texture(1, [32, 32], [Wrap::Clamp; 2]));
+    let interpolations = |side: f32| {
+        let list = [crate::recipe::frame(0), rectangle([0.0, 0.0, side, side], 0.5, &base), Control::FrameEnd];
+        let seen = seen(&list, &[]);
+        (seen.count("pixels_textured"), seen.count("interpolations_within_layers"), seen.count("interpolations_between_layers"))
+    };
+    assert_eq!(interpolations(16.0), (256, 256, 0), "two texels per pixel: D = Dmax - 1");
+    assert_eq!(interpolations(12.0), (144, 288, 144));
+}

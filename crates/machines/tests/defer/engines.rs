@@ -1,0 +1,107 @@
+//! Both engines give equal reports, the functional model the same pictures; cycles are conserved; nothing deadlocks.
+
+use crate::recipe::{FAST, SMALL, borrowed, display_lists, meanings, timings, views};
+use crate::runs::{Ran, config, functional, replay, run, timed};
+use basrelief_kernel::{Engine, Outcome};
+use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
+use basrelief_signals::Control;
+use proptest::prelude::*;
+
+/// Runs in all three ways and holds them against each other; the timed run.
+fn agree(list: &[Control], config: &DeferConfig) -> Ran {
+    let timed = run(replay(list, config), config, Engine::Timed);
+    assert_eq!(timed.report.outcome, Outcome::Complete);
+    let ticked = run(replay(list, config), config, Engine::Ticked);
+    assert!(timed.report == ticked.report, "the engines differ:\n{:#?}\n{:#?}", timed.report.units, ticked.report.units);
+    assert_eq!(timed.seen, ticked.seen);
+    assert_eq!(timed.seen, functional(list, config), "the functional model");
+    conserved(&timed);
+    timed
+}
+
+/// Laws 9 to 11, and what counters must have in common.
+fn conserved(ran: &Ran) {
+    let total = ran.report.total;
+    for unit in &ran.report.units {
+        assert_eq!(unit.account.total(), total, "cycles of {}", unit.name);
+    }
+    for fifo in &ran.report.fifos {
+        assert_eq!(fifo.histogram.iter().sum::<u64>(), total, "histogram of {}", fifo.name);
+    }
+    let count = |name: &str| ran.seen.count(name);
+    assert_eq!(ran.report.frames.len() as u64, count("pictures"), "each picture shown ends a frame (law 11)");
+    assert_eq!(count("tiles_loaded"), count("path_tiles"));
+    let parts = ["path_polygon_bytes", "path_texture_size_bytes", "path_tile_bytes"];
+    assert_eq!(parts.map(count).iter().sum::<u64>(), count("path_bytes"));
+    assert_eq!(count("cells_textured") + count("cells_direct"), count("z_passed"));
+    assert_eq!(count("pixels_textured") + count("pixels_direct"), count("pixels"));
+}
+
+#[test]
+fn engines_agree_on_the_hall_in_every_mode() {
+    for mode in ["best", "progressive", "conventional"] {
+        let config = config(&[FAST, SMALL, &[("defer.mode", mode)]].concat());
+        let ran = agree(&views(&[0.0, 6.0]), &config);
+        assert!(ran.seen.finished.iter().all(|f| f.picture.covered.iter().any(|c| *c)));
+    }
+}
+
+#[test]
+fn a_path_of_28571_cycles_per_byte_takes_the_timed_engine_no_longer() {
+    let slow = timed(&views(&[0.0]), &[SMALL, &[("path.bits_per_second", "56000"), ("path.latency_us", "100000")]].concat());
+    let fast = timed(&views(&[0.0]), &[SMALL, FAST].concat());
+    assert_eq!(slow.seen.finished, fast.seen.finished);
+    let bytes = slow.seen.count("path_bytes");
+    let cycles = bytes * 8 * 200_000_000 / 56_000;
+    assert!((cycles..cycles + 60_000_000).contains(&slow.report.total), "{} cycles for {bytes} bytes", slow.report.total);
+    let steps = |ran: &Ran| ran.report.units.iter().map(|u| u.steps).collect::<Vec<_>>();
+    assert_eq!(steps(&slow), steps(&fast), "the work of the engine is the same");
+}
+
+#[test]
+fn parameters_that_do_not_fit_together_are_refused_with_a_key() {
+    let refused = |settings: &[(&str, &str)], key: &str| {
+        let config = config(settings);
+        let problem = DeferredRenderer::new(replay(&[], &config), &config).err().unwrap_or_else(|| panic!("{settings:?}"));
+        assert_eq!(problem.key, key, "{problem}");
+    };
+    refused(&[("tile.width", "48")], "tile.width");
+    refused(&[("tile.height", "100")], "tile.height");
+    refused(&[("memory.texture.outstanding", "127")], "memory.texture.outstanding");
+    refused(&[("cache.texel.line_bytes", "48")], "cache.texel.line_bytes");
+    refused(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
+    refused(&[("cell.depth_bits", "12")], "cell.depth_fraction_bits");
+    refused(&[("cell.coordinate_format", "fixed"), ("cell.coordinate_bits", "12")], "cell.coordinate_fraction_bits");
+}
+
+#[test]
+fn what_only_the_scene_can_show_to_be_too_small_is_a_fault_that_names_the_parameter() {
+    for (setting, name) in
+        [(("cell.page_bits", "2"), "cell.page_bits"), (("engine.texture_memory", "100000"), "engine.texture_memory")]
+    {
+        let config = config(&[setting]);
+        let ran = run(replay(&views(&[0.0]), &config), &config, Engine::Timed);
+        let Outcome::Fault(text) = &ran.report.outcome else { panic!("{:?}", ran.report.outcome) };
+        assert!(text.contains(name), "{text}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 4, ..ProptestConfig::default() })]
+
+    #[test]
+    fn engines_agree_on_every_display_list_and_configuration(
+        list in display_lists(), meaning in meanings(), timing in timings(),
+    ) {
+        let config = config(&[borrowed(&meaning), borrowed(&timing)].concat());
+        agree(&list, &config);
+    }
+
+    #[test]
+    fn law_6_times_never_change_a_picture_or_a_tile(list in display_lists(), meaning in meanings(), timing in timings()) {
+        let plain = config(&borrowed(&meaning));
+        let seen = functional(&list, &plain);
+        let ran = timed(&list, &[borrowed(&meaning), borrowed(&timing)].concat()).seen;
+        prop_assert_eq!((ran.finished, ran.rounds, ran.tiles), (seen.finished, seen.rounds, seen.tiles));
+    }
+}

@@ -1,0 +1,8 @@
+//! The rate-limited renderer as a whole: its engines, its modes, its views, and what the patent says of them.
+
+mod embodiments;
+mod engines;
+mod modes;
+mod path;
+mod recipe;
+mod runs;

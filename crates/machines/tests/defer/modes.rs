@@ -1,0 +1,189 @@
+//! Best resolution, progressive and conventional: the same picture, by different ways. Views one after the other.
+
+use crate::recipe::{FAST, SMALL, display_lists, views};
+use crate::runs::{Ran, Seen, Tile, timed};
+use basrelief_deferred_renderer::cell::split_depth;
+use basrelief_deferred_renderer::{How, Page};
+use basrelief_signals::Control;
+use proptest::prelude::*;
+use std::collections::BTreeSet;
+
+const MODES: [&str; 3] = ["best", "progressive", "conventional"];
+
+fn mode<'a>(mode: &'a str, more: &[(&'a str, &'a str)]) -> Vec<(&'a str, &'a str)> {
+    [FAST, SMALL, &[("defer.mode", mode)], more].concat()
+}
+
+fn modes(list: &[Control], more: &[(&str, &str)]) -> [Ran; 3] {
+    MODES.map(|m| timed(list, &mode(m, more)))
+}
+
+/// Last pictures, without the number of their round.
+fn pictures(seen: &Seen) -> Vec<&[[u8; 3]]> {
+    seen.finished.iter().map(|f| f.picture.rgb.as_slice()).collect()
+}
+
+/// Tiles that the pixels of a filled reference buffer read, from its cells.
+fn wanted(seen: &Seen, frame: usize) -> BTreeSet<Tile> {
+    let filled = &seen.filled[frame];
+    let of_cell = |cell: &basrelief_deferred_renderer::Cell| -> Vec<Tile> {
+        let Some(page) = cell.page().map(|p| &filled.pages[usize::from(p)]) else { return vec![] };
+        layers(page, cell.depth).into_iter().flat_map(|layer| read(page, layer, cell.coordinates)).collect()
+    };
+    filled.cells.iter().flat_map(of_cell).collect()
+}
+
+fn layers(page: &Page, depth: f32) -> Vec<u8> {
+    let (coarse, fraction) = split_depth(depth, page.dmax());
+    if fraction > 0.0 { vec![coarse, coarse + 1] } else { vec![coarse] }
+}
+
+/// Tiles of the texels that weigh anything, texel by texel.
+fn read(page: &Page, layer: u8, coordinates: [f32; 2]) -> Vec<Tile> {
+    let [x, y] = page.taps(layer, page.placed(coordinates));
+    let texels = [[x.first, y.first], [x.second, y.first], [x.first, y.second], [x.second, y.second]];
+    texels.map(|texel| (page.texture, page.tile_of(layer, texel))).to_vec()
+}
+
+#[test]
+fn all_modes_end_with_the_same_picture_whatever_the_lossless_encoding_and_order() {
+    let [best, progressive, conventional] = modes(&views(&[0.0, 5.0]), &[]);
+    assert_eq!(pictures(&best.seen), pictures(&progressive.seen));
+    assert_eq!(pictures(&best.seen), pictures(&conventional.seen));
+    for more in [("tile.encoding", "png"), ("tile.order", "centre"), ("tile.order", "pixels"), ("defer.depth_pixel", "separate")]
+    {
+        for other in modes(&views(&[0.0, 5.0]), &[more]) {
+            assert_eq!(pictures(&best.seen), pictures(&other.seen), "{more:?}");
+        }
+    }
+}
+
+#[test]
+fn best_resolution_acquires_exactly_the_tiles_that_pixels_read() {
+    let ran = timed(&views(&[0.0]), &mode("best", &[]));
+    let wanted = wanted(&ran.seen, 0);
+    assert!(wanted.len() > 20 && ran.seen.count("tiles_synthesized") > 0);
+    assert_eq!(ran.seen.acquired(0), wanted, "none missing, none more");
+    assert!(wanted.iter().all(|(texture, _)| *texture != 3), "nothing of the hidden picture");
+}
+
+#[test]
+fn best_resolution_loads_least_and_conventional_most() {
+    let [best, progressive, conventional] = modes(&views(&[0.0]), &[]);
+    let bytes = |ran: &Ran| ran.seen.count("path_tile_bytes");
+    assert!(bytes(&best) <= bytes(&progressive) && bytes(&progressive) < bytes(&conventional));
+    assert_eq!(bytes(&conventional), conventional.seen.count("conventional_tile_bytes"));
+    assert_eq!(best.seen.count("conventional_tile_bytes"), bytes(&conventional));
+    let finest: u32 = [64 * 64, 150 * 40, 37 * 61, 128 * 128, 200 * 200].iter().sum();
+    assert_eq!(bytes(&conventional), 3 * u64::from(finest));
+    let loaded = conventional.seen.tiles(0, Some(How::Loaded));
+    let page_of = |texture: u32| conventional.seen.lists.iter().map(|l| &l.0).find(|p| p.texture == texture).unwrap();
+    assert!(loaded.iter().all(|(t, tile)| page_of(*t).layer_of(*tile) == page_of(*t).dmax()), "all coarser layers are averaged");
+}
+
+#[test]
+fn the_first_progressive_picture_comes_before_that_of_best_resolution() {
+    let slow = [("path.bits_per_second", "20000000"), ("path.requests", "4")];
+    let [best, progressive, conventional] = modes(&views(&[0.0]), &slow);
+    assert!(progressive.report.frames[0] < best.report.frames[0] && best.report.frames[0] < conventional.report.frames[0]);
+}
+
+/// What must hold of the pictures of every frame.
+fn progresses(ran: &Ran) {
+    let most = ran.seen.lists.iter().map(|(page, _)| u32::from(page.dmax()) + 1).max().unwrap_or(1);
+    for last in &ran.seen.finished {
+        assert!(last.round < most, "{} pictures, at most Dmax + 1 = {most}", last.round + 1);
+        let rounds = ran.seen.rounds.iter().filter(|r| r.picture.index == last.picture.index);
+        assert!(rounds.clone().map(|r| r.round).eq(0..last.round));
+        assert!(rounds.clone().all(|r| r.picture.covered == last.picture.covered), "every picture is whole");
+    }
+}
+
+#[test]
+fn progressive_takes_at_most_dmax_plus_1_pictures() {
+    let ran = timed(&views(&[0.0, 7.0]), &mode("progressive", &[]));
+    assert!(ran.seen.finished[0].round >= 3, "there is something to improve");
+    progresses(&ran);
+}
+
+#[test]
+fn from_picture_to_picture_no_pixel_becomes_coarser() {
+    // Textures of one colour per layer would be averaged away; so layers are told by what has come, frame by frame.
+    let list = views(&[0.0]);
+    let full = timed(&list, &mode("progressive", &[]));
+    let mut before: Option<Vec<Vec<u8>>> = None;
+    for pictures in 1..=full.seen.finished[0].round + 1 {
+        let pictures = pictures.to_string();
+        let ran = timed(&list, &mode("progressive", &[("defer.pictures_per_view", &pictures)]));
+        let filled = &ran.seen.filled[0];
+        let finest = |cell: &basrelief_deferred_renderer::Cell| {
+            let page = &filled.pages[usize::from(cell.page()?)];
+            let there = ran.seen.acquired(0);
+            let wished = *layers(page, cell.depth).last()?;
+            (0..=wished).rev().find(|l| read(page, *l, cell.coordinates).iter().all(|t| there.contains(t)))
+        };
+        let own: Vec<Vec<u8>> = filled.cells.iter().map(|c| finest(c).into_iter().collect()).collect();
+        if let Some(before) = &before {
+            assert!(before.iter().zip(&own).all(|(b, o)| b <= o), "picture {pictures}");
+            assert_ne!(before, &own, "picture {pictures} is better somewhere");
+        }
+        before = Some(own);
+    }
+}
+
+#[test]
+fn leaving_early_forgets_what_was_to_be_loaded_and_the_next_view_goes_on() {
+    let early = [("defer.pictures_per_view", "2")];
+    let ran = timed(&views(&[0.0, 0.0, 0.0, 0.0]), &mode("progressive", &early));
+    let full = timed(&views(&[0.0]), &mode("best", &[]));
+    assert!(ran.seen.finished.iter().all(|f| f.round <= 1));
+    assert_ne!(ran.seen.finished[0].picture.rgb, full.seen.finished[0].picture.rgb);
+    assert_eq!(ran.seen.finished[3].picture.rgb, full.seen.finished[0].picture.rgb);
+    assert!(ran.seen.lists.iter().any(|(_, list)| list.states().contains(&basrelief_deferred_renderer::TileState::NotPresent)));
+}
+
+#[test]
+fn a_new_viewpoint_fetches_only_missing_tiles() {
+    for m in ["best", "progressive"] {
+        let both = timed(&views(&[12.0, 0.0]), &mode(m, &[])).seen;
+        let second = timed(&views(&[0.0]), &mode(m, &[])).seen;
+        let (first, new, reused) = (both.acquired(0), both.acquired(1), both.tiles(1, None));
+        assert!(!new.is_empty() && !reused.is_empty());
+        assert!(first.is_disjoint(&new), "nothing comes twice");
+        assert!(reused.is_subset(&first));
+        assert!(wanted(&both, 1).is_subset(&(&new | &reused)) && wanted(&both, 1) == wanted(&second, 0));
+        assert_eq!(both.finished[1].picture.rgb, second.finished[0].picture.rgb);
+        let same = timed(&views(&[3.0, 3.0]), &mode(m, &[])).seen;
+        assert!(same.acquired(1).is_empty(), "the same view again loads nothing");
+        assert_eq!(same.finished[0].picture.rgb, same.finished[1].picture.rgb);
+        assert_eq!(same.count("tiles_reused"), wanted(&same, 1).len() as u64);
+    }
+}
+
+#[test]
+fn integer_texel_centres_shift_the_picture_and_keep_all_modes_equal() {
+    let integer = [("defer.texel_centre", "integer")];
+    let [best, progressive, conventional] = modes(&views(&[0.0]), &integer);
+    assert_eq!(pictures(&best.seen), pictures(&progressive.seen));
+    assert_eq!(pictures(&best.seen), pictures(&conventional.seen));
+    assert_eq!(best.seen.acquired(0), wanted(&best.seen, 0));
+    assert_ne!(pictures(&best.seen), pictures(&timed(&views(&[0.0]), &mode("best", &[])).seen));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 4, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_scene_ends_alike_in_all_modes_and_loads_what_it_reads(list in display_lists()) {
+        let [best, progressive, conventional] = modes(&list, &[]);
+        prop_assert_eq!(pictures(&best.seen), pictures(&progressive.seen));
+        prop_assert_eq!(pictures(&best.seen), pictures(&conventional.seen));
+        progresses(&progressive);
+        let mut there = BTreeSet::new();
+        for frame in 0..best.seen.filled.len() {
+            let wanted = wanted(&best.seen, frame);
+            prop_assert_eq!(best.seen.acquired(frame), &wanted - &there);
+            there.extend(wanted);
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! The path: rate, latency, requests in flight; and what goes wrong on it.
+
+use crate::recipe::{FAST, SMALL, views};
+use crate::runs::{Tile, config, replay, timed};
+use basrelief_deferred_renderer::identification::layers_of;
+use basrelief_deferred_renderer::server::place_of;
+use basrelief_deferred_renderer::{Cell, Cut, FilledBuffer, Page, TextureMemory, TileEncoding, TileSource};
+use basrelief_kernel::{Engine, Outcome, run};
+use basrelief_machines::defer::DeferredRenderer;
+use basrelief_signals::Texture;
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+
+fn total(more: &[(&str, &str)]) -> u64 {
+    timed(&views(&[0.0]), &[FAST, SMALL, more].concat()).report.total
+}
+
+#[test]
+fn twice_the_rate_takes_half_the_time_where_the_path_limits() {
+    let [slow, fast] = ["1000000", "2000000"].map(|rate| total(&[("path.bits_per_second", rate)]));
+    let ratio = slow as f64 / fast as f64;
+    assert!((1.99..2.01).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn requests_in_flight_hide_the_latency_of_the_path() {
+    let slow = |requests: &str| total(&[("path.latency_us", "100"), ("path.requests", requests)]);
+    let loaded = timed(&views(&[0.0]), &[FAST, SMALL].concat()).seen.count("tiles_loaded");
+    let (one, four, many) = (slow("1"), slow("4"), slow("4096"));
+    // One latency is waited for by the polygons, then one per tile.
+    let latency = 20_000;
+    assert!((loaded * latency..(loaded + 3) * latency).contains(&one), "{loaded} tiles, {one} cycles");
+    assert!(four < one / 3 && many < four);
+    assert!((2 * latency..4 * latency).contains(&many), "all in flight: {many}");
+}
+
+#[test]
+fn what_travels_is_what_is_counted() {
+    let ran = timed(&views(&[0.0, 2.0]), &[FAST, SMALL].concat());
+    let seen = &ran.seen;
+    // Seven polygons of 4, 4, 4, 3, 4 and 3 corners: only in the first frame.
+    assert_eq!(seen.count("path_polygon_bytes"), 32 * (4 * 4 + 2 * 3));
+    assert_eq!(seen.count("path_texture_size_bytes"), 8 * 5);
+    let texels = |frame: usize| -> u64 {
+        let loaded = seen.tiles[frame].iter().filter(|r| r.acquired == Some(basrelief_deferred_renderer::How::Loaded));
+        loaded.map(|r| r.page.texels_of(r.tile)).map(|(a, b)| u64::from((b[0] - a[0]) * (b[1] - a[1]))).sum()
+    };
+    assert_eq!(seen.count("path_tile_bytes"), 3 * (texels(0) + texels(1)));
+}
+
+/// A server whose tiles are damaged from the fourth on.
+#[derive(Debug)]
+struct Damaged {
+    good: TextureMemory,
+    left: u32,
+    lost: bool,
+}
+
+impl TileSource for Damaged {
+    fn offer(&mut self, texture: &Arc<Texture>) {
+        self.good.offer(texture);
+    }
+
+    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
+        let bytes = self.good.tile(page, tile)?;
+        if self.left > 0 {
+            self.left -= 1;
+            return Ok(bytes);
+        }
+        if self.lost { Err(format!("{}: the server is gone", place_of(page, tile))) } else { Ok(bytes[..bytes.len() / 2].into()) }
+    }
+
+    fn conventional_bytes(&self, cut: Cut) -> u64 {
+        self.good.conventional_bytes(cut)
+    }
+}
+
+#[test]
+fn a_tile_that_does_not_come_or_is_cut_short_is_an_error_that_names_it() {
+    for lost in [true, false] {
+        let config = config(&[FAST, SMALL].concat());
+        let source = Damaged { good: TextureMemory::new(TileEncoding::Raw, 85), left: 3, lost };
+        let mut machine = DeferredRenderer::with_source(replay(&views(&[0.0]), &config), &config, Box::new(source)).unwrap();
+        let Outcome::Fault(text) = run(&mut machine, Engine::Timed).outcome else { panic!("no fault") };
+        assert!(text.contains("texture ") && text.contains("layer ") && text.contains("tile "), "{text}");
+        assert!(text.contains(if lost { "the server is gone" } else { "expected" }), "{text}");
+    }
+}
+
+/// A server that writes down what it is asked for: texture and tile.
+#[derive(Debug)]
+struct Recording {
+    good: TextureMemory,
+    asked: Rc<RefCell<Vec<Tile>>>,
+    announced: Rc<RefCell<Vec<Tile>>>,
+}
+
+impl TileSource for Recording {
+    fn offer(&mut self, texture: &Arc<Texture>) {
+        self.good.offer(texture);
+    }
+
+    fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
+        self.announced.borrow_mut().extend(tiles.iter().map(|(page, tile)| (page.texture, *tile)));
+    }
+
+    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
+        self.asked.borrow_mut().push((page.texture, tile));
+        self.good.tile(page, tile)
+    }
+
+    fn conventional_bytes(&self, cut: Cut) -> u64 {
+        self.good.conventional_bytes(cut)
+    }
+}
+
+/// What is asked for, in order, and what the pixels of the picture read.
+fn asked(order: &str) -> (Vec<Tile>, Vec<(Tile, [u32; 2])>) {
+    let config = config(&[FAST, SMALL, &[("tile.order", order)]].concat());
+    let (asked, announced) = (Rc::default(), Rc::default());
+    let good = TextureMemory::new(TileEncoding::Raw, 85);
+    let source = Recording { good, asked: Rc::clone(&asked), announced: Rc::clone(&announced) };
+    let mut machine = DeferredRenderer::with_source(replay(&views(&[0.0]), &config), &config, Box::new(source)).unwrap();
+    machine.keep();
+    assert_eq!(run(&mut machine, Engine::Timed).outcome, Outcome::Complete);
+    assert_eq!(*asked.borrow(), *announced.borrow(), "{order}: a server that looks ahead is told the order");
+    let filled = machine.drain_filled().remove(0);
+    let reads = (0..).zip(&filled.cells).flat_map(|(i, cell)| {
+        let at = [i % filled.width, i / filled.width];
+        reads_of(cell, &filled).into_iter().map(move |tile| (tile, at)).collect::<Vec<_>>()
+    });
+    (asked.take(), reads.collect())
+}
+
+fn reads_of(cell: &Cell, filled: &FilledBuffer) -> Vec<Tile> {
+    let Some(page) = cell.page().map(|p| &filled.pages[usize::from(p)]) else { return vec![] };
+    let (coarse, _, fine) = layers_of(page, cell);
+    let placed = page.placed(cell.coordinates);
+    let tiles = [Some(coarse), fine].into_iter().flatten().flat_map(|layer| page.marked(layer, placed));
+    tiles.map(|tile| (page.texture, tile)).collect()
+}
+
+#[test]
+fn tiles_are_asked_for_in_the_order_wished_for() {
+    let (listed, _) = asked("listed");
+    let texture_order: Vec<u32> = listed.iter().map(|t| t.0).collect();
+    let mut textures = texture_order.clone();
+    textures.dedup();
+    assert!(textures.len() == 4 && texture_order.iter().filter(|t| **t == textures[0]).count() > 1, "page by page");
+
+    let (by_pixels, reads) = asked("pixels");
+    let pixels = |tile: &Tile| reads.iter().filter(|r| r.0 == *tile).count();
+    assert!(by_pixels.windows(2).all(|w| pixels(&w[0]) >= pixels(&w[1])), "most pixels first");
+    assert!(pixels(&by_pixels[0]) > pixels(&by_pixels[by_pixels.len() - 1]));
+
+    let (by_centre, reads) = asked("centre");
+    let distance = |tile: &Tile| {
+        let blocks = reads.iter().filter(|r| r.0 == *tile).map(|r| r.1.map(|c| c / 4 * 4 + 2));
+        blocks.map(|[x, y]| x.abs_diff(20).pow(2) + y.abs_diff(15).pow(2)).min()
+    };
+    assert!(by_centre.windows(2).all(|w| distance(&w[0]) <= distance(&w[1])), "nearest to the centre first");
+    let sorted = |mut tiles: Vec<Tile>| {
+        tiles.sort_unstable();
+        tiles
+    };
+    assert_eq!(sorted(listed.clone()), sorted(by_pixels));
+    assert_ne!(listed, by_centre);
+}

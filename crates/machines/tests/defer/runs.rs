@@ -1,0 +1,97 @@
+//! Running a display list on the machine, in all three ways.
+
+use basrelief_deferred_renderer::{FilledBuffer, How, Page, TileList, TileRecord};
+use basrelief_frame_buffer::ShownPicture;
+use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, RunReport, run_functional, run_with};
+use basrelief_machines::Counts;
+use basrelief_machines::defer::{DeferConfig, DeferredRenderer, FrontEnd, TraceFront};
+use basrelief_parameters::load;
+use basrelief_signals::Control;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// What a run has shown.
+#[derive(Debug, PartialEq)]
+pub struct Seen {
+    /// Last pictures of their frames.
+    pub finished: Vec<ShownPicture>,
+    /// Those before them.
+    pub rounds: Vec<ShownPicture>,
+    pub filled: Vec<FilledBuffer>,
+    /// What became of tiles, by frame.
+    pub tiles: Vec<Vec<TileRecord>>,
+    pub lists: Vec<(Arc<Page>, TileList)>,
+    pub counts: Counts,
+}
+
+/// What a run came to.
+pub struct Ran {
+    pub report: RunReport,
+    pub seen: Seen,
+}
+
+/// A tile: texture, number.
+pub type Tile = (u32, u32);
+
+impl Seen {
+    pub fn count(&self, name: &str) -> u64 {
+        assert!(self.counts.iter().any(|(n, _)| n == name), "there is no device figure `{name}`");
+        self.counts.number(name)
+    }
+
+    /// Tiles of a frame that came so; none: those that were there before, and were needed.
+    pub fn tiles(&self, frame: usize, how: Option<How>) -> BTreeSet<Tile> {
+        let tiles = self.tiles[frame].iter().filter(|r| r.acquired == how);
+        tiles.map(|r| (r.page.texture, r.tile)).collect()
+    }
+
+    /// Tiles of a frame, however they came.
+    pub fn acquired(&self, frame: usize) -> BTreeSet<Tile> {
+        &self.tiles(frame, Some(How::Loaded)) | &self.tiles(frame, Some(How::Synthesized))
+    }
+}
+
+/// The default machine with these settings.
+pub fn config(settings: &[(&str, &str)]) -> DeferConfig {
+    load("", settings).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A way in that replays these commands.
+pub fn replay(controls: &[Control], config: &DeferConfig) -> impl FrontEnd + use<> {
+    let commands: Vec<_> = controls.iter().map(|c| Ok::<_, String>((c.clone(), None))).collect();
+    TraceFront::new(commands.into_iter(), config)
+}
+
+fn seen<F: FrontEnd>(mut machine: DeferredRenderer<F>) -> Seen {
+    Seen {
+        finished: machine.drain_finished(),
+        rounds: machine.drain_rounds(),
+        filled: machine.drain_filled(),
+        tiles: machine.drain_records(),
+        lists: machine.lists().map(|(page, list)| (Arc::clone(page), list.clone())).collect(),
+        counts: machine.counts(),
+    }
+}
+
+pub fn run(front: impl FrontEnd, config: &DeferConfig, engine: Engine) -> Ran {
+    let mut machine = DeferredRenderer::new(front, config).unwrap_or_else(|e| panic!("{e}"));
+    machine.keep();
+    let report = run_with(&mut machine, engine, &mut NoProbe, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
+    Ran { report, seen: seen(machine) }
+}
+
+/// A timed run that must come to its end.
+pub fn timed(controls: &[Control], settings: &[(&str, &str)]) -> Ran {
+    let config = config(settings);
+    let ran = run(replay(controls, &config), &config, Engine::Timed);
+    assert_eq!(ran.report.outcome, Outcome::Complete, "{settings:?}");
+    ran
+}
+
+/// What the functional model shows.
+pub fn functional(controls: &[Control], config: &DeferConfig) -> Seen {
+    let mut machine = DeferredRenderer::new(replay(controls, config), config).unwrap_or_else(|e| panic!("{e}"));
+    machine.keep();
+    run_functional(&mut machine, &mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
+    seen(machine)
+}
