@@ -3,7 +3,7 @@
 use basrelief_session::{MACHINES, MachineInfo};
 use basrelief_signals::MAX_PICTURE_PIXELS;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Cycle-level simulator of patented shading devices: what does this pipeline cost, why, and what picture do I get?
@@ -116,9 +116,13 @@ pub struct SimulationArgs {
     /// Write what every unit did when, as a Perfetto trace (open at ui.perfetto.dev).
     #[arg(long, value_name = "FILE")]
     pub timeline: Option<PathBuf>,
+    /// Write what the machine kept, one line of JSON each: reference-buffer (its textured pixels) or tiles (those acquired
+    /// or used again), of machine defer; repeatable.
+    #[arg(long, num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
+    pub dump: Vec<String>,
     /// Run the same input without each short cut of the machine in turn, and without any, and write the table of cycles and
     /// changes as ablation.json and ablation.csv, and nothing else.
-    #[arg(long, conflicts_with_all = ["functional", "timeline", "csv"])]
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "csv", "dump"])]
     pub ablate: bool,
 }
 

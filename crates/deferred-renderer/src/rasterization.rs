@@ -86,7 +86,7 @@ pub struct Rasterization {
     centre: [u32; 2],
     /// Pixels of the pass that could be better.
     improvable: bool,
-    records: Vec<Vec<TileRecord>>,
+    records: Vec<(u32, Vec<TileRecord>)>,
     /// What it has counted.
     pub counters: RasterizationCounters,
 }
@@ -118,8 +118,9 @@ impl Rasterization {
         &self.pages
     }
 
-    /// What became of tiles in the frames finished since the last call, where that is kept.
-    pub fn drain_records(&mut self) -> Vec<Vec<TileRecord>> {
+    /// What became of tiles in the frames finished since the last call, where that is kept: number of the frame, from 0, and its
+    /// tiles.
+    pub fn drain_records(&mut self) -> Vec<(u32, Vec<TileRecord>)> {
         std::mem::take(&mut self.records)
     }
 
@@ -207,7 +208,7 @@ impl Rasterization {
         let last = !self.improvable || self.pictures == self.pictures_per_view;
         if last && self.keep {
             let record = self.record();
-            self.records.push(record);
+            self.records.push((self.frame as u32 - 1, record));
         }
         let marks = (self.mode == RenderMode::Progressive).then_some(MarkFlow::End);
         (marks, Some(PictureFlow::Show { last }))

@@ -413,11 +413,11 @@ fn figure_7b_colours_from_the_finest_layer_that_is_there_and_marks_the_next() {
 fn cells_hold_what_their_fields_can() {
     let page = page([1024, 1024], [64, 64]);
     let cell =
-        |config: &CellConfig| CellFormat::new(config, 1.0).textured(&page, [-3.141_592_7, 1000.123], 2.345_678, [0.5, 1.0, 7.0]);
+        |config: &CellConfig| CellFormat::new(config, 1.0).textured(&page, [-5.141_592_7, 1000.123], 2.345_678, [0.5, 1.0, 7.0]);
     let standard = CellConfig::default();
     assert_eq!((standard.bits(), CellFormat::new(&standard, 1.0).bytes), (128, 16));
     let exact = cell(&standard);
-    assert_eq!((exact.coordinates, exact.coefficients()), ([-3.141_592_7, 1000.123], [128, 255, 255]));
+    assert_eq!((exact.coordinates, exact.coefficients()), ([-5.141_592_7, 1000.123], [128, 255, 255]));
     assert!((exact.depth - 2.345_678).abs() <= 0.5 / 262_144.0);
     let fixed = CellConfig {
         coordinate_format: NumberFormat::Fixed,
@@ -429,10 +429,10 @@ fn cells_hold_what_their_fields_can() {
         ..CellConfig::default()
     };
     let coarse = cell(&fixed);
-    assert_eq!((coarse.coordinates, coarse.depth, coarse.coefficients()), ([-3.125, 1000.125], 2.375, [8, 15, 15]));
+    assert_eq!((coarse.coordinates, coarse.depth, coarse.coefficients()), ([-5.125, 1000.125], 2.375, [8, 15, 15]));
     let float = CellConfig { coordinate_bits: 16, ..CellConfig::default() };
     let [s, t] = cell(&float).coordinates;
-    assert!((s + 3.141_592_7).abs() <= 4.0 / 256.0 && (t - 1000.123).abs() <= 4.0, "7 bits of fraction: {s} {t}");
+    assert!((s + 5.141_592_7).abs() <= 8.0 / 256.0 && (t - 1000.123).abs() <= 4.0, "7 bits of fraction: {s} {t}");
     assert_eq!(Cell::direct([1, 2, 3]).rgb(), [1, 2, 3]);
     assert!(!Cell::default().is_drawn() && Cell::direct([0; 3]).page().is_none());
 }

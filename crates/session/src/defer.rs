@@ -101,7 +101,7 @@ impl<F: FrontEnd> Draws for DeferredRenderer<F> {
         let rounds = self.drain_rounds().into_iter().map(Exhibit::Round);
         let mut all: Vec<Exhibit> = rounds.collect();
         all.extend(self.drain_filled().into_iter().map(Exhibit::ReferenceBuffer));
-        all.extend(self.drain_records().into_iter().map(Exhibit::Tiles));
+        all.extend(self.drain_records().into_iter().map(|(frame, tiles)| Exhibit::Tiles { frame, tiles }));
         all
     }
 

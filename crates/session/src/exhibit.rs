@@ -14,7 +14,12 @@ pub enum Exhibit {
     /// The reference buffer (126), filled by a frame.
     ReferenceBuffer(FilledBuffer),
     /// Tiles that came in a frame, and those of earlier frames that it was coloured from.
-    Tiles(Vec<TileRecord>),
+    Tiles {
+        /// Which frame, from 0.
+        frame: u32,
+        /// Tile by tile.
+        tiles: Vec<TileRecord>,
+    },
     /// Tile load lists (136) of all pages (132) at the end of the run.
     TileLists(Vec<(Arc<Page>, TileList)>),
 }

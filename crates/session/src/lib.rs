@@ -24,6 +24,7 @@ mod defer;
 mod device;
 mod difference;
 mod drive;
+pub mod dump;
 mod exact;
 mod exhibit;
 mod expectation;

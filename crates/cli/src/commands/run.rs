@@ -3,6 +3,7 @@
 use super::ablate::ablate;
 use crate::args::{DemoArgs, EngineName, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure, print};
+use crate::exhibits::{self, Dumps, round_name};
 use crate::input::{self, Input, demo_of};
 use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
@@ -11,8 +12,8 @@ use basrelief_reference::{Picture, metrics};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, MACHINES, MachineConfig, NoProbe, Observer, Pictures, Run, SessionError, Settings, Source, Unobserved,
-    picture_name,
+    self as session, Exhibit, MACHINES, MachineConfig, NoProbe, Observer, Pictures, Run, SessionError, Settings, Source,
+    Unobserved, picture_name,
 };
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
@@ -61,6 +62,11 @@ struct Watcher {
     /// Bytes of a trace read so far; a scene counts commands instead.
     read: Option<Rc<Cell<u64>>>,
     frames: usize,
+    dumps: Dumps,
+    /// Pictures of the current frame that are not its last.
+    rounds: u32,
+    /// Names of the pictures beside those of frames.
+    extra: Vec<String>,
 }
 
 impl Observer for Watcher {
@@ -72,18 +78,35 @@ impl Observer for Watcher {
     fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
         self.frames = pictures.index + 1;
         self.save("image", pictures.index, pictures.machine)?;
+        if self.rounds > 0 {
+            let last = round_name(pictures.index as u32, std::mem::take(&mut self.rounds));
+            self.write(&last, pictures.machine)?;
+            self.extra.push(last);
+        }
         let Some((exact, _)) = pictures.exact else { return Ok(()) };
         self.save("reference", pictures.index, exact)?;
         let difference = metrics::difference(exact, pictures.machine).map_err(|e| e.to_string())?;
         self.save("difference", pictures.index, &difference)
     }
+
+    fn exhibit(&mut self, exhibit: &Exhibit) -> Result<(), String> {
+        self.rounds += u32::from(matches!(exhibit, Exhibit::Round(_)));
+        self.dumps.write(exhibit)?;
+        let Some((name, picture)) = exhibits::picture(exhibit) else { return Ok(()) };
+        self.write(&name, &picture)?;
+        self.extra.push(name);
+        Ok(())
+    }
 }
 
 impl Watcher {
     fn save(&mut self, kind: &str, index: usize, picture: &Picture) -> Result<(), String> {
-        let name = picture_name(kind, index, true);
+        self.write(&picture_name(kind, index, true), picture)
+    }
+
+    fn write(&mut self, name: &str, picture: &Picture) -> Result<(), String> {
         let failed = |e: &dyn std::fmt::Display| format!("{name}: cannot be written: {e}");
-        let mut file = self.outputs.create(&name).map_err(|e| failed(&e))?;
+        let mut file = self.outputs.create(name).map_err(|e| failed(&e))?;
         PngEncoder::new(&mut file)
             .write_image(&picture.to_rgba(), picture.width, picture.height, ExtendedColorType::Rgba8)
             .map_err(|e| failed(&e))?;
@@ -97,27 +120,29 @@ fn simulate(began: f64, input: Input, config: MachineConfig, simulation: &Simula
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
-        exhibits: false,
+        exhibits: true,
         clock: seconds,
     };
     if simulation.ablate {
         return ablate(&input, &settings, simulation, quiet);
     }
+    let dumps = Dumps::begin(&simulation.dump, settings.config.machine())?;
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
     let (source, progress, read) = source_of(input, quiet || simulation.json);
-    let mut watcher = Watcher { outputs, progress, read, frames: 0 };
+    let mut watcher = Watcher { outputs, progress, read, frames: 0, dumps, rounds: 0, extra: Vec::new() };
     let (run, timeline) = match &simulation.timeline {
         None => (run_named(source, &settings, &mut watcher, &mut NoProbe)?, None),
         Some(path) => with_timeline(path, source, &settings, &mut watcher)?,
     };
     let report = run.with_host(seconds() - began);
-    let Watcher { outputs, progress, frames, .. } = watcher;
+    let Watcher { outputs, progress, frames, dumps, extra, .. } = watcher;
     drop(progress);
     publish(outputs, frames, &report, simulation)?;
+    dumps.publish()?;
     if let (Some(file), Some(path)) = (timeline, &simulation.timeline) {
         file.publish().map_err(Failure::file(path, "be written"))?;
     }
-    show(&report, simulation, quiet)
+    show(&report, &extra, simulation, quiet)
 }
 
 fn source_of(input: Input, quiet: bool) -> (Source, Progress, Option<Rc<Cell<u64>>>) {
@@ -180,12 +205,12 @@ fn publish(outputs: Outputs, frames: usize, report: &Report, simulation: &Simula
 }
 
 /// Prints the report, and decides whether the run was a success.
-fn show(report: &Report, simulation: &SimulationArgs, quiet: bool) -> Done {
+fn show(report: &Report, extra: &[String], simulation: &SimulationArgs, quiet: bool) -> Done {
     if simulation.json {
         print(&report.to_json().map_err(Failure::bad)?)?;
     } else if !quiet {
         print(&to_text(report, style()))?;
-        print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report)))?;
+        print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report, extra)))?;
     }
     let message = report.outcome.message.clone().unwrap_or_default();
     match report.outcome.kind {
@@ -195,16 +220,21 @@ fn show(report: &Report, simulation: &SimulationArgs, quiet: bool) -> Done {
     }
 }
 
+/// Most pictures beside those of frames that are told by name.
+const MOST_NAMED: usize = 8;
+
 /// Which kinds of picture there are: with `--no-exact` only the machine's.
 fn kinds(report: &Report) -> &'static [&'static str] {
     if report.quality.is_some() { &["image", "reference", "difference"] } else { &["image"] }
 }
 
-fn written(report: &Report) -> String {
+fn written(report: &Report, extra: &[String]) -> String {
     let several = report.image.len() > 1;
     let pictures = kinds(report).iter().filter(|_| !report.image.is_empty());
     let names = pictures.map(|kind| if several { format!("{kind}-0001.png ...") } else { picture_name(kind, 0, false) });
-    names.chain(["report.json".to_owned()]).collect::<Vec<_>>().join(", ")
+    // Of many, those of the first frame say enough.
+    let shown = extra.iter().take(MOST_NAMED).cloned().chain((extra.len() > MOST_NAMED).then(|| "...".to_owned()));
+    names.chain(shown).chain(["report.json".to_owned()]).collect::<Vec<_>>().join(", ")
 }
 
 /// How tables are set on this terminal.

@@ -191,8 +191,9 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         self.reference_buffer.unit.drain_filled()
     }
 
-    /// What became of tiles in the frames finished since the last call, where that is kept.
-    pub fn drain_records(&mut self) -> Vec<Vec<TileRecord>> {
+    /// What became of tiles in the frames finished since the last call, where that is kept: number of the frame, from 0, and its
+    /// tiles.
+    pub fn drain_records(&mut self) -> Vec<(u32, Vec<TileRecord>)> {
         self.rasterization.unit.drain_records()
     }
 

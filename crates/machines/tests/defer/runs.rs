@@ -67,7 +67,7 @@ fn seen<F: FrontEnd>(mut machine: DeferredRenderer<F>) -> Seen {
         finished: machine.drain_finished(),
         rounds: machine.drain_rounds(),
         filled: machine.drain_filled(),
-        tiles: machine.drain_records(),
+        tiles: machine.drain_records().into_iter().map(|(_, tiles)| tiles).collect(),
         lists: machine.lists().map(|(page, list)| (Arc::clone(page), list.clone())).collect(),
         counts: machine.counts(),
     }
