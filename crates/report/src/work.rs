@@ -66,6 +66,22 @@ pub fn circuits(report: &Report) -> Vec<Circuit<'_>> {
     named.map(|(name, figure)| Circuit { name, needed: needed(name), started: count(Some(figure)) }).collect()
 }
 
+/// Tables that a device tells as lists of one length, a figure per column: figures `TABLE_COLUMN`.
+pub const LISTS: [(&str, &[&str]); 2] = [
+    ("picture", &["frame", "round", "cycles", "ms", "psnr_db"]),
+    ("layers", &["texture", "layer", "tiles", "loaded", "synthesized", "reused", "never_needed"]),
+];
+
+/// Columns of one of [`LISTS`] that the device has, in order: their names and figures.
+pub fn columns<'a>(report: &'a Report, table: &str) -> Vec<(&'static str, &'a [Figure])> {
+    let names = LISTS.iter().filter(|list| list.0 == table).flat_map(|list| list.1);
+    let column = |name: &&'static str| match report.device.get(&format!("{table}_{name}"))? {
+        Figure::List(list) => Some((*name, list.as_slice())),
+        _ => None,
+    };
+    names.filter_map(column).collect()
+}
+
 /// A process of which a device counts runs and cycles: figures `NAME_runs` and `NAME_cycles`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Process<'a> {

@@ -67,6 +67,8 @@ pub fn to_text(report: &Report, style: Style) -> String {
         sections::paths(report),
         sections::circuits(report),
         sections::processes(report),
+        sections::lists(report, "picture"),
+        sections::lists(report, "layers"),
         sections::device(report),
         sections::quality(report),
         sections::derived(report),
@@ -141,6 +143,21 @@ mod tests {
         has("process_22 1,000 36,000 3.6");
         assert!(!text.contains("process_22_runs"), "{text}");
         assert!(!text.contains("dots_normal") && !text.contains("circuit_50_started_cycles"), "{text}");
+    }
+
+    #[test]
+    fn lists_of_one_length_are_told_as_a_table_and_long_ones_cut_short() {
+        let mut report = samples::with_paths();
+        let list = |n: u64| crate::model::Figure::List((0..n).map(Into::into).collect());
+        for column in ["texture", "layer", "loaded"] {
+            report.device.insert(format!("layers_{column}"), list(43));
+        }
+        let text = to_text(&report, Style::default());
+        let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
+        has("texture layer loaded");
+        has("39 39 39");
+        has("3 more");
+        assert!(!text.contains("layers_") && !text.contains("40 40 40"), "{text}");
     }
 
     #[test]

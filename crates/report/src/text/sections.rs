@@ -178,7 +178,25 @@ pub(super) fn processes(report: &Report) -> Table {
     table
 }
 
-/// Figures of the device, but for those of paths, circuits and processes, which have tables of their own.
+/// Most rows of a table of lists.
+const ROWS: usize = 40;
+
+/// A table that the device tells as lists; a long one is cut short.
+pub(super) fn lists(report: &Report, table: &str) -> Table {
+    let columns = work::columns(report, table);
+    let titles: Vec<_> = columns.iter().map(|(name, _)| (*name, Right, 0)).collect();
+    let mut rows = Table::new(&titles);
+    let count = columns.iter().map(|(_, list)| list.len()).max().unwrap_or(0);
+    for i in 0..count.min(ROWS) {
+        rows.row(columns.iter().map(|(_, list)| list.get(i).map_or(String::new(), figure)));
+    }
+    if count > ROWS {
+        rows.row([format!("{} more", count - ROWS)]);
+    }
+    rows
+}
+
+/// Figures of the device, but for those of paths, circuits, processes and lists, which have tables of their own.
 pub(super) fn device(report: &Report) -> Table {
     let mut table = Table::new(&[("Device", Left, 0), ("", Right, 0)]);
     let told = told(report);
@@ -194,6 +212,9 @@ fn told(report: &Report) -> BTreeSet<String> {
     let mut add = |name: &str, forms: &[&str]| told.extend(forms.iter().map(|form| form.replace("NAME", name)));
     work::paths(report).iter().for_each(|p| add(p.name, &["polygons_NAME", "dots_NAME"]));
     work::processes(report).iter().for_each(|p| add(p.name, &["NAME_runs", "NAME_cycles"]));
+    for (table, _) in work::LISTS {
+        work::columns(report, table).iter().for_each(|(name, _)| add(name, &[&format!("{table}_NAME")]));
+    }
     if report.cycles.is_some() {
         work::circuits(report).iter().for_each(|c| add(c.name, &["NAME_started_cycles", "NAME_needed_cycles"]));
     }
