@@ -4,6 +4,7 @@ use basrelief_session::{MACHINES, MachineInfo};
 use basrelief_signals::MAX_PICTURE_PIXELS;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 /// Cycle-level simulator of patented shading devices: what does this pipeline cost, why, and what picture do I get?
@@ -37,6 +38,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Print a JSON schema.
     Schema(SchemaArgs),
+    /// Offer polygons, texture sizes and single tiles of a scene over HTTP, for `run --from`.
+    Serve(ServeArgs),
 }
 
 /// The engines.
@@ -143,11 +146,36 @@ pub struct DemoArgs {
 #[derive(Clone, Debug, Args)]
 pub struct RunArgs {
     /// A model or a display list; `-` reads a display list from standard input.
-    pub input: PathBuf,
+    #[arg(required_unless_present = "from")]
+    pub input: Option<PathBuf>,
+    /// Render from a server (`basrelief serve`) with machine defer, such as http://127.0.0.1:8080/, instead of a file. Without
+    /// the exact picture: textures stay there.
+    #[arg(long, value_name = "URL", conflicts_with_all = ["input", "ablate"], value_parser = http)]
+    pub from: Option<String>,
+    /// Keep tiles that have come in this folder, and take them from there.
+    #[arg(long, value_name = "DIR", requires = "from")]
+    pub tile_cache: Option<PathBuf>,
     #[command(flatten)]
     pub machine: MachineArgs,
     #[command(flatten)]
     pub simulation: SimulationArgs,
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// Arguments of `serve`.
+#[derive(Clone, Debug, Args)]
+pub struct ServeArgs {
+    /// A model, or `demo:NAME`.
+    pub input: PathBuf,
+    /// Where; port 0 takes any that is free.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8080")]
+    pub listen: SocketAddr,
+    /// Other computers may connect.
+    #[arg(long)]
+    pub public: bool,
+    #[command(flatten)]
+    pub machine: MachineArgs,
     #[command(flatten)]
     pub view: ViewArgs,
 }
@@ -246,6 +274,11 @@ pub enum SchemaName {
 fn machine() -> impl TypedValueParser<Value = &'static MachineInfo> {
     let names = MACHINES.iter().map(|m| PossibleValue::new(m.name).help(m.about));
     PossibleValuesParser::new(names).try_map(|name| MachineInfo::named(&name))
+}
+
+fn http(url: &str) -> Result<String, String> {
+    let host = url.strip_prefix("http://").ok_or("expected http://ADDRESS:PORT/")?;
+    if host.trim_matches('/').is_empty() { Err("expected http://ADDRESS:PORT/".into()) } else { Ok(url.into()) }
 }
 
 fn key_value(text: &str) -> Result<(String, String), String> {

@@ -10,6 +10,7 @@ mod input;
 mod interrupt;
 mod outputs;
 mod progress;
+mod remote;
 
 use clap::Parser;
 use std::process::ExitCode;

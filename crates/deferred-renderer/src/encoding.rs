@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::io::Cursor;
 
 /// Encoding of tiles on the path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TileEncoding {
     /// R, G, B, 8 bits each.

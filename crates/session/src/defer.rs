@@ -2,7 +2,7 @@
 
 use crate::device::{Device, Draws, Told};
 use crate::exhibit::Exhibit;
-use basrelief_deferred_renderer::{Lighting, TexelCentre};
+use basrelief_deferred_renderer::{Lighting, TexelCentre, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::RunReport;
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
@@ -21,6 +21,10 @@ impl Device for DeferConfig {
 
     fn build<F: FrontEnd>(&self, front: F) -> Result<DeferredRenderer<F>, ConfigProblem> {
         DeferredRenderer::new(front, self)
+    }
+
+    fn build_remote<F: FrontEnd>(&self, front: F, tiles: Box<dyn TileSource>) -> Result<DeferredRenderer<F>, ConfigProblem> {
+        DeferredRenderer::with_source(front, self, tiles)
     }
 
     fn front(&self) -> FrontConfig {

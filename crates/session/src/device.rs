@@ -1,6 +1,7 @@
 //! What a run needs to know of a machine, whichever it is.
 
 use crate::exhibit::Exhibit;
+use basrelief_deferred_renderer::TileSource;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{Machine, RunReport};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
@@ -35,6 +36,14 @@ pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq + 'static 
     /// # Errors
     /// Parameters, each in its range, that do not fit together.
     fn build<F: FrontEnd>(&self, front: F) -> Result<Self::Machine<F>, ConfigProblem>;
+    /// The machine behind one way in, with tiles from elsewhere where it fetches any.
+    ///
+    /// # Errors
+    /// As above.
+    fn build_remote<F: FrontEnd>(&self, front: F, tiles: Box<dyn TileSource>) -> Result<Self::Machine<F>, ConfigProblem> {
+        drop(tiles);
+        self.build(front)
+    }
     /// What its way in needs.
     fn front(&self) -> FrontConfig;
     /// What its pictures are held against.

@@ -8,7 +8,8 @@ use crate::observer::Observer;
 use crate::record::hash_of;
 use crate::settings::{Settings, Source};
 use crate::tee::{Seen, Tee};
-use basrelief_display_list::{Expectation, Files, Resolver, TraceError};
+use basrelief_deferred_renderer::TileSource;
+use basrelief_display_list::{Expectation, Files, NoFiles, Resolver, TraceError};
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{self as kernel, Probe, RunReport, StageTopology};
 use basrelief_machines::{ConfigProblem, SceneFront, TraceFront};
@@ -78,7 +79,7 @@ fn stages_of<D: Device>(device: &D, source: &Source) -> Result<Vec<StageTopology
             let front = SceneFront::new(std::iter::empty::<Draw>(), device.front());
             device.build(front).map(|mut m| kernel::topology(&mut m))
         }
-        Source::Trace { .. } => {
+        Source::Trace { .. } | Source::Remote { .. } => {
             let front = TraceFront::new(std::iter::empty::<Result<(Control, Option<u64>), String>>(), device.front());
             device.build(front).map(|mut m| kernel::topology(&mut m))
         }
@@ -99,7 +100,10 @@ pub fn run<P: Probe>(
 ) -> Result<Run, SessionError> {
     for_device!(&settings.config, device => match source {
         Source::Scene(scene) => run_scene(&scene, device, settings, observer, probe),
-        Source::Trace { reader, files, name } => run_trace((reader, files, name), device, settings, observer, probe),
+        Source::Trace { reader, files, name } => run_trace((reader, files, name), None, device, settings, observer, probe),
+        Source::Remote { reader, name, tiles } => {
+            run_trace((reader, Box::new(NoFiles), name), Some(tiles), device, settings, observer, probe)
+        }
     })
 }
 
@@ -127,6 +131,7 @@ fn run_scene<D: Device, P: Probe>(
 
 fn run_trace<D: Device, P: Probe>(
     (reader, mut files, name): (Box<dyn Read>, Box<dyn Files>, String),
+    tiles: Option<Box<dyn TileSource>>,
     device: &D,
     settings: &Settings,
     observer: &mut dyn Observer,
@@ -135,7 +140,11 @@ fn run_trace<D: Device, P: Probe>(
     let resolver = Resolver::new(reader, move |name: &str| files.open(name))?;
     let seen = Rc::new(RefCell::new(Seen::default()));
     let tee = Tee::new(resolver, settings.exact.then(|| device.exact_style()), Rc::clone(&seen), settings.clock);
-    let machine = device.build(TraceFront::new(tee, device.front()))?;
+    let front = TraceFront::new(tee, device.front());
+    let machine = match tiles {
+        Some(tiles) => device.build_remote(front, tiles)?,
+        None => device.build(front)?,
+    };
     let exact = if settings.exact { Exact::Trace(Rc::clone(&seen)) } else { Exact::None };
     let commands = Rc::clone(&seen);
     let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.borrow().commands, None)));

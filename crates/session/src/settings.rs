@@ -1,6 +1,7 @@
 //! What to run, and how.
 
 use crate::machine::MachineConfig;
+use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles};
 use basrelief_kernel::Engine;
 use basrelief_signals::Scene;
@@ -20,6 +21,16 @@ pub enum Source {
         /// For messages, and without its folders for the report.
         name: String,
     },
+    /// A display list whose tiles come from elsewhere; for the rate-limited renderer, other machines draw the textures that
+    /// the list has.
+    Remote {
+        /// Its bytes.
+        reader: Box<dyn Read>,
+        /// As above.
+        name: String,
+        /// The server's tiles.
+        tiles: Box<dyn TileSource>,
+    },
 }
 
 impl Source {
@@ -27,7 +38,7 @@ impl Source {
     pub fn name(&self) -> &str {
         match self {
             Self::Scene(scene) => &scene.name,
-            Self::Trace { name, .. } => name,
+            Self::Trace { name, .. } | Self::Remote { name, .. } => name,
         }
     }
 

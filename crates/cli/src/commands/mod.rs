@@ -7,6 +7,7 @@ mod describe;
 mod record;
 mod run;
 mod schema;
+mod serve;
 mod verify;
 
 use crate::args::{Cli, Command};
@@ -23,5 +24,6 @@ pub fn dispatch(cli: Cli) -> Done {
         Command::Describe(args) => describe::describe(&args),
         Command::Compare(args) => compare::compare(&args),
         Command::Schema(args) => schema::schema(&args),
+        Command::Serve(args) => serve::serve(&args, cli.quiet),
     }
 }

@@ -29,7 +29,8 @@ pub fn record(args: &RecordArgs, quiet: bool) -> Done {
     })
 }
 
-fn write_list(
+/// Writes the display list of a scene.
+pub fn write_list(
     scene: &Arc<Scene>,
     config: &MachineConfig,
     writer: impl Write,

@@ -1,25 +1,26 @@
 //! `basrelief run` and `basrelief demo`.
 
 use super::ablate::ablate;
-use crate::args::{DemoArgs, EngineName, RunArgs, SimulationArgs};
+use crate::args::{DemoArgs, EngineName, MachineArgs, RunArgs, SimulationArgs, ViewArgs};
 use crate::error::{Done, Failure, print};
 use crate::exhibits::{self, Dumps, round_name};
 use crate::input::{self, Input, demo_of};
 use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
+use crate::remote::{Patience, RemoteTiles, TileCache, fetch_polygons, hash_of};
 use basrelief_kernel::{Engine, Probe, StageTopology};
 use basrelief_reference::{Picture, metrics};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, Exhibit, MACHINES, MachineConfig, NoProbe, Observer, Pictures, Run, SessionError, Settings, Source,
-    Unobserved, picture_name,
+    self as session, Exhibit, MACHINES, MachineConfig, MachineInfo, NoProbe, Observer, Pictures, Run, SessionError, Settings,
+    Source, Unobserved, picture_name,
 };
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use std::cell::Cell;
-use std::io::{BufWriter, IsTerminal, Write};
-use std::path::Path;
+use std::io::{BufWriter, Cursor, IsTerminal, Write};
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -51,8 +52,38 @@ pub fn demo(args: &DemoArgs, quiet: bool) -> Done {
 /// Draws a model or replays a display list.
 pub fn run(args: &RunArgs, quiet: bool) -> Done {
     let began = seconds();
-    let input = input::open(&args.input, &args.view)?;
-    simulate(began, input, input::config(&args.machine, demo_of(&args.input))?, &args.simulation, quiet)
+    if let Some(url) = &args.from {
+        return run_from(began, url, args, quiet);
+    }
+    let path = args.input.as_deref().unwrap_or(Path::new("-"));
+    let input = input::open(path, &args.view)?;
+    simulate(began, input, input::config(&args.machine, demo_of(path))?, &args.simulation, quiet)
+}
+
+/// Renders what a server offers.
+fn run_from(began: f64, url: &str, args: &RunArgs, quiet: bool) -> Done {
+    if args.machine.machine.is_some_and(|m| m.name != "defer") {
+        return Err(Failure::Usage("--from: only machine `defer` renders from a server".into()));
+    }
+    if args.view != ViewArgs::default() {
+        return Err(Failure::Usage(
+            "--from: the server has the view; give --size, --camera, --frames and --orbit to serve".into(),
+        ));
+    }
+    let machine = MachineArgs { machine: Some(MachineInfo::named("defer").map_err(Failure::Usage)?), ..args.machine.clone() };
+    let config = input::config(&machine, None)?;
+    let MachineConfig::Defer(device) = &config else { return Err(Failure::Usage("--from: needs machine defer".into())) };
+    let patience = Patience::default();
+    let polygons = fetch_polygons(url, patience).map_err(Failure::Bad)?;
+    let open = |folder: &PathBuf| TileCache::open(folder, &hash_of(&polygons)).map_err(Failure::file(folder, "be written"));
+    let cache = args.tile_cache.as_ref().map(open).transpose()?;
+    let encoding = (device.tile.encoding, device.tile.jpeg_quality);
+    let tiles = Box::new(RemoteTiles::new(url, encoding, device.path.requests, patience, cache));
+    let source = Source::Remote { reader: Box::new(Cursor::new(polygons)), name: url.into(), tiles };
+    let progress = Progress::new(None, "commands", quiet || args.simulation.json);
+    let mut settings = settings_of(config, &args.simulation);
+    settings.exact = false;
+    simulate_source(began, (source, progress, None), &settings, &args.simulation, quiet)
 }
 
 /// Files, progress and pictures of a run.
@@ -100,6 +131,15 @@ impl Observer for Watcher {
 }
 
 impl Watcher {
+    /// A run has failed: the best picture of a frame that was under way stays, if there was any.
+    fn rescue(self, error: Failure) -> Failure {
+        let Some(best) = self.rounds.checked_sub(1).map(|round| round_name(self.frames as u32, round)) else { return error };
+        match self.outputs.rename(&best, "image.png").and_then(|()| self.outputs.publish("image.png")) {
+            Ok(()) => error,
+            Err(e) => Failure::Bad(format!("{error}\nThe best picture so far cannot be written: {e}")),
+        }
+    }
+
     fn save(&mut self, kind: &str, index: usize, picture: &Picture) -> Result<(), String> {
         self.write(&picture_name(kind, index, true), picture)
     }
@@ -114,25 +154,42 @@ impl Watcher {
     }
 }
 
-fn simulate(began: f64, input: Input, config: MachineConfig, simulation: &SimulationArgs, quiet: bool) -> Done {
-    let settings = Settings {
+fn settings_of(config: MachineConfig, simulation: &SimulationArgs) -> Settings {
+    Settings {
         config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
         exhibits: true,
         clock: seconds,
-    };
+    }
+}
+
+fn simulate(began: f64, input: Input, config: MachineConfig, simulation: &SimulationArgs, quiet: bool) -> Done {
+    let settings = settings_of(config, simulation);
     if simulation.ablate {
         return ablate(&input, &settings, simulation, quiet);
     }
+    simulate_source(began, source_of(input, quiet || simulation.json), &settings, simulation, quiet)
+}
+
+fn simulate_source(
+    began: f64,
+    (source, progress, read): (Source, Progress, Option<Rc<Cell<u64>>>),
+    settings: &Settings,
+    simulation: &SimulationArgs,
+    quiet: bool,
+) -> Done {
     let dumps = Dumps::begin(&simulation.dump, settings.config.machine())?;
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
-    let (source, progress, read) = source_of(input, quiet || simulation.json);
     let mut watcher = Watcher { outputs, progress, read, frames: 0, dumps, rounds: 0, extra: Vec::new() };
-    let (run, timeline) = match &simulation.timeline {
-        None => (run_named(source, &settings, &mut watcher, &mut NoProbe)?, None),
-        Some(path) => with_timeline(path, source, &settings, &mut watcher)?,
+    let ran = match &simulation.timeline {
+        None => run_named(source, settings, &mut watcher, &mut NoProbe).map(|run| (run, None)),
+        Some(path) => with_timeline(path, source, settings, &mut watcher),
+    };
+    let (run, timeline) = match ran {
+        Ok(ran) => ran,
+        Err(error) => return Err(watcher.rescue(error)),
     };
     let report = run.with_host(seconds() - began);
     let Watcher { outputs, progress, frames, dumps, extra, .. } = watcher;

@@ -1,0 +1,68 @@
+//! `basrelief serve`: offers a scene to renderers elsewhere.
+
+use super::record::write_list;
+use crate::args::ServeArgs;
+use crate::error::{Done, Failure, print};
+use crate::input::{self, Input, demo_of};
+use crate::progress::Progress;
+use crate::remote::{Served, listen};
+use basrelief_display_list::{Encoding, Form};
+use basrelief_signals::{Image, Material, Object, Scene, Texture};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::thread;
+
+/// Requests that are answered at a time.
+const THREADS: usize = 4;
+
+/// Serves until it is interrupted.
+pub fn serve(args: &ServeArgs, quiet: bool) -> Done {
+    if !args.listen.ip().is_loopback() && !args.public {
+        return Err(Failure::Usage(format!(
+            "--listen {}: others could read the scene there; say --public if they may",
+            args.listen
+        )));
+    }
+    let Input::Scene(scene) = input::open(&args.input, &args.view)? else {
+        return Err(Failure::Usage(format!("{}: is a display list; serve takes a model or demo:NAME", args.input.display())));
+    };
+    let config = input::config(&args.machine, demo_of(&args.input))?;
+    let mut polygons = Vec::new();
+    let form = Form { encoding: Encoding::Binary, compressed: true };
+    write_list(&without_texels(&scene), &config, &mut polygons, form, vec![], Progress::new(None, "commands", true))?;
+    let served = Served::new(polygons, textures(&scene));
+    let server = listen(args.listen).map_err(Failure::Bad)?;
+    if !quiet {
+        print(&format!("Serving {} at http://{}/\n", scene.name, server.server_addr()))?;
+    }
+    thread::scope(|scope| {
+        (0..THREADS).for_each(|_| {
+            scope.spawn(|| served.run(&server));
+        });
+    });
+    Ok(())
+}
+
+fn textures(scene: &Scene) -> impl Iterator<Item = Arc<Texture>> + '_ {
+    scene.objects.iter().filter_map(|o| o.material.color_texture.clone())
+}
+
+/// The scene with black texels: the list then tells the sizes of textures and takes no room for them.
+fn without_texels(scene: &Scene) -> Arc<Scene> {
+    let mut materials: BTreeMap<u32, Arc<Material>> = BTreeMap::new();
+    let mut black = BTreeMap::new();
+    let mut object = |object: &Arc<Object>| {
+        let material = materials.entry(object.material.id).or_insert_with(|| {
+            let color_texture = object.material.color_texture.as_ref().map(|t| blackened(t, &mut black));
+            Arc::new(Material { color_texture, normal_map: None, ..Material::clone(&object.material) })
+        });
+        Arc::new(Object { material: Arc::clone(material), ..Object::clone(object) })
+    };
+    Arc::new(Scene { objects: scene.objects.iter().map(&mut object).collect(), ..scene.clone() })
+}
+
+fn blackened(texture: &Arc<Texture>, black: &mut BTreeMap<u32, Arc<Texture>>) -> Arc<Texture> {
+    let image = |i: &Image| Image { texels: vec![[0, 0, 0, 255]; i.texels.len()], ..*i };
+    let empty = || Texture { levels: texture.levels.iter().map(image).collect(), name: texture.name.clone(), ..**texture };
+    Arc::clone(black.entry(texture.id).or_insert_with(|| Arc::new(empty())))
+}
