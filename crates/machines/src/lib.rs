@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | [`bump`] | Sony's quantized bump-mapping processor | [`bump::BumpProcessor`] |
 //! | [`shade`] | Hitachi's figure shading device | [`shade::FigureShadingDevice`] |
+//! | [`texel`] | Sun's texture mapping system | [`texel::TextureMappingSystem`] |
 
 pub mod bump;
 mod config;
@@ -11,6 +12,7 @@ mod counts;
 mod front;
 mod problem;
 pub mod shade;
+pub mod texel;
 mod unit_info;
 
 pub use config::{ClockConfig, ReferenceConfig, ReferenceFilter};

@@ -28,6 +28,7 @@ const UNITS: &[&str] = &[
     "graphics-processor",
     "frame-buffer",
     "figure-shading",
+    "texel-value-generator",
 ];
 
 /// Crates that compute: no I/O, no clock, no global state, nothing printed.

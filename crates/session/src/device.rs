@@ -2,6 +2,7 @@
 
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::Machine;
+use basrelief_machines::texel::FrameLog;
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
@@ -49,4 +50,11 @@ pub trait Draws: Machine {
     fn drain_finished(&mut self) -> Vec<FinishedFrame>;
     /// Whether [`Draws::drain_finished`] would give any.
     fn has_finished(&self) -> bool;
+    /// Keeps a log of each picture from now on, where the machine has one. Called before the first step.
+    fn keep_log(&mut self) {}
+    /// Logs of so many pictures, those drained with them, in order; none where none is kept.
+    fn drain_logs(&mut self, pictures: usize) -> Vec<FrameLog> {
+        let _ = pictures;
+        Vec::new()
+    }
 }

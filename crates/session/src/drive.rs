@@ -50,6 +50,9 @@ impl<'a> Session<'a> {
     /// Simulates to the end.
     pub(crate) fn drive<M: Draws, P: Probe>(&mut self, mut machine: M, probe: &mut P) -> Result<Driven, SessionError> {
         let &Settings { clock, engine, max_cycles, .. } = self.settings;
+        if self.settings.log {
+            machine.keep_log();
+        }
         let began = clock();
         let mut aside = 0.0;
         let report = {
@@ -92,9 +95,13 @@ impl<'a> Session<'a> {
     }
 
     fn take_frames<M: Draws>(&mut self, machine: &mut M) {
-        for frame in machine.drain_finished() {
+        let frames = machine.drain_finished();
+        let mut logs = machine.drain_logs(frames.len()).into_iter();
+        for frame in frames {
+            let log = logs.next();
             if self.failed.is_none() {
-                self.failed = self.take_frame(frame).err();
+                let told = log.map_or(Ok(()), |log| self.observer.texels(self.images.len(), &log));
+                self.failed = told.and_then(|()| self.take_frame(frame)).err();
             }
         }
     }

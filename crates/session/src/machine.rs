@@ -3,6 +3,7 @@
 use crate::device::{Device, ShortCut};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::shade::ShadeConfig;
+use basrelief_machines::texel::TexelMachineConfig;
 use basrelief_machines::{FrontConfig, UnitInfo};
 use basrelief_parameters::{ConfigError, Parameter};
 use serde_json::Value;
@@ -14,6 +15,8 @@ pub enum MachineConfig {
     Bump(BumpProcessorConfig),
     /// The figure shading device.
     Shade(ShadeConfig),
+    /// The texture mapping system.
+    Texel(TexelMachineConfig),
 }
 
 impl Default for MachineConfig {
@@ -34,12 +37,19 @@ impl From<ShadeConfig> for MachineConfig {
     }
 }
 
+impl From<TexelMachineConfig> for MachineConfig {
+    fn from(config: TexelMachineConfig) -> Self {
+        Self::Texel(config)
+    }
+}
+
 /// Does the same for whichever machine is configured: `for_device!(config, device => expression)`.
 macro_rules! for_device {
     ($config:expr, $device:ident => $body:expr) => {
         match $config {
             $crate::machine::MachineConfig::Bump($device) => $body,
             $crate::machine::MachineConfig::Shade($device) => $body,
+            $crate::machine::MachineConfig::Texel($device) => $body,
         }
     };
 }
@@ -112,7 +122,8 @@ pub struct MachineInfo {
 type Load = fn(&str, &[(&str, &str)]) -> Result<MachineConfig, ConfigError>;
 
 /// All machines, the default one first.
-pub const MACHINES: &[MachineInfo] = &[MachineInfo::of::<BumpProcessorConfig>(), MachineInfo::of::<ShadeConfig>()];
+pub const MACHINES: &[MachineInfo] =
+    &[MachineInfo::of::<BumpProcessorConfig>(), MachineInfo::of::<ShadeConfig>(), MachineInfo::of::<TexelMachineConfig>()];
 
 impl MachineInfo {
     const fn of<D: Device>() -> Self
@@ -207,6 +218,6 @@ mod tests {
             assert_eq!(config.to_value().pointer(&format!("/{}", first.key.replace('.', "/"))), Some(&first.default));
         }
         assert_eq!(MachineConfig::default().machine().name, MACHINES[0].name);
-        assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade"));
+        assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade, texel"));
     }
 }

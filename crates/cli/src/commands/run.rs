@@ -97,6 +97,7 @@ fn simulate(began: f64, input: Input, config: MachineConfig, simulation: &Simula
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
+        log: false,
         clock: seconds,
     };
     if simulation.ablate {
