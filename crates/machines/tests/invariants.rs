@@ -15,7 +15,7 @@ const FLOORS: &[&[&str]] = &[
     &["machines"],
     &["report"],
     &["session"],
-    &["cli"],
+    &["cli", "bench"],
 ];
 
 /// Crates of units.

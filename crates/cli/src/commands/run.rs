@@ -168,13 +168,11 @@ fn publish(outputs: Outputs, frames: usize, report: &Report, simulation: &Simula
             outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false)).map_err(failed())?;
         }
     }
-    let write = |name: &str, text: &str| -> Done {
-        let mut file = outputs.create(name).map_err(failed())?;
-        file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(failed())
-    };
-    write("report.json", &report.to_json().map_err(Failure::bad)?)?;
+    let mut file = outputs.create("report.json").map_err(failed())?;
+    report.write_json(&mut file).and_then(|()| file.flush()).map_err(failed())?;
     if simulation.csv {
-        write("report.csv", &to_csv(report))?;
+        let mut file = outputs.create("report.csv").map_err(failed())?;
+        file.write_all(to_csv(report).as_bytes()).and_then(|()| file.flush()).map_err(failed())?;
     }
     outputs.publish("report.json").map_err(failed())
 }
