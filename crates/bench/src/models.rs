@@ -87,7 +87,7 @@ fn import(size: Size, kind: &'static str, write: fn(&Mesh) -> Vec<u8>) -> Worklo
 fn demo(size: Size) -> Workload {
     Workload::new("scene/demo", Counted::Triangles, move || {
         move || {
-            let (scene, time) = measured(|| demo_scene(size.of("sphere", "mixed"), [64, 48]));
+            let (scene, time) = measured(|| demo_scene(size.of("sphere", "goblet"), [64, 48]));
             Sample { time, count: (scene.objects[0].mesh.indices.len() / 3) as u64 }
         }
     })
