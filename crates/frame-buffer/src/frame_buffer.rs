@@ -2,12 +2,9 @@
 
 use crate::config::FrameBufferConfig;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_shading::texture::{BLOCK, texel_offset};
-use basrelief_signals::{Control, Flow, Frame, Pixel, Stamp, layout};
+use basrelief_signals::{Control, Drawn, Flow, Frame, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines};
 use serde::{Deserialize, Serialize};
-
-/// Pixels of a line: what is gathered before it is written.
-const LINE_PIXELS: u32 = BLOCK * BLOCK;
+use std::marker::PhantomData;
 
 /// A frame is complete: frame buffer to video output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,20 +60,27 @@ pub struct FrameBufferState {
     pub counters: FrameBufferCounters,
 }
 
-/// Frame buffer (126): takes pixels in order, the last one stays. Client 0 takes posted writes of whole lines: 4 x 4
-/// pixels, gathered while pixels stay in one line. A frame begins with a clear that moves no data (fast clear, assumed).
-#[derive(Clone, Debug, Default)]
-pub struct FrameBuffer {
+/// Frame buffer (126): takes pixels in order, the last one stays. Client 0 takes posted writes of whole lines: the 16
+/// pixels that a token of its kind lies in (4 x 4 for stamps, 16 x 1 for strips), gathered while pixels stay in one line. A frame begins with a clear that moves no data (fast clear, assumed).
+#[derive(Clone, Debug)]
+pub struct FrameBuffer<T = Stamp<Pixel>> {
     /// Parameters.
     pub config: FrameBufferConfig,
     /// Everything it remembers.
     pub state: FrameBufferState,
+    token: PhantomData<fn(T)>,
 }
 
-impl FrameBuffer {
+impl<T: Drawn> Default for FrameBuffer<T> {
+    fn default() -> Self {
+        Self::new(FrameBufferConfig::default())
+    }
+}
+
+impl<T: Drawn> FrameBuffer<T> {
     /// A frame buffer at power-on.
     pub fn new(config: FrameBufferConfig) -> Self {
-        Self { config, state: FrameBufferState::default() }
+        Self { config, state: FrameBufferState::default(), token: PhantomData }
     }
 
     /// Hands over the pictures finished since the last call, in order; to be called between batches of steps, so that
@@ -107,18 +111,18 @@ impl FrameBuffer {
     }
 
     #[inline(always)]
-    fn write(&mut self, pixel: Pixel, traffic: &mut Traffic) {
+    fn write(&mut self, (x, y, color): (u16, u16, [u8; 3]), traffic: &mut Traffic) {
         let Some(picture) = &mut self.state.picture else { return };
-        let (x, y, width) = (u32::from(pixel.x), u32::from(pixel.y), picture.width);
+        let (x, y, width) = (u32::from(x), u32::from(y), picture.width);
         let place = y as usize * width as usize + x as usize;
         let (Some(rgb), Some(covered)) = (picture.rgb.get_mut(place), picture.covered.get_mut(place)) else { return };
         if x >= width {
             return;
         }
-        *rgb = pixel.rgb;
+        *rgb = color;
         *covered = true;
         self.state.counters.pixels += 1;
-        self.gather(Some(texel_offset(width, [x, y]) / u64::from(LINE_PIXELS)), traffic);
+        self.gather(Some(line_of::<T>(width, [x, y])), traffic);
     }
 
     /// Writes the gathered line, if any, and gathers `next`.
@@ -139,8 +143,7 @@ impl FrameBuffer {
         self.gather(None, traffic);
         let picture = self.state.picture.take()?;
         let FinishedFrame { index, width, height, .. } = picture;
-        let blocks = u64::from(width.div_ceil(BLOCK)) * u64::from(height.div_ceil(BLOCK));
-        let bytes = blocks * u64::from(LINE_PIXELS * self.config.pixel_bytes);
+        let bytes = lines::<T>(width, height) * u64::from(LINE_PIXELS * self.config.pixel_bytes);
         let done = FrameDone { index, width, height, address: self.base(), bytes };
         self.state.finished.push(picture);
         self.state.counters.frames += 1;
@@ -148,8 +151,8 @@ impl FrameBuffer {
     }
 }
 
-impl Unit for FrameBuffer {
-    type In = Option<Flow<Stamp<Pixel>>>;
+impl<T: Drawn> Unit for FrameBuffer<T> {
+    type In = Option<Flow<T>>;
     type Out = Option<FrameDone>;
 
     #[inline]
@@ -161,9 +164,9 @@ impl Unit for FrameBuffer {
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match input {
-            Some(Flow::Item(stamp)) => {
-                stamp.iter().for_each(|pixel| self.write(*pixel, traffic));
-                return Step::over(stamp.len(), 1, latency, None);
+            Some(Flow::Item(token)) => {
+                token.each(|x, y, rgb| self.write((x, y, rgb), traffic));
+                return Step::over(token.pixels(), 1, latency, None);
             }
             Some(Flow::Control(Control::Frame(frame))) => self.begin(&frame, traffic),
             Some(Flow::Control(Control::FrameEnd)) => {
@@ -213,7 +216,7 @@ mod tests {
 
     #[test]
     fn the_last_pixel_stays_and_the_rest_is_black_and_uncovered() {
-        let mut unit = FrameBuffer::default();
+        let mut unit = FrameBuffer::<Stamp<Pixel>>::default();
         for token in [frame(3, 5, 2), pixel(4, 1, [1, 2, 3]), pixel(4, 1, [7, 8, 9]), pixel(5, 0, [9; 3]), pixel(0, 2, [9; 3])] {
             step(&mut unit, token);
         }
@@ -229,7 +232,7 @@ mod tests {
 
     #[test]
     fn a_line_is_written_when_it_is_left_and_frames_take_the_buffers_in_turn() {
-        let mut unit = FrameBuffer::default();
+        let mut unit = FrameBuffer::<Stamp<Pixel>>::default();
         for base in [0, layout::COLOR_BUFFER_STRIDE, 0] {
             step(&mut unit, frame(0, 16, 8));
             let mut writes = |token| step(&mut unit, token).0;
@@ -244,7 +247,7 @@ mod tests {
 
     #[test]
     fn a_picture_without_room_is_a_fault_and_takes_no_memory() {
-        let mut unit = FrameBuffer::default();
+        let mut unit = FrameBuffer::<Stamp<Pixel>>::default();
         let mut traffic = Traffic::default();
         unit.step(Some(frame(7, u32::MAX, 2)), &mut traffic);
         assert!(format!("{traffic:?}").contains("frame 7 is 4294967295 x 2 pixels"));
@@ -256,7 +259,7 @@ mod tests {
         fn every_written_line_holds_a_pixel_and_every_pixel_is_written(
             places in prop::collection::vec((0u16..20, 0u16..11), 0..50),
         ) {
-            let mut unit = FrameBuffer::default();
+            let mut unit = FrameBuffer::<Stamp<Pixel>>::default();
             step(&mut unit, frame(0, 20, 11));
             let mut written = Vec::new();
             for &(x, y) in &places {

@@ -3,9 +3,10 @@
 use crate::config::FrameBufferConfig;
 use crate::frame_buffer::{FinishedFrame, FrameDone};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_shading::texture::BLOCK;
 use basrelief_signals::{Frame, PictureFlow, PixelBlock, layout};
 
+/// Side of a block \[pixels\].
+const BLOCK: u32 = 4;
 /// Pixels of a block.
 const BLOCK_PIXELS: u32 = BLOCK * BLOCK;
 

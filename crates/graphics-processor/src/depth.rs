@@ -2,30 +2,9 @@
 
 use crate::config::DepthConfig;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_shading::texture::{BLOCK, texel_offset};
-use basrelief_signals::{Control, Flow, Fragment, Frame, Pixel, Stamp, layout};
+use basrelief_signals::{Control, Flow, Frame, LINE_PIXELS, Tested, layout, line_of};
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
-
-/// Has a place on the screen and a depth.
-pub trait Placed {
-    /// Column, row, depth.
-    fn place(&self) -> (u16, u16, u32);
-}
-
-impl Placed for Fragment {
-    #[inline]
-    fn place(&self) -> (u16, u16, u32) {
-        (self.x, self.y, self.z)
-    }
-}
-
-impl Placed for Pixel {
-    #[inline]
-    fn place(&self) -> (u16, u16, u32) {
-        (self.x, self.y, self.z)
-    }
-}
 
 /// Everything the z-test remembers.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,7 +26,7 @@ pub struct DepthState {
 /// Emits what lies in front of everything before it (less-than test, in order), and keeps the z-buffer.
 ///
 /// It owns the z values: it tests *and* updates them, wherever it stands - behind the rasterizer (early z) or in front
-/// of the frame buffer (law 6). Client 0 is the z-cache, client 1 takes posted writes of whole lines: 4 x 4 pixels,
+/// of the frame buffer (law 6). Client 0 is the z-cache, client 1 takes posted writes of whole lines of 16 pixels,
 /// gathered while fragments stay in one line. A frame begins with a clear that moves no data (fast clear, assumed).
 #[derive(Clone, Debug, Default)]
 pub struct DepthTest<T> {
@@ -60,7 +39,7 @@ pub struct DepthTest<T> {
     token: PhantomData<fn(T) -> T>,
 }
 
-impl<T: Placed> DepthTest<T> {
+impl<T: Tested> DepthTest<T> {
     /// A z-test at power-on; `z_bits` (1..=32) is the rasterizer's.
     pub fn new(config: DepthConfig, z_bits: u32) -> Self {
         Self { config, z_bits, state: DepthState::default(), token: PhantomData }
@@ -86,15 +65,14 @@ impl<T: Placed> DepthTest<T> {
             return;
         }
         if let Some(line) = std::mem::replace(&mut self.state.line, next) {
-            let bytes = BLOCK * BLOCK * self.z_bytes();
+            let bytes = LINE_PIXELS * self.z_bytes();
             traffic.write(1, layout::Z_BUFFER + line * u64::from(bytes), bytes);
             self.state.lines_written += 1;
         }
     }
 
     #[inline(always)]
-    fn passes(&mut self, item: &T, traffic: &mut Traffic) -> bool {
-        let (x, y, z) = item.place();
+    fn passes(&mut self, (x, y, z): (u16, u16, u32), traffic: &mut Traffic) -> bool {
         let (x, y, bytes) = (u32::from(x), u32::from(y), self.z_bytes());
         if x >= self.state.width {
             return false;
@@ -102,7 +80,9 @@ impl<T: Placed> DepthTest<T> {
         let Some(nearest) = self.state.z.get_mut(y as usize * self.state.width as usize + x as usize) else {
             return false;
         };
-        let offset = texel_offset(self.state.width, [x, y]);
+        let line = line_of::<T>(self.state.width, [x, y]);
+        let [columns, rows] = T::LINE;
+        let offset = line * u64::from(LINE_PIXELS) + u64::from(y % rows * columns + x % columns);
         traffic.look_up(0, layout::Z_BUFFER + offset * u64::from(bytes), bytes);
         self.state.tested += 1;
         if z >= *nearest {
@@ -110,14 +90,14 @@ impl<T: Placed> DepthTest<T> {
         }
         *nearest = z;
         self.state.passed += 1;
-        self.gather(Some(offset / u64::from(BLOCK * BLOCK)), traffic);
+        self.gather(Some(line), traffic);
         true
     }
 }
 
-impl<T: Placed + Copy> Unit for DepthTest<T> {
-    type In = Option<Flow<Stamp<T>>>;
-    type Out = Option<Flow<Stamp<T>>>;
+impl<T: Tested> Unit for DepthTest<T> {
+    type In = Option<Flow<T>>;
+    type Out = Option<Flow<T>>;
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -128,10 +108,10 @@ impl<T: Placed + Copy> Unit for DepthTest<T> {
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match input {
-            Some(Flow::Item(mut stamp)) => {
-                let tested = stamp.len();
-                stamp.retain(|item| self.passes(item, traffic));
-                Step::over(tested, 1, latency, (!stamp.is_empty()).then_some(Flow::Item(stamp)))
+            Some(Flow::Item(mut token)) => {
+                let tested = token.pixels();
+                let any = token.retain(|x, y, z| self.passes((x, y, z), traffic));
+                Step::over(tested, 1, latency, (any || T::KEPT_WHEN_EMPTY).then_some(Flow::Item(token)))
             }
             Some(Flow::Control(control)) => {
                 match &control {
@@ -145,7 +125,7 @@ impl<T: Placed + Copy> Unit for DepthTest<T> {
         }
     }
 
-    /// A stamp lies in one line: one look-up of the z-cache, one write of the line gathered before.
+    /// A token lies in one line: one look-up of the z-cache, one write of the line gathered before.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client < 2)
     }
@@ -154,7 +134,7 @@ impl<T: Placed + Copy> Unit for DepthTest<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_signals::Camera;
+    use basrelief_signals::{Camera, Fragment, Stamp};
     use proptest::prelude::*;
     use smallvec::smallvec;
     use std::sync::Arc;
@@ -164,7 +144,7 @@ mod tests {
         Control::Frame(Arc::new(Frame { index: 0, width, height, camera, lights: Vec::new() }))
     }
 
-    fn unit(z_bits: u32) -> DepthTest<Fragment> {
+    fn unit(z_bits: u32) -> DepthTest<Stamp<Fragment>> {
         let mut unit = DepthTest::new(DepthConfig::default(), z_bits);
         unit.step(Some(Flow::Control(frame(16, 8))), &mut Traffic::default());
         unit

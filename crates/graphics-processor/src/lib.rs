@@ -15,6 +15,6 @@ pub mod state;
 pub mod unit;
 
 pub use config::{DepthConfig, DrawOrder, GraphicsConfig, Mip};
-pub use depth::{DepthState, DepthTest, Placed};
+pub use depth::{DepthState, DepthTest};
 pub use state::{GraphicsCounters, GraphicsState, Held, Phase};
 pub use unit::GraphicsProcessor;

@@ -122,7 +122,7 @@ fn flow<T>(item: impl Fn(Fragment) -> T) -> Vec<Flow<Stamp<T>>> {
 
 unit_contract! {
     name: early_depth_test,
-    unit: DepthTest::<Fragment>::new(DepthConfig::default(), 24),
+    unit: DepthTest::<Stamp<Fragment>>::new(DepthConfig::default(), 24),
     inputs: flow(|fragment| fragment),
     clients: [Client::Cache { line_bytes: 64 }, Client::Port],
     state: |unit| unit.state.clone() => |unit, state| unit.state = state,
@@ -130,7 +130,7 @@ unit_contract! {
 
 unit_contract! {
     name: late_depth_test,
-    unit: DepthTest::<Pixel>::new(DepthConfig { latency: 7 }, 16),
+    unit: DepthTest::<Stamp<Pixel>>::new(DepthConfig { latency: 7 }, 16),
     inputs: flow(|f| Pixel { x: f.x, y: f.y, z: f.z, rgb: [f.x as u8, f.y as u8, 9] }),
     clients: [Client::Cache { line_bytes: 32 }, Client::Port],
     state: |unit| unit.state.clone() => |unit, state| unit.state = state,

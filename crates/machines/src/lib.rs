@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | [`bump`] | Sony's quantized bump-mapping processor | [`bump::BumpProcessor`] |
 //! | [`shade`] | Hitachi's figure shading device | [`shade::FigureShadingDevice`] |
+//! | [`texel`] | Sun's texture mapping system | [`texel::TextureMappingSystem`] |
 //! | [`defer`] | HP's renderer for a rate-limited path | [`defer::DeferredRenderer`] |
 
 pub mod bump;
@@ -13,6 +14,7 @@ pub mod defer;
 mod front;
 mod problem;
 pub mod shade;
+pub mod texel;
 mod unit_info;
 
 pub use config::{ClockConfig, ReferenceConfig, ReferenceFilter};

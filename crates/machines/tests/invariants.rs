@@ -15,7 +15,7 @@ const FLOORS: &[&[&str]] = &[
     &["machines"],
     &["report"],
     &["session"],
-    &["cli"],
+    &["cli", "bench"],
 ];
 
 /// Crates of units.
@@ -28,6 +28,7 @@ const UNITS: &[&str] = &[
     "graphics-processor",
     "frame-buffer",
     "figure-shading",
+    "texel-value-generator",
     "deferred-renderer",
 ];
 

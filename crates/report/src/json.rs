@@ -1,6 +1,7 @@
 //! Reports as JSON, there and back, and the schema that they keep to.
 
 use crate::model::Report;
+use std::io::{self, Write};
 
 /// Format and version of a report.
 pub const SCHEMA: &str = "basrelief-report/1";
@@ -31,6 +32,15 @@ impl Report {
     /// If `config` holds what is no JSON; a value made by `serde_json::to_value` never does.
     pub fn to_json(&self) -> Result<String, serde_json::Error> {
         serde_json::to_string_pretty(self).map(|text| text + "\n")
+    }
+
+    /// Writes what [`Report::to_json`] gives, piece by piece: the text of a long run is never in memory as a whole.
+    ///
+    /// # Errors
+    /// As [`Report::to_json`], or if `out` fails.
+    pub fn write_json(&self, mut out: impl Write) -> io::Result<()> {
+        serde_json::to_writer_pretty(&mut out, self)?;
+        out.write_all(b"\n")
     }
 
     /// Reads what [`Report::to_json`] wrote.
@@ -80,7 +90,11 @@ mod tests {
     #[test]
     fn json_goes_there_and_back() {
         for report in [samples::balanced(), samples::functional()] {
-            assert_eq!(Report::from_json(&report.to_json().unwrap()).unwrap(), report);
+            let text = report.to_json().unwrap();
+            assert_eq!(Report::from_json(&text).unwrap(), report);
+            let mut written = Vec::new();
+            report.write_json(&mut written).unwrap();
+            assert_eq!(written, text.as_bytes());
         }
     }
 

@@ -97,7 +97,7 @@ impl<F: FrontEnd> Draws for DeferredRenderer<F> {
         self.has_finished()
     }
 
-    fn keep(&mut self) {
+    fn keep_log(&mut self) {
         self.keep();
     }
 

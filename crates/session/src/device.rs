@@ -4,6 +4,7 @@ use crate::exhibit::Exhibit;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{Machine, RunReport};
+use basrelief_machines::texel::FrameLog;
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
@@ -100,8 +101,14 @@ pub trait Draws: Machine {
     fn drain_finished(&mut self) -> Vec<FinishedFrame>;
     /// Whether [`Draws::drain_finished`] would give any.
     fn has_finished(&self) -> bool;
-    /// Keeps what [`Draws::drain_exhibits`] shows and is not needed otherwise; called before the run.
-    fn keep(&mut self) {}
+    /// Keeps a log of each picture, and what [`Draws::drain_exhibits`] shows and is not needed otherwise, from now on, where the
+    /// machine has any. Called before the first step.
+    fn keep_log(&mut self) {}
+    /// Logs of so many pictures, those drained with them, in order; none where none is kept.
+    fn drain_logs(&mut self, pictures: usize) -> Vec<FrameLog> {
+        let _ = pictures;
+        Vec::new()
+    }
     /// What there is to show since the last call beside finished pictures, in order; nothing stays in the machine.
     fn drain_exhibits(&mut self) -> Vec<Exhibit> {
         vec![]

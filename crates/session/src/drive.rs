@@ -55,8 +55,8 @@ impl<'a> Session<'a> {
     /// Simulates to the end.
     pub(crate) fn drive<M: Draws, P: Probe>(&mut self, mut machine: M, probe: &mut P) -> Result<Driven, SessionError> {
         let &Settings { clock, engine, max_cycles, .. } = self.settings;
-        if self.settings.exhibits {
-            machine.keep();
+        if self.settings.log {
+            machine.keep_log();
         }
         let began = clock();
         let mut aside = 0.0;
@@ -75,7 +75,7 @@ impl<'a> Session<'a> {
         };
         self.simulate_s = clock() - began - aside;
         self.take_frames(&mut machine);
-        if self.settings.exhibits {
+        if self.settings.log {
             self.take_exhibits(machine.last_exhibits());
         }
         if let Some(RunReport { outcome: Outcome::Fault(fault), .. }) = &report {
@@ -104,9 +104,13 @@ impl<'a> Session<'a> {
 
     fn take_frames<M: Draws>(&mut self, machine: &mut M) {
         self.take_exhibits(machine.drain_exhibits());
-        for frame in machine.drain_finished() {
+        let frames = machine.drain_finished();
+        let mut logs = machine.drain_logs(frames.len()).into_iter();
+        for frame in frames {
+            let log = logs.next();
             if self.failed.is_none() {
-                self.failed = self.take_frame(frame).err();
+                let told = log.map_or(Ok(()), |log| self.observer.texels(self.images.len(), &log));
+                self.failed = told.and_then(|()| self.take_frame(frame)).err();
             }
         }
     }

@@ -4,9 +4,9 @@ use basrelief_deferred_renderer::{FilledBuffer, Page, TileList, TileRecord};
 use basrelief_frame_buffer::ShownPicture;
 use std::sync::Arc;
 
-/// What a machine shows beside its finished pictures. All but the first only if [`Settings::exhibits`] asks for it.
+/// What a machine shows beside its finished pictures. All but the first only if [`Settings::log`] asks for it.
 ///
-/// [`Settings::exhibits`]: crate::Settings::exhibits
+/// [`Settings::log`]: crate::Settings::log
 #[derive(Clone, Debug, PartialEq)]
 pub enum Exhibit {
     /// A picture that better ones of the same frame follow (progressive mode of the rate-limited renderer).

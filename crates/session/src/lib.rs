@@ -35,9 +35,11 @@ mod run;
 mod settings;
 mod shade;
 mod tee;
+mod texel;
 
 pub use ablation::ablate;
 pub use basrelief_kernel::NoProbe;
+pub use basrelief_machines::texel::{DisplacementMap, FrameLog, SpanRecord};
 pub use exhibit::Exhibit;
 pub use expectation::{check_expectation, expectation_of};
 pub use machine::{MACHINES, MachineConfig, MachineInfo};

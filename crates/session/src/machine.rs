@@ -4,6 +4,7 @@ use crate::device::{Device, ShortCut};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::defer::DeferConfig;
 use basrelief_machines::shade::ShadeConfig;
+use basrelief_machines::texel::TexelMachineConfig;
 use basrelief_machines::{FrontConfig, UnitInfo};
 use basrelief_parameters::{ConfigError, Parameter};
 use serde_json::Value;
@@ -15,6 +16,8 @@ pub enum MachineConfig {
     Bump(BumpProcessorConfig),
     /// The figure shading device.
     Shade(ShadeConfig),
+    /// The texture mapping system.
+    Texel(TexelMachineConfig),
     /// The rate-limited renderer.
     Defer(DeferConfig),
 }
@@ -37,6 +40,12 @@ impl From<ShadeConfig> for MachineConfig {
     }
 }
 
+impl From<TexelMachineConfig> for MachineConfig {
+    fn from(config: TexelMachineConfig) -> Self {
+        Self::Texel(config)
+    }
+}
+
 impl From<DeferConfig> for MachineConfig {
     fn from(config: DeferConfig) -> Self {
         Self::Defer(config)
@@ -49,6 +58,7 @@ macro_rules! for_device {
         match $config {
             $crate::machine::MachineConfig::Bump($device) => $body,
             $crate::machine::MachineConfig::Shade($device) => $body,
+            $crate::machine::MachineConfig::Texel($device) => $body,
             $crate::machine::MachineConfig::Defer($device) => $body,
         }
     };
@@ -122,8 +132,12 @@ pub struct MachineInfo {
 type Load = fn(&str, &[(&str, &str)]) -> Result<MachineConfig, ConfigError>;
 
 /// All machines, the default one first.
-pub const MACHINES: &[MachineInfo] =
-    &[MachineInfo::of::<BumpProcessorConfig>(), MachineInfo::of::<ShadeConfig>(), MachineInfo::of::<DeferConfig>()];
+pub const MACHINES: &[MachineInfo] = &[
+    MachineInfo::of::<BumpProcessorConfig>(),
+    MachineInfo::of::<ShadeConfig>(),
+    MachineInfo::of::<TexelMachineConfig>(),
+    MachineInfo::of::<DeferConfig>(),
+];
 
 impl MachineInfo {
     const fn of<D: Device>() -> Self
@@ -218,6 +232,6 @@ mod tests {
             assert_eq!(config.to_value().pointer(&format!("/{}", first.key.replace('.', "/"))), Some(&first.default));
         }
         assert_eq!(MachineConfig::default().machine().name, MACHINES[0].name);
-        assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade, defer"));
+        assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade, texel, defer"));
     }
 }

@@ -1,6 +1,7 @@
 //! Watching a run from outside.
 
 use crate::exhibit::Exhibit;
+use basrelief_machines::texel::FrameLog;
 use basrelief_reference::{Picture, Quality};
 
 /// A finished frame, as the machine and as the exact renderer drew it.
@@ -20,6 +21,17 @@ pub trait Observer {
     fn progress(&mut self, commands: u64, total: Option<u64>) -> bool {
         let _ = (commands, total);
         true
+    }
+
+    /// The log of frame `index`, ahead of the frame itself, where [`Settings::log`](crate::Settings::log) asks for logs and
+    /// the machine keeps them (`texel` does): its spans with their division points, and how far the texel of each visible
+    /// pixel is from its place.
+    ///
+    /// # Errors
+    /// What keeps the observer from taking it; stops the run.
+    fn texels(&mut self, index: usize, log: &FrameLog) -> Result<(), String> {
+        let _ = (index, log);
+        Ok(())
     }
 
     /// A frame is finished.

@@ -59,9 +59,8 @@ pub struct Settings {
     pub max_cycles: u64,
     /// Draw the exact picture too, and measure against it.
     pub exact: bool,
-    /// Show what the machine can show beside its pictures: [`Observer::exhibit`](crate::Observer::exhibit). Costs memory and
-    /// time, and changes nothing else.
-    pub exhibits: bool,
+    /// Tell the observer of each frame what the machine can tell beside its picture; costs nothing where it is off.
+    pub log: bool,
     /// Seconds on a clock that does not run backwards, for the host figures; libraries read none themselves. It must
     /// not influence anything else, and does not.
     pub clock: fn() -> f64,
@@ -70,13 +69,7 @@ pub struct Settings {
 impl Default for Settings {
     /// Default machine, timed engine, exact picture, no clock.
     fn default() -> Self {
-        Self {
-            config: MachineConfig::default(),
-            engine: Some(Engine::Timed),
-            max_cycles: u64::MAX,
-            exact: true,
-            exhibits: false,
-            clock: || 0.0,
-        }
+        let config = MachineConfig::default();
+        Self { config, engine: Some(Engine::Timed), max_cycles: u64::MAX, exact: true, log: false, clock: || 0.0 }
     }
 }

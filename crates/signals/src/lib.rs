@@ -5,6 +5,8 @@
 //! - [`polygon`]: what a geometry processor hands on: screen-space polygons. A display list records these;
 //! - [`fragment`]: what travels between the units behind the rasterizer.
 //!
+//! [`strip`] says what a depth test and a frame buffer ask of any token of pixels.
+//!
 //! [`layout`] is the address map of the one memory that several units share.
 //!
 //! [`Flow`] puts control tokens in band (law 7): every wire behind the geometry processor carries `Flow<T>`.
@@ -19,6 +21,7 @@ pub mod layout;
 pub mod model;
 pub mod polygon;
 pub mod quantization_memory;
+pub mod strip;
 
 pub use flow::{Control, Flow};
 pub use fragment::{
@@ -30,3 +33,4 @@ pub use model::{
     Texture, Wrap,
 };
 pub use polygon::{ObjectInfo, Polygon, Vertex};
+pub use strip::{Drawn, LINE_PIXELS, Lined, PixelStrip, Placed, STRIP, Strip, Tested, line_of, lines};

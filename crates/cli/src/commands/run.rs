@@ -155,12 +155,14 @@ impl Watcher {
 }
 
 fn settings_of(config: MachineConfig, simulation: &SimulationArgs) -> Settings {
+    // Its further pictures are made of the log.
+    let log = config.machine().name == "defer";
     Settings {
         config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
-        exhibits: true,
+        log,
         clock: seconds,
     }
 }
@@ -250,13 +252,11 @@ fn publish(outputs: Outputs, frames: usize, report: &Report, simulation: &Simula
             outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false)).map_err(failed())?;
         }
     }
-    let write = |name: &str, text: &str| -> Done {
-        let mut file = outputs.create(name).map_err(failed())?;
-        file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(failed())
-    };
-    write("report.json", &report.to_json().map_err(Failure::bad)?)?;
+    let mut file = outputs.create("report.json").map_err(failed())?;
+    report.write_json(&mut file).and_then(|()| file.flush()).map_err(failed())?;
     if simulation.csv {
-        write("report.csv", &to_csv(report))?;
+        let mut file = outputs.create("report.csv").map_err(failed())?;
+        file.write_all(to_csv(report).as_bytes()).and_then(|()| file.flush()).map_err(failed())?;
     }
     outputs.publish("report.json").map_err(failed())
 }

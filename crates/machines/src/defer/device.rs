@@ -34,7 +34,7 @@ pub struct DeferredRenderer<F> {
     expanded: Fifo<ExpandedTile>,
     pub(super) rasterizer: Stage<Rasterizer>,
     fragments: Fifo<Flow<Stamp<Fragment>>>,
-    pub(super) depth: Stage<DepthTest<Fragment>>,
+    pub(super) depth: Stage<DepthTest<Stamp<Fragment>>>,
     tested_fragments: Fifo<Flow<Stamp<Fragment>>>,
     pub(super) cell_maker: Stage<Cells>,
     cells: Fifo<CellFlow>,

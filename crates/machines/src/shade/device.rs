@@ -41,7 +41,7 @@ pub struct FigureShadingDevice<F> {
     pub(super) selector_28: Stage<Selector28>,
     pixels: Fifo<Flow<Stamp<Pixel>>>,
     finished: Fifo<Finished>,
-    pub(super) depth: Stage<DepthTest<Pixel>>,
+    pub(super) depth: Stage<DepthTest<Stamp<Pixel>>>,
     tested_pixels: Fifo<Flow<Stamp<Pixel>>>,
     pub(super) frame_memory: Stage<FrameBuffer>,
     finished_frames: Fifo<FrameDone>,

@@ -4,10 +4,12 @@
 //! [scan](Scan) the same polygon on the same [raster](Raster) visit the same pixels in the same order.
 
 mod polygon;
+mod spans;
 mod triangle;
 mod walk;
 
 pub use polygon::{Scan, fan_triangles};
+pub use spans::Spans;
 pub use triangle::{Bounds, Edge, Edges, Point, Raster, Triangle, doubled_grid_area, snap};
 pub use walk::Walk;
 

@@ -216,17 +216,28 @@ impl Triangle {
 
     /// The three edge functions of a covered pixel, >= 0 each; they sum to twice the area.
     #[inline]
-    fn shares(&self, x: i32, y: i32) -> [f64; 3] {
+    pub fn shares(&self, x: i32, y: i32) -> [f64; 3] {
         let Edges { edges, area } = &self.edges;
         let (e1, e2) = (edges[1].at(x, y, self.bits), edges[2].at(x, y, self.bits));
         [area - e1 - e2, e1, e2].map(|e| e as f64)
     }
 
-    /// Depth of a covered pixel: all terms of the sum are >= 0, so nothing cancels.
+    /// Depth of a covered pixel of these shares \[steps of the z-buffer\], neither rounded nor clamped: all terms of the sum are
+    /// >= 0, so nothing cancels.
+    #[inline]
+    pub fn exact_depth(&self, share: [f64; 3]) -> f64 {
+        share[0] * self.depth[0] + share[1] * self.depth[1] + share[2] * self.depth[2]
+    }
+
     #[inline]
     fn depth(&self, share: [f64; 3]) -> u32 {
-        let z = share[0] * self.depth[0] + share[1] * self.depth[1] + share[2] * self.depth[2];
-        ((z + 0.5) as u32).min(self.z_max)
+        ((self.exact_depth(share) + 0.5) as u32).min(self.z_max)
+    }
+
+    /// 1 / twice the area: shares times it are weights that sum to 1.
+    #[inline]
+    pub fn inverse_area(&self) -> f64 {
+        self.inverse_area
     }
 
     /// The fragment of a covered pixel, its weights perspective-correct.

@@ -1,21 +1,18 @@
 //! Cost of the kernel itself, per token and stage, on statically wired machines whose units do next to nothing.
 
+use crate::workload::{Counted, Sample, Size, Workload, measured};
 use basrelief_kernel::contract::Source;
 use basrelief_kernel::{
     CacheConfig, Clients, Demand, Engine, Fifo, Limits, Machine, MemoryConfig, MemorySystem, NoProbe, Outcome, Probe, Recorder,
     Stage, Step, Traffic, Unit, Visitor, run_functional, run_with,
 };
-use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::ops::Range;
-use std::time::Duration;
-
-const TOKENS: u64 = 100_000;
 
 type Numbers = Stage<Source<Range<u64>>>;
 
-fn numbers(name: &str) -> Numbers {
-    Stage::new(name, Source::new(0..TOKENS))
+fn numbers(tokens: u64) -> Numbers {
+    Stage::new("source", Source::new(0..tokens))
 }
 
 fn fifo(name: &str) -> Fifo<u64> {
@@ -76,9 +73,9 @@ struct Chain {
 impl Chain {
     const STAGES: u64 = 9;
 
-    fn new(occupancy: u64) -> Self {
+    fn new(tokens: u64, occupancy: u64) -> Self {
         Self {
-            source: numbers("source"),
+            source: numbers(tokens),
             passes: std::array::from_fn(|i| Stage::new(&format!("pass {i}"), Pass { occupancy })),
             fifos: std::array::from_fn(|i| fifo(&format!("fifo {i}"))),
             drain: drain("drain"),
@@ -153,9 +150,9 @@ struct ForkJoin {
 impl ForkJoin {
     const STAGES: u64 = 6;
 
-    fn new() -> Self {
+    fn new(tokens: u64) -> Self {
         Self {
-            source: numbers("source"),
+            source: numbers(tokens),
             fork: Stage::new("fork", Fork),
             branches: [1, 2].map(|occupancy| Stage::new(&format!("branch {occupancy}"), Pass { occupancy })),
             join: Stage::new("join", Join),
@@ -238,7 +235,7 @@ struct Rows<const N: usize> {
 impl<const N: usize> Rows<N> {
     const STAGES: u64 = 3 * N as u64;
 
-    fn new(accesses: [Access; N]) -> Self {
+    fn new(tokens: u64, accesses: [Access; N]) -> Self {
         let mut memories = MemorySystem::default();
         let memory = memories.add_memory("memory", &MemoryConfig::default());
         let rows = accesses.map(|access| {
@@ -247,7 +244,7 @@ impl<const N: usize> Rows<N> {
                 Access::LookUp => memories.add_cached_client("port", memory, 8, "cache", &CacheConfig::default()),
             };
             let (client, drain) = (Stage::new("client", access), drain("drain"));
-            Row { source: numbers("source"), input: fifo("in"), client, output: fifo("out"), drain, ids: [id] }
+            Row { source: numbers(tokens), input: fifo("in"), client, output: fifo("out"), drain, ids: [id] }
         });
         Self { rows, memories }
     }
@@ -281,34 +278,48 @@ fn ticked<M: Machine>(machine: &mut M) {
     simulate(machine, Engine::Ticked, &mut NoProbe);
 }
 
-/// Times runs of fresh machines, in elements of one token in one stage.
-fn bench<M: Machine>(c: &mut Criterion, id: BenchmarkId, stages: u64, new: impl Fn() -> M, mut run: impl FnMut(&mut M)) {
-    let mut group = c.benchmark_group("kernel");
-    group.throughput(Throughput::Elements(TOKENS * stages)).sample_size(20).measurement_time(Duration::from_secs(3));
-    group.bench_with_input(id, &(), |b, ()| b.iter_batched_ref(&new, &mut run, BatchSize::PerIteration));
-    group.finish();
+fn functional<M: Machine>(machine: &mut M) {
+    assert_eq!(run_functional(machine, &mut |_| true), Ok(()));
 }
 
-fn benches(c: &mut Criterion) {
+fn recorded<M: Machine>(machine: &mut M) {
+    let mut intervals = Recorder::default();
+    simulate(machine, Engine::Timed, &mut intervals);
+    black_box(intervals);
+}
+
+/// Runs of fresh machines, in elements of one token in one stage.
+fn workload<M: Machine + 'static>(
+    name: impl Into<String>,
+    elements: u64,
+    new: impl Fn() -> M + Copy + 'static,
+    run: fn(&mut M),
+) -> Workload {
+    Workload::new(format!("kernel/{}", name.into()), Counted::TokenStages, move || {
+        move || {
+            let mut machine = new();
+            let ((), time) = measured(|| run(&mut machine));
+            Sample { time, count: elements }
+        }
+    })
+}
+
+/// Chains on both engines, without time and under a probe; fork and join; clients that share a memory.
+pub fn workloads(size: Size) -> Vec<Workload> {
+    let n = size.of(100_000, 10_000);
+    let chain = move |name: String, service: u64, run| workload(name, n * Chain::STAGES, move || Chain::new(n, service), run);
+    let mut all = Vec::new();
     for service in [1, 4, 32] {
-        bench(c, BenchmarkId::new("chain", service), Chain::STAGES, || Chain::new(service), timed);
-        bench(c, BenchmarkId::new("chain, ticked", service), Chain::STAGES, || Chain::new(service), ticked);
+        all.push(chain(format!("chain/{service}/timed"), service, timed));
+        all.push(chain(format!("chain/{service}/ticked"), service, ticked));
     }
-    let functional = |machine: &mut Chain| assert_eq!(run_functional(machine, &mut |_| true), Ok(()));
-    bench(c, BenchmarkId::from_parameter("chain, functional"), Chain::STAGES, || Chain::new(1), functional);
-    let recorded = |machine: &mut Chain| {
-        let mut intervals = Recorder::default();
-        simulate(machine, Engine::Timed, &mut intervals);
-        black_box(intervals);
-    };
-    bench(c, BenchmarkId::new("chain, recorded", 4), Chain::STAGES, || Chain::new(4), recorded);
-    bench(c, BenchmarkId::from_parameter("fork-join"), ForkJoin::STAGES, ForkJoin::new, timed);
+    all.push(chain("chain/1/functional".into(), 1, functional));
+    all.push(chain("chain/4/recorded".into(), 4, recorded));
     let (near, far) = (Access::Read { stride: 64 }, Access::Read { stride: 4160 });
-    bench(c, BenchmarkId::from_parameter("two readers of one memory"), Rows::<2>::STAGES, || Rows::new([near, far]), timed);
-    let mixed = || Rows::new([near, Access::LookUp]);
-    bench(c, BenchmarkId::from_parameter("reader and cache of one memory"), Rows::<2>::STAGES, mixed, timed);
-    bench(c, BenchmarkId::from_parameter("cached client"), Rows::<1>::STAGES, || Rows::new([Access::LookUp]), timed);
+    let pair = n * Rows::<2>::STAGES;
+    all.push(workload("fork-join", n * ForkJoin::STAGES, move || ForkJoin::new(n), timed));
+    all.push(workload("two-readers", pair, move || Rows::new(n, [near, far]), timed));
+    all.push(workload("reader-and-cache", pair, move || Rows::new(n, [near, Access::LookUp]), timed));
+    all.push(workload("cache", n * Rows::<1>::STAGES, move || Rows::new(n, [Access::LookUp]), timed));
+    all
 }
-
-criterion_group!(kernel, benches);
-criterion_main!(kernel);

@@ -1,0 +1,32 @@
+//! The workloads, in one place, and what measures them.
+//!
+//! | what | command |
+//! |---|---|
+//! | criterion, everything | `cargo bench` |
+//! | ratios within one run, as a table and as JSON | `cargo run --release -p basrelief-bench --example measure -- ratios --json FILE` |
+//! | instructions against the committed budgets | `cargo run --release -p basrelief-bench --example measure -- instructions` |
+//! | new budgets | `cargo run --release -p basrelief-bench --example measure -- instructions --bless` |
+//! | a trace of N polygons on standard output | `cargo run --release -p basrelief-bench --example measure -- trace N` |
+//!
+//! `measure` is an example, not a binary: the workspace has one binary, so that `cargo run` knows what is meant.
+//!
+//! docs/performance.md has the figures.
+
+pub mod graphs;
+pub mod instructions;
+pub mod machines;
+pub mod models;
+pub mod ratios;
+pub mod stopwatch;
+pub mod traces;
+pub mod workload;
+
+use workload::{Size, Workload};
+
+/// Everything but the single units, which exist at full size only.
+pub fn workloads(size: Size) -> Vec<Workload> {
+    [graphs::workloads(size), machines::workloads(size), traces::workloads(size), models::workloads(size)]
+        .into_iter()
+        .flatten()
+        .collect()
+}

@@ -1,0 +1,222 @@
+//! The machines on fixed scenes.
+//!
+//! | workload | machine | scene |
+//! |---|---|---|
+//! | W1 | `bump` | `sphere`: 20,000 triangles, 640 x 480, normal map of 512 x 512 bilinear, two levels, 256 entries |
+//! | W2 | `bump` | `brick`: wall and floor to the horizon, 640 x 480 |
+//! | W3 | `bump` | one plane that fills 1920 x 1080 |
+//! | W4 | `shade` | `goblet`, 640 x 480 |
+//!
+//! Everything is modelled, with the machines' defaults. Only the simulation is measured: scene, exact picture and metrics
+//! are made outside.
+
+use crate::stopwatch::{UnitTime, unit_times};
+use crate::workload::{Counted, Sample, Size, Workload, measured};
+use basrelief_geometry_processor::SceneDraws;
+use basrelief_kernel::{Engine, Limits, Machine, NoProbe, Outcome, Probe, StageTopology, run_functional, run_with, topology};
+use basrelief_machines::SceneFront;
+use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
+use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
+use basrelief_parameters::Parameters;
+use basrelief_scene::{ViewOptions, demo};
+use basrelief_signals::{Mesh, Object, Scene};
+use std::sync::Arc;
+
+/// Settings of a machine, by dotted name.
+pub type Set = &'static [(&'static str, &'static str)];
+
+/// Which machine, with all its parameters.
+#[derive(Clone, Debug)]
+enum Device {
+    Bump(Box<BumpProcessorConfig>),
+    Shade(Box<ShadeConfig>),
+}
+
+/// A scene, and the machine that draws it.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    device: Device,
+}
+
+/// What is done with a machine at power-on.
+trait Job {
+    type Result;
+    fn with<M: Machine>(self, machine: &mut M) -> Self::Result;
+}
+
+impl Drawing {
+    /// W1.
+    pub fn w1(size: Size, set: Set) -> Self {
+        Self::bump(demo_scene("sphere", size.of([640, 480], [128, 96])), set)
+    }
+
+    /// W2.
+    pub fn w2(size: Size, set: Set) -> Self {
+        Self::bump(demo_scene("brick", size.of([640, 480], [128, 96])), set)
+    }
+
+    /// W3.
+    pub fn w3(size: Size, set: Set) -> Self {
+        Self::bump(plane(size.of([1920, 1080], [160, 90])), set)
+    }
+
+    /// W4.
+    pub fn w4(size: Size, set: Set) -> Self {
+        let scene = demo_scene(size.of("goblet", "goblet@1"), size.of([640, 480], [160, 120]));
+        Self { scene: Arc::new(scene), device: Device::Shade(load(set)) }
+    }
+
+    fn bump(scene: Scene, set: Set) -> Self {
+        Self { scene: Arc::new(scene), device: Device::Bump(load(set)) }
+    }
+
+    /// Does the job, and tells how many fragments the machine has made by then.
+    fn work<J: Job>(&self, job: J) -> (J::Result, u64) {
+        let draws = SceneDraws::new(Arc::clone(&self.scene));
+        let fits = "what the workloads set fits the defaults";
+        match &self.device {
+            Device::Bump(config) => {
+                let mut machine = BumpProcessor::new(SceneFront::new(draws, &**config), config).expect(fits);
+                (job.with(&mut machine), machine.counts().number("fragments"))
+            }
+            Device::Shade(config) => {
+                let mut machine = FigureShadingDevice::new(SceneFront::new(draws, &**config), config).expect(fits);
+                (job.with(&mut machine), machine.counts().number("fragments"))
+            }
+        }
+    }
+
+    /// Simulates it, on an engine or without time.
+    pub fn simulate<P: Probe>(&self, engine: Option<Engine>, probe: &mut P) -> Sample {
+        let (time, count) = self.work(Simulate { engine, probe });
+        Sample { time, count }
+    }
+
+    /// Time and steps of every unit in the functional model.
+    pub fn unit_times(&self) -> Vec<UnitTime> {
+        self.work(TimeUnits).0
+    }
+
+    /// The machine's stages.
+    pub fn stages(&self) -> Vec<StageTopology> {
+        self.work(ShowStages).0
+    }
+}
+
+struct Simulate<'a, P> {
+    engine: Option<Engine>,
+    probe: &'a mut P,
+}
+
+impl<P: Probe> Job for Simulate<'_, P> {
+    type Result = std::time::Duration;
+
+    fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
+        let Self { engine, probe } = self;
+        let (complete, time) = measured(|| match engine {
+            None => run_functional(machine, &mut |_| true).is_ok(),
+            Some(engine) => {
+                let limits = Limits { max_cycles: u64::MAX, progress: &mut |_| true };
+                run_with(machine, engine, probe, limits).outcome == Outcome::Complete
+            }
+        });
+        assert!(complete, "a workload runs to its end");
+        time
+    }
+}
+
+struct TimeUnits;
+
+impl Job for TimeUnits {
+    type Result = Vec<UnitTime>;
+
+    fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
+        unit_times(machine)
+    }
+}
+
+struct ShowStages;
+
+impl Job for ShowStages {
+    type Result = Vec<StageTopology>;
+
+    fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
+        topology(machine)
+    }
+}
+
+fn load<C: Parameters>(set: Set) -> Box<C> {
+    Box::new(basrelief_parameters::load("", set).expect("the workloads set parameters that there are"))
+}
+
+/// A demo scene.
+pub fn demo_scene(name: &str, size: [u32; 2]) -> Scene {
+    demo(name, &ViewOptions { size, ..ViewOptions::default() }).expect("the demo is there")
+}
+
+/// One plane that fills the picture, in the material of W1.
+fn plane(size: [u32; 2]) -> Scene {
+    let Scene { mut objects, mut frames, warnings, .. } = demo_scene("sphere", size);
+    let mesh = Mesh {
+        positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
+        normals: vec![[0.0, 0.0, 1.0]; 4],
+        tangents: vec![[1.0, 0.0, 0.0, 1.0]; 4],
+        uv_normal: vec![[0.0, 2.25], [4.0, 2.25], [4.0, 0.0], [0.0, 0.0]],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Mesh::default()
+    };
+    for object in &mut objects {
+        let Object { id, material, .. } = (**object).clone();
+        *object = Arc::new(Object {
+            id,
+            name: "plane".into(),
+            mesh: Arc::new(mesh.clone()),
+            world: IDENTITY,
+            material,
+            entries: None,
+            bump: None,
+        });
+    }
+    frames.iter_mut().for_each(|frame| Arc::make_mut(frame).camera.view_projection = IDENTITY);
+    Scene { name: "plane".into(), objects, frames, warnings }
+}
+
+const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+/// A workload by name, and what makes it.
+type Make = (&'static str, fn(Size, Set) -> Drawing);
+
+const MAKE: [Make; 4] = [("w1", Drawing::w1), ("w2", Drawing::w2), ("w3", Drawing::w3), ("w4", Drawing::w4)];
+
+/// The machines with and without time.
+pub fn workloads(size: Size) -> Vec<Workload> {
+    let workload = |(name, make): Make, engine: Option<Engine>| {
+        let mode = if engine.is_some() { "timed" } else { "functional" };
+        Workload::new(format!("machine/{name}/{mode}"), Counted::Fragments, move || {
+            let drawing = make(size, &[]);
+            move || drawing.simulate(engine, &mut NoProbe)
+        })
+    };
+    MAKE.into_iter().flat_map(|make| [Some(Engine::Timed), None].map(|engine| workload(make, engine))).collect()
+}
+
+/// Every unit alone, on W1 and W4.
+pub fn units() -> Vec<Workload> {
+    let of = |(name, make): Make| {
+        let drawing = make(Size::Full, &[]);
+        let stages = drawing.stages().into_iter().enumerate();
+        stages.map(move |(i, stage)| {
+            let drawing = drawing.clone();
+            Workload::new(format!("unit/{name}/{}", stage.name), Counted::Steps, move || {
+                let drawing = drawing.clone();
+                move || {
+                    let UnitTime { time, steps } = drawing.unit_times()[i];
+                    Sample { time, count: steps }
+                }
+            })
+        })
+    };
+    [MAKE[0], MAKE[3]].into_iter().flat_map(of).collect()
+}

@@ -1,0 +1,103 @@
+//! Ratios of two runs that take turns in one process, so that what else the host does cancels.
+
+use crate::machines::{Drawing, Set};
+use crate::traces;
+use crate::workload::{Ready, Sample, Size, Workload};
+use basrelief_kernel::{Engine, NoProbe};
+use basrelief_report::{StageNames, Timeline};
+use serde::Serialize;
+use std::io::sink;
+
+/// One above the other.
+#[derive(Clone, Debug, Serialize)]
+pub struct Ratio {
+    /// What is compared.
+    pub name: String,
+    /// Pairs of runs.
+    pub rounds: usize,
+    /// Median of the ratios of the pairs.
+    pub median: f64,
+    /// Lower quartile.
+    pub low: f64,
+    /// Upper quartile.
+    pub high: f64,
+    /// Medians of the two times per fragment, token or byte \[ns\].
+    pub ns: [f64; 2],
+}
+
+/// A search of 1 cycle and one of 256, the same otherwise: a new one starts every cycle.
+const SEARCH_1: Set = &[("replacement.lanes", "256"), ("fifo.indexes.depth", "512")];
+const SEARCH_256: Set = &[("replacement.lanes", "1"), ("fifo.indexes.depth", "512")];
+
+fn nanoseconds(sample: Sample) -> f64 {
+    sample.time.as_secs_f64() * 1e9 / sample.count as f64
+}
+
+/// Value at this share of the sorted values.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * share).round() as usize]
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// Runs both in turn, once ahead of counting.
+fn ratio(name: &str, rounds: usize, mut above: Ready, mut below: Ready) -> Ratio {
+    let mut pair = || [nanoseconds(above()), nanoseconds(below())];
+    pair();
+    let pairs: Vec<[f64; 2]> = (0..rounds).map(|_| pair()).collect();
+    let ratios = sorted(pairs.iter().map(|[a, b]| a / b));
+    let ns = [0, 1].map(|i| quantile(&sorted(pairs.iter().map(|pair| pair[i])), 0.5));
+    let [low, median, high] = [0.25, 0.5, 0.75].map(|share| quantile(&ratios, share));
+    Ratio { name: name.into(), rounds, median, low, high, ns }
+}
+
+fn engine(drawing: &Drawing, engine: Option<Engine>) -> Ready {
+    let drawing = drawing.clone();
+    Box::new(move || drawing.simulate(engine, &mut NoProbe))
+}
+
+/// With the time line of every unit, written to nowhere.
+fn probed(drawing: &Drawing) -> Ready {
+    let drawing = drawing.clone();
+    let names = drawing.stages().into_iter().map(|s| StageNames {
+        unit: s.name,
+        inputs: s.inputs,
+        outputs: s.outputs,
+        clients: s.clients,
+    });
+    let names: Vec<StageNames> = names.collect();
+    Box::new(move || drawing.simulate(Some(Engine::Timed), &mut Timeline::new(sink(), "machine", &names)))
+}
+
+fn prepared(workloads: &[Workload], name: &str) -> Ready {
+    workloads.iter().find(|w| w.name == name).expect("a workload of this name").prepare()
+}
+
+/// All ratios, each over this many pairs of runs; `each` hears of every one as it is done.
+pub fn ratios(size: Size, rounds: usize, mut each: impl FnMut(&Ratio)) -> Vec<Ratio> {
+    let timed = Some(Engine::Timed);
+    let [w1, w2, w3, w4] = [Drawing::w1, Drawing::w2, Drawing::w3, Drawing::w4].map(|make| make(size, &[]));
+    let search = [SEARCH_256, SEARCH_1].map(|set| Drawing::w1(size, set));
+    let traces = traces::workloads(size);
+    let mut all = Vec::new();
+    let mut compare = |name: &str, above: Ready, below: Ready| {
+        let ratio = ratio(name, rounds, above, below);
+        each(&ratio);
+        all.push(ratio);
+    };
+    for (name, drawing) in [("W1", &w1), ("W2", &w2), ("W3", &w3), ("W4", &w4)] {
+        compare(&format!("{name}: timed / functional"), engine(drawing, timed), engine(drawing, None));
+    }
+    compare("W1: search of 256 cycles / of 1", engine(&search[0], timed), engine(&search[1], timed));
+    for (name, drawing) in [("W1", &w1), ("W4", &w4)] {
+        compare(&format!("{name}: time line of every unit / none"), probed(drawing), engine(drawing, timed));
+    }
+    let read = |form: &str| prepared(&traces, &format!("trace/read/{form}"));
+    compare("trace: reading JSON Lines / binary", read("json-lines"), read("binary"));
+    compare("trace: reading JSON Lines / binary, both in zstd", read("json-lines-zstd"), read("binary-zstd"));
+    all
+}

@@ -1,0 +1,75 @@
+//! Times every unit by itself: runs a machine's units without time, each for as long as its FIFOs let it, and reads the clock
+//! around that.
+//!
+//! Thus each unit gets the tokens of a real run, hands its requests to a handle that keeps them, as under an engine, and pays
+//! for popping and pushing; engine, memories and caches are not there. Two clock readings per visit are included, 50 ns for
+//! some ten steps.
+
+use basrelief_kernel::{Clients, Demand, Inputs, Machine, Outputs, Stage, Traffic, Unit, Visitor};
+use std::time::{Duration, Instant};
+
+/// What a unit did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UnitTime {
+    /// In its steps.
+    pub time: Duration,
+    /// Their number.
+    pub steps: u64,
+}
+
+#[derive(Default)]
+struct Stopwatch {
+    traffic: Traffic,
+    /// By stage, in the order of the wiring.
+    units: Vec<UnitTime>,
+    next: usize,
+    stepped: bool,
+}
+
+impl Visitor for Stopwatch {
+    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
+        &mut self,
+        stage: &mut Stage<U>,
+        mut inputs: I,
+        mut outputs: O,
+        _: Clients<'_, M>,
+    ) {
+        let began = Instant::now();
+        let mut steps = 0;
+        while let Some(demand) = ready(&stage.unit, &inputs, &outputs) {
+            let step = stage.unit.step(inputs.take(demand), &mut self.traffic);
+            outputs.put(step.out);
+            self.traffic.clear();
+            steps += 1;
+        }
+        let time = began.elapsed();
+        if self.units.len() == self.next {
+            self.units.push(UnitTime::default());
+        }
+        if steps > 0 {
+            let unit = &mut self.units[self.next];
+            unit.time += time;
+            unit.steps += steps;
+            self.stepped = true;
+        }
+        self.next += 1;
+    }
+}
+
+/// What the next step takes, if it can be made now.
+fn ready<U: Unit, I: Inputs, O: Outputs>(unit: &U, inputs: &I, outputs: &O) -> Option<Demand> {
+    let demand = unit.demand();
+    let has_inputs = (0..inputs.count()).all(|i| !demand.takes(i) || !inputs.link(i).is_empty());
+    let has_room = || (0..outputs.count()).all(|i| outputs.link(i).has_room());
+    (demand != Demand::Finished && has_inputs && has_room()).then_some(demand)
+}
+
+/// Runs the machine to its end; time and steps of each unit, in the order of the wiring.
+pub fn unit_times<M: Machine>(machine: &mut M) -> Vec<UnitTime> {
+    let mut watch = Stopwatch { stepped: true, ..Stopwatch::default() };
+    while std::mem::take(&mut watch.stepped) {
+        watch.next = 0;
+        machine.wire(&mut watch);
+    }
+    watch.units
+}

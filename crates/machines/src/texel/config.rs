@@ -1,0 +1,138 @@
+//! All parameters of the texture mapping system, in the order of its block diagram.
+
+use crate::config::{ClockConfig, slots};
+use crate::front::FrontConfig;
+use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
+use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
+use basrelief_graphics_processor::DepthConfig;
+use basrelief_kernel::{CacheConfig, FifoConfig, MemoryConfig};
+use basrelief_parameters::{parameter_groups, parameters};
+use basrelief_texel_value_generator::{
+    ApproximationConfig, CombinerConfig, DividerConfig, IlluminanceConfig, LookUpConfig, MipConfig, ScanConverterConfig,
+    TexelConfig,
+};
+
+parameters! {
+    /// Pixel value buffer (360).
+    pub struct PixelValueBufferConfig {
+        /// Pixels are tested for depth; off: the last one drawn stays.
+        depth_test: bool = true, unit: "", Assumed("the patent has none; polygons would have to come sorted");
+    }
+}
+
+parameter_groups! {
+    /// FIFOs of the texture mapping system, by name. Defaults hold full rate (law 2): latency of the producer + FIFO latency
+    /// + 1, and on the way out of a unit that waits for memory its loaded latency too.
+    pub struct FifoConfigs {
+        /// Host to geometry processor: triangles.
+        draws: FifoConfig = slots(16),
+        /// Geometry processor to scan converter: the display list.
+        polygons: FifoConfig = slots(16),
+        /// Scan converter to step calculator: scan lines of triangles.
+        spans: FifoConfig = slots(8),
+        /// Scan converter to illuminance value generator (340): the same, with other values. Holds what is under way on the
+        /// other way.
+        lit_spans: FifoConfig = slots(64),
+        /// Step calculator to dividers: points.
+        points: FifoConfig = slots(4),
+        /// Step calculator to approximate calculator (310a): segments. Holds what is being divided.
+        segments: FifoConfig = slots(8),
+        /// Dividers to approximate calculator (310a): exact values. So many divisions are ahead of the interpolation.
+        quotients: FifoConfig = slots(4),
+        /// Approximate calculator (310a) to depth test, or to texture look-up table (330) without it.
+        texels: FifoConfig = slots(16),
+        /// Approximate calculator (310a) to MIP-map selector (320).
+        gradients: FifoConfig = slots(16),
+        /// Depth test to texture look-up table (330).
+        tested_texels: FifoConfig = slots(64),
+        /// MIP-map selector (320) to texture look-up table (330): map select.
+        levels: FifoConfig = slots(64),
+        /// Texture look-up table (330) to combiner (350).
+        texture_values: FifoConfig = slots(64),
+        /// Illuminance value generator (340) to combiner (350). Holds what is under way on the other way.
+        illuminances: FifoConfig = slots(64),
+        /// Combiner (350) to pixel value buffer (360).
+        pixels: FifoConfig = slots(64),
+        /// Pixel value buffer (360) to DACs (370): finished frames.
+        finished_frames: FifoConfig = slots(2),
+    }
+}
+
+parameter_groups! {
+    /// The three memories.
+    pub struct MemoryConfigs {
+        /// Memory of the texture look-up table (330). Its port has the credits of the largest step: four texels of each of two
+        /// levels for each of 16 pixels.
+        texture: MemoryConfig = MemoryConfig { outstanding: 128, ..MemoryConfig::default() },
+        /// Depth values. The patent has none, so they have a memory of their own: in that of (360) they would keep it from its
+        /// rows.
+        depth: MemoryConfig = MemoryConfig { outstanding: 16, ..MemoryConfig::default() },
+        /// Pixel value buffer (360).
+        pixel: MemoryConfig = MemoryConfig { outstanding: 16, ..MemoryConfig::default() },
+    }
+}
+
+parameter_groups! {
+    /// The caches.
+    pub struct CacheConfigs {
+        /// Texels, in the texture look-up table (330).
+        texture: CacheConfig = CacheConfig::default(),
+        /// Depth values, for the depth test.
+        depth: CacheConfig = CacheConfig { sets: 32, lookups_per_cycle: 1, ..CacheConfig::default() },
+    }
+}
+
+parameter_groups! {
+    /// All parameters of the texture mapping system.
+    pub struct TexelMachineConfig {
+        /// Clock.
+        clock: ClockConfig = ClockConfig { hz: 50_000_000 },
+        /// How a display list is fed.
+        display_list: DisplayListConfig = DisplayListConfig::default(),
+        /// Which polygons a display list marks as bump targets, for the machine that knows them; this one lights them itself.
+        bump: BumpConfig = BumpConfig::default(),
+        /// Geometry processor.
+        geometry: GeometryConfig = GeometryConfig::default(),
+        /// Scan converter.
+        scan: ScanConverterConfig = ScanConverterConfig::default(),
+        /// Texel value generator (310): division points.
+        texel: TexelConfig = TexelConfig::default(),
+        /// Its dividers.
+        divider: DividerConfig = DividerConfig::default(),
+        /// Its approximate calculator (310a).
+        approximation: ApproximationConfig = ApproximationConfig::default(),
+        /// MIP-map selector (320).
+        mip: MipConfig = MipConfig::default(),
+        /// Texture look-up table (330).
+        look_up: LookUpConfig = LookUpConfig::default(),
+        /// Illuminance value generator (340).
+        illuminance: IlluminanceConfig = IlluminanceConfig::default(),
+        /// Combiner (350).
+        combiner: CombinerConfig = CombinerConfig::default(),
+        /// Pixel value buffer (360).
+        pixel_value_buffer: PixelValueBufferConfig = PixelValueBufferConfig::default(),
+        /// Depth test.
+        depth: DepthConfig = DepthConfig::default(),
+        /// Write port of the pixel value buffer (360).
+        frame_buffer: FrameBufferConfig = FrameBufferConfig::default(),
+        /// DACs (370).
+        video_out: VideoOutConfig = VideoOutConfig::default(),
+        /// FIFOs.
+        fifo: FifoConfigs = FifoConfigs::default(),
+        /// Memories.
+        memory: MemoryConfigs = MemoryConfigs::default(),
+        /// Caches.
+        cache: CacheConfigs = CacheConfigs::default(),
+    }
+}
+
+impl From<&TexelMachineConfig> for FrontConfig {
+    fn from(c: &TexelMachineConfig) -> Self {
+        Self {
+            geometry: c.geometry.clone(),
+            bump: c.bump.clone(),
+            display_list: c.display_list.clone(),
+            draws: c.fifo.draws.clone(),
+        }
+    }
+}

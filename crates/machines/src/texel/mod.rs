@@ -1,0 +1,29 @@
+//! The texture mapping system with the texel value generator (Sun Microsystems, 1994).
+//!
+//! Figure 3, as it is wired by [`TextureMappingSystem`]:
+//!
+//! ```text
+#![doc = include_str!("diagram.txt")]
+//! ```
+
+mod check;
+mod config;
+mod counts;
+mod system;
+mod units;
+
+pub use crate::config::ClockConfig;
+pub use crate::front::{FrontEnd, SceneFront, TraceFront};
+pub use crate::problem::ConfigProblem;
+pub use crate::unit_info::UnitInfo;
+pub use basrelief_texel_value_generator::{DisplacementMap, FrameLog, SpanRecord};
+pub use check::{input_warnings, warnings};
+pub use config::{CacheConfigs, FifoConfigs, MemoryConfigs, PixelValueBufferConfig, TexelMachineConfig};
+pub use system::TextureMappingSystem;
+pub use units::UNITS;
+
+/// Name of the machine.
+pub const NAME: &str = "texel";
+
+/// Figure 3 in characters.
+pub const DIAGRAM: &str = include_str!("diagram.txt");

@@ -1,0 +1,75 @@
+//! The texture mapping system as a [`Device`].
+
+use crate::device::{Device, Draws};
+use basrelief_frame_buffer::FinishedFrame;
+use basrelief_machines::texel::{self, FrameLog, TexelMachineConfig, TextureMappingSystem};
+use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_reference::{LevelRule, Options, Shading, Style, TextureFilter};
+use basrelief_signals::Filter;
+use basrelief_texel_value_generator::{IlluminanceMode, MipMode};
+
+impl Device for TexelMachineConfig {
+    const NAME: &'static str = texel::NAME;
+    const ABOUT: &'static str = "Sun's texture mapping system with its texel value generator";
+    const DIAGRAM: &'static str = texel::DIAGRAM;
+    const UNITS: &'static [UnitInfo] = texel::UNITS;
+    const DEMOS: &'static [&'static str] = &["corridor", "turntable"];
+    type Machine<F: FrontEnd> = TextureMappingSystem<F>;
+
+    fn build<F: FrontEnd>(&self, front: F) -> Result<TextureMappingSystem<F>, ConfigProblem> {
+        TextureMappingSystem::new(front, self)
+    }
+
+    fn front(&self) -> FrontConfig {
+        self.into()
+    }
+
+    /// Exact mapping, by the filter that the machine has: what is lost then is lost by division points.
+    fn exact_style(&self) -> Style {
+        let filter = match (self.mip.mode, self.look_up.filter) {
+            (MipMode::Off, Filter::Nearest) => TextureFilter::Nearest,
+            (MipMode::Off, Filter::Bilinear) => TextureFilter::Bilinear,
+            (MipMode::Nearest, Filter::Nearest) => TextureFilter::NearestMipNearest,
+            (MipMode::Nearest, Filter::Bilinear) => TextureFilter::BilinearMipNearest,
+            (MipMode::Trilinear, Filter::Nearest) => TextureFilter::NearestMipLinear,
+            (MipMode::Trilinear, Filter::Bilinear) => TextureFilter::Trilinear,
+        };
+        let options = Options {
+            filter,
+            level: LevelRule::AlongScanLine,
+            two_sided_lighting: self.geometry.two_sided_lighting,
+            ..Options::default()
+        };
+        let shading = match self.illuminance.mode {
+            IlluminanceMode::Off => Shading::Texture,
+            IlluminanceMode::Gouraud => Shading::Gouraud,
+        };
+        Style { shading, options }
+    }
+
+    fn warnings(&self, counts: &Counts) -> Vec<String> {
+        texel::warnings(self).into_iter().chain(texel::input_warnings(counts)).collect()
+    }
+}
+
+impl<F: FrontEnd> Draws for TextureMappingSystem<F> {
+    fn counts(&self) -> Counts {
+        self.counts()
+    }
+
+    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
+        self.drain_finished()
+    }
+
+    fn has_finished(&self) -> bool {
+        self.has_finished()
+    }
+
+    fn keep_log(&mut self) {
+        self.keep_log();
+    }
+
+    fn drain_logs(&mut self, pictures: usize) -> Vec<FrameLog> {
+        self.drain_logs(pictures)
+    }
+}

@@ -1,0 +1,244 @@
+//! Parameters of the texture mapping system (300).
+
+use basrelief_parameters::parameters;
+use basrelief_signals::Filter;
+use serde::{Deserialize, Serialize};
+
+/// Declares a choice of behaviour: a fieldless enum, in snake case in files, its first variant the default.
+macro_rules! choice {
+    ($(#[doc = $about:literal])* $name:ident { $(#[doc = $first_doc:literal])* $first:ident, $($(#[doc = $doc:literal])* $other:ident,)* }) => {
+        $(#[doc = $about])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+        #[serde(rename_all = "snake_case")]
+        pub enum $name {
+            $(#[doc = $first_doc])* #[default] $first,
+            $($(#[doc = $doc])* $other,)*
+        }
+    };
+}
+
+choice! {
+    /// Where division points lie along a scan line.
+    Method {
+        /// As far apart as the accuracy criterion allows (Figures 4A, 4B).
+        Adaptive,
+        /// Every pixel is one.
+        Exact,
+        /// At a fixed distance, or a fixed number per scan line (Figure 2).
+        Fixed,
+        /// Where the scan line crosses the edges of equal child polygons (Figure 1).
+        Subpolygon,
+    }
+}
+
+choice! {
+    /// The equation of the step.
+    StepForm {
+        /// `2 sqrt(e w / |dw|) + e` for dw > 0, `- e` for dw < 0.
+        Exact,
+        /// `2 sqrt(e w / |dw|)`.
+        Approximate,
+    }
+}
+
+choice! {
+    /// How a span's real ends become integer pixels (step 410).
+    Snap {
+        /// Up: the pixels whose centres lie between the ends.
+        Ceil,
+        /// To the nearest.
+        Round,
+        /// Down.
+        Floor,
+        /// Towards zero: down, as there is nothing left of the screen.
+        Truncate,
+    }
+}
+
+choice! {
+    /// In which direction a scan line is marched along.
+    March {
+        /// From its left end.
+        LeftToRight,
+        /// From its right end.
+        RightToLeft,
+    }
+}
+
+choice! {
+    /// How u = U/W and v = V/W are formed.
+    Division {
+        /// By two divisions.
+        Two,
+        /// By one reciprocal and two multiplications.
+        Reciprocal,
+    }
+}
+
+choice! {
+    /// How the MIP-map selector (320) selects.
+    MipMode {
+        /// Always level 0.
+        Off,
+        /// The level nearest to the derived one.
+        Nearest,
+        /// The two levels around the derived one, weighted.
+        Trilinear,
+    }
+}
+
+choice! {
+    /// What a MIP level is selected for.
+    MipPer {
+        /// A segment: within one the mapping is affine.
+        Segment,
+        /// A pixel, by the exact derivative there.
+        Pixel,
+    }
+}
+
+choice! {
+    /// What the illuminance value generator (340) generates.
+    IlluminanceMode {
+        /// Brightness at the vertices, interpolated along edges and scan lines, times the colours.
+        Gouraud,
+        /// The colours alone.
+        Off,
+    }
+}
+
+choice! {
+    /// What the combiner (350) makes of a new value and the old one in the pixel value buffer (360).
+    CombineMode {
+        /// The new one.
+        Replace,
+        /// Their product.
+        Modulate,
+        /// Both, weighted by the alpha of the new one.
+        Blend,
+    }
+}
+
+parameters! {
+    /// Scan converter.
+    pub struct ScanConverterConfig {
+        /// Window coordinates are snapped to steps of 2^-n pixel.
+        subpixel_bits: u32 = 8, unit: "bits", Assumed("as the bump-mapping processor's rasterizer"), range: 1..=10;
+        /// Depth values.
+        z_bits: u32 = 24, unit: "bits", Assumed("as the bump-mapping processor's rasterizer"), range: 16..=32;
+        /// The unit is kept this long by each triangle of a polygon's fan.
+        setup_cycles: u32 = 16, unit: "cycles", Assumed("slopes of three edges, one reciprocal"), range: 0..=4096;
+        /// The unit is kept this long by each span: both ends of U, V, W.
+        cycles_per_span: u32 = 2, unit: "cycles", Assumed("an addition to each of six end values, three adders"), range: 1..=4096;
+        /// From start to delivery.
+        latency: u32 = 4, unit: "cycles", Assumed("addition and step 410"), range: 0..=4096;
+    }
+}
+
+parameters! {
+    /// Texel value generator (310): where division points are.
+    pub struct TexelConfig {
+        /// Where division points lie: adaptive, exact, fixed or subpolygon.
+        method: Method = Method::Adaptive, unit: "", Stated("claims 1 to 3, Figures 4A, 4B, 5 and 6; the others are what the patent compares itself with");
+        /// Accuracy criterion e, in the storage element (step 442): no texel is from farther away than this.
+        error_bound: f64 = 0.5, unit: "pixels", Stated("a fitting value of e is 0.5, half a pixel"), range: 0.001..=1024.0;
+        /// The equation of the step: exact or approximate.
+        step_form: StepForm = StepForm::Exact, unit: "", Derived("the longest step that keeps e, by the sign of dw; the patent's second equation leaves e out of the sum");
+        /// Spans of at most this many pixels are not subdivided (step 430).
+        min_span: u32 = 2, unit: "pixels", Assumed("between the ends of two pixels there is nothing to interpolate; the patent says: too short to gain much"), range: 1..=16_384;
+        /// Division points between the ends of every scan line, with `fixed`; 0: one every `interval` pixels.
+        points: u32 = 0, unit: "points", Assumed("Figure 2 draws seven; an interval is the common variant"), range: 0..=16_384;
+        /// Distance of division points with `fixed`; longest edge of a child polygon with `subpolygon`.
+        interval: u32 = 16, unit: "pixels", Assumed("the common choice of renderers of the time"), range: 1..=16_384;
+        /// Step 410: ceil, round, floor or truncate.
+        snap: Snap = Snap::Ceil, unit: "", Assumed("the patent names truncation, rounding down and rounding up; only up covers the pixels whose centres are inside");
+        /// Direction of marching: left_to_right or right_to_left.
+        march: March = March::LeftToRight, unit: "", Stated("step 444 begins at one end of the scan line");
+        /// Entries of a table in place of the square root; 0: a square root unit.
+        step_table: u32 = 0, unit: "entries", Assumed("the patent leaves it open"), range: 0..=65_536;
+        /// Square root: latency of the unit; the next step waits for it.
+        root_cycles: u32 = 12, unit: "cycles", Assumed("iterative, two bits per cycle"), range: 1..=4096;
+        /// Table of steps: latency of a look-up.
+        table_cycles: u32 = 2, unit: "cycles", Assumed("normalisation, look-up"), range: 1..=4096;
+        /// From the start of a step, or the root's answer, to delivery.
+        latency: u32 = 2, unit: "cycles", Assumed("a product, a sum"), range: 0..=4096;
+    }
+}
+
+parameters! {
+    /// Dividers of the texel value generator (310).
+    pub struct DividerConfig {
+        /// How many.
+        count: u32 = 2, unit: "dividers", Assumed("one each for u and v"), range: 1..=64;
+        /// From start to quotient.
+        latency: u32 = 16, unit: "cycles", Assumed("iterative, two bits per cycle"), range: 1..=4096;
+        /// A divider may start this often: as often as `latency` is iterative, 1 is pipelined.
+        initiation_interval: u32 = 16, unit: "cycles", Assumed("iterative"), range: 1..=4096;
+        /// How u and v are formed: two (divisions) or reciprocal (and two multiplications).
+        division: Division = Division::Two, unit: "", Stated("two divisions, or an equivalent such as a reciprocal and multiplication");
+        /// A multiplication behind a reciprocal.
+        multiply_cycles: u32 = 2, unit: "cycles", Assumed("pipelined"), range: 0..=4096;
+    }
+}
+
+parameters! {
+    /// Approximate calculator (310a).
+    pub struct ApproximationConfig {
+        /// A pixel may start this often.
+        initiation_interval: u32 = 1, unit: "cycles", Assumed("two adders step u and v"), range: 1..=4096;
+        /// From start to delivery of a pixel.
+        latency: u32 = 3, unit: "cycles", Assumed("reciprocal of the length by table, product, sum"), range: 0..=4096;
+    }
+}
+
+parameters! {
+    /// MIP-map selector (320).
+    pub struct MipConfig {
+        /// Level: off, nearest or trilinear.
+        mode: MipMode = MipMode::Off, unit: "", Assumed("an option of the patent: in some embodiments");
+        /// A level is selected per segment or per pixel.
+        per: MipPer = MipPer::Segment, unit: "", Stated("the mapping of a segment is affine, so its level is constant");
+        /// From start to delivery.
+        latency: u32 = 2, unit: "cycles", Assumed("position of the leading one of the larger gradient, look-up of its fraction"), range: 0..=4096;
+    }
+}
+
+parameters! {
+    /// Texture look-up table (330).
+    pub struct LookUpConfig {
+        /// Filter within a level: nearest or bilinear.
+        filter: Filter = Filter::Bilinear, unit: "", Assumed("the patent leaves it open");
+        /// A texel.
+        texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each"), range: 1..=16;
+        /// The table is kept this long by each pixel, beside what its ports need (`cache.texture.lookups_per_cycle`).
+        initiation_interval: u32 = 1, unit: "cycles", Assumed("pipelined"), range: 1..=1024;
+        /// From start to delivery, texels in the cache.
+        latency: u32 = 6, unit: "cycles", Assumed("addressing and filter"), range: 0..=4096;
+    }
+}
+
+parameters! {
+    /// Illuminance value generator (340).
+    pub struct IlluminanceConfig {
+        /// What is generated: gouraud or off (colours alone).
+        mode: IlluminanceMode = IlluminanceMode::Gouraud, unit: "", Assumed("the usual one; the patent leaves it open");
+        /// A pixel may start this often.
+        initiation_interval: u32 = 1, unit: "cycles", Assumed("adders step the components along the line"), range: 1..=4096;
+        /// From start to delivery of a pixel.
+        latency: u32 = 3, unit: "cycles", Assumed("product and sum"), range: 0..=4096;
+    }
+}
+
+parameters! {
+    /// Combiner (350).
+    pub struct CombinerConfig {
+        /// New value and old one: replace, modulate or blend.
+        mode: CombineMode = CombineMode::Replace, unit: "", Assumed("the patent feeds the old value back and does not say what for");
+        /// A pixel may start this often.
+        initiation_interval: u32 = 1, unit: "cycles", Assumed("a multiplier per component"), range: 1..=4096;
+        /// From start to delivery, the old value at hand.
+        latency: u32 = 3, unit: "cycles", Assumed("two products and a sum"), range: 0..=4096;
+        /// A pixel in the pixel value buffer (360), for reading back.
+        pixel_bytes: u32 = 4, unit: "bytes", Assumed("as frame_buffer.pixel_bytes"), range: 1..=4;
+    }
+}

@@ -1,0 +1,52 @@
+//! The texture mapping system (300) around its texel value generator (310).
+//!
+//! ```text
+//!  scan converter --spans--> step calculator --segments--------------> approximate calculator (310a) --texels--> (depth test)
+//!    |                       + storage element                           ^            | gradients                 |
+//!    |                         | points                                  |            v                           v
+//!    |                         +-----------> dividers --quotients--------+   MIP-map selector (320) --levels--> texture look-up
+//!    |                                                                                                          table (330)
+//!    | lit_spans                                                                                                  | texture_values
+//!    +----------> illuminance value generator (340) --illuminances-----------------------------------> combiner (350) --> (360)
+//! ```
+//!
+//! A texel value needs two divisions per pixel: `u = U / W`, `v = V / W`, with U, V and W linear on the screen. Here they are
+//! divided at the ends of a scan line and at division points between them, as far apart as the accuracy criterion allows, and
+//! interpolated in between: no pixel has the texel of a place that is farther than e pixels away. [`StepEquation`] says how far
+//! a step may go; [`signals`] says which number formats travel.
+//!
+//! Control tokens go along both ways of each fork, and are paired where they meet.
+
+mod approximate_calculator;
+mod combiner;
+mod config;
+mod divider;
+mod illuminance_value_generator;
+mod log;
+mod mip_map_selector;
+mod scan_converter;
+pub mod signals;
+mod step_calculator;
+mod storage_element;
+mod texture_look_up_table;
+mod twins;
+
+pub use approximate_calculator::{
+    ApproximateCalculator, ApproximateCalculatorState, ApproximationCounters, Displacements, displacement,
+};
+pub use combiner::{Combiner, CombinerState};
+pub use config::{
+    ApproximationConfig, CombineMode, CombinerConfig, DividerConfig, Division, IlluminanceConfig, IlluminanceMode, LookUpConfig,
+    March, Method, MipConfig, MipMode, MipPer, ScanConverterConfig, Snap, StepForm, TexelConfig,
+};
+pub use divider::{Divider, DividerState};
+pub use illuminance_value_generator::{IlluminanceState, IlluminanceValueGenerator};
+pub use log::{DisplacementMap, FrameLog, SpanRecord};
+pub use mip_map_selector::{MipMapSelector, MipMapSelectorState, level};
+pub use scan_converter::{ScanConverter, ScanConverterState};
+pub use step_calculator::{
+    BINS, Reach, RootTable, StepCalculator, StepCalculatorState, StepCounters, StepEquation, Subdivision, bin_of,
+    largest_displacement,
+};
+pub use storage_element::StorageElement;
+pub use texture_look_up_table::{TextureLookUpTable, TextureLookUpTableState};

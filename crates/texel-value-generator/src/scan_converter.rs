@@ -1,0 +1,201 @@
+//! Scan converter: polygons in, spans with exact ends out.
+
+use crate::config::{March, ScanConverterConfig, Snap};
+use crate::signals::{LitSpan, Span, Uvw};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::{Raster, Spans, fan_triangle, fan_triangles};
+use basrelief_signals::{Control, Flow, Polygon, Vertex};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Everything the scan converter remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ScanConverterState {
+    /// Width and height of the frame \[pixels\].
+    pub screen: [u32; 2],
+    /// The polygon that is scanned, snapped.
+    pub polygon: Option<Arc<Polygon>>,
+    /// Where its traversal is.
+    pub spans: Spans,
+    /// The span that comes next: row, first and last column.
+    pub next: Option<[i32; 3]>,
+    /// U, V, W at the vertices of the triangle of this number.
+    pub corners: ([Uvw; 3], Option<u16>),
+    /// Polygons scanned.
+    pub polygons: u64,
+    /// Triangles of their fans; one reciprocal of an area each.
+    pub triangles: u64,
+    /// Polygons without a span (step 420: nothing between the snapped ends).
+    pub empty: u64,
+    /// Spans.
+    pub scanned: u64,
+    /// Pixels of these.
+    pub fragments: u64,
+}
+
+/// Scan converter: the ends of each scan line of a triangle, with exact U, V, W (Figure 2C) and step 410. Spans go to the
+/// step calculator and to the illuminance value generator (340), behind the control token of their polygon.
+///
+/// Scan lines are those of the triangles of the polygon's fan: pixels whose centres are inside, top-left rule. What snaps
+/// otherwise than up, snaps with all it carries: the value at the end goes to the pixel that the end goes to. A span that is
+/// empty then is none (step 420).
+#[derive(Clone, Debug, Default)]
+pub struct ScanConverter {
+    /// Parameters.
+    pub config: ScanConverterConfig,
+    /// Step 410.
+    pub snap: Snap,
+    /// Direction of marching.
+    pub march: March,
+    /// Everything it remembers.
+    pub state: ScanConverterState,
+}
+
+impl Snap {
+    /// How far to the left vertices go, so that rounding up does what is asked for \[pixels\].
+    fn shift(self, subpixel_bits: u32) -> f32 {
+        let step = 1.0 / (1u32 << subpixel_bits) as f32;
+        match self {
+            Self::Ceil => 0.0,
+            Self::Round => 0.5 - step,
+            Self::Floor | Self::Truncate => 1.0 - step,
+        }
+    }
+}
+
+impl ScanConverter {
+    /// A scan converter at power-on.
+    pub fn new(config: ScanConverterConfig, snap: Snap, march: March) -> Self {
+        Self { config, snap, march, state: ScanConverterState::default() }
+    }
+
+    /// Takes a control token; the cycles that it keeps the unit.
+    fn take(&mut self, control: &Control, traffic: &mut Traffic) -> u64 {
+        match control {
+            Control::Frame(frame) => self.state.screen = [frame.width, frame.height],
+            Control::Polygon(polygon) => return self.begin(polygon, traffic),
+            Control::Object(_) | Control::CodeBook(_) | Control::FrameEnd => {}
+        }
+        1
+    }
+
+    fn begin(&mut self, polygon: &Arc<Polygon>, traffic: &mut Traffic) -> u64 {
+        if let Some(vertex) = polygon.vertices.iter().find(|v| !(v.position[3] > 0.0 && v.position[3].is_finite())) {
+            traffic.fault(format!(
+                "scan converter: a polygon of object {} has 1 / w = {} at a vertex, expected a positive number: clip it at the near plane",
+                polygon.object, vertex.position[3]
+            ));
+            return 1;
+        }
+        let (state, triangles) = (&mut self.state, fan_triangles(polygon));
+        state.polygons += 1;
+        state.triangles += u64::from(triangles);
+        let snapped = snapped(polygon, self.snap.shift(self.config.subpixel_bits));
+        let raster = Raster::new(state.screen, self.config.subpixel_bits, self.config.z_bits, 1);
+        state.spans = Spans::new(&snapped, raster);
+        state.next = state.spans.next(&snapped);
+        state.empty += u64::from(state.next.is_none());
+        state.corners.1 = None;
+        state.polygon = state.next.is_some().then_some(snapped);
+        (u64::from(self.config.setup_cycles) * u64::from(triangles)).max(1)
+    }
+
+    /// The span that is next, and on to the one after it.
+    fn emit(&mut self) -> Option<Span> {
+        let state = &mut self.state;
+        let polygon = state.polygon.as_ref()?;
+        let [y, left, right] = state.next?;
+        let triangle = state.spans.triangle;
+        if state.corners.1 != Some(triangle.number()) {
+            state.corners = (corners(polygon, triangle.number()), Some(triangle.number()));
+        }
+        let backwards = self.march == March::RightToLeft;
+        let ends = if backwards { [right, left] } else { [left, right] };
+        let count = (right - left + 1) as u16;
+        let shares = ends.map(|x| triangle.shares(x, y));
+        let depths = shares.map(|share| triangle.exact_depth(share));
+        let uvw = shares.map(|share| mixed(&state.corners.0, share, triangle.inverse_area()));
+        // Lengths are whole: their reciprocals stand in a table.
+        let per_pixel = if count > 1 { 1.0 / f64::from(count - 1) } else { 0.0 };
+        let weights = shares.map(|[_, b, c]| [b, c].map(|share| (share * triangle.inverse_area()) as f32));
+        let span = Span {
+            y: y as u16,
+            x: ends[0] as u16,
+            count,
+            backwards,
+            textured: polygon.material.color_texture.is_some(),
+            triangle: triangle.number(),
+            ends: uvw,
+            step: std::array::from_fn(|i| (uvw[1][i] - uvw[0][i]) * per_pixel),
+            depth: [depths[0], (depths[1] - depths[0]) * per_pixel],
+            weights,
+        };
+        state.scanned += 1;
+        state.fragments += u64::from(count);
+        state.next = state.spans.next(polygon);
+        if state.next.is_none() {
+            state.polygon = None;
+        }
+        Some(span)
+    }
+}
+
+/// The polygon, `shift` pixels to the left.
+fn snapped(polygon: &Arc<Polygon>, shift: f32) -> Arc<Polygon> {
+    if shift == 0.0 {
+        return Arc::clone(polygon);
+    }
+    let mut polygon = Polygon::clone(polygon);
+    polygon.vertices.iter_mut().for_each(|v| v.position[0] -= shift);
+    Arc::new(polygon)
+}
+
+/// U, V, W at the vertices of a triangle. Whole tiles that its polygon has in common are taken off u and v, an even number of
+/// them, so that a mirrored texture stays as it is; a texture that is clamped keeps them.
+fn corners(polygon: &Polygon, triangle: u16) -> [Uvw; 3] {
+    use basrelief_signals::Wrap::Clamp;
+    let Some(vertices) = fan_triangle(polygon, triangle) else { return [[0.0, 0.0, 1.0]; 3] };
+    let wrap = polygon.material.color_texture.as_ref().map_or([Clamp; 2], |texture| texture.sampler.wrap);
+    let coordinate = |v: &Vertex, i: usize| f64::from(v.uv[i]);
+    let off: [f64; 2] = std::array::from_fn(|i| {
+        let least = vertices.iter().map(|v| coordinate(v, i)).fold(f64::INFINITY, f64::min);
+        if wrap[i] == Clamp || !least.is_finite() { 0.0 } else { 2.0 * (0.5 * least).floor() }
+    });
+    vertices.map(|v| {
+        let w = f64::from(v.position[3]);
+        [(coordinate(v, 0) - off[0]) * w, (coordinate(v, 1) - off[1]) * w, w]
+    })
+}
+
+/// Values at the vertices, weighted with their shares.
+fn mixed(corners: &[Uvw; 3], share: [f64; 3], inverse_area: f64) -> Uvw {
+    std::array::from_fn(|i| (share[0] * corners[0][i] + share[1] * corners[1][i] + share[2] * corners[2][i]) * inverse_area)
+}
+
+impl Unit for ScanConverter {
+    type In = Option<Control>;
+    type Out = (Option<Flow<Span>>, Option<Flow<LitSpan>>);
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        if self.state.next.is_some() { Demand::Nothing } else { Demand::All }
+    }
+
+    #[inline(always)]
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let latency = u64::from(self.config.latency);
+        if let Some(control) = input {
+            let occupancy = self.take(&control, traffic);
+            return Step::after(latency, (Some(Flow::Control(control.clone())), Some(Flow::Control(control)))).busy(occupancy);
+        }
+        let span = self.emit();
+        let lit = span.map(|Span { y, x, count, backwards, triangle, weights, .. }| {
+            Flow::Item(LitSpan { y, x, count, backwards, triangle, weights })
+        });
+        Step::after(latency, (span.map(Flow::Item), lit)).busy(u64::from(self.config.cycles_per_span))
+    }
+
+    fn is_empty(&self) -> bool {
+        self.state.next.is_none()
+    }
+}

@@ -1,0 +1,192 @@
+//! What travels between the units of the texture mapping system (300).
+//!
+//! # Number formats
+//! - U, V, W and u, v up to the approximate calculator (310a): binary floating point, 53 bits. Whole tiles common to a
+//!   polygon's vertices are taken off ahead of it, so that a texture that repeats a thousand times leaves its fraction as many
+//!   bits as one that does not.
+//! - u, v to the look-up table (330): whole tiles off again, for each strip, then 24 bits: of a texture of 4,096 texels at least
+//!   12 bits of fraction.
+//! - texels to the combiner (350): 8 bits and 8 bits of fraction; illuminance: 2 bits and 14 bits of fraction.
+
+use basrelief_signals::{Lined, STRIP, Strip, Tested};
+use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
+
+/// U, V and W of a point: `u = U / W`, `v = V / W`, and all three are linear on the screen. W is |1 / w| of clip space.
+pub type Uvw = [f64; 3];
+
+/// What of a scan line lies in a triangle: scan converter to step calculator. In the direction of marching.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Span {
+    /// Row.
+    pub y: u16,
+    /// Column of the first pixel.
+    pub x: u16,
+    /// Pixels, at least 1.
+    pub count: u16,
+    /// Marching from right to left.
+    pub backwards: bool,
+    /// There is a texture; else u and v are nobody's business.
+    pub textured: bool,
+    /// Triangle of the polygon's fan.
+    pub triangle: u16,
+    /// Exact values at the first and the last pixel.
+    pub ends: [Uvw; 2],
+    /// Change per pixel.
+    pub step: Uvw,
+    /// Depth of the first pixel, and its change per pixel \[steps of the z-buffer\].
+    pub depth: [f64; 2],
+    /// Weights of the second and third vertex of the triangle, linear on the screen, at the first and the last pixel.
+    pub weights: [[f32; 2]; 2],
+}
+
+impl Span {
+    /// The last pixel, counted from 0.
+    #[inline]
+    pub fn last(&self) -> u16 {
+        self.count.saturating_sub(1)
+    }
+
+    /// Exact U, V, W of pixel `k`.
+    #[inline]
+    pub fn value(&self, k: u16) -> Uvw {
+        if k >= self.last() && k > 0 {
+            return self.ends[1];
+        }
+        std::array::from_fn(|i| self.ends[0][i] + f64::from(k) * self.step[i])
+    }
+
+    /// Column of pixel `k`.
+    #[inline]
+    pub fn column(&self, k: u16) -> u16 {
+        if self.backwards { self.x.saturating_sub(k) } else { self.x.saturating_add(k) }
+    }
+
+    /// Pixels from `k` on that lie in the same cell of a [`Strip`].
+    #[inline]
+    pub fn in_cell(&self, k: u16) -> u16 {
+        let position = self.column(k) % STRIP as u16;
+        let room = if self.backwards { position + 1 } else { STRIP as u16 - position };
+        room.min(self.count - k)
+    }
+}
+
+/// A span for the illuminance value generator (340).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LitSpan {
+    /// Row.
+    pub y: u16,
+    /// Column of the first pixel.
+    pub x: u16,
+    /// Pixels, at least 1.
+    pub count: u16,
+    /// Marching from right to left.
+    pub backwards: bool,
+    /// Triangle of the polygon's fan.
+    pub triangle: u16,
+    /// Weights of the second and third vertex of the triangle, linear on the screen, at the first and the last pixel.
+    pub weights: [[f32; 2]; 2],
+}
+
+/// What lies between two division points: step calculator to approximate calculator (310a).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Segment {
+    /// Of this span.
+    pub span: Span,
+    /// Division point at its start, counted in pixels of the span.
+    pub from: u16,
+    /// Division point at its end.
+    pub to: u16,
+    /// Pixels to generate, from `from` on. The point at the end is the next segment's first pixel, if there is a next one that
+    /// begins there.
+    pub walk: u16,
+    /// Every pixel is a division point.
+    pub exact: bool,
+    /// U / W and V / W at `from` come with it; else they are those of the end of the segment before.
+    pub fresh: bool,
+}
+
+/// Points to divide at: step calculator to divider. One per segment, two where nothing is known of its start, all of them
+/// where every pixel is one, none without a texture.
+pub type Points = SmallVec<[Uvw; 2]>;
+
+/// u and v at these points: divider to approximate calculator (310a).
+pub type Quotients = SmallVec<[[f64; 2]; 2]>;
+
+/// Texture coordinates of pixels: approximate calculator (310a) to texture look-up table (330).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TexelStrip {
+    /// Where.
+    pub strip: Strip,
+    /// Positions at which the coordinates were divided, one bit each.
+    pub points: u16,
+    /// u and v by position, some whole tiles less.
+    pub uv: [[f32; 2]; STRIP],
+    /// Depths by position.
+    pub z: [u32; STRIP],
+    /// How far each texel is from its place \[pixels\], where somebody asked.
+    pub displacement: Option<Box<[f32; STRIP]>>,
+}
+
+impl Lined for TexelStrip {
+    const LINE: [u32; 2] = [STRIP as u32, 1];
+
+    #[inline]
+    fn pixels(&self) -> usize {
+        self.strip.pixels()
+    }
+}
+
+impl Tested for TexelStrip {
+    /// Levels and illuminance of its pixels are on their way.
+    const KEPT_WHEN_EMPTY: bool = true;
+
+    #[inline(always)]
+    fn retain(&mut self, mut passes: impl FnMut(u16, u16, u32) -> bool) -> bool {
+        let Strip { x, y, .. } = self.strip;
+        for i in self.strip.positions() {
+            if !passes(x + i as u16, y, self.z[i]) {
+                self.strip.mask &= !(1 << i);
+            }
+        }
+        self.strip.mask != 0
+    }
+}
+
+/// Change of u and v per pixel: approximate calculator (310a) to MIP-map selector (320).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GradientStrip {
+    /// Where.
+    pub strip: Strip,
+    /// du and dv by position.
+    pub gradient: [[f32; 2]; STRIP],
+}
+
+/// Map select: MIP-map selector (320) to texture look-up table (330).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LevelStrip {
+    /// Level by position, 0 finest; a fraction weighs the next one.
+    pub level: [f32; STRIP],
+}
+
+/// Texture values: texture look-up table (330) to combiner (350).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TextureStrip {
+    /// Where.
+    pub strip: Strip,
+    /// As in [`TexelStrip`].
+    pub points: u16,
+    /// RGBA by position, in steps of 1/256 of a step of 8 bits.
+    pub rgba: [[u16; 4]; STRIP],
+    /// As in [`TexelStrip`].
+    pub displacement: Option<Box<[f32; STRIP]>>,
+}
+
+/// Illuminance: illuminance value generator (340) to combiner (350).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct IlluminanceStrip {
+    /// Where, of the whole span: no pixel is hidden yet.
+    pub strip: Strip,
+    /// RGBA by position, in steps of 2^-14.
+    pub rgba: [[u16; 4]; STRIP],
+}

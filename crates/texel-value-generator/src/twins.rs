@@ -1,0 +1,30 @@
+//! Control tokens that come on two ways and go on as one.
+
+use basrelief_kernel::Traffic;
+use basrelief_signals::{Control, Flow};
+
+/// What two inputs bring together.
+pub(crate) enum Pair<A, B> {
+    /// The same control token, on both.
+    Control(Control),
+    /// An item each.
+    Items(A, B),
+    /// Nothing, or what does not belong together: the run ends with a message.
+    Nothing,
+}
+
+/// Pairs the tokens of two inputs that carry the same control tokens and as many items between them.
+#[inline(always)]
+pub(crate) fn pair<A, B>(unit: &str, inputs: (Option<Flow<A>>, Option<Flow<B>>), traffic: &mut Traffic) -> Pair<A, B> {
+    match inputs {
+        (Some(Flow::Item(a)), Some(Flow::Item(b))) => Pair::Items(a, b),
+        (Some(Flow::Control(a)), Some(Flow::Control(b))) if std::mem::discriminant(&a) == std::mem::discriminant(&b) => {
+            Pair::Control(a)
+        }
+        (None, None) => Pair::Nothing,
+        _ => {
+            traffic.fault(format!("{unit}: its two inputs carry tokens that do not belong together; report this as a defect"));
+            Pair::Nothing
+        }
+    }
+}
