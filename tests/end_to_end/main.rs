@@ -13,5 +13,6 @@ mod pictures;
 mod reports;
 mod samples;
 mod support;
+mod texel;
 mod traces;
 mod usage;

@@ -118,8 +118,16 @@ pub struct SimulationArgs {
     pub timeline: Option<PathBuf>,
     /// Run the same input without each short cut of the machine in turn, and without any, and write the table of cycles and
     /// changes as ablation.json and ablation.csv, and nothing else.
-    #[arg(long, conflicts_with_all = ["functional", "timeline", "csv"])]
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "csv", "dump"])]
     pub ablate: bool,
+    /// Run the same input by each method of the machine at the same error, and write the table of divisions, cycles,
+    /// displacements and PSNR as methods.json and methods.csv, and nothing else. Of machine texel.
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "csv", "dump", "ablate"])]
+    pub compare_methods: bool,
+    /// Write what the machine can tell beside its picture, as JSON Lines: `spans` (texel) with their division points;
+    /// repeatable.
+    #[arg(long, num_args = 2, value_names = ["WHAT", "FILE"], action = clap::ArgAction::Append)]
+    pub dump: Vec<PathBuf>,
 }
 
 /// Arguments of `demo`.

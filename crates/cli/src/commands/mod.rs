@@ -1,13 +1,15 @@
 //! One file per command.
 
-mod ablate;
 mod compare;
 mod convert;
 mod describe;
+mod dump;
 mod record;
 mod run;
 mod schema;
+mod tables;
 mod verify;
+mod watcher;
 
 use crate::args::{Cli, Command};
 use crate::error::Done;

@@ -1,21 +1,19 @@
 //! `basrelief run` and `basrelief demo`.
 
-use super::ablate::ablate;
+use super::dump::Dumps;
+use super::tables::{ablate, compare_methods};
+use super::watcher::Watcher;
 use crate::args::{DemoArgs, EngineName, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure, print};
 use crate::input::{self, Input, demo_of};
 use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
 use basrelief_kernel::{Engine, Probe, StageTopology};
-use basrelief_reference::{Picture, metrics};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, MACHINES, MachineConfig, NoProbe, Observer, Pictures, Run, SessionError, Settings, Source, Unobserved,
-    picture_name,
+    self as session, MACHINES, MachineConfig, NoProbe, Observer, Run, SessionError, Settings, Source, Unobserved, picture_name,
 };
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
 use std::cell::Cell;
 use std::io::{BufWriter, IsTerminal, Write};
 use std::path::Path;
@@ -54,70 +52,39 @@ pub fn run(args: &RunArgs, quiet: bool) -> Done {
     simulate(began, input, input::config(&args.machine, demo_of(&args.input))?, &args.simulation, quiet)
 }
 
-/// Files, progress and pictures of a run.
-struct Watcher {
-    outputs: Outputs,
-    progress: Progress,
-    /// Bytes of a trace read so far; a scene counts commands instead.
-    read: Option<Rc<Cell<u64>>>,
-    frames: usize,
-}
-
-impl Observer for Watcher {
-    fn progress(&mut self, commands: u64, _: Option<u64>) -> bool {
-        self.progress.at(self.read.as_ref().map_or(commands, |read| read.get()));
-        true
-    }
-
-    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
-        self.frames = pictures.index + 1;
-        self.save("image", pictures.index, pictures.machine)?;
-        let Some((exact, _)) = pictures.exact else { return Ok(()) };
-        self.save("reference", pictures.index, exact)?;
-        let difference = metrics::difference(exact, pictures.machine).map_err(|e| e.to_string())?;
-        self.save("difference", pictures.index, &difference)
-    }
-}
-
-impl Watcher {
-    fn save(&mut self, kind: &str, index: usize, picture: &Picture) -> Result<(), String> {
-        let name = picture_name(kind, index, true);
-        let failed = |e: &dyn std::fmt::Display| format!("{name}: cannot be written: {e}");
-        let mut file = self.outputs.create(&name).map_err(|e| failed(&e))?;
-        PngEncoder::new(&mut file)
-            .write_image(&picture.to_rgba(), picture.width, picture.height, ExtendedColorType::Rgba8)
-            .map_err(|e| failed(&e))?;
-        file.flush().map_err(|e| failed(&e))
-    }
-}
-
 fn simulate(began: f64, input: Input, config: MachineConfig, simulation: &SimulationArgs, quiet: bool) -> Done {
+    let dumps = Dumps::open(&simulation.dump, &config)?;
+    let error_bound = config.texel_error_bound().filter(|_| !simulation.no_exact);
     let settings = Settings {
         config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
-        log: false,
+        log: error_bound.is_some() || dumps.any(),
         clock: seconds,
     };
     if simulation.ablate {
         return ablate(&input, &settings, simulation, quiet);
     }
+    if simulation.compare_methods {
+        return compare_methods(&input, &settings, simulation, quiet);
+    }
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
     let (source, progress, read) = source_of(input, quiet || simulation.json);
-    let mut watcher = Watcher { outputs, progress, read, frames: 0 };
+    let mut watcher = Watcher { outputs, progress, read, dumps, error_bound, frames: 0, kinds: vec![], map: None };
     let (run, timeline) = match &simulation.timeline {
         None => (run_named(source, &settings, &mut watcher, &mut NoProbe)?, None),
         Some(path) => with_timeline(path, source, &settings, &mut watcher)?,
     };
     let report = run.with_host(seconds() - began);
-    let Watcher { outputs, progress, frames, .. } = watcher;
+    let Watcher { outputs, progress, dumps, frames, kinds, .. } = watcher;
     drop(progress);
-    publish(outputs, frames, &report, simulation)?;
+    publish(outputs, (frames, &kinds), &report, simulation)?;
+    dumps.publish()?;
     if let (Some(file), Some(path)) = (timeline, &simulation.timeline) {
         file.publish().map_err(Failure::file(path, "be written"))?;
     }
-    show(&report, simulation, quiet)
+    show(&report, &kinds, simulation, quiet)
 }
 
 fn source_of(input: Input, quiet: bool) -> (Source, Progress, Option<Rc<Cell<u64>>>) {
@@ -139,7 +106,9 @@ pub fn run_named<P: Probe>(source: Source, settings: &Settings, observer: &mut d
     let name = source.name().to_owned();
     session::run(source, settings, observer, probe).map_err(|e| match e {
         SessionError::Trace(_) | SessionError::Fault(_) | SessionError::Observer(_) => Failure::within(&name)(e),
-        SessionError::Config(_) | SessionError::NoShortCuts(_) | SessionError::Incomplete(_) => e.into(),
+        SessionError::Config(_) | SessionError::NoShortCuts(_) | SessionError::NoMethods(_) | SessionError::Incomplete(_) => {
+            e.into()
+        }
     })
 }
 
@@ -161,10 +130,10 @@ fn names(stage: StageTopology) -> StageNames {
 }
 
 /// Names the pictures by their number, adds the report, and puts everything in its place.
-fn publish(outputs: Outputs, frames: usize, report: &Report, simulation: &SimulationArgs) -> Done {
+fn publish(outputs: Outputs, (frames, kinds): (usize, &[&str]), report: &Report, simulation: &SimulationArgs) -> Done {
     let failed = || Failure::file(&simulation.out, "be written");
     if frames == 1 {
-        for kind in kinds(report) {
+        for kind in kinds {
             outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false)).map_err(failed())?;
         }
     }
@@ -178,12 +147,12 @@ fn publish(outputs: Outputs, frames: usize, report: &Report, simulation: &Simula
 }
 
 /// Prints the report, and decides whether the run was a success.
-fn show(report: &Report, simulation: &SimulationArgs, quiet: bool) -> Done {
+fn show(report: &Report, kinds: &[&str], simulation: &SimulationArgs, quiet: bool) -> Done {
     if simulation.json {
         print(&report.to_json().map_err(Failure::bad)?)?;
     } else if !quiet {
         print(&to_text(report, style()))?;
-        print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report)))?;
+        print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report, kinds)))?;
     }
     let message = report.outcome.message.clone().unwrap_or_default();
     match report.outcome.kind {
@@ -193,15 +162,9 @@ fn show(report: &Report, simulation: &SimulationArgs, quiet: bool) -> Done {
     }
 }
 
-/// Which kinds of picture there are: with `--no-exact` only the machine's.
-fn kinds(report: &Report) -> &'static [&'static str] {
-    if report.quality.is_some() { &["image", "reference", "difference"] } else { &["image"] }
-}
-
-fn written(report: &Report) -> String {
+fn written(report: &Report, kinds: &[&str]) -> String {
     let several = report.image.len() > 1;
-    let pictures = kinds(report).iter().filter(|_| !report.image.is_empty());
-    let names = pictures.map(|kind| if several { format!("{kind}-0001.png ...") } else { picture_name(kind, 0, false) });
+    let names = kinds.iter().map(|kind| if several { format!("{kind}-0001.png ...") } else { picture_name(kind, 0, false) });
     names.chain(["report.json".to_owned()]).collect::<Vec<_>>().join(", ")
 }
 
