@@ -57,8 +57,8 @@ fn both_engines_and_the_functional_model_agree() {
 fn a_dump_that_there_is_none_of_is_refused() {
     let place = Place::new();
     let refused = |line: &str| place.run(line).error(2).to_owned();
-    assert!(refused("demo sphere --dump tiles t.jsonl").contains("kept by machine `defer`"));
-    assert!(refused("demo gallery --dump everything t.jsonl").contains("expected reference-buffer or tiles"));
+    assert!(refused("demo sphere --dump tiles t.jsonl").contains("--machine defer has"));
+    assert!(refused("demo gallery --dump everything t.jsonl").contains("expected spans, reference-buffer, tiles"));
     assert!(place.names("").is_empty());
 }
 

@@ -14,5 +14,6 @@ mod pictures;
 mod reports;
 mod samples;
 mod support;
+mod texel;
 mod traces;
 mod usage;

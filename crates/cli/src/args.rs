@@ -119,14 +119,18 @@ pub struct SimulationArgs {
     /// Write what every unit did when, as a Perfetto trace (open at ui.perfetto.dev).
     #[arg(long, value_name = "FILE")]
     pub timeline: Option<PathBuf>,
-    /// Write what the machine kept, one line of JSON each: reference-buffer (its textured pixels) or tiles (those acquired
-    /// or used again), of machine defer; repeatable.
-    #[arg(long, num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
-    pub dump: Vec<String>,
     /// Run the same input without each short cut of the machine in turn, and without any, and write the table of cycles and
     /// changes as ablation.json and ablation.csv, and nothing else.
     #[arg(long, conflicts_with_all = ["functional", "timeline", "csv", "dump"])]
     pub ablate: bool,
+    /// Run the same input by each method of the machine at the same error, and write the table of divisions, cycles,
+    /// displacements and PSNR as methods.json and methods.csv, and nothing else. Of machine texel.
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "csv", "dump", "ablate"])]
+    pub compare_methods: bool,
+    /// Write what the machine can tell beside its picture, as JSON Lines: `spans` (texel) with their division points,
+    /// `reference-buffer` (defer), its textured pixels, or `tiles` (defer), those acquired or used again; repeatable.
+    #[arg(long, num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
+    pub dump: Vec<PathBuf>,
 }
 
 /// Arguments of `demo`.

@@ -8,6 +8,7 @@
 //! | [`text`] | the tables of the terminal |
 //! | [`compare`](mod@compare) | what changed between two runs, and which unit and cause explain it |
 //! | [`ablation`] | what each short cut of a machine saves, and what it costs |
+//! | [`methods`] | what each method of choosing division points costs at the same error |
 //! | [`work`] | what a device draws, in its own words |
 //! | [`csv`] | the same figures, one per line |
 //! | [`timeline`] | what every unit did when, as a Perfetto trace |
@@ -22,6 +23,7 @@ pub mod compare;
 pub mod csv;
 pub mod derived;
 mod json;
+pub mod methods;
 pub mod model;
 #[cfg(test)]
 mod samples;
@@ -35,6 +37,7 @@ pub use build::Facts;
 pub use compare::{Comparison, compare};
 pub use csv::to_csv;
 pub use json::{ReadError, SCHEMA, schema};
+pub use methods::Methods;
 pub use model::Report;
 pub use text::{Style, to_text};
 pub use timeline::{StageNames, Timeline};

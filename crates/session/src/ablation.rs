@@ -34,7 +34,8 @@ pub fn ablate<E: From<SessionError>>(
     ablation.ok_or_else(|| no_short_cuts().into())
 }
 
-fn complete(variant: &str, run: Run) -> Result<Report, SessionError> {
+/// The report of a run that came to its end, with time.
+pub(crate) fn complete(variant: &str, run: Run) -> Result<Report, SessionError> {
     let why = match run.timing.as_ref().map(|t| &t.outcome) {
         Some(Outcome::Complete) => return Ok(run.report),
         Some(Outcome::Limit) => "stopped at the limit of cycles",

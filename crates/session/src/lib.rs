@@ -28,7 +28,9 @@ pub mod dump;
 mod exact;
 mod exhibit;
 mod expectation;
+mod heat_map;
 mod machine;
+mod methods;
 mod observer;
 mod record;
 mod run;
@@ -36,6 +38,7 @@ mod settings;
 mod shade;
 mod tee;
 mod texel;
+mod texel_pictures;
 
 pub use ablation::ablate;
 pub use basrelief_kernel::NoProbe;
@@ -43,10 +46,12 @@ pub use basrelief_machines::texel::{DisplacementMap, FrameLog, SpanRecord};
 pub use exhibit::Exhibit;
 pub use expectation::{check_expectation, expectation_of};
 pub use machine::{MACHINES, MachineConfig, MachineInfo};
+pub use methods::compare_methods;
 pub use observer::{Observer, Pictures, Unobserved, picture_name};
 pub use record::{begin_of, display_list};
 pub use run::{Run, SessionError, run, stages};
 pub use settings::{Settings, Source};
+pub use texel_pictures::{displacement_picture, divisions_picture};
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]

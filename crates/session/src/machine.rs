@@ -88,6 +88,15 @@ impl MachineConfig {
         for_device!(self, device => ablations(device))
     }
 
+    /// Where the machine keeps logs of its texels ([`Settings::log`](crate::Settings::log)): the error bound that its
+    /// displacements are to keep \[pixels\].
+    pub fn texel_error_bound(&self) -> Option<f64> {
+        match self {
+            Self::Texel(config) => Some(config.texel.error_bound),
+            Self::Bump(_) | Self::Shade(_) | Self::Defer(_) => None,
+        }
+    }
+
     pub(crate) fn front(&self) -> FrontConfig {
         for_device!(self, device => device.front())
     }

@@ -40,7 +40,10 @@ pub enum SessionError {
     /// Nothing to switch off in an ablation.
     #[error("machine `{0}` has no short cuts that could be switched off")]
     NoShortCuts(&'static str),
-    /// A run of an ablation whose cycles mean nothing.
+    /// No methods to compare.
+    #[error("machine `{0}` has no methods to compare; --machine texel has")]
+    NoMethods(&'static str),
+    /// A run of a table of runs whose cycles mean nothing.
     #[error("{0}")]
     Incomplete(String),
 }

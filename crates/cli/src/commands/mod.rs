@@ -1,14 +1,17 @@
 //! One file per command.
 
-mod ablate;
 mod compare;
 mod convert;
 mod describe;
+mod dump;
+mod from;
 mod record;
 mod run;
 mod schema;
 mod serve;
+mod tables;
 mod verify;
+mod watcher;
 
 use crate::args::{Cli, Command};
 use crate::error::Done;

@@ -1,32 +1,29 @@
 //! `basrelief run` and `basrelief demo`.
 
-use super::ablate::ablate;
-use crate::args::{DemoArgs, EngineName, MachineArgs, RunArgs, SimulationArgs, ViewArgs};
+use super::dump::Dumps;
+use super::from::run_from;
+use super::tables::{ablate, compare_methods};
+use super::watcher::Watcher;
+use crate::args::{DemoArgs, EngineName, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure, print};
-use crate::exhibits::{self, Dumps, round_name};
 use crate::input::{self, Input, demo_of};
 use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
-use crate::remote::{Patience, RemoteTiles, TileCache, fetch_polygons, hash_of};
 use basrelief_kernel::{Engine, Probe, StageTopology};
-use basrelief_reference::{Picture, metrics};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, Exhibit, MACHINES, MachineConfig, MachineInfo, NoProbe, Observer, Pictures, Run, SessionError, Settings,
-    Source, Unobserved, picture_name,
+    self as session, MACHINES, MachineConfig, NoProbe, Observer, Run, SessionError, Settings, Source, Unobserved, picture_name,
 };
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
 use std::cell::Cell;
-use std::io::{BufWriter, Cursor, IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::io::{BufWriter, IsTerminal, Write};
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::OnceLock;
 use std::time::Instant;
 
 /// Seconds since the first call.
-fn seconds() -> f64 {
+pub fn seconds() -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
     START.get_or_init(Instant::now).elapsed().as_secs_f64()
 }
@@ -53,116 +50,21 @@ pub fn demo(args: &DemoArgs, quiet: bool) -> Done {
 pub fn run(args: &RunArgs, quiet: bool) -> Done {
     let began = seconds();
     if let Some(url) = &args.from {
-        return run_from(began, url, args, quiet);
+        return run_from(url, args, quiet);
     }
     let path = args.input.as_deref().unwrap_or(Path::new("-"));
     let input = input::open(path, &args.view)?;
     simulate(began, input, input::config(&args.machine, demo_of(path))?, &args.simulation, quiet)
 }
 
-/// Renders what a server offers.
-fn run_from(began: f64, url: &str, args: &RunArgs, quiet: bool) -> Done {
-    if args.machine.machine.is_some_and(|m| m.name != "defer") {
-        return Err(Failure::Usage("--from: only machine `defer` renders from a server".into()));
-    }
-    if args.view != ViewArgs::default() {
-        return Err(Failure::Usage(
-            "--from: the server has the view; give --size, --camera, --frames and --orbit to serve".into(),
-        ));
-    }
-    let machine = MachineArgs { machine: Some(MachineInfo::named("defer").map_err(Failure::Usage)?), ..args.machine.clone() };
-    let config = input::config(&machine, None)?;
-    let MachineConfig::Defer(device) = &config else { return Err(Failure::Usage("--from: needs machine defer".into())) };
-    let patience = Patience::default();
-    let polygons = fetch_polygons(url, patience).map_err(Failure::Bad)?;
-    let open = |folder: &PathBuf| TileCache::open(folder, &hash_of(&polygons)).map_err(Failure::file(folder, "be written"));
-    let cache = args.tile_cache.as_ref().map(open).transpose()?;
-    let encoding = (device.tile.encoding, device.tile.jpeg_quality);
-    let tiles = Box::new(RemoteTiles::new(url, encoding, device.path.requests, patience, cache));
-    let source = Source::Remote { reader: Box::new(Cursor::new(polygons)), name: url.into(), tiles };
-    let progress = Progress::new(None, "commands", quiet || args.simulation.json);
-    let mut settings = settings_of(config, &args.simulation);
-    settings.exact = false;
-    simulate_source(began, (source, progress, None), &settings, &args.simulation, quiet)
-}
-
-/// Files, progress and pictures of a run.
-struct Watcher {
-    outputs: Outputs,
-    progress: Progress,
-    /// Bytes of a trace read so far; a scene counts commands instead.
-    read: Option<Rc<Cell<u64>>>,
-    frames: usize,
-    dumps: Dumps,
-    /// Pictures of the current frame that are not its last.
-    rounds: u32,
-    /// Names of the pictures beside those of frames.
-    extra: Vec<String>,
-}
-
-impl Observer for Watcher {
-    fn progress(&mut self, commands: u64, _: Option<u64>) -> bool {
-        self.progress.at(self.read.as_ref().map_or(commands, |read| read.get()));
-        true
-    }
-
-    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
-        self.frames = pictures.index + 1;
-        self.save("image", pictures.index, pictures.machine)?;
-        if self.rounds > 0 {
-            let last = round_name(pictures.index as u32, std::mem::take(&mut self.rounds));
-            self.write(&last, pictures.machine)?;
-            self.extra.push(last);
-        }
-        let Some((exact, _)) = pictures.exact else { return Ok(()) };
-        self.save("reference", pictures.index, exact)?;
-        let difference = metrics::difference(exact, pictures.machine).map_err(|e| e.to_string())?;
-        self.save("difference", pictures.index, &difference)
-    }
-
-    fn exhibit(&mut self, exhibit: &Exhibit) -> Result<(), String> {
-        self.rounds += u32::from(matches!(exhibit, Exhibit::Round(_)));
-        self.dumps.write(exhibit)?;
-        let Some((name, picture)) = exhibits::picture(exhibit) else { return Ok(()) };
-        self.write(&name, &picture)?;
-        self.extra.push(name);
-        Ok(())
-    }
-}
-
-impl Watcher {
-    /// A run has failed: the best picture of a frame that was under way stays, if there was any.
-    fn rescue(self, error: Failure) -> Failure {
-        let Some(best) = self.rounds.checked_sub(1).map(|round| round_name(self.frames as u32, round)) else { return error };
-        match self.outputs.rename(&best, "image.png").and_then(|()| self.outputs.publish("image.png")) {
-            Ok(()) => error,
-            Err(e) => Failure::Bad(format!("{error}\nThe best picture so far cannot be written: {e}")),
-        }
-    }
-
-    fn save(&mut self, kind: &str, index: usize, picture: &Picture) -> Result<(), String> {
-        self.write(&picture_name(kind, index, true), picture)
-    }
-
-    fn write(&mut self, name: &str, picture: &Picture) -> Result<(), String> {
-        let failed = |e: &dyn std::fmt::Display| format!("{name}: cannot be written: {e}");
-        let mut file = self.outputs.create(name).map_err(|e| failed(&e))?;
-        PngEncoder::new(&mut file)
-            .write_image(&picture.to_rgba(), picture.width, picture.height, ExtendedColorType::Rgba8)
-            .map_err(|e| failed(&e))?;
-        file.flush().map_err(|e| failed(&e))
-    }
-}
-
-fn settings_of(config: MachineConfig, simulation: &SimulationArgs) -> Settings {
-    // Its further pictures are made of the log.
-    let log = config.machine().name == "defer";
+/// As the command line says; nobody has asked for logs yet.
+pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs) -> Settings {
     Settings {
         config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
-        log,
+        log: false,
         clock: seconds,
     }
 }
@@ -172,36 +74,44 @@ fn simulate(began: f64, input: Input, config: MachineConfig, simulation: &Simula
     if simulation.ablate {
         return ablate(&input, &settings, simulation, quiet);
     }
-    simulate_source(began, source_of(input, quiet || simulation.json), &settings, simulation, quiet)
+    if simulation.compare_methods {
+        return compare_methods(&input, &settings, simulation, quiet);
+    }
+    simulate_source(began, source_of(input, quiet || simulation.json), settings, simulation, quiet)
 }
 
-fn simulate_source(
+/// Simulates a source; with it comes its progress, and the bytes of a trace read so far.
+pub fn simulate_source(
     began: f64,
     (source, progress, read): (Source, Progress, Option<Rc<Cell<u64>>>),
-    settings: &Settings,
+    mut settings: Settings,
     simulation: &SimulationArgs,
     quiet: bool,
 ) -> Done {
-    let dumps = Dumps::begin(&simulation.dump, settings.config.machine())?;
+    let dumps = Dumps::open(&simulation.dump, &settings.config)?;
+    let error_bound = settings.config.texel_error_bound().filter(|_| !simulation.no_exact);
+    // Further pictures of machine `defer` are made of its log.
+    settings.log = error_bound.is_some() || dumps.any() || settings.config.machine().name == "defer";
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
-    let mut watcher = Watcher { outputs, progress, read, frames: 0, dumps, rounds: 0, extra: Vec::new() };
+    let (kinds, extra) = (vec![], vec![]);
+    let mut watcher = Watcher { outputs, progress, read, dumps, error_bound, frames: 0, kinds, map: None, rounds: 0, extra };
     let ran = match &simulation.timeline {
-        None => run_named(source, settings, &mut watcher, &mut NoProbe).map(|run| (run, None)),
-        Some(path) => with_timeline(path, source, settings, &mut watcher),
+        None => run_named(source, &settings, &mut watcher, &mut NoProbe).map(|run| (run, None)),
+        Some(path) => with_timeline(path, source, &settings, &mut watcher),
     };
     let (run, timeline) = match ran {
         Ok(ran) => ran,
         Err(error) => return Err(watcher.rescue(error)),
     };
     let report = run.with_host(seconds() - began);
-    let Watcher { outputs, progress, frames, dumps, extra, .. } = watcher;
+    let Watcher { outputs, progress, dumps, frames, kinds, extra, .. } = watcher;
     drop(progress);
-    publish(outputs, frames, &report, simulation)?;
+    publish(outputs, (frames, &kinds), &report, simulation)?;
     dumps.publish()?;
     if let (Some(file), Some(path)) = (timeline, &simulation.timeline) {
         file.publish().map_err(Failure::file(path, "be written"))?;
     }
-    show(&report, &extra, simulation, quiet)
+    show(&report, (&kinds, &extra), simulation, quiet)
 }
 
 fn source_of(input: Input, quiet: bool) -> (Source, Progress, Option<Rc<Cell<u64>>>) {
@@ -223,7 +133,9 @@ pub fn run_named<P: Probe>(source: Source, settings: &Settings, observer: &mut d
     let name = source.name().to_owned();
     session::run(source, settings, observer, probe).map_err(|e| match e {
         SessionError::Trace(_) | SessionError::Fault(_) | SessionError::Observer(_) => Failure::within(&name)(e),
-        SessionError::Config(_) | SessionError::NoShortCuts(_) | SessionError::Incomplete(_) => e.into(),
+        SessionError::Config(_) | SessionError::NoShortCuts(_) | SessionError::NoMethods(_) | SessionError::Incomplete(_) => {
+            e.into()
+        }
     })
 }
 
@@ -245,10 +157,10 @@ fn names(stage: StageTopology) -> StageNames {
 }
 
 /// Names the pictures by their number, adds the report, and puts everything in its place.
-fn publish(outputs: Outputs, frames: usize, report: &Report, simulation: &SimulationArgs) -> Done {
+fn publish(outputs: Outputs, (frames, kinds): (usize, &[&str]), report: &Report, simulation: &SimulationArgs) -> Done {
     let failed = || Failure::file(&simulation.out, "be written");
     if frames == 1 {
-        for kind in kinds(report) {
+        for kind in kinds {
             outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false)).map_err(failed())?;
         }
     }
@@ -262,12 +174,12 @@ fn publish(outputs: Outputs, frames: usize, report: &Report, simulation: &Simula
 }
 
 /// Prints the report, and decides whether the run was a success.
-fn show(report: &Report, extra: &[String], simulation: &SimulationArgs, quiet: bool) -> Done {
+fn show(report: &Report, (kinds, extra): (&[&str], &[String]), simulation: &SimulationArgs, quiet: bool) -> Done {
     if simulation.json {
         print(&report.to_json().map_err(Failure::bad)?)?;
     } else if !quiet {
         print(&to_text(report, style()))?;
-        print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report, extra)))?;
+        print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report, kinds, extra)))?;
     }
     let message = report.outcome.message.clone().unwrap_or_default();
     match report.outcome.kind {
@@ -277,21 +189,14 @@ fn show(report: &Report, extra: &[String], simulation: &SimulationArgs, quiet: b
     }
 }
 
-/// Most pictures beside those of frames that are told by name.
+/// Most pictures of machine `defer` that are told by name.
 const MOST_NAMED: usize = 8;
 
-/// Which kinds of picture there are: with `--no-exact` only the machine's.
-fn kinds(report: &Report) -> &'static [&'static str] {
-    if report.quality.is_some() { &["image", "reference", "difference"] } else { &["image"] }
-}
-
-fn written(report: &Report, extra: &[String]) -> String {
+fn written(report: &Report, kinds: &[&str], extra: &[String]) -> String {
     let several = report.image.len() > 1;
-    let pictures = kinds(report).iter().filter(|_| !report.image.is_empty());
-    let names = pictures.map(|kind| if several { format!("{kind}-0001.png ...") } else { picture_name(kind, 0, false) });
-    // Of many, those of the first frame say enough.
-    let shown = extra.iter().take(MOST_NAMED).cloned().chain((extra.len() > MOST_NAMED).then(|| "...".to_owned()));
-    names.chain(shown).chain(["report.json".to_owned()]).collect::<Vec<_>>().join(", ")
+    let names = kinds.iter().map(|kind| if several { format!("{kind}-0001.png ...") } else { picture_name(kind, 0, false) });
+    let more = extra.iter().take(MOST_NAMED).cloned().chain((extra.len() > MOST_NAMED).then(|| "...".to_owned()));
+    names.chain(more).chain(["report.json".to_owned()]).collect::<Vec<_>>().join(", ")
 }
 
 /// How tables are set on this terminal.

@@ -1,0 +1,38 @@
+//! `basrelief run --from`: renders what a server offers.
+
+use super::run::{seconds, settings_of, simulate_source};
+use crate::args::{MachineArgs, RunArgs, ViewArgs};
+use crate::error::{Done, Failure};
+use crate::input;
+use crate::progress::Progress;
+use crate::remote::{Patience, RemoteTiles, TileCache, fetch_polygons, hash_of};
+use basrelief_session::{MachineConfig, MachineInfo, Source};
+use std::io::Cursor;
+use std::path::PathBuf;
+
+/// Renders from the server at `url`.
+pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
+    let began = seconds();
+    if args.machine.machine.is_some_and(|m| m.name != "defer") {
+        return Err(Failure::Usage("--from: only machine `defer` renders from a server".into()));
+    }
+    if args.view != ViewArgs::default() {
+        return Err(Failure::Usage(
+            "--from: the server has the view; give --size, --camera, --frames and --orbit to serve".into(),
+        ));
+    }
+    let machine = MachineArgs { machine: Some(MachineInfo::named("defer").map_err(Failure::Usage)?), ..args.machine.clone() };
+    let config = input::config(&machine, None)?;
+    let MachineConfig::Defer(device) = &config else { return Err(Failure::Usage("--from: needs machine defer".into())) };
+    let patience = Patience::default();
+    let polygons = fetch_polygons(url, patience).map_err(Failure::Bad)?;
+    let open = |folder: &PathBuf| TileCache::open(folder, &hash_of(&polygons)).map_err(Failure::file(folder, "be written"));
+    let cache = args.tile_cache.as_ref().map(open).transpose()?;
+    let encoding = (device.tile.encoding, device.tile.jpeg_quality);
+    let tiles = Box::new(RemoteTiles::new(url, encoding, device.path.requests, patience, cache));
+    let source = Source::Remote { reader: Box::new(Cursor::new(polygons)), name: url.into(), tiles };
+    let progress = Progress::new(None, "commands", quiet || args.simulation.json);
+    let mut settings = settings_of(config, &args.simulation);
+    settings.exact = false;
+    simulate_source(began, (source, progress, None), settings, &args.simulation, quiet)
+}

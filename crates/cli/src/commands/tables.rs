@@ -1,0 +1,87 @@
+//! Tables of runs of the same input: `--ablate`, what each short cut of a machine saves; `--compare-methods`, what each of its
+//! methods costs at the same error.
+
+use super::run::{run_named, style};
+use crate::args::SimulationArgs;
+use crate::error::{Done, Failure, print};
+use crate::input::Input;
+use crate::outputs::Outputs;
+use crate::progress::Progress;
+use basrelief_session::{self as session, NoProbe, Observer, Run, Settings, Source};
+use std::io::Write;
+use std::sync::Arc;
+
+/// A finished table.
+struct Table {
+    /// Of its files.
+    name: &'static str,
+    text: String,
+    csv: String,
+    json: String,
+}
+
+/// Makes one run under the settings it is given, watched by the observer it is given.
+type RunOnce<'a> = &'a mut dyn FnMut(&Settings, &mut dyn Observer) -> Done<Run>;
+
+/// Runs the input once per variant without short cuts, and writes the table.
+pub fn ablate(input: &Input, settings: &Settings, simulation: &SimulationArgs, quiet: bool) -> Done {
+    write_table(input, simulation, quiet, |observer, run| {
+        let table = session::ablate(settings, observer, run)?;
+        let json = table.to_json().map_err(Failure::bad)?;
+        Ok(Table { name: "ablation", text: table.to_text(style()), csv: table.to_csv(), json })
+    })
+}
+
+/// Runs the input by each method, and writes the table.
+pub fn compare_methods(input: &Input, settings: &Settings, simulation: &SimulationArgs, quiet: bool) -> Done {
+    write_table(input, simulation, quiet, |observer, run| {
+        let table = session::compare_methods(settings, observer, run)?;
+        let json = table.to_json().map_err(Failure::bad)?;
+        Ok(Table { name: "methods", text: table.to_text(style()), csv: table.to_csv(), json })
+    })
+}
+
+fn write_table(
+    input: &Input,
+    simulation: &SimulationArgs,
+    quiet: bool,
+    make: impl FnOnce(&mut dyn Observer, RunOnce<'_>) -> Done<Table>,
+) -> Done {
+    let source = || match input {
+        Input::Scene(scene) => Ok(Source::Scene(Arc::clone(scene))),
+        Input::Trace(trace) => trace.again().map(|trace| trace.into_source()),
+    };
+    let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
+    let mut watcher = Watcher(Progress::new(None, "commands", quiet || simulation.json));
+    let mut run = |settings: &Settings, observer: &mut dyn Observer| run_named(source()?, settings, observer, &mut NoProbe);
+    let table = make(&mut watcher, &mut run)?;
+    drop(watcher);
+    publish(outputs, &table, simulation)?;
+    if simulation.json {
+        print(&table.json)
+    } else if quiet {
+        Ok(())
+    } else {
+        let (folder, name) = (simulation.out.display(), table.name);
+        print(&format!("{}\nWritten to {folder}/: {name}.csv, {name}.json\n", table.text))
+    }
+}
+
+struct Watcher(Progress);
+
+impl Observer for Watcher {
+    fn progress(&mut self, commands: u64, _: Option<u64>) -> bool {
+        self.0.at(commands);
+        true
+    }
+}
+
+fn publish(outputs: Outputs, table: &Table, simulation: &SimulationArgs) -> Done {
+    let failed = || Failure::file(&simulation.out, "be written");
+    let [csv, json] = ["csv", "json"].map(|ending| format!("{}.{ending}", table.name));
+    for (name, text) in [(&csv, &table.csv), (&json, &table.json)] {
+        let mut file = outputs.create(name).map_err(failed())?;
+        file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(failed())?;
+    }
+    outputs.publish(&json).map_err(failed())
+}

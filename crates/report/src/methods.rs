@@ -1,0 +1,188 @@
+//! What each method of choosing division points costs where all keep the same error: one line per method.
+
+use crate::csv::quoted;
+use crate::derived::round6;
+use crate::model::{Figure, Input, Report, Size};
+use crate::text::number::{real, thousands};
+use crate::text::{Align, Style, Table};
+use crate::work::work;
+use Align::{Left, Right};
+use serde::{Deserialize, Serialize};
+
+/// The same input on the same machine by different methods.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Methods {
+    /// Version of the simulator.
+    pub version: String,
+    /// The machine, as `--machine` names it.
+    pub machine: String,
+    /// What was drawn.
+    pub input: Input,
+    /// Of the pictures.
+    pub size: Size,
+    /// Largest displacement that every method was to keep \[pixels\].
+    pub error_bound: f64,
+    /// One per method.
+    pub methods: Vec<Method>,
+}
+
+/// One run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Method {
+    /// In words.
+    pub method: String,
+    /// What makes the machine run like this.
+    pub settings: Vec<String>,
+    /// Divisions and reciprocals per pixel with a texture.
+    pub divisions_per_pixel: f64,
+    /// Of the run.
+    pub cycles: u64,
+    /// `cycles / pixels drawn`, those that a nearer one hides included; rounded to 6 decimals.
+    pub cycles_per_pixel: f64,
+    /// Measured over all pixels with a texture \[pixels\].
+    pub displacement_largest: f64,
+    /// As above.
+    pub displacement_mean: f64,
+    /// Against exact mapping, of the worst picture \[dB\]; absent without exact pictures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub psnr_db: Option<f64>,
+}
+
+impl Methods {
+    /// An empty one, for runs like this.
+    pub fn of(report: &Report, error_bound: f64) -> Self {
+        Self {
+            version: report.version.clone(),
+            machine: report.machine.clone(),
+            input: report.input.clone(),
+            size: report.size,
+            error_bound,
+            methods: vec![],
+        }
+    }
+
+    /// The table on a terminal, with a line feed at the end.
+    pub fn to_text(&self, style: Style) -> String {
+        let mut table = Table::new(&[
+            ("Method", Left, 0),
+            ("divisions/pixel", Right, 0),
+            ("cycles", Right, 1),
+            ("cycles/pixel", Right, 0),
+            ("largest displacement", Right, 0),
+            ("mean", Right, 1),
+            ("PSNR dB", Right, 0),
+        ]);
+        let digits = |value: f64, scale: f64| real((value * scale).round() / scale);
+        for m in &self.methods {
+            table.row([
+                m.method.clone(),
+                digits(m.divisions_per_pixel, 1e4),
+                thousands(m.cycles),
+                digits(m.cycles_per_pixel, 1e4),
+                digits(m.displacement_largest, 1e4),
+                digits(m.displacement_mean, 1e4),
+                m.psnr_db.map_or_else(String::new, |db| digits(db, 1e2)),
+            ]);
+        }
+        let Size { width, height } = self.size;
+        let title = format!("{} · {} {} · {width} x {height}", self.machine, self.input.kind, self.input.name);
+        let bound = format!("No texel from farther away than {} pixels", self.error_bound);
+        format!("{title}\n{bound}\n\n{}\n", table.render(style))
+    }
+
+    /// One line per method, header first.
+    pub fn to_csv(&self) -> String {
+        let names = "divisions_per_pixel,cycles,cycles_per_pixel,displacement_largest,displacement_mean,psnr_db";
+        let mut text = format!("method,settings,{names}\n");
+        for m in &self.methods {
+            let psnr = m.psnr_db.map_or_else(String::new, |db| db.to_string());
+            text += &format!(
+                "{},{},{},{},{},{},{},{psnr}\n",
+                quoted(&m.method),
+                quoted(&m.settings.join(" ")),
+                m.divisions_per_pixel,
+                m.cycles,
+                m.cycles_per_pixel,
+                m.displacement_largest,
+                m.displacement_mean
+            );
+        }
+        text
+    }
+
+    /// Indented, with a line feed at the end.
+    ///
+    /// # Errors
+    /// None that is known: all of it is numbers and words.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self).map(|text| text + "\n")
+    }
+}
+
+impl Method {
+    /// What a run came to.
+    pub fn of(method: String, settings: Vec<String>, report: &Report) -> Self {
+        let cycles = report.cycles.as_ref().map_or(0, |c| c.total);
+        let pixels = work(report).count;
+        let worst = |q: &crate::model::PictureQuality| q.frames.iter().map(|f| f.psnr_db).fold(q.last.psnr_db, f64::min);
+        Self {
+            method,
+            settings,
+            divisions_per_pixel: round6(figure(report, "divisions_per_pixel")),
+            cycles,
+            cycles_per_pixel: if pixels == 0 { 0.0 } else { round6(cycles as f64 / pixels as f64) },
+            displacement_largest: figure(report, "displacement_largest"),
+            displacement_mean: figure(report, "displacement_mean"),
+            psnr_db: report.quality.as_ref().map(worst),
+        }
+    }
+}
+
+/// A figure of the device; 0 where it has none of this name.
+pub fn figure(report: &Report, name: &str) -> f64 {
+    match report.device.get(name) {
+        Some(Figure::Count(n)) => *n as f64,
+        Some(Figure::Real(x)) => *x,
+        _ => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+
+    fn methods() -> Methods {
+        let (mut slow, mut fast) = samples::before_and_after();
+        for (report, share, largest) in [(&mut fast, 0.0625, 0.498), (&mut slow, 2.0, 0.0)] {
+            report.device.insert("divisions_per_pixel".into(), Figure::Real(share));
+            report.device.insert("displacement_largest".into(), Figure::Real(largest));
+        }
+        let mut methods = Methods::of(&fast, 0.5);
+        methods.methods.push(Method::of("adaptive".into(), vec!["texel.method=adaptive".into()], &fast));
+        methods.methods.push(Method::of("exact".into(), vec!["texel.method=exact".into()], &slow));
+        methods
+    }
+
+    #[test]
+    fn as_text_csv_and_json() {
+        let methods = methods();
+        let text = methods.to_text(Style::default());
+        assert!(text.contains("farther away than 0.5 pixels"), "{text}");
+        let line = |start: &str| text.lines().find(|l| l.starts_with(start)).map(|l| l.split_whitespace().collect::<Vec<_>>());
+        assert_eq!(line("adaptive").unwrap()[..5], ["adaptive", "0.0625", "400,000", "2", "0.498"]);
+        assert_eq!(line("exact").unwrap()[..5], ["exact", "2", "1,000,000", "5", "0"]);
+        let csv = methods.to_csv();
+        assert!(csv.lines().nth(1).unwrap().starts_with("adaptive,texel.method=adaptive,0.0625,400000,2,0.498,0,"), "{csv}");
+        assert_eq!(serde_json::from_str::<Methods>(&methods.to_json().unwrap()).unwrap(), methods);
+    }
+
+    #[test]
+    fn the_worst_picture_counts() {
+        let (mut report, _) = samples::before_and_after();
+        let quality = report.quality.as_mut().unwrap();
+        quality.frames = [40.0, 30.0, 50.0].map(|psnr_db| basrelief_reference::Quality { psnr_db, ..quality.last }).to_vec();
+        quality.last.psnr_db = 50.0;
+        assert_eq!(Method::of(String::new(), vec![], &report).psnr_db, Some(30.0));
+    }
+}
