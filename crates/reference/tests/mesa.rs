@@ -306,7 +306,7 @@ const MODELS: [&str; 6] = [
 /// With levels the pictures differ by more than rounding: Mesa takes differences between neighbouring pixels for the
 /// derivatives that decide the level, and rounds the means of its levels in its own way. Measured: 56 dB and more.
 /// Where a side is no power of two the levels themselves differ, since OpenGL leaves it open how a level comes about:
-/// Mesa resamples the finer one, here the odd texel joins the last box ([`basrelief_scene::pyramid`]).
+/// Mesa resamples the finer one with two taps, here boxes share texels ([`basrelief_scene::pyramid`]). Measured: 36 dB.
 fn assert_textures_agree(mesa: &Mesa, name: &str, scene: &Scene, model: &Path, of_levels: f64) {
     let filters = [(TextureFilter::Nearest, 45.0), (TextureFilter::Bilinear, 45.0), (TextureFilter::Trilinear, of_levels)];
     for (filter, least) in filters {
@@ -355,7 +355,7 @@ fn textures_of_any_size_and_wrap_agree_with_mesa() {
     let [repeat, mirror, clamp] = [10497, 33648, 33071];
     for wrap in [[repeat, mirror], [mirror, clamp], [clamp, repeat]] {
         let model = as_gltf(&floor(), Look { picture: Some(("odd.png", wrap)), ..PLAIN }, folder.path());
-        assert_textures_agree(&mesa, &format!("odd.png {wrap:?}"), &load(&model), &model, 25.0);
+        assert_textures_agree(&mesa, &format!("odd.png {wrap:?}"), &load(&model), &model, 33.0);
     }
 }
 
