@@ -157,7 +157,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "URL", conflicts_with_all = ["input", "ablate"], value_parser = http)]
     pub from: Option<String>,
     /// Keep tiles that have come in this folder, and take them from there.
-    #[arg(long, value_name = "DIR", requires = "from")]
+    #[arg(long, value_name = "DIR")]
     pub tile_cache: Option<PathBuf>,
     #[command(flatten)]
     pub machine: MachineArgs,

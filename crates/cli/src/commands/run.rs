@@ -52,6 +52,10 @@ pub fn run(args: &RunArgs, quiet: bool) -> Done {
     if let Some(url) = &args.from {
         return run_from(url, args, quiet);
     }
+    // (The parser does not ask for --from where INPUT excludes it.)
+    if args.tile_cache.is_some() {
+        return Err(Failure::Usage("--tile-cache: keeps tiles of a server; it needs --from".into()));
+    }
     let path = args.input.as_deref().unwrap_or(Path::new("-"));
     let input = input::open(path, &args.view)?;
     simulate(began, input, input::config(&args.machine, demo_of(path))?, &args.simulation, quiet)
