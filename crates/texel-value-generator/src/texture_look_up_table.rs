@@ -128,14 +128,17 @@ impl Port<'_> {
 /// Texels that `taps` names, weighted.
 #[inline(always)]
 fn filtered(image: &Image, taps: &Taps) -> [f32; 4] {
-    let texel = |[column, row]: [u32; 2]| {
+    let texel = |i: usize| {
+        let [column, row] = taps.texel[i];
         let texel = image.texels.get(row as usize * image.width as usize + column as usize);
-        texel.copied().unwrap_or_default().map(f32::from)
+        let [r, g, b, a] = texel.copied().unwrap_or_default();
+        [f32::from(r), f32::from(g), f32::from(b), f32::from(a)]
     };
     if taps.count == 1 {
-        return texel(taps.texel[0]);
+        return texel(0);
     }
-    let [a, b, c, d] = taps.texel.map(texel);
+    // One by one: a map over the array would be a call.
+    let (a, b, c, d) = (texel(0), texel(1), texel(2), texel(3));
     let [p, q, r, s] = taps.weight;
     std::array::from_fn(|i| p * a[i] + q * b[i] + r * c[i] + s * d[i])
 }
