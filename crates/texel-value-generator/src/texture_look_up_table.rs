@@ -1,7 +1,7 @@
 //! Texture look-up table (330), with its cache and its memory.
 
 use crate::config::LookUpConfig;
-use crate::signals::{LevelStrip, TexelStrip, TextureStrip};
+use crate::signals::{LevelStrip, TexelStrip, TextureStrip, to_16_bits};
 use crate::twins::{Pair, pair};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{Taps, level_offset, tap_offsets, taps};
@@ -78,8 +78,8 @@ impl TextureLookUpTable {
                 let coarse = port.sample(fine + 1, uv[i], traffic);
                 value = std::array::from_fn(|c| value[c] + share * (coarse[c] - value[c]));
             }
-            // At most 255 times 256.
-            out.rgba[i] = value.map(|c| (c * 256.0 + 0.5) as u16);
+            let [r, g, b, a] = value;
+            out.rgba[i] = to_16_bits([256.0 * r, 256.0 * g, 256.0 * b, 256.0 * a]);
         }
         state.pixels += strip.pixels() as u64;
         state.texels += port.texels;
@@ -140,7 +140,8 @@ fn filtered(image: &Image, taps: &Taps) -> [f32; 4] {
     // One by one: a map over the array would be a call.
     let (a, b, c, d) = (texel(0), texel(1), texel(2), texel(3));
     let [p, q, r, s] = taps.weight;
-    std::array::from_fn(|i| p * a[i] + q * b[i] + r * c[i] + s * d[i])
+    let mixed = |i: usize| p * a[i] + q * b[i] + r * c[i] + s * d[i];
+    [mixed(0), mixed(1), mixed(2), mixed(3)]
 }
 
 impl Unit for TextureLookUpTable {
