@@ -22,16 +22,6 @@ impl Ran {
         assert!(self.counts.iter().any(|(n, _)| n == name), "there is no device figure `{name}`");
         self.counts.number(name)
     }
-
-    /// Largest difference of any 8-bit output.
-    pub fn difference(&self, other: &Self) -> u8 {
-        assert_eq!(self.frames.len(), other.frames.len());
-        let pairs = self.frames.iter().zip(&other.frames).flat_map(|(a, b)| {
-            assert_eq!(a.covered, b.covered);
-            a.rgb.iter().zip(&b.rgb)
-        });
-        pairs.flat_map(|(a, b)| (0..3).map(|i| a[i].abs_diff(b[i]))).max().unwrap_or(0)
-    }
 }
 
 /// The default machine with these settings.
