@@ -94,9 +94,9 @@ fn figure_6_ends_and_division_points_are_exact_and_the_rest_is_linear_between_th
         assert_eq!([uv[usize::from(pair[0])], uv[usize::from(pair[1])]], [exact(pair[0]), exact(pair[1])]);
         for k in pair[0]..pair[1] {
             let share = f64::from(k - pair[0]) / f64::from(pair[1] - pair[0]);
-            for i in 0..2 {
+            for (i, got) in uv[usize::from(k)].into_iter().enumerate() {
                 let [a, b] = [pair[0], pair[1]].map(|k| span.value(k)[i] / span.value(k)[2]);
-                assert!((f64::from(uv[usize::from(k)][i]) - (a + share * (b - a))).abs() < 1e-7);
+                assert!((f64::from(got) - (a + share * (b - a))).abs() < 1e-7);
             }
         }
     }
