@@ -4,7 +4,8 @@ use crate::support::{Place, is_valid, patch, without_host};
 use serde_json::Value;
 use std::fs;
 
-const DEMOS: [&str; 8] = ["golf-ball", "coin", "brick", "mixed", "sphere", "ellipsoid", "cut-plane", "goblet"];
+const DEMOS: [&str; 10] =
+    ["golf-ball", "coin", "brick", "mixed", "sphere", "ellipsoid", "cut-plane", "goblet", "corridor", "turntable"];
 
 #[test]
 fn a_demo_is_drawn_by_the_machine_it_is_made_for_unless_another_is_named() {
@@ -17,6 +18,7 @@ fn a_demo_is_drawn_by_the_machine_it_is_made_for_unless_another_is_named() {
         ("run demo:cut-plane@1", "cut-plane@1", "shade"),
         ("run PATCH", "patch.gltf", "bump"),
         ("run PATCH --machine shade", "patch.gltf", "shade"),
+        ("demo turntable", "turntable", "texel"),
     ] {
         place.ok(&format!("{line} --size 32x24 --no-exact --quiet"));
         let report = place.report("out");
@@ -28,7 +30,7 @@ fn a_demo_is_drawn_by_the_machine_it_is_made_for_unless_another_is_named() {
 fn both_engines_and_the_functional_model_agree_on_every_demo_and_machine() {
     let place = Place::new();
     for demo in DEMOS {
-        for machine in ["bump", "shade"] {
+        for machine in ["bump", "shade", "texel"] {
             let line = format!("demo {demo} --machine {machine} --size 32x24 --frames 1 --quiet");
             place.ok(&format!("{line} --out timed"));
             place.ok(&format!("{line} --out ticked --engine ticked"));
@@ -83,12 +85,16 @@ fn normals_brought_to_length_one_come_closest_to_the_exact_picture() {
 #[test]
 fn a_replay_gives_the_same_picture_to_the_bit_whichever_machine_recorded_it() {
     let place = Place::new();
-    place.ok("run PATCH --machine shade --size 48x36 --frames 2 --orbit 30 --out scene");
-    for (recorder, list) in [("bump", "b.jsonl"), ("shade", "s.bdl.zst")] {
+    for (recorder, list) in [("bump", "b.jsonl"), ("shade", "s.bdl.zst"), ("texel", "t.bdl")] {
         place.ok(&format!("record PATCH --machine {recorder} --size 48x36 --frames 2 --orbit 30 --out {list}"));
-        place.ok(&format!("run {list} --machine shade --out replay"));
-        assert_eq!(place.report("replay")["image"], place.report("scene")["image"], "{list}");
-        assert_eq!(place.report("replay")["input"]["sha256"], place.report("scene")["input"]["sha256"], "{list}");
+    }
+    for machine in ["shade", "texel"] {
+        place.ok(&format!("run PATCH --machine {machine} --size 48x36 --frames 2 --orbit 30 --out scene"));
+        for list in ["b.jsonl", "s.bdl.zst", "t.bdl"] {
+            place.ok(&format!("run {list} --machine {machine} --out replay"));
+            assert_eq!(place.report("replay")["image"], place.report("scene")["image"], "{machine}, {list}");
+            assert_eq!(place.report("replay")["input"]["sha256"], place.report("scene")["input"]["sha256"], "{machine}, {list}");
+        }
     }
 }
 

@@ -57,7 +57,7 @@ const FIXED: [Fixed; 3] = [
         more: false,
     },
     Fixed {
-        name: |n| format!("fixed, {n} points per line"),
+        name: |n| format!("fixed, {n} point{} per line", if n == 1 { "" } else { "s" }),
         settings: |n| vec!["texel.method=fixed".into(), format!("texel.points={n}")],
         set: |c, n| (c.texel.method, c.texel.points) = (Divide::Fixed, n),
         more: true,

@@ -1,7 +1,7 @@
 //! Illuminance value generator (340).
 
 use crate::config::{IlluminanceConfig, IlluminanceMode};
-use crate::signals::{IlluminanceStrip, LitSpan};
+use crate::signals::{IlluminanceStrip, LitSpan, to_16_bits};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LightVector, brightness, fan_triangle, light_vectors};
 use basrelief_signals::{Control, Flow, Frame, Polygon, STRIP, Strip, Vertex};
@@ -114,9 +114,9 @@ impl IlluminanceValueGenerator {
         while state.done < count && column(state.done) & !(STRIP as u16 - 1) == cell {
             let position = usize::from(column(state.done) - cell);
             out.strip.mask |= 1 << position;
-            // The conversion saturates at both ends.
-            out.rgba[position] =
-                std::array::from_fn(|i| ((state.line[0][i] + f32::from(state.done) * state.line[1][i]) * ONE + 0.5) as u16);
+            let [first, change] = &state.line;
+            let at = |i: usize| (first[i] + f32::from(state.done) * change[i]) * ONE;
+            out.rgba[position] = to_16_bits([at(0), at(1), at(2), at(3)]);
             state.done += 1;
             state.pixels += 1;
         }

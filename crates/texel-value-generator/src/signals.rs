@@ -153,6 +153,18 @@ impl Tested for TexelStrip {
     }
 }
 
+/// Adding it to 0 ..= 65535 leaves the nearest whole number in the low 16 bits: around it, single precision has steps of 1. A
+/// conversion to an integer would cost the checks for what does not fit, component by component.
+const WHOLE: f32 = 8_388_608.0;
+
+/// The nearest whole number, at most 65535 and at least 0, which NaN counts as.
+#[inline(always)]
+#[expect(clippy::manual_clamp, reason = "`clamp` hands a NaN on, `max` drops it")]
+pub(crate) fn to_16_bits([r, g, b, a]: [f32; 4]) -> [u16; 4] {
+    let whole = |c: f32| (c.max(0.0).min(65_535.0) + WHOLE).to_bits() as u16;
+    [whole(r), whole(g), whole(b), whole(a)]
+}
+
 /// Change of u and v per pixel: approximate calculator (310a) to MIP-map selector (320).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GradientStrip {
@@ -189,4 +201,15 @@ pub struct IlluminanceStrip {
     pub strip: Strip,
     /// RGBA by position, in steps of 2^-14.
     pub rgba: [[u16; 4]; STRIP],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::to_16_bits;
+
+    #[test]
+    fn sixteen_bits_saturate_and_round() {
+        assert_eq!(to_16_bits([0.0, 0.4, 0.6, 65_280.0]), [0, 0, 1, 65_280]);
+        assert_eq!(to_16_bits([-3.0, f32::NAN, 1e9, 65_534.6]), [0, 0, 65_535, 65_535]);
+    }
 }

@@ -1,7 +1,7 @@
 //! Texture look-up table (330), with its cache and its memory.
 
 use crate::config::LookUpConfig;
-use crate::signals::{LevelStrip, TexelStrip, TextureStrip};
+use crate::signals::{LevelStrip, TexelStrip, TextureStrip, to_16_bits};
 use crate::twins::{Pair, pair};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{Taps, level_offset, tap_offsets, taps};
@@ -36,6 +36,8 @@ pub struct TextureLookUpTable {
     pub trilinear: bool,
     /// Bytes per line of the cache.
     pub line_bytes: u32,
+    /// 2^n texels share a line.
+    shared: u32,
     /// Everything it remembers.
     pub state: TextureLookUpTableState,
 }
@@ -43,7 +45,9 @@ pub struct TextureLookUpTable {
 impl TextureLookUpTable {
     /// A texture look-up table at power-on, with a cache of lines of this size.
     pub fn new(config: LookUpConfig, trilinear: bool, line_bytes: u32) -> Self {
-        Self { config, trilinear, line_bytes, state: TextureLookUpTableState::default() }
+        let bytes = config.texel_bytes;
+        let shared = if bytes.is_power_of_two() { (line_bytes / bytes).max(1).ilog2() } else { 0 };
+        Self { config, trilinear, line_bytes, shared, state: TextureLookUpTableState::default() }
     }
 
     fn take(&mut self, control: &Control) {
@@ -63,9 +67,9 @@ impl TextureLookUpTable {
     fn look_up(&mut self, strip: TexelStrip, levels: &LevelStrip, traffic: &mut Traffic) -> TextureStrip {
         let TexelStrip { strip, points, uv, displacement, .. } = strip;
         let mut out = TextureStrip { strip, points, rgba: [WHITE; STRIP], displacement };
-        let Self { config, trilinear, state, .. } = self;
+        let Self { config, trilinear, state, shared, .. } = self;
         let Some(texture) = state.texture.as_deref() else { return out };
-        let mut port = Port { config, texture, offsets: &state.offsets, recent: [u64::MAX; 4], texels: 0 };
+        let mut port = Port { config, texture, offsets: &state.offsets, shared: *shared, recent: [u64::MAX; 4], texels: 0 };
         for i in strip.positions() {
             let level = levels.level[i];
             let (fine, share) = (level as usize, level - (level as usize) as f32);
@@ -74,8 +78,8 @@ impl TextureLookUpTable {
                 let coarse = port.sample(fine + 1, uv[i], traffic);
                 value = std::array::from_fn(|c| value[c] + share * (coarse[c] - value[c]));
             }
-            // At most 255 times 256.
-            out.rgba[i] = value.map(|c| (c * 256.0 + 0.5) as u16);
+            let [r, g, b, a] = value;
+            out.rgba[i] = to_16_bits([256.0 * r, 256.0 * g, 256.0 * b, 256.0 * a]);
         }
         state.pixels += strip.pixels() as u64;
         state.texels += port.texels;
@@ -88,8 +92,8 @@ struct Port<'a> {
     config: &'a LookUpConfig,
     texture: &'a Texture,
     offsets: &'a [u64],
-    /// Blocks of four times four texels that were mentioned last: naming their lines again costs the device nothing, and the
-    /// host something.
+    shared: u32,
+    /// Lines that were mentioned last: naming them again costs the device nothing, and the host something.
     recent: [u64; 4],
     texels: u64,
 }
@@ -113,11 +117,9 @@ impl Port<'_> {
     #[inline(always)]
     fn mention(&mut self, texel: u64, traffic: &mut Traffic) {
         let bytes = self.config.texel_bytes;
-        // With four bytes, a block is a whole line or some whole lines; else each texel is named.
-        let block = if bytes == 4 { texel / 4 } else { texel };
-        let known = self.recent.contains(&block);
-        if !known {
-            self.recent = [block, self.recent[0], self.recent[1], self.recent[2]];
+        let line = texel >> self.shared;
+        if !self.recent.contains(&line) {
+            self.recent = [line, self.recent[0], self.recent[1], self.recent[2]];
             traffic.look_up(0, texel * u64::from(bytes), bytes);
         }
     }
@@ -126,16 +128,20 @@ impl Port<'_> {
 /// Texels that `taps` names, weighted.
 #[inline(always)]
 fn filtered(image: &Image, taps: &Taps) -> [f32; 4] {
-    let texel = |[column, row]: [u32; 2]| {
+    let texel = |i: usize| {
+        let [column, row] = taps.texel[i];
         let texel = image.texels.get(row as usize * image.width as usize + column as usize);
-        texel.copied().unwrap_or_default().map(f32::from)
+        let [r, g, b, a] = texel.copied().unwrap_or_default();
+        [f32::from(r), f32::from(g), f32::from(b), f32::from(a)]
     };
     if taps.count == 1 {
-        return texel(taps.texel[0]);
+        return texel(0);
     }
-    let [a, b, c, d] = taps.texel.map(texel);
+    // One by one: a map over the array would be a call.
+    let (a, b, c, d) = (texel(0), texel(1), texel(2), texel(3));
     let [p, q, r, s] = taps.weight;
-    std::array::from_fn(|i| p * a[i] + q * b[i] + r * c[i] + s * d[i])
+    let mixed = |i: usize| p * a[i] + q * b[i] + r * c[i] + s * d[i];
+    [mixed(0), mixed(1), mixed(2), mixed(3)]
 }
 
 impl Unit for TextureLookUpTable {

@@ -1,0 +1,214 @@
+//! The patent's claims, and what its page says of the system as a whole.
+
+use crate::recipe::{display_lists, frame, material, object, polygon, texture};
+use crate::runs::{Ran, config, figure, replay, run, scene_front, small_demo, timed};
+use basrelief_kernel::{Engine, run_functional};
+use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
+use basrelief_machines::texel::{FrameLog, TexelMachineConfig, TextureMappingSystem, TraceFront, input_warnings, warnings};
+use basrelief_signals::{Control, Wrap};
+use proptest::prelude::*;
+
+/// A floor that runs from near to far, as wide as the picture.
+fn floor(size: [u32; 2], w: [f32; 2], tiles: f32) -> Vec<Control> {
+    let [width, height] = size.map(|side| side as f32);
+    let corners = [[0.0, 0.0, 0.5, w[0]], [width, 0.0, 0.5, w[1]], [width, height, 0.5, w[1]], [0.0, height, 0.5, w[0]]];
+    let uv = [[0.0, 0.0], [tiles, 0.0], [tiles, 1.0], [0.0, 1.0]];
+    let material = material(Some(texture(Wrap::Repeat)));
+    vec![frame(0, size), object(0), polygon(&corners, &uv, &material, false), Control::FrameEnd]
+}
+
+fn log_of(list: &[Control], config: &TexelMachineConfig) -> FrameLog {
+    let mut machine = TextureMappingSystem::new(replay(list, config), config).unwrap();
+    machine.keep_log();
+    run_functional(&mut machine, &mut |_| true).unwrap();
+    machine.drain_finished();
+    machine.drain_logs(1).remove(0)
+}
+
+fn starved(ran: &Ran, unit: &str, input: &str) -> u64 {
+    let unit = ran.report.units.iter().find(|u| u.name == unit).expect("wired");
+    let at = unit.inputs.iter().position(|i| i == input).expect("an input");
+    unit.account.starved[at]
+}
+
+#[test]
+fn claims_1_to_3_division_points_are_chosen_along_a_scan_line_and_what_is_between_them_is_approximated() {
+    let list = floor([400, 8], [1.0, 0.02], 3.0);
+    let log = log_of(&list, &config(&[("pixel_value_buffer.depth_test", "false")]));
+    let mut inner = 0;
+    for span in &log.spans {
+        inner += span.divisions.len();
+        assert!(span.divisions.iter().all(|x| span.x[0] < *x && *x < span.x[1]), "{span:?}");
+        assert!(span.divisions.windows(2).all(|d| d[0] < d[1]), "{span:?}");
+        let place = |x: u16| usize::from(span.y) * 400 + usize::from(x);
+        let exact: Vec<u16> = (span.x[0]..=span.x[1]).filter(|x| log.map.divided[place(*x)]).collect();
+        let expected: Vec<u16> = [&span.x[..1], &span.divisions, &span.x[1..]].concat();
+        assert_eq!(
+            exact,
+            {
+                let mut e = expected;
+                e.dedup();
+                e
+            },
+            "exact at ends and division points, nowhere else"
+        );
+        assert!(exact.iter().all(|x| log.map.displacement[place(*x)] < 1e-6), "claim 3: exactly");
+        assert!((span.x[0]..=span.x[1]).all(|x| log.map.displacement[place(x)] <= 0.5 + 1e-6));
+    }
+    assert!(inner > 20, "{inner}");
+}
+
+#[test]
+fn claims_4_and_7_the_pixel_value_is_modified_with_the_intermediate_texel() {
+    let list = floor([64, 8], [1.0, 0.1], 2.0);
+    let plain = timed(&list, &[("illuminance.mode", "off")]);
+    let lit = timed(&list, &[]);
+    assert_ne!(plain.frames[0].rgb, lit.frames[0].rgb);
+    // Drawn twice and blended: the second time over the first.
+    let twice = [&list[..3], &list[2..3], &list[3..]].concat();
+    let off = ("pixel_value_buffer.depth_test", "false");
+    let blended = timed(&twice, &[("combiner.mode", "blend"), off]);
+    let once = timed(&list, &[("combiner.mode", "blend"), off]);
+    assert_eq!(blended.count("pixels_read_back"), 2 * 64 * 8);
+    let sum = |ran: &Ran| ran.frames[0].rgb.iter().flatten().map(|c| u64::from(*c)).sum::<u64>();
+    assert!(sum(&blended) > sum(&once) && sum(&once) > 0);
+}
+
+#[test]
+fn claims_5_and_6_the_step_calculator_works_by_the_criterion_in_its_storage_element() {
+    let list = floor([400, 8], [1.0, 0.02], 3.0);
+    let mut before = u64::MAX;
+    for e in ["0.05", "0.1", "0.5", "1", "4"] {
+        let ran = timed(&list, &[("texel.error_bound", e)]);
+        assert_eq!(figure(&ran.counts, "displacement_bound").to_string(), e);
+        assert!(figure(&ran.counts, "displacement_largest") <= e.parse::<f64>().unwrap() + 1e-6);
+        assert!(ran.count("division_points") < before, "a larger e needs fewer points");
+        before = ran.count("division_points");
+    }
+}
+
+#[test]
+fn claim_8_a_system_of_step_calculator_approximate_calculator_combiner_and_storage_element() {
+    let names: Vec<&str> = basrelief_machines::texel::UNITS.iter().map(|u| u.name).collect();
+    for unit in ["step-calculator", "approximate-calculator", "combiner"] {
+        assert!(names.contains(&unit));
+    }
+    let ran = timed(&floor([64, 8], [1.0, 0.1], 2.0), &[]);
+    let tokens = |name: &str| ran.report.fifos.iter().find(|f| f.name == name).map_or(0, |f| f.tokens);
+    assert!(tokens("segments") > 0 && tokens("texture_values") > 0 && tokens("pixels") > 0);
+}
+
+#[test]
+fn claim_9_the_pixel_value_follows_the_level_of_the_segment() {
+    let list = floor([64, 8], [1.0, 0.02], 60.0);
+    let level_0 = timed(&list, &[]);
+    for mode in ["nearest", "trilinear"] {
+        let ran = timed(&list, &[("mip.mode", mode)]);
+        assert_ne!(ran.frames[0].rgb, level_0.frames[0].rgb);
+        assert!(ran.count("mip_selections") >= ran.count("segments"));
+        assert!(figure(&ran.counts, "gradient_reciprocals") == 0.0);
+    }
+}
+
+#[test]
+fn section_5_a_pipelined_divider_hides_its_latency_and_an_iterative_one_starves_the_interpolator_at_a_small_bound() {
+    let list = floor([640, 32], [1.0, 0.02], 3.0);
+    let starved = |settings: &[(&str, &str)]| starved(&timed(&list, settings), "approximate-calculator", "quotients");
+    let one = ("divider.count", "1");
+    let tight = ("texel.error_bound", "0.05");
+    let iterative = starved(&[one, tight]);
+    let pipelined = starved(&[one, tight, ("divider.initiation_interval", "1"), ("texel.root_cycles", "1")]);
+    assert!(iterative > 10 * pipelined.max(1), "{iterative} {pipelined}");
+    let loose = starved(&[("texel.error_bound", "2")]);
+    assert!(loose < iterative / 10, "{loose}: segments are longer than a division takes");
+}
+
+#[test]
+fn section_6_divisions_per_pixel_of_the_methods() {
+    let list = floor([640, 16], [1.0, 0.1], 3.0);
+    let ran = |settings: &[(&str, &str)]| {
+        let ran = timed(&list, settings);
+        (figure(&ran.counts, "divisions_per_pixel"), figure(&ran.counts, "displacement_largest"))
+    };
+    assert_eq!(ran(&[("texel.method", "exact")]).0, 2.0);
+    assert_eq!(ran(&[("texel.method", "exact"), ("divider.division", "reciprocal")]).0, 1.0);
+    let adaptive = ran(&[]);
+    assert!(adaptive.1 <= 0.5 + 1e-6);
+    for interval in ["4", "8", "16", "32"] {
+        let fixed = ran(&[("texel.method", "fixed"), ("texel.interval", interval)]);
+        assert!(fixed.0 > adaptive.0 || fixed.1 > adaptive.1, "{interval}: {fixed:?} {adaptive:?}");
+        let children = ran(&[("texel.method", "subpolygon"), ("texel.interval", interval)]);
+        assert!(children.0 > fixed.0, "child polygons share no end: {children:?} {fixed:?}");
+    }
+}
+
+#[test]
+fn a_log_costs_nothing_else_and_its_spans_are_those_of_the_picture() {
+    let scene = small_demo("corridor");
+    let config = config(&[]);
+    let mut machine = TextureMappingSystem::new(scene_front(&scene, &config), &config).unwrap();
+    machine.keep_log();
+    let report = basrelief_kernel::run(&mut machine, Engine::Timed);
+    let plain = run(scene_front(&scene, &config), &config, Engine::Timed);
+    assert!(report == plain.report && machine.counts() == plain.counts && machine.drain_finished() == plain.frames);
+    let log = machine.drain_logs(1).remove(0);
+    let pixels: u64 = log.spans.iter().map(|s| u64::from(s.x[1] - s.x[0] + 1)).sum();
+    assert_eq!(pixels, plain.count("textured_fragments"));
+    let points: u64 = log.spans.iter().map(|s| s.divisions.len() as u64).sum();
+    assert_eq!(points, plain.count("division_points"));
+    assert!(log.spans.iter().all(|s| s.w.iter().all(|w| *w > 0.0)));
+    assert_eq!((log.map.width, log.map.height, log.map.displacement.len()), (64, 48, 64 * 48));
+    let largest = log.map.displacement.iter().filter(|d| !d.is_nan()).fold(0.0f32, |a, b| a.max(*b));
+    assert!(f64::from(largest) <= figure(&plain.counts, "displacement_largest") + 1e-6 && largest > 0.0);
+}
+
+#[test]
+fn a_span_is_told_as_one_line() {
+    let list = floor([40, 1], [1.0, 0.02], 3.0);
+    let log = log_of(&list, &config(&[]));
+    let line = serde_json::to_string(&log.spans[0]).unwrap();
+    assert!(line.starts_with("{\"y\":0,\"x\":[") && line.contains("\"w\":[") && line.contains("\"divisions\":["), "{line}");
+}
+
+#[test]
+fn what_the_system_has_no_use_for_is_said() {
+    assert!(warnings(&TexelMachineConfig::default()).is_empty(), "{:?}", warnings(&TexelMachineConfig::default()));
+    let short = warnings(&config(&[("fifo.texels.depth", "2")]));
+    assert!(short.len() == 1 && short[0].contains("fifo.texels.depth = 2"), "{short:?}");
+    let mut list = floor([40, 8], [1.0, 0.1], 1.0);
+    assert!(input_warnings(&timed(&list, &[]).counts).is_empty());
+    list[2] =
+        polygon(&[[1.0, 1.0, 0.5, 1.0], [30.0, 1.0, 0.5, 1.0], [1.0, 8.0, 0.5, 1.0]], &[[0.0; 2]; 3], &material(None), false);
+    let ran = timed(&list, &[]);
+    assert!(input_warnings(&ran.counts)[0].contains("no polygon has a colour texture"));
+    assert_eq!((ran.count("divisions"), ran.count("texels_read")), (0, 0));
+}
+
+/// Which pixels the bump-mapping processor covers.
+fn covered_by_bump(list: &[Control]) -> Vec<Vec<bool>> {
+    let config = BumpProcessorConfig::default();
+    let commands = list.iter().map(|c| Ok::<_, String>((c.clone(), None)));
+    let mut machine = BumpProcessor::new(TraceFront::new(commands, &config), &config).expect("defaults fit");
+    run_functional(&mut machine, &mut |_| true).expect("runs");
+    machine.drain_finished().into_iter().map(|f| f.covered).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 2, ..ProptestConfig::default() })]
+
+    #[test]
+    fn coverage_is_that_of_the_rasterizer_by_every_method(
+        list in display_lists(), method in prop::sample::select(vec!["adaptive", "exact", "fixed", "subpolygon"]),
+    ) {
+        let ran = timed(&list, &[("texel.method", method)]);
+        prop_assert_eq!(ran.frames.iter().map(|f| f.covered.clone()).collect::<Vec<_>>(), covered_by_bump(&list));
+    }
+
+    #[test]
+    fn no_pixel_of_any_display_list_is_displaced_by_more_than_e(list in display_lists()) {
+        for e in ["0.05", "0.5", "4"] {
+            let ran = timed(&list, &[("texel.error_bound", e)]);
+            prop_assert!(figure(&ran.counts, "displacement_largest") <= e.parse::<f64>().unwrap() + 1e-6);
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! Both engines give equal reports, the functional model the same pictures; cycles are conserved; nothing deadlocks.
+
+use crate::recipe::{borrowed, display_lists, meanings, timings};
+use crate::runs::{Ran, config, functional, replay, run, scene_front, small_demo, timed};
+use basrelief_kernel::{Engine, Outcome};
+use basrelief_machines::texel::{FrontEnd, TexelMachineConfig, TextureMappingSystem};
+use proptest::prelude::*;
+
+/// Runs in all three ways and holds them against each other; the timed run.
+fn agree<F: FrontEnd>(front: impl Fn() -> F, config: &TexelMachineConfig) -> Ran {
+    let timed = run(front(), config, Engine::Timed);
+    assert_eq!(timed.report.outcome, Outcome::Complete);
+    let ticked = run(front(), config, Engine::Ticked);
+    assert!(timed.report == ticked.report, "the engines differ:\n{:#?}\n{:#?}", timed.report.units, ticked.report.units);
+    assert_eq!((&timed.frames, &timed.counts), (&ticked.frames, &ticked.counts));
+    let (frames, counts) = functional(front(), config);
+    assert_eq!((&timed.frames, &timed.counts), (&frames, &counts), "the functional model");
+    conserved(&timed);
+    timed
+}
+
+/// Laws 9 and 10, and what counters must have in common.
+fn conserved(ran: &Ran) {
+    let total = ran.report.total;
+    for unit in &ran.report.units {
+        assert_eq!(unit.account.total(), total, "cycles of {}", unit.name);
+    }
+    for fifo in &ran.report.fifos {
+        assert_eq!(fifo.histogram.iter().sum::<u64>(), total, "histogram of {}", fifo.name);
+    }
+    let lengths =
+        ran.counts.iter().find(|(n, _)| *n == "segment_lengths").map(|(_, v)| v.as_array().cloned()).unwrap_or_default();
+    let segments: u64 = lengths.unwrap_or_default().iter().filter_map(serde_json::Value::as_u64).sum();
+    assert_eq!(segments, ran.count("segments"), "the histogram holds every segment");
+    assert!(ran.count("points_divided") >= ran.count("division_points"));
+    assert!(ran.count("z_passed") <= ran.count("z_tested"));
+    assert!(ran.count("pixels") <= ran.count("fragments"));
+}
+
+#[test]
+fn engines_agree_on_demos_by_every_method() {
+    for demo in ["corridor", "turntable"] {
+        let scene = small_demo(demo);
+        for method in ["adaptive", "exact", "fixed", "subpolygon"] {
+            let config = config(&[("texel.method", method)]);
+            let ran = agree(|| scene_front(&scene, &config), &config);
+            assert!(ran.frames[0].covered.iter().any(|c| *c));
+        }
+    }
+}
+
+#[test]
+fn parameters_that_do_not_fit_together_are_refused_with_a_key() {
+    let refused = |settings: &[(&str, &str)], key: &str| {
+        let config = config(settings);
+        let problem = TextureMappingSystem::new(replay(&[], &config), &config).err().unwrap_or_else(|| panic!("{settings:?}"));
+        assert_eq!(problem.key, key, "{problem}");
+    };
+    refused(&[("cache.texture.line_bytes", "48")], "cache.texture.line_bytes");
+    refused(&[("cache.depth.line_bytes", "48")], "cache.depth.line_bytes");
+    refused(&[("cache.depth.line_bytes", "32")], "cache.depth.line_bytes");
+    refused(&[("memory.texture.outstanding", "8")], "memory.texture.outstanding");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases / 2, ..ProptestConfig::default() })]
+
+    #[test]
+    fn engines_agree_on_every_display_list_and_configuration(
+        list in display_lists(), meaning in meanings(), timing in timings(),
+    ) {
+        let config = config(&[borrowed(&meaning), roomy(borrowed(&timing))].concat());
+        agree(|| replay(&list, &config), &config);
+    }
+
+    #[test]
+    fn law_6_times_never_change_a_picture(list in display_lists(), meaning in meanings(), timing in timings()) {
+        let plain = config(&borrowed(&meaning));
+        let (frames, _) = functional(replay(&list, &plain), &plain);
+        prop_assert_eq!(timed(&list, &[borrowed(&meaning), roomy(borrowed(&timing))].concat()).frames, frames);
+    }
+}
+
+/// With credits for a step whatever the lines of the cache.
+fn roomy<'a>(mut settings: Vec<(&'a str, &'a str)>) -> Vec<(&'a str, &'a str)> {
+    settings.push(("memory.texture.outstanding", "1024"));
+    settings
+}

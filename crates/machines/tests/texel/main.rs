@@ -1,0 +1,6 @@
+//! The texture mapping system as a whole: its engines, its configurations, and what the patent says of it.
+
+mod claims;
+mod engines;
+mod recipe;
+mod runs;

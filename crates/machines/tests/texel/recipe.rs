@@ -1,0 +1,175 @@
+//! Small random display lists and configurations.
+
+use basrelief_signals::{
+    Camera, Control, Filter, Frame, Image, Light, LightKind, Material, ObjectInfo, Polygon, Sampler, Texture, Vertex, Wrap,
+};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+pub fn frame(index: u32, size: [u32; 2]) -> Control {
+    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
+    let lights = vec![Light { kind: LightKind::Directional { to_light: [0.36, 0.48, 0.8] }, intensity: 1.0 }];
+    Control::Frame(Arc::new(Frame { index, width: size[0], height: size[1], camera, lights }))
+}
+
+pub fn object(id: u32) -> Control {
+    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [id as f32, 0.0, 0.0], entries: None }))
+}
+
+/// A texture of noise, 16 x 8 texels and all levels, somewhat transparent.
+pub fn texture(wrap: Wrap) -> Arc<Texture> {
+    let level = |k: u32| {
+        let (width, height) = ((16u32 >> k).max(1), (8u32 >> k).max(1));
+        let texel = |i: u32| [i * 37 + k, i * 91 + 5 * k, i * 13, 255 - i].map(|c| c as u8);
+        Image { width, height, texels: (0..width * height).map(texel).collect() }
+    };
+    let sampler = Sampler { wrap: [wrap, Wrap::Repeat], filter: Filter::Bilinear };
+    Arc::new(Texture { id: 0, name: "noise".into(), sampler, levels: (0..5).map(level).collect(), offset: 32 })
+}
+
+pub fn material(texture: Option<Arc<Texture>>) -> Arc<Material> {
+    Arc::new(Material { base_color: [0.9, 0.7, 1.0, 0.6], color_texture: texture, ..Material::default() })
+}
+
+/// A polygon of corners (x, y, depth, 1 / w) with their u, v.
+pub fn polygon(corners: &[[f32; 4]], uv: &[[f32; 2]], material: &Arc<Material>, bump: bool) -> Control {
+    let vertex = |(i, (&position, &uv)): (usize, (&[f32; 4], &[f32; 2]))| {
+        let brightness = [0.3 + 0.1 * i as f32, 0.05 * i as f32];
+        Vertex { position, uv, brightness, color: [1.0, 0.5 + 0.1 * i as f32, 1.0, 1.0], ..Vertex::default() }
+    };
+    let vertices = corners.iter().zip(uv).enumerate().map(vertex).collect();
+    Control::Polygon(Arc::new(Polygon { vertices, material: Arc::clone(material), object: 0, lod: 0, bump, arrival: 0 }))
+}
+
+/// A polygon of three to five points, rarely convex, now and then degenerate.
+fn random_polygon() -> impl Strategy<Value = (Vec<[f32; 4]>, Vec<[f32; 2]>, usize, bool)> {
+    (3usize..6).prop_flat_map(|count| {
+        let corners = prop::collection::vec([-6f32..90.0, -6f32..36.0, 0f32..1.0, 0.01f32..1.0], count);
+        let uv = prop::collection::vec(prop::array::uniform2(-40f32..40.0), count);
+        (corners, uv, 0usize..3, any::<bool>(), 0usize..8).prop_map(|(mut corners, mut uv, material, bump, damage)| {
+            match damage {
+                0 => corners[1] = corners[0],
+                1 => corners.iter_mut().for_each(|c| c[3] = 0.5),
+                2 => uv.iter_mut().for_each(|c| *c = [c[0] / 40.0, 900.0]),
+                _ => {}
+            }
+            (corners, uv, material, bump)
+        })
+    })
+}
+
+/// Frames of objects of polygons with three materials: two textures and none.
+pub fn display_lists() -> impl Strategy<Value = Vec<Control>> {
+    prop::collection::vec(prop::collection::vec(random_polygon(), 0..7), 1..3).prop_map(|frames| {
+        let materials = [Some(texture(Wrap::Repeat)), Some(texture(Wrap::Clamp)), None].map(material);
+        let mut list = Vec::new();
+        for (polygons, index) in frames.into_iter().zip(0..) {
+            list.push(frame(index, [80, 30]));
+            for (i, (corners, uv, which, bump)) in polygons.into_iter().enumerate() {
+                if i % 3 == 0 {
+                    list.push(object(i as u32 / 3));
+                }
+                list.push(polygon(&corners, &uv, &materials[which], bump));
+            }
+            list.push(Control::FrameEnd);
+        }
+        list
+    })
+}
+
+/// Choices of one thing, the default first; a choice is a list of settings.
+type Axis = &'static [&'static [(&'static str, &'static str)]];
+
+/// What the machine computes.
+const MEANING: &[Axis] = &[
+    &[
+        &[],
+        &[],
+        &[("texel.method", "exact")],
+        &[("texel.method", "fixed"), ("texel.interval", "5")],
+        &[("texel.method", "fixed"), ("texel.points", "3")],
+        &[("texel.method", "subpolygon"), ("texel.interval", "9")],
+    ],
+    &[&[], &[("texel.error_bound", "0.05")], &[("texel.error_bound", "4")]],
+    &[&[], &[("texel.step_form", "approximate")], &[("texel.step_table", "32")]],
+    &[&[], &[("texel.min_span", "9")]],
+    &[&[], &[("texel.snap", "round")], &[("texel.snap", "floor")]],
+    &[&[], &[("texel.march", "right_to_left")]],
+    &[&[], &[("divider.division", "reciprocal")]],
+    &[&[], &[("mip.mode", "nearest")], &[("mip.mode", "trilinear")], &[("mip.mode", "trilinear"), ("mip.per", "pixel")]],
+    &[&[], &[("look_up.filter", "nearest")]],
+    &[&[], &[("illuminance.mode", "off")]],
+    &[&[], &[("combiner.mode", "modulate")], &[("combiner.mode", "blend")]],
+    &[&[], &[("pixel_value_buffer.depth_test", "false")]],
+    &[&[], &[("scan.z_bits", "16"), ("scan.subpixel_bits", "4")]],
+];
+
+/// When it computes it: none of this may change a picture.
+const TIMING: &[Axis] = &[
+    &[&[], &[("divider.count", "1")], &[("divider.count", "5"), ("divider.latency", "40")]],
+    &[&[], &[("divider.initiation_interval", "1")], &[("divider.multiply_cycles", "0"), ("divider.latency", "1")]],
+    &[&[], &[("texel.root_cycles", "1"), ("texel.latency", "0")], &[("texel.root_cycles", "40"), ("texel.table_cycles", "9")]],
+    &[&[], &[("scan.setup_cycles", "0"), ("scan.cycles_per_span", "1")], &[("scan.cycles_per_span", "9"), ("scan.latency", "0")]],
+    &[&[], &[("approximation.initiation_interval", "3"), ("approximation.latency", "0")]],
+    &[&[], &[("mip.latency", "20"), ("look_up.initiation_interval", "2"), ("look_up.latency", "0")]],
+    &[&[], &[("illuminance.initiation_interval", "3"), ("illuminance.latency", "9")]],
+    &[&[], &[("combiner.initiation_interval", "2"), ("combiner.latency", "0")]],
+    &[&[], &[("memory.texture.cas", "40"), ("cache.texture.sets", "1"), ("cache.texture.ways", "1")]],
+    &[&[], &[("cache.texture.line_bytes", "16"), ("cache.texture.lookups_per_cycle", "1")], &[("look_up.texel_bytes", "3")]],
+    &[&[], &[("memory.pixel.outstanding", "1"), ("memory.depth.outstanding", "1"), ("memory.pixel.cas", "30")]],
+    &[&[], &[("video_out.enabled", "false")], &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")]],
+];
+
+/// FIFOs of the machine, but `draws`.
+const FIFOS: [&str; 14] = [
+    "polygons",
+    "spans",
+    "lit_spans",
+    "points",
+    "segments",
+    "quotients",
+    "texels",
+    "gradients",
+    "tested_texels",
+    "levels",
+    "texture_values",
+    "illuminances",
+    "pixels",
+    "finished_frames",
+];
+
+/// `--set` arguments.
+pub type Settings = Vec<(String, String)>;
+
+fn choices(axes: &'static [Axis]) -> impl Strategy<Value = Settings> {
+    let choice: Vec<_> = axes.iter().map(|axis| (0..axis.len()).prop_map(move |i| axis[i])).collect();
+    choice.prop_map(|chosen| chosen.into_iter().flatten().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect())
+}
+
+/// What changes pictures.
+pub fn meanings() -> impl Strategy<Value = Settings> {
+    choices(MEANING)
+}
+
+/// What must not: times, memory, FIFOs from 1 slot up.
+pub fn timings() -> impl Strategy<Value = Settings> {
+    let depth = prop::option::of(prop_oneof![Just(1u32), Just(2), 3u32..=64]);
+    let latency = prop_oneof![3 => Just(1u32), 1 => 2u32..9];
+    let fifos = prop::collection::vec((depth, latency), FIFOS.len()).prop_map(|all| -> Settings {
+        let set = |(name, (depth, latency)): (&str, (Option<u32>, u32))| {
+            let depth = depth.map(|d| (format!("fifo.{name}.depth"), d.to_string()));
+            let latency = (latency > 1).then(|| (format!("fifo.{name}.latency"), latency.to_string()));
+            depth.into_iter().chain(latency)
+        };
+        FIFOS.into_iter().zip(all).flat_map(set).collect()
+    });
+    (choices(TIMING), fifos).prop_map(|(mut settings, fifos)| {
+        settings.extend(fifos);
+        settings
+    })
+}
+
+/// The settings as the loader takes them.
+pub fn borrowed(settings: &Settings) -> Vec<(&str, &str)> {
+    settings.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect()
+}

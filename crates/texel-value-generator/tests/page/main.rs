@@ -1,0 +1,8 @@
+//! What the patent's page says of the texel value generator (310) and the units around it.
+
+mod chain;
+mod contracts;
+mod figures;
+mod lines;
+mod mip;
+mod spans;
