@@ -5,9 +5,7 @@ use crate::state::Rebuild;
 use crate::{BrightnessConfig, BrightnessState, Clut, Counters, Source};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LEVELS, TableSet, light_vectors};
-use basrelief_signals::{
-    Control, Flow, Index, Indexes, MAX_SAMPLES, MAX_STAMP, Shaded, Stamp, quantization_memory, samples_per_item,
-};
+use basrelief_signals::{Control, Flow, Indexes, MAX_SAMPLES, MAX_STAMP, Sample, Shaded, Stamp, quantization_memory};
 use std::sync::Arc;
 
 /// The cache in front of the CLUTs (122) in memory (120).
@@ -148,13 +146,13 @@ impl BrightnessFetch {
     #[inline(always)]
     fn fetch(&mut self, indexes: &Indexes, traffic: &mut Traffic) -> Out {
         let state = &mut self.state;
-        let per_fragment = samples_per_item(indexes.samples.len(), indexes.stamp.len());
         let entry_bytes = self.config.entry_bytes();
         let from_clut = self.config.source == Source::Clut;
         let mut out = Stamp::new();
-        for (&fragment, samples) in indexes.stamp.iter().zip(indexes.samples.chunks(per_fragment)) {
+        for (lane, &fragment) in indexes.stamp.iter().enumerate() {
             let mut sum = [0.0; 2];
-            for &Index { weight, index, level } in samples {
+            for &Sample { level, weight, value } in &indexes.samples {
+                let (weight, index) = (weight[lane], value[lane]);
                 let value = state.clut.fetch(level, index);
                 sum = [sum[0] + weight * value[0], sum[1] + weight * value[1]];
                 if from_clut {
@@ -164,8 +162,9 @@ impl BrightnessFetch {
             }
             out.push(Shaded { fragment, brightness: sum[0], highlight: sum[1] });
         }
+        let per_fragment = indexes.samples.len();
         state.counters.fragments += out.len() as u64;
-        state.counters.samples += indexes.samples.len() as u64;
+        state.counters.samples += (out.len() * per_fragment) as u64;
         let computing = if from_clut { 0 } else { per_fragment as u64 * u64::from(self.config.direct_cycles) };
         let latency = u64::from(self.config.latency) + computing;
         Step::over(out.len(), computing.max(1), latency, Some(Flow::Item(out)))

@@ -7,7 +7,6 @@ use basrelief_shading::{Table, brightness, reference_normals};
 use basrelief_signals::{Camera, Fragment, Frame, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Vertex};
 use glam::Vec3;
 use proptest::prelude::*;
-use smallvec::smallvec;
 
 fn tables(entries: u32) -> TableSet {
     TableSet { entries: [entries; LEVELS], table: Table::Fibonacci, distinct: true, entry_bits: 16 }
@@ -51,8 +50,8 @@ fn book(lists: &[&[[i16; 3]]]) -> Control {
 
 fn indexes(samples: &[(u8, u16, f32)]) -> Indexes {
     Indexes {
-        stamp: smallvec![Fragment::default()],
-        samples: samples.iter().map(|&(level, index, weight)| Index { weight, index, level }).collect(),
+        stamp: Stamp::from_iter([Fragment::default()]),
+        samples: samples.iter().map(|&(level, index, weight)| Sample::all(level, weight, index)).collect(),
     }
 }
 
@@ -212,8 +211,11 @@ fn each_fragment_of_a_stamp_gets_the_brightness_of_its_own_samples() {
     let mut unit = BrightnessFetch::new(BrightnessConfig::default(), tables(256), 4);
     tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
     let alphas = [(0, 5), (1, 90), (0, 6), (1, 91)].map(|(level, index)| alpha(&mut unit, level, index));
-    let mut two = indexes(&[(0, 5, 0.25), (1, 90, 0.75), (0, 6, 0.5), (1, 91, 0.5)]);
+    let mut two = indexes(&[(0, 5, 0.25), (1, 90, 0.75)]);
     two.stamp.push(Fragment { x: 1, ..Fragment::default() });
+    for (sample, index) in two.samples.iter_mut().zip([6, 91]) {
+        (sample.weight[1], sample.value[1]) = (0.5, index);
+    }
     let step = unit.step(Some(Flow::Item(two)), &mut Traffic::default());
     let Some(Flow::Item(shaded)) = step.out else { panic!("nothing left") };
     let expected = [0.25 * alphas[0] + 0.75 * alphas[1], 0.5 * alphas[2] + 0.5 * alphas[3]];

@@ -190,7 +190,6 @@ mod tests {
     use super::*;
     use basrelief_signals::Camera;
     use proptest::prelude::*;
-    use smallvec::smallvec;
     use std::sync::Arc;
 
     fn frame(index: u32, width: u32, height: u32) -> Flow<Stamp<Pixel>> {
@@ -199,7 +198,7 @@ mod tests {
     }
 
     fn pixel(x: u16, y: u16, rgb: [u8; 3]) -> Flow<Stamp<Pixel>> {
-        Flow::Item(smallvec![Pixel { x, y, z: 0, rgb }])
+        Flow::Item(Stamp::from_iter([Pixel { x, y, z: 0, rgb }]))
     }
 
     const END: Flow<Stamp<Pixel>> = Flow::Control(Control::FrameEnd);

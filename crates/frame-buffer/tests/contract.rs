@@ -3,7 +3,6 @@
 use basrelief_frame_buffer::{FrameBuffer, FrameBufferConfig, FrameDone, VideoOut, VideoOutConfig};
 use basrelief_kernel::unit_contract;
 use basrelief_signals::{Camera, Control, Flow, Frame, Pixel, Stamp, layout};
-use smallvec::smallvec;
 use std::sync::Arc;
 
 /// Three frames of different sizes, one of them empty, with pixels outside; and an end without a frame.
@@ -14,7 +13,7 @@ fn pixels() -> Vec<Flow<Stamp<Pixel>>> {
         let frame = Frame { index, width, height, camera, lights: Vec::new() };
         all.push(Flow::Control(Control::Frame(Arc::new(frame))));
         let pixel = |i: u16| Pixel { x: i * 11 % 23, y: i / 9 % 19, z: 0, rgb: [i as u8, 2, 3] };
-        all.extend((0..count).map(|i| Flow::Item(smallvec![pixel(i)])));
+        all.extend((0..count).map(|i| Flow::Item(Stamp::from_iter([pixel(i)]))));
         all.push(Flow::Control(Control::FrameEnd));
     }
     all.push(Flow::Control(Control::FrameEnd));

@@ -136,7 +136,6 @@ mod tests {
     use super::*;
     use basrelief_signals::{Camera, Fragment, Stamp};
     use proptest::prelude::*;
-    use smallvec::smallvec;
     use std::sync::Arc;
 
     fn frame(width: u32, height: u32) -> Control {
@@ -151,7 +150,7 @@ mod tests {
     }
 
     fn fragment(x: u16, y: u16, z: u32) -> Flow<Stamp<Fragment>> {
-        Flow::Item(smallvec![Fragment { x, y, z, ..Fragment::default() }])
+        Flow::Item(Stamp::from_iter([Fragment { x, y, z, ..Fragment::default() }]))
     }
 
     #[test]

@@ -5,7 +5,6 @@ use basrelief_kernel::unit_contract;
 use basrelief_signals::{
     Camera, Control, Flow, Fragment, Frame, Image, Material, ObjectInfo, Pixel, Polygon, Sampler, Shaded, Stamp, Texture, Vertex,
 };
-use smallvec::smallvec;
 use std::sync::Arc;
 
 fn frame(index: u32) -> Control {
@@ -75,7 +74,7 @@ fn both_ways() -> (Shading, Plain) {
             let fragments = if n == 4 { 0..0 } else { 0..9 + n as u16 };
             match bump {
                 true => bump_way.extend(fragments.map(shaded)),
-                false => plain_way.extend(fragments.map(|i| Flow::Item(smallvec![fragment(i)]))),
+                false => plain_way.extend(fragments.map(|i| Flow::Item(Stamp::from_iter([fragment(i)])))),
             }
         }
         control(Control::FrameEnd, false, (&mut bump_way, &mut plain_way));
@@ -111,7 +110,7 @@ unit_contract! {
 fn flow<T>(item: impl Fn(Fragment) -> T) -> Vec<Flow<Stamp<T>>> {
     let outside = Fragment { x: 32, y: 3, ..Fragment::default() };
     let frame = |index| {
-        let items = (0..120).map(fragment).chain([outside]).map(|f| Flow::Item(smallvec![item(f)]));
+        let items = (0..120).map(fragment).chain([outside]).map(|f| Flow::Item(Stamp::from_iter([item(f)])));
         let mut all = vec![Flow::Control(frame(index)), Flow::Control(polygon(true, Material::default()))];
         all.extend(items);
         all.push(Flow::Control(Control::FrameEnd));

@@ -90,9 +90,9 @@ impl Cache {
             return Some(tags[0].request);
         }
         // Each tag moves one down, until the line is found or the last falls out.
-        let mut carried = Tag { line, request: next };
-        for at in 0..tags.len() {
-            std::mem::swap(&mut carried, &mut tags[at]);
+        let mut carried = std::mem::replace(&mut tags[0], Tag { line, request: next });
+        for tag in &mut tags[1..] {
+            std::mem::swap(&mut carried, tag);
             if carried.line == line {
                 tags[0].request = carried.request;
                 return Some(carried.request);

@@ -117,20 +117,24 @@ impl Flights {
             let pending = &mut self.look_ups[own];
             self.lines.clear();
             for r in traffic.look_ups.iter().filter(|r| r.client as usize == own) {
-                let (first, last) = cached.cache.lines(r.address, r.bytes);
-                for line in first..last + 1 {
-                    if self.lines.contains(&line) {
-                        continue;
+                let (mut line, last) = cached.cache.lines(r.address, r.bytes);
+                // Not a range: mostly it is one line, and a range asks twice whether it is over.
+                loop {
+                    if !self.lines.contains(&line) {
+                        self.lines.push(line);
+                        let look_up = cached.look_up(line, start);
+                        if look_up.fill.is_known() && pending.is_empty() {
+                            flight.answers[own] = cached.cache.resolve(&look_up, look_up.fill);
+                        } else {
+                            pending.push_back(look_up);
+                            flight.look_ups[own] += 1;
+                            waits = true;
+                        }
                     }
-                    self.lines.push(line);
-                    let look_up = cached.look_up(line, start);
-                    if look_up.fill.is_known() && pending.is_empty() {
-                        flight.answers[own] = cached.cache.resolve(&look_up, look_up.fill);
-                    } else {
-                        pending.push_back(look_up);
-                        flight.look_ups[own] += 1;
-                        waits = true;
+                    if line == last {
+                        break;
                     }
+                    line += 1;
                 }
             }
             least = least.max(cached.cache.cycles(self.lines.len()));

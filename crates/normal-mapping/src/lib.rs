@@ -9,6 +9,7 @@
 
 mod config;
 mod distinct;
+mod lanes;
 mod lines;
 mod rotate;
 mod state;

@@ -1,6 +1,8 @@
 //! From tangent space to the world: `N' = T x + B y + N z`, `B = w (N x T)`.
 
+use basrelief_signals::MAX_STAMP;
 use std::ops::{Add, Mul, Sub};
+use wide::f32x4;
 
 /// `a x b`.
 #[inline]
@@ -8,30 +10,29 @@ pub(crate) fn cross<F: Copy + Mul<Output = F> + Sub<Output = F>>(a: [F; 3], b: [
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Tangent frame of a fragment. Generic so that the theorem below is tested on the code that the unit runs, in double
-/// precision; of four lanes, the last one idle, as vector registers have four.
+/// Tangent frames. Generic so that the theorem below is tested on the code that the unit runs, in double precision; the unit
+/// takes those of a stamp side by side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TangentFrame<F> {
-    normal: [F; 4],
-    tangent: [F; 4],
-    bitangent: [F; 4],
+    normal: [F; 3],
+    tangent: [F; 3],
+    bitangent: [F; 3],
 }
 
-impl<F: Copy + Default + Add<Output = F> + Mul<Output = F> + Sub<Output = F>> TangentFrame<F> {
+impl<F: Copy + Add<Output = F> + Mul<Output = F> + Sub<Output = F>> TangentFrame<F> {
     /// From the interpolated normal and tangent, neither normalised again (as MikkTSpace prescribes), and handedness w.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(normal: [F; 3], tangent: [F; 3], w: F) -> Self {
-        let lanes = |[x, y, z]: [F; 3]| [x, y, z, F::default()];
         let [x, y, z] = cross(normal, tangent);
-        Self { normal: lanes(normal), tangent: lanes(tangent), bitangent: lanes([x * w, y * w, z * w]) }
+        Self { normal, tangent, bitangent: [x * w, y * w, z * w] }
     }
 
     /// The tangent-space vector `v` in the frame's space; its length does not matter.
-    #[inline]
-    pub(crate) fn rotate(&self, v: [F; 3]) -> [F; 4] {
+    #[inline(always)]
+    pub(crate) fn rotate(&self, v: [F; 3]) -> [F; 3] {
         let (t, b, n) = (&self.tangent, &self.bitangent, &self.normal);
-        let lane = |i: usize| t[i] * v[0] + b[i] * v[1] + n[i] * v[2];
-        [lane(0), lane(1), lane(2), lane(3)]
+        let component = |i: usize| t[i] * v[0] + b[i] * v[1] + n[i] * v[2];
+        [component(0), component(1), component(2)]
     }
 }
 
@@ -51,36 +52,41 @@ impl FixedPoint {
         Self { steps, widen: 32_767.0 / steps }
     }
 
-    /// N' so that its largest component is +-32767; the zero vector and what has no direction (infinite, not a number)
-    /// become zero. The fourth lane is idle.
-    #[inline]
-    pub(crate) fn quantize(self, v: [f32; 4]) -> [i16; 3] {
-        // Not `f32::max`, which spends six instructions on NaN: the sum below finds those.
-        let larger = |a: f32, b: f32| if a > b { a } else { b };
-        let largest = larger(larger(v[0].abs(), v[1].abs()), v[2].abs());
-        let scale = self.steps / largest;
-        // A NaN among them a comparison may drop, a sum does not. Below 1e-30 the scale would overflow; a normal map and unit vectors
-        // cannot get there. Together: finite, and not too small.
-        let sound = (v[0] + v[1] + v[2]).abs() <= 3.0 * largest && (1e-30..=1e30).contains(&largest);
-        if !sound {
-            return [0; 3];
-        }
-        let coarse = [round(v[0] * scale), round(v[1] * scale), round(v[2] * scale)];
-        if self.widen == 1.0 { coarse } else { coarse.map(|q| round(f32::from(q) * self.widen)) }
+    /// N' of each lane, so that its largest component is +-32767; the zero vector and what has no direction (infinite, not a
+    /// number) become zero.
+    #[inline(always)]
+    pub(crate) fn quantize(self, v: [f32x4; 3]) -> [[i16; 3]; MAX_STAMP] {
+        let [x, y, z] = v;
+        // Which of the two a NaN wins differs between processors, but the sum finds those.
+        let largest = x.abs().fast_max(y.abs()).fast_max(z.abs());
+        // Below 1e-30 the scale would overflow; a normal map and unit vectors cannot get there. Together: finite, and not too
+        // small.
+        let sound =
+            (x + y + z).abs().simd_le(largest * 3.0) & largest.simd_ge(f32x4::splat(1e-30)) & largest.simd_le(f32x4::splat(1e30));
+        let scale = f32x4::splat(self.steps) / largest;
+        let [x, y, z] = v.map(|c| {
+            let coarse = sound.select(c * scale, f32x4::ZERO);
+            let fine = if self.widen == 1.0 { coarse } else { ((coarse + ROUND) - ROUND) * self.widen };
+            (fine + ROUND).to_bits().to_array()
+        });
+        std::array::from_fn(|lane| [x[lane] as i16, y[lane] as i16, z[lane] as i16])
     }
 }
 
-/// Nearest whole number, half to even, of |c| <= 32767. The sum leaves it in the low bits of the fraction: a conversion
-/// would cost the checks for what does not fit, three times per sample.
-#[inline]
-fn round(c: f32) -> i16 {
-    (c + 12_582_912.0).to_bits() as i16
-}
+/// Added to |c| <= 32767, it leaves the nearest whole number, half to even, in the low bits of the fraction: a conversion
+/// would cost the checks for what does not fit.
+const ROUND: f32 = 12_582_912.0;
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    /// The quantized vector, beside lanes of other vectors.
+    fn one(bits: u32, v: [f32; 3]) -> [i16; 3] {
+        let beside = v.map(|c| f32x4::new([7.0, f32::NAN, c, 0.0]));
+        FixedPoint::new(bits).quantize(beside)[2]
+    }
 
     fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
         a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -126,7 +132,7 @@ mod tests {
         fn fixed_point_keeps_the_direction(v in prop::array::uniform3(-1f32..1.0), bits in 8u32..=16) {
             let largest = v.iter().fold(0f32, |m, c| m.max(c.abs()));
             prop_assume!(largest > 1e-3);
-            let q = FixedPoint::new(bits).quantize([v[0], v[1], v[2], 0.0]);
+            let q = one(bits, v);
             prop_assert_eq!(q.iter().map(|c| c.unsigned_abs()).max(), Some(32_767));
             let step = 32_767.0 / ((1 << (bits - 1)) - 1) as f32;
             for i in 0..3 {
@@ -137,7 +143,7 @@ mod tests {
 
     #[test]
     fn what_has_no_direction_is_zero() {
-        let fixed_point = |[x, y, z]: [f32; 3]| FixedPoint::new(16).quantize([x, y, z, 0.0]);
+        let fixed_point = |v: [f32; 3]| one(16, v);
         for v in [[0.0; 3], [1e-40, 0.0, 0.0], [f32::INFINITY, 0.0, 0.0], [f32::NAN, 1.0, 0.0], [f32::NAN; 3]] {
             assert_eq!(fixed_point(v), [0; 3], "{v:?}");
         }

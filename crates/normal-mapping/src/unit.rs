@@ -1,14 +1,16 @@
 //! The unit and its step.
 
+use crate::lanes::weights;
 use crate::lines::Lines;
 use crate::rotate::{FixedPoint, TangentFrame};
 use crate::{Counters, FilterAt, NormalMappingConfig, NormalMappingState};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_shading::{Gradient, LEVELS, Taps, decode_normal, fan_triangle, level_offset, select_levels, taps};
-use basrelief_signals::{
-    Control, Flow, Fragment, Image, MAX_SAMPLES, Polygon, PseudoNormal, PseudoNormals, Samples, Stamp, samples_per_item,
+use basrelief_shading::{
+    Footprints, Gradient, LEVELS, Taps, decode_normal, fan_triangle, footprints, level_offset, select_levels,
 };
+use basrelief_signals::{Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Sample, Samples, Stamp};
 use std::sync::Arc;
+use wide::f32x4;
 
 /// Normal-vector mapping unit (108).
 ///
@@ -24,8 +26,6 @@ pub struct NormalMapping {
     state: NormalMappingState,
     /// Of the triangle that the last fragment was in; follows from the state.
     setup: Option<Setup>,
-    /// Room for the samples of a fragment: kept, since a new one would be cleared or copied for each.
-    gathered: Gathered,
 }
 
 /// Attributes over a triangle; follows from polygon and triangle.
@@ -57,16 +57,7 @@ impl NormalMapping {
     pub fn new(config: NormalMappingConfig, levels: u8, stamp: u32, line_bytes: u32) -> Self {
         let lines = Lines::new(config.texel_bytes, line_bytes);
         let fixed_point = FixedPoint::new(config.normal_bits);
-        Self {
-            config,
-            levels,
-            stamp,
-            lines,
-            fixed_point,
-            state: NormalMappingState::default(),
-            setup: None,
-            gathered: Gathered::default(),
-        }
+        Self { config, levels, stamp, lines, fixed_point, state: NormalMappingState::default(), setup: None }
     }
 
     /// State; for checkpoints.
@@ -100,115 +91,99 @@ impl NormalMapping {
     #[inline(always)]
     fn map(&mut self, stamp: Stamp<Fragment>, traffic: &mut Traffic) -> PseudoNormals {
         let mut samples = Samples::new();
-        self.lines.begin_step();
-        for fragment in &stamp {
-            let before = samples.len();
-            self.sample(fragment, &mut samples, traffic);
-            if samples.len() == before {
-                // No polygon was announced, or it has no such triangle: a normal without direction.
-                samples.push(PseudoNormal { weight: 1.0, ..PseudoNormal::default() });
-            }
+        if self.sample(&stamp, &mut samples, traffic).is_none() {
+            // No polygon was announced, or it has no such triangle or level: a normal without direction.
+            samples.clear();
+            samples.push(Sample::all(0, 1.0, [0; 3]));
         }
         let counters = &mut self.state.counters;
         counters.fragments += stamp.len() as u64;
-        counters.pseudo_normals += samples.len() as u64;
-        samples.iter().for_each(|s| counters.distinct.insert(s.normal));
+        counters.pseudo_normals += (stamp.len() * samples.len()) as u64;
+        for sample in &samples {
+            sample.value.iter().take(stamp.len()).for_each(|normal| counters.distinct.insert(*normal));
+        }
         PseudoNormals { stamp, samples }
     }
 
-    #[inline]
-    fn sample(&mut self, fragment: &Fragment, out: &mut Samples<PseudoNormal>, traffic: &mut Traffic) -> Option<()> {
+    /// Samples the fragments of a stamp side by side; `None` where there is nothing to sample.
+    #[inline(always)]
+    fn sample(&mut self, stamp: &Stamp<Fragment>, out: &mut Samples<[i16; 3]>, traffic: &mut Traffic) -> Option<()> {
         let NormalMappingState { polygon, levels, base, counters } = &mut self.state;
         let polygon = polygon.as_deref()?;
-        if self.setup.as_ref().is_none_or(|s| s.triangle != fragment.triangle) {
-            self.setup = Setup::new(polygon, fragment.triangle);
+        let triangle = stamp.first()?.triangle;
+        if self.setup.as_ref().is_none_or(|s| s.triangle != triangle) {
+            self.setup = Setup::new(polygon, triangle);
         }
         let setup = self.setup.as_ref()?;
-        counters.bump_fragments += u64::from(polygon.bump);
-        let [nx, ny, nz, tx, ty, tz, u, v] = setup.attributes.at(fragment.weights);
+        counters.bump_fragments += u64::from(polygon.bump) * stamp.len() as u64;
+        let [nx, ny, nz, tx, ty, tz, u, v] = setup.attributes.side_by_side(weights(stamp));
         let selected = (0..usize::from(levels.count)).map(|i| (levels.level[i], levels.weight[i], base[i]));
         let Some(map) = polygon.material.normal_map.as_deref() else {
-            let normal = self.fixed_point.quantize([nx, ny, nz, 0.0]);
-            out.extend(selected.map(|(level, weight, _)| PseudoNormal { weight, normal, level }));
+            let value = self.fixed_point.quantize([nx, ny, nz]);
+            out.extend(selected.map(|(level, weight, _)| Sample { level, weight: [weight; MAX_STAMP], value }));
             return Some(());
         };
-        let frame = TangentFrame::new([nx, ny, nz], [tx, ty, tz], setup.handedness);
+        let frame = TangentFrame::new([nx, ny, nz], [tx, ty, tz], f32x4::splat(setup.handedness));
         let scale = polygon.material.normal_scale;
-        let gathered = &mut self.gathered;
-        gathered.samples.clear();
         for (level, weight, base) in selected {
             let image = map.levels.get(usize::from(level))?;
-            let taps = taps(image, &map.sampler, self.config.filter, [u, v]);
-            self.lines.look_up(image.width, base, &taps, traffic);
-            counters.texels += u64::from(taps.count);
-            gathered.add((level, weight), self.config.filter_at, image, &taps);
-        }
-        // A loop of its own: the samples do not depend on each other, and a short body lets the processor overlap them.
-        for sample in &gathered.samples {
-            let [x, y, z, _] = decode_normal(sample.stored);
-            let normal = self.fixed_point.quantize(frame.rotate([x * scale, y * scale, z]));
-            out.push(PseudoNormal { weight: sample.weight, normal, level: sample.level });
+            let footprints = footprints(image, &map.sampler, self.config.filter, [u, v]);
+            self.lines.look_up(image.width, base, (&footprints, stamp.len()), traffic);
+            counters.texels += u64::from(footprints.count) * stamp.len() as u64;
+            let mut add = |weight: [f32; MAX_STAMP], stored: [f32x4; 3]| {
+                let [x, y, z] = stored.map(|c| f32x4::new(decode_normal(c.to_array())));
+                let value = self.fixed_point.quantize(frame.rotate([x * scale, y * scale, z]));
+                // A ninth is dropped.
+                if out.len() < MAX_SAMPLES {
+                    out.push(Sample { level, weight, value });
+                }
+            };
+            match self.config.filter_at {
+                FilterAt::Normal => add([weight; MAX_STAMP], filtered(image, &footprints)),
+                FilterAt::Brightness => {
+                    for tap in 0..usize::from(footprints.count) {
+                        let shares = std::array::from_fn(|lane| weight * footprints.taps(lane).weight[tap]);
+                        add(shares, unfiltered(image, &footprints, tap));
+                    }
+                }
+            }
         }
         Some(())
     }
 }
 
-/// A texel as stored, 0..=255 per component; one that the image lacks (its texels are short) points straight up.
-///
-/// All four components, although alpha means nothing: four fit a vector register, three do not.
-#[inline]
-fn stored(image: &Image, [x, y]: [u32; 2]) -> [f32; 4] {
+/// A texel as stored, 0..=255 per component; one that the image lacks (its texels are short) points straight up. Alpha comes
+/// along, although it means nothing.
+#[inline(always)]
+fn stored(image: &Image, [x, y]: [u32; 2]) -> f32x4 {
     let at = y as usize * image.width as usize + x as usize;
     let [r, g, b, a] = image.texels.get(at).copied().unwrap_or([128, 128, 255, 255]);
-    [f32::from(r), f32::from(g), f32::from(b), f32::from(a)]
+    f32x4::new([f32::from(r), f32::from(g), f32::from(b), f32::from(a)])
 }
 
-/// A sample in tangent space, as stored in the map.
-#[derive(Clone, Copy, Debug)]
-struct Stored {
-    stored: [f32; 4],
-    weight: f32,
-    level: u8,
-}
-
-/// The samples of a fragment.
-#[derive(Clone, Debug, Default)]
-struct Gathered {
-    samples: Vec<Stored>,
-}
-
-impl Gathered {
-    /// Adds the samples of a level: one, or one per tap.
-    #[inline]
-    fn add(&mut self, (level, weight): (u8, f32), at: FilterAt, image: &Image, taps: &Taps) {
-        let [p, q, r, s] = taps.texel;
-        let a = stored(image, p);
-        if taps.count == 1 {
-            return self.push(Stored { stored: a, weight, level });
-        }
-        let (b, c, d) = (stored(image, q), stored(image, r), stored(image, s));
-        let [wa, wb, wc, wd] = taps.weight;
-        match at {
-            // The weighted sum of what is stored: decoding is linear, so it can follow.
-            FilterAt::Normal => {
-                let lane = |i: usize| (wa * a[i] + wb * b[i]) + (wc * c[i] + wd * d[i]);
-                self.push(Stored { stored: [lane(0), lane(1), lane(2), lane(3)], weight, level });
-            }
-            FilterAt::Brightness => {
-                for (share, stored) in [(wa, a), (wb, b), (wc, c), (wd, d)] {
-                    self.push(Stored { stored, weight: weight * share, level });
-                }
-            }
-        }
+/// What is stored, filtered: the weighted sum of the taps. Decoding is linear, so it can follow.
+#[inline(always)]
+fn filtered(image: &Image, footprints: &Footprints) -> [f32x4; 3] {
+    if footprints.count == 1 {
+        return unfiltered(image, footprints, 0);
     }
+    side_by_side(|lane| {
+        let Taps { texel: [a, b, c, d], weight: [wa, wb, wc, wd], .. } = footprints.taps(lane);
+        (stored(image, a) * wa + stored(image, b) * wb) + (stored(image, c) * wc + stored(image, d) * wd)
+    })
+}
 
-    /// A ninth is dropped.
-    #[inline]
-    fn push(&mut self, sample: Stored) {
-        if self.samples.len() < MAX_SAMPLES {
-            self.samples.push(sample);
-        }
-    }
+/// One tap of each footprint as stored.
+#[inline]
+fn unfiltered(image: &Image, footprints: &Footprints, tap: usize) -> [f32x4; 3] {
+    side_by_side(|lane| stored(image, footprints.taps(lane).texel[tap]))
+}
+
+/// Turns the texels of the lanes into the lanes of the components.
+#[inline(always)]
+fn side_by_side(texel: impl Fn(usize) -> f32x4) -> [f32x4; 3] {
+    let [x, y, z, _] = f32x4::transpose([texel(0), texel(1), texel(2), texel(3)]);
+    [x, y, z]
 }
 
 impl Unit for NormalMapping {
@@ -225,8 +200,7 @@ impl Unit for NormalMapping {
         match input {
             Some(Flow::Item(stamp)) => {
                 let out = self.map(stamp, traffic);
-                let per_fragment = samples_per_item(out.samples.len(), out.stamp.len()) as u32;
-                let interval = per_fragment.div_ceil(self.config.normals_per_cycle.max(1));
+                let interval = (out.samples.len() as u32).div_ceil(self.config.normals_per_cycle.max(1));
                 Step::over(out.stamp.len(), u64::from(interval), latency, Some(Flow::Item(out)))
             }
             Some(Flow::Control(control)) => {

@@ -65,7 +65,7 @@ mod tests {
     fn control_carries_the_order_on_the_first_way_and_brackets_plain_polygons_on_the_second() {
         let mut unit = Distributor::default();
         let mut step = |token: &Flow<Stamp<Fragment>>| unit.step(Some(token.clone()), &mut Traffic::default()).out;
-        let fragment = Flow::Item(Stamp::from_elem(Fragment { x: 3, ..Fragment::default() }, 2));
+        let fragment = Flow::Item(Stamp::from_iter([Fragment { x: 3, ..Fragment::default() }; 2]));
         let mut plain_before = false;
         for bump in [true, false, false, true, true] {
             let control = polygon(bump);

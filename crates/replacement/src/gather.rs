@@ -1,6 +1,6 @@
 //! Pseudo-normals held back until their code book is built.
 
-use basrelief_signals::{Control, Flow, PseudoNormals, Samples};
+use basrelief_signals::{Control, Flow, PseudoNormals};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -33,10 +33,16 @@ impl Gather {
 
     /// All pseudo-normals of a table level, in order; `table_level` maps the sample's level to its table's.
     pub(crate) fn of_level(&self, level: u8, table_level: impl Fn(u8) -> u8) -> impl Iterator<Item = [i16; 3]> {
-        let samples = |flow: &'_ Flow<PseudoNormals>| match flow {
-            Flow::Item(p) => p.samples.clone(),
-            Flow::Control(_) => Samples::new(),
+        let normals = move |flow: &'_ Flow<PseudoNormals>| {
+            let mut normals = Vec::new();
+            if let Flow::Item(PseudoNormals { stamp, samples }) = flow {
+                for lane in 0..stamp.len() {
+                    let of_level = samples.iter().filter(|s| table_level(s.level) == level);
+                    normals.extend(of_level.map(|s| s.value[lane]));
+                }
+            }
+            normals
         };
-        self.held.iter().flat_map(samples).filter(move |s| table_level(s.level) == level).map(|s| s.normal)
+        self.held.iter().flat_map(normals)
     }
 }

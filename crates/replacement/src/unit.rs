@@ -5,10 +5,8 @@ use crate::tables::HostTables;
 use crate::{CodeBookMode, Counters, NearestSearch, ReplacementConfig, ReplacementState, build_code_book};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LEVELS, TableError};
-use basrelief_signals::{
-    Control, Flow, Index, Indexes, MAX_SAMPLES, MAX_STAMP, PseudoNormal, PseudoNormals, Samples, quantization_memory,
-    samples_per_item,
-};
+use basrelief_signals::{Control, Flow, Indexes, MAX_SAMPLES, MAX_STAMP, PseudoNormals, Sample, Samples, quantization_memory};
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// VQ tables (121) are read through this client.
@@ -29,9 +27,9 @@ pub struct Replacement {
     tables: HostTables,
     /// Search structures of the current code book; they follow from the state.
     book: Option<Vec<NearestSearch>>,
-    /// Levels of the samples of a fragment whose stamp found all tables resident: using them again in the same order leaves
-    /// their order of use as it is, so the next stamp of the kind need not look. (All fragments of a stamp have the same.)
-    settled: Option<Samples<u8>>,
+    /// Levels of the samples of a stamp that found all tables resident: using them again in the same order leaves their order of
+    /// use as it is, so the next stamp of the kind need not look.
+    settled: Option<SmallVec<[u8; MAX_SAMPLES]>>,
 }
 
 type Out = Step<Option<Flow<Indexes>>>;
@@ -148,8 +146,7 @@ impl Replacement {
     /// Marks the tables of a fragment as used, and queues those that are not resident.
     #[inline]
     fn request_tables(&mut self, normals: &PseudoNormals) {
-        let per_fragment = samples_per_item(normals.samples.len(), normals.stamp.len());
-        let levels = || normals.samples.iter().take(per_fragment).map(|s| s.level);
+        let levels = || normals.samples.iter().map(|s| s.level);
         if self.settled.as_ref().is_some_and(|settled| settled.iter().copied().eq(levels())) {
             return;
         }
@@ -194,40 +191,46 @@ impl Replacement {
         }
     }
 
-    /// Searches every sample of a stamp in the table or code book of its level.
+    /// Searches every sample of a stamp in the table or code book of its level: those of the first fragment, then those of the
+    /// second ...
     #[inline(always)]
     fn replace(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
         let object = self.fixed_by_object();
+        let fragments = normals.stamp.len();
         let mut samples = Samples::new();
-        let (mut serial, mut pipelined) = (0, 0);
-        // A division per sample is worth avoiding: tables mostly have one size.
-        let (mut entries, mut cycles) = (0, self.config.search_cycles(0));
-        for (i, &PseudoNormal { weight, normal, level }) in normals.samples.iter().enumerate() {
-            let level = self.table_level(level);
+        let (mut of_fragment, mut pipelined) = (0, 0);
+        for (i, Sample { level, weight, value }) in normals.samples.iter().enumerate() {
+            let level = self.table_level(*level);
             let search = match &mut self.book {
                 Some(book) => book.get_mut(usize::from(level)).ok_or(TableError::Entries(0)),
                 None => self.tables.table(level, object),
             };
-            let mut index = 0;
+            let mut indexes = [0; MAX_STAMP];
+            let mut cycles = 0;
             match search {
                 Ok(search) => {
-                    if search.entries() != entries {
-                        entries = search.entries();
-                        cycles = self.config.search_cycles(entries);
+                    cycles = self.config.search_cycles(search.entries());
+                    for (index, normal) in indexes.iter_mut().zip(value).take(fragments) {
+                        *index = search.nearest(*normal);
+                        self.state.counters.count_search(level, *index);
                     }
-                    serial += cycles;
-                    pipelined = pipelined.max(i as u64 + cycles);
-                    index = search.nearest(normal);
                 }
                 Err(error) => {
                     let name = self.state.object.as_ref().map_or("", |o| o.name.as_str());
                     traffic.fault(format!("object `{name}` fixes its number of reference normals: {error}"));
                 }
             }
-            samples.push(Index { weight, index, level });
-            self.state.counters.count_search(level, index);
+            of_fragment += cycles;
+            pipelined = pipelined.max(i as u64 + cycles);
+            samples.push(Sample { level, weight: *weight, value: indexes });
         }
-        let (occupancy, cycles) = if self.config.pipelined { (samples.len() as u64, pipelined) } else { (serial, serial) };
+        let searches = (fragments * samples.len()) as u64;
+        let (occupancy, cycles) = if self.config.pipelined {
+            // One search starts per cycle; the last fragment is the last to be through.
+            (searches, searches - samples.len() as u64 + pipelined)
+        } else {
+            (fragments as u64 * of_fragment, fragments as u64 * of_fragment)
+        };
         let out = Indexes { stamp: normals.stamp, samples };
         Step::after(u64::from(self.config.latency) + cycles, Some(Flow::Item(out))).busy(occupancy.max(1))
     }
@@ -236,7 +239,7 @@ impl Replacement {
 /// Code books.
 impl Replacement {
     fn item_bytes(&self, normals: &PseudoNormals) -> u32 {
-        (3 * self.normal_bits).div_ceil(8) * (normals.samples.len() as u32).clamp(1, (MAX_SAMPLES * MAX_STAMP) as u32)
+        (3 * self.normal_bits).div_ceil(8) * (normals.stamp.len() * normals.samples.len()).max(1) as u32
     }
 
     fn gather(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {

@@ -4,9 +4,8 @@ use super::*;
 use crate::{PerLevel, Tables};
 use basrelief_kernel::Request;
 use basrelief_shading::{Table, reference_normals};
-use basrelief_signals::{Fragment, Material, ObjectInfo, Polygon, Vertex};
+use basrelief_signals::{Fragment, Material, ObjectInfo, Polygon, Stamp, Vertex};
 use proptest::prelude::*;
-use smallvec::smallvec;
 
 fn config() -> ReplacementConfig {
     ReplacementConfig::default()
@@ -15,8 +14,8 @@ fn config() -> ReplacementConfig {
 fn sample(x: u16, samples: &[(u8, [i16; 3])]) -> PseudoNormals {
     let weight = 1.0 / samples.len() as f32;
     PseudoNormals {
-        stamp: smallvec![Fragment { x, ..Fragment::default() }],
-        samples: samples.iter().map(|&(level, normal)| PseudoNormal { weight, normal, level }).collect(),
+        stamp: Stamp::from_iter([Fragment { x, ..Fragment::default() }]),
+        samples: samples.iter().map(|&(level, normal)| Sample::all(level, weight, normal)).collect(),
     }
 }
 
@@ -73,9 +72,9 @@ fn claims_1_and_7_each_level_is_replaced_by_a_member_of_its_own_table() {
     let mut unit = Replacement::new(config(), 16).unwrap();
     let (steps, _) = run(&mut unit, vec![Flow::Item(sample(1, &[(0, n), (1, n)]))]);
     let found = indexes(&steps)[0].samples.clone();
-    assert_eq!([0, 1].map(|i| (found[i].level, found[i].weight)), [(0, 0.5), (1, 0.5)]);
+    assert_eq!([0, 1].map(|i| (found[i].level, found[i].weight[0])), [(0, 0.5), (1, 0.5)]);
     let chosen = |level: u8, i: u16| reference_normals(level, 256, Table::Fibonacci, true, 16).unwrap()[usize::from(i)];
-    let (a, b) = (chosen(0, found[0].index), chosen(1, found[1].index));
+    let (a, b) = (chosen(0, found[0].value[0]), chosen(1, found[1].value[0]));
     assert_ne!(a, b, "the same N' at two levels gives two slightly different vectors");
     for q in [a, b] {
         let dot: f64 = (0..3).map(|i| f64::from(q[i]) * f64::from(n[i])).sum();
@@ -88,7 +87,7 @@ fn identical_tables_give_the_same_index_at_every_level() {
     let n = [12_000, -30_000, 5_000];
     let mut unit = Replacement::new(ReplacementConfig { tables: Tables::Identical, ..config() }, 16).unwrap();
     let (steps, _) = run(&mut unit, vec![Flow::Item(sample(1, &[(0, n), (1, n), (5, n)]))]);
-    let found: Vec<u16> = indexes(&steps)[0].samples.iter().map(|s| s.index).collect();
+    let found: Vec<u16> = indexes(&steps)[0].samples.iter().map(|s| s.value[0]).collect();
     assert_eq!(found, [found[0]; 3]);
 }
 
@@ -133,9 +132,9 @@ fn an_object_may_fix_the_number_of_entries_and_the_bias_coarsens_the_table() {
     let (steps, _) = run(&mut unit, input);
     let found = indexes(&steps)[0].samples.clone();
     assert_eq!([found[0].level, found[1].level], [4, 7]);
-    assert!(found[0].index < 16);
+    assert!(found[0].value[0] < 16);
     let expected = NearestSearch::new(&reference_normals(4, 16, Table::Fibonacci, true, 16).unwrap(), 0).nearest(n);
-    assert_eq!(found[0].index, expected);
+    assert_eq!(found[0].value[0], expected);
 }
 
 #[test]
@@ -169,14 +168,11 @@ fn a_stamp_takes_as_long_as_its_samples_and_leaves_with_the_last() {
     let timing = |pipelined| {
         let mut unit = Replacement::new(ReplacementConfig { lanes: 64, pipelined, ..config() }, 16).unwrap();
         let mut three = sample(0, &[(0, [1, 2, 3]), (1, [1, 2, 3])]);
-        let (fragment, samples) = (three.stamp[0], three.samples.clone());
-        for _ in 0..2 {
-            three.stamp.push(fragment);
-            three.samples.extend(samples.clone());
-        }
+        let fragment = three.stamp[0];
+        three.stamp.extend([fragment; 2]);
         let (steps, _) = run(&mut unit, vec![Flow::Item(three.clone()), Flow::Item(three)]);
         let last = steps.last().unwrap();
-        assert_eq!(indexes(&steps)[1].samples.len(), 6);
+        assert_eq!((indexes(&steps)[1].stamp.len(), unit.counters().searches), (3, 12));
         (last.occupancy, last.latency)
     };
     assert_eq!(timing(true), (6, 4 + 5 + 4));
@@ -236,12 +232,12 @@ fn variant_b_and_e_indexes_point_into_the_code_book() {
             match flow {
                 Flow::Control(Control::CodeBook(b)) => book = Arc::clone(b),
                 Flow::Item(i) => {
-                    let q = book[0][usize::from(i.samples[0].index)].map(f64::from);
+                    let q = book[0][usize::from(i.samples[0].value[0])].map(f64::from);
                     let n = [f64::from(i.stamp[0].x), 100.0, 7.0];
                     let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
                     let cosine = (0..3).map(|k| q[k] * n[k]).sum::<f64>() / length(q) / length(n);
                     assert!(cosine > 0.999_999, "few distinct N': each has an entry of its own");
-                    assert!(book[1].len() > usize::from(i.samples[1].index) && book[2].is_empty());
+                    assert!(book[1].len() > usize::from(i.samples[1].value[0]) && book[2].is_empty());
                 }
                 Flow::Control(_) => {}
             }

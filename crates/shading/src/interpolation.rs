@@ -1,6 +1,7 @@
 //! Attributes of a fragment from those of its triangle.
 
 use basrelief_signals::{Polygon, Vertex};
+use wide::f32x4;
 
 /// The vertices of triangle `triangle` of the polygon's fan: 0, `triangle + 1`, `triangle + 2`; `None` where the
 /// polygon has fewer.
@@ -34,6 +35,16 @@ impl<const N: usize> Gradient<N> {
     pub fn at(&self, weights: [f32; 2]) -> [f32; N] {
         std::array::from_fn(|i| self.first[i] + weights[0] * self.second[i] + weights[1] * self.third[i])
     }
+
+    /// [`Gradient::at`] for four fragments side by side.
+    #[inline(always)]
+    pub fn side_by_side(&self, [second, third]: [f32x4; 2]) -> [f32x4; N] {
+        let mut attributes = [f32x4::ZERO; N];
+        for (i, attribute) in attributes.iter_mut().enumerate() {
+            *attribute = second * self.second[i] + self.first[i] + third * self.third[i];
+        }
+        attributes
+    }
 }
 
 /// One attribute at `weights` of a triangle; see [`Gradient::at`].
@@ -55,6 +66,11 @@ mod tests {
         assert_eq!(at([1.0, 0.0]), v[1]);
         assert_eq!(at([0.0, 1.0]), v[2]);
         assert_eq!(at([0.3, 0.17])[1], 0.1);
+        let weights = [[0.3, 1.0, 0.0, 0.5], [0.17, 0.0, 0.0, 0.5]];
+        let side_by_side = Gradient::new([&v[0], &v[1], &v[2]]).side_by_side(weights.map(f32x4::new));
+        for lane in 0..4 {
+            assert_eq!(side_by_side.map(|a| a.to_array()[lane]), at(weights.map(|w| w[lane])));
+        }
     }
 
     #[test]

@@ -25,4 +25,4 @@ pub use lighting::{LightVector, brightness, light_vectors, saturated};
 pub use lod::{LEVELS, LevelSet, lod, select_levels};
 pub use reference_normals::{MAX_ENTRIES, Table, TableError, TableSet, quantize_unit, reference_normals};
 pub use scan::{MAX_BLOCK, Raster, Scan, Spans, fan_triangles};
-pub use texture::{Taps, address, decode_normal, level_offset, tap_offsets, taps, texel_offset};
+pub use texture::{Footprints, LANES, Taps, address, decode_normal, footprints, level_offset, tap_offsets, taps, texel_offset};

@@ -1,6 +1,7 @@
 //! Which texels a sample touches, what they weigh, and where they lie in memory.
 
 use basrelief_signals::{Filter, Image, Sampler, Texture, Wrap};
+use wide::{f32x4, u32x4};
 
 /// Side of the square blocks that textures are stored in \[texels\] (assumed; Hakura and Gupta 1997 found 3 to 15 times
 /// less bandwidth than with rows).
@@ -18,85 +19,109 @@ pub struct Taps {
     pub weight: [f32; 4],
 }
 
-/// Texels of `image` for a sample at `uv` (0..1 spans the image; NaN counts as 0, every other value is legal).
+/// Samples that are computed side by side, in one vector register.
+pub const LANES: usize = 4;
+
+/// What [`LANES`] samples touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footprints {
+    /// Texels in use per sample: 1 (nearest) or 4 (bilinear).
+    pub count: u8,
+    /// Left and right columns, inside the image; the same where one texel is in use.
+    pub columns: [[u32; LANES]; 2],
+    /// Upper and lower rows, inside the image; the same where one texel is in use.
+    pub rows: [[u32; LANES]; 2],
+    /// Shares of the right column and of the lower row, 0 ..= 1.
+    pub shares: [[f32; LANES]; 2],
+}
+
+impl Footprints {
+    /// Texels and weights of sample `lane`.
+    #[inline(always)]
+    pub fn taps(&self, lane: usize) -> Taps {
+        let [[x0, x1], [y0, y1]] = [self.columns, self.rows].map(|two| two.map(|lanes| lanes[lane]));
+        let [fx, fy] = self.shares.map(|lanes| lanes[lane]);
+        let (gx, gy) = (1.0 - fx, 1.0 - fy);
+        let weight = [gx * gy, fx * gy, gx * fy, fx * fy];
+        Taps { count: self.count, texel: [[x0, y0], [x1, y0], [x0, y1], [x1, y1]], weight }
+    }
+}
+
+/// Texels of `image` for samples at `uv` (0..1 spans the image; NaN counts as 0, every other value is legal).
 ///
 /// Wrap modes come from the sampler, the filter from the caller: it is a choice of the machine.
+#[inline(always)]
+pub fn footprints(image: &Image, sampler: &Sampler, filter: Filter, [u, v]: [f32x4; 2]) -> Footprints {
+    let (columns, fx) = axis(u, image.width, sampler.wrap[0], filter);
+    let (rows, fy) = axis(v, image.height, sampler.wrap[1], filter);
+    let count = if filter == Filter::Nearest { 1 } else { 4 };
+    Footprints { count, columns, rows, shares: [fx, fy] }
+}
+
+/// [`footprints`] of one sample.
 #[inline]
 pub fn taps(image: &Image, sampler: &Sampler, filter: Filter, uv: [f32; 2]) -> Taps {
-    let x = place(uv[0], image.width, sampler.wrap[0]);
-    let y = place(uv[1], image.height, sampler.wrap[1]);
+    footprints(image, sampler, filter, uv.map(f32x4::splat)).taps(0)
+}
+
+/// Columns or rows, and the share of the second.
+#[inline(always)]
+fn axis(u: f32x4, size: u32, wrap: Wrap, filter: Filter) -> ([[u32; LANES]; 2], [f32; LANES]) {
+    let size = size.max(1) as f32;
+    let x = place(u, size, wrap);
     match filter {
-        Filter::Nearest => {
-            let texel = [nearest(x, image.width), nearest(y, image.height)];
-            Taps { count: 1, texel: [texel; 4], weight: [1.0, 0.0, 0.0, 0.0] }
-        }
+        Filter::Nearest => ([whole(floor(x).fast_min(f32x4::splat(size - 1.0))); 2], [0.0; LANES]),
         Filter::Bilinear => {
-            let ([x0, x1], fx) = pair(x, image.width, sampler.wrap[0]);
-            let ([y0, y1], fy) = pair(y, image.height, sampler.wrap[1]);
-            let (gx, gy) = (1.0 - fx, 1.0 - fy);
-            Taps { count: 4, texel: [[x0, y0], [x1, y0], [x0, y1], [x1, y1]], weight: [gx * gy, fx * gy, gx * fy, fx * fy] }
+            // One of the two texels around may stick out at either end. It comes back from the other side, or moves in by one.
+            let x = x - 0.5;
+            let first = floor(x);
+            let second = first + 1.0;
+            let back = if wrap == Wrap::Repeat { size } else { 1.0 };
+            let inside = [
+                first.simd_lt(f32x4::ZERO).select(first + back, first),
+                second.simd_ge(f32x4::splat(size)).select(second - back, second),
+            ];
+            (inside.map(whole), (x - first).to_array())
         }
     }
 }
 
-/// Coordinate wrapped into the image, 0 ..= size \[texels\].
+/// Coordinates wrapped into the image, 0 ..= size \[texels\].
 ///
 /// The fraction is taken before the multiplication: it works for every size at the cost of one rounding to an integer,
 /// where masking the integer part would need a power of two.
-#[inline]
-#[expect(clippy::manual_clamp, reason = "`clamp` hands a NaN on, `max` drops it")]
-fn place(u: f32, size: u32, wrap: Wrap) -> f32 {
+#[inline(always)]
+fn place(u: f32x4, size: f32, wrap: Wrap) -> f32x4 {
+    let (zero, one) = (f32x4::ZERO, f32x4::ONE);
     let fraction = match wrap {
         Wrap::Repeat => u - floor(u),
         Wrap::Mirror => {
-            let t = u - 2.0 * floor(0.5 * u);
-            if t > 1.0 { 2.0 - t } else { t }
+            let t = u - floor(u * 0.5) * 2.0;
+            t.simd_gt(one).select(2.0 - t, t)
         }
         Wrap::Clamp => u,
     };
-    // Infinity minus infinity and NaN end here as 0.
-    fraction.max(0.0).min(1.0) * size as f32
+    // Infinity minus infinity and NaN end here as 0: both compare as not above it.
+    let positive = fraction.simd_gt(zero).select(fraction, zero);
+    positive.fast_min(one) * size
 }
 
 /// Adding it rounds |x| <= 2^22 to a whole number, which then stands in the low 22 bits: around it, single precision has
 /// steps of 1.
 const WHOLE: f32 = 12_582_912.0;
 
-/// Round towards minus infinity. By way of a sum: without SSE 4.1 the library function costs a call, and a conversion to
-/// an integer and back costs the checks for what does not fit.
-#[inline]
-fn floor(x: f32) -> f32 {
+/// Round towards minus infinity. By way of a sum: without SSE 4.1 the library function is a detour over integers.
+#[inline(always)]
+fn floor(x: f32x4) -> f32x4 {
     let nearest = (x + WHOLE) - WHOLE;
-    // Not `if`: which way it goes changes from fragment to fragment.
-    let below = nearest - f32::from(u8::from(nearest > x));
-    if x.abs() < 4_194_304.0 { below } else { x }
+    let below = nearest - nearest.simd_gt(x).select(f32x4::ONE, f32x4::ZERO);
+    x.abs().simd_lt(f32x4::splat(4_194_304.0)).select(below, x)
 }
 
-/// Whole part and fraction of -0.5 ..= 2^22.
-#[inline]
-fn split(x: f32) -> (i32, f32) {
-    let shifted = x + WHOLE;
-    let whole = shifted.to_bits() as i32 - WHOLE.to_bits() as i32;
-    let fraction = x - (shifted - WHOLE);
-    if fraction < 0.0 { (whole - 1, fraction + 1.0) } else { (whole, fraction) }
-}
-
-#[inline]
-fn nearest(x: f32, size: u32) -> u32 {
-    (split(x).0 as u32).min(size.max(1) - 1)
-}
-
-/// The two texels around `x` and the share of the second.
-#[inline]
-fn pair(x: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
-    let size = size.max(1) as i32;
-    // `x - 0.5` lies in -0.5 ..= size - 0.5: one texel may stick out at either end. It comes back from the other side, or
-    // moves in by one.
-    let (first, fraction) = split(x - 0.5);
-    let back = if wrap == Wrap::Repeat { size } else { 1 };
-    let second = if first + 1 >= size { first + 1 - back } else { first + 1 };
-    let first = if first < 0 { first + back } else { first };
-    ([first as u32, second as u32], fraction)
+/// Whole numbers 0 ..= 2^22 as such.
+#[inline(always)]
+fn whole(x: f32x4) -> [u32; LANES] {
+    ((x + WHOLE).to_bits() - u32x4::splat(WHOLE.to_bits())).to_array()
 }
 
 /// Texels from the start of the memory to level `level` of the texture: its offset and the finer levels, each padded to
@@ -113,7 +138,7 @@ pub fn texel_offset(width: u32, texel: [u32; 2]) -> u64 {
 }
 
 /// [`texel_offset`] of each tap. Column and row contribute apart, and four taps lie in two of each.
-#[inline]
+#[inline(always)]
 pub fn tap_offsets(width: u32, taps: &Taps) -> [u64; 4] {
     let [[x0, y0], [x1, _], [_, y1], _] = taps.texel;
     let (left, right) = (column_offset(x0), column_offset(x1));
@@ -226,6 +251,8 @@ mod tests {
             prop_assert!((t.weight.iter().sum::<f32>() - 1.0).abs() < 1e-5);
             prop_assert!(t.weight.iter().all(|&s| (0.0..=1.0).contains(&s)));
             prop_assert!(t.texel.iter().all(|&[x, y]| x < w && y < h));
+            let beside = footprints(&image, &wrap(mode), filter, [[0.5, u, v, 0.0], [u, v, u, 1.0]].map(f32x4::new));
+            prop_assert_eq!(beside.taps(1), t);
             prop_assert_eq!(tap_offsets(w, &t), t.texel.map(|p| texel_offset(w, p)));
         }
 

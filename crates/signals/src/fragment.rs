@@ -2,6 +2,7 @@
 //! once, in the control token ahead of its fragments.
 
 use crate::Frame;
+use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -32,41 +33,45 @@ pub const MAX_STAMP: usize = 4;
 /// `rasterizer.stamp` says, and at least one.
 ///
 /// What a token costs the host, it costs once per stamp; what it costs the device, the units charge by its items.
-pub type Stamp<T> = SmallVec<[T; MAX_STAMP]>;
+pub type Stamp<T> = ArrayVec<T, MAX_STAMP>;
 
-/// Samples of the fragments of a stamp: those of the first fragment, then those of the second ... as many for each.
-pub type Samples<T> = SmallVec<[T; 2 * MAX_STAMP]>;
-
-/// A pseudo-normal N' of a fragment, at a MIP level or at a texel of one.
+/// One sample of each fragment of a stamp, side by side: at a MIP level, or at a texel of one. What the lanes behind the last
+/// fragment hold means nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct PseudoNormal {
-    /// Share in the brightness of the fragment; those of a fragment sum to 1.
-    pub weight: f32,
-    /// World space, fixed point, scaled so that its largest component is +-32767: the order of inner products does not
-    /// depend on its length, so nothing is lost and no square root is needed (assumed).
-    pub normal: [i16; 3],
+pub struct Sample<T> {
     /// MIP level, 0..=7: selects VQ table (121) and CLUT (122).
     pub level: u8,
+    /// Share in the brightness of the fragment; those of a fragment sum to 1.
+    pub weight: [f32; MAX_STAMP],
+    /// What was sampled.
+    pub value: [T; MAX_STAMP],
 }
+
+impl<T: Copy> Sample<T> {
+    /// The same for every fragment.
+    #[inline]
+    pub fn all(level: u8, weight: f32, value: T) -> Self {
+        Self { level, weight: [weight; MAX_STAMP], value: [value; MAX_STAMP] }
+    }
+
+    /// Level, weight and value of fragment `lane` of the stamp.
+    #[inline]
+    pub fn of(&self, lane: usize) -> (u8, f32, T) {
+        (self.level, self.weight[lane], self.value[lane])
+    }
+}
+
+/// Samples of a stamp, 1..=[`MAX_SAMPLES`]; with two, those of the two adjacent MIP levels, nothing is allocated.
+pub type Samples<T> = SmallVec<[Sample<T>; 2]>;
 
 /// Mapping unit (108) to replacement unit (110).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PseudoNormals {
     /// Where.
     pub stamp: Stamp<Fragment>,
-    /// 1..=[`MAX_SAMPLES`] per fragment.
-    pub samples: Samples<PseudoNormal>,
-}
-
-/// Index of the reference normal that a pseudo-normal is replaced with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Index {
-    /// Share in the brightness of the fragment.
-    pub weight: f32,
-    /// Number in the level's table, from 0.
-    pub index: u16,
-    /// Level of table and CLUT.
-    pub level: u8,
+    /// Pseudo-normals N': world space, fixed point, scaled so that the largest component is +-32767. The order of inner
+    /// products does not depend on its length, so nothing is lost and no square root is needed (assumed).
+    pub samples: Samples<[i16; 3]>,
 }
 
 /// Replacement unit (110) to brightness fetch unit (112): only indexes are kept on the surface.
@@ -74,14 +79,8 @@ pub struct Index {
 pub struct Indexes {
     /// Where.
     pub stamp: Stamp<Fragment>,
-    /// As many per fragment as there were pseudo-normals.
-    pub samples: Samples<Index>,
-}
-
-/// How many of `samples` samples each of `items` items has; at least 1.
-#[inline]
-pub fn samples_per_item(samples: usize, items: usize) -> usize {
-    if samples <= items { 1 } else { samples / items.max(1) }
+    /// Numbers of the reference normals in the table of their level, from 0; as many samples as there were pseudo-normals.
+    pub samples: Samples<u16>,
 }
 
 /// Brightness fetch unit (112) to graphics processor (104).

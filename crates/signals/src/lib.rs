@@ -25,8 +25,7 @@ pub mod strip;
 
 pub use flow::{Control, Flow};
 pub use fragment::{
-    Fragment, Index, Indexes, MAX_SAMPLES, MAX_STAMP, PictureFlow, Pixel, PixelBlock, PseudoNormal, PseudoNormals, Samples,
-    Shaded, Stamp, samples_per_item,
+    Fragment, Indexes, MAX_SAMPLES, MAX_STAMP, PictureFlow, Pixel, PixelBlock, PseudoNormals, Sample, Samples, Shaded, Stamp,
 };
 pub use model::{
     Camera, Draw, Filter, Frame, Image, Light, LightKind, Lighting, MAX_PICTURE_PIXELS, Material, Mesh, Object, Sampler, Scene,

@@ -1,6 +1,5 @@
 use super::*;
 use basrelief_signals::{Image, Material, Sampler, Vertex};
-use smallvec::smallvec;
 
 fn texture(levels: &[[u8; 4]]) -> Arc<Texture> {
     let side = |k: usize| 1u32 << (levels.len() - 1 - k);
@@ -28,7 +27,7 @@ fn polygon(bump: bool, material: Material) -> Control {
 }
 
 fn shaded(x: u16, brightness: f32, highlight: f32) -> Flow<Stamp<Shaded>> {
-    Flow::Item(smallvec![Shaded { fragment: fragment(x), brightness, highlight }])
+    Flow::Item(Stamp::from_iter([Shaded { fragment: fragment(x), brightness, highlight }]))
 }
 
 fn fragment(x: u16) -> Fragment {
@@ -68,7 +67,7 @@ impl Bench {
     }
 
     fn plain(mut self, fragment: Fragment) -> Self {
-        self.inputs.1.push(Flow::Item(smallvec![fragment]));
+        self.inputs.1.push(Flow::Item(Stamp::from_iter([fragment])));
         self
     }
 
@@ -226,7 +225,7 @@ fn results_beyond_the_room_are_a_fault_that_names_the_parameter() {
 fn twins_that_differ_and_misplaced_fragments_are_faults() {
     let mut unit = GraphicsProcessor::default();
     let mut traffic = Traffic::default();
-    unit.step((Some(shaded(1, 1.0, 0.0)), Some(Flow::Item(smallvec![fragment(1)]))), &mut traffic);
+    unit.step((Some(shaded(1, 1.0, 0.0)), Some(Flow::Item(Stamp::from_iter([fragment(1)])))), &mut traffic);
     assert!(format!("{traffic:?}").contains("a fragment where a control token was due"));
     let mut traffic = Traffic::default();
     let frame_end = Control::FrameEnd;

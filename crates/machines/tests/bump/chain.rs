@@ -7,10 +7,9 @@ use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_replacement::Replacement;
 use basrelief_signals::{
-    Camera, Control, Flow, Fragment, Frame, Image, Indexes, Light, LightKind, Material, Polygon, PseudoNormal, PseudoNormals,
-    Sampler, Shaded, Texture, Vertex,
+    Camera, Control, Flow, Fragment, Frame, Image, Indexes, Light, LightKind, Material, Polygon, PseudoNormals, Sample, Sampler,
+    Shaded, Stamp, Texture, Vertex,
 };
-use smallvec::smallvec;
 use std::sync::Arc;
 
 /// Direction to the light of [`Chain`], unit; the viewer is at +z.
@@ -80,7 +79,8 @@ impl Chain {
 
     /// A fragment at these texture coordinates.
     pub fn fragment(&mut self, weights: [f32; 2]) -> Traced {
-        let normals = only_item(pump(&mut self.mapping, Flow::Item(smallvec![Fragment { weights, ..Fragment::default() }])));
+        let normals =
+            only_item(pump(&mut self.mapping, Flow::Item(Stamp::from_iter([Fragment { weights, ..Fragment::default() }]))));
         self.replaced(normals)
     }
 
@@ -94,7 +94,10 @@ impl Chain {
 
 /// One pseudo-normal of one level.
 pub fn single(level: u8, normal: [i16; 3]) -> PseudoNormals {
-    PseudoNormals { stamp: smallvec![Fragment::default()], samples: smallvec![PseudoNormal { weight: 1.0, normal, level }] }
+    PseudoNormals {
+        stamp: Stamp::from_iter([Fragment::default()]),
+        samples: [Sample::all(level, 1.0, normal)].into_iter().collect(),
+    }
 }
 
 /// A normal map of 16 x 16 texels and its five levels.
@@ -117,10 +120,10 @@ fn texture(levels: Vec<Image>) -> Arc<Texture> {
 
 /// The pseudo-normals of a fragment: level, weight and N' of each.
 pub fn pseudo_normals(traced: &Traced) -> Vec<(u8, f32, [i16; 3])> {
-    traced.normals.samples.iter().map(|s| (s.level, s.weight, s.normal)).collect()
+    traced.normals.samples.iter().map(|s| s.of(0)).collect()
 }
 
 /// The indexes of a fragment: level, weight and index of each.
 pub fn indexes(traced: &Traced) -> Vec<(u8, f32, u16)> {
-    traced.indexes.samples.iter().map(|s| (s.level, s.weight, s.index)).collect()
+    traced.indexes.samples.iter().map(|s| s.of(0)).collect()
 }

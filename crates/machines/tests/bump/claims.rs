@@ -87,7 +87,7 @@ fn claim_4_8_a_clut_per_level_holds_the_brightness_of_each_reference_normal() {
     for level in 0..8 {
         for (i, q) in table(&config, level).into_iter().enumerate() {
             let seen = chain.replaced(single(level, q));
-            assert_eq!((seen.indexes.samples[0].index, seen.indexes.samples[0].level), (i as u16, level));
+            assert_eq!((seen.indexes.samples[0].value[0], seen.indexes.samples[0].level), (i as u16, level));
             let error = f64::from(seen.shaded.brightness) - formula(q);
             assert!(error.abs() <= HALF_STEP, "level {level}, index {i}: {error}");
         }
@@ -169,7 +169,7 @@ fn erratum_the_nearest_reference_normal_has_the_largest_inner_product() {
     let mut chain = Chain::new(&config);
     // Towards the light: the vector with the smallest inner product would be in the dark, ambient light alone.
     let seen = chain.replaced(single(0, TO_LIGHT.map(|c| (c * 32_767.0) as i16)));
-    let q = table(&config, 0)[usize::from(seen.indexes.samples[0].index)];
+    let q = table(&config, 0)[usize::from(seen.indexes.samples[0].value[0])];
     let cosine: f64 = (0..3).map(|i| f64::from(q[i]) / 32_767.0 * f64::from(TO_LIGHT[i])).sum();
     assert!(cosine > 0.98);
     assert!(seen.shaded.brightness > 0.8);
@@ -192,7 +192,7 @@ fn figures_5_and_6_the_index_map_becomes_the_brightness_map() {
                 // A little off the reference normal, as N' are.
                 let n = table[usize::from(index)].map(|c| c / 2 + 300);
                 let seen = chain.replaced(single(level, n));
-                assert_eq!(seen.indexes.samples[0].index, index, "Figure 5B");
+                assert_eq!(seen.indexes.samples[0].value[0], index, "Figure 5B");
                 let alpha = formula(table[usize::from(index)]);
                 assert!((f64::from(seen.shaded.brightness) - alpha).abs() <= HALF_STEP, "Figure 5C");
             }
