@@ -15,8 +15,8 @@ mod proto;
 use crate::blame::Wait;
 use crate::text::cause;
 use basrelief_kernel::{Cause, Cycle, Interval, Probe, Recorder, RunReport, UnitReport};
-use prost::Message;
-use proto::{EventName, InternedData, Trace, TracePacket, TrackDescriptor, TrackEvent};
+use prost::encoding::message;
+use proto::{EventName, InternedData, TracePacket, TrackDescriptor, TrackEvent};
 use std::io::{self, Write};
 
 /// Names of a stage and of what it may wait for, in the order of the wiring.
@@ -43,8 +43,8 @@ impl From<&UnitReport> for StageNames {
     }
 }
 
-/// Packets that are written at once.
-const CHUNK: usize = 4096;
+/// Bytes that are written at once.
+const CHUNK: usize = 1 << 16;
 /// All packets are of one sequence: one writer.
 const SEQUENCE: u32 = 1;
 /// Track of the machine; its children are the frames, then the units.
@@ -66,7 +66,8 @@ struct Interned {
 #[derive(Debug)]
 pub struct Timeline<W> {
     out: W,
-    buffer: Trace,
+    /// Packets, encoded as they come: keeping them as such until they are written took longer than the encoding.
+    buffer: Vec<u8>,
     interned: Vec<Interned>,
     /// The slice of each stage that may still grow.
     open: Vec<Option<Interval>>,
@@ -78,7 +79,7 @@ impl<W: Write> Timeline<W> {
     pub fn new(out: W, machine: &str, stages: &[StageNames]) -> Self {
         let (interned, names) = intern(stages);
         let open = vec![None; stages.len()];
-        let mut timeline = Self { out, buffer: Trace::default(), interned, open, error: None };
+        let mut timeline = Self { out, buffer: Vec::with_capacity(2 * CHUNK), interned, open, error: None };
         timeline.packet(TracePacket {
             interned_data: Some(InternedData { event_names: names }),
             sequence_flags: Some(proto::INCREMENTAL_STATE_CLEARED),
@@ -158,8 +159,9 @@ impl<W: Write> Timeline<W> {
     }
 
     fn packet(&mut self, packet: TracePacket) {
-        self.buffer.packet.push(TracePacket { trusted_packet_sequence_id: Some(SEQUENCE), ..packet });
-        if self.buffer.packet.len() >= CHUNK {
+        let packet = TracePacket { trusted_packet_sequence_id: Some(SEQUENCE), ..packet };
+        message::encode(proto::PACKET, &packet, &mut self.buffer);
+        if self.buffer.len() >= CHUNK {
             self.write_out();
         }
     }
@@ -167,9 +169,9 @@ impl<W: Write> Timeline<W> {
     /// Traces joined end to end are a trace.
     fn write_out(&mut self) {
         if self.error.is_none() {
-            self.error = self.out.write_all(&self.buffer.encode_to_vec()).err();
+            self.error = self.out.write_all(&self.buffer).err();
         }
-        self.buffer.packet.clear();
+        self.buffer.clear();
     }
 }
 

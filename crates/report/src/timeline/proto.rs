@@ -2,12 +2,8 @@
 //!
 //! Field numbers are those of `protos/perfetto/trace/` in Perfetto's repository.
 
-/// A trace is packets, one after the other; two traces joined end to end are a trace.
-#[derive(Clone, PartialEq, prost::Message)]
-pub(super) struct Trace {
-    #[prost(message, repeated, tag = "1")]
-    pub packet: Vec<TracePacket>,
-}
+/// Tag of a packet in a trace. A trace is packets, one after the other; two traces joined end to end are a trace.
+pub(super) const PACKET: u32 = 1;
 
 #[derive(Clone, PartialEq, prost::Message)]
 pub(super) struct TracePacket {

@@ -2,7 +2,15 @@ use super::*;
 use crate::samples;
 use basrelief_kernel::plan::PlanMachine;
 use basrelief_kernel::{Engine, Limits, run_with};
+use prost::Message;
 use std::collections::BTreeMap;
+
+/// A trace, as a reader sees it.
+#[derive(Clone, PartialEq, prost::Message)]
+struct Trace {
+    #[prost(message, repeated, tag = "1")]
+    packet: Vec<TracePacket>,
+}
 
 fn record<P: Probe>(probe: &mut P, engine: Engine) -> RunReport {
     let mut machine = PlanMachine::new(&samples::plan()).unwrap();
@@ -15,7 +23,7 @@ fn names() -> Vec<StageNames> {
 
 /// (track, name, from, to), by decoding and sorting as Perfetto does: by time, then by place in the file.
 fn slices(bytes: &[u8]) -> Vec<(String, String, u64, u64)> {
-    let mut packets = proto::Trace::decode(bytes).unwrap().packet;
+    let mut packets = Trace::decode(bytes).unwrap().packet;
     assert!(packets.iter().all(|p| p.trusted_packet_sequence_id == Some(SEQUENCE)));
     let data = packets.iter().filter_map(|p| p.interned_data.clone()).flat_map(|d| d.event_names);
     let names: BTreeMap<u64, String> = data.map(|n| (n.iid.unwrap(), n.name.unwrap())).collect();
