@@ -133,7 +133,7 @@ fn memory_does_not_grow_with_the_run_and_write_errors_are_told() {
     let mut timeline = Timeline::new(Full(10 * CHUNK), "plan", &names());
     for k in 0..20_000 {
         timeline.worked(0, Cycle(2 * k), Cycle(2 * k + 1));
-        assert!(timeline.buffer.packet.capacity() <= 2 * CHUNK);
+        assert!(timeline.buffer.capacity() <= 2 * CHUNK);
     }
     let error = timeline.finish(&samples::run()).err().unwrap();
     assert_eq!(error.to_string(), "disk full");
