@@ -15,7 +15,8 @@ mod proto;
 use crate::blame::Wait;
 use crate::text::cause;
 use basrelief_kernel::{Cause, Cycle, Interval, Probe, Recorder, RunReport, UnitReport};
-use prost::encoding::message;
+use prost::Message;
+use prost::encoding::{WireType, encode_key, encode_varint, encoded_len_varint, key_len, message, uint64};
 use proto::{EventName, InternedData, TracePacket, TrackDescriptor, TrackEvent};
 use std::io::{self, Write};
 
@@ -45,6 +46,8 @@ impl From<&UnitReport> for StageNames {
 
 /// Bytes that are written at once.
 const CHUNK: usize = 1 << 16;
+/// Most bytes ahead of what follows the time of a packet: two keys, two numbers of at most ten bytes.
+const HEAD: usize = 22;
 /// All packets are of one sequence: one writer.
 const SEQUENCE: u32 = 1;
 /// Track of the machine; its children are the frames, then the units.
@@ -54,12 +57,26 @@ const FIRST_UNIT: u64 = 3;
 /// Interned name of a unit at work; the first cause of the first stage follows.
 const BUSY: u64 = 1;
 
-/// What a stage's slices are called.
-#[derive(Clone, Copy, Debug)]
-struct Interned {
-    starved: u64,
-    blocked: u64,
-    memory: u64,
+/// The packets of a stage's slices, but for their time: they differ in nothing else, so each is encoded once.
+#[derive(Clone, Debug)]
+struct Slices {
+    busy: Vec<u8>,
+    starved: Vec<Vec<u8>>,
+    blocked: Vec<Vec<u8>>,
+    memory: Vec<Vec<u8>>,
+    end: Vec<u8>,
+}
+
+impl Slices {
+    /// The packet that begins a slice of this cause; `None` where the stage has no such FIFO or client.
+    fn begin(&self, cause: Option<Cause>) -> Option<&Vec<u8>> {
+        match cause {
+            None => Some(&self.busy),
+            Some(Cause::Starved(i)) => self.starved.get(i),
+            Some(Cause::Blocked(i)) => self.blocked.get(i),
+            Some(Cause::Memory(i)) => self.memory.get(i),
+        }
+    }
 }
 
 /// A probe that writes a Perfetto trace. Write errors end the writing and are told by [`Timeline::finish`].
@@ -68,7 +85,7 @@ pub struct Timeline<W> {
     out: W,
     /// Packets, encoded as they come: keeping them as such until they are written took longer than the encoding.
     buffer: Vec<u8>,
-    interned: Vec<Interned>,
+    slices: Vec<Slices>,
     /// The slice of each stage that may still grow.
     open: Vec<Option<Interval>>,
     error: Option<io::Error>,
@@ -77,9 +94,9 @@ pub struct Timeline<W> {
 impl<W: Write> Timeline<W> {
     /// Starts a trace of `machine` with these stages, in the order of the wiring.
     pub fn new(out: W, machine: &str, stages: &[StageNames]) -> Self {
-        let (interned, names) = intern(stages);
+        let (slices, names) = intern(stages);
         let open = vec![None; stages.len()];
-        let mut timeline = Self { out, buffer: Vec::with_capacity(2 * CHUNK), interned, open, error: None };
+        let mut timeline = Self { out, buffer: Vec::with_capacity(2 * CHUNK), slices, open, error: None };
         timeline.packet(TracePacket {
             interned_data: Some(InternedData { event_names: names }),
             sequence_flags: Some(proto::INCREMENTAL_STATE_CLEARED),
@@ -133,25 +150,16 @@ impl<W: Write> Timeline<W> {
     }
 
     fn slice(&mut self, slice: Interval) {
-        let Some(names) = self.interned.get(slice.stage).filter(|_| slice.from < slice.to) else { return };
-        let name = match slice.cause {
-            None => BUSY,
-            Some(Cause::Starved(i)) => names.starved + i as u64,
-            Some(Cause::Blocked(i)) => names.blocked + i as u64,
-            Some(Cause::Memory(i)) => names.memory + i as u64,
-        };
-        let track = FIRST_UNIT + slice.stage as u64;
-        self.event(slice.from.0, TrackEvent { name_iid: Some(name), ..event(proto::SLICE_BEGIN, track) });
-        self.event(slice.to.0, event(proto::SLICE_END, track));
+        let Some(stage) = self.slices.get(slice.stage).filter(|_| slice.from < slice.to) else { return };
+        let Some(begin) = stage.begin(slice.cause) else { return };
+        at_time(&mut self.buffer, slice.from.0, begin);
+        at_time(&mut self.buffer, slice.to.0, &stage.end);
+        self.write_out_if_full();
     }
 
     fn event(&mut self, cycle: u64, event: TrackEvent) {
-        self.packet(TracePacket {
-            timestamp: Some(cycle),
-            track_event: Some(event),
-            sequence_flags: Some(proto::NEEDS_INCREMENTAL_STATE),
-            ..TracePacket::default()
-        });
+        at_time(&mut self.buffer, cycle, &timeless(event));
+        self.write_out_if_full();
     }
 
     fn track(&mut self, descriptor: TrackDescriptor) {
@@ -161,6 +169,10 @@ impl<W: Write> Timeline<W> {
     fn packet(&mut self, packet: TracePacket) {
         let packet = TracePacket { trusted_packet_sequence_id: Some(SEQUENCE), ..packet };
         message::encode(proto::PACKET, &packet, &mut self.buffer);
+        self.write_out_if_full();
+    }
+
+    fn write_out_if_full(&mut self) {
         if self.buffer.len() >= CHUNK {
             self.write_out();
         }
@@ -206,20 +218,50 @@ fn event(kind: i32, track: u64) -> TrackEvent {
     TrackEvent { r#type: Some(kind), track_uuid: Some(track), ..TrackEvent::default() }
 }
 
-/// Numbers every cause of every stage, so that a slice's name takes one or two bytes.
-fn intern(stages: &[StageNames]) -> (Vec<Interned>, Vec<EventName>) {
-    let mut names = vec![EventName { iid: Some(BUSY), name: Some("busy".into()) }];
-    let mut add = |list: &[String], wait: fn(&str) -> Wait<'_>| {
-        let first = names.len() as u64 + 1;
-        names.extend((first..).zip(list).map(|(iid, name)| EventName { iid: Some(iid), name: Some(cause(wait(name))) }));
-        first
+/// The packet of an event, but for its time.
+fn timeless(event: TrackEvent) -> Vec<u8> {
+    let packet = TracePacket {
+        track_event: Some(event),
+        trusted_packet_sequence_id: Some(SEQUENCE),
+        sequence_flags: Some(proto::NEEDS_INCREMENTAL_STATE),
+        ..TracePacket::default()
     };
-    let interned = stages.iter().map(|s| Interned {
-        starved: add(&s.inputs, |name| Wait::Starved(name)),
-        blocked: add(&s.outputs, |name| Wait::Blocked(name)),
-        memory: add(&s.clients, |name| Wait::Memory(name)),
-    });
-    (interned.collect(), names)
+    packet.encode_to_vec()
+}
+
+/// Appends a packet with its time put ahead of the rest. Its head is made in an array: byte by byte, a vector asks each time
+/// whether it must grow.
+fn at_time(buffer: &mut Vec<u8>, cycle: u64, rest: &[u8]) {
+    let mut head = [0; HEAD];
+    let mut free = &mut head[..];
+    encode_key(proto::PACKET, WireType::LengthDelimited, &mut free);
+    encode_varint((key_len(proto::TIMESTAMP) + encoded_len_varint(cycle) + rest.len()) as u64, &mut free);
+    uint64::encode(proto::TIMESTAMP, &cycle, &mut free);
+    let used = HEAD - free.len();
+    buffer.extend_from_slice(&head[..used]);
+    buffer.extend_from_slice(rest);
+}
+
+/// Numbers every cause of every stage, so that a slice's name takes one or two bytes.
+fn intern(stages: &[StageNames]) -> (Vec<Slices>, Vec<EventName>) {
+    let mut names = vec![EventName { iid: Some(BUSY), name: Some("busy".into()) }];
+    let mut slices = Vec::new();
+    for (track, stage) in (FIRST_UNIT..).zip(stages) {
+        let begin = |name| timeless(TrackEvent { name_iid: Some(name), ..event(proto::SLICE_BEGIN, track) });
+        let mut add = |list: &[String], wait: fn(&str) -> Wait<'_>| {
+            let first = names.len() as u64 + 1;
+            names.extend((first..).zip(list).map(|(iid, name)| EventName { iid: Some(iid), name: Some(cause(wait(name))) }));
+            (first..).take(list.len()).map(begin).collect()
+        };
+        slices.push(Slices {
+            busy: begin(BUSY),
+            starved: add(&stage.inputs, |name| Wait::Starved(name)),
+            blocked: add(&stage.outputs, |name| Wait::Blocked(name)),
+            memory: add(&stage.clients, |name| Wait::Memory(name)),
+            end: timeless(event(proto::SLICE_END, track)),
+        });
+    }
+    (slices, names)
 }
 
 #[cfg(test)]

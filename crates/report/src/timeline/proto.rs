@@ -4,6 +4,8 @@
 
 /// Tag of a packet in a trace. A trace is packets, one after the other; two traces joined end to end are a trace.
 pub(super) const PACKET: u32 = 1;
+/// Tag of the time of a packet \[ns\], the first of its fields.
+pub(super) const TIMESTAMP: u32 = 8;
 
 #[derive(Clone, PartialEq, prost::Message)]
 pub(super) struct TracePacket {

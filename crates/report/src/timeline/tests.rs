@@ -2,7 +2,6 @@ use super::*;
 use crate::samples;
 use basrelief_kernel::plan::PlanMachine;
 use basrelief_kernel::{Engine, Limits, run_with};
-use prost::Message;
 use std::collections::BTreeMap;
 
 /// A trace, as a reader sees it.
