@@ -110,7 +110,8 @@ fn an_expectation_names_its_machine() {
     fs::write(place.path("t.jsonl"), good.replace(r#""machine":"shade""#, r#""machine":"lathe""#)).expect("written");
     let outcome = place.run("verify t.jsonl");
     outcome.error(1);
-    assert!(outcome.out.contains("t.jsonl: no machine is called `lathe`; expected bump, shade"), "{}", outcome.out);
+    let named = "t.jsonl: no machine is called `lathe`; expected bump, shade, texel, defer";
+    assert!(outcome.out.contains(named), "{}", outcome.out);
 }
 
 #[test]
