@@ -62,7 +62,7 @@ impl TileList {
         &self.states
     }
 
-    /// Marks a tile: N becomes L. E stays E (taken literally, steps [0100] and [0148] would load it anew). Whether it was N.
+    /// Marks a tile: N becomes L. E stays E (taken literally, steps \[0100\], \[0148\] would load it anew). Whether it was N.
     #[inline]
     pub fn mark(&mut self, tile: u32) -> bool {
         let state = &mut self.states[tile as usize];
