@@ -6,6 +6,8 @@
 //! | W2 | `bump` | `brick`: wall and floor to the horizon, 640 x 480 |
 //! | W3 | `bump` | one plane that fills 1920 x 1080 |
 //! | W4 | `shade` | `goblet`, 640 x 480 |
+//! | W5 | `texel` | `corridor`: floor, walls and ceiling to the vanishing point, 640 x 480, adaptive |
+//! | W6 | `defer` | `gallery`: one view of the hall with 34 pictures, 640 x 480, mode best |
 //!
 //! Everything is modelled, with the machines' defaults. Only the simulation is measured: scene, exact picture and metrics
 //! are made outside.
@@ -16,7 +18,9 @@ use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Engine, Limits, Machine, NoProbe, Outcome, Probe, StageTopology, run_functional, run_with, topology};
 use basrelief_machines::SceneFront;
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
+use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
 use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
+use basrelief_machines::texel::{TexelMachineConfig, TextureMappingSystem};
 use basrelief_parameters::Parameters;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Mesh, Object, Scene};
@@ -30,6 +34,8 @@ pub type Set = &'static [(&'static str, &'static str)];
 enum Device {
     Bump(Box<BumpProcessorConfig>),
     Shade(Box<ShadeConfig>),
+    Texel(Box<TexelMachineConfig>),
+    Defer(Box<DeferConfig>),
 }
 
 /// A scene, and the machine that draws it.
@@ -68,6 +74,18 @@ impl Drawing {
         Self { scene: Arc::new(scene), device: Device::Shade(load(set)) }
     }
 
+    /// W5.
+    pub fn w5(size: Size, set: Set) -> Self {
+        let scene = demo_scene("corridor", size.of([640, 480], [160, 120]));
+        Self { scene: Arc::new(scene), device: Device::Texel(load(set)) }
+    }
+
+    /// W6.
+    pub fn w6(size: Size, set: Set) -> Self {
+        let scene = demo_scene("gallery", size.of([640, 480], [128, 96]));
+        Self { scene: Arc::new(scene), device: Device::Defer(load(set)) }
+    }
+
     fn bump(scene: Scene, set: Set) -> Self {
         Self { scene: Arc::new(scene), device: Device::Bump(load(set)) }
     }
@@ -83,6 +101,14 @@ impl Drawing {
             }
             Device::Shade(config) => {
                 let mut machine = FigureShadingDevice::new(SceneFront::new(draws, &**config), config).expect(fits);
+                (job.with(&mut machine), machine.counts().number("fragments"))
+            }
+            Device::Texel(config) => {
+                let mut machine = TextureMappingSystem::new(SceneFront::new(draws, &**config), config).expect(fits);
+                (job.with(&mut machine), machine.counts().number("fragments"))
+            }
+            Device::Defer(config) => {
+                let mut machine = DeferredRenderer::new(SceneFront::new(draws, &**config), config).expect(fits);
                 (job.with(&mut machine), machine.counts().number("fragments"))
             }
         }
@@ -188,7 +214,14 @@ const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1
 /// A workload by name, and what makes it.
 type Make = (&'static str, fn(Size, Set) -> Drawing);
 
-const MAKE: [Make; 4] = [("w1", Drawing::w1), ("w2", Drawing::w2), ("w3", Drawing::w3), ("w4", Drawing::w4)];
+const MAKE: [Make; 6] = [
+    ("w1", Drawing::w1),
+    ("w2", Drawing::w2),
+    ("w3", Drawing::w3),
+    ("w4", Drawing::w4),
+    ("w5", Drawing::w5),
+    ("w6", Drawing::w6),
+];
 
 /// The machines with and without time.
 pub fn workloads(size: Size) -> Vec<Workload> {
@@ -202,7 +235,7 @@ pub fn workloads(size: Size) -> Vec<Workload> {
     MAKE.into_iter().flat_map(|make| [Some(Engine::Timed), None].map(|engine| workload(make, engine))).collect()
 }
 
-/// Every unit alone, on W1 and W4.
+/// Every unit alone: each machine on one workload.
 pub fn units() -> Vec<Workload> {
     let of = |(name, make): Make| {
         let drawing = make(Size::Full, &[]);
@@ -218,5 +251,5 @@ pub fn units() -> Vec<Workload> {
             })
         })
     };
-    [MAKE[0], MAKE[3]].into_iter().flat_map(of).collect()
+    [MAKE[0], MAKE[3], MAKE[4], MAKE[5]].into_iter().flat_map(of).collect()
 }

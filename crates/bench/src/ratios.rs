@@ -80,7 +80,9 @@ fn prepared(workloads: &[Workload], name: &str) -> Ready {
 /// All ratios, each over this many pairs of runs; `each` hears of every one as it is done.
 pub fn ratios(size: Size, rounds: usize, mut each: impl FnMut(&Ratio)) -> Vec<Ratio> {
     let timed = Some(Engine::Timed);
-    let [w1, w2, w3, w4] = [Drawing::w1, Drawing::w2, Drawing::w3, Drawing::w4].map(|make| make(size, &[]));
+    let makes = [Drawing::w1, Drawing::w2, Drawing::w3, Drawing::w4, Drawing::w5, Drawing::w6];
+    let drawings = makes.map(|make| make(size, &[]));
+    let [w1, _, _, w4, ..] = &drawings;
     let search = [SEARCH_256, SEARCH_1].map(|set| Drawing::w1(size, set));
     let traces = traces::workloads(size);
     let mut all = Vec::new();
@@ -89,11 +91,11 @@ pub fn ratios(size: Size, rounds: usize, mut each: impl FnMut(&Ratio)) -> Vec<Ra
         each(&ratio);
         all.push(ratio);
     };
-    for (name, drawing) in [("W1", &w1), ("W2", &w2), ("W3", &w3), ("W4", &w4)] {
-        compare(&format!("{name}: timed / functional"), engine(drawing, timed), engine(drawing, None));
+    for (number, drawing) in (1..).zip(&drawings) {
+        compare(&format!("W{number}: timed / functional"), engine(drawing, timed), engine(drawing, None));
     }
     compare("W1: search of 256 cycles / of 1", engine(&search[0], timed), engine(&search[1], timed));
-    for (name, drawing) in [("W1", &w1), ("W4", &w4)] {
+    for (name, drawing) in [("W1", w1), ("W4", w4)] {
         compare(&format!("{name}: time line of every unit / none"), probed(drawing), engine(drawing, timed));
     }
     let read = |form: &str| prepared(&traces, &format!("trace/read/{form}"));
