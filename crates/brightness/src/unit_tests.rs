@@ -18,7 +18,14 @@ fn unit(config: BrightnessConfig) -> BrightnessFetch {
 
 fn frame(kind: LightKind) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
-    Control::Frame(Arc::new(Frame { index: 0, width: 6, height: 6, camera, lights: vec![Light { kind, intensity: 1.0 }] }))
+    Control::Frame(Arc::new(Frame {
+        index: 0,
+        width: 6,
+        height: 6,
+        camera,
+        lights: vec![Light { kind, intensity: 1.0 }],
+        textures: Vec::new(),
+    }))
 }
 
 fn sun(x: f32) -> Control {

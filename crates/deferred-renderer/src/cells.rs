@@ -8,7 +8,7 @@ use crate::tokens::{CellFlow, PlacedCell};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{Gradient, fan_triangle, saturated};
 use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp, Texture};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 /// What is known of the current triangle.
@@ -78,7 +78,8 @@ pub struct CellCounters {
     pub direct: u64,
 }
 
-/// Makes cells of the fragments that are in front, and sets up a page (132) when a polygon first names its texture (452).
+/// Makes cells of the fragments that are in front, and sets up pages (132): one per texture that a frame declares (452), one
+/// after the other, or when a polygon first names one that was not declared.
 #[derive(Clone, Debug)]
 pub struct Cells {
     engine: EngineConfig,
@@ -88,6 +89,8 @@ pub struct Cells {
     wrap: WrapMode,
     cut: Cut,
     pages: BTreeMap<u32, Arc<Page>>,
+    /// Declared textures whose pages come next.
+    declared: VecDeque<Arc<Texture>>,
     /// First free byte of the texture-data memory (130).
     end: u64,
     surface: Option<Surface>,
@@ -111,6 +114,7 @@ impl Cells {
             wrap,
             cut,
             pages: BTreeMap::new(),
+            declared: VecDeque::new(),
             end: 0,
             surface: None,
             counters: CellCounters::default(),
@@ -122,18 +126,15 @@ impl Cells {
         self.pages.values()
     }
 
-    /// The page of a texture, and whether it is new.
-    fn page(&mut self, texture: &Texture, traffic: &mut Traffic) -> (Option<Arc<Page>>, bool) {
-        if let Some(page) = self.pages.get(&texture.id) {
-            return (Some(Arc::clone(page)), false);
-        }
+    /// Sets the page of a texture up.
+    fn set_up(&mut self, texture: &Texture, traffic: &mut Traffic) -> Option<Arc<Page>> {
         if self.pages.len() >= most_pages(self.page_bits) {
             traffic.fault(format!(
                 "there are more than {} textures, as many as `cell.page_bits` = {} can tell apart; raise it",
                 self.pages.len(),
                 self.page_bits
             ));
-            return (None, false);
+            return None;
         }
         let page = Page::new(self.pages.len() as u16, texture, self.wrap.of(texture.sampler.wrap), self.cut, self.end);
         self.end += page.bytes();
@@ -144,25 +145,35 @@ impl Cells {
                 self.end,
                 self.engine.texture_memory
             ));
-            return (None, false);
+            return None;
         }
         let page = Arc::new(page);
         self.pages.insert(texture.id, Arc::clone(&page));
-        (Some(page), true)
+        Some(page)
+    }
+
+    /// The page of a texture that is not set up yet, as a token.
+    fn new_page(&mut self, texture: &Texture, traffic: &mut Traffic) -> Option<CellFlow> {
+        if self.pages.contains_key(&texture.id) {
+            return None;
+        }
+        self.set_up(texture, traffic).map(CellFlow::Page)
     }
 
     fn begin(&mut self, polygon: &Arc<Polygon>, traffic: &mut Traffic) -> Option<CellFlow> {
-        let (page, new) = match &polygon.material.color_texture {
-            Some(texture) => self.page(texture, traffic),
-            None => (None, false),
-        };
-        self.surface = Some(Surface { polygon: Arc::clone(polygon), page: page.clone(), slopes: None });
-        if new { page.map(CellFlow::Page) } else { None }
+        let texture = polygon.material.color_texture.as_ref();
+        let new = texture.and_then(|texture| self.new_page(texture, traffic));
+        let page = texture.and_then(|texture| self.pages.get(&texture.id)).cloned();
+        self.surface = Some(Surface { polygon: Arc::clone(polygon), page, slopes: None });
+        new
     }
 
     fn control(&mut self, control: Control, traffic: &mut Traffic) -> Option<CellFlow> {
         match control {
-            Control::Frame(frame) => Some(CellFlow::Frame(frame)),
+            Control::Frame(frame) => {
+                self.declared.extend(frame.textures.iter().cloned());
+                Some(CellFlow::Frame(frame))
+            }
             Control::Polygon(polygon) => self.begin(&polygon, traffic),
             Control::FrameEnd => Some(CellFlow::FrameEnd),
             Control::Object(_) | Control::CodeBook(_) => None,
@@ -224,7 +235,7 @@ impl Unit for Cells {
 
     #[inline]
     fn demand(&self) -> Demand {
-        Demand::All
+        if self.declared.is_empty() { Demand::All } else { Demand::Nothing }
     }
 
     #[inline(always)]
@@ -237,7 +248,14 @@ impl Unit for Cells {
                 Step::over(groups, 1, latency, (!cells.is_empty()).then_some(CellFlow::Cells(cells)))
             }
             Some(Flow::Control(control)) => Step::after(latency, self.control(control, traffic)),
-            None => Step::after(latency, None),
+            None => {
+                let texture = self.declared.pop_front();
+                Step::after(latency, texture.and_then(|texture| self.new_page(&texture, traffic)))
+            }
         }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.declared.is_empty()
     }
 }

@@ -6,14 +6,14 @@ use crate::pyramid::ServedTexture;
 use crate::tokens::{Content, EncodedTile, Parcel, Request};
 use crate::{Page, page::Cut};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::{Control, Texture};
+use basrelief_signals::{Control, Polygon, Texture};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
 use std::sync::Arc;
 
 /// Where tiles come from. The server of the model holds the textures itself; a real one is elsewhere.
 pub trait TileSource: Debug {
-    /// A texture that polygons have named.
+    /// A texture of the scene: a frame declares it, or a polygon names it.
     fn offer(&mut self, texture: &Arc<Texture>);
     /// The tiles that will be asked for next, in this order.
     fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
@@ -129,34 +129,50 @@ impl Server {
         Self { config, source, phase, frames: 0, known: BTreeSet::new(), counters }
     }
 
-    /// Bytes of all tiles of the finest layers of all textures seen.
+    /// Bytes of all tiles of the finest layers of all textures offered.
     pub fn conventional_bytes(&self, cut: Cut) -> u64 {
         self.source.conventional_bytes(cut)
     }
 
+    /// Offers a texture that it has not offered before; bytes that its size takes on the path (452).
+    fn size_of(&mut self, texture: &Arc<Texture>) -> u64 {
+        if !self.known.insert(texture.id) {
+            return 0;
+        }
+        self.source.offer(texture);
+        let bytes = u64::from(self.config.texture_size_bytes);
+        self.counters.size_bytes += bytes;
+        bytes
+    }
+
+    /// Bytes that a polygon takes (451): none once the device has it.
+    fn vertices_of(&mut self, polygon: &Polygon) -> u64 {
+        if self.frames > 0 {
+            return 0;
+        }
+        let bytes = u64::from(self.config.vertex_bytes) * polygon.vertices.len() as u64;
+        self.counters.polygon_bytes += bytes;
+        bytes
+    }
+
     fn mesh(&mut self, control: Control) -> Parcel {
-        let first = self.frames == 0;
         let mut bytes = 0;
         match &control {
             Control::Polygon(polygon) => {
-                if first {
-                    bytes = u64::from(self.config.vertex_bytes) * polygon.vertices.len() as u64;
-                    self.counters.polygon_bytes += bytes;
-                }
-                if let Some(texture) = &polygon.material.color_texture
-                    && self.known.insert(texture.id)
-                {
-                    self.source.offer(texture);
-                    self.counters.size_bytes += u64::from(self.config.texture_size_bytes);
-                    bytes += u64::from(self.config.texture_size_bytes);
+                bytes = self.vertices_of(polygon);
+                bytes += polygon.material.color_texture.as_ref().map_or(0, |texture| self.size_of(texture));
+            }
+            Control::Frame(frame) => {
+                bytes = frame.textures.iter().map(|texture| self.size_of(texture)).sum();
+                if self.frames == 0 {
+                    return Parcel { bytes, content: Content::Asked(control) };
                 }
             }
-            Control::Frame(_) if first => return Parcel { bytes, content: Content::Asked(control) },
             Control::FrameEnd => {
                 self.frames += 1;
                 self.phase = Phase::Tiles;
             }
-            Control::Frame(_) | Control::Object(_) | Control::CodeBook(_) => {}
+            Control::Object(_) | Control::CodeBook(_) => {}
         }
         Parcel { bytes, content: Content::Mesh(control) }
     }

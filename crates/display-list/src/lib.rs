@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | `begin` | first | format, version, size of the pictures |
 //! | `texture`, `material` | before their first use | definitions, by number |
-//! | `frame` ... `frame_end` | | a picture: camera, lights |
+//! | `frame` ... `frame_end` | | a picture: camera, lights; colour textures defined ahead of it since the frame before are declared with it, used or not |
 //! | `object` | in a frame | the polygons that follow belong to it |
 //! | `polygon` | behind its object | a convex polygon in window coordinates |
 //! | `expect` | outside frames | what a machine should make of the trace |

@@ -30,7 +30,8 @@ impl<W: Write> Recorder<W> {
         Ok(Self { writer, describer })
     }
 
-    /// Records a token; textures and materials are defined ahead of their first use.
+    /// Records a token; textures that a frame declares are defined ahead of it, others and materials ahead of their first
+    /// use.
     ///
     /// # Errors
     /// If the token is none of a display list, is out of order, or holds what a trace must not; or if the writer below
@@ -125,7 +126,10 @@ impl Describer {
 
     fn describe(&mut self, control: &Control, emit: &mut Emit<'_>) -> Result<(), TraceError> {
         let command = match control {
-            Control::Frame(frame) => Command::Frame(self.frame(frame)?),
+            Control::Frame(frame) => {
+                frame.textures.iter().try_for_each(|texture| self.define_texture(TextureKind::Color, texture, emit))?;
+                Command::Frame(self.frame(frame)?)
+            }
             Control::Object(object) => Command::Object(object_begin(object)),
             Control::Polygon(polygon) => {
                 self.define_material(&polygon.material, emit)?;

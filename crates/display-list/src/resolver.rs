@@ -51,6 +51,8 @@ pub struct Resolver<R: Read, F> {
     nesting: Nesting,
     textures: BTreeMap<u32, (TextureKind, Arc<Texture>)>,
     texture_memory: u64,
+    /// Colour textures defined ahead of the next frame: it declares them.
+    declared: Vec<Arc<Texture>>,
     materials: BTreeMap<u32, Arc<Material>>,
     expectations: Vec<Expectation>,
     failed: bool,
@@ -68,6 +70,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
             nesting: Nesting::default(),
             textures: BTreeMap::new(),
             texture_memory: 0,
+            declared: Vec::new(),
             materials: BTreeMap::new(),
             expectations: Vec::new(),
             failed: false,
@@ -109,10 +112,10 @@ impl<R: Read, F: Files> Resolver<R, F> {
         Ok(())
     }
 
-    fn frame(&self, frame: &FrameBegin) -> Frame {
+    fn frame(&mut self, frame: &FrameBegin) -> Frame {
         let &Begin { width, height, .. } = self.reader.begin();
         let lights = frame.lights.iter().map(Light::from).collect();
-        Frame { index: frame.index, width, height, camera: frame.camera, lights }
+        Frame { index: frame.index, width, height, camera: frame.camera, lights, textures: std::mem::take(&mut self.declared) }
     }
 
     fn polygon(&self, polygon: &PolygonRecord) -> Result<Polygon, Fault> {
@@ -167,7 +170,11 @@ impl<R: Read, F: Files> Resolver<R, F> {
         }
         let levels = levels(&definition, &bytes);
         let TextureDefinition { id, name, kind, sampler, offset, .. } = definition;
-        self.textures.insert(id, (kind, Arc::new(Texture { id, name, sampler, levels, offset })));
+        let texture = Arc::new(Texture { id, name, sampler, levels, offset });
+        if kind == TextureKind::Color && !self.nesting.in_frame() {
+            self.declared.push(Arc::clone(&texture));
+        }
+        self.textures.insert(id, (kind, texture));
         Ok(())
     }
 

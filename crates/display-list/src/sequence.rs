@@ -86,6 +86,11 @@ impl Nesting {
         Ok(())
     }
 
+    /// Whether a frame is open.
+    pub(crate) fn in_frame(&self) -> bool {
+        self.in_frame
+    }
+
     fn inside(&self) -> Result<(), Fault> {
         if self.in_frame {
             return Ok(());

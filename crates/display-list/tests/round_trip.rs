@@ -3,8 +3,10 @@
 mod common;
 
 use basrelief_display_list::*;
+use basrelief_signals::{Control, Frame, Texture};
 use common::*;
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// Equal to the bit: -0 is not 0, which `==` would let pass.
 fn same(a: &impl std::fmt::Debug, b: &impl std::fmt::Debug) -> bool {
@@ -62,6 +64,64 @@ proptest! {
             prop_assert!(same(&resolver.expectations(), &std::slice::from_ref(&expectation)));
         }
     }
+}
+
+/// The first frame declares these.
+fn declaring(mut controls: Vec<Control>, textures: Vec<Arc<Texture>>) -> Vec<Control> {
+    let Some(Control::Frame(frame)) = controls.first_mut() else { panic!("a list begins with a frame") };
+    *frame = Arc::new(Frame { textures, ..Frame::clone(frame) });
+    controls
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn textures_that_a_frame_declares_are_in_its_trace_though_no_polygon_names_them(
+        controls in controls(), a in texture(90, false), b in texture(70, false), form in 0..4usize,
+    ) {
+        let controls = declaring(controls, vec![a, b]);
+        let trace = record(&controls, Form::ALL[form]).unwrap();
+        let resolved = resolve(&trace).unwrap();
+        prop_assert!(same(&resolved, &controls));
+        prop_assert_eq!(hash(&resolved), hash(&controls));
+        let names: Vec<&str> = commands(&trace)[..4].iter().map(Command::name).collect();
+        prop_assert_eq!(names, ["begin", "texture", "texture", "frame"]);
+    }
+}
+
+#[test]
+fn textures_defined_in_a_frame_as_older_traces_have_them_are_declared_with_none() {
+    let texture = |id| {
+        format!(
+            r#"{{"texture":{{"id":{id},"name":"t","kind":"color","sampler":{{"wrap":["repeat","repeat"],"filter":"nearest"}},"width":1,"height":1,"levels":1,"offset":0,"sha256":"{}","data":"AAAAAA=="}}}}"#,
+            Digest::of(&[0; 4])
+        )
+    };
+    let frame = |index| {
+        format!(
+            r#"{{"frame":{{"index":{index},"camera":{{"view_projection":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"to_light":[0,0,1],"to_viewer":[0,0,1]}},"lights":[{{"directional":{{"to_light":[0,0,1],"intensity":1}}}}]}}}}"#
+        )
+    };
+    let end = r#"{"frame_end":{}}"#.to_owned();
+    let begin = r#"{"begin":{"format":"basrelief-display-list","version":1,"width":4,"height":4,"generator":"by hand"}}"#;
+    let list = [
+        begin.into(),
+        texture(3),
+        frame(0),
+        texture(5),
+        end.clone(),
+        texture(4),
+        frame(1),
+        end,
+        r#"{"end":{"commands":8}}"#.into(),
+    ];
+    let resolved = resolve((list.join("\n") + "\n").as_bytes()).unwrap();
+    let declared = |control: &Control| match control {
+        Control::Frame(frame) => Some(frame.textures.iter().map(|t| t.id).collect::<Vec<_>>()),
+        _ => None,
+    };
+    assert_eq!(resolved.iter().filter_map(declared).collect::<Vec<_>>(), [[3], [4]]);
 }
 
 fn setting() -> impl Strategy<Value = Setting> {

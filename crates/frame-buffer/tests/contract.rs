@@ -10,7 +10,7 @@ fn pixels() -> Vec<Flow<Stamp<Pixel>>> {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
     let mut all = Vec::new();
     for (index, (width, height, count)) in (0..).zip([(21, 9, 150), (4, 4, 0), (16, 17, 99)]) {
-        let frame = Frame { index, width, height, camera, lights: Vec::new() };
+        let frame = Frame { index, width, height, camera, lights: Vec::new(), textures: Vec::new() };
         all.push(Flow::Control(Control::Frame(Arc::new(frame))));
         let pixel = |i: u16| Pixel { x: i * 11 % 23, y: i / 9 % 19, z: 0, rgb: [i as u8, 2, 3] };
         all.extend((0..count).map(|i| Flow::Item(Stamp::from_iter([pixel(i)]))));

@@ -2,8 +2,9 @@
 
 use crate::config::{Arrival, DisplayListConfig};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::{Control, Draw, Scene};
+use basrelief_signals::{Control, Draw, Frame, Scene};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::sync::Arc;
 
@@ -23,6 +24,14 @@ impl SceneDraws {
     pub fn new(scene: Arc<Scene>) -> Self {
         Self { scene, frame: 0, begun: false, object: 0, triangle: None }
     }
+
+    /// It declares all colour textures, in order of their first object: those of objects outside the view too.
+    fn first_frame(&self, frame: &Frame) -> Arc<Frame> {
+        let mut known = BTreeSet::new();
+        let all = self.scene.objects.iter().filter_map(|object| object.material.color_texture.as_ref());
+        let textures = all.filter(|texture| known.insert(texture.id)).cloned().collect();
+        Arc::new(Frame { textures, ..frame.clone() })
+    }
 }
 
 impl Iterator for SceneDraws {
@@ -32,7 +41,7 @@ impl Iterator for SceneDraws {
         let frame = self.scene.frames.get(self.frame)?;
         if !self.begun {
             self.begun = true;
-            return Some(Draw::Frame(Arc::clone(frame)));
+            return Some(Draw::Frame(if self.frame == 0 { self.first_frame(frame) } else { Arc::clone(frame) }));
         }
         while let Some(object) = self.scene.objects.get(self.object) {
             let Some(triangle) = self.triangle else {
@@ -178,12 +187,12 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_signals::{Camera, Frame, Mesh, Object};
+    use basrelief_signals::{Camera, Mesh, Object};
 
     #[test]
     fn a_scene_is_drawn_frame_by_frame_object_by_object() {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        let frame = |index| Arc::new(Frame { index, width: 1, height: 1, camera, lights: Vec::new() });
+        let frame = |index| Arc::new(Frame { index, width: 1, height: 1, camera, lights: Vec::new(), textures: Vec::new() });
         let object = |id, triangles: u32| {
             let mesh = Arc::new(Mesh { indices: vec![0; 3 * triangles as usize], ..Mesh::default() });
             let name = String::new();

@@ -20,7 +20,7 @@ fn frames() -> Vec<Arc<Frame>> {
     let kinds = [LightKind::Directional { to_light: [0.0, 0.6, 0.8] }, LightKind::Point { position: [1.0 / 3.0, 2.0, 0.1] }];
     let frame = |(index, (view, kind))| {
         let lights = vec![Light { kind, intensity: 0.7 }];
-        Arc::new(Frame { index, width: 64, height: 48, camera: camera(view), lights })
+        Arc::new(Frame { index, width: 64, height: 48, camera: camera(view), lights, textures: Vec::new() })
     };
     (0..).zip([PERSPECTIVE, IDENTITY].into_iter().zip(kinds)).map(frame).collect()
 }

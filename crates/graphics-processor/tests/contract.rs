@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 fn frame(index: u32) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    Control::Frame(Arc::new(Frame { index, width: 32, height: 16, camera, lights: Vec::new() }))
+    Control::Frame(Arc::new(Frame { index, width: 32, height: 16, camera, lights: Vec::new(), textures: Vec::new() }))
 }
 
 fn texture() -> Arc<Texture> {

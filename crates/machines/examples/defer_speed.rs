@@ -39,7 +39,14 @@ fn display_list(frames: u32) -> Vec<Control> {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let mut list = Vec::new();
     for index in 0..frames {
-        list.push(Control::Frame(Arc::new(Frame { index, width: SIZE[0], height: SIZE[1], camera, lights: vec![] })));
+        list.push(Control::Frame(Arc::new(Frame {
+            index,
+            width: SIZE[0],
+            height: SIZE[1],
+            camera,
+            lights: vec![],
+            textures: Vec::new(),
+        })));
         for y in (0..SIZE[1]).step_by(QUAD as usize) {
             list.extend((0..SIZE[0]).step_by(QUAD as usize).map(|x| quad(x, y, &materials[((x + y) / 128) as usize % 8])));
         }

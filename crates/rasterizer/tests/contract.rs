@@ -21,7 +21,7 @@ fn display_list() -> Vec<Control> {
     let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None };
     let frame = |index| {
         [
-            Control::Frame(Arc::new(Frame { index, width: 20, height: 14, camera, lights: Vec::new() })),
+            Control::Frame(Arc::new(Frame { index, width: 20, height: 14, camera, lights: Vec::new(), textures: Vec::new() })),
             Control::Object(Arc::new(object.clone())),
             polygon(true, &[[1.3, 1.1], [12.6, 2.2], [4.9, 9.7]]),
             polygon(false, &[[10.0, -3.0], [26.0, 1.0], [25.0, 9.0], [14.0, 13.5], [9.0, 5.0]]),

@@ -107,7 +107,14 @@ impl Setting {
             let part = f64::from(index) / f64::from(count);
             let view = self.orbit(view, part * orbit);
             let lamps: Vec<_> = lamps.iter().map(|(lamp, i)| (self.turn_lamp(*lamp, part * light_orbit), *i)).collect();
-            Arc::new(Frame { index, width, height, camera: self.camera(view, &lamps), lights: lights(&lamps) })
+            Arc::new(Frame {
+                index,
+                width,
+                height,
+                camera: self.camera(view, &lamps),
+                lights: lights(&lamps),
+                textures: Vec::new(),
+            })
         };
         Ok((0..count).map(frame).collect())
     }

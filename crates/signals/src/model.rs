@@ -215,6 +215,9 @@ pub struct Frame {
     pub camera: Camera,
     /// All lights; at least one.
     pub lights: Vec<Light>,
+    /// Colour textures that are declared ahead of this frame, whether a polygon names them or not: with the first frame all
+    /// those of the scene.
+    pub textures: Vec<Arc<Texture>>,
 }
 
 /// A scene as imported: what the host knows.

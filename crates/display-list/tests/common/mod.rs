@@ -61,7 +61,7 @@ fn vertex() -> impl Strategy<Value = Vertex> {
     prop_oneof![full, array().prop_map(|uv| Vertex { uv, ..Vertex::default() })]
 }
 
-fn texture(id: u32, normal: bool) -> impl Strategy<Value = Arc<Texture>> {
+pub fn texture(id: u32, normal: bool) -> impl Strategy<Value = Arc<Texture>> {
     let sampler = (0..3usize, 0..3usize, any::<bool>()).prop_map(|(u, v, nearest)| {
         let wrap = |i| [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp][i];
         let filter = if nearest { Filter::Nearest } else { Filter::Bilinear };
@@ -133,7 +133,14 @@ pub fn controls() -> impl Strategy<Value = Vec<Control>> {
         let mut controls = Vec::new();
         let mut cycle = 0;
         for (index, ((camera, lights), objects)) in frames.into_iter().enumerate() {
-            controls.push(Control::Frame(Arc::new(Frame { index: index as u32, width: 64, height: 48, camera, lights })));
+            controls.push(Control::Frame(Arc::new(Frame {
+                index: index as u32,
+                width: 64,
+                height: 48,
+                camera,
+                lights,
+                textures: Vec::new(),
+            })));
             for (id, (centre, entries, shapes)) in objects.into_iter().enumerate() {
                 let object = id as u32;
                 let name = format!("object {id}");

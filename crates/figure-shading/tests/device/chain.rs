@@ -129,7 +129,7 @@ pub fn draw(config: &Config, lights: Vec<Light>, polygon: Control) -> Shaded {
 
 pub fn frame(lights: Vec<Light>) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
-    Control::Frame(Arc::new(Frame { index: 0, width: SIDE, height: SIDE, camera, lights }))
+    Control::Frame(Arc::new(Frame { index: 0, width: SIDE, height: SIDE, camera, lights, textures: Vec::new() }))
 }
 
 pub fn sun(to_light: Vec3) -> Light {

@@ -115,7 +115,14 @@ impl Scene {
 
     fn frame(&self) -> Control {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: self.to_viewer };
-        Control::Frame(Arc::new(Frame { index: 0, width: SIDE, height: SIDE, camera, lights: vec![self.light] }))
+        Control::Frame(Arc::new(Frame {
+            index: 0,
+            width: SIDE,
+            height: SIDE,
+            camera,
+            lights: vec![self.light],
+            textures: Vec::new(),
+        }))
     }
 
     fn polygon(&self) -> Control {

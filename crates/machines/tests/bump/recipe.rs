@@ -110,7 +110,7 @@ impl SceneRecipe {
         let view_projection = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.5, -2.5, 0.0, 0.0, -1.0, 0.0];
         let camera = Camera { view_projection, to_light: direction, to_viewer: [0.0, 0.0, 1.0] };
         let [width, height] = self.size;
-        Frame { index, width, height, camera, lights: vec![Light { kind, intensity: 0.9 }] }
+        Frame { index, width, height, camera, lights: vec![Light { kind, intensity: 0.9 }], textures: Vec::new() }
     }
 }
 

@@ -1,12 +1,13 @@
 //! Best resolution, progressive and conventional: the same picture, by different ways. Views one after the other.
 
-use crate::recipe::{FAST, SMALL, display_lists, views};
+use crate::recipe::{FAST, SMALL, display_lists, texture, views};
 use crate::runs::{Ran, Seen, Tile, timed};
 use basrelief_deferred_renderer::cell::split_depth;
 use basrelief_deferred_renderer::{How, Page};
-use basrelief_signals::Control;
+use basrelief_signals::{Control, Frame, Wrap};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 const MODES: [&str; 3] = ["best", "progressive", "conventional"];
 
@@ -79,6 +80,38 @@ fn best_resolution_loads_least_and_conventional_most() {
     let loaded = conventional.seen.tiles(0, Some(How::Loaded));
     let page_of = |texture: u32| conventional.seen.lists.iter().map(|l| &l.0).find(|p| p.texture == texture).unwrap();
     assert!(loaded.iter().all(|(t, tile)| page_of(*t).layer_of(*tile) == page_of(*t).dmax()), "all coarser layers are averaged");
+}
+
+/// A view of the hall that declares two more textures, which no polygon names, and one that polygons name too.
+fn declaring() -> Vec<Control> {
+    let mut list = views(&[0.0]);
+    let Some(Control::Frame(frame)) = list.first_mut() else { panic!("a list begins with a frame") };
+    let textures = vec![
+        texture(7, [40, 30], [Wrap::Clamp; 2]),
+        texture(0, [64, 64], [Wrap::Repeat; 2]),
+        texture(8, [9, 5], [Wrap::Clamp; 2]),
+    ];
+    *frame = Arc::new(Frame { textures, ..Frame::clone(frame) });
+    list
+}
+
+#[test]
+fn textures_that_are_declared_count_whether_polygons_name_them_or_not_452_471() {
+    let (named, declared) = (modes(&views(&[0.0]), &[]), modes(&declaring(), &[]));
+    let more = 3 * (40 * 30 + 9 * 5);
+    for (named, declared) in named.iter().zip(&declared) {
+        assert_eq!(pictures(&named.seen), pictures(&declared.seen));
+        assert_eq!(declared.seen.count("textures"), named.seen.count("textures") + 2);
+        assert_eq!(declared.seen.count("conventional_tile_bytes"), named.seen.count("conventional_tile_bytes") + more);
+        assert_eq!(declared.seen.count("path_texture_size_bytes"), named.seen.count("path_texture_size_bytes") + 2 * 8);
+    }
+    let bytes = |ran: &Ran| ran.seen.count("path_tile_bytes");
+    assert_eq!(bytes(&declared[0]), bytes(&named[0]), "best resolution loads nothing of them");
+    assert_eq!(bytes(&declared[2]), bytes(&named[2]) + more, "conventional all of them");
+    // 40 x 30 in tiles of 8 x 8: Dmax = 3, the top layer has 5 x 4 texels; 9 x 5: Dmax = 1, 5 x 3 texels.
+    assert_eq!(bytes(&declared[1]), bytes(&named[1]) + 3 * (5 * 4 + 5 * 3), "progressive their top tiles");
+    let of = |number: u32| declared[1].seen.lists.iter().filter(|l| l.0.texture == number).count();
+    assert_eq!([of(0), of(7), of(8)], [1; 3], "one page each");
 }
 
 #[test]

@@ -12,7 +12,7 @@ pub const SIZE: [u32; 2] = [40, 30];
 pub fn frame(index: u32) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let lights = vec![Light { kind: LightKind::Directional { to_light: [0.0, 0.0, 1.0] }, intensity: 1.0 }];
-    Control::Frame(Arc::new(Frame { index, width: SIZE[0], height: SIZE[1], camera, lights }))
+    Control::Frame(Arc::new(Frame { index, width: SIZE[0], height: SIZE[1], camera, lights, textures: Vec::new() }))
 }
 
 pub fn object(id: u32) -> Control {

@@ -13,7 +13,7 @@ pub fn unit(v: V3) -> V3 {
 
 pub fn frame(index: u32, size: [u32; 2], lights: Vec<Light>) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
-    Control::Frame(Arc::new(Frame { index, width: size[0], height: size[1], camera, lights }))
+    Control::Frame(Arc::new(Frame { index, width: size[0], height: size[1], camera, lights, textures: Vec::new() }))
 }
 
 pub fn sun(to_light: V3, intensity: f32) -> Light {

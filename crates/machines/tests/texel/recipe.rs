@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub fn frame(index: u32, size: [u32; 2]) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let lights = vec![Light { kind: LightKind::Directional { to_light: [0.36, 0.48, 0.8] }, intensity: 1.0 }];
-    Control::Frame(Arc::new(Frame { index, width: size[0], height: size[1], camera, lights }))
+    Control::Frame(Arc::new(Frame { index, width: size[0], height: size[1], camera, lights, textures: Vec::new() }))
 }
 
 pub fn object(id: u32) -> Control {

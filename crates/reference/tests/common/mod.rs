@@ -92,7 +92,7 @@ pub fn frame(width: u32, height: u32, eye: DVec3) -> Frame {
         Light { kind: LightKind::Directional { to_light: to_light.as_vec3().to_array() }, intensity: 0.8 },
         Light { kind: LightKind::Point { position: [-4.0, 1.0, 3.0] }, intensity: 0.4 },
     ];
-    Frame { index: 0, width, height, camera, lights }
+    Frame { index: 0, width, height, camera, lights, textures: Vec::new() }
 }
 
 pub fn object(mesh: Mesh, world: [f64; 16], material: Material) -> Arc<Object> {

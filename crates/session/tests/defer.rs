@@ -1,0 +1,79 @@
+//! Scene to trace and back with the rate-limited renderer: the same pictures, bytes and tiles.
+
+use basrelief_display_list::{Form, Recorder};
+use basrelief_machines::defer::DeferConfig;
+use basrelief_report::Report;
+use basrelief_scene::{ViewOptions, load_path};
+use basrelief_session::{NoProbe, Settings, Source, Unobserved, begin_of, display_list, run};
+use basrelief_signals::{Control, Material, Object, Scene, Texture};
+use std::io::Cursor;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The textured patch, and behind the viewer a copy of it with a texture of its own.
+fn scene() -> Arc<Scene> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/patch.gltf");
+    let options = ViewOptions { size: [64, 48], frames: Some(2), orbit_degrees: Some(40.0), ..ViewOptions::default() };
+    let mut scene = load_path(&path, &options).unwrap();
+    let seen = scene.objects.iter().find(|o| o.material.color_texture.is_some()).unwrap();
+    let texture = seen.material.color_texture.as_ref().unwrap();
+    let texture = Arc::new(Texture { id: 77, name: "unseen".into(), ..Texture::clone(texture) });
+    let material = Material { id: 77, color_texture: Some(texture), ..Material::clone(&seen.material) };
+    let mut world = [0.0; 16];
+    [0, 5, 10, 15].map(|i| world[i] = 1.0);
+    world[7] = 1e6;
+    let hidden = Object { id: scene.objects.len() as u32, material: Arc::new(material), world, ..Object::clone(seen) };
+    scene.objects.push(Arc::new(hidden));
+    Arc::new(scene)
+}
+
+fn config(mode: &str) -> DeferConfig {
+    basrelief_parameters::load("", &[("defer.mode", mode), ("tile.width", "8"), ("tile.height", "8")]).unwrap()
+}
+
+fn recorded(scene: &Arc<Scene>, config: &DeferConfig, form: Form) -> Vec<u8> {
+    let mut recorder = Recorder::new(Vec::new(), form, begin_of(scene)).unwrap();
+    display_list(scene, &config.clone().into()).for_each(|control| recorder.record(&control).unwrap());
+    recorder.finish(Vec::new()).unwrap()
+}
+
+fn report(source: Source, config: &DeferConfig) -> Report {
+    let settings = Settings { config: config.clone().into(), exact: false, ..Settings::default() };
+    run(source, &settings, &mut Unobserved, &mut NoProbe).unwrap().report
+}
+
+/// What the device counted of tiles, bytes and pixels.
+fn counted(report: &Report) -> String {
+    let of_tiles = |name: &str| ["tile", "path", "layer", "pixel", "texture", "conventional"].iter().any(|n| name.contains(n));
+    format!("{:?}", report.device.iter().filter(|(name, _)| of_tiles(name)).collect::<Vec<_>>())
+}
+
+#[test]
+fn a_replay_draws_the_same_pictures_from_the_same_tiles_in_every_form_and_mode() {
+    let scene = scene();
+    for mode in ["best", "progressive", "conventional"] {
+        let config = config(mode);
+        let drawn = report(Source::Scene(Arc::clone(&scene)), &config);
+        for form in Form::ALL {
+            let replayed = report(Source::trace(Cursor::new(recorded(&scene, &config, form)), "recorded"), &config);
+            assert_eq!(drawn.input.sha256, replayed.input.sha256, "the same input");
+            assert_eq!(drawn.image, replayed.image, "{mode}, {form:?}: the same pictures to the bit");
+            assert_eq!(drawn.image.len(), 2);
+            assert_eq!(counted(&drawn), counted(&replayed), "{mode}, {form:?}");
+        }
+    }
+}
+
+#[test]
+fn the_first_frame_declares_all_textures_of_the_scene_those_out_of_view_too_452() {
+    let scene = scene();
+    let list: Vec<Control> = display_list(&scene, &config("best").into()).collect();
+    let of = |control: &Control| match control {
+        Control::Frame(frame) => Some(frame.textures.iter().map(|t| t.id).collect::<Vec<_>>()),
+        _ => None,
+    };
+    let declared: Vec<Vec<u32>> = list.iter().filter_map(of).collect();
+    assert!(declared.len() == 2 && declared[0].contains(&77) && declared[1].is_empty(), "{declared:?}");
+    let names = |c: &Control| matches!(c, Control::Polygon(p) if p.material.color_texture.as_ref().is_some_and(|t| t.id == 77));
+    assert!(!list.iter().any(names), "no polygon names it");
+}
