@@ -6,7 +6,7 @@ use crate::args::RecordArgs;
 use crate::error::{Done, Failure};
 use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
-use basrelief_display_list::{Encoding, Expectation, Form, Recorder, Setting};
+use basrelief_display_list::{Begin, Encoding, Expectation, Form, Recorder, Setting};
 use basrelief_session::{MachineConfig, Source, begin_of, display_list, expectation_of};
 use basrelief_signals::Scene;
 use std::collections::BTreeMap;
@@ -25,20 +25,20 @@ pub fn record(args: &RecordArgs, quiet: bool) -> Done {
     let expectations = if args.expect { vec![expected(&scene, &config, args)?] } else { vec![] };
     to_trace_file(&args.out, |writer, form| {
         let progress = Progress::new(None, "commands", quiet);
-        write_list(&scene, &config, writer, form, expectations, progress)
+        write_list(&scene, &config, writer, (form, begin_of(&scene)), expectations, progress)
     })
 }
 
-/// Writes the display list of a scene.
+/// Writes the display list of a scene, in this form and with this beginning.
 pub fn write_list(
     scene: &Arc<Scene>,
     config: &MachineConfig,
     writer: impl Write,
-    form: Form,
+    (form, begin): (Form, Begin),
     expectations: Vec<Expectation>,
     mut progress: Progress,
 ) -> Done {
-    let mut recorder = Recorder::new(writer, form, begin_of(scene)).map_err(Failure::bad)?;
+    let mut recorder = Recorder::new(writer, form, begin).map_err(Failure::bad)?;
     for (n, control) in (1..).zip(display_list(scene, config)) {
         recorder.record(&control).map_err(Failure::bad)?;
         progress.at(n);
@@ -51,7 +51,7 @@ pub fn write_list(
 fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs) -> Done<Expectation> {
     let mut list = Vec::new();
     let form = Form { encoding: Encoding::Binary, compressed: true };
-    write_list(scene, config, &mut list, form, vec![], Progress::new(None, "commands", true))?;
+    write_list(scene, config, &mut list, (form, begin_of(scene)), vec![], Progress::new(None, "commands", true))?;
     let run = simulate_quietly(Source::trace(Cursor::new(list), &scene.name), config, None)?;
     Ok(expectation_of(&run.report, settings_of(config, &args.machine.settings)?))
 }

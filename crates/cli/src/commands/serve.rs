@@ -5,9 +5,11 @@ use crate::args::ServeArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
-use crate::remote::{Served, listen};
-use basrelief_display_list::{Encoding, Form};
+use crate::remote::{Served, hex, listen};
+use basrelief_display_list::{Begin, Encoding, Form};
+use basrelief_session::begin_of;
 use basrelief_signals::{Image, Material, Object, Scene, Texture};
+use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::thread;
@@ -28,8 +30,10 @@ pub fn serve(args: &ServeArgs, quiet: bool) -> Done {
     };
     let config = input::config(&args.machine, demo_of(&args.input))?;
     let mut polygons = Vec::new();
+    // Other texels make another list, black as they are there: a cache of tiles goes by the list.
+    let begin = Begin { generator: format!("basrelief serve, texels {}", hash_of_texels(&scene)), ..begin_of(&scene) };
     let form = Form { encoding: Encoding::Binary, compressed: true };
-    write_list(&without_texels(&scene), &config, &mut polygons, form, vec![], Progress::new(None, "commands", true))?;
+    write_list(&without_texels(&scene), &config, &mut polygons, (form, begin), vec![], Progress::new(None, "commands", true))?;
     let served = Served::new(polygons, textures(&scene));
     let server = listen(args.listen).map_err(Failure::Bad)?;
     if !quiet {
@@ -45,6 +49,17 @@ pub fn serve(args: &ServeArgs, quiet: bool) -> Done {
 
 fn textures(scene: &Scene) -> impl Iterator<Item = Arc<Texture>> + '_ {
     scene.objects.iter().filter_map(|o| o.material.color_texture.clone())
+}
+
+/// SHA-256 of all textures, in hexadecimal.
+fn hash_of_texels(scene: &Scene) -> String {
+    let all: BTreeMap<u32, Arc<Texture>> = textures(scene).map(|t| (t.id, t)).collect();
+    let mut hash = Sha256::new();
+    for (id, texture) in all {
+        hash.update(id.to_le_bytes());
+        texture.levels.first().iter().flat_map(|image| &image.texels).for_each(|texel| hash.update(texel));
+    }
+    hex(hash)
 }
 
 /// The scene with black texels: the list then tells the sizes of textures and takes no room for them.

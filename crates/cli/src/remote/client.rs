@@ -28,15 +28,17 @@ impl Default for Patience {
     }
 }
 
-/// Largest body that is believed \[bytes\].
-const LARGEST: u64 = 1 << 30;
+/// Largest list of polygons that is believed \[bytes\].
+const LARGEST_LIST: u64 = 1 << 30;
+/// Largest tile that is believed: more than 512 x 512 texels take in any encoding \[bytes\].
+const LARGEST_TILE: u64 = 1 << 21;
 
 /// Gets an address, with retries; the body is what the server hashed.
-fn get(agent: &Agent, url: &str, patience: Patience) -> Result<Vec<u8>, String> {
+fn get(agent: &Agent, url: &str, largest: u64, patience: Patience) -> Result<Vec<u8>, String> {
     let mut pause = patience.pause;
     let mut attempt = 1;
     loop {
-        match get_once(agent, url) {
+        match get_once(agent, url, largest) {
             Ok(body) => return Ok(body),
             Err(error) if attempt >= patience.attempts => return Err(format!("{error} (after {attempt} attempts)")),
             Err(_) => thread::sleep(pause),
@@ -46,13 +48,19 @@ fn get(agent: &Agent, url: &str, patience: Patience) -> Result<Vec<u8>, String> 
     }
 }
 
-fn get_once(agent: &Agent, url: &str) -> Result<Vec<u8>, String> {
+fn get_once(agent: &Agent, url: &str, largest: u64) -> Result<Vec<u8>, String> {
     let mut response = agent.get(url).call().map_err(|e| e.to_string())?;
+    if response.status() != 200 {
+        return Err(format!("http status: {}", response.status().as_u16()));
+    }
     let expected = response.headers().get(HASH).and_then(|h| h.to_str().ok()).map(str::to_owned);
-    let length = response.headers().get("content-length").and_then(|h| h.to_str().ok()).and_then(|n| n.parse::<usize>().ok());
+    let length = response.headers().get("content-length").and_then(|h| h.to_str().ok()).and_then(|n| n.parse::<u64>().ok());
     let mut body = Vec::new();
-    response.body_mut().as_reader().take(LARGEST).read_to_end(&mut body).map_err(|e| e.to_string())?;
-    if length.is_some_and(|n| n != body.len()) {
+    response.body_mut().as_reader().take(largest + 1).read_to_end(&mut body).map_err(|e| e.to_string())?;
+    if body.len() as u64 > largest {
+        return Err(format!("too long: more than {largest} bytes"));
+    }
+    if length.is_some_and(|n| n != body.len() as u64) {
         return Err(format!("truncated: {} of {} bytes came", body.len(), length.unwrap_or(0)));
     }
     match expected {
@@ -63,7 +71,8 @@ fn get_once(agent: &Agent, url: &str) -> Result<Vec<u8>, String> {
 }
 
 fn agent(patience: Patience) -> Agent {
-    Agent::config_builder().timeout_global(Some(patience.request)).build().into()
+    // What stands elsewhere is not what the user has named.
+    Agent::config_builder().timeout_global(Some(patience.request)).max_redirects(0).build().into()
 }
 
 /// Fetches the polygons of a server.
@@ -72,7 +81,7 @@ fn agent(patience: Patience) -> Agent {
 /// A sentence, when all attempts have failed.
 pub fn fetch_polygons(base: &str, patience: Patience) -> Result<Vec<u8>, String> {
     let url = format!("{}/polygons", base.trim_end_matches('/'));
-    get(&agent(patience), &url, patience).map_err(|e| format!("{url}: {e}"))
+    get(&agent(patience), &url, LARGEST_LIST, patience).map_err(|e| format!("{url}: {e}"))
 }
 
 /// What the threads share.
@@ -176,7 +185,7 @@ fn work(exchange: &Exchange, base: &str, patience: Patience, cache: Option<&Tile
 }
 
 fn fetch(agent: &Agent, base: &str, tile: &str, patience: Patience, cache: Option<&TileCache>) -> Result<Vec<u8>, String> {
-    let body = get(agent, &format!("{base}/{tile}"), patience).map_err(|e| format!("{base}/{tile}: {e}"))?;
+    let body = get(agent, &format!("{base}/{tile}"), LARGEST_TILE, patience).map_err(|e| format!("{base}/{tile}: {e}"))?;
     if let Some(cache) = cache {
         cache.put(tile, &body).map_err(|e| format!("--tile-cache: cannot be written: {e}"))?;
     }

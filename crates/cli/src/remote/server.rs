@@ -12,6 +12,9 @@ use tiny_http::{Header, Request, Response, Server};
 /// Tiles of one size and encoding, as they are asked for.
 type Offered = BTreeMap<(TileEncoding, u8), TextureMemory>;
 
+/// Longest body of a request that is read over; none is expected \[bytes\].
+const LONGEST_BODY: usize = 1 << 20;
+
 /// What is offered.
 #[derive(Debug)]
 pub struct Served {
@@ -90,6 +93,12 @@ impl Served {
     }
 
     fn respond(&self, request: Request) {
+        if request.body_length().is_some_and(|length| length > LONGEST_BODY) {
+            // The library, dropping it, would make room for all that it says is to come, and end the process where there
+            // is none. The connection is lost to whoever did this.
+            std::mem::forget(request);
+            return;
+        }
         let (status, body) = match self.answer(request.url()) {
             Ok(body) => (200, body),
             Err((status, why)) => (status, why.into_bytes()),

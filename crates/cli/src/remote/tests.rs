@@ -1,6 +1,6 @@
 //! Faults of the path: slow, cut, truncated, corrupt, refused, gone; and that nothing is lost.
 
-use super::{HASH, Patience, RemoteTiles, Served, TileCache, hash_of};
+use super::{HASH, Patience, RemoteTiles, Served, TileCache, fetch_polygons, hash_of, listen};
 use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource};
 use basrelief_signals::{Image, Sampler, Texture, Wrap};
 use std::io::{BufRead, BufReader, Write};
@@ -20,6 +20,8 @@ enum Fault {
     /// The connection is closed in place of an answer.
     Cut,
     Slow,
+    /// Much more than a tile, with its hash.
+    Endless,
 }
 
 const PATIENCE: Patience = Patience { request: Duration::from_millis(400), attempts: 3, pause: Duration::from_millis(5) };
@@ -40,6 +42,9 @@ fn respond(served: &Served, mut stream: TcpStream, fault: Fault) {
     let Some(first) = lines.next() else { return };
     while lines.next().is_some_and(|line| !line.is_empty()) {}
     let mut body = served.answer(first.split(' ').nth(1).unwrap_or("/")).unwrap_or_default();
+    if fault == Fault::Endless {
+        body.resize(8 << 20, 0);
+    }
     let (hash, length) = (hash_of(&body), body.len());
     let status = if let Fault::Status(status) = fault { status } else { 200 };
     match fault {
@@ -47,7 +52,7 @@ fn respond(served: &Served, mut stream: TcpStream, fault: Fault) {
         Fault::Slow => thread::sleep(Duration::from_millis(900)),
         Fault::Corrupt => body[0] ^= 1,
         Fault::Truncated => body.truncate(length / 2),
-        Fault::None | Fault::Status(_) => {}
+        Fault::None | Fault::Status(_) | Fault::Endless => {}
     }
     let head = format!("HTTP/1.1 {status} x\r\nContent-Length: {length}\r\n{HASH}: {hash}\r\nConnection: close\r\n\r\n");
     // Who has given up waiting does not read it.
@@ -111,6 +116,8 @@ fn a_fault_that_stays_is_an_error_that_names_texture_layer_and_tile() {
     for (fault, says) in [
         (Fault::Status(500), "500"),
         (Fault::Status(404), "404"),
+        (Fault::Status(302), "302"),
+        (Fault::Endless, "too long"),
         (Fault::Corrupt, "hash"),
         (Fault::Truncated, ""),
         (Fault::Cut, ""),
@@ -152,6 +159,24 @@ fn a_damaged_file_of_the_cache_is_fetched_anew() {
     std::fs::write(&file, bytes).unwrap();
     assert_eq!(cache.get("tile/1"), None);
     assert_eq!(cache.get("tile/2"), None);
+}
+
+#[test]
+fn a_request_that_announces_a_body_without_end_takes_no_memory_and_others_are_answered() {
+    let server = Arc::new(listen(([127, 0, 0, 1], 0).into()).unwrap());
+    let address = server.server_addr().to_ip().unwrap();
+    let (served, serving) = (Served::new(b"list".to_vec(), [texture()]), Arc::clone(&server));
+    let thread = thread::spawn(move || served.run(&serving));
+    let mut stream = TcpStream::connect(address).unwrap();
+    stream.write_all(b"GET /polygons HTTP/1.1\r\nHost: x\r\nContent-Length: 99999999999999\r\n\r\n").unwrap();
+    let mut line = String::new();
+    // Nothing comes, or the end.
+    stream.set_read_timeout(Some(Duration::from_millis(200))).unwrap();
+    let _ = BufReader::new(stream).read_line(&mut line);
+    assert_eq!(line, "");
+    assert_eq!(fetch_polygons(&format!("http://{address}"), PATIENCE).unwrap(), b"list");
+    server.unblock();
+    thread.join().unwrap();
 }
 
 #[test]
