@@ -2,6 +2,7 @@
 
 use crate::support::{Place, is_valid, picture};
 use serde_json::Value;
+use std::fs;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
 
@@ -39,6 +40,14 @@ fn it_writes_pictures_of_each_round_the_layer_depth_the_tile_map_and_both_dumps(
     assert_eq!(keys(&tiles[0]).len(), 6);
     place.ok(&format!("demo gallery {SMALL} --out b"));
     assert_eq!(image(&place, "p"), image(&place, "b"), "progressive ends with the picture of best resolution");
+}
+
+#[test]
+fn a_progressive_picture_that_is_the_best_at_once_is_a_round_too() {
+    let place = Place::new();
+    place.ok("demo gallery --size 64x48 --quiet --set defer.mode=progressive --out p");
+    assert_eq!(place.report("p")["device"]["picture_round"], serde_json::json!([0]));
+    assert_eq!(picture(&place.path("p/image-round-0.png")), picture(&place.path("p/image.png")));
 }
 
 #[test]
@@ -102,11 +111,29 @@ fn a_picture_from_a_server_is_that_from_the_file_to_the_bit() {
 }
 
 #[test]
+fn tiles_kept_from_other_texels_are_not_taken() {
+    let place = Place::new();
+    let model = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl m\nf 1/1 2/2 3/3\n";
+    fs::write(place.path("m.obj"), model).expect("written");
+    fs::write(place.path("m.mtl"), "newmtl m\nKd 1 1 1\nmap_Kd t.png\n").expect("written");
+    let drawn = [[200, 0, 0], [0, 0, 200]].map(|colour| {
+        image::RgbImage::from_pixel(16, 16, image::Rgb(colour)).save(place.path("t.png")).expect("written");
+        let server = Server::start(&place, "serve m.obj --size 32x24 --listen 127.0.0.1:0");
+        place.ok(&format!("run --from {} --tile-cache kept --quiet --out remote", server.1));
+        place.ok("run m.obj --machine defer --size 32x24 --quiet --out file");
+        assert_eq!(image(&place, "remote"), image(&place, "file"), "{colour:?}");
+        image(&place, "file")
+    });
+    assert_ne!(drawn[0], drawn[1]);
+}
+
+#[test]
 fn who_may_read_is_said_aloud_and_what_does_not_fit_together_is_refused() {
     let place = Place::new();
     let refused = |line: &str| place.run(line).error(2).to_owned();
     assert!(refused("serve demo:gallery --listen 0.0.0.0:0").contains("--public"));
     assert!(refused("run --from http://127.0.0.1:1/ --machine bump").contains("only machine `defer`"));
+    assert!(refused("run --from http://127.0.0.1:1/ --compare-methods").contains("--compare-methods"));
     assert!(refused("run --from http://127.0.0.1:1/ --size 8x8").contains("the server has the view"));
     assert!(refused("run --from ftp://x").contains("expected http://ADDRESS:PORT/"));
     assert!(refused("run PATCH --tile-cache x").contains("--from"));

@@ -138,6 +138,13 @@ fn all_methods_are_compared_at_the_same_error() {
 }
 
 #[test]
+fn a_dump_may_lie_in_the_folder_that_is_made_for_the_pictures() {
+    let place = Place::new();
+    place.ok("demo corridor --size 16x12 --no-exact --dump spans out/spans.jsonl");
+    assert_eq!(place.names("out"), ["image.png", "report.json", "spans.jsonl"]);
+}
+
+#[test]
 fn what_a_machine_does_not_have_is_refused_and_leaves_nothing_behind() {
     let place = Place::new();
     let wrong = place.run("demo coin --size 16x12 --dump spans s.jsonl");
@@ -148,6 +155,15 @@ fn what_a_machine_does_not_have_is_refused_and_leaves_nothing_behind() {
     assert!(wrong.error(2).contains("machine `bump` has no methods to compare"), "{}", wrong.err);
     place.run("demo corridor --compare-methods --functional").error(2);
     place.run("demo corridor --dump spans").error(2);
+    let twice = place.run("demo corridor --size 16x12 --dump spans s.jsonl --dump spans s.jsonl");
+    assert!(twice.error(2).contains("s.jsonl is named twice"), "{}", twice.err);
+    let failed = place.run("run missing.obj --machine texel --out new --dump spans new/s.jsonl");
+    failed.error(1);
+    fs::write(place.path("cut.jsonl"), "{").expect("written");
+    let failed = place.run("run cut.jsonl --machine texel --out new --dump spans new/s.jsonl");
+    failed.error(1);
+    fs::remove_file(place.path("cut.jsonl")).expect("there");
+    assert!(place.names("").is_empty(), "{:?}", place.names(""));
     let wrong = place.run("demo corridor --size 16x12 --dump spans missing/s.jsonl");
     assert!(wrong.error(1).contains("missing/s.jsonl: cannot be written"), "{}", wrong.err);
     let wrong = place.run("demo corridor --size 64x48 --max-cycles 100 --dump spans s.jsonl");

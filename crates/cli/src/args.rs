@@ -154,7 +154,7 @@ pub struct RunArgs {
     pub input: Option<PathBuf>,
     /// Render from a server (`basrelief serve`) with machine defer, such as http://127.0.0.1:8080/, instead of a file. Without
     /// the exact picture: textures stay there.
-    #[arg(long, value_name = "URL", conflicts_with_all = ["input", "ablate"], value_parser = http)]
+    #[arg(long, value_name = "URL", conflicts_with_all = ["input", "ablate", "compare_methods"], value_parser = http)]
     pub from: Option<String>,
     /// Keep tiles that have come in this folder, and take them from there.
     #[arg(long, value_name = "DIR")]

@@ -1,6 +1,7 @@
 //! The machines by name, and the configuration of any of them.
 
 use crate::device::{Device, ShortCut};
+use basrelief_deferred_renderer::RenderMode;
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::defer::DeferConfig;
 use basrelief_machines::shade::ShadeConfig;
@@ -95,6 +96,11 @@ impl MachineConfig {
             Self::Texel(config) => Some(config.texel.error_bound),
             Self::Bump(_) | Self::Shade(_) | Self::Defer(_) => None,
         }
+    }
+
+    /// Whether each frame may be shown in several pictures, each better than the one before.
+    pub fn shows_rounds(&self) -> bool {
+        matches!(self, Self::Defer(config) if config.defer.mode == RenderMode::Progressive)
     }
 
     pub(crate) fn front(&self) -> FrontConfig {

@@ -51,7 +51,7 @@ struct Fixed {
 
 const FIXED: [Fixed; 3] = [
     Fixed {
-        name: |n| format!("fixed, every {n} pixels"),
+        name: |n| if n == 1 { "fixed, every pixel".into() } else { format!("fixed, every {n} pixels") },
         settings: |n| vec!["texel.method=fixed".into(), "texel.points=0".into(), format!("texel.interval={n}")],
         set: |c, n| (c.texel.method, c.texel.points, c.texel.interval) = (Divide::Fixed, 0, n),
         more: false,

@@ -26,14 +26,18 @@ impl Dumps {
     /// Opens what the command line asks for: pairs of what and file.
     ///
     /// # Errors
-    /// What no machine tells, or another one does; a file that cannot be written.
+    /// What no machine tells, or another one does; a file named twice, or that cannot be written.
     pub fn open(asked: &[PathBuf], config: &MachineConfig) -> Done<Self> {
         let open = |[what, path]: &[PathBuf; 2]| {
             let what = known(what, config.machine().name).map_err(Failure::Usage)?;
             let file = PartialFile::create(path).map_err(Failure::file(path, "be written"))?;
             Ok(Dump { what, path: path.clone(), file })
         };
-        asked.as_chunks::<2>().0.iter().map(open).collect::<Done<_>>().map(Self)
+        let pairs = asked.as_chunks::<2>().0;
+        if let Some((_, [_, path])) = pairs.iter().enumerate().find(|(n, pair)| pairs[..*n].iter().any(|p| p[1] == pair[1])) {
+            return Err(Failure::Usage(format!("--dump: {} is named twice; give each dump a file", path.display())));
+        }
+        pairs.iter().map(open).collect::<Done<_>>().map(Self)
     }
 
     /// Whether the machine has to keep logs for them.

@@ -92,13 +92,14 @@ pub fn simulate_source(
     simulation: &SimulationArgs,
     quiet: bool,
 ) -> Done {
-    let dumps = Dumps::open(&simulation.dump, &settings.config)?;
     let error_bound = settings.config.texel_error_bound().filter(|_| !simulation.no_exact);
+    // Before the dumps: they may lie in it.
+    let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
+    let dumps = Dumps::open(&simulation.dump, &settings.config)?;
     // Further pictures of machine `defer` are made of its log.
     settings.log = error_bound.is_some() || dumps.any() || settings.config.machine().name == "defer";
-    let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
-    let (kinds, extra) = (vec![], vec![]);
-    let mut watcher = Watcher { outputs, progress, read, dumps, error_bound, frames: 0, kinds, map: None, rounds: 0, extra };
+    let (kinds, extra, rounds) = (vec![], vec![], settings.config.shows_rounds().then_some(0));
+    let mut watcher = Watcher { dumps, outputs, progress, read, error_bound, frames: 0, kinds, map: None, rounds, extra };
     let ran = match &simulation.timeline {
         None => run_named(source, &settings, &mut watcher, &mut NoProbe).map(|run| (run, None)),
         Some(path) => with_timeline(path, source, &settings, &mut watcher),

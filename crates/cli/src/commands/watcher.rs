@@ -17,11 +17,12 @@ use std::rc::Rc;
 
 /// Files, progress and pictures of a run.
 pub struct Watcher {
+    /// In front of the outputs: a dump that is given up must be gone before the folder that was made for both.
+    pub dumps: Dumps,
     pub outputs: Outputs,
     pub progress: Progress,
     /// Bytes of a trace read so far; a scene counts commands instead.
     pub read: Option<Rc<Cell<u64>>>,
-    pub dumps: Dumps,
     /// Of the pictures that machine `texel` has beside its own; `None` where they are not wanted.
     pub error_bound: Option<f64>,
     pub frames: usize,
@@ -29,8 +30,8 @@ pub struct Watcher {
     pub kinds: Vec<&'static str>,
     /// Of the frame that comes next.
     pub map: Option<DisplacementMap>,
-    /// Pictures of the current frame that are not its last.
-    pub rounds: u32,
+    /// Pictures of the current frame that are not its last; `None` where it has only one.
+    pub rounds: Option<u32>,
     /// Names of the pictures that machine `defer` has beside its own.
     pub extra: Vec<String>,
 }
@@ -50,8 +51,8 @@ impl Observer for Watcher {
         let index = pictures.index;
         self.frames = index + 1;
         self.save("image", index, pictures.machine)?;
-        if self.rounds > 0 {
-            let last = round_name(index as u32, std::mem::take(&mut self.rounds));
+        if let Some(rounds) = &mut self.rounds {
+            let last = round_name(index as u32, std::mem::take(rounds));
             self.write(&last, pictures.machine)?;
             self.extra.push(last);
         }
@@ -66,7 +67,9 @@ impl Observer for Watcher {
     }
 
     fn exhibit(&mut self, exhibit: &Exhibit) -> Result<(), String> {
-        self.rounds += u32::from(matches!(exhibit, Exhibit::Round(_)));
+        if let (Some(rounds), Exhibit::Round(_)) = (&mut self.rounds, exhibit) {
+            *rounds += 1;
+        }
         self.dumps.exhibit(exhibit)?;
         let Some((name, picture)) = exhibits::picture(exhibit) else { return Ok(()) };
         self.write(&name, &picture)?;
@@ -78,7 +81,10 @@ impl Observer for Watcher {
 impl Watcher {
     /// A run has failed: the best picture of a frame that was under way stays, if there was any.
     pub fn rescue(self, error: Failure) -> Failure {
-        let Some(best) = self.rounds.checked_sub(1).map(|round| round_name(self.frames as u32, round)) else { return error };
+        let Some(best) = self.rounds.and_then(|rounds| rounds.checked_sub(1)).map(|round| round_name(self.frames as u32, round))
+        else {
+            return error;
+        };
         match self.outputs.rename(&best, "image.png").and_then(|()| self.outputs.publish("image.png")) {
             Ok(()) => error,
             Err(e) => Failure::Bad(format!("{error}\nThe best picture so far cannot be written: {e}")),
