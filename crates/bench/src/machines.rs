@@ -82,7 +82,8 @@ impl Drawing {
 
     /// W6.
     pub fn w6(size: Size, set: Set) -> Self {
-        let scene = demo_scene("gallery", size.of([640, 480], [128, 96]));
+        // Small, another scene too: making the gallery's pictures takes longer than rendering it.
+        let scene = demo_scene(size.of("gallery", "corridor"), size.of([640, 480], [160, 120]));
         Self { scene: Arc::new(scene), device: Device::Defer(load(set)) }
     }
 
