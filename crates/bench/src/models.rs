@@ -16,6 +16,11 @@ fn mesh(size: Size) -> Arc<Mesh> {
     Arc::clone(&demo_scene(size.of("sphere", "mixed"), [64, 48]).objects[0].mesh)
 }
 
+/// Coordinates of a texture: the sphere has those of its normal map alone.
+fn uv(mesh: &Mesh) -> &[[f32; 2]] {
+    if mesh.uv.is_empty() { &mesh.uv_normal } else { &mesh.uv }
+}
+
 /// Little-endian bytes of rows of numbers.
 fn bytes<const N: usize>(rows: &[[f32; N]]) -> Vec<u8> {
     rows.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect()
@@ -24,7 +29,7 @@ fn bytes<const N: usize>(rows: &[[f32; N]]) -> Vec<u8> {
 /// The mesh as a GLB file whose normal map lies in its binary chunk.
 fn glb(mesh: &Mesh) -> Vec<u8> {
     let indices: Vec<u8> = mesh.indices.iter().flat_map(|i| i.to_le_bytes()).collect();
-    let parts = [bytes(&mesh.positions), bytes(&mesh.normals), bytes(&mesh.uv), indices, BUMPS.to_vec()];
+    let parts = [bytes(&mesh.positions), bytes(&mesh.normals), bytes(uv(mesh)), indices, BUMPS.to_vec()];
     let mut binary: Vec<u8> = Vec::new();
     let mut views = Vec::new();
     for part in &parts {
@@ -62,7 +67,7 @@ fn obj(mesh: &Mesh) -> Vec<u8> {
         text.push('\n');
     };
     mesh.positions.iter().for_each(|row| line("v", row));
-    mesh.uv.iter().for_each(|row| line("vt", row));
+    uv(mesh).iter().for_each(|row| line("vt", row));
     mesh.normals.iter().for_each(|row| line("vn", row));
     for triangle in mesh.indices.as_chunks().0 {
         let [a, b, c] = triangle.map(|i| i + 1);
