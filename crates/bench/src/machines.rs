@@ -16,34 +16,26 @@ use crate::stopwatch::{UnitTime, unit_times};
 use crate::workload::{Counted, Sample, Size, Workload, measured};
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Engine, Limits, Machine, NoProbe, Outcome, Probe, StageTopology, run_functional, run_with, topology};
-use basrelief_machines::SceneFront;
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
 use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
 use basrelief_machines::texel::{TexelMachineConfig, TextureMappingSystem};
+use basrelief_machines::{ConfigProblem, Draws, SceneFront};
 use basrelief_parameters::Parameters;
 use basrelief_scene::{ViewOptions, demo};
+use basrelief_session::MachineConfig;
 use basrelief_signals::{Mesh, Object, Scene};
 use std::sync::Arc;
 
 /// Settings of a machine, by dotted name.
 pub type Set = &'static [(&'static str, &'static str)];
 
-/// Which machine, with all its parameters.
-#[derive(Clone, Debug)]
-enum Device {
-    Bump(Box<BumpProcessorConfig>),
-    Shade(Box<ShadeConfig>),
-    Texel(Box<TexelMachineConfig>),
-    Defer(Box<DeferConfig>),
-}
-
 /// A scene, and the machine that draws it.
 #[derive(Clone, Debug)]
 pub struct Drawing {
     /// The scene.
     pub scene: Arc<Scene>,
-    device: Device,
+    config: MachineConfig,
 }
 
 /// What is done with a machine at power-on.
@@ -71,47 +63,34 @@ impl Drawing {
     /// W4.
     pub fn w4(size: Size, set: Set) -> Self {
         let scene = demo_scene(size.of("goblet", "goblet@1"), size.of([640, 480], [160, 120]));
-        Self { scene: Arc::new(scene), device: Device::Shade(load(set)) }
+        Self { scene: Arc::new(scene), config: load::<ShadeConfig>(set) }
     }
 
     /// W5.
     pub fn w5(size: Size, set: Set) -> Self {
         let scene = demo_scene("corridor", size.of([640, 480], [160, 120]));
-        Self { scene: Arc::new(scene), device: Device::Texel(load(set)) }
+        Self { scene: Arc::new(scene), config: load::<TexelMachineConfig>(set) }
     }
 
     /// W6.
     pub fn w6(size: Size, set: Set) -> Self {
         // Small, another scene too: making the gallery's pictures takes longer than rendering it.
         let scene = demo_scene(size.of("gallery", "corridor"), size.of([640, 480], [160, 120]));
-        Self { scene: Arc::new(scene), device: Device::Defer(load(set)) }
+        Self { scene: Arc::new(scene), config: load::<DeferConfig>(set) }
     }
 
     fn bump(scene: Scene, set: Set) -> Self {
-        Self { scene: Arc::new(scene), device: Device::Bump(load(set)) }
+        Self { scene: Arc::new(scene), config: load::<BumpProcessorConfig>(set) }
     }
 
     /// Does the job, and tells how many fragments the machine has made by then.
     fn work<J: Job>(&self, job: J) -> (J::Result, u64) {
         let draws = SceneDraws::new(Arc::clone(&self.scene));
-        let fits = "what the workloads set fits the defaults";
-        match &self.device {
-            Device::Bump(config) => {
-                let mut machine = BumpProcessor::new(SceneFront::new(draws, &**config), config).expect(fits);
-                (job.with(&mut machine), machine.counts().number("fragments"))
-            }
-            Device::Shade(config) => {
-                let mut machine = FigureShadingDevice::new(SceneFront::new(draws, &**config), config).expect(fits);
-                (job.with(&mut machine), machine.counts().number("fragments"))
-            }
-            Device::Texel(config) => {
-                let mut machine = TextureMappingSystem::new(SceneFront::new(draws, &**config), config).expect(fits);
-                (job.with(&mut machine), machine.counts().number("fragments"))
-            }
-            Device::Defer(config) => {
-                let mut machine = DeferredRenderer::new(SceneFront::new(draws, &**config), config).expect(fits);
-                (job.with(&mut machine), machine.counts().number("fragments"))
-            }
+        match &self.config {
+            MachineConfig::Bump(config) => done(job, BumpProcessor::new(SceneFront::new(draws, config), config)),
+            MachineConfig::Shade(config) => done(job, FigureShadingDevice::new(SceneFront::new(draws, config), config)),
+            MachineConfig::Texel(config) => done(job, TextureMappingSystem::new(SceneFront::new(draws, config), config)),
+            MachineConfig::Defer(config) => done(job, DeferredRenderer::new(SceneFront::new(draws, config), config)),
         }
     }
 
@@ -174,8 +153,17 @@ impl Job for ShowStages {
     }
 }
 
-fn load<C: Parameters>(set: Set) -> Box<C> {
-    Box::new(basrelief_parameters::load("", set).expect("the workloads set parameters that there are"))
+/// Does the job with a machine, and tells how many fragments it has made by then.
+fn done<J: Job, M: Draws>(job: J, machine: Result<M, ConfigProblem>) -> (J::Result, u64) {
+    let mut machine = machine.expect("what the workloads set fits the defaults");
+    (job.with(&mut machine), machine.counts().number("fragments"))
+}
+
+fn load<C: Parameters>(set: Set) -> MachineConfig
+where
+    MachineConfig: From<C>,
+{
+    basrelief_parameters::load::<C>("", set).expect("the workloads set parameters that there are").into()
 }
 
 /// A demo scene.

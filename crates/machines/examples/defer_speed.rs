@@ -2,11 +2,12 @@
 //!
 //! `cargo run --release -p basrelief-machines --example defer_speed [KEY=VALUE ...]`
 
-use basrelief_kernel::{Engine, run, run_functional};
-use basrelief_machines::defer::{DeferConfig, DeferredRenderer, FrontEnd, TraceFront};
+#[path = "common/speed.rs"]
+mod speed;
+
+use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
 use basrelief_signals::{Camera, Control, Frame, Image, Material, Polygon, Sampler, Texture, Vertex};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Picture \[pixels\].
 const SIZE: [u32; 2] = [640, 480];
@@ -55,28 +56,8 @@ fn display_list(frames: u32) -> Vec<Control> {
     list
 }
 
-fn machine(config: &DeferConfig) -> Result<DeferredRenderer<impl FrontEnd>, String> {
-    let front = TraceFront::new(display_list(10).into_iter().map(|c| Ok::<_, String>((c, None))), config);
-    DeferredRenderer::new(front, config).map_err(|e| e.to_string())
-}
-
 fn main() -> Result<(), String> {
-    let settings: Vec<String> = std::env::args().skip(1).collect();
-    let settings: Vec<(&str, &str)> = settings.iter().filter_map(|s| s.split_once('=')).collect();
-    let config: DeferConfig = basrelief_parameters::load("", &settings).map_err(|e| e.to_string())?;
-    let mut timed = machine(&config)?;
-    let began = Instant::now();
-    let report = run(&mut timed, Engine::Timed);
-    let timed_s = began.elapsed().as_secs_f64();
-    let mut functional = machine(&config)?;
-    let began = Instant::now();
-    run_functional(&mut functional, &mut |_| true)?;
-    let functional_s = began.elapsed().as_secs_f64();
-    let counts = timed.counts();
-    let pixels = counts.number("pixels");
-    println!("{:?}: {pixels} pixels, {} fragments, {} cycles", report.outcome, counts.number("fragments"), report.total);
-    for (name, seconds) in [("timed", timed_s), ("functional", functional_s)] {
-        println!("{name}: {seconds:.3} s, {:.2} M pixels/s", pixels as f64 / seconds * 1e-6);
-    }
-    Ok(())
+    let config: DeferConfig = speed::config()?;
+    let controls: Vec<Control> = display_list(10);
+    speed::print_speed(|| DeferredRenderer::new(speed::replay(&controls, &config), &config), "pixels", "pixels")
 }

@@ -2,11 +2,12 @@
 //!
 //! `cargo run --release -p basrelief-machines --example shade_speed [KEY=VALUE ...]`
 
-use basrelief_kernel::{Engine, run, run_functional};
-use basrelief_machines::shade::{FigureShadingDevice, FrontEnd, ShadeConfig, TraceFront};
+#[path = "common/speed.rs"]
+mod speed;
+
+use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
 use basrelief_signals::{Camera, Control, Frame, Light, LightKind, Polygon, Vertex};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Side of the picture and of a quad \[pixels\].
 const SIDE: u32 = 320;
@@ -35,28 +36,8 @@ fn display_list(frames: u32) -> impl Iterator<Item = Control> {
     })
 }
 
-fn machine(config: &ShadeConfig) -> Result<FigureShadingDevice<impl FrontEnd>, String> {
-    let controls: Vec<Control> = display_list(10).collect();
-    let front = TraceFront::new(controls.into_iter().map(|c| Ok::<_, String>((c, None))), config);
-    FigureShadingDevice::new(front, config).map_err(|e| e.to_string())
-}
-
 fn main() -> Result<(), String> {
-    let settings: Vec<String> = std::env::args().skip(1).collect();
-    let settings: Vec<(&str, &str)> = settings.iter().filter_map(|s| s.split_once('=')).collect();
-    let config: ShadeConfig = basrelief_parameters::load("", &settings).map_err(|e| e.to_string())?;
-    let mut timed = machine(&config)?;
-    let began = Instant::now();
-    let report = run(&mut timed, Engine::Timed);
-    let timed_s = began.elapsed().as_secs_f64();
-    let mut functional = machine(&config)?;
-    let began = Instant::now();
-    run_functional(&mut functional, &mut |_| true)?;
-    let functional_s = began.elapsed().as_secs_f64();
-    let dots = timed.counts().number("fragments");
-    println!("{:?}: {dots} dots, {} cycles", report.outcome, report.total);
-    for (name, seconds) in [("timed", timed_s), ("functional", functional_s)] {
-        println!("{name}: {seconds:.3} s, {:.2} M dots/s", dots as f64 / seconds * 1e-6);
-    }
-    Ok(())
+    let config: ShadeConfig = speed::config()?;
+    let controls: Vec<Control> = display_list(10).collect();
+    speed::print_speed(|| FigureShadingDevice::new(speed::replay(&controls, &config), &config), "fragments", "dots")
 }

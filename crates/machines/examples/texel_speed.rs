@@ -2,11 +2,12 @@
 //!
 //! `cargo run --release -p basrelief-machines --example texel_speed [KEY=VALUE ...]`
 
-use basrelief_kernel::{Engine, run, run_functional};
-use basrelief_machines::texel::{FrontEnd, TexelMachineConfig, TextureMappingSystem, TraceFront};
+#[path = "common/speed.rs"]
+mod speed;
+
+use basrelief_machines::texel::{TexelMachineConfig, TextureMappingSystem};
 use basrelief_signals::{Camera, Control, Frame, Image, Light, LightKind, Material, Polygon, Sampler, Texture, Vertex};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Size of the picture \[pixels\].
 const SIZE: [u32; 2] = [640, 480];
@@ -50,27 +51,8 @@ fn display_list(frames: u32) -> Vec<Control> {
     (0..frames).flat_map(frame).collect()
 }
 
-fn machine(config: &TexelMachineConfig) -> Result<TextureMappingSystem<impl FrontEnd>, String> {
-    let front = TraceFront::new(display_list(20).into_iter().map(|c| Ok::<_, String>((c, None))), config);
-    TextureMappingSystem::new(front, config).map_err(|e| e.to_string())
-}
-
 fn main() -> Result<(), String> {
-    let settings: Vec<String> = std::env::args().skip(1).collect();
-    let settings: Vec<(&str, &str)> = settings.iter().filter_map(|s| s.split_once('=')).collect();
-    let config: TexelMachineConfig = basrelief_parameters::load("", &settings).map_err(|e| e.to_string())?;
-    let mut timed = machine(&config)?;
-    let began = Instant::now();
-    let report = run(&mut timed, Engine::Timed);
-    let timed_s = began.elapsed().as_secs_f64();
-    let mut functional = machine(&config)?;
-    let began = Instant::now();
-    run_functional(&mut functional, &mut |_| true)?;
-    let functional_s = began.elapsed().as_secs_f64();
-    let pixels = timed.counts().number("fragments");
-    println!("{:?}: {pixels} pixels, {} cycles", report.outcome, report.total);
-    for (name, seconds) in [("timed", timed_s), ("functional", functional_s)] {
-        println!("{name}: {seconds:.3} s, {:.2} M pixels/s", pixels as f64 / seconds * 1e-6);
-    }
-    Ok(())
+    let config: TexelMachineConfig = speed::config()?;
+    let controls: Vec<Control> = display_list(20);
+    speed::print_speed(|| TextureMappingSystem::new(speed::replay(&controls, &config), &config), "fragments", "pixels")
 }

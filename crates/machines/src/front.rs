@@ -30,6 +30,23 @@ pub struct FrontConfig {
     pub draws: FifoConfig,
 }
 
+/// What the way in needs of this configuration, in which it has the same names as in every machine's.
+macro_rules! front_of {
+    ($config:ty) => {
+        impl From<&$config> for $crate::FrontConfig {
+            fn from(c: &$config) -> Self {
+                Self {
+                    geometry: c.geometry.clone(),
+                    bump: c.bump.clone(),
+                    display_list: c.display_list.clone(),
+                    draws: c.fifo.draws.clone(),
+                }
+            }
+        }
+    };
+}
+pub(crate) use front_of;
+
 /// Host and geometry processor (102): draws a scene.
 #[derive(Debug)]
 pub struct SceneFront<I: Iterator<Item = Draw>> {

@@ -11,6 +11,7 @@ pub mod bump;
 mod config;
 mod counts;
 pub mod defer;
+mod draws;
 mod front;
 mod problem;
 pub mod shade;
@@ -19,6 +20,7 @@ mod unit_info;
 
 pub use config::{ClockConfig, ReferenceConfig, ReferenceFilter};
 pub use counts::Counts;
+pub use draws::Draws;
 pub use front::{FrontConfig, FrontEnd, SceneFront, TraceFront};
 pub use problem::ConfigProblem;
 pub use unit_info::UnitInfo;

@@ -18,6 +18,45 @@ pub(crate) const fn unit(name: &'static str, numeral: &'static str, role: &'stat
     UnitInfo { name, numeral, role, code }
 }
 
+/// The tests of a machine's table: `checks_the_table!(Machine, [config, ...])`. Its stages are those that are wired under any of
+/// these configurations, whichever way in.
+#[cfg(test)]
+macro_rules! checks_the_table {
+    ($machine:ident, [$($config:expr),+]) => {
+        use $crate::unit_info::tests::{code_is_there, diagram_is_complete, names_the_stages};
+        use $crate::{SceneFront, TraceFront};
+
+        fn all() -> Vec<basrelief_kernel::StageTopology> {
+            let mut all = Vec::new();
+            for config in [$($config),+] {
+                let scene = SceneFront::new(std::iter::empty::<basrelief_signals::Draw>(), &config);
+                all.extend(basrelief_kernel::topology(&mut $machine::new(scene, &config).unwrap()));
+                let trace = std::iter::empty::<Result<(basrelief_signals::Control, Option<u64>), String>>();
+                let trace = TraceFront::new(trace, &config);
+                all.extend(basrelief_kernel::topology(&mut $machine::new(trace, &config).unwrap()));
+            }
+            all
+        }
+
+        #[test]
+        fn the_table_names_exactly_the_stages_that_are_wired() {
+            names_the_stages(UNITS, &all());
+        }
+
+        #[test]
+        fn the_diagram_shows_every_fifo_every_client_and_every_numeral() {
+            diagram_is_complete(DIAGRAM, UNITS, &all());
+        }
+
+        #[test]
+        fn the_code_is_where_the_table_says() {
+            code_is_there(UNITS);
+        }
+    };
+}
+#[cfg(test)]
+pub(crate) use checks_the_table;
+
 #[cfg(test)]
 pub(crate) mod tests {
     use super::UnitInfo;

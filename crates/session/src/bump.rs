@@ -1,8 +1,7 @@
 //! The quantized bump-mapping processor as a [`Device`].
 
-use crate::device::{Device, Draws};
+use crate::device::{Device, Exhibits};
 use basrelief_brightness::Components;
-use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::bump::{self, BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, ReferenceFilter, UnitInfo};
 use basrelief_reference::{self as reference, Options, Style, TextureFilter};
@@ -45,16 +44,4 @@ impl Device for BumpProcessorConfig {
     }
 }
 
-impl<F: FrontEnd> Draws for BumpProcessor<F> {
-    fn counts(&self) -> Counts {
-        self.counts()
-    }
-
-    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        self.drain_finished()
-    }
-
-    fn has_finished(&self) -> bool {
-        self.has_finished()
-    }
-}
+impl<F: FrontEnd> Exhibits for BumpProcessor<F> {}

@@ -1,9 +1,8 @@
 //! The rate-limited renderer as a [`Device`].
 
-use crate::device::{Device, Draws, Told};
+use crate::device::{Device, Exhibits, Told};
 use crate::exhibit::Exhibit;
 use basrelief_deferred_renderer::{Lighting, TexelCentre, TileSource};
-use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::RunReport;
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
@@ -84,19 +83,7 @@ fn times(hz: u64, told: &Told<'_>, run: &RunReport) -> Vec<(&'static str, Value)
     times
 }
 
-impl<F: FrontEnd> Draws for DeferredRenderer<F> {
-    fn counts(&self) -> Counts {
-        self.counts()
-    }
-
-    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        self.drain_finished().into_iter().map(|shown| shown.picture).collect()
-    }
-
-    fn has_finished(&self) -> bool {
-        self.has_finished()
-    }
-
+impl<F: FrontEnd> Exhibits for DeferredRenderer<F> {
     fn keep_log(&mut self) {
         self.keep();
     }

@@ -2,10 +2,9 @@
 
 use crate::exhibit::Exhibit;
 use basrelief_deferred_renderer::TileSource;
-use basrelief_frame_buffer::FinishedFrame;
-use basrelief_kernel::{Machine, RunReport};
+use basrelief_kernel::RunReport;
 use basrelief_machines::texel::FrameLog;
-use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Counts, Draws, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
 use schemars::JsonSchema;
@@ -30,7 +29,7 @@ pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq + 'static 
     /// The short cuts that an ablation switches off.
     const SHORT_CUTS: &'static [ShortCut<Self>] = &[];
     /// The machine behind one way in.
-    type Machine<F: FrontEnd>: Draws;
+    type Machine<F: FrontEnd>: Exhibits;
 
     /// The machine at power-on.
     ///
@@ -93,15 +92,9 @@ impl Told<'_> {
     }
 }
 
-/// A machine that finishes pictures.
-pub trait Draws: Machine {
-    /// What its units counted, in the order of the block diagram.
-    fn counts(&self) -> Counts;
-    /// Pictures finished since the last call, in order.
-    fn drain_finished(&mut self) -> Vec<FinishedFrame>;
-    /// Whether [`Draws::drain_finished`] would give any.
-    fn has_finished(&self) -> bool;
-    /// Keeps a log of each picture, and what [`Draws::drain_exhibits`] shows and is not needed otherwise, from now on, where the
+/// A machine, with what it has to show beside finished pictures: nothing, unless it says so.
+pub trait Exhibits: Draws {
+    /// Keeps a log of each picture, and what [`Exhibits::drain_exhibits`] shows and is not needed otherwise, from now on, where the
     /// machine has any. Called before the first step.
     fn keep_log(&mut self) {}
     /// Logs of so many pictures, those drained with them, in order; none where none is kept.

@@ -1,6 +1,6 @@
 //! A run under way: the engine, the pictures it finishes, and the report in the end.
 
-use crate::device::{Device, Draws, Shown, Told};
+use crate::device::{Device, Exhibits, Shown, Told};
 use crate::difference::difference;
 use crate::exact::Exact;
 use crate::exhibit::Exhibit;
@@ -53,7 +53,7 @@ impl<'a> Session<'a> {
     }
 
     /// Simulates to the end.
-    pub(crate) fn drive<M: Draws, P: Probe>(&mut self, mut machine: M, probe: &mut P) -> Result<Driven, SessionError> {
+    pub(crate) fn drive<M: Exhibits, P: Probe>(&mut self, mut machine: M, probe: &mut P) -> Result<Driven, SessionError> {
         let &Settings { clock, engine, max_cycles, .. } = self.settings;
         if self.settings.log {
             machine.keep_log();
@@ -92,7 +92,7 @@ impl<'a> Session<'a> {
     }
 
     /// Called by the engine between its rounds; what is done here counts as no simulation.
-    fn look<M: Draws>(&mut self, machine: &mut M, aside: &mut f64) -> bool {
+    fn look<M: Exhibits>(&mut self, machine: &mut M, aside: &mut f64) -> bool {
         if machine.has_finished() {
             let began = (self.settings.clock)();
             self.take_frames(machine);
@@ -102,7 +102,7 @@ impl<'a> Session<'a> {
         self.failed.is_none() && self.observer.progress(commands, total)
     }
 
-    fn take_frames<M: Draws>(&mut self, machine: &mut M) {
+    fn take_frames<M: Exhibits>(&mut self, machine: &mut M) {
         self.take_exhibits(machine.drain_exhibits());
         let frames = machine.drain_finished();
         let mut logs = machine.drain_logs(frames.len()).into_iter();

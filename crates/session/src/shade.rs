@@ -1,7 +1,6 @@
 //! The figure shading device as a [`Device`].
 
-use crate::device::{Device, Draws, ShortCut};
-use basrelief_frame_buffer::FinishedFrame;
+use crate::device::{Device, Exhibits, ShortCut};
 use basrelief_machines::shade::{self, FigureShadingDevice, ShadeConfig};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_reference::{Components, Options, Shading, Style, TextureFilter};
@@ -44,16 +43,4 @@ impl Device for ShadeConfig {
     }
 }
 
-impl<F: FrontEnd> Draws for FigureShadingDevice<F> {
-    fn counts(&self) -> Counts {
-        self.counts()
-    }
-
-    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        self.drain_finished()
-    }
-
-    fn has_finished(&self) -> bool {
-        self.has_finished()
-    }
-}
+impl<F: FrontEnd> Exhibits for FigureShadingDevice<F> {}

@@ -1,7 +1,6 @@
 //! The texture mapping system as a [`Device`].
 
-use crate::device::{Device, Draws};
-use basrelief_frame_buffer::FinishedFrame;
+use crate::device::{Device, Exhibits};
 use basrelief_machines::texel::{self, FrameLog, TexelMachineConfig, TextureMappingSystem};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_reference::{LevelRule, Options, Shading, Style, TextureFilter};
@@ -52,19 +51,7 @@ impl Device for TexelMachineConfig {
     }
 }
 
-impl<F: FrontEnd> Draws for TextureMappingSystem<F> {
-    fn counts(&self) -> Counts {
-        self.counts()
-    }
-
-    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        self.drain_finished()
-    }
-
-    fn has_finished(&self) -> bool {
-        self.has_finished()
-    }
-
+impl<F: FrontEnd> Exhibits for TextureMappingSystem<F> {
     fn keep_log(&mut self) {
         self.keep_log();
     }

@@ -1,7 +1,7 @@
 //! All parameters of the bump-mapping processor, in the order of its block diagram.
 
 use crate::config::{ClockConfig, ReferenceConfig, slots};
-use crate::front::FrontConfig;
+use crate::front::front_of;
 use basrelief_brightness::BrightnessConfig;
 use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
@@ -108,13 +108,4 @@ parameter_groups! {
     }
 }
 
-impl From<&BumpProcessorConfig> for FrontConfig {
-    fn from(c: &BumpProcessorConfig) -> Self {
-        Self {
-            geometry: c.geometry.clone(),
-            bump: c.bump.clone(),
-            display_list: c.display_list.clone(),
-            draws: c.fifo.draws.clone(),
-        }
-    }
-}
+front_of!(BumpProcessorConfig);

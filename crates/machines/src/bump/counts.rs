@@ -6,7 +6,7 @@ use basrelief_normal_mapping::DistinctCounter;
 
 impl<F: FrontEnd> BumpProcessor<F> {
     /// What the units counted, in the order of the block diagram.
-    pub fn counts(&self) -> Counts {
+    pub(super) fn count(&self) -> Counts {
         let mut counts = Counts::default();
         self.front.counts(&mut counts);
         self.count_fragments(&mut counts);

@@ -2,8 +2,8 @@
 
 use super::memories::{ClientNumbers, build};
 use super::{BumpProcessorConfig, ConfigProblem, check};
-use crate::fifo;
 use crate::front::FrontEnd;
+use crate::{Counts, Draws, fifo};
 use basrelief_brightness::{BrightnessFetch, Components};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
 use basrelief_graphics_processor::{DepthTest, GraphicsProcessor};
@@ -118,14 +118,18 @@ impl<F: FrontEnd> BumpProcessor<F> {
         check::credits(&self.brightness.unit, &c.brightness, m, config)?;
         check::credits(&self.graphics.unit, &c.graphics, m, config)
     }
+}
 
-    /// Pictures finished since the last call, in order.
-    pub fn drain_finished(&mut self) -> Vec<FinishedFrame> {
+impl<F: FrontEnd> Draws for BumpProcessor<F> {
+    fn counts(&self) -> Counts {
+        self.count()
+    }
+
+    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
         self.frame_buffer.unit.drain_finished()
     }
 
-    /// Whether [`BumpProcessor::drain_finished`] would give any.
-    pub fn has_finished(&self) -> bool {
+    fn has_finished(&self) -> bool {
         !self.frame_buffer.unit.state.finished.is_empty()
     }
 }

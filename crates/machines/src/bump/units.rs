@@ -21,38 +21,13 @@ pub const UNITS: &[UnitInfo] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bump::{BumpProcessor, BumpProcessorConfig, DIAGRAM, FrontEnd, SceneFront, TraceFront};
-    use crate::unit_info::tests::{code_is_there, diagram_is_complete, names_the_stages};
-    use basrelief_kernel::{StageTopology, topology};
-    use basrelief_signals::{Control, Draw};
+    use crate::bump::{BumpProcessor, BumpProcessorConfig, DIAGRAM};
 
-    fn stages<F: FrontEnd>(front: F, config: &BumpProcessorConfig) -> Vec<StageTopology> {
-        topology(&mut BumpProcessor::new(front, config).unwrap())
+    fn late_z() -> BumpProcessorConfig {
+        let mut config = BumpProcessorConfig::default();
+        config.rasterizer.early_z = false;
+        config
     }
 
-    /// All stages, whichever way in and with early and late z.
-    fn all() -> Vec<StageTopology> {
-        let early = BumpProcessorConfig::default();
-        let mut late = early.clone();
-        late.rasterizer.early_z = false;
-        let trace = || std::iter::empty::<Result<(Control, Option<u64>), String>>();
-        let mut all = stages(SceneFront::new(std::iter::empty::<Draw>(), &early), &early);
-        all.extend(stages(TraceFront::new(trace(), &late), &late));
-        all
-    }
-
-    #[test]
-    fn the_table_names_exactly_the_stages_that_are_wired() {
-        names_the_stages(UNITS, &all());
-    }
-
-    #[test]
-    fn the_diagram_shows_every_fifo_every_client_and_every_numeral() {
-        diagram_is_complete(DIAGRAM, UNITS, &all());
-    }
-
-    #[test]
-    fn the_code_is_where_the_table_says() {
-        code_is_there(UNITS);
-    }
+    crate::unit_info::checks_the_table!(BumpProcessor, [BumpProcessorConfig::default(), late_z()]);
 }

@@ -1,7 +1,7 @@
 //! All parameters of the rate-limited renderer, in the order of its block diagram.
 
 use crate::config::{ClockConfig, slots};
-use crate::front::FrontConfig;
+use crate::front::front_of;
 use basrelief_deferred_renderer::{CellConfig, EngineConfig, PathConfig, RendererConfig, TileConfig};
 use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
@@ -115,13 +115,4 @@ parameter_groups! {
     }
 }
 
-impl From<&DeferConfig> for FrontConfig {
-    fn from(c: &DeferConfig) -> Self {
-        Self {
-            geometry: c.geometry.clone(),
-            bump: c.bump.clone(),
-            display_list: c.display_list.clone(),
-            draws: c.fifo.draws.clone(),
-        }
-    }
-}
+front_of!(DeferConfig);

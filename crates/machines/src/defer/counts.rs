@@ -6,7 +6,7 @@ use basrelief_deferred_renderer::{DepthPixel, LayerCounts, PageTexels};
 
 impl<F: FrontEnd> DeferredRenderer<F> {
     /// What the units counted, in the order of the block diagram.
-    pub fn counts(&self) -> Counts {
+    pub(super) fn count(&self) -> Counts {
         let mut counts = Counts::default();
         self.front.counts(&mut counts);
         counts.add("fragments", self.rasterizer.unit.state.counters.fragments);

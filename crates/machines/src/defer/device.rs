@@ -2,9 +2,9 @@
 
 use super::DeferConfig;
 use super::check::check;
-use crate::fifo;
 use crate::front::FrontEnd;
 use crate::problem::ConfigProblem;
+use crate::{Counts, Draws, fifo};
 use basrelief_deferred_renderer::tokens::{
     CellFlow, EncodedTile, ExpandedTile, MarkFlow, Order, Parcel, PassFlow, Request, Round,
 };
@@ -12,7 +12,7 @@ use basrelief_deferred_renderer::{
     CellFormat, Cells, Cut, DepthPixel, Expander, FilledBuffer, Identification, Page, Path, Rasterization, ReferenceBuffer,
     Server, TextureMemory, TileList, TileLists, TileRecord, TileSource, brightness_range,
 };
-use basrelief_frame_buffer::{FrameDone, PixelBuffer, ShownPicture, VideoOut};
+use basrelief_frame_buffer::{FinishedFrame, FrameDone, PixelBuffer, ShownPicture, VideoOut};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::{Clients, Fifo, FifoConfig, Machine, MemorySystem, Stage, Visitor};
 use basrelief_rasterizer::Rasterizer;
@@ -177,13 +177,8 @@ impl<F: FrontEnd> DeferredRenderer<F> {
     }
 
     /// Last pictures of frames shown since the last call, in order.
-    pub fn drain_finished(&mut self) -> Vec<ShownPicture> {
+    pub fn drain_shown(&mut self) -> Vec<ShownPicture> {
         self.pixel_buffer.unit.drain_finished()
-    }
-
-    /// Whether [`DeferredRenderer::drain_finished`] would give any.
-    pub fn has_finished(&self) -> bool {
-        self.pixel_buffer.unit.has_finished()
     }
 
     /// Reference buffers (126) filled since the last call, in order, where they are kept.
@@ -205,6 +200,20 @@ impl<F: FrontEnd> DeferredRenderer<F> {
 
 fn cut(config: &DeferConfig) -> Cut {
     Cut { tile: [config.tile.width, config.tile.height], centre: config.defer.texel_centre }
+}
+
+impl<F: FrontEnd> Draws for DeferredRenderer<F> {
+    fn counts(&self) -> Counts {
+        self.count()
+    }
+
+    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
+        self.drain_shown().into_iter().map(|shown| shown.picture).collect()
+    }
+
+    fn has_finished(&self) -> bool {
+        self.pixel_buffer.unit.has_finished()
+    }
 }
 
 impl<F: FrontEnd> Machine for DeferredRenderer<F> {

@@ -1,7 +1,7 @@
 //! All parameters of the figure shading device, in the order of its block diagram.
 
 use crate::config::{ClockConfig, slots};
-use crate::front::FrontConfig;
+use crate::front::front_of;
 use basrelief_figure_shading::{
     CircuitConfig, HostConfig, InterpolationConfig, MicrocomputerConfig, NormalInterpolationConfig, ScanConfig, ShadingConfig,
     ShortCutConfigs,
@@ -127,13 +127,4 @@ parameter_groups! {
     }
 }
 
-impl From<&ShadeConfig> for FrontConfig {
-    fn from(c: &ShadeConfig) -> Self {
-        Self {
-            geometry: c.geometry.clone(),
-            bump: c.bump.clone(),
-            display_list: c.display_list.clone(),
-            draws: c.fifo.draws.clone(),
-        }
-    }
-}
+front_of!(ShadeConfig);

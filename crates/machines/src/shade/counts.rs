@@ -6,7 +6,7 @@ use basrelief_figure_shading::{Path, Process};
 
 impl<F: FrontEnd> FigureShadingDevice<F> {
     /// What the units counted, in the order of the block diagram.
-    pub fn counts(&self) -> Counts {
+    pub(super) fn count(&self) -> Counts {
         let mut counts = Counts::default();
         self.front.counts(&mut counts);
         let host = &self.host.unit.state;

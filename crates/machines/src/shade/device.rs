@@ -2,9 +2,9 @@
 
 use super::ShadeConfig;
 use super::check::check;
-use crate::fifo;
 use crate::front::FrontEnd;
 use crate::problem::ConfigProblem;
+use crate::{Counts, Draws, fifo};
 use basrelief_figure_shading::{
     Adder, BrightnessInterpolation, Finished, Gate, Highlights, HostInterface, Microcomputer, NormalInterpolation, NormalLoad,
     Selector28, Selector53, Signal,
@@ -121,14 +121,18 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
             depth_test: c.frame_memory.depth_test,
         })
     }
+}
 
-    /// Pictures finished since the last call, in order.
-    pub fn drain_finished(&mut self) -> Vec<FinishedFrame> {
+impl<F: FrontEnd> Draws for FigureShadingDevice<F> {
+    fn counts(&self) -> Counts {
+        self.count()
+    }
+
+    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
         self.frame_memory.unit.drain_finished()
     }
 
-    /// Whether [`FigureShadingDevice::drain_finished`] would give any.
-    pub fn has_finished(&self) -> bool {
+    fn has_finished(&self) -> bool {
         !self.frame_memory.unit.state.finished.is_empty()
     }
 }

@@ -1,7 +1,7 @@
 //! All parameters of the texture mapping system, in the order of its block diagram.
 
 use crate::config::{ClockConfig, slots};
-use crate::front::FrontConfig;
+use crate::front::front_of;
 use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
@@ -126,13 +126,4 @@ parameter_groups! {
     }
 }
 
-impl From<&TexelMachineConfig> for FrontConfig {
-    fn from(c: &TexelMachineConfig) -> Self {
-        Self {
-            geometry: c.geometry.clone(),
-            bump: c.bump.clone(),
-            display_list: c.display_list.clone(),
-            draws: c.fifo.draws.clone(),
-        }
-    }
-}
+front_of!(TexelMachineConfig);

@@ -6,7 +6,7 @@ use basrelief_texel_value_generator::BINS;
 
 impl<F: FrontEnd> TextureMappingSystem<F> {
     /// What the units counted, in the order of the block diagram.
-    pub fn counts(&self) -> Counts {
+    pub(super) fn count(&self) -> Counts {
         let mut counts = Counts::default();
         self.front.counts(&mut counts);
         let scan = &self.scan_converter.unit.state;

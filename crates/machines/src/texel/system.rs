@@ -2,9 +2,9 @@
 
 use super::TexelMachineConfig;
 use super::check::check;
-use crate::fifo;
 use crate::front::FrontEnd;
 use crate::problem::ConfigProblem;
+use crate::{Counts, Draws, fifo};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::{Clients, Fifo, Machine, MemorySystem, Stage, Visitor};
@@ -129,16 +129,6 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         })
     }
 
-    /// Pictures finished since the last call, in order.
-    pub fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        self.buffer.unit.drain_finished()
-    }
-
-    /// Whether [`TextureMappingSystem::drain_finished`] would give any.
-    pub fn has_finished(&self) -> bool {
-        !self.buffer.unit.state.finished.is_empty()
-    }
-
     /// Keeps a log of spans and displacements from now on. To be called before the first step.
     pub fn keep_log(&mut self) {
         self.step_calculator.unit.keep_log();
@@ -153,6 +143,20 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         let maps = &mut self.combiner.unit.state.finished;
         let ready = pictures.min(spans.len()).min(maps.len());
         spans.drain(..ready).zip(maps.drain(..ready)).map(|(spans, map)| FrameLog { spans, map }).collect()
+    }
+}
+
+impl<F: FrontEnd> Draws for TextureMappingSystem<F> {
+    fn counts(&self) -> Counts {
+        self.count()
+    }
+
+    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
+        self.buffer.unit.drain_finished()
+    }
+
+    fn has_finished(&self) -> bool {
+        !self.buffer.unit.state.finished.is_empty()
     }
 }
 

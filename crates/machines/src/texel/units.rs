@@ -53,36 +53,7 @@ pub const UNITS: &[UnitInfo] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::texel::{DIAGRAM, FrontEnd, SceneFront, TexelMachineConfig, TextureMappingSystem, TraceFront};
-    use crate::unit_info::tests::{code_is_there, diagram_is_complete, names_the_stages};
-    use basrelief_kernel::{StageTopology, topology};
-    use basrelief_signals::{Control, Draw};
+    use crate::texel::{DIAGRAM, TexelMachineConfig, TextureMappingSystem};
 
-    fn stages<F: FrontEnd>(front: F, config: &TexelMachineConfig) -> Vec<StageTopology> {
-        topology(&mut TextureMappingSystem::new(front, config).unwrap())
-    }
-
-    /// All stages, whichever way in.
-    fn all() -> Vec<StageTopology> {
-        let config = TexelMachineConfig::default();
-        let trace = std::iter::empty::<Result<(Control, Option<u64>), String>>();
-        let mut all = stages(SceneFront::new(std::iter::empty::<Draw>(), &config), &config);
-        all.extend(stages(TraceFront::new(trace, &config), &config));
-        all
-    }
-
-    #[test]
-    fn the_table_names_exactly_the_stages_that_are_wired() {
-        names_the_stages(UNITS, &all());
-    }
-
-    #[test]
-    fn the_diagram_shows_every_fifo_every_client_and_every_numeral() {
-        diagram_is_complete(DIAGRAM, UNITS, &all());
-    }
-
-    #[test]
-    fn the_code_is_where_the_table_says() {
-        code_is_there(UNITS);
-    }
+    crate::unit_info::checks_the_table!(TextureMappingSystem, [TexelMachineConfig::default()]);
 }

@@ -1,8 +1,10 @@
 //! Both engines give equal reports, the functional model the same pictures; cycles are conserved; nothing deadlocks.
 
-use crate::recipe::{borrowed, meanings, scenes, timings};
-use crate::runs::{Ran, config, functional, run, small_demo, timed};
-use basrelief_kernel::{Engine, Outcome, RunReport};
+use crate::common;
+use crate::common::settings::borrowed;
+use crate::recipe::{meanings, scenes, timings};
+use crate::runs::{Ran, config, functional, machine, small_demo, timed};
+use basrelief_kernel::RunReport;
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig, DIAGRAM, SceneFront, UNITS};
 use basrelief_scene::DEMOS;
 use basrelief_signals::Scene;
@@ -11,47 +13,15 @@ use std::sync::Arc;
 
 /// Runs a scene in all three ways and holds them against each other; the timed run.
 fn agree(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> Ran {
-    let timed = run(scene, config, Engine::Timed);
-    assert_eq!(timed.report.outcome, Outcome::Complete);
-    let ticked = run(scene, config, Engine::Ticked);
-    same(&timed.report, &ticked.report);
-    assert_eq!((&timed.frames, &timed.counts), (&ticked.frames, &ticked.counts));
-    let (frames, counts) = functional(scene, config);
-    assert_eq!((&timed.frames, &timed.counts), (&frames, &counts), "the functional model");
+    let timed = common::agree(|| machine(scene, config));
     assert_eq!(timed.frames.len(), scene.frames.len());
     conserved(&timed, config, scene.frames.len());
     timed
 }
 
-/// Equal reports; if not, the parts that differ, as whole reports are hard to read.
-fn same(timed: &RunReport, ticked: &RunReport) {
-    fn differ<T: PartialEq + std::fmt::Debug>(timed: &[T], ticked: &[T]) -> String {
-        timed.iter().zip(ticked).filter(|(a, b)| a != b).map(|(a, b)| format!("timed {a:?}\nticked {b:?}\n")).collect()
-    }
-    if timed != ticked {
-        let parts = [
-            differ(&[&timed.outcome], &[&ticked.outcome]),
-            differ(&[(timed.total, &timed.frames)], &[(ticked.total, &ticked.frames)]),
-            differ(&timed.units, &ticked.units),
-            differ(&timed.fifos, &ticked.fifos),
-            differ(&timed.memories, &ticked.memories),
-            differ(&timed.caches, &ticked.caches),
-        ];
-        panic!("the engines differ:\n{}", parts.concat());
-    }
-}
-
 /// Laws 9 to 11 and what caches, ports and counters must have in common.
 fn conserved(ran: &Ran, config: &BumpProcessorConfig, frames: usize) {
-    let RunReport { total, units, fifos, memories, caches, frames: ends, .. } = &ran.report;
-    for unit in units {
-        assert_eq!(unit.account.total(), *total, "cycles of {}", unit.name);
-    }
-    for fifo in fifos {
-        assert_eq!(fifo.histogram.iter().sum::<u64>(), *total, "histogram of {}", fifo.name);
-        assert_eq!(fifo.histogram.len(), fifo.depth + 1, "{}", fifo.name);
-        assert!(fifo.high_water() <= fifo.depth);
-    }
+    let RunReport { total, memories, caches, frames: ends, .. } = &ran.report;
     assert_eq!(ends.len(), frames);
     // What is left of the total is drain.
     assert!(ends.iter().all(|f| *f > 0) && ends.iter().sum::<u64>() <= *total, "{ends:?} of {total}");

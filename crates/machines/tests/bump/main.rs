@@ -2,6 +2,8 @@
 
 mod chain;
 mod claims;
+#[path = "../common/mod.rs"]
+mod common;
 mod engines;
 mod promise;
 mod recipe;

@@ -1,5 +1,6 @@
 //! Small random scenes and configurations.
 
+use crate::common::settings::{Axis, Settings, choices, choices_and_fifos};
 use basrelief_scene::pyramid::{HeightMap, color_levels, height_levels};
 use basrelief_signals::{
     Camera, Frame, Image, Light, LightKind, Lighting, Material, Mesh, Object, Sampler, Scene, Texture, Wrap,
@@ -202,9 +203,6 @@ fn checks() -> Vec<Image> {
     color_levels(Image { width: 8, height: 8, texels: (0..64).map(texel).collect() })
 }
 
-/// Choices of one thing, the default first; a choice is a list of settings.
-type Axis = &'static [&'static [(&'static str, &'static str)]];
-
 /// What the machine computes.
 const MEANING: &[Axis] = &[
     &[&[], &[("rasterizer.early_z", "false")]],
@@ -282,14 +280,6 @@ const FIFOS: [&str; 12] = [
     "finished_frames",
 ];
 
-/// `--set` arguments.
-pub type Settings = Vec<(String, String)>;
-
-fn choices(axes: &'static [Axis]) -> impl Strategy<Value = Settings> {
-    let choice: Vec<_> = axes.iter().map(|axis| (0..axis.len()).prop_map(move |i| axis[i])).collect();
-    choice.prop_map(|chosen| chosen.into_iter().flatten().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect())
-}
-
 /// What changes pictures.
 pub fn meanings() -> impl Strategy<Value = Settings> {
     choices(MEANING)
@@ -297,23 +287,5 @@ pub fn meanings() -> impl Strategy<Value = Settings> {
 
 /// What must not: times, memories, caches, FIFOs from 1 slot up.
 pub fn timings() -> impl Strategy<Value = Settings> {
-    let depth = prop::option::of(prop_oneof![Just(1u32), Just(2), 3u32..=64]);
-    let latency = prop_oneof![3 => Just(1u32), 1 => 2u32..9];
-    let fifos = prop::collection::vec((depth, latency), FIFOS.len()).prop_map(|all| -> Settings {
-        let set = |(name, (depth, latency)): (&str, (Option<u32>, u32))| {
-            let depth = depth.map(|d| (format!("fifo.{name}.depth"), d.to_string()));
-            let latency = (latency > 1).then(|| (format!("fifo.{name}.latency"), latency.to_string()));
-            depth.into_iter().chain(latency)
-        };
-        FIFOS.into_iter().zip(all).flat_map(set).collect()
-    });
-    (choices(TIMING), fifos).prop_map(|(mut settings, fifos)| {
-        settings.extend(fifos);
-        settings
-    })
-}
-
-/// The settings as the loader takes them.
-pub fn borrowed(settings: &Settings) -> Vec<(&str, &str)> {
-    settings.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect()
+    choices_and_fifos(TIMING, &FIFOS)
 }

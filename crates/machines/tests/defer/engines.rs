@@ -1,6 +1,8 @@
 //! Both engines give equal reports, the functional model the same pictures; cycles are conserved; nothing deadlocks.
 
-use crate::recipe::{FAST, SMALL, borrowed, display_lists, meanings, timings, views};
+use crate::common;
+use crate::common::settings::borrowed;
+use crate::recipe::{FAST, SMALL, display_lists, meanings, timings, views};
 use crate::runs::{Ran, config, functional, replay, run, timed};
 use basrelief_kernel::{Engine, Outcome};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
@@ -12,7 +14,7 @@ fn agree(list: &[Control], config: &DeferConfig) -> Ran {
     let timed = run(replay(list, config), config, Engine::Timed);
     assert_eq!(timed.report.outcome, Outcome::Complete);
     let ticked = run(replay(list, config), config, Engine::Ticked);
-    assert!(timed.report == ticked.report, "the engines differ:\n{:#?}\n{:#?}", timed.report.units, ticked.report.units);
+    common::same(&timed.report, &ticked.report);
     assert_eq!(timed.seen, ticked.seen);
     assert_eq!(timed.seen, functional(list, config), "the functional model");
     conserved(&timed);
@@ -21,13 +23,7 @@ fn agree(list: &[Control], config: &DeferConfig) -> Ran {
 
 /// Laws 9 to 11, and what counters must have in common.
 fn conserved(ran: &Ran) {
-    let total = ran.report.total;
-    for unit in &ran.report.units {
-        assert_eq!(unit.account.total(), total, "cycles of {}", unit.name);
-    }
-    for fifo in &ran.report.fifos {
-        assert_eq!(fifo.histogram.iter().sum::<u64>(), total, "histogram of {}", fifo.name);
-    }
+    common::conserved(&ran.report);
     let count = |name: &str| ran.seen.count(name);
     assert_eq!(ran.report.frames.len() as u64, count("pictures"), "each picture shown ends a frame (law 11)");
     assert_eq!(count("tiles_loaded"), count("path_tiles"));

@@ -1,5 +1,7 @@
 //! The rate-limited renderer as a whole: its engines, its modes, its views, and what the patent says of them.
 
+#[path = "../common/mod.rs"]
+mod common;
 mod embodiments;
 mod engines;
 mod modes;

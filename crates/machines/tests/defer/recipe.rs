@@ -1,5 +1,6 @@
 //! Display lists of textured and plain polygons, small and random ones among them.
 
+use crate::common::settings::{Axis, Settings, choices};
 use basrelief_signals::{
     Camera, Control, Frame, Image, Light, LightKind, Material, ObjectInfo, Polygon, Sampler, Texture, Vertex, Wrap,
 };
@@ -135,9 +136,6 @@ pub fn display_lists() -> impl Strategy<Value = Vec<Control>> {
     })
 }
 
-/// Choices of one thing, the default first; a choice is a list of settings.
-type Axis = &'static [&'static [(&'static str, &'static str)]];
-
 /// What the machine computes.
 const MEANING: &[Axis] = &[
     &[&[], &[("defer.mode", "progressive")], &[("defer.mode", "conventional")]],
@@ -218,23 +216,12 @@ const TIMING: &[Axis] = &[
     &[&[], &[("video_out.enabled", "false")]],
 ];
 
-type Owned = Vec<(String, String)>;
-
-fn choices(axes: &'static [Axis]) -> impl Strategy<Value = Owned> {
-    let each: Vec<_> = axes.iter().map(|axis| (0..axis.len()).prop_map(move |i| axis[i])).collect();
-    each.prop_map(|all| all.into_iter().flatten().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect())
-}
-
-pub fn meanings() -> impl Strategy<Value = Owned> {
+pub fn meanings() -> impl Strategy<Value = Settings> {
     choices(MEANING)
 }
 
-pub fn timings() -> impl Strategy<Value = Owned> {
+pub fn timings() -> impl Strategy<Value = Settings> {
     choices(TIMING)
-}
-
-pub fn borrowed(settings: &Owned) -> Vec<(&str, &str)> {
-    settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect()
 }
 
 /// A path so fast that the ticked engine gets through.

@@ -1,11 +1,12 @@
 //! Running a display list on the machine, in all three ways.
 
+use crate::common;
+pub use crate::common::replay;
 use basrelief_deferred_renderer::{FilledBuffer, How, Page, TileList, TileRecord};
 use basrelief_frame_buffer::ShownPicture;
 use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, RunReport, run_functional, run_with};
-use basrelief_machines::Counts;
-use basrelief_machines::defer::{DeferConfig, DeferredRenderer, FrontEnd, TraceFront};
-use basrelief_parameters::load;
+use basrelief_machines::defer::{DeferConfig, DeferredRenderer, FrontEnd};
+use basrelief_machines::{Counts, Draws};
 use basrelief_signals::Control;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -35,8 +36,7 @@ pub type Tile = (u32, u32);
 
 impl Seen {
     pub fn count(&self, name: &str) -> u64 {
-        assert!(self.counts.iter().any(|(n, _)| n == name), "there is no device figure `{name}`");
-        self.counts.number(name)
+        common::count(&self.counts, name)
     }
 
     /// Tiles of a frame that came so; none: those that were there before, and were needed.
@@ -53,18 +53,12 @@ impl Seen {
 
 /// The default machine with these settings.
 pub fn config(settings: &[(&str, &str)]) -> DeferConfig {
-    load("", settings).unwrap_or_else(|e| panic!("{e}"))
-}
-
-/// A way in that replays these commands.
-pub fn replay(controls: &[Control], config: &DeferConfig) -> impl FrontEnd + use<> {
-    let commands: Vec<_> = controls.iter().map(|c| Ok::<_, String>((c.clone(), None))).collect();
-    TraceFront::new(commands.into_iter(), config)
+    common::config(settings)
 }
 
 fn seen<F: FrontEnd>(mut machine: DeferredRenderer<F>) -> Seen {
     Seen {
-        finished: machine.drain_finished(),
+        finished: machine.drain_shown(),
         rounds: machine.drain_rounds(),
         filled: machine.drain_filled(),
         tiles: machine.drain_records().into_iter().map(|(_, tiles)| tiles).collect(),

@@ -1,33 +1,21 @@
 //! Both engines give equal reports, the functional model the same pictures; cycles are conserved; nothing deadlocks.
 
-use crate::recipe::{borrowed, display_lists, meanings, timings};
-use crate::runs::{Ran, config, functional, replay, run, scene_front, small_demo, timed};
-use basrelief_kernel::{Engine, Outcome};
+use crate::common;
+use crate::common::settings::borrowed;
+use crate::recipe::{display_lists, meanings, timings};
+use crate::runs::{Ran, config, functional, machine, replay, scene_front, small_demo, timed};
 use basrelief_machines::shade::{FigureShadingDevice, FrontEnd, ShadeConfig};
 use proptest::prelude::*;
 
 /// Runs in all three ways and holds them against each other; the timed run.
 fn agree<F: FrontEnd>(front: impl Fn() -> F, config: &ShadeConfig) -> Ran {
-    let timed = run(front(), config, Engine::Timed);
-    assert_eq!(timed.report.outcome, Outcome::Complete);
-    let ticked = run(front(), config, Engine::Ticked);
-    assert!(timed.report == ticked.report, "the engines differ:\n{:#?}\n{:#?}", timed.report.units, ticked.report.units);
-    assert_eq!((&timed.frames, &timed.counts), (&ticked.frames, &ticked.counts));
-    let (frames, counts) = functional(front(), config);
-    assert_eq!((&timed.frames, &timed.counts), (&frames, &counts), "the functional model");
+    let timed = common::agree(|| machine(front(), config));
     conserved(&timed);
     timed
 }
 
-/// Laws 9 and 10, and what counters must have in common.
+/// What counters must have in common.
 fn conserved(ran: &Ran) {
-    let total = ran.report.total;
-    for unit in &ran.report.units {
-        assert_eq!(unit.account.total(), total, "cycles of {}", unit.name);
-    }
-    for fifo in &ran.report.fifos {
-        assert_eq!(fifo.histogram.iter().sum::<u64>(), total, "histogram of {}", fifo.name);
-    }
     let paths = ["polyhedron", "brightness", "normal", "gate_closed", "flat", "reused"];
     let sum = |what: &str| paths.iter().map(|path| ran.count(&format!("{what}_{path}"))).sum::<u64>();
     assert_eq!(sum("dots"), ran.count("fragments"));

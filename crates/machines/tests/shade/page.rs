@@ -1,10 +1,11 @@
 //! What the patent's page says of the device as a whole: paths, short cuts, buffers, and what each of them costs or saves.
 
+use crate::common::covered_by_bump;
 use crate::recipe::{display_lists, frame, material, object, polygon, sun, unit};
 use crate::runs::{Ran, config, replay, run, small_demo, timed};
 use basrelief_geometry_processor::{GeometryProcessor, SceneDraws};
-use basrelief_kernel::{Engine, Traffic, Unit, run_functional};
-use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig, TraceFront};
+use basrelief_kernel::{Engine, Traffic, Unit};
+use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::shade::{ShadeConfig, input_warnings, warnings};
 use basrelief_signals::{Control, Draw, Lighting, Material, Polygon};
 use proptest::prelude::*;
@@ -188,15 +189,6 @@ fn recorded(demo: &str) -> Vec<Control> {
     let mut geometry = GeometryProcessor::new(config.geometry, config.bump);
     let draws = SceneDraws::new(small_demo(demo));
     draws.filter_map(|draw: Draw| geometry.step(Some(draw), &mut Traffic::default()).out).collect()
-}
-
-/// Which pixels the bump-mapping processor covers.
-fn covered_by_bump(list: &[Control]) -> Vec<Vec<bool>> {
-    let config = BumpProcessorConfig::default();
-    let commands = list.iter().map(|c| Ok::<_, String>((c.clone(), None)));
-    let mut machine = BumpProcessor::new(TraceFront::new(commands, &config), &config).expect("defaults fit");
-    run_functional(&mut machine, &mut |_| true).expect("runs");
-    machine.drain_finished().into_iter().map(|f| f.covered).collect()
 }
 
 #[test]

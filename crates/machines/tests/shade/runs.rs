@@ -1,78 +1,39 @@
 //! Running a scene or a display list on the machine, in all three ways.
 
+use crate::common;
+pub use crate::common::{Ran, replay, scene_front};
 use basrelief_frame_buffer::FinishedFrame;
-use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, RunReport, run_functional, run_with};
+use basrelief_kernel::Engine;
 use basrelief_machines::Counts;
-use basrelief_machines::shade::{FigureShadingDevice, FrontEnd, SceneFront, ShadeConfig, TraceFront};
-use basrelief_parameters::load;
-use basrelief_scene::{ViewOptions, demo};
+use basrelief_machines::shade::{FigureShadingDevice, FrontEnd, ShadeConfig};
 use basrelief_signals::{Control, Scene};
 use std::sync::Arc;
 
-/// What a run came to.
-pub struct Ran {
-    pub report: RunReport,
-    pub frames: Vec<FinishedFrame>,
-    pub counts: Counts,
-}
-
-impl Ran {
-    pub fn count(&self, name: &str) -> u64 {
-        assert!(self.counts.iter().any(|(n, _)| n == name), "there is no device figure `{name}`");
-        self.counts.number(name)
-    }
-
-    /// Largest difference of any 8-bit output.
-    pub fn difference(&self, other: &Self) -> u8 {
-        assert_eq!(self.frames.len(), other.frames.len());
-        let pairs = self.frames.iter().zip(&other.frames).flat_map(|(a, b)| {
-            assert_eq!(a.covered, b.covered);
-            a.rgb.iter().zip(&b.rgb)
-        });
-        pairs.flat_map(|(a, b)| (0..3).map(|i| a[i].abs_diff(b[i]))).max().unwrap_or(0)
-    }
-}
-
 /// The default machine with these settings.
 pub fn config(settings: &[(&str, &str)]) -> ShadeConfig {
-    load("", settings).unwrap_or_else(|e| panic!("{e}"))
+    common::config(settings)
 }
 
 /// A demo, small.
 pub fn small_demo(name: &str) -> Arc<Scene> {
-    let options = ViewOptions { size: [64, 48], frames: Some(1), ..ViewOptions::default() };
-    Arc::new(demo(name, &options).unwrap_or_else(|e| panic!("{e}")))
+    common::small_demo(name, 1)
 }
 
-/// A way in that replays these commands.
-pub fn replay(controls: &[Control], config: &ShadeConfig) -> impl FrontEnd + use<> {
-    let commands: Vec<_> = controls.iter().map(|c| Ok::<_, String>((c.clone(), None))).collect();
-    TraceFront::new(commands.into_iter(), config)
-}
-
-/// A way in that draws this scene.
-pub fn scene_front(scene: &Arc<Scene>, config: &ShadeConfig) -> impl FrontEnd + use<> {
-    SceneFront::new(SceneDraws::new(Arc::clone(scene)), config)
+pub fn machine<F: FrontEnd>(front: F, config: &ShadeConfig) -> FigureShadingDevice<F> {
+    FigureShadingDevice::new(front, config).unwrap_or_else(|e| panic!("{e}"))
 }
 
 pub fn run(front: impl FrontEnd, config: &ShadeConfig, engine: Engine) -> Ran {
-    let mut machine = FigureShadingDevice::new(front, config).unwrap_or_else(|e| panic!("{e}"));
-    let report = run_with(&mut machine, engine, &mut NoProbe, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
-    Ran { report, frames: machine.drain_finished(), counts: machine.counts() }
+    common::run(machine(front, config), engine)
 }
 
 /// A timed run that must come to its end.
 pub fn timed(controls: &[Control], settings: &[(&str, &str)]) -> Ran {
     let config = config(settings);
-    let ran = run(replay(controls, &config), &config, Engine::Timed);
-    assert_eq!(ran.report.outcome, Outcome::Complete, "{settings:?}");
-    ran
+    common::timed(machine(replay(controls, &config), &config), settings)
 }
 
 /// Pictures and device figures of the functional model.
 pub fn functional(front: impl FrontEnd, config: &ShadeConfig) -> (Vec<FinishedFrame>, Counts) {
-    let mut machine = FigureShadingDevice::new(front, config).unwrap_or_else(|e| panic!("{e}"));
-    run_functional(&mut machine, &mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
-    (machine.drain_finished(), machine.counts())
+    common::functional(machine(front, config))
 }

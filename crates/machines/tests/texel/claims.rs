@@ -1,10 +1,11 @@
 //! The patent's claims, and what its page says of the system as a whole.
 
+use crate::common::covered_by_bump;
 use crate::recipe::{display_lists, frame, material, object, polygon, texture};
 use crate::runs::{Ran, config, figure, replay, run, scene_front, small_demo, timed};
 use basrelief_kernel::{Engine, run_functional};
-use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
-use basrelief_machines::texel::{FrameLog, TexelMachineConfig, TextureMappingSystem, TraceFront, input_warnings, warnings};
+use basrelief_machines::Draws;
+use basrelief_machines::texel::{FrameLog, TexelMachineConfig, TextureMappingSystem, input_warnings, warnings};
 use basrelief_signals::{Control, Wrap};
 use proptest::prelude::*;
 
@@ -182,15 +183,6 @@ fn what_the_system_has_no_use_for_is_said() {
     let ran = timed(&list, &[]);
     assert!(input_warnings(&ran.counts)[0].contains("no polygon has a colour texture"));
     assert_eq!((ran.count("divisions"), ran.count("texels_read")), (0, 0));
-}
-
-/// Which pixels the bump-mapping processor covers.
-fn covered_by_bump(list: &[Control]) -> Vec<Vec<bool>> {
-    let config = BumpProcessorConfig::default();
-    let commands = list.iter().map(|c| Ok::<_, String>((c.clone(), None)));
-    let mut machine = BumpProcessor::new(TraceFront::new(commands, &config), &config).expect("defaults fit");
-    run_functional(&mut machine, &mut |_| true).expect("runs");
-    machine.drain_finished().into_iter().map(|f| f.covered).collect()
 }
 
 proptest! {

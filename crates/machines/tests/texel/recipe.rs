@@ -1,5 +1,6 @@
 //! Small random display lists and configurations.
 
+use crate::common::settings::{Axis, Settings, choices, choices_and_fifos};
 use basrelief_signals::{
     Camera, Control, Filter, Frame, Image, Light, LightKind, Material, ObjectInfo, Polygon, Sampler, Texture, Vertex, Wrap,
 };
@@ -77,9 +78,6 @@ pub fn display_lists() -> impl Strategy<Value = Vec<Control>> {
     })
 }
 
-/// Choices of one thing, the default first; a choice is a list of settings.
-type Axis = &'static [&'static [(&'static str, &'static str)]];
-
 /// What the machine computes.
 const MEANING: &[Axis] = &[
     &[
@@ -138,14 +136,6 @@ const FIFOS: [&str; 14] = [
     "finished_frames",
 ];
 
-/// `--set` arguments.
-pub type Settings = Vec<(String, String)>;
-
-fn choices(axes: &'static [Axis]) -> impl Strategy<Value = Settings> {
-    let choice: Vec<_> = axes.iter().map(|axis| (0..axis.len()).prop_map(move |i| axis[i])).collect();
-    choice.prop_map(|chosen| chosen.into_iter().flatten().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect())
-}
-
 /// What changes pictures.
 pub fn meanings() -> impl Strategy<Value = Settings> {
     choices(MEANING)
@@ -153,23 +143,5 @@ pub fn meanings() -> impl Strategy<Value = Settings> {
 
 /// What must not: times, memory, FIFOs from 1 slot up.
 pub fn timings() -> impl Strategy<Value = Settings> {
-    let depth = prop::option::of(prop_oneof![Just(1u32), Just(2), 3u32..=64]);
-    let latency = prop_oneof![3 => Just(1u32), 1 => 2u32..9];
-    let fifos = prop::collection::vec((depth, latency), FIFOS.len()).prop_map(|all| -> Settings {
-        let set = |(name, (depth, latency)): (&str, (Option<u32>, u32))| {
-            let depth = depth.map(|d| (format!("fifo.{name}.depth"), d.to_string()));
-            let latency = (latency > 1).then(|| (format!("fifo.{name}.latency"), latency.to_string()));
-            depth.into_iter().chain(latency)
-        };
-        FIFOS.into_iter().zip(all).flat_map(set).collect()
-    });
-    (choices(TIMING), fifos).prop_map(|(mut settings, fifos)| {
-        settings.extend(fifos);
-        settings
-    })
-}
-
-/// The settings as the loader takes them.
-pub fn borrowed(settings: &Settings) -> Vec<(&str, &str)> {
-    settings.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect()
+    choices_and_fifos(TIMING, &FIFOS)
 }

@@ -1,0 +1,41 @@
+//! Host speed of a machine on a display list, timed and without time.
+
+use basrelief_kernel::{Engine, run, run_functional};
+use basrelief_machines::{ConfigProblem, Draws, FrontEnd, TraceFront};
+use basrelief_parameters::Parameters;
+use basrelief_signals::Control;
+use std::time::Instant;
+
+/// The machine's defaults, with the settings of the command line.
+pub fn config<C: Parameters>() -> Result<C, String> {
+    let settings: Vec<String> = std::env::args().skip(1).collect();
+    let settings: Vec<(&str, &str)> = settings.iter().filter_map(|s| s.split_once('=')).collect();
+    basrelief_parameters::load("", &settings).map_err(|e| e.to_string())
+}
+
+/// A way in that replays these commands.
+pub fn replay<'a, C>(controls: &'a [Control], config: &'a C) -> impl FrontEnd + use<'a, C>
+where
+    basrelief_machines::FrontConfig: From<&'a C>,
+{
+    TraceFront::new(controls.iter().map(|control| Ok::<_, String>((control.clone(), None))), config)
+}
+
+/// Runs it both ways, and prints how many elements a second that is: as many as device figure `figure` says.
+pub fn print_speed<M: Draws>(machine: impl Fn() -> Result<M, ConfigProblem>, figure: &str, elements: &str) -> Result<(), String> {
+    let machine = || machine().map_err(|e| e.to_string());
+    let mut timed = machine()?;
+    let began = Instant::now();
+    let report = run(&mut timed, Engine::Timed);
+    let timed_s = began.elapsed().as_secs_f64();
+    let mut functional = machine()?;
+    let began = Instant::now();
+    run_functional(&mut functional, &mut |_| true)?;
+    let functional_s = began.elapsed().as_secs_f64();
+    let count = timed.counts().number(figure);
+    println!("{:?}: {count} {elements}, {} cycles", report.outcome, report.total);
+    for (name, seconds) in [("timed", timed_s), ("functional", functional_s)] {
+        println!("{name}: {seconds:.3} s, {:.2} M {elements}/s", count as f64 / seconds * 1e-6);
+    }
+    Ok(())
+}

@@ -1,0 +1,145 @@
+//! What the tests of all machines share: running one in all three ways, and random settings.
+#![allow(dead_code, reason = "each machine's tests use their part")]
+
+pub mod settings;
+
+use basrelief_frame_buffer::FinishedFrame;
+use basrelief_geometry_processor::SceneDraws;
+use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, Probe, RunReport, run_functional, run_with};
+use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
+use basrelief_machines::{Counts, Draws, FrontConfig, FrontEnd, SceneFront, TraceFront};
+use basrelief_parameters::{Parameters, load};
+use basrelief_scene::{ViewOptions, demo};
+use basrelief_signals::{Control, Scene};
+use std::sync::Arc;
+
+/// What a run came to.
+pub struct Ran {
+    pub report: RunReport,
+    pub frames: Vec<FinishedFrame>,
+    pub counts: Counts,
+}
+
+impl Ran {
+    pub fn count(&self, name: &str) -> u64 {
+        count(&self.counts, name)
+    }
+
+    /// Bytes that a client read and wrote.
+    pub fn bytes(&self, client: &str) -> u64 {
+        let ports = self.report.memories.iter().flat_map(|m| &m.ports);
+        ports.filter(|p| p.client == client).map(|p| p.counts.read_bytes + p.counts.write_bytes).sum()
+    }
+
+    /// Largest difference of any 8-bit output.
+    pub fn difference(&self, other: &Self) -> u8 {
+        assert_eq!(self.frames.len(), other.frames.len());
+        let pairs = self.frames.iter().zip(&other.frames).flat_map(|(a, b)| {
+            assert_eq!(a.covered, b.covered);
+            a.rgb.iter().zip(&b.rgb)
+        });
+        pairs.flat_map(|(a, b)| (0..3).map(|i| a[i].abs_diff(b[i]))).max().unwrap_or(0)
+    }
+}
+
+/// A device figure that there must be.
+pub fn count(counts: &Counts, name: &str) -> u64 {
+    assert!(counts.iter().any(|(n, _)| n == name), "there is no device figure `{name}`");
+    counts.number(name)
+}
+
+/// A machine's defaults with these settings.
+pub fn config<C: Parameters>(settings: &[(&str, &str)]) -> C {
+    load("", settings).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A demo, small.
+pub fn small_demo(name: &str, frames: u32) -> Arc<Scene> {
+    let options = ViewOptions { size: [64, 48], frames: Some(frames), ..ViewOptions::default() };
+    Arc::new(demo(name, &options).unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// A way in that replays these commands.
+pub fn replay<C: Into<FrontConfig>>(controls: &[Control], config: C) -> impl FrontEnd + use<C> {
+    let commands: Vec<_> = controls.iter().map(|c| Ok::<_, String>((c.clone(), None))).collect();
+    TraceFront::new(commands.into_iter(), config)
+}
+
+/// A way in that draws this scene.
+pub fn scene_front(scene: &Arc<Scene>, config: impl Into<FrontConfig>) -> SceneFront<SceneDraws> {
+    SceneFront::new(SceneDraws::new(Arc::clone(scene)), config)
+}
+
+/// Runs a machine under a probe.
+pub fn run_probed<P: Probe>(mut machine: impl Draws, engine: Engine, probe: &mut P) -> Ran {
+    let report = run_with(&mut machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
+    Ran { report, frames: machine.drain_finished(), counts: machine.counts() }
+}
+
+/// Runs a machine.
+pub fn run(machine: impl Draws, engine: Engine) -> Ran {
+    run_probed(machine, engine, &mut NoProbe)
+}
+
+/// A timed run, with these settings, that must come to its end.
+pub fn timed(machine: impl Draws, settings: &[(&str, &str)]) -> Ran {
+    let ran = run(machine, Engine::Timed);
+    assert_eq!(ran.report.outcome, Outcome::Complete, "{settings:?}");
+    ran
+}
+
+/// Pictures and device figures of the functional model.
+pub fn functional(mut machine: impl Draws) -> (Vec<FinishedFrame>, Counts) {
+    run_functional(&mut machine, &mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
+    (machine.drain_finished(), machine.counts())
+}
+
+/// Which pixels the bump-mapping processor covers.
+pub fn covered_by_bump(list: &[Control]) -> Vec<Vec<bool>> {
+    let config = BumpProcessorConfig::default();
+    let machine = BumpProcessor::new(replay(list, &config), &config).expect("defaults fit");
+    functional(machine).0.into_iter().map(|f| f.covered).collect()
+}
+
+/// Runs a machine in all three ways and holds them against each other; the timed run.
+pub fn agree<M: Draws>(machine: impl Fn() -> M) -> Ran {
+    let timed = run(machine(), Engine::Timed);
+    assert_eq!(timed.report.outcome, Outcome::Complete);
+    let ticked = run(machine(), Engine::Ticked);
+    same(&timed.report, &ticked.report);
+    assert_eq!((&timed.frames, &timed.counts), (&ticked.frames, &ticked.counts));
+    let (frames, counts) = functional(machine());
+    assert_eq!((&timed.frames, &timed.counts), (&frames, &counts), "the functional model");
+    conserved(&timed.report);
+    timed
+}
+
+/// Equal reports; if not, the parts that differ, as whole reports are hard to read.
+pub fn same(timed: &RunReport, ticked: &RunReport) {
+    fn differ<T: PartialEq + std::fmt::Debug>(timed: &[T], ticked: &[T]) -> String {
+        timed.iter().zip(ticked).filter(|(a, b)| a != b).map(|(a, b)| format!("timed {a:?}\nticked {b:?}\n")).collect()
+    }
+    if timed != ticked {
+        let parts = [
+            differ(&[&timed.outcome], &[&ticked.outcome]),
+            differ(&[(timed.total, &timed.frames)], &[(ticked.total, &ticked.frames)]),
+            differ(&timed.units, &ticked.units),
+            differ(&timed.fifos, &ticked.fifos),
+            differ(&timed.memories, &ticked.memories),
+            differ(&timed.caches, &ticked.caches),
+        ];
+        panic!("the engines differ:\n{}", parts.concat());
+    }
+}
+
+/// Laws 9 and 10: cycles of units and FIFOs sum to the total.
+pub fn conserved(report: &RunReport) {
+    for unit in &report.units {
+        assert_eq!(unit.account.total(), report.total, "cycles of {}", unit.name);
+    }
+    for fifo in &report.fifos {
+        assert_eq!(fifo.histogram.iter().sum::<u64>(), report.total, "histogram of {}", fifo.name);
+        assert_eq!(fifo.histogram.len(), fifo.depth + 1, "{}", fifo.name);
+        assert!(fifo.high_water() <= fifo.depth);
+    }
+}
