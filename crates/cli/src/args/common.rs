@@ -1,0 +1,97 @@
+//! Arguments that several commands have.
+
+use super::values::{direction, finite, key_value, machine, size};
+use basrelief_session::MachineInfo;
+use clap::{ArgAction, Args, ValueEnum};
+use std::path::PathBuf;
+
+/// The engines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum EngineName {
+    /// Time-stamped dataflow: fast.
+    #[default]
+    Timed,
+    /// Every unit in every cycle: slow, the oracle. The report is the same.
+    Ticked,
+}
+
+/// Which machine, and how it is set up.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Machine")]
+pub struct MachineArgs {
+    /// The machine; where none is named, the one that the demo is made for, or bump.
+    #[arg(long, value_parser = machine())]
+    pub machine: Option<&'static MachineInfo>,
+    /// Parameters from a TOML file.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// One parameter, over those of the file; repeatable. `basrelief describe` lists all.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub settings: Vec<(String, String)>,
+}
+
+/// How to look at a scene.
+#[derive(Clone, Debug, Default, PartialEq, Args)]
+#[command(next_help_heading = "View (scenes only: a display list carries its own)")]
+pub struct ViewArgs {
+    /// Size of the picture [pixels; default 640x480].
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// View from a file: view_projection (row-major, clip = M [x y z 1]^T), to_light, to_viewer.
+    #[arg(long, value_name = "FILE")]
+    pub camera: Option<PathBuf>,
+    /// Number of pictures.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub frames: Option<u32>,
+    /// Turn the camera about the model by this much over all frames (degrees).
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
+    pub orbit: Option<f64>,
+    /// Direction to the light, in world space, instead of the scene's lights.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = direction)]
+    pub light: Option<[f64; 3]>,
+    /// Turn the light about the vertical axis by this much over all frames (degrees).
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
+    pub light_orbit: Option<f64>,
+}
+
+/// How to simulate, and what to write.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Simulation")]
+pub struct SimulationArgs {
+    /// The engine.
+    #[arg(long, value_enum, default_value_t)]
+    pub engine: EngineName,
+    /// No time: the same steps with memories that answer at once; the same picture, no cycles.
+    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline"])]
+    pub functional: bool,
+    /// Stop after this many cycles, with exit code 1 and the state so far.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_cycles: Option<u64>,
+    /// Folder for pictures and report; created where absent.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+    /// Print the report to standard output, and nothing else.
+    #[arg(long)]
+    pub json: bool,
+    /// Do not draw the exact picture and measure against it: faster where only cycles matter.
+    #[arg(long)]
+    pub no_exact: bool,
+    /// Write the tables as report.csv too.
+    #[arg(long)]
+    pub csv: bool,
+    /// Write what every unit did when, as a Perfetto trace (open at ui.perfetto.dev).
+    #[arg(long, value_name = "FILE")]
+    pub timeline: Option<PathBuf>,
+    /// Run the same input without each short cut of the machine in turn, and without any, and write the table of cycles and
+    /// changes as ablation.json and ablation.csv, and nothing else.
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "csv", "dump"])]
+    pub ablate: bool,
+    /// Run the same input by each method of the machine at the same error, and write the table of divisions, cycles,
+    /// displacements and PSNR as methods.json and methods.csv, and nothing else. Of machine texel.
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "csv", "dump", "ablate"])]
+    pub compare_methods: bool,
+    /// Write what the machine can tell beside its picture, as JSON Lines: `spans` (texel) with their division points,
+    /// `reference-buffer` (defer), its textured pixels, or `tiles` (defer), those acquired or used again; repeatable.
+    #[arg(long, num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
+    pub dump: Vec<PathBuf>,
+}

@@ -1,0 +1,56 @@
+//! Arguments of the commands that simulate nothing: `describe`, `compare`, `schema`.
+
+use super::values::{finite, machine};
+use basrelief_session::{MACHINES, MachineInfo};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Arguments of `describe`.
+#[derive(Clone, Debug, Args)]
+pub struct DescribeArgs {
+    /// The machine.
+    #[arg(value_parser = machine(), default_value = MACHINES[0].name)]
+    pub machine: &'static MachineInfo,
+    /// Print the table of parameters as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `compare`.
+#[derive(Clone, Debug, Args)]
+pub struct CompareArgs {
+    /// The report before: a report.json, or the folder that holds it.
+    pub a: PathBuf,
+    /// The report after.
+    pub b: PathBuf,
+    /// Exit with 1 if anything grew worse by more than this (percent).
+    #[arg(long, value_name = "PERCENT", value_parser = finite)]
+    pub fail_over: Option<f64>,
+    /// Print the comparison as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `schema`.
+#[derive(Clone, Debug, Args)]
+pub struct SchemaArgs {
+    /// Of what.
+    #[arg(value_enum)]
+    pub of: SchemaName,
+    /// The machine whose parameters are meant.
+    #[arg(long, value_parser = machine(), default_value = MACHINES[0].name)]
+    pub machine: &'static MachineInfo,
+}
+
+/// What has a schema.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SchemaName {
+    /// One line of a display list.
+    Trace,
+    /// report.json.
+    Report,
+    /// The machine's parameters.
+    Config,
+    /// A `--camera` file.
+    Camera,
+}

@@ -1,0 +1,60 @@
+//! The command line. Every option says its unit of measure and its default; what is said here is what `--help` shows.
+
+mod common;
+mod describe;
+mod lists;
+mod run;
+mod values;
+
+pub use common::{EngineName, MachineArgs, SimulationArgs, ViewArgs};
+pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
+pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
+pub use run::{DemoArgs, RunArgs, ServeArgs};
+
+use clap::{Parser, Subcommand};
+
+/// Cycle-level simulator of patented shading devices: what does this pipeline cost, why, and what picture do I get?
+#[derive(Debug, Parser)]
+#[command(name = "basrelief", version, max_term_width = 110, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Print errors only.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Draw an embedded scene and write picture, exact picture and report.
+    Demo(DemoArgs),
+    /// Draw a model (glTF 2.0, GLB, OBJ) or replay a recorded display list.
+    Run(RunArgs),
+    /// Record what the geometry processor hands on as a display list.
+    Record(RecordArgs),
+    /// Turn a display list from one form into another (JSON Lines or binary, plain or zstd), without loss.
+    Convert(ConvertArgs),
+    /// Replay traces and check the expectations they carry.
+    Verify(VerifyArgs),
+    /// Show a machine: block diagram, units, parameters with unit, default and provenance.
+    Describe(DescribeArgs),
+    /// List what changed between two reports, largest first.
+    Compare(CompareArgs),
+    /// Print a JSON schema.
+    Schema(SchemaArgs),
+    /// Offer polygons, texture sizes and single tiles of a scene over HTTP, for `run --from`.
+    Serve(ServeArgs),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

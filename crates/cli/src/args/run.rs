@@ -1,0 +1,58 @@
+//! Arguments of the commands that draw or offer scenes: `demo`, `run`, `serve`.
+
+use super::common::{MachineArgs, SimulationArgs, ViewArgs};
+use super::values::http;
+use clap::Args;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// Arguments of `demo`.
+#[derive(Clone, Debug, Args)]
+pub struct DemoArgs {
+    /// Which scene; `basrelief describe` lists all. Where none is named, the first that is made for the machine.
+    pub name: Option<String>,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub simulation: SimulationArgs,
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// Arguments of `run`.
+#[derive(Clone, Debug, Args)]
+pub struct RunArgs {
+    /// A model or a display list; `-` reads a display list from standard input.
+    #[arg(required_unless_present = "from")]
+    pub input: Option<PathBuf>,
+    /// Render from a server (`basrelief serve`) with machine defer, such as http://127.0.0.1:8080/, instead of a file. Without
+    /// the exact picture: textures stay there.
+    #[arg(long, value_name = "URL", conflicts_with_all = ["input", "ablate", "compare_methods"], value_parser = http)]
+    pub from: Option<String>,
+    /// Keep tiles that have come in this folder, and take them from there.
+    #[arg(long, value_name = "DIR")]
+    pub tile_cache: Option<PathBuf>,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub simulation: SimulationArgs,
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// Arguments of `serve`.
+#[derive(Clone, Debug, Args)]
+pub struct ServeArgs {
+    /// A model, or `demo:NAME`.
+    pub input: PathBuf,
+    /// Where; port 0 takes any that is free.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8080")]
+    pub listen: SocketAddr,
+    /// Other computers may connect.
+    #[arg(long)]
+    pub public: bool,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub view: ViewArgs,
+}

@@ -1,0 +1,63 @@
+//! Values on the command line, checked where they are given.
+
+use basrelief_session::{MACHINES, MachineInfo};
+use basrelief_signals::MAX_PICTURE_PIXELS;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+/// The name of a machine.
+pub fn machine() -> impl TypedValueParser<Value = &'static MachineInfo> {
+    let names = MACHINES.iter().map(|m| PossibleValue::new(m.name).help(m.about));
+    PossibleValuesParser::new(names).try_map(|name| MachineInfo::named(&name))
+}
+
+/// The address of a server.
+pub fn http(url: &str) -> Result<String, String> {
+    let host = url.strip_prefix("http://").ok_or("expected http://ADDRESS:PORT/")?;
+    if host.trim_matches('/').is_empty() { Err("expected http://ADDRESS:PORT/".into()) } else { Ok(url.into()) }
+}
+
+/// A setting.
+pub fn key_value(text: &str) -> Result<(String, String), String> {
+    let (key, value) = text.split_once('=').ok_or("expected KEY=VALUE, such as replacement.entries=64")?;
+    Ok((key.trim().into(), value.trim().into()))
+}
+
+/// Size of a picture.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let expected = "expected WIDTHxHEIGHT, each 1..=16384, such as 640x480";
+    let (width, height) = text.split_once(['x', 'X']).ok_or(expected)?;
+    let side = |s: &str| s.trim().parse::<u32>().ok().filter(|n| (1..=16384).contains(n)).ok_or(expected);
+    let size = [side(width)?, side(height)?];
+    if size.map(u64::from).iter().product::<u64>() > MAX_PICTURE_PIXELS {
+        return Err(format!("expected at most {MAX_PICTURE_PIXELS} pixels, such as 3840x2160"));
+    }
+    Ok(size)
+}
+
+/// A number that is one.
+pub fn finite(text: &str) -> Result<f64, String> {
+    text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| "expected a finite number".into())
+}
+
+/// A direction in world space.
+pub fn direction(text: &str) -> Result<[f64; 3], String> {
+    let expected = "expected X,Y,Z, not all zero, such as 0.4,0.8,0.45";
+    let parts: Vec<f64> = text.split(',').map(|p| finite(p.trim())).collect::<Result<_, _>>().map_err(|_| expected)?;
+    let vector: [f64; 3] = parts.try_into().map_err(|_| expected)?;
+    if vector.iter().all(|c| *c == 0.0) { Err(expected.into()) } else { Ok(vector) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_checked_where_they_are_given() {
+        assert_eq!(size("640x480"), Ok([640, 480]));
+        assert!(size("0x480").is_err() && size("640").is_err() && size("99999x2").is_err() && size("16384x16384").is_err());
+        assert_eq!(direction("1, -2,3.5"), Ok([1.0, -2.0, 3.5]));
+        assert!(direction("0,0,0").is_err() && direction("1,2").is_err() && direction("1,NaN,2").is_err());
+        assert_eq!(key_value("a.b=[1, 2]"), Ok(("a.b".into(), "[1, 2]".into())));
+        assert!(key_value("a.b").is_err());
+    }
+}
