@@ -99,6 +99,8 @@ parameters! {
         mode: RenderMode = RenderMode::Best, unit: "", Stated("Figure 4: the mode of best resolution or the progressive one; conventional: the prior art of the text");
         /// Where texel centres lie: half, or integer as in the patent.
         texel_centre: TexelCentre = TexelCentre::Half, unit: "", Assumed("at integers, coarse layers are shifted by 0.5, 1.5, 3.5 ... finest texels");
+        /// Cap on Dmax (133), the depth of the finest layer: textures of more texels are kept at a lower resolution.
+        dmax: u8 = 31, unit: "layers", Stated("[0033]: where the original resolution is higher than the use needs, the highest one kept may be lower; 31 leaves nothing out"), range: 0..=31;
         /// Jobs of the memory (124): shared (depth, then pixels) or separate.
         depth_pixel: DepthPixel = DepthPixel::Shared, unit: "", Stated("[0067], [0076]");
         /// What the brightness coefficients hold: none (colours of material and vertices) or gouraud (times the brightness at the vertices).

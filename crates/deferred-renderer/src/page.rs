@@ -1,61 +1,11 @@
 //! Texture page (132): how a texture is cut into layers and tiles.
 //!
-//! Layer 0 is one tile, layer Dmax (133) the full resolution; each layer halves the one below it, rounding up. Tiles of a
-//! layer are numbered row by row, layers one after the other: a tile has one number within its texture.
+//! Layer 0 is one tile, layer Dmax (133) the full resolution, or less where Dmax is capped; each layer halves the one below
+//! it, rounding up. Tiles of a layer are numbered row by row, layers one after the other: a tile has one number within its texture.
 
+pub use crate::layers::{Cut, Layer, TexelCentre};
 use basrelief_signals::{Texture, Wrap};
 use smallvec::SmallVec;
-
-/// Where texel centres lie.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    serde::Serialize,
-    serde::Deserialize,
-    basrelief_parameters::private::schemars::JsonSchema,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum TexelCentre {
-    /// At whole coordinates (the patent): a layer is sampled at S / 2^SF.
-    Integer,
-    /// At halves: a layer is sampled at S / 2^SF - 0.5, so that layers lie on top of each other.
-    #[default]
-    Half,
-}
-
-/// How a texture is cut: what is the same for all pages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cut {
-    /// Width and height of a tile \[texels\], powers of two.
-    pub tile: [u32; 2],
-    /// Where texel centres lie.
-    pub centre: TexelCentre,
-}
-
-impl Default for Cut {
-    fn default() -> Self {
-        Self { tile: [64, 64], centre: TexelCentre::Half }
-    }
-}
-
-/// A layer of a pyramid (134).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Layer {
-    /// Width and height \[texels\].
-    pub size: [u32; 2],
-    /// Tile pitch (138): tiles per row.
-    pub pitch: u32,
-    /// Rows of tiles.
-    pub rows: u32,
-    /// Tile base (140): number of its top-left tile.
-    pub base: u32,
-    /// 2^-SF: texels of this layer per texel of the finest.
-    pub scale: f32,
-}
 
 /// A texture page (132), without its texels: Dmax (133), tile pitch array (138), tile base array (140).
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +14,8 @@ pub struct Page {
     pub number: u16,
     /// Number of the texture in its scene or display list.
     pub texture: u32,
+    /// Its width and height \[texels\].
+    pub texture_size: [u32; 2],
     /// For messages.
     pub name: String,
     /// Wrap mode in u, then in v.
@@ -72,6 +24,8 @@ pub struct Page {
     pub cut: Cut,
     /// From coarsest to finest.
     pub layers: Vec<Layer>,
+    /// Finer layers that the texture would have, were Dmax not capped \[0033\].
+    pub left_out: u8,
     /// Where it starts in the texture-data memory (130) \[bytes\].
     pub address: u64,
     /// Number of all its tiles: the extra entry of the tile base array (140).
@@ -107,23 +61,27 @@ fn floor(x: f32) -> f32 {
 impl Page {
     /// The page of a texture; `address` is free in the texture-data memory (130) from there on.
     pub fn new(number: u16, texture: &Texture, wrap: [Wrap; 2], cut: Cut, address: u64) -> Self {
-        let size = texture.levels.first().map_or([1, 1], |image| [image.width.max(1), image.height.max(1)]);
-        let layers = layers(size, cut.tile);
+        let texture_size = texture.levels.first().map_or([1, 1], |image| [image.width.max(1), image.height.max(1)]);
+        let (layers, left_out) = cut.layers(texture_size);
+        // Not the finest layer's own size: that is rounded up, and its last texel then reaches beyond the texture.
+        let size = texture_size.map(|n| n as f32 / (1_u64 << left_out) as f32);
         let tiles = layers.last().map_or(0, |l| l.base + l.pitch * l.rows);
         let offset = if cut.centre == TexelCentre::Half { 0.5 } else { 0.0 };
         Self {
             number,
             texture: texture.id,
+            texture_size,
             name: texture.name.clone(),
             wrap,
             cut,
             layers,
+            left_out,
             address,
             tiles,
             shift: cut.tile.map(u32::trailing_zeros),
             offset,
-            size: size.map(|n| n as f32),
-            inverse: size.map(|n| 1.0 / n as f32),
+            size,
+            inverse: size.map(|n| 1.0 / n),
         }
     }
 
@@ -133,7 +91,7 @@ impl Page {
         (self.layers.len() - 1) as u8
     }
 
-    /// Width and height of the texture \[texels\].
+    /// Width and height of the texture, in texels of the finest layer \[texels\].
     #[inline]
     pub fn size(&self) -> [f32; 2] {
         self.size
@@ -281,19 +239,4 @@ fn tap(whole: i32, fraction: f32, size: i32, repeats: bool) -> Tap {
     } else {
         Tap { first: whole as u32, second: whole as u32 + u32::from(fraction > 0.0), fraction }
     }
-}
-
-/// Layers of a texture of `size` texels: Dmax is the least depth whose coarsest layer fits into one tile.
-fn layers(size: [u32; 2], tile: [u32; 2]) -> Vec<Layer> {
-    let at = |shift: u32| size.map(|n| u64::from(n).div_ceil(1 << shift) as u32);
-    let dmax = (0..32).find(|&d| at(d)[0] <= tile[0] && at(d)[1] <= tile[1]).unwrap_or(31);
-    let mut base = 0;
-    let layer = |depth: u32| {
-        let size = at(dmax - depth);
-        let [pitch, rows] = [0, 1].map(|i| size[i].div_ceil(tile[i]));
-        let layer = Layer { size, pitch, rows, base, scale: 1.0 / (1u64 << (dmax - depth)) as f32 };
-        base += pitch * rows;
-        layer
-    };
-    (0..=dmax).map(layer).collect()
 }

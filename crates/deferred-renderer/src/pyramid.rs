@@ -81,15 +81,10 @@ impl ServedTexture {
         &self.texture
     }
 
-    /// The texels of a tile of the finest layer, row by row.
-    pub fn finest_tile(&self, page: &Page, tile: u32) -> Vec<[u8; 4]> {
-        self.finest.cut(page.texels_of(tile)).collect()
-    }
-
     /// The texels of a tile, row by row.
     pub fn tile(&mut self, page: &Page, tile: u32) -> Vec<[u8; 4]> {
         let depth = page.layer_of(tile);
-        let above = usize::from(page.dmax() - depth);
+        let above = usize::from(page.left_out + page.dmax() - depth);
         while self.coarser.len() < above {
             let finer = self.coarser.last().unwrap_or(&self.finest);
             let mut next = LayerTexels::new(finer.size.map(|n| n.div_ceil(2)));

@@ -71,11 +71,11 @@ impl TileSource for TextureMemory {
         let bytes = |texture: &ServedTexture| {
             let page = Page::new(0, texture.texture(), texture.texture().sampler.wrap, cut, 0);
             if self.encoding == TileEncoding::Raw {
-                return page.size().iter().fold(3, |all, side| all * *side as u64);
+                return cut.finest(page.texture_size).iter().fold(3, |all, side| all * u64::from(*side));
             }
             let finest = page.layers[usize::from(page.dmax())];
-            let encoded =
-                |tile| self.encode(&texture.finest_tile(&page, tile), &page, tile).map_or(0, |bytes| bytes.len() as u64);
+            let mut texture = texture.clone();
+            let encoded = |tile| self.encode(&texture.tile(&page, tile), &page, tile).map_or(0, |bytes| bytes.len() as u64);
             (finest.base..page.tiles()).map(encoded).sum()
         };
         self.textures.values().map(bytes).sum()

@@ -1,17 +1,20 @@
-//! Frame buffer (126) and video output keep the unit contract.
+//! Frame buffer (126), pixel buffer (124) and video output keep the unit contract.
 
-use basrelief_frame_buffer::{FrameBuffer, FrameBufferConfig, FrameDone, VideoOut, VideoOutConfig};
+use basrelief_frame_buffer::{FrameBuffer, FrameBufferConfig, FrameDone, PixelBuffer, VideoOut, VideoOutConfig};
 use basrelief_kernel::unit_contract;
-use basrelief_signals::{Camera, Control, Flow, Frame, Pixel, Stamp, layout};
+use basrelief_signals::{Camera, Control, Flow, Frame, PictureFlow, Pixel, PixelBlock, Stamp, layout};
 use std::sync::Arc;
+
+fn frame(index: u32, width: u32, height: u32) -> Arc<Frame> {
+    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+    Arc::new(Frame { index, width, height, camera, lights: Vec::new(), textures: Vec::new() })
+}
 
 /// Three frames of different sizes, one of them empty, with pixels outside; and an end without a frame.
 fn pixels() -> Vec<Flow<Stamp<Pixel>>> {
-    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
     let mut all = Vec::new();
     for (index, (width, height, count)) in (0..).zip([(21, 9, 150), (4, 4, 0), (16, 17, 99)]) {
-        let frame = Frame { index, width, height, camera, lights: Vec::new(), textures: Vec::new() };
-        all.push(Flow::Control(Control::Frame(Arc::new(frame))));
+        all.push(Flow::Control(Control::Frame(frame(index, width, height))));
         let pixel = |i: u16| Pixel { x: i * 11 % 23, y: i / 9 % 19, z: 0, rgb: [i as u8, 2, 3] };
         all.extend((0..count).map(|i| Flow::Item(Stamp::from_iter([pixel(i)]))));
         all.push(Flow::Control(Control::FrameEnd));
@@ -26,6 +29,27 @@ unit_contract! {
     inputs: pixels(),
     clients: [Client::Port],
     state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+}
+
+/// Two frames, the first in two pictures, with blocks at the edge and beside it; and a picture without a frame.
+fn blocks() -> Vec<PictureFlow> {
+    let block = |i: u16| PictureFlow::Pixels(PixelBlock { at: [i % 7, i / 7], mask: 0x8421 << (i % 3), rgb: [[i as u8; 3]; 16] });
+    let picture = |blocks: std::ops::Range<u16>, last| blocks.map(block).chain([PictureFlow::Show { last }]);
+    let begun = |index, width| std::iter::once(PictureFlow::Frame(frame(index, width, 9)));
+    begun(0, 21)
+        .chain(picture(0..12, false))
+        .chain(picture(4..21, true))
+        .chain(begun(1, 5))
+        .chain(picture(0..2, true))
+        .chain([PictureFlow::Show { last: true }])
+        .collect()
+}
+
+unit_contract! {
+    name: pixel_buffer,
+    unit: PixelBuffer::new(FrameBufferConfig { pixel_bytes: 3, latency: 4 }, true),
+    inputs: blocks(),
+    clients: [Client::Port],
 }
 
 /// Frames of whole, broken and no bursts, in both buffers.

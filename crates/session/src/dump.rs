@@ -66,7 +66,7 @@ pub fn write_reference_buffer(filled: &FilledBuffer, out: &mut dyn Write) -> io:
 /// What the writer says.
 pub fn write_tiles(frame: u32, tiles: &[TileRecord], out: &mut dyn Write) -> io::Result<()> {
     for TileRecord { page, tile, acquired } in tiles {
-        let [width, height] = page.layers.last().map_or([0; 2], |l| l.size);
+        let [width, height] = page.texture_size;
         let state = match acquired {
             Some(How::Loaded) => "loaded",
             Some(How::Synthesized) => "synthesized",

@@ -215,8 +215,9 @@ impl TileSource for RemoteTiles {
     }
 
     /// As raw tiles: what they take otherwise, only the server knows.
-    fn conventional_bytes(&self, _: Cut) -> u64 {
-        self.textures.values().map(|[width, height]| 3 * u64::from(*width) * u64::from(*height)).sum()
+    fn conventional_bytes(&self, cut: Cut) -> u64 {
+        let finest = self.textures.values().map(|size| cut.finest(*size));
+        finest.map(|[width, height]| 3 * u64::from(width) * u64::from(height)).sum()
     }
 }
 

@@ -1,7 +1,7 @@
 //! `basrelief serve`: the server (110) as a program.
 
 use super::{HASH, hash_of};
-use basrelief_deferred_renderer::{Cut, Page, TexelCentre, TextureMemory, TileEncoding, TileSource};
+use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource};
 use basrelief_signals::{Texture, Wrap};
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -39,7 +39,7 @@ impl Served {
         let tile =
             AskedTile::parse(asked).ok_or((400, "expected /tile/TEXTURE/WIDTHxHEIGHT/ENCODING/QUALITY/NUMBER".to_owned()))?;
         let texture = self.textures.get(&tile.texture).ok_or((404, format!("there is no texture {}", tile.texture)))?;
-        let cut = Cut { tile: tile.size, centre: TexelCentre::Half };
+        let cut = Cut { tile: tile.size, ..Cut::default() };
         let page = Arc::new(Page::new(0, texture, [Wrap::Clamp; 2], cut, 0));
         if tile.number >= page.tiles() {
             return Err((404, format!("texture {} has {} tiles", tile.texture, page.tiles())));

@@ -199,7 +199,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
 }
 
 fn cut(config: &DeferConfig) -> Cut {
-    Cut { tile: [config.tile.width, config.tile.height], centre: config.defer.texel_centre }
+    Cut { tile: [config.tile.width, config.tile.height], centre: config.defer.texel_centre, most_depth: config.defer.dmax }
 }
 
 impl<F: FrontEnd> Draws for DeferredRenderer<F> {

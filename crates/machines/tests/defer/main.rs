@@ -2,6 +2,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod depth_of_layers;
 mod embodiments;
 mod engines;
 mod modes;

@@ -142,6 +142,7 @@ const MEANING: &[Axis] = &[
     &[&[], &[("defer.texel_centre", "integer")]],
     &[&[], &[("defer.lighting", "gouraud")]],
     &[&[], &[("defer.wrap", "clamp")], &[("defer.wrap", "mirror")]],
+    &[&[], &[("defer.dmax", "1")]],
     &[&[], &[("tile.encoding", "png")], &[("tile.encoding", "jpeg"), ("tile.jpeg_quality", "50")]],
     &[&[("tile.width", "16"), ("tile.height", "16")], &[("tile.width", "8"), ("tile.height", "32")], &[]],
     &[&[], &[("tile.order", "centre")], &[("tile.order", "pixels")]],

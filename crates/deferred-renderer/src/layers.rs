@@ -1,0 +1,81 @@
+//! Layers of a pyramid (134), and how they are cut into tiles.
+
+use serde::{Deserialize, Serialize};
+
+/// Where texel centres lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TexelCentre {
+    /// At whole coordinates (the patent): a layer is sampled at S / 2^SF.
+    Integer,
+    /// At halves: a layer is sampled at S / 2^SF - 0.5, so that layers lie on top of each other.
+    #[default]
+    Half,
+}
+
+/// How a texture is cut: what is the same for all pages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cut {
+    /// Width and height of a tile \[texels\], powers of two.
+    pub tile: [u32; 2],
+    /// Where texel centres lie.
+    pub centre: TexelCentre,
+    /// Cap on Dmax (133) \[0033\]: layers of a larger depth are left out.
+    pub most_depth: u8,
+}
+
+impl Default for Cut {
+    fn default() -> Self {
+        Self { tile: [64, 64], centre: TexelCentre::Half, most_depth: u8::MAX }
+    }
+}
+
+impl Cut {
+    /// Layers of a texture of `size` texels from the coarsest to the finest, and how many finer ones the cap leaves out.
+    ///
+    /// Layers are counted from the top: those that are kept have their depths and the numbers of their tiles whatever the cap.
+    pub(crate) fn layers(&self, size: [u32; 2]) -> (Vec<Layer>, u8) {
+        let dmax = deepest(size, self.tile);
+        let kept = dmax.min(u32::from(self.most_depth));
+        let mut base = 0;
+        let layer = |depth: u32| {
+            let size = halved(size, dmax - depth);
+            let [pitch, rows] = [0, 1].map(|i| size[i].div_ceil(self.tile[i]));
+            let layer = Layer { size, pitch, rows, base, scale: 1.0 / (1_u64 << (kept - depth)) as f32 };
+            base += pitch * rows;
+            layer
+        };
+        ((0..=kept).map(layer).collect(), (dmax - kept) as u8)
+    }
+
+    /// Width and height of the finest layer of a texture of `size` texels \[texels\].
+    pub fn finest(&self, size: [u32; 2]) -> [u32; 2] {
+        halved(size, deepest(size, self.tile).saturating_sub(u32::from(self.most_depth)))
+    }
+}
+
+/// A size, halved so many times and rounded up.
+fn halved(size: [u32; 2], times: u32) -> [u32; 2] {
+    size.map(|n| u64::from(n).div_ceil(1 << times) as u32)
+}
+
+/// Dmax of the whole texture: the least depth whose coarsest layer fits into one tile.
+fn deepest(size: [u32; 2], tile: [u32; 2]) -> u32 {
+    let fits = |d: &u32| halved(size, *d).iter().zip(tile).all(|(side, tile)| *side <= tile);
+    (0..32).find(fits).unwrap_or(31)
+}
+
+/// A layer of a pyramid (134).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Layer {
+    /// Width and height \[texels\].
+    pub size: [u32; 2],
+    /// Tile pitch (138): tiles per row.
+    pub pitch: u32,
+    /// Rows of tiles.
+    pub rows: u32,
+    /// Tile base (140): number of its top-left tile.
+    pub base: u32,
+    /// 2^-SF: texels of this layer per texel of the finest.
+    pub scale: f32,
+}

@@ -1,0 +1,106 @@
+//! How tiles come: Figure 6, averaging, encodings.
+
+use crate::{SIZES, page, texture};
+use basrelief_deferred_renderer::{Cut, How, Page, PageTexels, ServedTexture, TileEncoding, TileList};
+use basrelief_signals::{Image, Sampler, Texture, Wrap};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+#[test]
+fn figure_6_synthesizes_where_all_sources_exist_and_erratum_0127_ends_a_layer_in_front_of_the_next() {
+    let page = page([256, 256], [64, 64]);
+    // All of the finest layer but one tile, and all above.
+    let mut list = TileList::new(page.tiles());
+    let missing = page.layers[2].base;
+    (0..page.tiles()).filter(|t| *t != missing).for_each(|t| {
+        list.mark(t);
+    });
+    let acquired = list.acquire(&page);
+    let how = |tile: u32| acquired.iter().find(|a| a.tile == tile).map(|a| a.how);
+    assert_eq!(how(1), Some(How::Loaded), "one of its four sources is missing");
+    assert!([0, 2, 3, 4].iter().all(|t| how(*t) == Some(How::Synthesized)));
+    assert!((page.layers[2].base + 1..page.tiles()).all(|t| how(t) == Some(How::Loaded)));
+    assert_eq!(how(missing), None);
+    assert_eq!(acquired.len() as u32, page.tiles() - 1, "each once: the layer ends in front of the next finer one");
+    let place = |tile: u32| acquired.iter().position(|a| a.tile == tile);
+    assert!(
+        acquired
+            .iter()
+            .filter(|a| a.how == How::Synthesized)
+            .all(|a| { page.sources(a.tile).iter().all(|source| place(*source) < place(a.tile)) })
+    );
+}
+
+#[test]
+fn the_sources_of_a_tile_cover_it_and_nothing_else() {
+    for size in SIZES {
+        let page = page(size, [8, 8]);
+        for tile in 0..page.tiles() {
+            let depth = page.layer_of(tile);
+            let sources: BTreeSet<u32> = page.sources(tile).into_iter().collect();
+            if depth == page.dmax() {
+                assert!(sources.is_empty());
+                continue;
+            }
+            let finer = page.layers[usize::from(depth) + 1].size;
+            let (first, end) = page.texels_of(tile);
+            let covered = (first[1]..end[1]).flat_map(|y| (first[0]..end[0]).map(move |x| [2 * x, 2 * y]));
+            let all = covered.flat_map(|[x, y]| [[x, y], [(x + 1).min(finer[0] - 1), (y + 1).min(finer[1] - 1)]]);
+            assert_eq!(sources, all.map(|texel| page.tile_of(depth + 1, texel)).collect(), "{size:?}, tile {tile}");
+        }
+    }
+}
+
+/// Stores these tiles as they come from the server, in this encoding.
+pub fn load(served: &mut ServedTexture, texels: &mut PageTexels, tile: u32, encoding: TileEncoding) {
+    let page = Arc::clone(&texels.page);
+    let (first, end) = page.texels_of(tile);
+    let size = [end[0] - first[0], end[1] - first[1]];
+    let bytes = encoding.encode(&served.tile(&page, tile), size, 90).unwrap();
+    texels.store(tile, &encoding.decode(&bytes, size).unwrap(), 1);
+}
+
+#[test]
+fn a_synthesized_tile_is_the_loaded_one_bit_for_bit() {
+    for encoding in [TileEncoding::Raw, TileEncoding::Png] {
+        for size in SIZES {
+            let texture = texture(size);
+            let page = page(size, [16, 8]);
+            let mut served = ServedTexture::new(Arc::clone(&texture));
+            let mut loaded = PageTexels::new(Arc::clone(&page));
+            (0..page.tiles()).for_each(|tile| load(&mut served, &mut loaded, tile, encoding));
+            let mut averaged = PageTexels::new(Arc::clone(&page));
+            let finest = page.layers[usize::from(page.dmax())].base;
+            (finest..page.tiles()).for_each(|tile| load(&mut served, &mut averaged, tile, encoding));
+            (0..finest).rev().for_each(|tile| averaged.synthesize(tile, 1));
+            let colours = |texels: &PageTexels, depth: u8| {
+                texels.layer(depth).texels.iter().map(|t| [t[0], t[1], t[2]]).collect::<Vec<_>>()
+            };
+            for depth in 0..=page.dmax() {
+                assert_eq!(colours(&loaded, depth), colours(&averaged, depth), "{size:?}, layer {depth}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_odd_edge_repeats_its_last_texel_and_averages_round_half_up() {
+    let levels = vec![Image { width: 3, height: 1, texels: vec![[1, 0, 0, 255], [2, 1, 0, 255], [9, 255, 0, 255]] }];
+    let texture = Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0 });
+    let page = Arc::new(Page::new(0, &texture, [Wrap::Clamp; 2], Cut { tile: [2, 1], ..Cut::default() }, 0));
+    let top = ServedTexture::new(texture).tile(&page, 0);
+    // (1 + 2 + 1 + 2 + 2) >> 2 = 2, (0 + 1 + 0 + 1 + 2) >> 2 = 1; the third texel stands for itself.
+    assert_eq!(top.iter().map(|t| [t[0], t[1], t[2]]).collect::<Vec<_>>(), [[2, 1, 0], [9, 255, 0]]);
+}
+
+#[test]
+fn tiles_that_are_damaged_are_refused() {
+    let texels = vec![[1, 2, 3, 255]; 12];
+    for encoding in [TileEncoding::Raw, TileEncoding::Png, TileEncoding::Jpeg] {
+        let bytes = encoding.encode(&texels, [4, 3], 80).unwrap();
+        assert_eq!(encoding.decode(&bytes, [4, 3]).unwrap().len(), 12);
+        assert!(encoding.decode(&bytes[..bytes.len() / 2], [4, 3]).is_err(), "{encoding:?}: truncated");
+        assert!(encoding.decode(&bytes, [3, 3]).is_err(), "{encoding:?}: another size");
+        assert!(encoding.decode(&[], [4, 3]).is_err());
+    }
+}

@@ -1,0 +1,157 @@
+//! Which tiles a pixel needs: Figures 5A and 5B.
+
+use crate::{page, page_of};
+use basrelief_deferred_renderer::{Cut, TexelCentre, TileList, TileState};
+use basrelief_signals::Wrap;
+use proptest::prelude::*;
+use std::collections::BTreeSet;
+
+/// Texel of a filter that stands outside, mapped back.
+fn inside(index: i64, size: i64, wrap: Wrap) -> i64 {
+    if wrap == Wrap::Repeat { index.rem_euclid(size) } else { index.clamp(0, size - 1) }
+}
+
+/// The texels that a bilinear filter reads along one axis, from the definition: coordinates wrapped in the finest layer,
+/// scaled, and every texel that weighs anything.
+fn read(s: f64, finest: u32, layer: u32, shift: u32, wrap: Wrap, centre: TexelCentre) -> BTreeSet<i64> {
+    let size = f64::from(finest);
+    let placed = match wrap {
+        Wrap::Repeat => s.rem_euclid(size),
+        Wrap::Clamp => s.clamp(0.0, size),
+        Wrap::Mirror => {
+            let folded = s.rem_euclid(2.0 * size);
+            if folded > size { 2.0 * size - folded } else { folded }
+        }
+    };
+    let x = placed / f64::from(1u32 << shift) - if centre == TexelCentre::Half { 0.5 } else { 0.0 };
+    let weight = |i: i64| 1.0 - (x - i as f64).abs();
+    let near = x.floor() as i64 - 1..=x.floor() as i64 + 2;
+    near.filter(|i| weight(*i) > 0.0).map(|i| inside(i, layer.into(), wrap)).collect()
+}
+
+fn wraps() -> impl Strategy<Value = Wrap> {
+    prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)]
+}
+
+fn centres() -> impl Strategy<Value = TexelCentre> {
+    prop_oneof![Just(TexelCentre::Half), Just(TexelCentre::Integer)]
+}
+
+/// Coordinates in steps of 1 / 64, so that single precision is exact; often at borders and corners.
+fn coordinate(size: u32) -> impl Strategy<Value = f32> {
+    let all = -(2 * size as i32) * 64..3 * size as i32 * 64;
+    let border = (-(size as i32) / 4 - 1..size as i32 / 2 + 2, -2i32..3).prop_map(|(tile, off)| 8 * 64 * tile + 32 * off);
+    prop_oneof![all, border].prop_map(|steps| steps as f32 / 64.0)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn figures_5a_and_5b_mark_exactly_the_tiles_whose_texels_the_filter_reads(
+        (size, s, t) in (1u32..80, 1u32..80).prop_flat_map(|(w, h)| (Just([w, h]), coordinate(w), coordinate(h))),
+        wrap in [wraps(), wraps()], centre in centres(),
+    ) {
+        let page = page_of(size, wrap, Cut { tile: [8, 8], centre, ..Cut::default() });
+        let placed = page.placed([s, t]);
+        for (depth, layer) in page.layers.iter().enumerate() {
+            let shift = page.dmax() as u32 - depth as u32;
+            let axis = |i: usize, c: f32| read(f64::from(c), size[i], layer.size[i], shift, wrap[i], centre);
+            let (columns, rows) = (axis(0, s), axis(1, t));
+            let tiles: BTreeSet<u32> = columns.iter()
+                .flat_map(|x| rows.iter().map(|y| page.tile_of(depth as u8, [*x as u32, *y as u32])))
+                .collect();
+            let marked = page.marked(depth as u8, placed);
+            let distinct: BTreeSet<u32> = marked.iter().copied().collect();
+            prop_assert_eq!(distinct.len(), marked.len(), "each once");
+            prop_assert_eq!(distinct, tiles, "none missing, none more");
+        }
+    }
+
+    #[test]
+    fn taps_are_the_texels_of_the_filter_and_their_shares(
+        (size, s) in (1u32..80).prop_flat_map(|w| (Just(w), coordinate(w))), wrap in wraps(), centre in centres(),
+    ) {
+        let page = page_of([size, 1], [wrap; 2], Cut { tile: [8, 8], centre, ..Cut::default() });
+        for (depth, layer) in page.layers.iter().enumerate() {
+            let [tap, _] = page.taps(depth as u8, page.placed([s, 0.0]));
+            let expected = read(f64::from(s), size, layer.size[0], page.dmax() as u32 - depth as u32, wrap, centre);
+            let used: BTreeSet<i64> = [i64::from(tap.first), i64::from(tap.second)].into();
+            prop_assert_eq!(used, expected);
+            prop_assert!((0.0..1.0).contains(&tap.fraction));
+        }
+    }
+
+    #[test]
+    fn coordinates_that_are_no_numbers_or_far_away_stay_inside(
+        s in any::<f32>(), t in any::<f32>(), wrap in [wraps(), wraps()], centre in centres(),
+    ) {
+        let page = page_of([37, 50], wrap, Cut { tile: [8, 8], centre, ..Cut::default() });
+        let placed = page.placed([s, t]);
+        for depth in 0..=page.dmax() {
+            let [x, y] = page.taps(depth, placed);
+            let size = page.layers[usize::from(depth)].size;
+            prop_assert!(x.first.max(x.second) < size[0] && y.first.max(y.second) < size[1]);
+            prop_assert!(page.marked(depth, placed).iter().all(|tile| page.layer_of(*tile) == depth));
+        }
+    }
+}
+
+#[test]
+fn erratum_5b_the_last_column_and_row_mark_no_tile_of_the_next_row_or_layer() {
+    for (wrap, right, below) in [(Wrap::Clamp, None, None), (Wrap::Mirror, None, None), (Wrap::Repeat, Some(0), Some(0))] {
+        let page = page_of([128, 128], [wrap; 2], Cut::default());
+        let finest = page.layers[1];
+        // Beyond the middle of the last texel.
+        let placed = page.placed([127.75, 32.5]);
+        let own = finest.base + 1;
+        let expected: Vec<u32> = std::iter::once(own).chain(right.map(|column: u32| finest.base + column)).collect();
+        assert_eq!(page.marked(1, placed).as_slice(), expected, "{wrap:?}");
+        let placed = page.placed([32.5, 127.75]);
+        let own = finest.base + finest.pitch;
+        let expected: Vec<u32> = std::iter::once(own).chain(below.map(|row: u32| finest.base + row)).collect();
+        assert_eq!(page.marked(1, placed).as_slice(), expected, "{wrap:?}");
+        assert!(page.marked(1, page.placed([127.9, 127.9])).iter().all(|t| *t < page.tiles()), "past the end of the list");
+    }
+}
+
+#[test]
+fn erratum_0104_the_finer_layer_has_twice_the_coordinates_of_the_coarser() {
+    let page = page_of([256, 256], [Wrap::Clamp; 2], Cut { tile: [64, 64], centre: TexelCentre::Integer, ..Cut::default() });
+    let placed = page.placed([100.0, 60.0]);
+    for depth in 0..=page.dmax() {
+        let shift = page.dmax() - depth;
+        let [x, y] = page.taps(depth, placed);
+        assert_eq!((x.first, y.first), (100 >> shift, 60 >> shift), "layer {depth}");
+    }
+}
+
+#[test]
+fn coarse_layers_lie_on_top_of_fine_ones_with_centres_at_halves_and_are_shifted_with_centres_at_integers() {
+    for (centre, shift) in [(TexelCentre::Half, 0.0), (TexelCentre::Integer, 1.5)] {
+        let page = page_of([256, 256], [Wrap::Clamp; 2], Cut { tile: [64, 64], centre, ..Cut::default() });
+        let middle = |depth: u8, s: f32| {
+            let [x, _] = page.taps(depth, page.placed([s, 0.0]));
+            let texels = f32::from(1u8 << (page.dmax() - depth));
+            // Middle of the covered finest texels, weighted, counted from the middle of texel 0.
+            (x.first as f32 + x.fraction) * texels + 0.5 * (texels - 1.0)
+        };
+        assert_eq!(middle(2, 100.25), if centre == TexelCentre::Half { 99.75 } else { 100.25 });
+        assert_eq!(middle(0, 100.25) - middle(2, 100.25), shift);
+    }
+}
+
+#[test]
+fn marking_changes_n_to_l_only() {
+    let page = page([128, 128], [64, 64]);
+    let mut list = TileList::new(page.tiles());
+    assert!(list.mark(3) && !list.mark(3));
+    assert_eq!(list.acquire(&page).len(), 1);
+    assert!(!list.mark(3), "erratum [0100], [0148]: E is not overwritten");
+    assert_eq!(list.states()[3], TileState::Exists);
+    assert!(list.acquire(&page).is_empty());
+    list.mark(2);
+    list.forget();
+    let letters: String = list.states().iter().map(|s| s.letter()).collect();
+    assert_eq!(letters, "NNNEN", "a new viewpoint resets L to N and keeps E");
+}

@@ -1,0 +1,112 @@
+//! Units of three inputs or outputs with two of them on one wire: the unit contract knows up to two.
+
+use basrelief_deferred_renderer::tokens::{ExpandedTile, MarkFlow, Order, Parcel, PassFlow, Request, Round};
+use basrelief_deferred_renderer::{PathConfig, Rasterization, Server, TextureMemory, TileEncoding, TileLists};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::Control;
+
+/// The lists with orders and rounds on one wire.
+#[derive(Clone)]
+pub struct TwoOutputs(pub TileLists);
+
+/// To the texture-data memory (130), and to the reference buffer (126).
+pub type Told = (Option<Order>, Option<Round>);
+
+impl Unit for TwoOutputs {
+    type In = (Option<MarkFlow>, Option<MarkFlow>);
+    type Out = (Option<Request>, Option<Told>);
+
+    fn demand(&self) -> Demand {
+        self.0.demand()
+    }
+
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let Step { out: (request, order, round), occupancy, latency, ends_frame } = self.0.step(input, traffic);
+        let told = (order.is_some() || round.is_some()).then_some((order, round));
+        Step { out: (request, told), occupancy, latency, ends_frame }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+/// The second and the third input of a unit on one wire: it never takes both.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Either<A, B> {
+    Second(A),
+    Third(B),
+}
+
+impl<A, B> Either<A, B> {
+    fn apart(either: Option<Self>) -> (Option<A>, Option<B>) {
+        match either {
+            Some(Self::Second(a)) => (Some(a), None),
+            Some(Self::Third(b)) => (None, Some(b)),
+            None => (None, None),
+        }
+    }
+}
+
+fn of_two(demand: Demand) -> Demand {
+    if demand == Demand::Only(2) { Demand::Only(1) } else { demand }
+}
+
+/// The final rasterization with orders and tiles on one wire.
+#[derive(Clone)]
+pub struct TwoInputs(pub Rasterization);
+
+impl Unit for TwoInputs {
+    type In = (Option<PassFlow>, Option<Either<Order, ExpandedTile>>);
+    type Out = <Rasterization as Unit>::Out;
+
+    fn demand(&self) -> Demand {
+        of_two(self.0.demand())
+    }
+
+    fn step(&mut self, (pass, other): Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let (order, tile) = Either::apart(other);
+        self.0.step((pass, order, tile), traffic)
+    }
+
+    fn largest_step(&self, client: usize) -> u32 {
+        self.0.largest_step(client)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+/// The server with requests and the news of a picture on one wire. Only fresh ones are cloned.
+pub struct FreshServer(Server);
+
+impl FreshServer {
+    pub fn new() -> Self {
+        Self(Server::new(PathConfig::default(), Box::new(TextureMemory::new(TileEncoding::Raw, 85))))
+    }
+}
+
+impl Clone for FreshServer {
+    fn clone(&self) -> Self {
+        Self::new()
+    }
+}
+
+impl Unit for FreshServer {
+    type In = (Option<Control>, Option<Either<Request, ()>>);
+    type Out = Option<Parcel>;
+
+    fn demand(&self) -> Demand {
+        of_two(self.0.demand())
+    }
+
+    fn step(&mut self, (control, other): Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let (request, shown) = Either::apart(other);
+        self.0.step((control, request, shown), traffic)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
