@@ -111,6 +111,8 @@ pub struct ServerCounters {
 ///
 /// Polygons take their bytes on the path in the first frame; with the following ones the device has them (451 is not repeated
 /// by 482).
+///
+/// Where a tile cannot be had, nothing comes from it any more: the device finishes what it has got, and then stands still.
 #[derive(Debug)]
 pub struct Server {
     config: PathConfig,
@@ -118,6 +120,8 @@ pub struct Server {
     phase: Phase,
     frames: u64,
     known: BTreeSet<u32>,
+    /// Why nothing comes any more: the first tile that there is none of, in a sentence.
+    pub lost: Option<String>,
     /// What it has sent.
     pub counters: ServerCounters,
 }
@@ -126,7 +130,7 @@ impl Server {
     /// A server that takes its tiles from `source`.
     pub fn new(config: PathConfig, source: Box<dyn TileSource>) -> Self {
         let (phase, counters) = (Phase::Polygons, ServerCounters::default());
-        Self { config, source, phase, frames: 0, known: BTreeSet::new(), counters }
+        Self { config, source, phase, frames: 0, known: BTreeSet::new(), lost: None, counters }
     }
 
     /// Bytes of all tiles of the finest layers of all textures offered.
@@ -177,7 +181,7 @@ impl Server {
         Parcel { bytes, content: Content::Mesh(control) }
     }
 
-    fn answer(&mut self, request: &Request, traffic: &mut Traffic) -> Option<Parcel> {
+    fn answer(&mut self, request: &Request) -> Option<Parcel> {
         match request {
             Request::Announce(tiles) => {
                 self.source.announce(tiles);
@@ -195,7 +199,7 @@ impl Server {
                     Some(Parcel { bytes: encoded.bytes.len() as u64, content: Content::Tile(encoded) })
                 }
                 Err(error) => {
-                    traffic.fault(error);
+                    self.lost = Some(error);
                     None
                 }
             },
@@ -208,14 +212,14 @@ impl Unit for Server {
     type Out = Option<Parcel>;
 
     fn demand(&self) -> Demand {
-        Demand::Only(self.phase as usize)
+        if self.lost.is_some() { Demand::Finished } else { Demand::Only(self.phase as usize) }
     }
 
-    fn step(&mut self, (control, request, shown): Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, (control, request, shown): Self::In, _: &mut Traffic) -> Step<Self::Out> {
         if shown.is_some() {
             self.phase = Phase::Polygons;
         }
-        let parcel = control.map(|c| self.mesh(c)).or_else(|| self.answer(&request?, traffic));
+        let parcel = control.map(|c| self.mesh(c)).or_else(|| self.answer(&request?));
         Step::after(0, parcel)
     }
 

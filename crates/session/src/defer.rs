@@ -96,6 +96,10 @@ impl<F: FrontEnd> Exhibits for DeferredRenderer<F> {
         all
     }
 
+    fn lost(&self) -> Option<String> {
+        DeferredRenderer::lost(self).map(str::to_owned)
+    }
+
     fn last_exhibits(&mut self) -> Vec<Exhibit> {
         vec![Exhibit::TileLists(self.lists().map(|(page, list)| (Arc::clone(page), list.clone())).collect())]
     }

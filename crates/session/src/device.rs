@@ -106,6 +106,10 @@ pub trait Exhibits: Draws {
     fn drain_exhibits(&mut self) -> Vec<Exhibit> {
         vec![]
     }
+    /// What it has lost, in a sentence: it stands still for that, and no fault of its own.
+    fn lost(&self) -> Option<String> {
+        None
+    }
     /// What there is to show when the run is over.
     fn last_exhibits(&mut self) -> Vec<Exhibit> {
         vec![]

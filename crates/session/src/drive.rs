@@ -81,6 +81,9 @@ impl<'a> Session<'a> {
         if let Some(RunReport { outcome: Outcome::Fault(fault), .. }) = &report {
             return Err(self.fault(fault.clone()));
         }
+        if let Some(lost) = machine.lost() {
+            return Err(self.fault(lost));
+        }
         match self.failed.take() {
             Some(failed) => Err(SessionError::Observer(failed)),
             None => Ok(Driven { counts: machine.counts(), report }),

@@ -192,6 +192,11 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         self.rasterization.unit.drain_records()
     }
 
+    /// Why the server (110) sends nothing any more, where a tile could not be had. Such a run ends in standstill.
+    pub fn lost(&self) -> Option<&str> {
+        self.server.unit.lost.as_deref()
+    }
+
     /// Pages (132) and their tile load lists (136).
     pub fn lists(&self) -> impl Iterator<Item = (&Arc<Page>, &TileList)> {
         self.tile_lists.unit.lists()
