@@ -1,10 +1,7 @@
-//! The rate-limited renderer: what it writes, and a server on a real path.
+//! The rate-limited renderer: what it writes.
 
 use crate::support::{Place, is_valid, picture};
 use serde_json::Value;
-use std::fs;
-use std::io::{BufRead, BufReader};
-use std::process::{Child, Stdio};
 
 const SMALL: &str = "--size 64x48 --quiet --set tile.width=8 --set tile.height=8";
 
@@ -69,72 +66,4 @@ fn a_dump_that_there_is_none_of_is_refused() {
     assert!(refused("demo sphere --dump tiles t.jsonl").contains("--machine defer has"));
     assert!(refused("demo gallery --dump everything t.jsonl").contains("expected spans, reference-buffer, tiles"));
     assert!(place.names("").is_empty());
-}
-
-/// A server, ended with the test.
-struct Server(Child, String);
-
-impl Server {
-    fn start(place: &Place, line: &str) -> Self {
-        let mut child = place.command(line).stdout(Stdio::piped()).spawn().expect("the program starts");
-        let mut said = String::new();
-        BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut said).expect("a line");
-        let url = said.split_whitespace().last().unwrap_or_default().to_owned();
-        assert!(url.starts_with("http://127.0.0.1:"), "{said}");
-        Self(child, url)
-    }
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        // It may have ended.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-#[test]
-fn a_picture_from_a_server_is_that_from_the_file_to_the_bit() {
-    let place = Place::new();
-    let settings = "--set tile.width=8 --set tile.height=8 --quiet";
-    place.ok(&format!("demo gallery {SMALL} --out file"));
-    let server = Server::start(&place, "serve demo:gallery --size 64x48 --listen 127.0.0.1:0");
-    for more in ["", "--set tile.encoding=png", "--set defer.mode=progressive --set path.requests=3", "--tile-cache kept"] {
-        place.ok(&format!("run --from {} {settings} {more} --out remote", server.1));
-        assert_eq!(image(&place, "remote"), image(&place, "file"), "{more}");
-    }
-    let url = server.1.clone();
-    drop(server);
-    let gone = place.run(&format!("run --from {url} {settings} --out nothing"));
-    assert!(gone.error(1).contains("/polygons"), "{}", gone.err);
-    assert!(!place.names("").contains(&"nothing".to_owned()));
-}
-
-#[test]
-fn tiles_kept_from_other_texels_are_not_taken() {
-    let place = Place::new();
-    let model = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl m\nf 1/1 2/2 3/3\n";
-    fs::write(place.path("m.obj"), model).expect("written");
-    fs::write(place.path("m.mtl"), "newmtl m\nKd 1 1 1\nmap_Kd t.png\n").expect("written");
-    let drawn = [[200, 0, 0], [0, 0, 200]].map(|colour| {
-        image::RgbImage::from_pixel(16, 16, image::Rgb(colour)).save(place.path("t.png")).expect("written");
-        let server = Server::start(&place, "serve m.obj --size 32x24 --listen 127.0.0.1:0");
-        place.ok(&format!("run --from {} --tile-cache kept --quiet --out remote", server.1));
-        place.ok("run m.obj --machine defer --size 32x24 --quiet --out file");
-        assert_eq!(image(&place, "remote"), image(&place, "file"), "{colour:?}");
-        image(&place, "file")
-    });
-    assert_ne!(drawn[0], drawn[1]);
-}
-
-#[test]
-fn who_may_read_is_said_aloud_and_what_does_not_fit_together_is_refused() {
-    let place = Place::new();
-    let refused = |line: &str| place.run(line).error(2).to_owned();
-    assert!(refused("serve demo:gallery --listen 0.0.0.0:0").contains("--public"));
-    assert!(refused("run --from http://127.0.0.1:1/ --machine bump").contains("only machine `defer`"));
-    assert!(refused("run --from http://127.0.0.1:1/ --compare-methods").contains("--compare-methods"));
-    assert!(refused("run --from http://127.0.0.1:1/ --size 8x8").contains("the server has the view"));
-    assert!(refused("run --from ftp://x").contains("expected http://ADDRESS:PORT/"));
-    assert!(refused("run PATCH --tile-cache x").contains("--from"));
 }

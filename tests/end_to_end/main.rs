@@ -11,6 +11,7 @@ mod interrupt;
 mod limits;
 mod machines;
 mod pictures;
+mod remote;
 mod reports;
 mod samples;
 mod support;

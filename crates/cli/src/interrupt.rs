@@ -3,6 +3,16 @@
 use crate::outputs;
 use std::io::IsTerminal;
 use std::process;
+use std::sync::OnceLock;
+
+/// What a command that writes nothing says in place of that nothing was written.
+static SAID: OnceLock<&str> = OnceLock::new();
+
+/// From now on this is said when the signal comes.
+pub fn say(sentence: &'static str) {
+    // Only one command runs.
+    let _ = SAID.set(sentence);
+}
 
 /// Starts to listen. The signal ends the process from a thread of its own, whatever the others wait for: a flag that
 /// they look at would not help one that reads a pipe into which nobody writes.
@@ -11,7 +21,7 @@ pub fn listen() {
     let _ = ctrlc::set_handler(|| {
         let _nothing_more_is_written = outputs::abandon();
         let line = if std::io::stderr().is_terminal() { "\r\x1b[2K" } else { "" };
-        eprintln!("{line}interrupted; nothing was written");
+        eprintln!("{line}{}", SAID.get().unwrap_or(&"interrupted; nothing was written"));
         process::exit(130);
     });
 }

@@ -88,6 +88,12 @@ impl Outputs {
         fs::rename(self.partial.join(name), self.partial.join(new_name))
     }
 
+    /// Gives a file a second name.
+    pub fn copy(&self, name: &str, second: &str) -> io::Result<()> {
+        let _lock = Unfinished::lock();
+        fs::copy(self.partial.join(name), self.partial.join(second)).map(|_| ())
+    }
+
     /// Puts all files in their place, `last` behind all others: who finds it there finds the others too.
     pub fn publish(mut self, last: &str) -> io::Result<()> {
         let mut unfinished = Unfinished::lock();

@@ -1,8 +1,23 @@
 //! A progress bar on standard error, if that is a terminal; silent in a pipe.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanBytes, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+
+/// A bar that is hidden if quiet or not on a terminal.
+fn bar(bar: ProgressBar, quiet: bool) -> ProgressBar {
+    if quiet || !std::io::stderr().is_terminal() {
+        bar.set_draw_target(ProgressDrawTarget::hidden());
+    }
+    bar
+}
+
+fn set_style(bar: &ProgressBar, template: &str) {
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+}
 
 /// Shows how far a run is.
 #[derive(Debug)]
@@ -14,17 +29,12 @@ pub struct Progress {
 impl Progress {
     /// A bar over `total` things of a kind; hidden if quiet or not on a terminal.
     pub fn new(total: Option<u64>, of: &str, quiet: bool) -> Self {
-        let bar = total.map_or_else(ProgressBar::no_length, ProgressBar::new);
-        if quiet || !std::io::stderr().is_terminal() {
-            bar.set_draw_target(ProgressDrawTarget::hidden());
-        }
+        let bar = bar(total.map_or_else(ProgressBar::no_length, ProgressBar::new), quiet);
         let template = match total {
             Some(_) => format!("{{wide_bar}} {{percent:>3}} % of {{human_len}} {of}, {{per_sec}}, {{eta}} left"),
             None => format!("{{spinner}} {{human_pos}} {of}, {{per_sec}}"),
         };
-        if let Ok(style) = ProgressStyle::with_template(&template) {
-            bar.set_style(style);
-        }
+        set_style(&bar, &template);
         Self { bar, drawn: Instant::now() }
     }
 
@@ -40,5 +50,80 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// What has come from a server.
+#[derive(Clone, Copy, Debug, Default)]
+struct Come {
+    acquisitions: u64,
+    tiles: u64,
+    bytes: u64,
+}
+
+/// Shows how far a server's tiles have come: of those that the current acquisition lists, since how many the whole run will
+/// need nobody knows before. Clones show the same.
+#[derive(Clone, Debug)]
+pub struct TileProgress {
+    bar: ProgressBar,
+    come: Arc<Mutex<Come>>,
+}
+
+impl TileProgress {
+    /// Polygons first.
+    pub fn new(quiet: bool) -> Self {
+        let bar = bar(ProgressBar::no_length(), quiet);
+        set_style(&bar, "{spinner} {msg}");
+        bar.set_message("polygons");
+        Self { bar, come: Arc::default() }
+    }
+
+    /// Another acquisition lists so many tiles.
+    pub fn listed(&self, tiles: u64) {
+        let acquisitions = self.change(|come| come.acquisitions += 1).acquisitions;
+        set_style(&self.bar, "acquisition {prefix} {wide_bar} {pos} of {len} tiles; in all {msg}");
+        self.bar.set_prefix(acquisitions.to_string());
+        self.bar.set_length(tiles);
+        self.bar.set_position(0);
+    }
+
+    /// A tile has come; so many bytes of it over the path.
+    pub fn came(&self, bytes: u64) {
+        self.change(|come| {
+            come.tiles += 1;
+            come.bytes += bytes;
+        });
+        self.bar.inc(1);
+    }
+
+    /// No more will come.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn change(&self, change: impl FnOnce(&mut Come)) -> Come {
+        let mut come = self.come.lock().unwrap_or_else(PoisonError::into_inner);
+        change(&mut come);
+        self.bar.set_message(format!("{} tiles, {}", come.tiles, HumanBytes(come.bytes)));
+        *come
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_are_counted_by_acquisition_and_in_all_and_those_of_the_cache_have_no_bytes() {
+        let progress = TileProgress::new(true);
+        progress.listed(3);
+        progress.came(1000);
+        progress.clone().came(1048);
+        progress.came(0);
+        let shown = || (progress.bar.prefix(), progress.bar.position(), progress.bar.length(), progress.bar.message());
+        assert_eq!(shown(), ("1".into(), 3, Some(3), "3 tiles, 2.00 KiB".into()));
+        progress.listed(5);
+        progress.came(2048);
+        assert_eq!(shown(), ("2".into(), 1, Some(5), "4 tiles, 4.00 KiB".into()));
     }
 }

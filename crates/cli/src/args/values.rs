@@ -3,6 +3,8 @@
 use basrelief_session::{MACHINES, MachineInfo};
 use basrelief_signals::MAX_PICTURE_PIXELS;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use ureq::http::Uri;
+use ureq::http::uri::Authority;
 
 /// The name of a machine.
 pub fn machine() -> impl TypedValueParser<Value = &'static MachineInfo> {
@@ -12,8 +14,11 @@ pub fn machine() -> impl TypedValueParser<Value = &'static MachineInfo> {
 
 /// The address of a server.
 pub fn http(url: &str) -> Result<String, String> {
-    let host = url.strip_prefix("http://").ok_or("expected http://ADDRESS:PORT/")?;
-    if host.trim_matches('/').is_empty() { Err("expected http://ADDRESS:PORT/".into()) } else { Ok(url.into()) }
+    let expected = "expected http://ADDRESS:PORT/";
+    let uri: Uri = url.parse().map_err(|e| format!("{expected}: {e}"))?;
+    let port_or_none = |a: &Authority| a.port_u16().is_some() || a.as_str() == a.host();
+    let named = uri.authority().is_some_and(|a| !a.host().is_empty() && port_or_none(a)) && !url.contains(['@', '#']);
+    if uri.scheme_str() == Some("http") && named && uri.query().is_none() { Ok(url.into()) } else { Err(expected.into()) }
 }
 
 /// A setting.
@@ -59,5 +64,25 @@ mod tests {
         assert!(direction("0,0,0").is_err() && direction("1,2").is_err() && direction("1,NaN,2").is_err());
         assert_eq!(key_value("a.b=[1, 2]"), Ok(("a.b".into(), "[1, 2]".into())));
         assert!(key_value("a.b").is_err());
+    }
+
+    #[test]
+    fn an_address_of_a_server_is_http_with_a_host() {
+        for right in ["http://127.0.0.1:8080/", "http://[::1]:8080", "http://host/below/"] {
+            assert_eq!(http(right).as_deref(), Ok(right));
+        }
+        for wrong in [
+            "127.0.0.1:8080",
+            "localhost",
+            "https://x/",
+            "http://",
+            "http://:80/",
+            "http://a b/",
+            "http://a:99999/",
+            "http://a@b/",
+            "http://a/?b",
+        ] {
+            assert!(http(wrong).unwrap_err().contains("expected http://ADDRESS:PORT/"), "{wrong}");
+        }
     }
 }

@@ -4,11 +4,12 @@ use super::run::{seconds, settings_of, simulate_source};
 use crate::args::{MachineArgs, RunArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use crate::input;
-use crate::progress::Progress;
-use crate::remote::{Patience, RemoteTiles, TileCache, fetch_polygons, hash_of};
+use crate::progress::{Progress, TileProgress};
+use crate::remote::{Fetcher, Kept, Patience, RemoteTiles, TileCache};
 use basrelief_session::{MachineConfig, MachineInfo, Source};
 use std::io::Cursor;
 use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
 
 /// Renders from the server at `url`.
 pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
@@ -24,15 +25,22 @@ pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
     let machine = MachineArgs { machine: Some(MachineInfo::named("defer").map_err(Failure::Usage)?), ..args.machine.clone() };
     let config = input::config(&machine, None)?;
     let MachineConfig::Defer(device) = &config else { return Err(Failure::Usage("--from: needs machine defer".into())) };
-    let patience = Patience::default();
-    let polygons = fetch_polygons(url, patience).map_err(Failure::Bad)?;
-    let open = |folder: &PathBuf| TileCache::open(folder, &hash_of(&polygons)).map_err(Failure::file(folder, "be written"));
+    let shown = TileProgress::new(quiet || args.simulation.json);
+    let mut fetcher = Fetcher::new(url, Patience::default());
+    let (polygons, textures) = fetcher.polygons().map_err(Failure::Bad)?;
+    let open = |folder: &PathBuf| TileCache::open(folder, &textures).map_err(Failure::file(folder, "be written"));
     let cache = args.tile_cache.as_ref().map(open).transpose()?;
+    let failed = Arc::new(OnceLock::new());
+    let kept = cache.map(|cache| Kept { cache, failed: Arc::clone(&failed) });
     let encoding = (device.tile.encoding, device.tile.jpeg_quality);
-    let tiles = Box::new(RemoteTiles::new(url, encoding, device.path.requests, patience, cache));
+    let tiles = Box::new(RemoteTiles::new(fetcher, encoding, device.path.requests, kept, shown));
     let source = Source::Remote { reader: Box::new(Cursor::new(polygons)), name: url.into(), tiles };
-    let progress = Progress::new(None, "commands", quiet || args.simulation.json);
     let mut settings = settings_of(config, &args.simulation);
     settings.exact = false;
-    simulate_source(began, (source, progress, None), settings, &args.simulation, quiet)
+    let unshown = Progress::new(None, "commands", true);
+    let done = simulate_source(began, (source, unshown, None), settings, &args.simulation, quiet);
+    if let (Some(why), Some(folder), false) = (failed.get(), &args.tile_cache, quiet) {
+        eprintln!("warning: --tile-cache {}: cannot be written: {why}; not all tiles are kept", folder.display());
+    }
+    done
 }

@@ -4,18 +4,15 @@ use super::record::write_list;
 use crate::args::ServeArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::{self, Input, demo_of};
+use crate::interrupt;
 use crate::progress::Progress;
-use crate::remote::{Served, hex, listen};
-use basrelief_display_list::{Begin, Encoding, Form};
+use crate::remote::{Limits, Served, hex};
+use basrelief_display_list::{Encoding, Form};
 use basrelief_session::begin_of;
 use basrelief_signals::{Image, Material, Object, Scene, Texture};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::thread;
-
-/// Requests that are answered at a time.
-const THREADS: usize = 4;
 
 /// Serves until it is interrupted.
 pub fn serve(args: &ServeArgs, quiet: bool) -> Done {
@@ -30,21 +27,22 @@ pub fn serve(args: &ServeArgs, quiet: bool) -> Done {
     };
     let config = input::config(&args.machine, demo_of(&args.input))?;
     let mut polygons = Vec::new();
-    // Other texels make another list, black as they are there: a cache of tiles goes by the list.
-    let begin = Begin { generator: format!("basrelief serve, texels {}", hash_of_texels(&scene)), ..begin_of(&scene) };
     let form = Form { encoding: Encoding::Binary, compressed: true };
-    write_list(&without_texels(&scene), &config, &mut polygons, (form, begin), vec![], Progress::new(None, "commands", true))?;
-    let served = Served::new(polygons, textures(&scene));
-    let server = listen(args.listen).map_err(Failure::Bad)?;
+    write_list(
+        &without_texels(&scene),
+        &config,
+        &mut polygons,
+        (form, begin_of(&scene)),
+        vec![],
+        Progress::new(None, "commands", true),
+    )?;
+    let served = Served::new(polygons, textures(&scene), hash_of_textures(&scene));
+    let (address, server) = served.listen(args.listen, Limits::default()).map_err(Failure::Bad)?;
+    interrupt::say("stopped serving");
     if !quiet {
-        print(&format!("Serving {} at http://{}/\n", scene.name, server.server_addr()))?;
+        print(&format!("Serving {} at http://{address}/\n", scene.name))?;
     }
-    thread::scope(|scope| {
-        (0..THREADS).for_each(|_| {
-            scope.spawn(|| served.run(&server));
-        });
-    });
-    Ok(())
+    server.join().map_err(|e| Failure::Bad(format!("{address}: {e}")))
 }
 
 fn textures(scene: &Scene) -> impl Iterator<Item = Arc<Texture>> + '_ {
@@ -52,12 +50,16 @@ fn textures(scene: &Scene) -> impl Iterator<Item = Arc<Texture>> + '_ {
 }
 
 /// SHA-256 of all textures, in hexadecimal.
-fn hash_of_texels(scene: &Scene) -> String {
+fn hash_of_textures(scene: &Scene) -> String {
     let all: BTreeMap<u32, Arc<Texture>> = textures(scene).map(|t| (t.id, t)).collect();
     let mut hash = Sha256::new();
     for (id, texture) in all {
         hash.update(id.to_le_bytes());
-        texture.levels.first().iter().flat_map(|image| &image.texels).for_each(|texel| hash.update(texel));
+        if let Some(image) = texture.levels.first() {
+            hash.update(image.width.to_le_bytes());
+            hash.update(image.height.to_le_bytes());
+            image.texels.iter().for_each(|texel| hash.update(texel));
+        }
     }
     hex(hash)
 }

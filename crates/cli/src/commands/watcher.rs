@@ -85,7 +85,7 @@ impl Watcher {
         else {
             return error;
         };
-        match self.outputs.rename(&best, "image.png").and_then(|()| self.outputs.publish("image.png")) {
+        match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png")) {
             Ok(()) => error,
             Err(e) => Failure::Bad(format!("{error}\nThe best picture so far cannot be written: {e}")),
         }

@@ -1,23 +1,21 @@
 //! `--tile-cache`: tiles that have come stay, whatever becomes of the run.
 
-use super::hash_of;
-use std::fs;
-use std::io;
+use super::{DIGITS, hash_of};
+use crate::outputs::PartialFile;
+use std::fs::{self, File};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Hexadecimal digits of a hash.
-const DIGITS: usize = 64;
-
-/// A folder of tiles, of one list of polygons: each file holds the hash of a tile and the tile.
+/// A folder of tiles, of one set of textures: each file holds the hash of a tile and the tile.
 #[derive(Clone, Debug)]
 pub struct TileCache {
     folder: PathBuf,
 }
 
 impl TileCache {
-    /// Opens the cache in `folder` for the scene whose polygons have this hash.
-    pub fn open(folder: &Path, scene: &str) -> io::Result<Self> {
-        let folder = folder.join(scene.get(..16).unwrap_or(scene));
+    /// Opens the cache in `folder` for the textures that have this hash.
+    pub fn open(folder: &Path, textures: &str) -> io::Result<Self> {
+        let folder = folder.join(textures.get(..16).unwrap_or(textures));
         fs::create_dir_all(&folder)?;
         Ok(Self { folder })
     }
@@ -27,19 +25,29 @@ impl TileCache {
         self.folder.join(tile.replace('/', "-"))
     }
 
-    /// A tile; none where it is not there, or damaged.
-    pub fn get(&self, tile: &str) -> Option<Vec<u8>> {
-        let mut bytes = fs::read(self.path(tile)).ok()?;
-        let own = bytes.get(..DIGITS)?.to_vec();
-        let body = bytes.split_off(DIGITS);
-        (hash_of(&body).as_bytes() == own).then_some(body)
+    /// A tile of at most `largest` bytes that passes the check; none where there is no such file. One that is damaged is of no
+    /// use to anybody: it is removed.
+    pub fn get(&self, tile: &str, largest: u64, check: impl Fn(&[u8]) -> Result<(), String>) -> Option<Vec<u8>> {
+        let path = self.path(tile);
+        if !fs::metadata(&path).ok()?.is_file() {
+            return None;
+        }
+        let mut bytes = Vec::new();
+        File::open(&path).ok()?.take(DIGITS as u64 + largest).read_to_end(&mut bytes).ok()?;
+        let body = bytes.split_at_checked(DIGITS).filter(|(hash, body)| hash_of(body).as_bytes() == *hash);
+        let Some((_, body)) = body.filter(|(_, body)| check(body).is_ok()) else {
+            // Where it cannot be removed, it is overwritten or found bad again.
+            let _ = fs::remove_file(&path);
+            return None;
+        };
+        Some(body.to_vec())
     }
 
-    /// Keeps a tile. Written beside its place and renamed: two runs may share a cache.
+    /// Keeps a tile. Written beside its place and renamed: two runs may share a cache, and a run may be interrupted.
     pub fn put(&self, tile: &str, body: &[u8]) -> io::Result<()> {
-        let path = self.path(tile);
-        let partial = path.with_extension(format!("partial-{}", std::process::id()));
-        fs::write(&partial, [hash_of(body).as_bytes(), body].concat())?;
-        fs::rename(&partial, &path)
+        let mut file = PartialFile::create(&self.path(tile))?;
+        file.write_all(hash_of(body).as_bytes())?;
+        file.write_all(body)?;
+        file.publish()
     }
 }

@@ -5,22 +5,29 @@
 //! | `/polygons` | a display list, binary and compressed; of its textures the sizes are right and the texels black |
 //! | `/tile/TEXTURE/WIDTHxHEIGHT/ENCODING/QUALITY/NUMBER` | a tile of a texture that is cut into tiles of this size |
 //!
-//! Every answer carries the SHA-256 of its body in [`HASH`].
+//! Every answer carries the SHA-256 of its body in [`HASH`], and that of all textures in [`TEXTURES`].
 
 mod cache;
 mod client;
+mod fetch;
 mod server;
 #[cfg(test)]
 mod tests;
 
 pub use cache::TileCache;
-pub use client::{Patience, RemoteTiles, fetch_polygons};
-pub use server::{Served, listen};
+pub use client::{Kept, RemoteTiles};
+pub use fetch::{Fetcher, Patience};
+pub use server::{Limits, Served};
 
 use sha2::{Digest as _, Sha256};
 
 /// Header with the SHA-256 of the body, in hexadecimal.
-pub const HASH: &str = "X-Content-SHA256";
+pub const HASH: &str = "x-content-sha256";
+/// Header with the SHA-256 of all textures of the scene, in hexadecimal: tiles of others are of no use.
+pub const TEXTURES: &str = "x-textures-sha256";
+
+/// Hexadecimal digits of a hash.
+const DIGITS: usize = 64;
 
 /// SHA-256 in hexadecimal.
 pub fn hash_of(bytes: &[u8]) -> String {

@@ -1,0 +1,116 @@
+//! The server, and clients that are slow, idle, wrong or many.
+
+use super::super::Limits;
+use super::*;
+use std::io::Read;
+use std::net::SocketAddr;
+use std::time::Instant;
+
+/// A server that grants little; its address.
+fn serving(at: impl Into<SocketAddr>, limits: Limits) -> SocketAddr {
+    let (address, server) = served().listen(at.into(), limits).unwrap();
+    // It goes on to the end of the tests.
+    drop(server);
+    address
+}
+
+const LITTLE: Limits = Limits { idle: Duration::from_millis(200), connections: 4 };
+const LOOPBACK: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
+
+fn polygons(address: SocketAddr) -> Vec<u8> {
+    let patience = Patience { stall: Duration::from_secs(20), ..PATIENCE };
+    Fetcher::new(&format!("http://{address}"), patience).polygons().unwrap().0
+}
+
+/// Sends this; all that comes until the server closes the connection.
+fn exchange(address: SocketAddr, request: &[u8]) -> String {
+    let mut stream = TcpStream::connect(address).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    stream.write_all(request).unwrap();
+    let mut answer = Vec::new();
+    // A connection that is reset is closed too.
+    let _ = stream.read_to_end(&mut answer);
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
+#[test]
+fn addresses_that_are_none_are_refused() {
+    let served = served();
+    let status = |address: &str| served.tile(address).map(|_| 200).unwrap_or_else(|e| e.0);
+    assert_eq!(status("/tile/4/64x64/png/85/0"), 200);
+    for missing in ["/", "/tiles", "/tile/5/64x64/raw/85/0", "/tile/4/64x64/raw/85/99", "/../etc/passwd"] {
+        assert_eq!(status(missing), 404, "{missing}");
+    }
+    for wrong in
+        ["/tile/", "/tile/4/63x64/raw/85/0", "/tile/4/64x64/bmp/85/0", "/tile/4/64x64/raw/0/0", "/tile/4/64x64/raw/85/-1"]
+    {
+        assert_eq!(status(wrong), 400, "{wrong}");
+    }
+}
+
+#[test]
+fn a_texture_under_work_holds_up_no_other() {
+    let other = Arc::new(Texture { id: 5, ..Texture::clone(&texture()) });
+    let served = Served::new(vec![], [texture(), other], String::new());
+    let _under_work = served.textures[&4].pyramid.lock().unwrap();
+    assert!(served.tile("/tile/5/64x64/png/85/0").is_ok());
+}
+
+#[test]
+fn who_sends_nothing_or_half_a_request_is_let_go_and_others_are_answered() {
+    let address = serving(LOOPBACK, LITTLE);
+    let began = Instant::now();
+    // Ten times as many as are served at a time.
+    let idle: Vec<TcpStream> = (0..40)
+        .map(|n| {
+            let mut stream = TcpStream::connect(address).unwrap();
+            stream.write_all(if n % 2 == 0 { b"" } else { b"GET /polygons HTT" }).unwrap();
+            stream
+        })
+        .collect();
+    assert_eq!(polygons(address), b"list");
+    assert!(began.elapsed() < Duration::from_secs(15), "{:?}", began.elapsed());
+    drop(idle);
+}
+
+#[test]
+fn who_announces_a_body_gets_an_answer_at_once_and_takes_no_memory() {
+    let address = serving(LOOPBACK, Limits { idle: Duration::from_secs(100), connections: 1 });
+    for announced in ["Content-Length: 99999999999999", "Transfer-Encoding: chunked"] {
+        let request = format!("GET /polygons HTTP/1.1\r\nHost: x\r\n{announced}\r\n\r\n");
+        assert!(exchange(address, request.as_bytes()).starts_with("HTTP/1.1 400"), "{announced}");
+    }
+    assert_eq!(polygons(address), b"list");
+}
+
+#[test]
+fn a_wrong_request_ends_its_connection_and_nothing_else() {
+    let address = serving(LOOPBACK, LITTLE);
+    let long = format!("GET /{} HTTP/1.1\r\nHost: x\r\n\r\n", "a".repeat(100_000));
+    for wrong in [
+        "POST /polygons HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n",
+        "GET /polygons HTTP/9.9\r\n\r\n",
+        "\0\x01\x02\r\n\r\n",
+        &long,
+    ] {
+        assert!(exchange(address, wrong.as_bytes()).starts_with("HTTP/1.1 4"), "{:.40}", wrong);
+    }
+    assert_eq!(polygons(address), b"list");
+}
+
+#[test]
+fn it_listens_at_the_loopback_of_ipv6_too() {
+    if TcpListener::bind("[::1]:0").is_err() {
+        println!("SKIPPED: there is no IPv6 here");
+        return;
+    }
+    let address = serving(([0, 0, 0, 0, 0, 0, 0, 1], 0), LITTLE);
+    assert_eq!(polygons(address), b"list");
+}
+
+#[test]
+fn an_address_that_is_taken_is_an_error_that_names_it() {
+    let address = serving(LOOPBACK, LITTLE);
+    let error = served().listen(address, LITTLE).map(|_| ()).unwrap_err();
+    assert!(error.starts_with(&format!("{address}: cannot be listened at: ")), "{error}");
+}

@@ -1,0 +1,265 @@
+//! A server on a real path: `serve` and `run --from`, with what can happen between them.
+
+use crate::support::{Outcome, Place, finish, picture};
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::process::{Child, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+
+const SMALL: &str = "--size 64x48";
+/// Many tiles, of small textures too.
+const CUT: &str = "--set tile.width=8 --set tile.height=8";
+
+fn images(place: &Place, out: &str) -> Vec<String> {
+    let report = place.report(out);
+    let images = report["image"].as_array().expect("images");
+    images.iter().map(|i| i["sha256"].as_str().expect("a hash").to_owned()).collect()
+}
+
+fn device(place: &Place, out: &str, figure: &str) -> u64 {
+    place.report(out)["device"][figure].as_u64().unwrap_or_else(|| panic!("{figure}"))
+}
+
+/// A server, ended with the test.
+struct Server(Child, String);
+
+impl Server {
+    fn start(place: &Place, line: &str) -> Self {
+        let mut child = place.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        let mut said = String::new();
+        BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut said).expect("a line");
+        let url = said.split_whitespace().last().unwrap_or_default().to_owned();
+        assert!(url.starts_with("http://127.0.0.1:"), "{said}");
+        Self(child, url)
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // It may have ended.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Stands between client and server, and counts the tiles that it passes on.
+struct Between {
+    url: String,
+    tiles: Arc<AtomicU64>,
+}
+
+impl Between {
+    /// In front of the server at `url`; gone for good once it has passed on `most` tiles.
+    fn new(url: &str, most: u64) -> Self {
+        let server = url.trim_start_matches("http://").trim_end_matches('/').to_owned();
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let own = format!("http://{}/", listener.local_addr().expect("an address"));
+        let tiles = Arc::new(AtomicU64::new(0));
+        let passed = Arc::clone(&tiles);
+        thread::spawn(move || {
+            for stream in listener.incoming().flatten() {
+                if passed.load(Ordering::SeqCst) >= most {
+                    return;
+                }
+                let (server, passed) = (server.clone(), Arc::clone(&passed));
+                thread::spawn(move || pass(stream, &server, &passed, most));
+            }
+        });
+        Self { url: own, tiles }
+    }
+
+    fn passed(&self) -> u64 {
+        self.tiles.load(Ordering::SeqCst)
+    }
+}
+
+/// Passes one request on, and its answer back; one too many is cut.
+fn pass(mut client: TcpStream, server: &str, passed: &AtomicU64, most: u64) {
+    let mut lines = BufReader::new(client.try_clone().expect("a stream")).lines().map_while(Result::ok);
+    let Some(first) = lines.next() else { return };
+    while lines.next().is_some_and(|line| !line.is_empty()) {}
+    let counts = first.contains("/tile/");
+    let below = |n: u64| (n < most).then_some(n + 1);
+    if counts && passed.fetch_update(Ordering::SeqCst, Ordering::SeqCst, below).is_err() {
+        return;
+    }
+    let mut upstream = TcpStream::connect(server).expect("the server");
+    let mut answer = Vec::new();
+    write!(upstream, "{first}\r\nHost: x\r\nConnection: close\r\n\r\n").expect("sent");
+    upstream.read_to_end(&mut answer).expect("an answer");
+    let head = answer.windows(2).position(|w| w == b"\r\n").expect("a status line");
+    // The client shall not send another request here.
+    answer.splice(head..head, *b"\r\nConnection: close");
+    // A client that has given up does not read it.
+    let _ = client.write_all(&answer);
+}
+
+#[test]
+fn a_picture_from_a_server_is_that_from_the_file_to_the_bit() {
+    let place = Place::new();
+    place.ok(&format!("demo gallery {SMALL} {CUT} --quiet --out file"));
+    let server = Server::start(&place, &format!("serve demo:gallery {SMALL} --listen 127.0.0.1:0"));
+    for more in ["", "--set tile.encoding=png", "--set defer.mode=progressive --set path.requests=3", "--tile-cache kept"] {
+        let run = place.ok(&format!("run --from {} {CUT} {more} --out remote", server.1));
+        assert_eq!(images(&place, "remote"), images(&place, "file"), "{more}");
+        assert_eq!(run.err, "", "no progress in a pipe");
+    }
+    let url = server.1.clone();
+    drop(server);
+    let gone = place.run(&format!("run --from {url} {CUT} --out nothing"));
+    assert!(gone.error(1).contains("/polygons") && gone.err.contains("is `basrelief serve` running"), "{}", gone.err);
+    assert!(!place.names("").contains(&"nothing".to_owned()));
+}
+
+#[test]
+fn a_server_lost_in_the_middle_costs_nothing_that_has_come() {
+    let place = Place::new();
+    let server = Server::start(&place, &format!("serve demo:gallery {SMALL} --listen 127.0.0.1:0"));
+    let run = |from: &str, more: &str| -> Outcome {
+        place.run(&format!("run --from {from} {CUT} --quiet --set defer.mode=progressive {more}"))
+    };
+    assert_eq!(run(&server.1, "--out whole").code(), 0);
+    let pictures = place.report("whole")["device"]["picture_round"].as_array().expect("rounds").len();
+    assert!(pictures >= 3, "{pictures}");
+    // As many tiles as two pictures need, and five more.
+    assert_eq!(run(&server.1, "--set defer.pictures_per_view=2 --out two").code(), 0);
+    let most = device(&place, "two", "tiles_loaded") + 5;
+    assert!(most < device(&place, "whole", "tiles_loaded"));
+    let dying = Between::new(&server.1, most);
+    let lost = run(&dying.url, "--tile-cache kept --out lost");
+    let error = lost.error(1);
+    let names = ["texture ", " layer ", " tile ", "/tile/", "attempt 5"];
+    assert!(names.iter().all(|name| error.contains(name)), "{error}");
+    assert_eq!(dying.passed(), most);
+    assert_eq!(place.names("lost"), ["image-round-0.png", "image-round-1.png", "image.png", "layer-depth.png", "tiles.png"]);
+    for round in [0, 1] {
+        let name = format!("image-round-{round}.png");
+        assert_eq!(picture(&place.path("lost").join(&name)), picture(&place.path("whole").join(&name)), "{round}");
+    }
+    assert_eq!(place.bytes("lost/image.png"), place.bytes("lost/image-round-1.png"), "the best one is the picture");
+    let again = Between::new(&server.1, u64::MAX);
+    assert_eq!(run(&again.url, "--tile-cache kept --out again").code(), 0);
+    assert_eq!(again.passed(), device(&place, "whole", "tiles_loaded") - most, "only the rest");
+    assert_eq!(images(&place, "again"), images(&place, "whole"));
+}
+
+#[test]
+fn the_frames_of_the_server_share_their_tiles_and_so_do_other_views_of_the_same_textures() {
+    let place = Place::new();
+    let view = "--frames 3 --orbit 60";
+    place.ok(&format!("demo gallery {SMALL} {view} {CUT} --quiet --no-exact --out file"));
+    let server = Server::start(&place, &format!("serve demo:gallery {SMALL} {view} --listen 127.0.0.1:0"));
+    let counted = Between::new(&server.1, u64::MAX);
+    place.ok(&format!("run --from {} {CUT} --quiet --tile-cache kept --out remote", counted.url));
+    assert_eq!(images(&place, "remote"), images(&place, "file"));
+    assert_eq!(images(&place, "remote").len(), 3);
+    assert!(device(&place, "remote", "tiles_reused") > 0);
+    assert_eq!(counted.passed(), device(&place, "remote", "tiles_loaded"), "none is fetched twice");
+    // A quarter of a turn on.
+    let other = Server::start(&place, &format!("serve demo:gallery {SMALL} --frames 6 --orbit 120 --listen 127.0.0.1:0"));
+    let counted = Between::new(&other.1, u64::MAX);
+    place.ok(&format!("run --from {} {CUT} --quiet --tile-cache kept --out other", counted.url));
+    let kept = device(&place, "remote", "tiles_loaded");
+    assert!(counted.passed() < device(&place, "other", "tiles_loaded"), "{kept} were there");
+}
+
+#[test]
+fn tiles_kept_from_other_texels_are_not_taken() {
+    let place = Place::new();
+    let model = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl m\nf 1/1 2/2 3/3\n";
+    fs::write(place.path("m.obj"), model).expect("written");
+    fs::write(place.path("m.mtl"), "newmtl m\nKd 1 1 1\nmap_Kd t.png\n").expect("written");
+    let drawn = [[200, 0, 0], [0, 0, 200]].map(|colour| {
+        image::RgbImage::from_pixel(16, 16, image::Rgb(colour)).save(place.path("t.png")).expect("written");
+        let server = Server::start(&place, "serve m.obj --size 32x24 --listen 127.0.0.1:0");
+        place.ok(&format!("run --from {} --tile-cache kept --quiet --out remote", server.1));
+        place.ok("run m.obj --machine defer --size 32x24 --quiet --out file");
+        assert_eq!(images(&place, "remote"), images(&place, "file"), "{colour:?}");
+        images(&place, "file")
+    });
+    assert_ne!(drawn[0], drawn[1]);
+}
+
+/// A server that answers every request with this body, and the hash of it.
+fn answering(body: &'static [u8]) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let url = format!("http://{}/", listener.local_addr().expect("an address"));
+    let hash = crate::support::sha256(body);
+    let head =
+        format!("HTTP/1.1 200 OK\r\nX-Content-SHA256: {hash}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n", body.len());
+    thread::spawn(move || {
+        for mut stream in listener.incoming().flatten() {
+            let lines = BufReader::new(stream.try_clone().expect("a stream")).lines().map_while(Result::ok);
+            lines.take_while(|line| !line.is_empty()).for_each(drop);
+            // A client that has given up does not read it.
+            let _ = stream.write_all(&[head.as_bytes(), body].concat());
+        }
+    });
+    url
+}
+
+#[test]
+fn a_server_that_sends_no_list_of_polygons_is_an_error_that_names_it() {
+    let place = Place::new();
+    let huge = br#"{"op":"begin","format":"basrelief-display-list/1","width":99999,"height":99999}"#;
+    for body in [&b"{\"op\": 17, garbage"[..], b"", b"<html>It works!</html>", b"\x28\xb5\x2f\xfd\xff\xff\xff", huge] {
+        let url = answering(body);
+        let refused = place.run(&format!("run --from {url} --quiet"));
+        assert!(refused.error(1).starts_with(&url), "{}", refused.err);
+    }
+    assert!(place.names("").is_empty(), "{:?}", place.names(""));
+}
+
+#[test]
+fn a_cache_that_is_no_folder_is_refused_before_anything_is_fetched() {
+    let place = Place::new();
+    fs::write(place.path("file"), "mine").expect("written");
+    let server = Server::start(&place, &format!("serve demo:gallery {SMALL} --listen 127.0.0.1:0"));
+    let between = Between::new(&server.1, u64::MAX);
+    let refused = place.run(&format!("run --from {} --tile-cache file --quiet", between.url));
+    assert!(refused.error(1).starts_with("file: cannot be written"), "{}", refused.err);
+    assert_eq!((between.passed(), place.text("file").as_str()), (0, "mine"));
+}
+
+#[test]
+fn a_proxy_of_the_environment_is_not_asked() {
+    let place = Place::new();
+    let server = Server::start(&place, &format!("serve demo:gallery {SMALL} --listen 127.0.0.1:0"));
+    let mut command = place.command(&format!("run --from {} --quiet", server.1));
+    let nobody = "http://127.0.0.1:1/";
+    let run = finish(command.env("HTTP_PROXY", nobody).env("http_proxy", nobody).env("ALL_PROXY", nobody));
+    assert_eq!(run.code(), 0, "{}", run.err);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_server_that_is_interrupted_says_that_it_has_stopped() {
+    let place = Place::new();
+    let mut server = Server::start(&place, &format!("serve demo:gallery {SMALL} --listen 127.0.0.1:0"));
+    let sent = std::process::Command::new("kill").args(["-INT", &server.0.id().to_string()]).status().expect("kill");
+    assert!(sent.success());
+    let status = crate::support::wait(&mut server.0, std::time::Duration::from_secs(10)).expect("ends soon");
+    assert_eq!(status.code(), Some(130));
+    let mut said = String::new();
+    server.0.stderr.take().expect("a pipe").read_to_string(&mut said).expect("words");
+    assert_eq!(said, "stopped serving\n");
+}
+
+#[test]
+fn who_may_read_is_said_aloud_and_what_does_not_fit_together_is_refused() {
+    let place = Place::new();
+    let refused = |line: &str| place.run(line).error(2).to_owned();
+    assert!(refused("serve demo:gallery --listen 0.0.0.0:0").contains("--public"));
+    assert!(refused("serve demo:gallery --listen [::]:0").contains("--public"));
+    assert!(refused("serve demo:gallery --listen localhost").contains("--listen"));
+    assert!(refused("run --from http://127.0.0.1:1/ --machine bump").contains("only machine `defer`"));
+    assert!(refused("run --from http://127.0.0.1:1/ --compare-methods").contains("--compare-methods"));
+    assert!(refused("run --from http://127.0.0.1:1/ --size 8x8").contains("the server has the view"));
+    for address in ["ftp://x", "127.0.0.1:8080", "http://", "http://a:99999/"] {
+        assert!(refused(&format!("run --from {address}")).contains("expected http://ADDRESS:PORT/"), "{address}");
+    }
+    assert!(refused("run PATCH --tile-cache x").contains("--from"));
+}
