@@ -28,6 +28,10 @@ pub struct Link {
     popped: u64,
     /// The next token delivered is not visible before.
     next_visible: Cycle,
+    /// The producer makes no step before, as far as it has promised.
+    no_push_before: Cycle,
+    /// The consumer makes no step before, as far as it has promised.
+    no_pop_before: Cycle,
     /// Per slot, the answers that the producer's step waits for, by client; kept after the pop (law 9). Empty where the
     /// producer has no memory client.
     awaits: Box<[[Cycle; MAX_CLIENTS]]>,
@@ -52,6 +56,8 @@ impl Link {
             delivered: 0,
             popped: 0,
             next_visible: Cycle::ZERO,
+            no_push_before: Cycle::ZERO,
+            no_pop_before: Cycle::ZERO,
             awaits: Box::default(),
             occupancy: Occupancy::new(depth),
         }
@@ -113,6 +119,37 @@ impl Link {
             Some(oldest) if oldest < self.popped => self.ring[self.slot(oldest)].popped + 1,
             Some(_) => Cycle::UNKNOWN,
         }
+    }
+
+    /// As [`Link::front_visible`]; where that is unknown, the front token is not visible before.
+    #[inline]
+    pub(crate) fn no_front_before(&self) -> Cycle {
+        match self.front_visible() {
+            Cycle::UNKNOWN if self.delivered < self.pushed => self.next_visible,
+            Cycle::UNKNOWN => (self.no_push_before + self.latency).max(self.next_visible),
+            visible => visible,
+        }
+    }
+
+    /// As [`Link::room_at`]; where that is unknown, no slot is free before.
+    #[inline]
+    pub(crate) fn no_room_before(&self) -> Cycle {
+        match self.room_at() {
+            Cycle::UNKNOWN => self.no_pop_before + 1,
+            room => room,
+        }
+    }
+
+    /// The producer makes no step before `start`.
+    #[inline]
+    pub(crate) fn promise_push(&mut self, start: Cycle) {
+        self.no_push_before = start;
+    }
+
+    /// The consumer makes no step before `start`.
+    #[inline]
+    pub(crate) fn promise_pop(&mut self, start: Cycle) {
+        self.no_pop_before = start;
     }
 
     /// Law 9: until when the oldest slot holder, which keeps the next push waiting, waits itself for `client`'s answer.

@@ -48,6 +48,8 @@ pub(crate) struct Port {
     pub(crate) served: u64,
     /// The oldest request whose answer a step in flight may still ask for.
     pub(crate) keep_from: u64,
+    /// No request to come arrives before, as far as its stage has promised.
+    pub(crate) none_before: Cycle,
     last_answer: Cycle,
     queue: VecDeque<Queued>,
     pub(crate) counts: PortCounts,
@@ -64,6 +66,7 @@ impl Port {
             issued: 0,
             served: 0,
             keep_from: u64::MAX,
+            none_before: Cycle::ZERO,
             last_answer: Cycle::ZERO,
             queue: VecDeque::new(),
             counts: PortCounts::default(),

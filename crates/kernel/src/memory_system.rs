@@ -121,6 +121,17 @@ impl MemorySystem {
         }
     }
 
+    /// Whether several stages use one memory, so that promises are worth their while.
+    pub(crate) fn has_shared(&self) -> bool {
+        self.memories.iter().any(|m| !m.private)
+    }
+
+    /// No request to come of this client arrives before `start`.
+    #[inline]
+    pub(crate) fn promise(&mut self, client: usize, start: Cycle) {
+        self.clients[client].port.none_before = start;
+    }
+
     /// Forgets which memories are private: the ticked engine serves them all alike.
     pub(crate) fn share_all(&mut self) {
         self.memories.iter_mut().for_each(|m| m.private = false);
@@ -184,6 +195,20 @@ impl MemorySystem {
         serves
     }
 
+    /// Serves every request that arrived before any that is still to come, by what the stages have promised, and tells whether
+    /// there was any.
+    pub(crate) fn serve_promised(&mut self) -> bool {
+        let mut any = false;
+        for number in 0..self.memories.len() {
+            let memory = &self.memories[number];
+            if memory.queued > 0 {
+                let none_before = memory.ports.iter().map(|&p| self.clients[p].port.none_before).min();
+                any |= self.serve_before(number, none_before.unwrap_or_default());
+            }
+        }
+        any
+    }
+
     /// Serves every request that no request still to come can precede, and tells whether there was any.
     ///
     /// To be called when no step can start before an answer is known. Then the earliest step still to come waits,
@@ -200,17 +225,19 @@ impl MemorySystem {
         true
     }
 
-    /// Serves what arrived at `memory` before `horizon`, in order of (arrival, port number, issue).
-    fn serve_before(&mut self, memory: usize, horizon: Cycle) {
+    /// Serves what arrived at `memory` before `horizon`, in order of (arrival, port number, issue); whether there was any.
+    fn serve_before(&mut self, memory: usize, horizon: Cycle) -> bool {
         let (memory, clients) = (&mut self.memories[memory], &mut self.clients);
+        let queued = memory.queued;
         while memory.queued > 0 {
             let waiting = memory.ports.iter().filter_map(|&p| Some((clients[p].port.next_arrival()?, p)));
             // `min_by_key` returns the first of equals, and ports stand in order of number.
             match waiting.min_by_key(|&(arrival, _)| arrival) {
                 Some((arrival, port)) if arrival < horizon => memory.serve(&mut clients[port].port),
-                _ => return,
+                _ => break,
             }
         }
+        memory.queued < queued
     }
 
     /// Serves all that has arrived; for the ticked engine, at the end of each cycle.

@@ -99,6 +99,33 @@ pub(crate) fn next_start<U: Unit, I: Inputs, O: Outputs, const M: bool>(
     Some(Start { at, demand })
 }
 
+/// Promises that the unit makes no step before it can at the earliest: with what its neighbours have promised, where they have
+/// not come so far yet. Its neighbours build on that in turn, and its memories serve what others asked for until then.
+#[inline(always)]
+pub(crate) fn promise<I: Inputs, O: Outputs, const M: bool>(
+    demand: Demand,
+    free: Cycle,
+    (inputs, outputs, clients): (&mut I, &mut O, &mut Clients<'_, M>),
+) {
+    let mut start = if demand == Demand::Finished { Cycle::UNKNOWN } else { free };
+    for i in (0..inputs.count()).filter(|&i| demand.takes(i)) {
+        start = start.max(inputs.link(i).no_front_before());
+    }
+    for i in 0..outputs.count() {
+        start = start.max(outputs.link(i).no_room_before());
+    }
+    for i in 0..inputs.count() {
+        inputs.link_mut(i).promise_pop(start);
+    }
+    for i in 0..outputs.count() {
+        outputs.link_mut(i).promise_push(start);
+    }
+    let ids = clients.ids();
+    if let Some(system) = clients.system_mut() {
+        ids.iter().for_each(|&client| system.promise(client, start));
+    }
+}
+
 /// Splits the wait from `from` to `to` into its causes (law 9), in order, and hands each to `charge`.
 ///
 /// In each cycle the first cause that applies counts; every condition, once met, stays met until the step starts. So

@@ -2,7 +2,7 @@
 //! memories answer what nothing still to come can precede. Cost is O(tokens x stages), whatever the cycles.
 
 use super::{Halt, Land, Limits, fault_of};
-use crate::stage::{Clock, charge, next_start, split_wait};
+use crate::stage::{Clock, charge, next_start, promise, split_wait};
 use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
 use crate::{Cycle, Probe, Stage, Traffic, Unit};
 
@@ -15,6 +15,8 @@ struct RunAhead<'p, P> {
     moved: bool,
     limited: bool,
     fault: Option<String>,
+    /// Whether stages promise how far they have come.
+    promises: bool,
 }
 
 impl<P: Probe> Visitor for RunAhead<'_, P> {
@@ -32,7 +34,7 @@ impl<P: Probe> Visitor for RunAhead<'_, P> {
         while let Some(next) = next_start(&stage.unit, &stage.clock, &inputs, &outputs, &clients) {
             if next.at >= self.end {
                 self.limited |= next.at.is_known();
-                return;
+                break;
             }
             let free = stage.clock.free;
             if next.at > free {
@@ -52,19 +54,24 @@ impl<P: Probe> Visitor for RunAhead<'_, P> {
                 return;
             }
         }
+        if self.promises {
+            promise(stage.unit.demand(), stage.clock.free, (&mut inputs, &mut outputs, &mut clients));
+        }
     }
 }
 
 pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, probe: &mut P, limits: Limits<'_, M>) -> Halt {
     let end = Cycle(limits.max_cycles);
-    let mut walk = RunAhead { probe, traffic: Traffic::default(), end, stage: 0, moved: false, limited: false, fault: None };
+    let promises = machine.memories().has_shared();
+    let (traffic, fault) = (Traffic::default(), None);
+    let mut walk = RunAhead { probe, traffic, end, stage: 0, moved: false, limited: false, fault, promises };
     for round in 1_u64.. {
         (walk.stage, walk.moved, walk.limited) = (0, false, false);
         machine.wire(&mut walk);
         if let Some(fault) = walk.fault {
             return Halt::Fault(fault);
         }
-        if !walk.moved && !machine.memories().serve_safe() {
+        if !(machine.memories().serve_promised() | walk.moved) && !machine.memories().serve_safe() {
             break;
         }
         if round.is_multiple_of(16) && !(limits.progress)(machine) {
