@@ -161,34 +161,41 @@ impl Page {
     /// becomes 0.
     #[inline]
     pub fn placed(&self, st: [f32; 2]) -> [f32; 2] {
-        [0, 1].map(|i| {
-            let (s, size) = (st[i], self.size[i]);
-            let inside = match self.wrap[i] {
-                Wrap::Repeat => {
-                    let rest = s - size * floor(s * self.inverse[i]);
-                    // The quotient is rounded: the rest may be off by one texture.
-                    let rest = if rest < 0.0 { rest + size } else { rest };
-                    if rest >= size { rest - size } else { rest }
-                }
-                Wrap::Mirror => {
-                    let rest = s - 2.0 * size * floor(0.5 * s * self.inverse[i]);
-                    if rest > size { 2.0 * size - rest } else { rest }
-                }
-                Wrap::Clamp => s,
-            };
-            if inside > 0.0 { inside.min(size) } else { 0.0 }
-        })
+        // (Not by `map`: it and its closure become calls.)
+        [self.placed_along(0, st[0]), self.placed_along(1, st[1])]
+    }
+
+    #[inline(always)]
+    fn placed_along(&self, axis: usize, s: f32) -> f32 {
+        let size = self.size[axis];
+        let inside = match self.wrap[axis] {
+            Wrap::Repeat => {
+                let rest = s - size * floor(s * self.inverse[axis]);
+                // The quotient is rounded: the rest may be off by one texture.
+                let rest = if rest < 0.0 { rest + size } else { rest };
+                if rest >= size { rest - size } else { rest }
+            }
+            Wrap::Mirror => {
+                let rest = s - 2.0 * size * floor(0.5 * s * self.inverse[axis]);
+                if rest > size { 2.0 * size - rest } else { rest }
+            }
+            Wrap::Clamp => s,
+        };
+        if inside > 0.0 { inside.min(size) } else { 0.0 }
     }
 
     /// What a bilinear sample at `placed` coordinates reads of a layer, by axis.
     #[inline]
     pub fn taps(&self, layer: u8, placed: [f32; 2]) -> [Tap; 2] {
         let l = &self.layers[usize::from(layer)];
-        [0, 1].map(|i| {
-            let x = placed[i] * l.scale - self.offset;
-            let whole = floor(x);
-            tap(whole as i32, x - whole, l.size[i] as i32, self.wrap[i] == Wrap::Repeat)
-        })
+        [self.tap(l, 0, placed[0]), self.tap(l, 1, placed[1])]
+    }
+
+    #[inline(always)]
+    fn tap(&self, layer: &Layer, axis: usize, placed: f32) -> Tap {
+        let x = placed * layer.scale - self.offset;
+        let whole = floor(x);
+        tap(whole as i32, x - whole, layer.size[axis] as i32, self.wrap[axis] == Wrap::Repeat)
     }
 
     /// Figure 5A with the border check of Figure 5B, corrected: the tiles that a bilinear sample at `placed` coordinates
@@ -198,34 +205,34 @@ impl Page {
     /// at the edge of the layer it lies in column (row) 0 where the texture repeats, and nowhere else.
     #[inline]
     pub fn marked(&self, layer: u8, placed: [f32; 2]) -> Tiles {
+        self.tiles_of(layer, &self.taps(layer, placed))
+    }
+
+    /// The tiles that these taps read of a layer.
+    #[inline]
+    pub fn tiles_of(&self, layer: u8, [x, y]: &[Tap; 2]) -> Tiles {
         let l = &self.layers[usize::from(layer)];
-        let taps = self.taps(layer, placed);
-        let [here, beyond] = [0, 1].map(|i| (taps[0].at(i) >> self.shift[0], taps[1].at(i) >> self.shift[1]));
+        let [across, down] = self.shift;
+        let (column, row) = (x.first >> across, y.first >> down);
+        let (beyond, under) = (x.second >> across, y.second >> down);
         let number = |column: u32, row: u32| l.base + row * l.pitch + column;
         let mut tiles = Tiles::new();
-        tiles.push(number(here.0, here.1));
-        let (right, below) = (beyond.0 != here.0, beyond.1 != here.1);
+        tiles.push(number(column, row));
+        let (right, below) = (beyond != column, under != row);
         if right {
-            tiles.push(number(beyond.0, here.1));
+            tiles.push(number(beyond, row));
         }
         if right && below {
-            tiles.push(number(beyond.0, beyond.1));
+            tiles.push(number(beyond, under));
         }
         if below {
-            tiles.push(number(here.0, beyond.1));
+            tiles.push(number(column, under));
         }
         tiles
     }
 }
 
-impl Tap {
-    #[inline]
-    fn at(&self, i: usize) -> u32 {
-        if i == 0 { self.first } else { self.second }
-    }
-}
-
-#[inline]
+#[inline(always)]
 fn tap(whole: i32, fraction: f32, size: i32, repeats: bool) -> Tap {
     if repeats {
         let first = if whole < 0 { size - 1 } else { whole.min(size - 1) };

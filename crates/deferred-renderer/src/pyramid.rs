@@ -13,21 +13,33 @@ pub struct LayerTexels {
     pub texels: Vec<[u8; 4]>,
 }
 
+/// Texels of one layer, where they lie.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Texels<'a> {
+    size: [u32; 2],
+    texels: &'a [[u8; 4]],
+}
+
+impl<'a> Texels<'a> {
+    fn row(self, y: u32) -> &'a [[u8; 4]] {
+        let start = y as usize * self.size[0] as usize;
+        &self.texels[start..start + self.size[0] as usize]
+    }
+
+    /// The texels of a rectangle, row by row.
+    fn cut(self, (first, end): ([u32; 2], [u32; 2])) -> Vec<[u8; 4]> {
+        (first[1]..end[1]).flat_map(|y| &self.row(y)[first[0] as usize..end[0] as usize]).copied().collect()
+    }
+}
+
 impl LayerTexels {
     /// A black layer.
     pub fn new(size: [u32; 2]) -> Self {
         Self { size, texels: vec![[0; 4]; size[0] as usize * size[1] as usize] }
     }
 
-    /// A texel; the coordinates lie inside.
-    #[inline]
-    pub fn at(&self, x: u32, y: u32) -> [u8; 4] {
-        self.texels[(y * self.size[0] + x) as usize]
-    }
-
-    /// The texels of a rectangle, row by row.
-    pub fn cut(&self, (first, end): ([u32; 2], [u32; 2])) -> impl Iterator<Item = [u8; 4]> + '_ {
-        (first[1]..end[1]).flat_map(move |y| (first[0]..end[0]).map(move |x| self.at(x, y)))
+    pub(crate) fn texels(&self) -> Texels<'_> {
+        Texels { size: self.size, texels: &self.texels }
     }
 
     /// Puts texels into a rectangle, row by row.
@@ -41,20 +53,22 @@ impl LayerTexels {
 
     /// Fills a rectangle with averages of the next finer layer: (sum of 4 + 2) >> 2 per channel. Where a side of the finer
     /// layer is odd, its last texel is repeated.
-    pub fn average(&mut self, finer: &LayerTexels, (first, end): ([u32; 2], [u32; 2])) {
+    pub(crate) fn average(&mut self, finer: Texels<'_>, (first, end): ([u32; 2], [u32; 2])) {
         for y in first[1]..end[1] {
-            for x in first[0]..end[0] {
-                self.texels[(y * self.size[0] + x) as usize] = finer.averaged(x, y);
+            let start = y as usize * self.size[0] as usize;
+            let own = &mut self.texels[start + first[0] as usize..start + end[0] as usize];
+            let [above, below] = [2 * y, 2 * y + 1].map(|y| &finer.row(y.min(finer.size[1] - 1))[2 * first[0] as usize..]);
+            for ((own, above), below) in own.iter_mut().zip(above.chunks(2)).zip(below.chunks(2)) {
+                *own = averaged([above[0], above[above.len() - 1], below[0], below[below.len() - 1]]);
             }
         }
     }
+}
 
-    fn averaged(&self, x: u32, y: u32) -> [u8; 4] {
-        let right = (2 * x + 1).min(self.size[0] - 1);
-        let below = (2 * y + 1).min(self.size[1] - 1);
-        let four = [self.at(2 * x, 2 * y), self.at(right, 2 * y), self.at(2 * x, below), self.at(right, below)];
-        std::array::from_fn(|c| ((four.iter().map(|t| u32::from(t[c])).sum::<u32>() + 2) >> 2) as u8)
-    }
+/// (Sum of 4 + 2) >> 2 per channel.
+#[inline]
+fn averaged([a, b, c, d]: [[u8; 4]; 4]) -> [u8; 4] {
+    std::array::from_fn(|i| ((u16::from(a[i]) + u16::from(b[i]) + u16::from(c[i]) + u16::from(d[i]) + 2) >> 2) as u8)
 }
 
 /// The texture memory (114) of the server: all layers of one texture, built by the device's own rule when they are asked for.
@@ -63,17 +77,12 @@ pub struct ServedTexture {
     texture: Arc<Texture>,
     /// Layers above the finest, finest first.
     coarser: Vec<LayerTexels>,
-    finest: LayerTexels,
 }
 
 impl ServedTexture {
     /// Offers a texture; one without texels is a single white one.
     pub fn new(texture: Arc<Texture>) -> Self {
-        let finest = texture.levels.first().filter(|image| !image.texels.is_empty()).map_or_else(
-            || LayerTexels { size: [1, 1], texels: vec![[255; 4]] },
-            |image| LayerTexels { size: [image.width, image.height], texels: image.texels.clone() },
-        );
-        Self { texture, coarser: Vec::new(), finest }
+        Self { texture, coarser: Vec::new() }
     }
 
     /// The texture.
@@ -81,18 +90,24 @@ impl ServedTexture {
         &self.texture
     }
 
+    fn finest(&self) -> Texels<'_> {
+        self.texture.levels.first().filter(|image| !image.texels.is_empty()).map_or(
+            Texels { size: [1, 1], texels: &[[255; 4]] },
+            |image| Texels { size: [image.width, image.height], texels: &image.texels },
+        )
+    }
+
     /// The texels of a tile, row by row.
     pub fn tile(&mut self, page: &Page, tile: u32) -> Vec<[u8; 4]> {
         let depth = page.layer_of(tile);
         let above = usize::from(page.left_out + page.dmax() - depth);
         while self.coarser.len() < above {
-            let finer = self.coarser.last().unwrap_or(&self.finest);
+            let finer = self.coarser.last().map_or(self.finest(), LayerTexels::texels);
             let mut next = LayerTexels::new(finer.size.map(|n| n.div_ceil(2)));
-            let all = ([0, 0], next.size);
-            next.average(finer, all);
+            next.average(finer, ([0, 0], next.size));
             self.coarser.push(next);
         }
-        let layer = if above == 0 { &self.finest } else { &self.coarser[above - 1] };
-        layer.cut(page.texels_of(tile)).collect()
+        let layer = if above == 0 { self.finest() } else { self.coarser[above - 1].texels() };
+        layer.cut(page.texels_of(tile))
     }
 }

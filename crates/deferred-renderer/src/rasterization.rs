@@ -268,7 +268,7 @@ impl Rasterization {
         for (slot, (layer, taps)) in sample.read.into_iter().flatten().enumerate() {
             layers += 1;
             if improve.is_none() {
-                texels.need(layer, placed, &taps, self.frame);
+                texels.need(layer, &taps, self.frame);
             }
             look_up(&texels.page, layer, &taps, &mut touched[slot], traffic);
         }

@@ -5,6 +5,7 @@ use crate::acquisition::How;
 use crate::page::Tap;
 use crate::pyramid::LayerTexels;
 use std::sync::Arc;
+use wide::f32x4;
 
 /// What became of a tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -100,7 +101,7 @@ impl PageTexels {
         let place = self.page.texels_of(tile);
         let mut own = std::mem::take(self.room(layer));
         if let Some(finer) = self.layers.get(usize::from(layer) + 1) {
-            own.average(finer, place);
+            own.average(finer.texels(), place);
         }
         self.layers[usize::from(layer)] = own;
         self.history[tile as usize].acquired = Some((How::Synthesized, frame));
@@ -116,7 +117,7 @@ impl PageTexels {
 
     /// A pixel of the final picture of this frame, or one that gets no better, is coloured from these texels of a layer.
     #[inline]
-    pub fn need(&mut self, layer: u8, placed: [f32; 2], taps: &[Tap; 2], frame: u64) {
+    pub fn need(&mut self, layer: u8, taps: &[Tap; 2], frame: u64) {
         let [x, y] = taps;
         let first = self.page.tile_of(layer, [x.first, y.first]);
         let inside = self.page.tile_of(layer, [x.second, y.second]) == first;
@@ -124,7 +125,7 @@ impl PageTexels {
             return;
         }
         self.last[usize::from(layer)] = first;
-        for tile in self.page.marked(layer, placed) {
+        for tile in self.page.tiles_of(layer, taps) {
             let history = &mut self.history[tile as usize];
             if history.needed != frame {
                 history.needed = frame;
@@ -137,13 +138,19 @@ impl PageTexels {
     #[inline]
     pub fn bilinear(&self, layer: u8, [x, y]: &[Tap; 2]) -> [f32; 4] {
         let texels = &self.layers[usize::from(layer)];
-        let row = |y: u32| {
-            let start = (y * texels.size[0]) as usize;
-            let pair = [x.first, x.second].map(|x| texels.texels.get(start + x as usize).copied().unwrap_or_default());
-            let [left, right] = pair.map(|t| t.map(f32::from));
-            std::array::from_fn::<f32, 4, _>(|c| left[c] + (right[c] - left[c]) * x.fraction)
+        let texel = |start: usize, x: u32| {
+            let [r, g, b, a] = texels.texels.get(start + x as usize).copied().unwrap_or_default();
+            f32x4::new([r.into(), g.into(), b.into(), a.into()])
         };
-        let (upper, lower) = (row(y.first), row(y.second));
-        std::array::from_fn(|c| upper[c] + (lower[c] - upper[c]) * y.fraction)
+        let row = |y: u32| {
+            let start = y as usize * texels.size[0] as usize;
+            between(texel(start, x.first), texel(start, x.second), x.fraction)
+        };
+        between(row(y.first), row(y.second), y.fraction).to_array()
     }
+}
+
+#[inline(always)]
+fn between(first: f32x4, second: f32x4, share: f32) -> f32x4 {
+    first + (second - first) * share
 }
