@@ -236,13 +236,32 @@ fn a_proxy_of_the_environment_is_not_asked() {
 
 #[cfg(unix)]
 #[test]
+fn a_server_that_says_nothing_does_not_hold_up_an_interruption() {
+    let place = Place::new();
+    let silent = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let line = format!("run --from http://{}/ --tile-cache kept", silent.local_addr().expect("an address"));
+    let mut client = place.command(&line).spawn().expect("the program starts");
+    let asked = silent.accept().expect("a request");
+    interrupt(&mut client);
+    assert!(place.names("").is_empty(), "{:?}", place.names(""));
+    drop(asked);
+}
+
+/// Ctrl-C, and the exit code that it means.
+#[cfg(unix)]
+fn interrupt(child: &mut Child) {
+    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(sent.success());
+    let status = crate::support::wait(child, std::time::Duration::from_secs(10)).expect("ends soon");
+    assert_eq!(status.code(), Some(130));
+}
+
+#[cfg(unix)]
+#[test]
 fn a_server_that_is_interrupted_says_that_it_has_stopped() {
     let place = Place::new();
     let mut server = Server::start(&place, &format!("serve demo:gallery {SMALL} --listen 127.0.0.1:0"));
-    let sent = std::process::Command::new("kill").args(["-INT", &server.0.id().to_string()]).status().expect("kill");
-    assert!(sent.success());
-    let status = crate::support::wait(&mut server.0, std::time::Duration::from_secs(10)).expect("ends soon");
-    assert_eq!(status.code(), Some(130));
+    interrupt(&mut server.0);
     let mut said = String::new();
     server.0.stderr.take().expect("a pipe").read_to_string(&mut said).expect("words");
     assert_eq!(said, "stopped serving\n");
@@ -254,7 +273,7 @@ fn who_may_read_is_said_aloud_and_what_does_not_fit_together_is_refused() {
     let refused = |line: &str| place.run(line).error(2).to_owned();
     assert!(refused("serve demo:gallery --listen 0.0.0.0:0").contains("--public"));
     assert!(refused("serve demo:gallery --listen [::]:0").contains("--public"));
-    assert!(refused("serve demo:gallery --listen localhost").contains("--listen"));
+    assert!(refused("serve demo:gallery --listen localhost:80").contains("such as 127.0.0.1:8080"));
     assert!(refused("run --from http://127.0.0.1:1/ --machine bump").contains("only machine `defer`"));
     assert!(refused("run --from http://127.0.0.1:1/ --compare-methods").contains("--compare-methods"));
     assert!(refused("run --from http://127.0.0.1:1/ --size 8x8").contains("the server has the view"));

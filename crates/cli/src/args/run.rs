@@ -1,7 +1,7 @@
 //! Arguments of the commands that draw or offer scenes: `demo`, `run`, `serve`.
 
 use super::common::{MachineArgs, SimulationArgs, ViewArgs};
-use super::values::http;
+use super::values::{http, socket};
 use clap::Args;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -26,7 +26,8 @@ pub struct RunArgs {
     #[arg(required_unless_present = "from")]
     pub input: Option<PathBuf>,
     /// Render from a server (`basrelief serve`) with machine defer, such as http://127.0.0.1:8080/, instead of a file. Without
-    /// the exact picture: textures stay there.
+    /// the exact picture: textures stay there. What does not come, or nothing of it for 10 s, is asked for again: five times
+    /// in all, and not later than 20 s after the first.
     #[arg(long, value_name = "URL", conflicts_with_all = ["input", "ablate", "compare_methods"], value_parser = http)]
     pub from: Option<String>,
     /// Keep tiles that have come in this folder, and take them from there.
@@ -46,7 +47,7 @@ pub struct ServeArgs {
     /// A model, or `demo:NAME`.
     pub input: PathBuf,
     /// Where; port 0 takes any that is free.
-    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8080")]
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8080", value_parser = socket)]
     pub listen: SocketAddr,
     /// Other computers may connect.
     #[arg(long)]

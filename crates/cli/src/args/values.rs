@@ -3,6 +3,7 @@
 use basrelief_session::{MACHINES, MachineInfo};
 use basrelief_signals::MAX_PICTURE_PIXELS;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use std::net::SocketAddr;
 use ureq::http::Uri;
 use ureq::http::uri::Authority;
 
@@ -19,6 +20,11 @@ pub fn http(url: &str) -> Result<String, String> {
     let port_or_none = |a: &Authority| a.port_u16().is_some() || a.as_str() == a.host();
     let named = uri.authority().is_some_and(|a| !a.host().is_empty() && port_or_none(a)) && !url.contains(['@', '#']);
     if uri.scheme_str() == Some("http") && named && uri.query().is_none() { Ok(url.into()) } else { Err(expected.into()) }
+}
+
+/// An address to listen at.
+pub fn socket(text: &str) -> Result<SocketAddr, String> {
+    text.parse().map_err(|_| "expected ADDRESS:PORT in numbers, such as 127.0.0.1:8080 or [::1]:8080".into())
 }
 
 /// A setting.
@@ -64,6 +70,14 @@ mod tests {
         assert!(direction("0,0,0").is_err() && direction("1,2").is_err() && direction("1,NaN,2").is_err());
         assert_eq!(key_value("a.b=[1, 2]"), Ok(("a.b".into(), "[1, 2]".into())));
         assert!(key_value("a.b").is_err());
+    }
+
+    #[test]
+    fn an_address_to_listen_at_is_one_of_numbers() {
+        assert!(["127.0.0.1:0", "[::1]:8080"].iter().all(|right| socket(right).is_ok()));
+        for wrong in ["localhost:80", "127.0.0.1", "::1:80", "127.0.0.1:99999", ":80"] {
+            assert!(socket(wrong).unwrap_err().contains("such as 127.0.0.1:8080"), "{wrong}");
+        }
     }
 
     #[test]

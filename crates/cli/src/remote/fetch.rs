@@ -127,7 +127,7 @@ impl Fetcher {
             };
             if attempt == attempts || began.elapsed() + pause > whole || !wait(pause) {
                 let whole = whole.as_secs_f64();
-                return Err(format!("{error} (attempt {attempt}; at most {attempts} are made, none later than {whole} s)"));
+                return Err(format!("{error} (attempt {attempt}; at most {attempts} are made, none {whole} s after the first)"));
             }
             pause *= 2;
             attempt += 1;

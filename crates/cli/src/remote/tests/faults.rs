@@ -53,7 +53,7 @@ fn a_fault_that_stays_is_an_error_that_names_texture_layer_and_tile() {
         assert_eq!(tile, 0);
         assert!(error.starts_with("texture 4 (plane), layer 0, tile 0: http://"), "{error}");
         assert!(error.contains(says), "{fault:?}: {error}");
-        assert!(error.ends_with("(attempt 3; at most 3 are made, none later than 20 s)"), "{error}");
+        assert!(error.ends_with("(attempt 3; at most 3 are made, none 20 s after the first)"), "{error}");
     }
 }
 
@@ -75,7 +75,7 @@ fn attempts_end_when_their_time_is_over() {
     let patience = Patience { attempts: 100, whole: 3 * PATIENCE.stall / 2, ..PATIENCE };
     let mut fetcher = Fetcher::new(&url, patience);
     let error = fetcher.polygons().unwrap_err();
-    assert!(error.contains("attempt 2; at most 100 are made, none later than 0.45 s"), "{error}");
+    assert!(error.contains("attempt 2; at most 100 are made, none 0.45 s after the first"), "{error}");
     assert!(error.ends_with("is `basrelief serve` running there?"), "{error}");
     assert_eq!(count.load(Ordering::SeqCst), 2);
     assert!(began.elapsed() < Duration::from_secs(10), "{:?}", began.elapsed());

@@ -74,6 +74,18 @@ fn who_sends_nothing_or_half_a_request_is_let_go_and_others_are_answered() {
 }
 
 #[test]
+fn who_takes_nothing_is_let_go_and_others_are_answered() {
+    // More than lies on the way.
+    let large = Served::new(vec![0; 32 << 20], [texture()], hash_of(b"textures"));
+    let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 1, ..LITTLE }).unwrap();
+    let mut stalled = TcpStream::connect(address).unwrap();
+    stalled.write_all(b"GET /polygons HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+    let request = "GET /tile/4/64x64/png/85/0 HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n";
+    assert!(exchange(address, request.as_bytes()).starts_with("HTTP/1.1 200"));
+    drop(stalled);
+}
+
+#[test]
 fn who_announces_a_body_gets_an_answer_at_once_and_takes_no_memory() {
     let address = serving(LOOPBACK, Limits { idle: Duration::from_secs(100), connections: 1 });
     for announced in ["Content-Length: 99999999999999", "Transfer-Encoding: chunked"] {
@@ -94,6 +106,10 @@ fn a_wrong_request_ends_its_connection_and_nothing_else() {
         &long,
     ] {
         assert!(exchange(address, wrong.as_bytes()).starts_with("HTTP/1.1 4"), "{:.40}", wrong);
+    }
+    // More often than connections are served at a time: the library gives up on these without an answer.
+    for wrong in ["GET localhost HTTP/1.1\r\n\r\n", "CONNECT x:80 HTTP/1.1\r\nHost: x\r\n\r\n"].repeat(4) {
+        assert_eq!(exchange(address, wrong.as_bytes()), "", "{wrong}");
     }
     assert_eq!(polygons(address), b"list");
 }
