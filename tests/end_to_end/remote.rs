@@ -240,9 +240,10 @@ fn a_server_that_says_nothing_does_not_hold_up_an_interruption() {
     let place = Place::new();
     let silent = TcpListener::bind("127.0.0.1:0").expect("a port");
     let line = format!("run --from http://{}/ --tile-cache kept", silent.local_addr().expect("an address"));
-    let mut client = place.command(&line).spawn().expect("the program starts");
+    let mut client = place.command(&line).stderr(Stdio::piped()).spawn().expect("the program starts");
     let asked = silent.accept().expect("a request");
     interrupt(&mut client);
+    assert_eq!(last_words(&mut client), "interrupted; nothing was written\n");
     assert!(place.names("").is_empty(), "{:?}", place.names(""));
     drop(asked);
 }
@@ -256,15 +257,21 @@ fn interrupt(child: &mut Child) {
     assert_eq!(status.code(), Some(130));
 }
 
+/// What a process that has ended left on standard error.
+#[cfg(unix)]
+fn last_words(child: &mut Child) -> String {
+    let mut said = String::new();
+    child.stderr.take().expect("a pipe").read_to_string(&mut said).expect("words");
+    said
+}
+
 #[cfg(unix)]
 #[test]
 fn a_server_that_is_interrupted_says_that_it_has_stopped() {
     let place = Place::new();
     let mut server = Server::start(&place, &format!("serve demo:gallery {SMALL} --listen 127.0.0.1:0"));
     interrupt(&mut server.0);
-    let mut said = String::new();
-    server.0.stderr.take().expect("a pipe").read_to_string(&mut said).expect("words");
-    assert_eq!(said, "stopped serving\n");
+    assert_eq!(last_words(&mut server.0), "stopped serving\n");
 }
 
 #[test]

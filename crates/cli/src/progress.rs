@@ -78,6 +78,11 @@ impl TileProgress {
         Self { bar, come: Arc::default() }
     }
 
+    /// So many bytes of polygons have come.
+    pub fn polygons(&self, bytes: u64) {
+        self.bar.set_message(format!("polygons, {}", HumanBytes(bytes)));
+    }
+
     /// Another acquisition lists so many tiles.
     pub fn listed(&self, tiles: u64) {
         let acquisitions = self.change(|come| come.acquisitions += 1).acquisitions;

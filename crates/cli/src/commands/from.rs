@@ -4,6 +4,7 @@ use super::run::{seconds, settings_of, simulate_source};
 use crate::args::{MachineArgs, RunArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use crate::input;
+use crate::interrupt;
 use crate::progress::{Progress, TileProgress};
 use crate::remote::{Fetcher, Kept, Patience, RemoteTiles, TileCache};
 use basrelief_session::{MachineConfig, MachineInfo, Source};
@@ -27,9 +28,12 @@ pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
     let MachineConfig::Defer(device) = &config else { return Err(Failure::Usage("--from: needs machine defer".into())) };
     let shown = TileProgress::new(quiet || args.simulation.json);
     let mut fetcher = Fetcher::new(url, Patience::default());
-    let (polygons, textures) = fetcher.polygons().map_err(Failure::Bad)?;
+    let (polygons, textures) = fetcher.polygons(|bytes| shown.polygons(bytes)).map_err(Failure::Bad)?;
     let open = |folder: &PathBuf| TileCache::open(folder, &textures).map_err(Failure::file(folder, "be written"));
     let cache = args.tile_cache.as_ref().map(open).transpose()?;
+    if cache.is_some() {
+        interrupt::say("interrupted; nothing was written but the tiles in --tile-cache");
+    }
     let failed = Arc::new(OnceLock::new());
     let kept = cache.map(|cache| Kept { cache, failed: Arc::clone(&failed) });
     let encoding = (device.tile.encoding, device.tile.jpeg_quality);

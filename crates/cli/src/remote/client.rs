@@ -14,22 +14,21 @@ use std::time::Duration;
 /// Largest tile that is believed: more than 512 x 512 texels take in any encoding \[bytes\].
 const LARGEST_TILE: u64 = 1 << 21;
 
-/// A tile to be fetched.
-#[derive(Debug)]
-struct Wanted {
-    /// Its address below the server's.
-    address: String,
-    /// Width and height \[texels\].
-    size: [u32; 2],
-}
+/// Tiles that are fetched ahead and that nobody has taken yet, at most: what is fast must not fill the memory.
+pub(super) const MOST_AHEAD: usize = 256;
+
+/// A tile: number of its texture, and its own.
+type Key = (u32, u32);
 
 /// What the threads share.
 #[derive(Debug, Default)]
 struct Shared {
     /// Tiles to fetch, in order.
-    queue: VecDeque<Wanted>,
+    queue: VecDeque<(Arc<Page>, u32)>,
     /// Those that are there, or have failed for good.
-    done: BTreeMap<String, Result<Arc<[u8]>, String>>,
+    done: BTreeMap<Key, Result<Arc<[u8]>, String>>,
+    /// Somebody waits for a tile that is not there.
+    missed: bool,
     closed: bool,
 }
 
@@ -51,13 +50,15 @@ impl Exchange {
     }
 
     /// The next tile to fetch; none when all is over.
-    fn take(&self) -> Option<Wanted> {
+    fn take(&self) -> Option<(Arc<Page>, u32)> {
         let mut shared = self.lock();
         loop {
             if shared.closed {
                 return None;
             }
-            if let Some(tile) = shared.queue.pop_front() {
+            if (shared.missed || shared.done.len() < MOST_AHEAD)
+                && let Some(tile) = shared.queue.pop_front()
+            {
                 return Some(tile);
             }
             shared = self.changed.wait(shared).unwrap_or_else(PoisonError::into_inner);
@@ -65,10 +66,13 @@ impl Exchange {
     }
 
     /// Waits until a tile that was asked for is there.
-    fn wait(&self, tile: &str) -> Result<Arc<[u8]>, String> {
+    fn wait(&self, tile: Key) -> Result<Arc<[u8]>, String> {
         let mut shared = self.lock();
         loop {
-            if let Some(done) = shared.done.remove(tile) {
+            let done = shared.done.remove(&tile);
+            shared.missed = done.is_none();
+            self.changed.notify_all();
+            if let Some(done) = done {
                 return done;
             }
             shared = self.changed.wait(shared).unwrap_or_else(PoisonError::into_inner);
@@ -98,6 +102,7 @@ struct Worker {
     exchange: Arc<Exchange>,
     fetcher: Fetcher,
     encoding: TileEncoding,
+    quality: u8,
     kept: Option<Kept>,
     progress: TileProgress,
 }
@@ -105,39 +110,50 @@ struct Worker {
 impl Worker {
     /// Fetches tiles until all is over.
     fn work(&self) {
-        while let Some(wanted) = self.exchange.take() {
-            let tile = self.obtain(&wanted).map(Arc::from);
+        while let Some((page, number)) = self.exchange.take() {
+            let tile = self.obtain(&page, number).map(Arc::from);
             self.exchange.change(|shared| {
-                shared.done.insert(wanted.address, tile);
+                shared.done.insert((page.texture, number), tile);
             });
         }
     }
 
     /// A tile that can be decoded, from the cache or from the server.
-    fn obtain(&self, Wanted { address, size }: &Wanted) -> Result<Vec<u8>, String> {
-        let check = |body: &[u8]| self.encoding.decode(body, *size).map(drop).map_err(|e| format!("corrupt: {e}"));
-        if let Some(body) = self.kept.as_ref().and_then(|kept| kept.cache.get(address, LARGEST_TILE, check)) {
+    fn obtain(&self, page: &Page, tile: u32) -> Result<Vec<u8>, String> {
+        let (address, (first, end)) = (self.address(page, tile), page.texels_of(tile));
+        let size = [end[0] - first[0], end[1] - first[1]];
+        let check = |body: &[u8]| self.encoding.decode(body, size).map(drop).map_err(|e| format!("corrupt: {e}"));
+        if let Some(body) = self.kept.as_ref().and_then(|kept| kept.cache.get(&address, LARGEST_TILE, check)) {
             self.progress.came(0);
             return Ok(body);
         }
-        let body = self.fetcher.tile(address, LARGEST_TILE, check, |pause| self.exchange.pause(pause))?;
+        let body = self.fetcher.tile(&address, LARGEST_TILE, check, |pause| self.exchange.pause(pause))?;
         if let Some(kept) = self.kept.as_ref().filter(|kept| kept.failed.get().is_none()) {
             // The picture does not suffer: who has asked for the cache is told in the end.
-            let _ = kept.cache.put(address, &body).map_err(|e| kept.failed.set(e.to_string()));
+            let _ = kept.cache.put(&address, &body).map_err(|e| kept.failed.set(e.to_string()));
         }
         self.progress.came(body.len() as u64);
         Ok(body)
+    }
+
+    /// Address of a tile below the server's.
+    fn address(&self, page: &Page, tile: u32) -> String {
+        let encoding = match self.encoding {
+            TileEncoding::Raw => "raw",
+            TileEncoding::Png => "png",
+            TileEncoding::Jpeg => "jpeg",
+        };
+        let [width, height] = page.cut.tile;
+        format!("tile/{}/{width}x{height}/{encoding}/{}/{tile}", page.texture, self.quality)
     }
 }
 
 /// Tiles of a server, fetched as they are announced, several at a time.
 #[derive(Debug)]
 pub struct RemoteTiles {
-    encoding: TileEncoding,
-    quality: u8,
     textures: BTreeMap<u32, [u32; 2]>,
     /// Tiles announced that nobody has taken yet.
-    announced: BTreeSet<String>,
+    announced: BTreeSet<Key>,
     worker: Worker,
     threads: Vec<JoinHandle<()>>,
 }
@@ -151,26 +167,13 @@ impl RemoteTiles {
         kept: Option<Kept>,
         progress: TileProgress,
     ) -> Self {
-        let worker = Worker { exchange: Arc::new(Exchange::default()), fetcher, encoding, kept, progress };
+        let worker = Worker { exchange: Arc::new(Exchange::default()), fetcher, encoding, quality, kept, progress };
         let start = |_| {
             let worker = worker.clone();
             thread::spawn(move || worker.work())
         };
         let threads = (0..in_flight.clamp(1, MOST_IN_FLIGHT)).map(start).collect();
-        Self { encoding, quality, textures: BTreeMap::new(), announced: BTreeSet::new(), worker, threads }
-    }
-
-    fn wanted(&self, page: &Page, tile: u32) -> Wanted {
-        let encoding = match self.encoding {
-            TileEncoding::Raw => "raw",
-            TileEncoding::Png => "png",
-            TileEncoding::Jpeg => "jpeg",
-        };
-        let ([width, height], (first, end)) = (page.cut.tile, page.texels_of(tile));
-        Wanted {
-            address: format!("tile/{}/{width}x{height}/{encoding}/{}/{tile}", page.texture, self.quality),
-            size: [end[0] - first[0], end[1] - first[1]],
-        }
+        Self { textures: BTreeMap::new(), announced: BTreeSet::new(), worker, threads }
     }
 }
 
@@ -181,19 +184,18 @@ impl TileSource for RemoteTiles {
     }
 
     fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
-        let wanted: Vec<Wanted> = tiles.iter().map(|(page, tile)| self.wanted(page, *tile)).collect();
-        self.announced.extend(wanted.iter().map(|w| w.address.clone()));
-        self.worker.progress.listed(wanted.len() as u64);
-        self.worker.exchange.change(|shared| shared.queue.extend(wanted));
+        self.announced.extend(tiles.iter().map(|(page, tile)| (page.texture, *tile)));
+        self.worker.progress.listed(tiles.len() as u64);
+        self.worker.exchange.change(|shared| shared.queue.extend(tiles.iter().cloned()));
     }
 
     fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
-        let address = self.wanted(page, tile).address;
-        if !self.announced.contains(&address) {
+        let key = (page.texture, tile);
+        if !self.announced.remove(&key) {
             self.announce(&[(Arc::clone(page), tile)]);
+            self.announced.remove(&key);
         }
-        self.announced.remove(&address);
-        self.worker.exchange.wait(&address).map_err(|e| format!("{}: {e}", place_of(page, tile)))
+        self.worker.exchange.wait(key).map_err(|e| format!("{}: {e}", place_of(page, tile)))
     }
 
     /// As raw tiles: what they take otherwise, only the server knows.

@@ -72,18 +72,18 @@ impl Fetcher {
     }
 
     /// Fetches the polygons, and the hash of the textures: that of the list, where the server tells none. From then on an
-    /// answer of a server that has other textures is a fault.
+    /// answer of a server that has other textures is a fault. `came` is told how many bytes have come.
     ///
     /// # Errors
     /// A sentence, when all attempts have failed.
-    pub fn polygons(&mut self) -> Result<(Vec<u8>, String), String> {
+    pub fn polygons(&mut self, came: impl Fn(u64)) -> Result<(Vec<u8>, String), String> {
         let url = format!("{}/polygons", self.base);
         let pause = |pause| {
             thread::sleep(pause);
             true
         };
         let (list, textures) = self
-            .retry(pause, || self.once(&url, LARGEST_LIST))
+            .retry(pause, || self.once(&url, LARGEST_LIST, &came))
             .map_err(|e| format!("{url}: {e}; is `basrelief serve` running there?"))?;
         self.textures = textures.filter(|hash| hash.len() == DIGITS && hash.bytes().all(|b| b.is_ascii_hexdigit()));
         let known = self.textures.clone().unwrap_or_else(|| hash_of(&list));
@@ -103,7 +103,7 @@ impl Fetcher {
     ) -> Result<Vec<u8>, String> {
         let url = format!("{}/{tile}", self.base);
         let checked = || {
-            let (body, textures) = self.once(&url, largest)?;
+            let (body, textures) = self.once(&url, largest, &|_| ())?;
             if self.textures.is_some() && textures != self.textures {
                 return Err("the server has other textures than when it sent the polygons; begin again".into());
             }
@@ -134,7 +134,7 @@ impl Fetcher {
         }
     }
 
-    fn once(&self, url: &str, largest: u64) -> Result<Answer, String> {
+    fn once(&self, url: &str, largest: u64, came: &dyn Fn(u64)) -> Result<Answer, String> {
         let mut response = self.agent.get(url).call().map_err(|e| self.told(&e))?;
         if response.status() != 200 {
             return Err(format!("http status: {}", response.status().as_u16()));
@@ -142,7 +142,7 @@ impl Fetcher {
         let header = |name| response.headers().get(name).and_then(|h| h.to_str().ok()).map(str::to_owned);
         let (hash, textures) = (header(HASH), header(TEXTURES));
         let hash = hash.ok_or_else(|| format!("no header {HASH}: not a server of tiles"))?;
-        let read = self.read(response.body_mut().as_reader(), largest);
+        let read = self.read(response.body_mut().as_reader(), largest, came);
         let body = read.map_err(|e| e.downcast::<ureq::Error>().map_or_else(|e| e.to_string(), |e| self.told(&e)))?;
         if hash != hash_of(&body) { Err("corrupt: the content does not have its hash".into()) } else { Ok((body, textures)) }
     }
@@ -154,13 +154,14 @@ impl Fetcher {
         }
     }
 
-    fn read(&self, mut reader: impl Read, largest: u64) -> io::Result<Vec<u8>> {
+    fn read(&self, mut reader: impl Read, largest: u64, came: &dyn Fn(u64)) -> io::Result<Vec<u8>> {
         let Patience { stall, slowest, .. } = self.patience;
         let began = Instant::now();
         let (mut body, mut chunk) = (Vec::new(), vec![0; 1 << 14]);
         loop {
             let n = reader.read(&mut chunk)?;
             body.extend_from_slice(&chunk[..n]);
+            came(body.len() as u64);
             if n == 0 {
                 return Ok(body);
             }

@@ -1,5 +1,6 @@
 //! Faults that pass, and faults that stay.
 
+use super::super::client::MOST_AHEAD;
 use super::*;
 use std::time::Instant;
 
@@ -10,6 +11,24 @@ fn tiles_come_as_they_are_whatever_the_requests_in_flight() {
         assert_eq!(all(&mut tiles(&url, in_flight, None)).unwrap(), expected());
         assert_eq!(count.load(Ordering::SeqCst), page().tiles());
     }
+}
+
+#[test]
+fn what_nobody_takes_is_not_fetched_without_end_and_what_is_asked_for_comes_all_the_same() {
+    let (url, count) = faulty(u32::MAX, |_| Fault::None);
+    let mut tiles = tiles(&url, 4, None);
+    let page = Arc::new(Page::new(0, &texture(), [Wrap::Repeat; 2], Cut { tile: [4, 4], ..Cut::default() }, 0));
+    let all: Vec<_> = (0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect();
+    tiles.announce(&all);
+    let fetched = || count.load(Ordering::SeqCst) as usize;
+    while fetched() < MOST_AHEAD {
+        thread::sleep(Duration::from_millis(1));
+    }
+    // A little more than a request takes: those under way come to their end.
+    thread::sleep(Duration::from_millis(100));
+    assert!((MOST_AHEAD..MOST_AHEAD + 4).contains(&fetched()), "{} of {}", fetched(), all.len());
+    tiles.tile(&page, page.tiles() - 1).unwrap();
+    assert_eq!(fetched(), all.len());
 }
 
 #[test]
@@ -61,7 +80,7 @@ fn a_fault_that_stays_is_an_error_that_names_texture_layer_and_tile() {
 fn a_server_that_has_other_textures_by_now_is_found_out() {
     let (url, _) = faulty(u32::MAX, |n| if n < 2 { Fault::None } else { Fault::OtherTextures });
     let mut fetcher = Fetcher::new(&url, PATIENCE);
-    assert_eq!(fetcher.polygons().unwrap(), (b"list".to_vec(), hash_of(b"textures")));
+    assert_eq!(fetcher.polygons(|_| ()).unwrap(), (b"list".to_vec(), hash_of(b"textures")));
     let mut tiles = RemoteTiles::new(fetcher, (TileEncoding::Png, 85), 1, None, TileProgress::new(true));
     let (tile, error) = all(&mut tiles).unwrap_err();
     assert_eq!(tile, 1);
@@ -74,7 +93,7 @@ fn attempts_end_when_their_time_is_over() {
     let began = Instant::now();
     let patience = Patience { attempts: 100, whole: 3 * PATIENCE.stall / 2, ..PATIENCE };
     let mut fetcher = Fetcher::new(&url, patience);
-    let error = fetcher.polygons().unwrap_err();
+    let error = fetcher.polygons(|_| ()).unwrap_err();
     assert!(error.contains("attempt 2; at most 100 are made, none 0.45 s after the first"), "{error}");
     assert!(error.ends_with("is `basrelief serve` running there?"), "{error}");
     assert_eq!(count.load(Ordering::SeqCst), 2);

@@ -19,7 +19,7 @@ const LOOPBACK: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
 
 fn polygons(address: SocketAddr) -> Vec<u8> {
     let patience = Patience { stall: Duration::from_secs(20), ..PATIENCE };
-    Fetcher::new(&format!("http://{address}"), patience).polygons().unwrap().0
+    Fetcher::new(&format!("http://{address}"), patience).polygons(|_| ()).unwrap().0
 }
 
 /// Sends this; all that comes until the server closes the connection.
