@@ -158,12 +158,11 @@ fn the_frames_of_the_server_share_their_tiles_and_so_do_other_views_of_the_same_
     assert_eq!(images(&place, "remote").len(), 3);
     assert!(device(&place, "remote", "tiles_reused") > 0);
     assert_eq!(counted.passed(), device(&place, "remote", "tiles_loaded"), "none is fetched twice");
-    // A quarter of a turn on.
-    let other = Server::start(&place, &format!("serve demo:gallery {SMALL} --frames 6 --orbit 120 --listen 127.0.0.1:0"));
+    // The same beginning, and then the other way round.
+    let other = Server::start(&place, &format!("serve demo:gallery {SMALL} --frames 2 --orbit -50 --listen 127.0.0.1:0"));
     let counted = Between::new(&other.1, u64::MAX);
     place.ok(&format!("run --from {} {CUT} --quiet --tile-cache kept --out other", counted.url));
-    let kept = device(&place, "remote", "tiles_loaded");
-    assert!(counted.passed() < device(&place, "other", "tiles_loaded"), "{kept} were there");
+    assert!((1..device(&place, "other", "tiles_loaded")).contains(&counted.passed()), "{}", counted.passed());
 }
 
 #[test]

@@ -12,9 +12,8 @@ use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-/// Renders from the server at `url`.
-pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
-    let began = seconds();
+/// The configuration of the machine; other machines, and a view, are refused.
+fn config_of(args: &RunArgs) -> Done<MachineConfig> {
     if args.machine.machine.is_some_and(|m| m.name != "defer") {
         return Err(Failure::Usage("--from: only machine `defer` renders from a server".into()));
     }
@@ -24,7 +23,13 @@ pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
         ));
     }
     let machine = MachineArgs { machine: Some(MachineInfo::named("defer").map_err(Failure::Usage)?), ..args.machine.clone() };
-    let config = input::config(&machine, None)?;
+    input::config(&machine, None)
+}
+
+/// Renders from the server at `url`.
+pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
+    let began = seconds();
+    let config = config_of(args)?;
     let MachineConfig::Defer(device) = &config else { return Err(Failure::Usage("--from: needs machine defer".into())) };
     let shown = TileProgress::new(quiet || args.simulation.json);
     let mut fetcher = Fetcher::new(url, Patience::default());

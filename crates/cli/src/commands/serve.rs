@@ -34,7 +34,7 @@ pub fn serve(args: &ServeArgs, quiet: bool) -> Done {
         &mut polygons,
         (form, begin_of(&scene)),
         vec![],
-        Progress::new(None, "commands", true),
+        Progress::new(None, "commands", quiet),
     )?;
     let served = Served::new(polygons, textures(&scene), hash_of_textures(&scene));
     let (address, server) = served.listen(args.listen, Limits::default()).map_err(Failure::Bad)?;

@@ -23,7 +23,7 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { idle: Duration::from_secs(10), connections: 64 }
+        Self { idle: Duration::from_secs(10), connections: 256 }
     }
 }
 

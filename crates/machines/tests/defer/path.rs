@@ -5,7 +5,7 @@ use crate::runs::{Tile, config, replay, timed};
 use basrelief_deferred_renderer::identification::layers_of;
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{Cell, Cut, FilledBuffer, Page, TextureMemory, TileEncoding, TileSource};
-use basrelief_kernel::{Engine, Outcome, run};
+use basrelief_kernel::{Engine, Outcome, run, run_functional};
 use basrelief_machines::defer::DeferredRenderer;
 use basrelief_signals::Texture;
 use std::cell::RefCell;
@@ -89,6 +89,39 @@ fn a_tile_that_does_not_come_or_is_cut_short_is_an_error_that_names_it() {
         assert!(text.contains("texture ") && text.contains("layer ") && text.contains("tile "), "{text}");
         assert!(text.contains(if lost { "the server is gone" } else { "expected" }), "{text}");
     }
+}
+
+#[test]
+fn a_lost_tile_leaves_every_picture_that_has_its_tiles_whatever_the_engine() {
+    let settings = [FAST, SMALL, &[("defer.mode", "progressive")]].concat();
+    let whole = timed(&views(&[0.0]), &settings).seen;
+    let config = config(&settings);
+    let machine = |left: u32| {
+        let source = Damaged { good: TextureMemory::new(TileEncoding::Raw, 85), left, lost: true };
+        let mut machine = DeferredRenderer::with_source(replay(&views(&[0.0]), &config), &config, Box::new(source)).unwrap();
+        machine.keep();
+        machine
+    };
+    let loaded = whole.count("tiles_loaded") as u32;
+    let pictures_of = |mut machine: DeferredRenderer<_>| {
+        assert!(machine.lost().is_some_and(|lost| lost.contains("the server is gone")));
+        let pictures = machine.drain_rounds().into_iter().chain(machine.drain_shown());
+        pictures.map(|shown| shown.picture.rgb).collect::<Vec<_>>()
+    };
+    let mut counts = vec![];
+    for left in [loaded / 3, 2 * loaded / 3, loaded - 1] {
+        let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| {
+            let mut machine = machine(left);
+            assert!(matches!(run(&mut machine, engine).outcome, Outcome::Deadlock(_)));
+            pictures_of(machine)
+        });
+        let mut functional = machine(left);
+        run_functional(&mut functional, &mut |_| true).unwrap();
+        let functional = pictures_of(functional);
+        assert!(timed == ticked && timed == functional, "{left}");
+        counts.push(timed.len());
+    }
+    assert!(counts.is_sorted() && counts[2] > counts[0], "{counts:?} of {loaded} tiles");
 }
 
 /// A server that writes down what it is asked for: texture and tile.
