@@ -1,7 +1,7 @@
 //! Pictures of what a machine shows beside its own.
 
 use basrelief_reference::Picture;
-use basrelief_session::{Exhibit, dump};
+use basrelief_session::{Exhibit, layer_depth_picture, tile_map_picture};
 
 /// The picture that an exhibit makes, and its name.
 pub fn picture(exhibit: &Exhibit) -> Option<(String, Picture)> {
@@ -11,8 +11,8 @@ pub fn picture(exhibit: &Exhibit) -> Option<(String, Picture)> {
             let picture = Picture { width: p.width, height: p.height, rgb: p.rgb.clone(), covered: p.covered.clone() };
             Some((round_name(p.index, shown.round), picture))
         }
-        Exhibit::ReferenceBuffer(filled) => Some((depth_name(filled.frame), dump::layer_depth(filled))),
-        Exhibit::TileLists(lists) => Some(("tiles.png".into(), dump::tile_map(lists))),
+        Exhibit::ReferenceBuffer(filled) => Some((depth_name(filled.frame), layer_depth_picture(filled))),
+        Exhibit::TileLists(lists) => Some(("tiles.png".into(), tile_map_picture(lists))),
         Exhibit::Tiles { .. } => None,
     }
 }

@@ -1,5 +1,6 @@
 //! Values per pixel as colours, with the scale drawn below.
 
+use crate::lettering::{ADVANCE, set, write};
 use basrelief_reference::Picture;
 
 /// Height of the scale below the picture \[pixels\]: a bar, ticks, numbers.
@@ -9,25 +10,6 @@ const SCALE_HEIGHT: u32 = 30;
 /// colour-blind.
 const COLORS: [[u8; 3]; 7] =
     [[8, 6, 30], [60, 15, 98], [125, 30, 108], [190, 55, 82], [236, 105, 37], [251, 173, 20], [252, 250, 180]];
-
-/// Digits and the point, three columns by five rows: one row per octal digit.
-const GLYPHS: [(char, [u8; 5]); 11] = [
-    ('0', [7, 5, 5, 5, 7]),
-    ('1', [2, 6, 2, 2, 7]),
-    ('2', [7, 1, 7, 4, 7]),
-    ('3', [7, 1, 7, 1, 7]),
-    ('4', [5, 5, 7, 1, 1]),
-    ('5', [7, 4, 7, 1, 7]),
-    ('6', [7, 4, 7, 5, 7]),
-    ('7', [7, 1, 2, 2, 2]),
-    ('8', [7, 5, 7, 5, 7]),
-    ('9', [7, 5, 7, 1, 7]),
-    ('.', [0, 0, 0, 0, 2]),
-];
-
-/// Picture pixels per pixel of a glyph, and from glyph to glyph.
-const GLYPH_SCALE: u32 = 2;
-const ADVANCE: u32 = 4 * GLYPH_SCALE;
 
 /// Draws `values`, row by row; not a number is background. Colours run from 0 to `top`, and these numbers and `marks` between
 /// stand below.
@@ -82,25 +64,6 @@ fn draw_scale(picture: &mut Picture, row: u32, top: f64, marks: &[f64]) {
 fn label(value: f64) -> String {
     let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-fn write(picture: &mut Picture, start: u32, row: u32, text: &str) {
-    for (k, letter) in (0..).zip(text.chars()) {
-        let Some((_, glyph)) = GLYPHS.iter().find(|(known, _)| *known == letter) else { continue };
-        for (y, x) in (0..5 * GLYPH_SCALE).flat_map(|y| (0..3 * GLYPH_SCALE).map(move |x| (y, x))) {
-            if glyph[(y / GLYPH_SCALE) as usize] >> (2 - x / GLYPH_SCALE) & 1 == 1 {
-                set(picture, start + k * ADVANCE + x, row + y, [255; 3]);
-            }
-        }
-    }
-}
-
-fn set(picture: &mut Picture, x: u32, y: u32, color: [u8; 3]) {
-    let place = y as usize * picture.width as usize + x as usize;
-    if x < picture.width && place < picture.rgb.len() {
-        picture.rgb[place] = color;
-        picture.covered[place] = true;
-    }
 }
 
 #[cfg(test)]

@@ -29,6 +29,7 @@ mod exact;
 mod exhibit;
 mod expectation;
 mod heat_map;
+mod lettering;
 mod machine;
 mod methods;
 mod observer;
@@ -39,6 +40,7 @@ mod shade;
 mod tee;
 mod texel;
 mod texel_pictures;
+mod tile_pictures;
 
 pub use ablation::ablate;
 pub use basrelief_kernel::NoProbe;
@@ -52,6 +54,7 @@ pub use record::{begin_of, display_list};
 pub use run::{Run, SessionError, run, stages};
 pub use settings::{Settings, Source};
 pub use texel_pictures::{displacement_picture, divisions_picture};
+pub use tile_pictures::{layer_depth_picture, tile_map_picture};
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]
