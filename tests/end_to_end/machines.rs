@@ -125,8 +125,8 @@ fn bad_values_of_the_figure_shading_device_are_errors_that_name_them() {
         ("--set shade.ia=nan", 2, "`shade.ia`"),
         ("--set interpolation.latency=99999", 2, "`interpolation.latency` is 99999, expected 0..=4096"),
         ("--set replacement.entries=64", 2, "`replacement.entries` is a parameter of machine `bump`, and this is `shade`"),
-        ("--set host.buffers=2 --set fifo.finished.depth=1", 1, "`fifo.finished.depth`: is 1, but 2 polygons"),
-        ("--set cache.depth.line_bytes=48", 1, "`cache.depth.line_bytes`: is 48, expected a power of two"),
+        ("--set host.buffers=2 --set fifo.finished.depth=1", 2, "`fifo.finished.depth`: is 1, but 2 polygons"),
+        ("--set cache.depth.line_bytes=48", 2, "--set: `cache.depth.line_bytes`: is 48, expected a power of two"),
         ("--machine bump --set shade.mode=normal", 2, "`shade.mode` is a parameter of machine `shade`"),
         ("--machine lathe", 2, ""),
     ] {
@@ -139,7 +139,13 @@ fn bad_values_of_the_figure_shading_device_are_errors_that_name_them() {
     fs::write(place.path("c.toml"), "[replacement]\nentries = 64\n").expect("written");
     let outcome = place.run("demo ellipsoid --config c.toml");
     assert!(outcome.error(1).contains("c.toml: `replacement` is a parameter of machine `bump`"), "{}", outcome.err);
-    assert_eq!(place.names(""), ["c.toml"]);
+    // What does not fit together is blamed on who brought it about.
+    fs::write(place.path("c.toml"), "[host]\nbuffers = 2\n[fifo.finished]\ndepth = 1\n").expect("written");
+    let outcome = place.run("demo ellipsoid@1 --config c.toml");
+    assert!(outcome.error(1).contains("c.toml: `fifo.finished.depth`: is 1, but 2 polygons"), "{}", outcome.err);
+    let mended = place.run("demo ellipsoid@1 --size 16x12 --config c.toml --set host.buffers=1 --out mended");
+    assert_eq!(mended.code(), 0, "{}", mended.err);
+    assert_eq!(place.names(""), ["c.toml", "mended"]);
 }
 
 #[test]

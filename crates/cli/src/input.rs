@@ -172,12 +172,16 @@ pub fn config(args: &MachineArgs, demo: Option<&str>) -> Done<MachineConfig> {
         None => String::new(),
         Some(path) => read_text(path)?,
     };
-    if let Some(path) = &args.config {
-        let failed = Failure::within(&path.display().to_string());
-        machine.load(&text, &[]).map_err(|e| failed(explained(&e, machine)))?;
-    }
+    let file = args.config.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
+    let in_file = |e: String| Failure::Bad(format!("{file}: {e}"));
+    let of_file = machine.load(&text, &[]).map_err(|e| in_file(explained(&e, machine)))?;
     let settings: Vec<(&str, &str)> = args.settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
-    machine.load(&text, &settings).map_err(|e| Failure::Usage(format!("--set: {}", explained(&e, machine))))
+    let wrong = |e: String| Failure::Usage(format!("--set: {e}"));
+    let config = machine.load(&text, &settings).map_err(|e| wrong(explained(&e, machine)))?;
+    // Single settings may mend what does not fit together in the file, or the other way round.
+    let blame = |e: String| if of_file.check().is_err() { in_file(e) } else { wrong(e) };
+    config.check().map_err(|problem| blame(problem.to_string()))?;
+    Ok(config)
 }
 
 /// What is wrong with a configuration. A parameter of another machine is no slip of the pen.

@@ -3,7 +3,7 @@
 use crate::device::Device;
 use crate::drive::Session;
 use crate::exact::Exact;
-use crate::machine::for_device;
+use crate::machine::{MachineConfig, for_device};
 use crate::observer::Observer;
 use crate::record::hash_of;
 use crate::settings::{Settings, Source};
@@ -87,6 +87,20 @@ fn stages_of<D: Device>(device: &D, source: &Source) -> Result<Vec<StageTopology
             device.build(front).map(|mut m| kernel::topology(&mut m))
         }
     }
+}
+
+impl MachineConfig {
+    /// Whether its parameters, each in its range, fit together.
+    ///
+    /// # Errors
+    /// Where they do not: the parameter to change, and what to do.
+    pub fn check(&self) -> Result<(), ConfigProblem> {
+        for_device!(self, device => fits(device))
+    }
+}
+
+fn fits<D: Device>(device: &D) -> Result<(), ConfigProblem> {
+    device.build(SceneFront::new(std::iter::empty::<Draw>(), device.front())).map(|_| ())
 }
 
 /// Runs `source` on the machine: draws it, draws it exactly, measures, reports.
