@@ -1,7 +1,8 @@
 //! The rate-limited renderer: what it writes.
 
-use crate::support::{Place, is_valid, picture};
+use crate::support::{Place, is_valid, picture, workspace};
 use serde_json::Value;
+use std::fs;
 
 const SMALL: &str = "--size 64x48 --quiet --set tile.width=8 --set tile.height=8";
 
@@ -66,4 +67,58 @@ fn a_dump_that_there_is_none_of_is_refused() {
     assert!(refused("demo sphere --dump tiles t.jsonl").contains("--machine defer has"));
     assert!(refused("demo gallery --dump everything t.jsonl").contains("expected spans, reference-buffer, tiles"));
     assert!(place.names("").is_empty());
+}
+
+#[test]
+fn a_local_disk_is_a_path_too_0025_and_every_preset_says_what_its_path_is() {
+    let place = Place::new();
+    let folder = workspace().join("presets");
+    let line = |preset: &str| {
+        format!("demo gallery --size 64x48 --quiet --no-exact --config {}/{preset} --out {preset}", folder.display())
+    };
+    let mut presets: Vec<_> = fs::read_dir(&folder).expect("presets").map(|e| e.expect("readable").file_name()).collect();
+    presets.sort();
+    assert_eq!(presets, ["disk.toml", "modem.toml"]);
+    let reports = ["disk.toml", "modem.toml"].map(|preset| {
+        place.ok(&line(preset));
+        place.report(preset)
+    });
+    let paths = reports.each_ref().map(|r| {
+        let path = &r["config"]["path"];
+        ["bits_per_second", "latency_us", "requests"].map(|key| path[key].as_u64().unwrap_or(0))
+    });
+    assert_eq!(paths, [[80_000_000, 14_556, 1], [56_000, 100_000, 8]]);
+    let tiles = |r: &Value| r["device"]["tiles_loaded"].as_u64().unwrap_or(0);
+    let ms = |r: &Value| r["device"]["final_picture_ms"].as_f64().unwrap_or(0.0);
+    assert!(tiles(&reports[0]) > 1 && tiles(&reports[0]) == tiles(&reports[1]));
+    // One command at a time: each tile waits for a seek of its own.
+    let seeks = tiles(&reports[0]) as f64 * 14.556;
+    assert!(ms(&reports[0]) >= seeks && ms(&reports[0]) < 1.5 * seeks + 100.0, "{} ms, {seeks} ms of seeks", ms(&reports[0]));
+    assert!(ms(&reports[1]) > 3.0 * ms(&reports[0]));
+}
+
+#[test]
+fn a_recorded_list_draws_the_same_pictures_in_every_form_and_mode() {
+    let place = Place::new();
+    let model = workspace().join("tests/models/alcove.gltf");
+    let (model, view) = (model.display(), "--size 48x36 --frames 2 --orbit 40");
+    let small = "--set tile.width=8 --set tile.height=8 --quiet --machine defer --set defer.mode";
+    for form in ["jsonl", "bdl", "jsonl.zst", "bdl.zst"] {
+        place.ok(&format!("record {model} {view} --machine defer --out t.{form}"));
+    }
+    for mode in ["best", "progressive", "conventional"] {
+        place.ok(&format!("run {model} {view} {small}={mode} --out scene"));
+        let of_scene = place.report("scene");
+        assert_eq!(of_scene["image"].as_array().map(Vec::len), Some(2));
+        for form in ["jsonl", "bdl", "jsonl.zst", "bdl.zst"] {
+            place.ok(&format!("run t.{form} {small}={mode} --out {form}"));
+            let replayed = place.report(form);
+            for (a, b) in
+                of_scene["image"].as_array().into_iter().flatten().zip(replayed["image"].as_array().into_iter().flatten())
+            {
+                assert_eq!(a["sha256"], b["sha256"], "{mode}, {form}");
+            }
+            assert_eq!(replayed["device"]["tiles_loaded"], of_scene["device"]["tiles_loaded"], "{mode}, {form}");
+        }
+    }
 }
