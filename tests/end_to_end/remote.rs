@@ -165,15 +165,20 @@ fn the_frames_of_the_server_share_their_tiles_and_so_do_other_views_of_the_same_
     assert!((1..device(&place, "other", "tiles_loaded")).contains(&counted.passed()), "{}", counted.passed());
 }
 
-#[test]
-fn tiles_kept_from_other_texels_are_not_taken() {
-    let place = Place::new();
+/// A triangle with a texture of one colour, served; quicker to make than a gallery.
+fn serve_triangle(place: &Place, colour: [u8; 3]) -> Server {
     let model = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl m\nf 1/1 2/2 3/3\n";
     fs::write(place.path("m.obj"), model).expect("written");
     fs::write(place.path("m.mtl"), "newmtl m\nKd 1 1 1\nmap_Kd t.png\n").expect("written");
+    image::RgbImage::from_pixel(16, 16, image::Rgb(colour)).save(place.path("t.png")).expect("written");
+    Server::start(place, "serve m.obj --size 32x24 --listen 127.0.0.1:0")
+}
+
+#[test]
+fn tiles_kept_from_other_texels_are_not_taken() {
+    let place = Place::new();
     let drawn = [[200, 0, 0], [0, 0, 200]].map(|colour| {
-        image::RgbImage::from_pixel(16, 16, image::Rgb(colour)).save(place.path("t.png")).expect("written");
-        let server = Server::start(&place, "serve m.obj --size 32x24 --listen 127.0.0.1:0");
+        let server = serve_triangle(&place, colour);
         place.ok(&format!("run --from {} --tile-cache kept --quiet --out remote", server.1));
         place.ok("run m.obj --machine defer --size 32x24 --quiet --out file");
         assert_eq!(images(&place, "remote"), images(&place, "file"), "{colour:?}");
@@ -216,7 +221,7 @@ fn a_server_that_sends_no_list_of_polygons_is_an_error_that_names_it() {
 fn a_cache_that_is_no_folder_is_refused_before_anything_is_fetched() {
     let place = Place::new();
     fs::write(place.path("file"), "mine").expect("written");
-    let server = Server::start(&place, &format!("serve demo:gallery {SMALL} --listen 127.0.0.1:0"));
+    let server = serve_triangle(&place, [200, 0, 0]);
     let between = Between::new(&server.1, u64::MAX);
     let refused = place.run(&format!("run --from {} --tile-cache file --quiet", between.url));
     assert!(refused.error(1).starts_with("file: cannot be written"), "{}", refused.err);
@@ -226,7 +231,7 @@ fn a_cache_that_is_no_folder_is_refused_before_anything_is_fetched() {
 #[test]
 fn a_proxy_of_the_environment_is_not_asked() {
     let place = Place::new();
-    let server = Server::start(&place, &format!("serve demo:gallery {SMALL} --listen 127.0.0.1:0"));
+    let server = serve_triangle(&place, [200, 0, 0]);
     let mut command = place.command(&format!("run --from {} --quiet", server.1));
     let nobody = "http://127.0.0.1:1/";
     let run = finish(command.env("HTTP_PROXY", nobody).env("http_proxy", nobody).env("ALL_PROXY", nobody));
@@ -268,7 +273,7 @@ fn last_words(child: &mut Child) -> String {
 #[test]
 fn a_server_that_is_interrupted_says_that_it_has_stopped() {
     let place = Place::new();
-    let mut server = Server::start(&place, &format!("serve demo:gallery {SMALL} --listen 127.0.0.1:0"));
+    let mut server = serve_triangle(&place, [200, 0, 0]);
     interrupt(&mut server.0);
     assert_eq!(last_words(&mut server.0), "stopped serving\n");
 }

@@ -6,8 +6,11 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// Of the next partial file.
+static NUMBER: AtomicU64 = AtomicU64::new(0);
 static UNFINISHED: Mutex<Vec<Leftover>> = Mutex::new(Vec::new());
 
 /// What must not stay behind.
@@ -143,7 +146,9 @@ impl PartialFile {
             let file = BufWriter::new(File::options().write(true).open(path)?);
             return Ok(Self { path: path.into(), partial: None, file });
         }
-        let partial = path.with_file_name(format!(".{}.partial-{}", name.to_string_lossy(), std::process::id()));
+        // Threads may write the same file, as runs that share a cache do.
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let partial = path.with_file_name(format!(".{}.partial-{}-{number}", name.to_string_lossy(), std::process::id()));
         let mut unfinished = Unfinished::lock();
         let file = BufWriter::new(File::create(&partial)?);
         unfinished.0.push(Leftover::File(partial.clone()));

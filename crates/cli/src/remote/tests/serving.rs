@@ -86,6 +86,17 @@ fn who_takes_nothing_is_let_go_and_others_are_answered() {
 }
 
 #[test]
+fn a_connection_that_the_server_has_let_go_is_no_fault_to_the_client() {
+    let address = serving(LOOPBACK, LITTLE);
+    let patience = Patience { attempts: 1, stall: Duration::from_secs(20), ..PATIENCE };
+    let mut fetcher = Fetcher::new(&format!("http://{address}"), patience);
+    for _ in 0..2 {
+        assert_eq!(fetcher.polygons(|_| ()).unwrap().0, b"list");
+        thread::sleep(2 * LITTLE.idle);
+    }
+}
+
+#[test]
 fn who_announces_a_body_gets_an_answer_at_once_and_takes_no_memory() {
     let address = serving(LOOPBACK, Limits { idle: Duration::from_secs(100), connections: 1 });
     for announced in ["Content-Length: 99999999999999", "Transfer-Encoding: chunked"] {
