@@ -160,6 +160,8 @@ parameters! {
         root_cycles: u32 = 12, unit: "cycles", Assumed("iterative, two bits per cycle"), range: 1..=4096;
         /// Table of steps: latency of a look-up.
         table_cycles: u32 = 2, unit: "cycles", Assumed("normalisation, look-up"), range: 1..=4096;
+        /// e / |dw|, once for each span that is subdivided: its first step waits for it.
+        division_cycles: u32 = 16, unit: "cycles", Assumed("a divider of its own, as those of u and v: iterative, two bits per cycle"), range: 0..=4096;
         /// From the start of a step, or the root's answer, to delivery.
         latency: u32 = 2, unit: "cycles", Assumed("a product, a sum"), range: 0..=4096;
     }
@@ -188,6 +190,8 @@ parameters! {
         initiation_interval: u32 = 1, unit: "cycles", Assumed("two adders step u and v"), range: 1..=4096;
         /// From start to delivery of a pixel.
         latency: u32 = 3, unit: "cycles", Assumed("reciprocal of the length by table, product, sum"), range: 0..=4096;
+        /// Reciprocal of w for the gradient of a pixel: where gradients are per pixel, one may start this often.
+        reciprocal_cycles: u32 = 16, unit: "cycles", Assumed("a divider of its own, as those of u and v: iterative, two bits per cycle"), range: 1..=4096;
     }
 }
 

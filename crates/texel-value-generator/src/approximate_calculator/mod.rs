@@ -33,6 +33,12 @@ pub struct ApproximateCalculator {
     pub state: ApproximateCalculatorState,
 }
 
+/// Gradients of the segment take a reciprocal for each pixel.
+#[inline]
+fn divides(per: MipPer, segment: &Segment) -> bool {
+    per == MipPer::Pixel || segment.exact
+}
+
 type Out = Step<(Option<Flow<TexelStrip>>, Option<Flow<GradientStrip>>)>;
 
 impl ApproximateCalculator {
@@ -115,7 +121,7 @@ impl ApproximateCalculator {
             displacements[position] = away as f32;
         }
         if self.gradients {
-            let slope = if self.per == MipPer::Pixel || segment.exact {
+            let slope = if divides(self.per, segment) {
                 state.counters.gradient_reciprocals += 1;
                 std::array::from_fn(|i| (span.step[i] - uv[i] * span.step[2]) / exact[2])
             } else {
@@ -127,14 +133,17 @@ impl ApproximateCalculator {
 
     fn advance(&mut self) -> Out {
         let pixels = self.walk();
-        let Segment { span, from, walk, .. } = self.state.segment;
+        let segment = self.state.segment;
+        let Segment { span, from, walk, .. } = segment;
         let next = from + self.state.done;
         self.state.is_walking = self.state.done < walk;
         // Past the span, or in another cell.
         let whole = next >= span.count || span.column(next) / STRIP as u16 != self.state.strip.strip.x / STRIP as u16;
         let out = if whole { self.state.close() } else { (None, None) };
-        let latency = u64::from(self.config.latency);
-        Step::over(usize::from(pixels), u64::from(self.config.initiation_interval), latency, out)
+        let ApproximationConfig { initiation_interval, latency, reciprocal_cycles } = self.config;
+        let divides = self.gradients && span.textured && divides(self.per, &segment);
+        let interval = if divides { initiation_interval.max(reciprocal_cycles) } else { initiation_interval };
+        Step::over(usize::from(pixels), interval.into(), latency.into(), out)
     }
 }
 

@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// sends each segment to the approximate calculator (310a) and its points to the dividers.
 ///
 /// A step of this unit is a turn of Figure 4B: from the current point the next one. It takes a square root, or a look-up, and
-/// the next turn waits for it. Division points of a span are thus found ahead of the quotients, and no division waits for the
+/// the next turn waits for it; the first of a span waits for e / |dw|, too. Division points of a span are thus found ahead of the quotients, and no division waits for the
 /// interpolation in front of it.
 #[derive(Clone, Debug, Default)]
 pub struct StepCalculator {
@@ -66,13 +66,14 @@ impl StepCalculator {
         }
     }
 
-    /// Figure 4A from step 420 on.
-    fn begin(&mut self, span: Span) {
+    /// Figure 4A from step 420 on; the cycles that e / |dw| takes.
+    fn begin(&mut self, span: Span) -> u64 {
         let state = &mut self.state;
         state.from = 0;
         state.counters.spans += 1;
         state.counters.pixels += u64::from(span.count);
         state.counters.single += u64::from(span.count == 1);
+        let mut cycles = 0;
         if !span.textured {
             state.counters.untextured += 1;
         } else if self.config.method == Method::Adaptive {
@@ -80,7 +81,10 @@ impl StepCalculator {
             let short = u32::from(span.count) <= self.config.min_span;
             state.counters.short += u64::from(short);
             state.equation = (!short).then(|| StepEquation::new(span.step[2], state.storage.criterion()));
-            state.counters.step_divisions += u64::from(!short && span.step[2] != 0.0);
+            if !short && span.step[2] != 0.0 {
+                state.counters.step_divisions += 1;
+                cycles = u64::from(self.config.division_cycles);
+            }
         } else if self.config.method == Method::Subpolygon {
             state.subdivision.enter(state.polygon.as_deref(), span.triangle, self.config.interval);
         }
@@ -88,6 +92,7 @@ impl StepCalculator {
             log.push(SpanRecord::new(&span));
         }
         state.span = Some(span);
+        cycles
     }
 
     /// Step 444: the next division point behind `from`, and the cycles that it takes to find it.
@@ -175,15 +180,16 @@ impl Unit for StepCalculator {
     #[inline(always)]
     fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
-        match input {
+        let division = match input {
             Some(Flow::Control(control)) => {
                 self.take(&control);
                 return Step::after(latency, (Some(Flow::Control(control.clone())), Some(Flow::Control(control))));
             }
             Some(Flow::Item(span)) => self.begin(span),
-            None => {}
-        }
+            None => 0,
+        };
         let Some((segment, points, cycles)) = self.segment() else { return Step::after(latency, (None, None)) };
+        let cycles = division + cycles;
         let out = (Some(Flow::Item(segment)), Some(Flow::Item(points)));
         Step::after(latency + cycles - 1, out).busy(cycles)
     }

@@ -25,6 +25,8 @@ pub struct Walked {
     pub counters: StepCounters,
     pub divider: Divider,
     pub approximate: ApproximateCalculator,
+    /// Cycles that each step kept the step calculator, and all kept the approximate calculator.
+    pub kept: (Vec<u64>, u64),
 }
 
 impl Walked {
@@ -66,23 +68,27 @@ pub fn walk_on(config: &TexelConfig, span: Span, polygon: &Arc<Polygon>, gradien
     let mut divider = Divider::new(DividerConfig::default());
     let mut approximate = ApproximateCalculator::new(ApproximationConfig::default(), 24, gradients);
     let (mut segments, mut strips, mut out_gradients) = (Vec::new(), Vec::new(), Vec::new());
-    let mut none = Traffic::default();
+    let (mut none, mut kept) = (Traffic::default(), (Vec::new(), 0));
     for token in [Flow::Control(Control::Polygon(Arc::clone(polygon))), Flow::Item(span)] {
         let mut input = Some(token);
         while input.is_some() || steps.demand() == Demand::Nothing {
-            let (segment, points) = steps.step(input.take(), &mut none).out;
+            let step = steps.step(input.take(), &mut none);
+            kept.0.push(step.occupancy);
+            let (segment, points) = step.out;
             segments.extend(segment.iter().filter_map(|s| if let Flow::Item(s) = s { Some(*s) } else { None }));
             let quotients = divider.step(points, &mut none).out;
             let mut pair = Some((segment, quotients));
             while pair.is_some() || approximate.demand() == Demand::Nothing {
-                let (strip, gradient) = approximate.step(pair.take().unwrap_or((None, None)), &mut none).out;
+                let step = approximate.step(pair.take().unwrap_or((None, None)), &mut none);
+                kept.1 += step.occupancy;
+                let (strip, gradient) = step.out;
                 strips.extend(strip.into_iter().filter_map(|s| if let Flow::Item(s) = s { Some(s) } else { None }));
                 out_gradients.extend(gradient.into_iter().filter_map(|s| if let Flow::Item(s) = s { Some(s) } else { None }));
             }
         }
     }
     assert!(steps.is_empty() && approximate.is_empty());
-    Walked { segments, strips, gradients: out_gradients, counters: steps.state.counters, divider, approximate }
+    Walked { segments, strips, gradients: out_gradients, counters: steps.state.counters, divider, approximate, kept }
 }
 
 /// W at the ends in a ratio of up to 1:1000, either way round, of every size; now and then equal.

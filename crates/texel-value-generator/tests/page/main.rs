@@ -6,3 +6,4 @@ mod figures;
 mod lines;
 mod mip;
 mod spans;
+mod timing;
