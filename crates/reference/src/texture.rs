@@ -92,10 +92,10 @@ impl Sampler<'_> {
 
     fn coordinate(&self, at: f64, finest: u32, size: u32, level: usize, wrap: Wrap) -> f64 {
         let Pyramid::Tiled { centre, .. } = self.pyramid else { return at * f64::from(size) };
-        // The period is that of the finest level: a side that was rounded up does not fill its level.
+        // Period and edge are those of the finest level: a side that was rounded up does not fill its level.
         let inside = match wrap {
             Wrap::Repeat => at.rem_euclid(1.0),
-            Wrap::Clamp => at,
+            Wrap::Clamp => at.clamp(0.0, 1.0),
             Wrap::Mirror => 1.0 - (at.rem_euclid(2.0) - 1.0).abs(),
         };
         let corner = match centre {
@@ -249,6 +249,8 @@ mod tests {
         let half = |u, step| value(TexelCentre::Half, Wrap::Clamp, u, step);
         assert!((half(1.0, 2.0) - 5.0).abs() < 1e-9 && (half(3.0, 2.0) - 25.0).abs() < 1e-9, "middles of level 1");
         assert!((half(2.0, 2.0) - 15.0).abs() < 1e-9 && (half(5.0, 2.0) - 40.0).abs() < 1e-9);
+        assert!((half(5.0, 4.0) - 33.75).abs() < 1e-9, "the edge of level 2 is a quarter into its last texel");
+        assert_eq!([half(5.001, 4.0), half(70.0, 4.0)], [half(5.0, 4.0); 2], "and goes on beyond");
         let integer = |u, step| value(TexelCentre::Integer, Wrap::Clamp, u, step);
         assert!((integer(2.0, 2.0) - 25.0).abs() < 1e-9, "texel 1 of level 1, half a texel aside");
         assert!((integer(3.0, 1.0) - 30.0).abs() < 1e-9);

@@ -5,7 +5,7 @@ use basrelief_machines::defer::DeferConfig;
 use basrelief_report::Report;
 use basrelief_scene::{ViewOptions, load_path};
 use basrelief_session::{NoProbe, Settings, Source, Unobserved, begin_of, display_list, run};
-use basrelief_signals::{Control, Material, Object, Scene, Texture};
+use basrelief_signals::{Control, Material, Object, Scene, Texture, Wrap};
 use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
@@ -76,4 +76,33 @@ fn the_first_frame_declares_all_textures_of_the_scene_those_out_of_view_too_452(
     assert!(declared.len() == 2 && declared[0].contains(&77) && declared[1].is_empty(), "{declared:?}");
     let names = |c: &Control| matches!(c, Control::Polygon(p) if p.material.color_texture.as_ref().is_some_and(|t| t.id == 77));
     assert!(!list.iter().any(names), "no polygon names it");
+}
+
+/// The alcove with this wrap mode on all textures, coordinates running far beyond their edges.
+fn wrapped(wrap: Wrap) -> Arc<Scene> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/alcove.gltf");
+    let mut scene = load_path(&path, &ViewOptions { size: [160, 120], ..ViewOptions::default() }).unwrap();
+    for object in &mut scene.objects {
+        let object = Arc::make_mut(object);
+        let mesh = Arc::make_mut(&mut object.mesh);
+        mesh.uv.iter_mut().flatten().for_each(|c| *c = 2.5 * *c - 0.7);
+        if let Some(texture) = &mut Arc::make_mut(&mut object.material).color_texture {
+            Arc::make_mut(texture).sampler.wrap = [wrap; 2];
+        }
+    }
+    Arc::new(scene)
+}
+
+#[test]
+fn section_3_the_exact_picture_goes_on_beyond_the_edges_of_odd_textures_as_the_device_does() {
+    for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+        for centre in ["half", "integer"] {
+            let settings = [("tile.width", "4"), ("tile.height", "4"), ("defer.texel_centre", centre)];
+            let config: DeferConfig = basrelief_parameters::load("", &settings).unwrap();
+            let settings = Settings { config: config.into(), engine: None, ..Settings::default() };
+            let report = run(Source::Scene(wrapped(wrap)), &settings, &mut Unobserved, &mut NoProbe).unwrap().report;
+            let db = report.quality.map_or(0.0, |quality| quality.last.psnr_db);
+            assert!(db >= 50.0, "{wrap:?}, {centre}: {db:.2} dB");
+        }
+    }
 }
