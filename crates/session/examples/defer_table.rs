@@ -5,7 +5,7 @@
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{DEMOS, ViewOptions, demo, load_path};
-use basrelief_session::{MachineInfo, NoProbe, Settings, Source, Unobserved, run};
+use basrelief_session::{MachineInfo, Settings, Source, Unobserved, run};
 use basrelief_signals::Scene;
 use std::error::Error;
 use std::path::Path;
@@ -33,7 +33,7 @@ fn draw(scene: &Arc<Scene>, mode: &str, (_, rate, latency): (&str, &str, &str)) 
     let set = [("defer.mode", mode), ("path.bits_per_second", rate), ("path.latency_us", latency)];
     let config = MachineInfo::named("defer")?.load("", &set)?;
     let settings = Settings { config, exact: false, ..Settings::default() };
-    Ok(run(Source::Scene(Arc::clone(scene)), &settings, &mut Unobserved, &mut NoProbe)?.report)
+    Ok(run(Source::Scene(Arc::clone(scene)), &settings, &mut Unobserved, None)?.report)
 }
 
 fn number(report: &Report, name: &str) -> f64 {

@@ -4,7 +4,7 @@
 //! models.
 
 use basrelief_scene::{DEMOS, ViewOptions, demo, load_path};
-use basrelief_session::{MachineInfo, NoProbe, Settings, Source, Unobserved, run};
+use basrelief_session::{MachineInfo, Settings, Source, Unobserved, run};
 use basrelief_signals::Scene;
 use std::error::Error;
 use std::path::Path;
@@ -24,7 +24,7 @@ fn open(name: &str) -> Result<Scene, Box<dyn Error>> {
 fn row(scene: &Arc<Scene>, entries: &str, (label, levels, tables): (&str, &str, &str)) -> Result<String, Box<dyn Error>> {
     let set = [("replacement.entries", entries), ("brightness.levels", levels), ("replacement.tables", tables)];
     let settings = Settings { config: MachineInfo::named("bump")?.load("", &set)?, ..Settings::default() };
-    let report = run(Source::Scene(Arc::clone(scene)), &settings, &mut Unobserved, &mut NoProbe)?.report;
+    let report = run(Source::Scene(Arc::clone(scene)), &settings, &mut Unobserved, None)?.report;
     let q = report.quality.as_ref().map(|q| q.last).ok_or("no exact picture")?;
     let cycles = report.cycles.as_ref().map_or(0, |c| c.total);
     let memories = report.memories.iter().flatten();

@@ -5,7 +5,7 @@
 
 use basrelief_report::work::{paths, work};
 use basrelief_scene::{DEMOS, ViewOptions, demo, load_path};
-use basrelief_session::{MachineInfo, NoProbe, Run, SessionError, Settings, Source, Unobserved, ablate, run};
+use basrelief_session::{MachineInfo, Run, SessionError, Settings, Source, Unobserved, ablate, run};
 use basrelief_signals::Scene;
 use std::error::Error;
 use std::path::Path;
@@ -44,7 +44,7 @@ fn settings(set: Set<'_>) -> Result<Settings, Box<dyn Error>> {
 }
 
 fn draw(scene: &Arc<Scene>, settings: &Settings) -> Result<Run, SessionError> {
-    run(Source::Scene(Arc::clone(scene)), settings, &mut Unobserved, &mut NoProbe)
+    run(Source::Scene(Arc::clone(scene)), settings, &mut Unobserved, None)
 }
 
 /// One row per path.
@@ -75,7 +75,7 @@ fn by_time_of_a_multiplication(scene: &Arc<Scene>) -> Result<(), Box<dyn Error>>
     for cycles in MULTIPLY_CYCLES {
         let settings = settings(&[("normal_interpolation.multiply_cycles", cycles)])?;
         let table = ablate(&settings, &mut Unobserved, |settings, observer| {
-            run(Source::Scene(Arc::clone(scene)), settings, observer, &mut NoProbe)
+            run(Source::Scene(Arc::clone(scene)), settings, observer, None)
         })?;
         let changes: Vec<String> = table.variants.iter().skip(1).map(|v| format!("{:+.2}", v.change_percent)).collect();
         let largest = table.variants.iter().map(|v| v.largest_change).max().unwrap_or(0);

@@ -6,7 +6,7 @@
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{DEMOS, ViewOptions, demo, load_path};
-use basrelief_session::{MachineInfo, NoProbe, Settings, Source, Unobserved, run};
+use basrelief_session::{MachineInfo, Settings, Source, Unobserved, run};
 use basrelief_signals::Scene;
 use std::error::Error;
 use std::path::Path;
@@ -43,7 +43,7 @@ fn open(name: &str) -> Result<Scene, Box<dyn Error>> {
 
 fn report(scene: &Arc<Scene>, set: Set<'_>, exact: bool) -> Result<Report, Box<dyn Error>> {
     let settings = Settings { config: MachineInfo::named("texel")?.load("", set)?, exact, ..Settings::default() };
-    Ok(run(Source::Scene(Arc::clone(scene)), &settings, &mut Unobserved, &mut NoProbe)?.report)
+    Ok(run(Source::Scene(Arc::clone(scene)), &settings, &mut Unobserved, None)?.report)
 }
 
 fn figure(report: &Report, name: &str) -> f64 {

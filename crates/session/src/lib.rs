@@ -4,12 +4,12 @@
 //! A program that loads a trace, runs the machine and reads its report:
 //!
 //! ```
-//! use basrelief_session::{NoProbe, Settings, Source, Unobserved, run};
+//! use basrelief_session::{Settings, Source, Unobserved, run};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let bytes = basrelief_session::doc_trace();
 //! let source = Source::trace(std::io::Cursor::new(bytes), "quad.dl.jsonl");
-//! let run = run(source, &Settings::default(), &mut Unobserved, &mut NoProbe)?;
+//! let run = run(source, &Settings::default(), &mut Unobserved, None)?;
 //! let report = run.report;
 //! let cycles = report.cycles.as_ref().map_or(0, |c| c.total);
 //! println!("{cycles} cycles, picture {}", report.image[0].sha256);
@@ -41,9 +41,9 @@ mod tee;
 mod texel;
 mod texel_pictures;
 mod tile_pictures;
+mod watch;
 
 pub use ablation::ablate;
-pub use basrelief_kernel::NoProbe;
 pub use basrelief_machines::texel::{DisplacementMap, FrameLog, SpanRecord};
 pub use exhibit::Exhibit;
 pub use expectation::{check_expectation, expectation_of};
@@ -55,6 +55,7 @@ pub use run::{Run, SessionError, run, stages};
 pub use settings::{Settings, Source};
 pub use texel_pictures::{displacement_picture, divisions_picture};
 pub use tile_pictures::{layer_depth_picture, tile_map_picture};
+pub use watch::Watch;
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]

@@ -8,10 +8,11 @@ use crate::observer::Observer;
 use crate::record::hash_of;
 use crate::settings::{Settings, Source};
 use crate::tee::{Seen, Tee};
+use crate::watch::{Watch, Watched};
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Expectation, Files, NoFiles, Resolver, TraceError};
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::{self as kernel, Probe, RunReport, StageTopology};
+use basrelief_kernel::{self as kernel, NoProbe, Probe, RunReport, StageTopology};
 use basrelief_machines::{ConfigProblem, SceneFront, TraceFront};
 use basrelief_report::Report;
 use basrelief_report::model::Input;
@@ -103,13 +104,25 @@ fn fits<D: Device>(device: &D) -> Result<(), ConfigProblem> {
     device.build(SceneFront::new(std::iter::empty::<Draw>(), device.front())).map(|_| ())
 }
 
-/// Runs `source` on the machine: draws it, draws it exactly, measures, reports.
+/// Runs `source` on the machine: draws it, draws it exactly, measures, reports; `probe` watches every stage.
 ///
 /// A deadlock, the limit of cycles and a stop by the observer are outcomes in the report.
 ///
 /// # Errors
 /// What keeps a run from giving a report: see [`SessionError`].
-pub fn run<P: Probe>(
+pub fn run(
+    source: Source,
+    settings: &Settings,
+    observer: &mut dyn Observer,
+    probe: Option<&mut dyn Watch>,
+) -> Result<Run, SessionError> {
+    match probe {
+        Some(watch) => run_probed(source, settings, observer, &mut Watched(watch)),
+        None => run_probed(source, settings, observer, &mut NoProbe),
+    }
+}
+
+fn run_probed<P: Probe>(
     source: Source,
     settings: &Settings,
     observer: &mut dyn Observer,

@@ -4,7 +4,7 @@ use basrelief_display_list::{Form, Recorder};
 use basrelief_machines::defer::DeferConfig;
 use basrelief_report::Report;
 use basrelief_scene::{ViewOptions, load_path};
-use basrelief_session::{NoProbe, Settings, Source, Unobserved, begin_of, display_list, run};
+use basrelief_session::{Settings, Source, Unobserved, begin_of, display_list, run};
 use basrelief_signals::{Control, Material, Object, Scene, Texture, Wrap};
 use std::io::Cursor;
 use std::path::Path;
@@ -39,7 +39,7 @@ fn recorded(scene: &Arc<Scene>, config: &DeferConfig, form: Form) -> Vec<u8> {
 
 fn report(source: Source, config: &DeferConfig) -> Report {
     let settings = Settings { config: config.clone().into(), exact: false, ..Settings::default() };
-    run(source, &settings, &mut Unobserved, &mut NoProbe).unwrap().report
+    run(source, &settings, &mut Unobserved, None).unwrap().report
 }
 
 /// What the device counted of tiles, bytes and pixels.
@@ -100,7 +100,7 @@ fn section_3_the_exact_picture_goes_on_beyond_the_edges_of_odd_textures_as_the_d
             let settings = [("tile.width", "4"), ("tile.height", "4"), ("defer.texel_centre", centre)];
             let config: DeferConfig = basrelief_parameters::load("", &settings).unwrap();
             let settings = Settings { config: config.into(), engine: None, ..Settings::default() };
-            let report = run(Source::Scene(wrapped(wrap)), &settings, &mut Unobserved, &mut NoProbe).unwrap().report;
+            let report = run(Source::Scene(wrapped(wrap)), &settings, &mut Unobserved, None).unwrap().report;
             let db = report.quality.map_or(0.0, |quality| quality.last.psnr_db);
             assert!(db >= 50.0, "{wrap:?}, {centre}: {db:.2} dB");
         }

@@ -4,7 +4,7 @@
 mod tool;
 
 use basrelief_reference::{Options, Picture, Shading, Style, TextureFilter};
-use basrelief_session::{MachineInfo, NoProbe, Observer, Pictures, Settings, Source, run};
+use basrelief_session::{MachineInfo, Observer, Pictures, Settings, Source, run};
 use basrelief_signals::Scene;
 use std::sync::Arc;
 use tool::{Mesa, agreement, double_sided, load};
@@ -25,7 +25,7 @@ fn draw(machine: &str, settings: &[(&str, &str)], scene: &Arc<Scene>) -> Picture
     let config = MachineInfo::named(machine).expect("a machine").load("", settings).expect("valid parameters");
     let settings = Settings { config, engine: None, exact: false, ..Settings::default() };
     let mut kept = Kept::default();
-    run(Source::Scene(Arc::clone(scene)), &settings, &mut kept, &mut NoProbe).expect("a picture");
+    run(Source::Scene(Arc::clone(scene)), &settings, &mut kept, None).expect("a picture");
     kept.0.expect("a picture")
 }
 

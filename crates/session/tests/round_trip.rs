@@ -8,7 +8,7 @@ use basrelief_parameters::load;
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_session::{NoProbe, Settings, Source, Unobserved, begin_of, display_list, run};
+use basrelief_session::{Settings, Source, Unobserved, begin_of, display_list, run};
 use basrelief_signals::{Control, Scene};
 use std::io::Cursor;
 use std::sync::Arc;
@@ -31,7 +31,7 @@ fn recorded(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding
 
 fn report(source: Source, config: &BumpProcessorConfig) -> Report {
     let settings = Settings { config: config.clone().into(), exact: false, ..Settings::default() };
-    run(source, &settings, &mut Unobserved, &mut NoProbe).unwrap().report
+    run(source, &settings, &mut Unobserved, None).unwrap().report
 }
 
 /// The scene's run and the run of its trace.

@@ -9,11 +9,11 @@ use crate::error::{Done, Failure, print};
 use crate::input::{self, Input, demo_of};
 use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
-use basrelief_kernel::{Engine, Probe, StageTopology};
+use basrelief_kernel::{Engine, StageTopology};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, MACHINES, MachineConfig, NoProbe, Observer, Run, SessionError, Settings, Source, Unobserved, picture_name,
+    self as session, MACHINES, MachineConfig, Observer, Run, SessionError, Settings, Source, Unobserved, Watch, picture_name,
 };
 use std::cell::Cell;
 use std::io::{BufWriter, IsTerminal, Write};
@@ -101,7 +101,7 @@ pub fn simulate_source(
     let (kinds, extra, rounds) = (vec![], vec![], settings.config.shows_rounds().then_some(0));
     let mut watcher = Watcher { dumps, outputs, progress, read, error_bound, frames: 0, kinds, map: None, rounds, extra };
     let ran = match &simulation.timeline {
-        None => run_named(source, &settings, &mut watcher, &mut NoProbe).map(|run| (run, None)),
+        None => run_named(source, &settings, &mut watcher, None).map(|run| (run, None)),
         Some(path) => with_timeline(path, source, &settings, &mut watcher),
     };
     let (run, timeline) = match ran {
@@ -134,7 +134,7 @@ fn source_of(input: Input, quiet: bool) -> (Source, Progress, Option<Rc<Cell<u64
 }
 
 /// A run whose errors name the input, unless it is the parameters that are wrong.
-pub fn run_named<P: Probe>(source: Source, settings: &Settings, observer: &mut dyn Observer, probe: &mut P) -> Done<Run> {
+pub fn run_named(source: Source, settings: &Settings, observer: &mut dyn Observer, probe: Option<&mut dyn Watch>) -> Done<Run> {
     let name = source.name().to_owned();
     session::run(source, settings, observer, probe).map_err(|e| match e {
         SessionError::Trace(_) | SessionError::Fault(_) | SessionError::Observer(_) => Failure::within(&name)(e),
@@ -149,7 +149,7 @@ fn with_timeline(path: &Path, source: Source, settings: &Settings, watcher: &mut
     let stages: Vec<StageNames> = session::stages(&source, settings).map_err(Failure::bad)?.into_iter().map(names).collect();
     let mut file = PartialFile::create(path).map_err(failed())?;
     let mut timeline = Timeline::new(BufWriter::new(&mut file), settings.config.machine().name, &stages);
-    let run = run_named(source, settings, watcher, &mut timeline)?;
+    let run = run_named(source, settings, watcher, Some(&mut timeline))?;
     match &run.timing {
         Some(timing) => timeline.finish(timing).and_then(|mut out| out.flush()).map_err(failed())?,
         None => drop(timeline),
@@ -216,7 +216,7 @@ pub fn simulate_quietly(source: Source, config: &MachineConfig, engine: Option<E
     let settings =
         Settings { config: config.clone(), engine: engine.or(Some(Engine::Timed)), exact: false, ..Settings::default() };
     let name = source.name().to_owned();
-    let run = run_named(source, &settings, &mut Unobserved, &mut NoProbe)?;
+    let run = run_named(source, &settings, &mut Unobserved, None)?;
     match run.report.outcome.kind {
         OutcomeKind::Complete => Ok(run),
         _ => Err(Failure::within(&name)(run.report.outcome.message.as_deref().unwrap_or("incomplete"))),

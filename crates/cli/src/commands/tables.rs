@@ -7,7 +7,7 @@ use crate::error::{Done, Failure, print};
 use crate::input::Input;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
-use basrelief_session::{self as session, NoProbe, Observer, Run, Settings, Source};
+use basrelief_session::{self as session, Observer, Run, Settings, Source};
 use std::io::Write;
 use std::sync::Arc;
 
@@ -53,7 +53,7 @@ fn write_table(
     };
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
     let mut watcher = Watcher(Progress::new(None, "commands", quiet || simulation.json));
-    let mut run = |settings: &Settings, observer: &mut dyn Observer| run_named(source()?, settings, observer, &mut NoProbe);
+    let mut run = |settings: &Settings, observer: &mut dyn Observer| run_named(source()?, settings, observer, None);
     let table = make(&mut watcher, &mut run)?;
     drop(watcher);
     publish(outputs, &table, simulation)?;
