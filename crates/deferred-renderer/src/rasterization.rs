@@ -1,28 +1,22 @@
 //! Final rasterization (463, 464; 472, 473), with the texture-data memory (130) that it reads.
 
-use crate::acquisition::How;
 use crate::cell::CellFormat;
 use crate::colour::{Choice, best, progressive, sample, shaded};
 use crate::config::{EngineConfig, RenderMode};
 use crate::identification::{BlockMarks, centre_of};
-use crate::page::Tap;
+use crate::records::{TileRecord, records_of};
 use crate::server::place_of;
 use crate::texels::PageTexels;
 use crate::tokens::{CellBlock, ExpandedTile, MarkFlow, Order, PassFlow};
+use crate::touched::{MOST_LINES, Touched};
 use crate::{Cell, Page};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{PictureFlow, PixelBlock};
-use std::sync::Arc;
 
-/// Client of the texel cache.
-const TEXELS: u32 = 0;
 /// Client that writes tiles.
 const STORE: u32 = 1;
 /// Client that reads tiles to be averaged.
 const SOURCES: u32 = 2;
-
-/// Most lines of the texel cache that a block of 4 x 4 pixels touches: four texels of two layers each.
-pub const MOST_LINES: u32 = 16 * 2 * 4;
 
 /// What the final rasterization waits for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,17 +28,6 @@ enum Phase {
     Orders,
     /// A tile of the path.
     Tile(u16, u32),
-}
-
-/// What a tile was in a frame.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TileRecord {
-    /// Its page.
-    pub page: Arc<Page>,
-    /// Its number.
-    pub tile: u32,
-    /// How it came in this frame; none: it was there before, and was needed.
-    pub acquired: Option<How>,
 }
 
 /// What the final rasterization has counted.
@@ -124,21 +107,6 @@ impl Rasterization {
         std::mem::take(&mut self.records)
     }
 
-    /// Tiles that came in this frame, and those of earlier ones that it needed.
-    fn record(&self) -> Vec<TileRecord> {
-        let of_page = |texels: &PageTexels| {
-            let page = Arc::clone(&texels.page);
-            let frame = self.frame;
-            let of_tile = move |(tile, h): (usize, &crate::texels::TileHistory)| {
-                let acquired = h.acquired.filter(|a| a.1 == frame).map(|a| a.0);
-                let record = TileRecord { page: Arc::clone(&page), tile: tile as u32, acquired };
-                (acquired.is_some() || (h.needed == frame && h.acquired.is_some())).then_some(record)
-            };
-            texels.history().iter().enumerate().filter_map(of_tile).collect::<Vec<_>>()
-        };
-        self.pages.iter().flat_map(of_page).collect()
-    }
-
     fn order(&mut self, order: Order, traffic: &mut Traffic) -> Step<Out> {
         match order {
             Order::Load { page, tile } => self.phase = Phase::Tile(page, tile),
@@ -207,8 +175,7 @@ impl Rasterization {
         self.counters.most_pictures = self.counters.most_pictures.max(self.pictures.into());
         let last = !self.improvable || self.pictures == self.pictures_per_view;
         if last && self.keep {
-            let record = self.record();
-            self.records.push((self.frame as u32 - 1, record));
+            self.records.push((self.frame as u32 - 1, records_of(&self.pages, self.frame)));
         }
         let marks = (self.mode == RenderMode::Progressive).then_some(MarkFlow::End);
         (marks, Some(PictureFlow::Show { last }))
@@ -219,7 +186,7 @@ impl Rasterization {
     fn colour(&mut self, block: &CellBlock, traffic: &mut Traffic) -> Step<Out> {
         let mut pixels = PixelBlock { at: block.at, mask: block.mask, rgb: [[0; 3]; 16] };
         let mut marks = BlockMarks::new(block.at, self.centre);
-        let mut touched = [None; 2];
+        let mut touched = [Touched::default(); 2];
         let mut interpolations = 0;
         for (i, cell) in block.drawn() {
             pixels.rgb[i] = match cell.page() {
@@ -247,7 +214,7 @@ impl Rasterization {
         &mut self,
         page: usize,
         cell: &Cell,
-        (marks, touched): (&mut BlockMarks, &mut [Option<Touched>; 2]),
+        (marks, touched): (&mut BlockMarks, &mut [Touched; 2]),
         traffic: &mut Traffic,
     ) -> ([u8; 3], usize) {
         let Some(texels) = self.pages.get_mut(page) else { return ([0; 3], 0) };
@@ -270,37 +237,11 @@ impl Rasterization {
             if improve.is_none() {
                 texels.need(layer, &taps, self.frame);
             }
-            look_up(&texels.page, layer, &taps, &mut touched[slot], traffic);
+            touched[slot].look_up(&texels.page, layer, &taps, traffic);
         }
         self.counters.textured += 1;
         self.counters.between_layers += u64::from(choice.upper.is_some());
         (shaded(&self.format, cell, sample.colour), layers)
-    }
-}
-
-/// Page, layer, and blocks of texels: what the pixel before has touched.
-type Touched = (u16, u8, [u32; 4]);
-
-/// Looks the blocks of 4 x 4 texels up that a sample reads, unless the pixel before has read the same.
-#[inline]
-fn look_up(page: &Page, layer: u8, [x, y]: &[Tap; 2], before: &mut Option<Touched>, traffic: &mut Traffic) {
-    let blocks = [x.first >> 2, x.second >> 2, y.first >> 2, y.second >> 2];
-    let touched = Some((page.number, layer, blocks));
-    if *before == touched {
-        return;
-    }
-    *before = touched;
-    let mut one = |x: u32, y: u32| traffic.look_up(TEXELS, page.address_of(layer, [x, y]), 4);
-    one(x.first, y.first);
-    let (wide, high) = (blocks[0] != blocks[1], blocks[2] != blocks[3]);
-    if wide {
-        one(x.second, y.first);
-    }
-    if high {
-        one(x.first, y.second);
-    }
-    if wide && high {
-        one(x.second, y.second);
     }
 }
 

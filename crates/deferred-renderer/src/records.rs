@@ -1,0 +1,31 @@
+//! What became of tiles, frame by frame, for who wants to look at it.
+
+use crate::Page;
+use crate::acquisition::How;
+use crate::texels::{PageTexels, TileHistory};
+use std::sync::Arc;
+
+/// What a tile was in a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TileRecord {
+    /// Its page.
+    pub page: Arc<Page>,
+    /// Its number.
+    pub tile: u32,
+    /// How it came in this frame; none: it was there before, and was needed.
+    pub acquired: Option<How>,
+}
+
+/// Tiles that came in a frame (counted from 1), and those of earlier ones that it needed.
+pub(crate) fn records_of(pages: &[PageTexels], frame: u64) -> Vec<TileRecord> {
+    let of_page = |texels: &PageTexels| {
+        let page = Arc::clone(&texels.page);
+        let of_tile = move |(tile, h): (usize, &TileHistory)| {
+            let acquired = h.acquired.filter(|a| a.1 == frame).map(|a| a.0);
+            let record = TileRecord { page: Arc::clone(&page), tile: tile as u32, acquired };
+            (acquired.is_some() || (h.needed == frame && h.acquired.is_some())).then_some(record)
+        };
+        texels.history().iter().enumerate().filter_map(of_tile).collect::<Vec<_>>()
+    };
+    pages.iter().flat_map(of_page).collect()
+}

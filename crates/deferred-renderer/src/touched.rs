@@ -1,0 +1,40 @@
+//! Texels that a sample reads, as look-ups in the cache of the texture-data memory (130).
+
+use crate::Page;
+use crate::page::Tap;
+use basrelief_kernel::Traffic;
+
+/// Client of the texel cache.
+const TEXELS: u32 = 0;
+
+/// Most lines of the texel cache that a block of 4 x 4 pixels touches: four texels of two layers each.
+pub const MOST_LINES: u32 = 16 * 2 * 4;
+
+/// What the pixel before has touched: page, layer, and blocks of texels.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Touched(Option<(u16, u8, [u32; 4])>);
+
+impl Touched {
+    /// Looks the blocks of 4 x 4 texels up that a sample reads, unless the pixel before has read the same.
+    #[inline]
+    pub(crate) fn look_up(&mut self, page: &Page, layer: u8, [x, y]: &[Tap; 2], traffic: &mut Traffic) {
+        let blocks = [x.first >> 2, x.second >> 2, y.first >> 2, y.second >> 2];
+        let touched = Some((page.number, layer, blocks));
+        if self.0 == touched {
+            return;
+        }
+        self.0 = touched;
+        let mut one = |x: u32, y: u32| traffic.look_up(TEXELS, page.address_of(layer, [x, y]), 4);
+        one(x.first, y.first);
+        let (wide, high) = (blocks[0] != blocks[1], blocks[2] != blocks[3]);
+        if wide {
+            one(x.second, y.first);
+        }
+        if high {
+            one(x.first, y.second);
+        }
+        if wide && high {
+            one(x.second, y.second);
+        }
+    }
+}
