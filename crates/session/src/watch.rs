@@ -3,7 +3,7 @@
 use basrelief_kernel::{Cause, Cycle, Probe};
 
 /// What a [`Probe`] is told, whatever its type. So the machines are compiled once, with this crate, and not once more in every
-/// program that runs them: that took more than half of the time in which all programs and tests were built.
+/// program that runs them: that took a fifth of the time of a test build.
 pub trait Watch {
     /// See [`Probe::worked`].
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle);
