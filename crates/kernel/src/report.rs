@@ -1,6 +1,5 @@
 //! What a run came to: outcome, accounting, occupancy, traffic.
 
-use crate::engine::Halt;
 use crate::stage::split_wait;
 use crate::topology::StageTopology;
 use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
@@ -196,6 +195,18 @@ fn explain<I: Inputs, O: Outputs, const M: bool>(
             format!("`{name}` waits for memory port `{port}`")
         }
     }
+}
+
+/// Why an engine stopped.
+pub(crate) enum Halt {
+    /// No step can ever start.
+    Quiet,
+    /// The limit of cycles.
+    Limit(u64),
+    /// The caller asked to stop.
+    Stopped,
+    /// A unit cannot go on.
+    Fault(String),
 }
 
 /// Ends a run: outcome, total, and everybody's part.

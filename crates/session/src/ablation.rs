@@ -1,7 +1,7 @@
 //! What each short cut of a machine saves, and what it costs: the same input with each switched off in turn.
 
 use crate::observer::{Observer, Pictures};
-use crate::run::{Run, SessionError};
+use crate::outcome::{Run, SessionError};
 use crate::settings::Settings;
 use basrelief_kernel::Outcome;
 use basrelief_report::Report;

@@ -5,7 +5,7 @@ use crate::difference::difference;
 use crate::exact::Exact;
 use crate::exhibit::Exhibit;
 use crate::observer::{Observer, Pictures, picture_name};
-use crate::run::{Run, SessionError};
+use crate::outcome::{Run, SessionError};
 use crate::settings::Settings;
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;

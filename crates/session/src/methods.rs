@@ -3,7 +3,7 @@
 use crate::ablation::complete;
 use crate::machine::MachineConfig;
 use crate::observer::Observer;
-use crate::run::{Run, SessionError};
+use crate::outcome::{Run, SessionError};
 use crate::settings::Settings;
 use basrelief_machines::texel::TexelMachineConfig;
 use basrelief_report::methods::{Method, Methods, figure};

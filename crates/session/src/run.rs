@@ -5,16 +5,16 @@ use crate::drive::Session;
 use crate::exact::Exact;
 use crate::machine::{MachineConfig, for_device};
 use crate::observer::Observer;
+use crate::outcome::{Run, SessionError};
 use crate::record::hash_of;
 use crate::settings::{Settings, Source};
 use crate::tee::{Seen, Tee};
 use crate::watch::{Watch, Watched};
 use basrelief_deferred_renderer::TileSource;
-use basrelief_display_list::{Expectation, Files, NoFiles, Resolver, TraceError};
+use basrelief_display_list::{Files, NoFiles, Resolver};
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::{self as kernel, NoProbe, Probe, RunReport, StageTopology};
+use basrelief_kernel::{self as kernel, NoProbe, Probe, StageTopology};
 use basrelief_machines::{ConfigProblem, SceneFront, TraceFront};
-use basrelief_report::Report;
 use basrelief_report::model::Input;
 use basrelief_signals::{Control, Draw, Scene};
 use std::cell::{Cell, RefCell};
@@ -22,52 +22,6 @@ use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
-
-/// What can keep a run from giving a report.
-#[derive(Debug, thiserror::Error)]
-pub enum SessionError {
-    /// The trace.
-    #[error(transparent)]
-    Trace(#[from] TraceError),
-    /// Parameters that do not fit together.
-    #[error(transparent)]
-    Config(#[from] ConfigProblem),
-    /// A unit could not go on.
-    #[error("{0}")]
-    Fault(String),
-    /// The observer could not take a frame.
-    #[error("{0}")]
-    Observer(String),
-    /// Nothing to switch off in an ablation.
-    #[error("machine `{0}` has no short cuts that could be switched off")]
-    NoShortCuts(&'static str),
-    /// No methods to compare.
-    #[error("machine `{0}` has no methods to compare; --machine texel has")]
-    NoMethods(&'static str),
-    /// A run of a table of runs whose cycles mean nothing.
-    #[error("{0}")]
-    Incomplete(String),
-}
-
-/// What a run came to.
-#[derive(Debug)]
-pub struct Run {
-    /// The report, without host figures.
-    pub report: Report,
-    /// What the engine came to; `None` for the functional model.
-    pub timing: Option<RunReport>,
-    /// What a trace expects of its replay.
-    pub expectations: Vec<Expectation>,
-    /// From the first to the last simulated step, without reading, exact drawing, metrics and writing \[s\].
-    pub simulate_s: f64,
-}
-
-impl Run {
-    /// The report with the host's figures: `wall_s` is the time of everything \[s\].
-    pub fn with_host(self, wall_s: f64) -> Report {
-        self.report.with_host(wall_s, self.simulate_s)
-    }
-}
 
 /// The stages of the machine under these settings, in the order in which a probe numbers them.
 ///

@@ -1,6 +1,6 @@
 //! `basrelief compare`: what changed between two reports.
 
-use super::run::style;
+use super::simulate::style;
 use crate::args::CompareArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::read_text;

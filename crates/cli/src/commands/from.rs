@@ -1,6 +1,6 @@
 //! `basrelief run --from`: renders what a server offers.
 
-use super::run::{seconds, settings_of, simulate_source};
+use super::simulate::{seconds, settings_of, simulate_source};
 use crate::args::{MachineArgs, RunArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use crate::input;

@@ -1,4 +1,4 @@
-//! One file per command.
+//! One file per command, and what several share.
 
 mod compare;
 mod convert;
@@ -9,6 +9,7 @@ mod record;
 mod run;
 mod schema;
 mod serve;
+mod simulate;
 mod tables;
 mod verify;
 mod watcher;

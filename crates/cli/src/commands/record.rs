@@ -1,7 +1,7 @@
 //! `basrelief record`: what the geometry processor hands on, as a display list.
 
 use super::convert::to_trace_file;
-use super::run::simulate_quietly;
+use super::simulate::simulate_quietly;
 use crate::args::RecordArgs;
 use crate::error::{Done, Failure};
 use crate::input::{self, Input, demo_of};

@@ -1,7 +1,7 @@
 //! Tables of runs of the same input: `--ablate`, what each short cut of a machine saves; `--compare-methods`, what each of its
 //! methods costs at the same error.
 
-use super::run::{run_named, style};
+use super::simulate::{run_named, style};
 use crate::args::SimulationArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::Input;

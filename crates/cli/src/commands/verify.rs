@@ -1,7 +1,7 @@
 //! `basrelief verify`: traces carry what is expected of them; replaying one is a test of itself.
 
 use super::convert::form_of;
-use super::run::simulate_quietly;
+use super::simulate::simulate_quietly;
 use crate::args::VerifyArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::{TraceFile, beside};

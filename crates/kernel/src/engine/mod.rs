@@ -48,18 +48,6 @@ pub fn run_functional<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut
     functional::run(machine, progress)
 }
 
-/// Why an engine stopped.
-pub(crate) enum Halt {
-    /// No step can ever start.
-    Quiet,
-    /// The limit of cycles.
-    Limit(u64),
-    /// The caller asked to stop.
-    Stopped,
-    /// A unit cannot go on.
-    Fault(String),
-}
-
 /// Learns what does not change, before the first step: who has which clients and needs how many credits, and which
 /// memories are private.
 fn attach(machine: &mut impl Machine) {

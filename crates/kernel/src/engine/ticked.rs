@@ -1,7 +1,8 @@
 //! `ticked`: every unit in every cycle. Each cycle of each unit is charged as it passes, and occupancies are counted
 //! cycle by cycle, so that nothing of the timed engine's interval arithmetic is shared.
 
-use super::{Halt, Land, Limits, fault_of};
+use super::{Land, Limits, fault_of};
+use crate::report::Halt;
 use crate::stage::{Wait, charge, next_start, split_wait};
 use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
 use crate::{Cycle, Demand, Probe, Stage, Traffic, Unit};

@@ -1,7 +1,8 @@
 //! `timed`: every stage runs ahead as far as its inputs, outputs and credits are known; when none can go on, the
 //! memories answer what nothing still to come can precede. Cost is O(tokens x stages), whatever the cycles.
 
-use super::{Halt, Land, Limits, fault_of};
+use super::{Land, Limits, fault_of};
+use crate::report::Halt;
 use crate::stage::{Clock, charge, next_start, promise, split_wait};
 use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
 use crate::{Cycle, Probe, Stage, Traffic, Unit};

@@ -1,0 +1,172 @@
+//! A run from its source to its files, and what all commands that simulate share.
+
+use super::dump::Dumps;
+use super::watcher::Watcher;
+use crate::args::{EngineName, SimulationArgs};
+use crate::error::{Done, Failure, print};
+use crate::outputs::{Outputs, PartialFile};
+use crate::progress::Progress;
+use basrelief_kernel::{Engine, StageTopology};
+use basrelief_report::model::OutcomeKind;
+use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
+use basrelief_session::{
+    self as session, MachineConfig, Observer, Run, SessionError, Settings, Source, Unobserved, Watch, picture_name,
+};
+use std::cell::Cell;
+use std::io::{BufWriter, IsTerminal, Write};
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::OnceLock;
+use std::time::Instant;
+
+/// Seconds since the first call.
+pub fn seconds() -> f64 {
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_secs_f64()
+}
+
+impl From<EngineName> for Engine {
+    fn from(name: EngineName) -> Self {
+        match name {
+            EngineName::Timed => Self::Timed,
+            EngineName::Ticked => Self::Ticked,
+        }
+    }
+}
+
+/// As the command line says; nobody has asked for logs yet.
+pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs) -> Settings {
+    Settings {
+        config,
+        engine: (!simulation.functional).then(|| simulation.engine.into()),
+        max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
+        exact: !simulation.no_exact,
+        log: false,
+        clock: seconds,
+    }
+}
+
+/// Simulates a source; with it comes its progress, and the bytes of a trace read so far.
+pub fn simulate_source(
+    began: f64,
+    (source, progress, read): (Source, Progress, Option<Rc<Cell<u64>>>),
+    mut settings: Settings,
+    simulation: &SimulationArgs,
+    quiet: bool,
+) -> Done {
+    let error_bound = settings.config.texel_error_bound().filter(|_| !simulation.no_exact);
+    // Before the dumps: they may lie in it.
+    let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
+    let dumps = Dumps::open(&simulation.dump, &settings.config)?;
+    // Further pictures of machine `defer` are made of its log.
+    settings.log = error_bound.is_some() || dumps.any() || settings.config.machine().name == "defer";
+    let (kinds, extra, rounds) = (vec![], vec![], settings.config.shows_rounds().then_some(0));
+    let mut watcher = Watcher { dumps, outputs, progress, read, error_bound, frames: 0, kinds, map: None, rounds, extra };
+    let ran = match &simulation.timeline {
+        None => run_named(source, &settings, &mut watcher, None).map(|run| (run, None)),
+        Some(path) => with_timeline(path, source, &settings, &mut watcher),
+    };
+    let (run, timeline) = match ran {
+        Ok(ran) => ran,
+        Err(error) => return Err(watcher.rescue(error)),
+    };
+    let report = run.with_host(seconds() - began);
+    let Watcher { outputs, progress, dumps, frames, kinds, extra, .. } = watcher;
+    drop(progress);
+    publish(outputs, (frames, &kinds), &report, simulation)?;
+    dumps.publish()?;
+    if let (Some(file), Some(path)) = (timeline, &simulation.timeline) {
+        file.publish().map_err(Failure::file(path, "be written"))?;
+    }
+    show(&report, (&kinds, &extra), simulation, quiet)
+}
+
+/// A run whose errors name the input, unless it is the parameters that are wrong.
+pub fn run_named(source: Source, settings: &Settings, observer: &mut dyn Observer, probe: Option<&mut dyn Watch>) -> Done<Run> {
+    let name = source.name().to_owned();
+    session::run(source, settings, observer, probe).map_err(|e| match e {
+        SessionError::Trace(_) | SessionError::Fault(_) | SessionError::Observer(_) => Failure::within(&name)(e),
+        SessionError::Config(_) | SessionError::NoShortCuts(_) | SessionError::NoMethods(_) | SessionError::Incomplete(_) => {
+            e.into()
+        }
+    })
+}
+
+fn with_timeline(path: &Path, source: Source, settings: &Settings, watcher: &mut Watcher) -> Done<(Run, Option<PartialFile>)> {
+    let failed = || Failure::file(path, "be written");
+    let stages: Vec<StageNames> = session::stages(&source, settings).map_err(Failure::bad)?.into_iter().map(names).collect();
+    let mut file = PartialFile::create(path).map_err(failed())?;
+    let mut timeline = Timeline::new(BufWriter::new(&mut file), settings.config.machine().name, &stages);
+    let run = run_named(source, settings, watcher, Some(&mut timeline))?;
+    match &run.timing {
+        Some(timing) => timeline.finish(timing).and_then(|mut out| out.flush()).map_err(failed())?,
+        None => drop(timeline),
+    }
+    Ok((run, Some(file)))
+}
+
+fn names(stage: StageTopology) -> StageNames {
+    StageNames { unit: stage.name, inputs: stage.inputs, outputs: stage.outputs, clients: stage.clients }
+}
+
+/// Names the pictures by their number, adds the report, and puts everything in its place.
+fn publish(outputs: Outputs, (frames, kinds): (usize, &[&str]), report: &Report, simulation: &SimulationArgs) -> Done {
+    let failed = || Failure::file(&simulation.out, "be written");
+    if frames == 1 {
+        for kind in kinds {
+            outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false)).map_err(failed())?;
+        }
+    }
+    let mut file = outputs.create("report.json").map_err(failed())?;
+    report.write_json(&mut file).and_then(|()| file.flush()).map_err(failed())?;
+    if simulation.csv {
+        let mut file = outputs.create("report.csv").map_err(failed())?;
+        file.write_all(to_csv(report).as_bytes()).and_then(|()| file.flush()).map_err(failed())?;
+    }
+    outputs.publish("report.json").map_err(failed())
+}
+
+/// Prints the report, and decides whether the run was a success.
+fn show(report: &Report, (kinds, extra): (&[&str], &[String]), simulation: &SimulationArgs, quiet: bool) -> Done {
+    if simulation.json {
+        print(&report.to_json().map_err(Failure::bad)?)?;
+    } else if !quiet {
+        print(&to_text(report, style()))?;
+        print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report, kinds, extra)))?;
+    }
+    let message = report.outcome.message.clone().unwrap_or_default();
+    match report.outcome.kind {
+        OutcomeKind::Complete => Ok(()),
+        OutcomeKind::Limit => Err(Failure::Bad("stopped at the limit of --max-cycles; the report holds the state so far".into())),
+        OutcomeKind::Deadlock | OutcomeKind::Stopped | OutcomeKind::Fault => Err(Failure::Bad(message)),
+    }
+}
+
+/// Most pictures of machine `defer` that are told by name.
+const MOST_NAMED: usize = 8;
+
+fn written(report: &Report, kinds: &[&str], extra: &[String]) -> String {
+    let several = report.image.len() > 1;
+    let names = kinds.iter().map(|kind| if several { format!("{kind}-0001.png ...") } else { picture_name(kind, 0, false) });
+    let more = extra.iter().take(MOST_NAMED).cloned().chain((extra.len() > MOST_NAMED).then(|| "...".to_owned()));
+    names.chain(more).chain(["report.json".to_owned()]).collect::<Vec<_>>().join(", ")
+}
+
+/// How tables are set on this terminal.
+pub fn style() -> Style {
+    let terminal = std::io::stdout().is_terminal();
+    let width = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok()).unwrap_or(120);
+    Style { width, color: terminal && std::env::var_os("NO_COLOR").is_none() }
+}
+
+/// A run to its end, without pictures, exact picture or progress.
+pub fn simulate_quietly(source: Source, config: &MachineConfig, engine: Option<Engine>) -> Done<Run> {
+    let settings =
+        Settings { config: config.clone(), engine: engine.or(Some(Engine::Timed)), exact: false, ..Settings::default() };
+    let name = source.name().to_owned();
+    let run = run_named(source, &settings, &mut Unobserved, None)?;
+    match run.report.outcome.kind {
+        OutcomeKind::Complete => Ok(run),
+        _ => Err(Failure::within(&name)(run.report.outcome.message.as_deref().unwrap_or("incomplete"))),
+    }
+}
