@@ -129,6 +129,8 @@ fn run_trace<D: Device, P: Probe>(
         Some(tiles) => device.build_remote(front, tiles)?,
         None => device.build(front)?,
     };
+    // The first command is read when the machine is built, ahead of the simulation.
+    let ahead = seen.borrow().seconds;
     let exact = if settings.exact { Exact::Trace(Rc::clone(&seen)) } else { Exact::None };
     let commands = Rc::clone(&seen);
     let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.borrow().commands, None)));
@@ -138,7 +140,7 @@ fn run_trace<D: Device, P: Probe>(
     }
     let driven = driven?;
     let passed = std::mem::take(&mut *seen.borrow_mut());
-    session.simulate_s -= passed.seconds;
+    session.simulate_s -= passed.seconds - ahead;
     let sha256 = passed.digest.map(|d| d.to_string()).unwrap_or_default();
     let input = Input { kind: "trace".into(), name: file_name(&name), sha256 };
     Ok(session.finish(device, input, passed.frame.as_deref(), driven, &[], passed.expectations))

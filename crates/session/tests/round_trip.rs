@@ -10,8 +10,9 @@ use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_session::{Settings, Source, Unobserved, begin_of, display_list, run};
 use basrelief_signals::{Control, Scene};
-use std::io::Cursor;
+use std::io::{self, Cursor, Read};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 fn scene(name: &str, frames: u32) -> Arc<Scene> {
     let options = ViewOptions { size: [64, 48], frames: Some(frames), ..ViewOptions::default() };
@@ -112,4 +113,28 @@ fn a_replay_takes_the_cycles_of_the_run_but_for_what_the_front_end_explains() {
     let (coin, config) = (scene("coin", 2), config(&fast));
     let [drawn, replayed] = both(&coin, &config, Encoding::JsonLines);
     assert_eq!(total(&drawn) - total(&replayed), u64::from(config.fifo.draws.latency));
+}
+
+/// Seconds that readings of a [`SlowTrace`] have taken.
+static READING: AtomicU32 = AtomicU32::new(0);
+
+/// A trace whose every reading takes a second, by a clock that else stands still.
+struct SlowTrace(Cursor<Vec<u8>>);
+
+impl Read for SlowTrace {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        READING.fetch_add(1, Ordering::Relaxed);
+        self.0.read(bytes)
+    }
+}
+
+#[test]
+fn reading_a_trace_is_no_part_of_the_simulation_not_even_its_first_command() {
+    let config = config(&[]);
+    let trace = SlowTrace(Cursor::new(recorded(&scene("mixed", 1), &config, Encoding::Binary)));
+    let clock = || f64::from(READING.load(Ordering::Relaxed));
+    let settings = Settings { config: config.into(), exact: false, clock, ..Settings::default() };
+    let run = run(Source::trace(trace, "slow"), &settings, &mut Unobserved, None).unwrap();
+    assert!(clock() > 10.0, "{} readings", clock());
+    assert_eq!(run.simulate_s, 0.0);
 }
