@@ -2,7 +2,7 @@
 
 use image::codecs::jpeg::{JpegDecoder, JpegEncoder};
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
-use image::{ExtendedColorType, ImageDecoder, ImageEncoder, ImageResult};
+use image::{ExtendedColorType, ImageDecoder, ImageEncoder, ImageResult, Limits};
 use serde::{Deserialize, Serialize};
 use std::io::Cursor;
 
@@ -49,7 +49,7 @@ impl TileEncoding {
     pub fn decode(self, bytes: &[u8], size: [u32; 2]) -> Result<Vec<[u8; 4]>, String> {
         let rgb = match self {
             Self::Raw => bytes.to_vec(),
-            Self::Png => read(PngDecoder::new(Cursor::new(bytes)), size)?,
+            Self::Png => read(PngDecoder::with_limits(Cursor::new(bytes), limits(size)), size)?,
             Self::Jpeg => read(JpegDecoder::new(Cursor::new(bytes)), size)?,
         };
         let expected = 3 * size[0] as usize * size[1] as usize;
@@ -58,6 +58,14 @@ impl TileEncoding {
         }
         Ok(rgb.as_chunks::<3>().0.iter().map(|&[r, g, b]| [r, g, b, 255]).collect())
     }
+}
+
+/// What a decoder may take: the picture twice, and something beside it. Colour profiles and texts, which are of no use here, may
+/// be a thousand times as long when they are expanded.
+fn limits([width, height]: [u32; 2]) -> Limits {
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(2 * 3 * u64::from(width) * u64::from(height) + (1 << 16));
+    limits
 }
 
 /// Reads a picture of exactly this size: what it says of itself is checked before memory is taken.

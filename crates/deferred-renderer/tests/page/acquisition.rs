@@ -3,6 +3,8 @@
 use crate::{SIZES, page, texture};
 use basrelief_deferred_renderer::{Cut, How, Page, PageTexels, ServedTexture, TileEncoding, TileList};
 use basrelief_signals::{Image, Sampler, Texture, Wrap};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -103,4 +105,19 @@ fn tiles_that_are_damaged_are_refused() {
         assert!(encoding.decode(&bytes, [3, 3]).is_err(), "{encoding:?}: another size");
         assert!(encoding.decode(&[], [4, 3]).is_err());
     }
+}
+
+#[test]
+fn a_tile_takes_no_memory_for_what_stands_in_its_file_beside_the_picture() {
+    let with_profile = |bytes: u32| {
+        let mut tile = Vec::new();
+        let mut encoder = PngEncoder::new(&mut tile);
+        // It cannot be compressed, so the decoder meets it at its full length.
+        let noise = (0..bytes).map(|n| (n.wrapping_mul(0x9e37_79b9) >> 13) as u8 ^ (n.wrapping_mul(n) >> 7) as u8).collect();
+        encoder.set_icc_profile(noise).unwrap();
+        encoder.write_image(&[7; 3 * 12], 4, 3, ExtendedColorType::Rgb8).unwrap();
+        TileEncoding::Png.decode(&tile, [4, 3])
+    };
+    assert_eq!(with_profile(3000).unwrap(), [[7, 7, 7, 255]; 12], "a usual profile does no harm");
+    assert!(with_profile(1 << 20).is_err());
 }
