@@ -3,6 +3,7 @@
 use crate::support::{Place, is_valid, picture, workspace};
 use serde_json::Value;
 use std::fs;
+use std::path::Path;
 
 const SMALL: &str = "--size 64x48 --quiet --set tile.width=8 --set tile.height=8";
 
@@ -121,4 +122,16 @@ fn a_recorded_list_draws_the_same_pictures_in_every_form_and_mode() {
             assert_eq!(replayed["device"]["tiles_loaded"], of_scene["device"]["tiles_loaded"], "{mode}, {form}");
         }
     }
+}
+
+#[test]
+fn a_dump_that_cannot_be_written_leaves_no_pictures_behind() {
+    let full = Path::new("/dev/full");
+    if !full.exists() {
+        return;
+    }
+    let place = Place::new();
+    let run = place.run("demo gallery --size 16x12 --no-exact --dump tiles /dev/full --out p");
+    assert!(run.error(1).contains("/dev/full: cannot be written"), "{}", run.error(1));
+    assert!(!place.path("p").exists());
 }

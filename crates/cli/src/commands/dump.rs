@@ -71,6 +71,11 @@ impl Dumps {
         }
     }
 
+    /// Writes out what is still held: what cannot be written is known before anything is in its place.
+    pub fn flush(&mut self) -> Done {
+        self.0.iter_mut().try_for_each(|d| d.file.flush().map_err(Failure::file(&d.path, "be written")))
+    }
+
     /// Puts the files in their place.
     pub fn publish(self) -> Done {
         self.0.into_iter().try_for_each(|d| d.file.publish().map_err(Failure::file(&d.path, "be written")))

@@ -71,8 +71,9 @@ pub fn simulate_source(
         Err(error) => return Err(watcher.rescue(error)),
     };
     let report = run.with_host(seconds() - began);
-    let Watcher { outputs, progress, dumps, frames, kinds, extra, .. } = watcher;
+    let Watcher { outputs, progress, mut dumps, frames, kinds, extra, .. } = watcher;
     drop(progress);
+    dumps.flush()?;
     publish(outputs, (frames, &kinds), &report, simulation)?;
     dumps.publish()?;
     if let (Some(file), Some(path)) = (timeline, &simulation.timeline) {
