@@ -26,14 +26,17 @@ pub(crate) fn decode(bytes: &[u8], name: &str, most_texels: u64) -> Result<Image
             .expected("a PNG or JPEG picture, whatever its file name says")
             .cure("convert it")
     })?;
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_SIDE);
-    limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(4 * most_texels + SCRATCH);
-    reader.limits(limits);
-    let (width, height) =
-        ImageReader::with_format(Cursor::new(bytes), format).into_dimensions().map_err(|e| corrupt(&fail, format, &e))?;
+    // Texts and colour profiles are expanded ahead of the dimensions, so the limits hold for both readers.
+    let reader = || {
+        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+        let mut limits = Limits::default();
+        limits.max_image_width = Some(MAX_SIDE);
+        limits.max_image_height = Some(MAX_SIDE);
+        limits.max_alloc = Some(4 * most_texels + SCRATCH);
+        reader.limits(limits);
+        reader
+    };
+    let (width, height) = reader().into_dimensions().map_err(|e| corrupt(&fail, format, &e))?;
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
         return Err(fail(format!("picture is {width} x {height} texels"))
             .expected(format!("1..={MAX_SIDE} per side"))
@@ -44,7 +47,7 @@ pub(crate) fn decode(bytes: &[u8], name: &str, most_texels: u64) -> Result<Image
             .expected("at most 2^26 texels per picture and 2^27 in all textures of a scene")
             .cure("scale the textures down"));
     }
-    let pixels = reader.decode().map_err(|e| corrupt(&fail, format, &e))?.into_rgba8();
+    let pixels = reader().decode().map_err(|e| corrupt(&fail, format, &e))?.into_rgba8();
     let texels = pixels.pixels().map(|p| p.0).collect();
     Ok(Image { width: pixels.width(), height: pixels.height(), texels })
 }

@@ -3,6 +3,7 @@
 use crate::error::{Done, Failure};
 use crate::outputs::PartialFile;
 use basrelief_session::{Exhibit, FrameLog, MachineConfig, SpanRecord, dump};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -34,9 +35,7 @@ impl Dumps {
             Ok(Dump { what, path: path.clone(), file })
         };
         let pairs = asked.as_chunks::<2>().0;
-        if let Some((_, [_, path])) = pairs.iter().enumerate().find(|(n, pair)| pairs[..*n].iter().any(|p| p[1] == pair[1])) {
-            return Err(Failure::Usage(format!("--dump: {} is named twice; give each dump a file", path.display())));
-        }
+        files_of(pairs).map_err(Failure::Usage)?;
         pairs.iter().map(open).collect::<Done<_>>().map(Self)
     }
 
@@ -82,6 +81,20 @@ impl Dumps {
     }
 }
 
+/// Whether each dump has a file of its own, under whichever name.
+fn files_of(pairs: &[[PathBuf; 2]]) -> Result<(), String> {
+    let mut files = BTreeSet::new();
+    for [_, path] in pairs {
+        if path.as_os_str() == "-" {
+            return Err("--dump: standard output is the report's; expected a file, `./-` where it is to be called `-`".into());
+        }
+        if !files.insert(std::path::absolute(path).unwrap_or_else(|_| path.clone())) {
+            return Err(format!("--dump: {} is named twice; give each dump a file", path.display()));
+        }
+    }
+    Ok(())
+}
+
 /// The name as it stands in [`KINDS`].
 fn known(what: &Path, machine: &str) -> Result<&'static str, String> {
     match KINDS.iter().find(|kind| Path::new(kind.0) == what) {
@@ -118,6 +131,16 @@ mod tests {
         assert_eq!(known(Path::new("tiles"), "defer"), Ok("tiles"));
         assert!(known(Path::new("tiles"), "bump").unwrap_err().contains("--machine defer has"));
         assert!(known(Path::new("tile"), "defer").unwrap_err().contains("expected spans, reference-buffer, tiles"));
+    }
+
+    #[test]
+    fn each_dump_has_a_file_of_its_own() {
+        let files = |names: [&str; 2]| files_of(&names.map(|name| ["spans".into(), name.into()]));
+        assert_eq!(files(["a.jsonl", "./-"]), Ok(()));
+        for names in [["a.jsonl", "a.jsonl"], ["a.jsonl", "./a.jsonl"], ["x/a.jsonl", "x//./a.jsonl"]] {
+            assert!(files(names).unwrap_err().contains("is named twice"), "{names:?}");
+        }
+        assert!(files(["a.jsonl", "-"]).unwrap_err().contains("expected a file"));
     }
 
     #[test]
