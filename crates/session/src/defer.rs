@@ -46,8 +46,8 @@ impl Device for DeferConfig {
         Style { shading, options }
     }
 
-    fn warnings(&self, _: &Counts) -> Vec<String> {
-        defer::warnings(self)
+    fn warnings(&self, counts: &Counts) -> Vec<String> {
+        defer::warnings(self).into_iter().chain(defer::input_warnings(counts)).collect()
     }
 
     /// When each picture was shown, from the end of the frame before, and how far it is from the last of its frame.

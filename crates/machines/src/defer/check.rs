@@ -1,6 +1,7 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
 use super::DeferConfig;
+use crate::Counts;
 use crate::problem::{ConfigProblem, Feed, line_is_power_of_two, problem};
 use basrelief_deferred_renderer::{MOST_LINES, NumberFormat};
 
@@ -56,4 +57,10 @@ pub fn warnings(c: &DeferConfig) -> Vec<String> {
         blocks("pixels", &f.pixels, c.engine.interpolation_rate),
     ];
     feeds.iter().filter_map(Feed::warning).collect()
+}
+
+/// What of the input the renderer has no use for: one sentence each.
+pub fn input_warnings(counts: &Counts) -> Vec<String> {
+    let none = counts.number("cells_direct") > 0 && counts.number("cells_textured") == 0;
+    none.then(|| "no pixel has a colour texture: no tile was needed".to_owned()).into_iter().collect()
 }

@@ -16,7 +16,7 @@ pub use crate::config::ClockConfig;
 pub use crate::front::{FrontEnd, SceneFront, TraceFront};
 pub use crate::problem::ConfigProblem;
 pub use crate::unit_info::UnitInfo;
-pub use check::warnings;
+pub use check::{input_warnings, warnings};
 pub use config::{CacheConfigs, DeferConfig, FifoConfigs, MemoryConfigs};
 pub use device::DeferredRenderer;
 pub use units::UNITS;

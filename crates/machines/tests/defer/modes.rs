@@ -1,10 +1,11 @@
 //! Best resolution, progressive and conventional: the same picture, by different ways. Views one after the other.
 
-use crate::recipe::{FAST, SMALL, display_lists, texture, views};
+use crate::recipe::{FAST, SMALL, display_lists, floor, frame, object, texture, views};
 use crate::runs::{Ran, Seen, Tile, timed};
 use basrelief_deferred_renderer::cell::split_depth;
 use basrelief_deferred_renderer::{How, Page};
-use basrelief_signals::{Control, Frame, Wrap};
+use basrelief_machines::defer::input_warnings;
+use basrelief_signals::{Control, Frame, Material, Wrap};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -219,4 +220,14 @@ proptest! {
             there.extend(wanted);
         }
     }
+}
+
+#[test]
+fn a_list_without_textures_is_drawn_and_said_to_need_no_tile() {
+    let plain = Arc::new(Material::default());
+    let list = [vec![frame(0), object(0)], vec![floor(&plain, 3.0), Control::FrameEnd]].concat();
+    let ran = timed(&list, &[FAST, SMALL].concat());
+    assert_eq!((ran.seen.count("path_tile_bytes"), ran.seen.finished.len()), (0, 1));
+    assert!(input_warnings(&ran.seen.counts)[0].contains("no pixel has a colour texture"));
+    assert!(input_warnings(&timed(&views(&[0.0]), &[FAST, SMALL].concat()).seen.counts).is_empty());
 }

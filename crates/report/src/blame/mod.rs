@@ -242,16 +242,19 @@ impl<'a> Plan<'a> {
         let (mut fifos, texts): (Vec<String>, Vec<String>) = waits.map(|(fifo, text)| (fifo.to_owned(), text)).unzip();
         fifos.sort();
         fifos.dedup();
-        let depths = fifos.iter().map(|f| {
-            let depth = self.report.fifos.as_ref().and_then(|all| all.get(f)).map_or(0, |f| f.depth);
-            format!("fifo.{f}.depth = {}", thousands(depth))
-        });
-        let depths = depths.collect::<Vec<_>>().join(", ");
+        let depths = fifos.iter().map(|f| self.depth(f)).collect::<Vec<_>>().join(", ");
         let sentence = format!(
             "a circle of waits limits this run: {} of the cycles; no unit is slow by itself, more slots may help ({depths}).",
             texts.join(", ")
         );
         (Limit::Circle(fifos), sentence)
+    }
+
+    /// Slots of a FIFO, as the parameter that sets them, where it has one of its own.
+    fn depth(&self, fifo: &str) -> String {
+        let depth = self.report.fifos.as_ref().and_then(|all| all.get(fifo)).map_or(0, |f| f.depth);
+        let own = self.report.config.get("fifo").is_none_or(|fifos| fifos.get(fifo).is_some());
+        if own { format!("fifo.{fifo}.depth = {}", thousands(depth)) } else { format!("{fifo} has {}", thousands(depth)) }
     }
 }
 

@@ -61,6 +61,16 @@ fn units_that_wait_for_each_other_point_at_the_fifo_between_them() {
 }
 
 #[test]
+fn no_parameter_is_named_that_the_machine_does_not_have() {
+    let mut report = with_units(&[
+        ("a", &[("busy", 400_000), (">f", 600_000)]),
+        ("b", &[("busy", 300_000), ("<f", 650_000), ("done", 50_000)]),
+    ]);
+    report.config = serde_json::json!({ "fifo": { "g": { "depth": 4 } } });
+    assert!(blame(&report).sentence.ends_with("more slots may help (f has 4)."));
+}
+
+#[test]
 fn a_unit_that_is_busy_most_but_not_always_is_not_alone() {
     check(
         &with_units(&[
