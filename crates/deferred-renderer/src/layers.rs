@@ -52,6 +52,11 @@ impl Cut {
     pub fn finest(&self, size: [u32; 2]) -> [u32; 2] {
         halved(size, deepest(size, self.tile).saturating_sub(u32::from(self.most_depth)))
     }
+
+    /// Bytes of the finest layer of a texture of `size` texels, as raw tiles.
+    pub fn raw_bytes(&self, size: [u32; 2]) -> u64 {
+        self.finest(size).iter().fold(3, |all, side| all * u64::from(*side))
+    }
 }
 
 /// A size, halved so many times and rounded up.

@@ -13,6 +13,8 @@ use crate::{Cell, Page};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{PictureFlow, PixelBlock};
 
+/// Client of the texel cache.
+const TEXELS: u32 = 0;
 /// Client that writes tiles.
 const STORE: u32 = 1;
 /// Client that reads tiles to be averaged.
@@ -237,7 +239,7 @@ impl Rasterization {
             if improve.is_none() {
                 texels.need(layer, &taps, self.frame);
             }
-            touched[slot].look_up(&texels.page, layer, &taps, traffic);
+            touched[slot].look_up(&texels.page, layer, &taps, (TEXELS, &mut *traffic));
         }
         self.counters.textured += 1;
         self.counters.between_layers += u64::from(choice.upper.is_some());

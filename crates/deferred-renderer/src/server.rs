@@ -71,10 +71,11 @@ impl TileSource for TextureMemory {
         let bytes = |texture: &ServedTexture| {
             let page = Page::new(0, texture.texture(), texture.texture().sampler.wrap, cut, 0);
             if self.encoding == TileEncoding::Raw {
-                return cut.finest(page.texture_size).iter().fold(3, |all, side| all * u64::from(*side));
+                return cut.raw_bytes(page.texture_size);
             }
             let finest = page.layers[usize::from(page.dmax())];
-            let mut texture = texture.clone();
+            // Another one, since layers are built when they are asked for: where nothing is left out, none is.
+            let mut texture = ServedTexture::new(Arc::clone(texture.texture()));
             let encoded = |tile| self.encode(&texture.tile(&page, tile), &page, tile).map_or(0, |bytes| bytes.len() as u64);
             (finest.base..page.tiles()).map(encoded).sum()
         };

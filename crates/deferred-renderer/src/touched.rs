@@ -4,9 +4,6 @@ use crate::Page;
 use crate::page::Tap;
 use basrelief_kernel::Traffic;
 
-/// Client of the texel cache.
-const TEXELS: u32 = 0;
-
 /// Most lines of the texel cache that a block of 4 x 4 pixels touches: four texels of two layers each.
 pub const MOST_LINES: u32 = 16 * 2 * 4;
 
@@ -15,16 +12,16 @@ pub const MOST_LINES: u32 = 16 * 2 * 4;
 pub(crate) struct Touched(Option<(u16, u8, [u32; 4])>);
 
 impl Touched {
-    /// Looks the blocks of 4 x 4 texels up that a sample reads, unless the pixel before has read the same.
+    /// Looks the blocks of 4 x 4 texels up that a sample reads, through a client with a cache, unless the pixel before has read the same.
     #[inline]
-    pub(crate) fn look_up(&mut self, page: &Page, layer: u8, [x, y]: &[Tap; 2], traffic: &mut Traffic) {
+    pub(crate) fn look_up(&mut self, page: &Page, layer: u8, [x, y]: &[Tap; 2], (client, traffic): (u32, &mut Traffic)) {
         let blocks = [x.first >> 2, x.second >> 2, y.first >> 2, y.second >> 2];
         let touched = Some((page.number, layer, blocks));
         if self.0 == touched {
             return;
         }
         self.0 = touched;
-        let mut one = |x: u32, y: u32| traffic.look_up(TEXELS, page.address_of(layer, [x, y]), 4);
+        let mut one = |x: u32, y: u32| traffic.look_up(client, page.address_of(layer, [x, y]), 4);
         one(x.first, y.first);
         let (wide, high) = (blocks[0] != blocks[1], blocks[2] != blocks[3]);
         if wide {

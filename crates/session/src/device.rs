@@ -94,8 +94,8 @@ impl Told<'_> {
 
 /// A machine, with what it has to show beside finished pictures: nothing, unless it says so.
 pub trait Exhibits: Draws {
-    /// Keeps a log of each picture, and what [`Exhibits::drain_exhibits`] shows and is not needed otherwise, from now on, where the
-    /// machine has any. Called before the first step.
+    /// Keeps a log of each picture, and what [`Exhibits::drain_exhibits`] shows and is not needed otherwise, from now on, where
+    /// the machine has any. Called before the first step.
     fn keep_log(&mut self) {}
     /// Logs of so many pictures, those drained with them, in order; none where none is kept.
     fn drain_logs(&mut self, pictures: usize) -> Vec<FrameLog> {

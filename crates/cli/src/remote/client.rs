@@ -200,8 +200,7 @@ impl TileSource for RemoteTiles {
 
     /// As raw tiles: what they take otherwise, only the server knows.
     fn conventional_bytes(&self, cut: Cut) -> u64 {
-        let finest = self.textures.values().map(|size| cut.finest(*size));
-        finest.map(|[width, height]| 3 * u64::from(width) * u64::from(height)).sum()
+        self.textures.values().map(|size| cut.raw_bytes(*size)).sum()
     }
 }
 

@@ -72,7 +72,8 @@ pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, probe: &mut P, limits: 
         if let Some(fault) = walk.fault {
             return Halt::Fault(fault);
         }
-        if !(machine.memories().serve_promised() | walk.moved) && !machine.memories().serve_safe() {
+        let served = machine.memories().serve_promised();
+        if !walk.moved && !served && !machine.memories().serve_safe() {
             break;
         }
         if round.is_multiple_of(16) && !(limits.progress)(machine) {

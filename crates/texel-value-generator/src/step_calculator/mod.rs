@@ -20,8 +20,8 @@ use std::sync::Arc;
 /// sends each segment to the approximate calculator (310a) and its points to the dividers.
 ///
 /// A step of this unit is a turn of Figure 4B: from the current point the next one. It takes a square root, or a look-up, and
-/// the next turn waits for it; the first of a span waits for e / |dw|, too. Division points of a span are thus found ahead of the quotients, and no division waits for the
-/// interpolation in front of it.
+/// the next turn waits for it; the first of a span waits for e / |dw|, too. Division points of a span are thus found ahead of
+/// the quotients, and no division waits for the interpolation in front of it.
 #[derive(Clone, Debug, Default)]
 pub struct StepCalculator {
     /// Parameters.
