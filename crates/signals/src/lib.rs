@@ -5,7 +5,7 @@
 //! - [`polygon`]: what a geometry processor hands on: screen-space polygons. A display list records these;
 //! - [`fragment`]: what travels between the units behind the rasterizer.
 //!
-//! [`strip`] says what a depth test and a frame buffer ask of any token of pixels.
+//! [`packet`] says what a depth test and a frame buffer ask of any token of pixels.
 //!
 //! [`layout`] is the address map of the one memory that several units share.
 //!
@@ -19,9 +19,9 @@ pub mod flow;
 pub mod fragment;
 pub mod layout;
 pub mod model;
+pub mod packet;
 pub mod polygon;
 pub mod quantization_memory;
-pub mod strip;
 
 pub use flow::{Control, Flow};
 pub use fragment::{
@@ -31,5 +31,5 @@ pub use model::{
     Camera, Draw, Filter, Frame, Image, Light, LightKind, Lighting, MAX_PICTURE_PIXELS, Material, Mesh, Object, Sampler, Scene,
     Texture, Wrap,
 };
+pub use packet::{Drawn, LINE_PIXELS, Lined, PACKET_PIXELS, Packet, PixelPacket, Placed, Tested, line_of, lines};
 pub use polygon::{ObjectInfo, Polygon, Vertex};
-pub use strip::{Drawn, LINE_PIXELS, Lined, PixelStrip, Placed, STRIP, Strip, Tested, line_of, lines};

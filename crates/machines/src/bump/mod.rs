@@ -9,8 +9,8 @@
 mod check;
 mod config;
 mod counts;
+mod machine;
 mod memories;
-mod processor;
 mod units;
 
 pub use crate::config::{ClockConfig, ReferenceConfig, ReferenceFilter};
@@ -19,7 +19,7 @@ pub use crate::problem::ConfigProblem;
 pub use crate::unit_info::UnitInfo;
 pub use check::{claim_3_warning, warnings};
 pub use config::{BumpProcessorConfig, CacheConfigs, FifoConfigs, MemoryConfigs};
-pub use processor::BumpProcessor;
+pub use machine::BumpProcessor;
 pub use units::UNITS;
 
 /// Figure 1 in characters.

@@ -9,7 +9,7 @@
 mod check;
 mod config;
 mod counts;
-mod device;
+mod machine;
 mod units;
 
 pub use crate::config::ClockConfig;
@@ -18,7 +18,7 @@ pub use crate::problem::ConfigProblem;
 pub use crate::unit_info::UnitInfo;
 pub use check::{input_warnings, warnings};
 pub use config::{CacheConfigs, DeferConfig, FifoConfigs, MemoryConfigs};
-pub use device::DeferredRenderer;
+pub use machine::DeferredRenderer;
 pub use units::UNITS;
 
 /// Name of the machine.

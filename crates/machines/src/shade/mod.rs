@@ -9,7 +9,7 @@
 mod check;
 mod config;
 mod counts;
-mod device;
+mod machine;
 mod units;
 
 pub use crate::config::ClockConfig;
@@ -18,7 +18,7 @@ pub use crate::problem::ConfigProblem;
 pub use crate::unit_info::UnitInfo;
 pub use check::{input_warnings, warnings};
 pub use config::{CacheConfigs, FifoConfigs, FrameMemoryConfig, MemoryConfigs, ShadeConfig};
-pub use device::FigureShadingDevice;
+pub use machine::FigureShadingDevice;
 pub use units::UNITS;
 
 /// Name of the machine.

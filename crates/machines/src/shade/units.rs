@@ -4,30 +4,45 @@ use crate::unit_info::{UnitInfo, unit};
 
 /// All stages of the machine, in the order of the wiring.
 pub const UNITS: &[UnitInfo] = &[
-    unit("host", "100", "feeds the scene, one draw command per cycle", "crates/geometry-processor/src/source.rs"),
-    unit("geometry", "", "transforms, clips, culls, projects, in the host computer", "crates/geometry-processor"),
-    unit("display-list", "", "replays a recorded display list in their place", "crates/geometry-processor/src/source.rs"),
-    unit("host-interface", "", "transfers polygons, one or two at a time", "crates/figure-shading/src/host.rs"),
-    unit("microcomputer", "10", "decides, shades sample points, draws flat polygons", "crates/figure-shading/src/microcomputer"),
+    unit("host", "100", "feeds the scene, one draw command per cycle", "crates/units/geometry-processor/src/source.rs"),
+    unit("geometry", "", "transforms, clips, culls, projects, in the host computer", "crates/units/geometry-processor"),
+    unit("display-list", "", "replays a recorded display list in their place", "crates/units/geometry-processor/src/source.rs"),
+    unit("host-interface", "", "transfers polygons, one or two at a time", "crates/units/figure-shading/src/host.rs"),
+    unit(
+        "microcomputer",
+        "10",
+        "decides, shades sample points, draws flat polygons",
+        "crates/units/figure-shading/src/microcomputer",
+    ),
     unit(
         "interpolation",
         "21",
         "interpolates brightness: all terms but the specular",
-        "crates/figure-shading/src/interpolation.rs",
+        "crates/units/figure-shading/src/interpolation.rs",
     ),
     unit(
         "normal-interpolation",
         "50",
         "interpolates normals: the specular term",
-        "crates/figure-shading/src/normal_interpolation.rs",
+        "crates/units/figure-shading/src/normal_interpolation.rs",
     ),
-    unit("gate", "51", "holds the specular term back where it is negligible", "crates/figure-shading/src/gate.rs"),
-    unit("adder", "52", "adds the specular term", "crates/figure-shading/src/adder.rs"),
-    unit("selector-53", "53", "flat or not: process 24 or the adder", "crates/figure-shading/src/selector_53.rs"),
-    unit("selector-28", "28", "by the mode: (53), (21) or process 24; saturates", "crates/figure-shading/src/selector_28.rs"),
-    unit("depth-test", "", "tests depth in front of (300); owns the depth values", "crates/graphics-processor/src/depth.rs"),
-    unit("frame-memory", "300", "keeps the picture", "crates/frame-buffer"),
-    unit("video-out", "", "reads every finished frame once, for the CRT (400)", "crates/frame-buffer/src/video_out.rs"),
+    unit("gate", "51", "holds the specular term back where it is negligible", "crates/units/figure-shading/src/gate.rs"),
+    unit("adder", "52", "adds the specular term", "crates/units/figure-shading/src/adder.rs"),
+    unit("selector-53", "53", "flat or not: process 24 or the adder", "crates/units/figure-shading/src/selector_53.rs"),
+    unit(
+        "selector-28",
+        "28",
+        "by the mode: (53), (21) or process 24; saturates",
+        "crates/units/figure-shading/src/selector_28.rs",
+    ),
+    unit(
+        "depth-test",
+        "",
+        "tests depth in front of (300); owns the depth values",
+        "crates/units/graphics-processor/src/depth.rs",
+    ),
+    unit("frame-memory", "300", "keeps the picture", "crates/units/frame-buffer"),
+    unit("video-out", "", "reads every finished frame once, for the CRT (400)", "crates/units/frame-buffer/src/video_out.rs"),
 ];
 
 #[cfg(test)]

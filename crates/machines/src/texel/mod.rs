@@ -9,7 +9,7 @@
 mod check;
 mod config;
 mod counts;
-mod system;
+mod machine;
 mod units;
 
 pub use crate::config::ClockConfig;
@@ -19,7 +19,7 @@ pub use crate::unit_info::UnitInfo;
 pub use basrelief_texel_value_generator::{DisplacementMap, FrameLog, SpanRecord};
 pub use check::{input_warnings, warnings};
 pub use config::{CacheConfigs, FifoConfigs, MemoryConfigs, PixelValueBufferConfig, TexelMachineConfig};
-pub use system::TextureMappingSystem;
+pub use machine::TextureMappingSystem;
 pub use units::UNITS;
 
 /// Name of the machine.

@@ -4,50 +4,55 @@ use crate::unit_info::{UnitInfo, unit};
 
 /// All stages of the machine, in the order of the wiring.
 pub const UNITS: &[UnitInfo] = &[
-    unit("host", "", "feeds the scene, one draw command per cycle", "crates/geometry-processor/src/source.rs"),
-    unit("geometry", "", "transforms, clips, culls, projects", "crates/geometry-processor"),
-    unit("display-list", "", "replays a recorded display list in their place", "crates/geometry-processor/src/source.rs"),
+    unit("host", "", "feeds the scene, one draw command per cycle", "crates/units/geometry-processor/src/source.rs"),
+    unit("geometry", "", "transforms, clips, culls, projects", "crates/units/geometry-processor"),
+    unit("display-list", "", "replays a recorded display list in their place", "crates/units/geometry-processor/src/source.rs"),
     unit(
         "scan-converter",
         "",
         "finds spans with exact U, V, W at both ends",
-        "crates/texel-value-generator/src/scan_converter.rs",
+        "crates/units/texel-value-generator/src/scan_converter.rs",
     ),
     unit(
         "step-calculator",
         "310",
         "chooses division points by the criterion in its storage element",
-        "crates/texel-value-generator/src/step_calculator",
+        "crates/units/texel-value-generator/src/step_calculator",
     ),
-    unit("divider", "310", "exact u, v at ends and division points", "crates/texel-value-generator/src/divider.rs"),
+    unit("divider", "310", "exact u, v at ends and division points", "crates/units/texel-value-generator/src/divider.rs"),
     unit(
         "approximate-calculator",
         "310a",
         "interpolates u, v between division points",
-        "crates/texel-value-generator/src/approximate_calculator",
+        "crates/units/texel-value-generator/src/approximate_calculator",
     ),
-    unit("mip-map-selector", "320", "selects a level by du, dv", "crates/texel-value-generator/src/mip_map_selector.rs"),
-    unit("depth-test", "", "tests depth in front of (330); owns the depth values", "crates/graphics-processor/src/depth.rs"),
+    unit("mip-map-selector", "320", "selects a level by du, dv", "crates/units/texel-value-generator/src/mip_map_selector.rs"),
+    unit(
+        "depth-test",
+        "",
+        "tests depth in front of (330); owns the depth values",
+        "crates/units/graphics-processor/src/depth.rs",
+    ),
     unit(
         "texture-look-up",
         "330",
         "looks texels up and filters them",
-        "crates/texel-value-generator/src/texture_look_up_table.rs",
+        "crates/units/texel-value-generator/src/texture_look_up_table.rs",
     ),
     unit(
         "illuminance",
         "340",
         "interpolates brightness and colour",
-        "crates/texel-value-generator/src/illuminance_value_generator.rs",
+        "crates/units/texel-value-generator/src/illuminance_value_generator.rs",
     ),
     unit(
         "combiner",
         "350",
         "texture times illuminance, with the old value where asked",
-        "crates/texel-value-generator/src/combiner.rs",
+        "crates/units/texel-value-generator/src/combiner.rs",
     ),
-    unit("pixel-value-buffer", "360", "keeps the picture", "crates/frame-buffer"),
-    unit("dacs", "370", "read every finished frame once, for the display (380)", "crates/frame-buffer/src/video_out.rs"),
+    unit("pixel-value-buffer", "360", "keeps the picture", "crates/units/frame-buffer"),
+    unit("dacs", "370", "read every finished frame once, for the display (380)", "crates/units/frame-buffer/src/video_out.rs"),
 ];
 
 #[cfg(test)]

@@ -3,6 +3,6 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod engines;
-mod page;
+mod patent;
 mod recipe;
 mod runs;

@@ -1,0 +1,177 @@
+//! Combiner (350).
+
+use crate::config::{CombineMode, CombinerConfig};
+use crate::log::DisplacementMap;
+use crate::signals::{IlluminancePacket, TexturePacket};
+use crate::twins::{Pair, pair};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::{Control, Flow, LINE_PIXELS, PACKET_PIXELS, PixelPacket, layout, line_of};
+use serde::{Deserialize, Serialize};
+
+/// Everything the combiner remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CombinerState {
+    /// Width and height of the frame \[pixels\].
+    pub size: [u32; 2],
+    /// What it wrote last to each pixel: what it reads back. Empty where it never does.
+    pub old: Vec<[u8; 3]>,
+    /// Frames begun.
+    pub frames: u64,
+    /// Pixels combined.
+    pub pixels: u64,
+    /// Pixels read back.
+    pub read_back: u64,
+    /// Displacements of the frame, where somebody asked.
+    pub map: Option<DisplacementMap>,
+    /// Those of frames that are complete and that nobody has fetched.
+    pub finished: Vec<DisplacementMap>,
+}
+
+/// Combiner (350): texture value times illuminance, and with the old pixel value from the buffer (360) where the mode asks for
+/// it (claims 4, 7). Client 0 reads old values, a packet at a time.
+///
+/// Memories give time, never data (law 6): the combiner is the only one that writes pixels, so it knows what it would read.
+#[derive(Clone, Debug, Default)]
+pub struct Combiner {
+    /// Parameters.
+    pub config: CombinerConfig,
+    /// Everything it remembers.
+    pub state: CombinerState,
+}
+
+impl Combiner {
+    /// A combiner at power-on.
+    pub fn new(config: CombinerConfig) -> Self {
+        Self { config, state: CombinerState::default() }
+    }
+
+    /// Keeps a map of displacements from now on.
+    pub fn keep_log(&mut self) {
+        self.state.map = Some(DisplacementMap::default());
+    }
+
+    fn take(&mut self, control: &Control) {
+        let state = &mut self.state;
+        match control {
+            Control::Frame(frame) => {
+                // A picture without room is the frame buffer's to report.
+                let fits = layout::fits(frame.width, frame.height);
+                state.size = if fits { [frame.width, frame.height] } else { [0, 0] };
+                let pixels = state.size[0] as usize * state.size[1] as usize;
+                state.old.clear();
+                state.old.resize(if self.config.mode == CombineMode::Replace { 0 } else { pixels }, [0; 3]);
+                if let Some(map) = &mut state.map {
+                    *map = DisplacementMap::new(state.size[0], state.size[1]);
+                }
+            }
+            Control::FrameEnd => {
+                state.frames += 1;
+                if let Some(map) = &mut state.map {
+                    state.finished.push(std::mem::take(map));
+                }
+            }
+            Control::Object(_) | Control::Polygon(_) | Control::CodeBook(_) => {}
+        }
+    }
+
+    /// Reads the old values of a packet's line; frames take two buffers in turn.
+    fn read_back(&mut self, packet: &TexturePacket, traffic: &mut Traffic) {
+        let line = line_of::<PixelPacket>(self.state.size[0], [u32::from(packet.packet.x), u32::from(packet.packet.y)]);
+        let bytes = LINE_PIXELS * self.config.pixel_bytes;
+        let base = layout::COLOR_BUFFERS + self.state.frames % 2 * layout::COLOR_BUFFER_STRIDE;
+        traffic.read(0, base + line * u64::from(bytes), bytes);
+        self.state.read_back += packet.packet.pixels() as u64;
+    }
+
+    #[inline(always)]
+    fn combine(&mut self, texture: &TexturePacket, light: &IlluminancePacket, traffic: &mut Traffic) -> PixelPacket {
+        let packet = texture.packet;
+        let mut out = PixelPacket { packet, rgb: [[0; 3]; PACKET_PIXELS] };
+        for i in packet.positions() {
+            let rgba: [u8; 4] = std::array::from_fn(|c| product(texture.rgba[i][c], light.rgba[i][c]));
+            out.rgb[i] = [rgba[0], rgba[1], rgba[2]];
+            if self.config.mode != CombineMode::Replace {
+                self.with_old(&mut out.rgb[i], rgba[3], [packet.x + i as u16, packet.y]);
+            }
+        }
+        if self.config.mode != CombineMode::Replace {
+            self.read_back(texture, traffic);
+        }
+        if let (Some(map), Some(displacement)) = (&mut self.state.map, &texture.displacement) {
+            for i in packet.positions() {
+                map.note(packet.x + i as u16, packet.y, displacement[i], texture.points & 1 << i != 0);
+            }
+        }
+        self.state.pixels += packet.pixels() as u64;
+        out
+    }
+
+    /// The new value with the old one of a pixel, which it becomes.
+    fn with_old(&mut self, new: &mut [u8; 3], alpha: u8, [x, y]: [u16; 2]) {
+        let place = usize::from(y) * self.state.size[0] as usize + usize::from(x);
+        let Some(old) = self.state.old.get_mut(place) else { return };
+        let alpha = u32::from(alpha);
+        *old = std::array::from_fn(|c| {
+            let (new, old) = (u32::from(new[c]), u32::from(old[c]));
+            let of_255 = if self.config.mode == CombineMode::Modulate { new * old } else { alpha * new + (255 - alpha) * old };
+            ((of_255 + 127) / 255) as u8
+        });
+        *new = *old;
+    }
+}
+
+/// 8 bits of a texture value, 255 * 2^8 being 1, times an illuminance, 2^14 being 1: saturating, halves rounded up.
+#[inline(always)]
+fn product(texture: u16, illuminance: u16) -> u8 {
+    ((u32::from(texture) * u32::from(illuminance) + (1 << 21)) >> 22).min(255) as u8
+}
+
+impl Unit for Combiner {
+    type In = (Option<Flow<TexturePacket>>, Option<Flow<IlluminancePacket>>);
+    type Out = Option<Flow<PixelPacket>>;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+
+    #[inline(always)]
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let latency = u64::from(self.config.latency);
+        match pair("combiner", input, traffic) {
+            // All hidden.
+            Pair::Items(texture, _) if texture.packet.mask == 0 => Step::after(latency, None),
+            Pair::Items(texture, light) => {
+                let out = self.combine(&texture, &light, traffic);
+                let pixels = out.packet.pixels();
+                Step::over(pixels, u64::from(self.config.initiation_interval), latency, Some(Flow::Item(out)))
+            }
+            Pair::Control(control) => {
+                self.take(&control);
+                Step::after(latency, Some(Flow::Control(control)))
+            }
+            Pair::Nothing => Step::after(latency, None),
+        }
+    }
+
+    /// One read of a line.
+    fn largest_step(&self, client: usize) -> u32 {
+        u32::from(client == 0 && self.config.mode != CombineMode::Replace)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_times_one_is_one_and_halves_are_rounded_up() {
+        let one = 1 << 14;
+        for value in 0..=255u16 {
+            assert_eq!(product(value << 8, one), value as u8);
+            assert_eq!(product(value << 8, 3 * one), (3 * value).min(255) as u8);
+        }
+        assert_eq!(product(255 << 8, one / 2), 128);
+        assert_eq!(product(255 << 8, u16::MAX), 255);
+    }
+}

@@ -1,0 +1,158 @@
+//! Illuminance value generator (340).
+
+use crate::config::{IlluminanceConfig, IlluminanceMode};
+use crate::signals::{IlluminancePacket, LitSpan, to_16_bits};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::{LightVector, brightness, fan_triangle, light_vectors};
+use basrelief_signals::{Control, Flow, Frame, PACKET_PIXELS, Packet, Polygon, Vertex};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// 1, in the format of [`IlluminancePacket::rgba`].
+pub const ONE: f32 = (1 << 14) as f32;
+
+/// Everything the illuminance value generator remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct IlluminanceState {
+    /// The frame, with its lights.
+    pub frame: Option<Arc<Frame>>,
+    /// Lights as the object sees them.
+    pub lights: Vec<LightVector>,
+    /// The polygon.
+    pub polygon: Option<Arc<Polygon>>,
+    /// RGBA at the vertices of the triangle of this number.
+    pub corners: ([[f32; 4]; 3], Option<u16>),
+    /// The span that is walked.
+    pub span: Option<LitSpan>,
+    /// RGBA of its first pixel, and its change per pixel.
+    pub line: [[f32; 4]; 2],
+    /// Pixels of it that are done.
+    pub done: u16,
+    /// Pixels.
+    pub pixels: u64,
+}
+
+/// Illuminance value generator (340): spans in; for each packet of their pixels, what the texture is multiplied with: brightness
+/// times base colour times vertex colour, and alpha. From the vertices, linear on the screen (Gouraud).
+///
+/// Brightness of a vertex is what the geometry processor gave it; a bump target, which has none, is lit here, by the same formula.
+#[derive(Clone, Debug, Default)]
+pub struct IlluminanceValueGenerator {
+    /// Parameters.
+    pub config: IlluminanceConfig,
+    /// Everything it remembers.
+    pub state: IlluminanceState,
+}
+
+impl IlluminanceValueGenerator {
+    /// An illuminance value generator at power-on.
+    pub fn new(config: IlluminanceConfig) -> Self {
+        Self { config, state: IlluminanceState::default() }
+    }
+
+    fn take(&mut self, control: &Control) {
+        let state = &mut self.state;
+        match control {
+            Control::Frame(frame) => {
+                state.lights = light_vectors(frame, [0.0; 3]);
+                state.frame = Some(Arc::clone(frame));
+            }
+            Control::Object(object) => {
+                state.lights = state.frame.as_ref().map_or_else(Vec::new, |frame| light_vectors(frame, object.centre));
+            }
+            Control::Polygon(polygon) => {
+                state.polygon = Some(Arc::clone(polygon));
+                state.corners.1 = None;
+            }
+            Control::CodeBook(_) | Control::FrameEnd => {}
+        }
+    }
+
+    /// RGBA of a vertex.
+    fn vertex(&self, vertex: &Vertex, polygon: &Polygon) -> [f32; 4] {
+        let material = &polygon.material;
+        let light = match self.config.mode {
+            IlluminanceMode::Off => 1.0,
+            IlluminanceMode::Gouraud => {
+                let [rest, specular] = if polygon.bump {
+                    brightness(Vec3::from(vertex.normal), &material.lighting, &self.state.lights)
+                } else {
+                    vertex.brightness
+                };
+                rest + specular
+            }
+        };
+        let [r, g, b, a] = std::array::from_fn(|i| material.base_color[i] * vertex.color[i]);
+        [r * light, g * light, b * light, a]
+    }
+
+    fn begin(&mut self, span: LitSpan) {
+        let LitSpan { triangle, weights, count, .. } = span;
+        if self.state.corners.1 != Some(triangle) {
+            let polygon = self.state.polygon.clone();
+            let corners = polygon.as_deref().and_then(|p| Some(fan_triangle(p, triangle)?.map(|v| self.vertex(v, p))));
+            self.state.corners = (corners.unwrap_or([[0.0; 4]; 3]), Some(triangle));
+        }
+        let [a, b, c] = self.state.corners.0;
+        let end = |[s, t]: [f32; 2]| -> [f32; 4] { std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i])) };
+        let [first, last] = weights.map(end);
+        let per_pixel = if count > 1 { 1.0 / f32::from(count - 1) } else { 0.0 };
+        self.state.line = [first, std::array::from_fn(|i| (last[i] - first[i]) * per_pixel)];
+        self.state.span = Some(span);
+        self.state.done = 0;
+    }
+
+    /// The next packet of the span.
+    #[inline(always)]
+    fn packet(&mut self) -> Option<IlluminancePacket> {
+        let state = &mut self.state;
+        let LitSpan { x, y, count, backwards, .. } = state.span?;
+        let column = |k: u16| if backwards { x - k } else { x + k };
+        let cell = column(state.done) & !(PACKET_PIXELS as u16 - 1);
+        let mut out = IlluminancePacket { packet: Packet { x: cell, y, mask: 0 }, rgba: [[0; 4]; PACKET_PIXELS] };
+        while state.done < count && column(state.done) & !(PACKET_PIXELS as u16 - 1) == cell {
+            let position = usize::from(column(state.done) - cell);
+            out.packet.mask |= 1 << position;
+            let [first, change] = &state.line;
+            let at = |i: usize| (first[i] + f32::from(state.done) * change[i]) * ONE;
+            out.rgba[position] = to_16_bits([at(0), at(1), at(2), at(3)]);
+            state.done += 1;
+            state.pixels += 1;
+        }
+        if state.done >= count {
+            state.span = None;
+        }
+        Some(out)
+    }
+}
+
+impl Unit for IlluminanceValueGenerator {
+    type In = Option<Flow<LitSpan>>;
+    type Out = Option<Flow<IlluminancePacket>>;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        if self.state.span.is_some() { Demand::Nothing } else { Demand::All }
+    }
+
+    #[inline(always)]
+    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+        let latency = u64::from(self.config.latency);
+        match input {
+            Some(Flow::Control(control)) => {
+                self.take(&control);
+                return Step::after(latency, Some(Flow::Control(control)));
+            }
+            Some(Flow::Item(span)) => self.begin(span),
+            None => {}
+        }
+        let packet = self.packet();
+        let pixels = packet.map_or(0, |s| s.packet.pixels());
+        Step::over(pixels, u64::from(self.config.initiation_interval), latency, packet.map(Flow::Item))
+    }
+
+    fn is_empty(&self) -> bool {
+        self.state.span.is_none()
+    }
+}

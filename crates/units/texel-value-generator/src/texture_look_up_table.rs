@@ -1,0 +1,182 @@
+//! Texture look-up table (330), with its cache and its memory.
+
+use crate::config::LookUpConfig;
+use crate::signals::{LevelPacket, TexelPacket, TexturePacket, to_16_bits};
+use crate::twins::{Pair, pair};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::{Taps, level_offset, tap_offsets, taps};
+use basrelief_signals::{Control, Filter, Flow, Image, PACKET_PIXELS, Texture};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// White, in the format of [`TexturePacket::rgba`].
+const WHITE: [u16; 4] = [255 << 8; 4];
+
+/// Everything the texture look-up table remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TextureLookUpTableState {
+    /// Texture of the polygon.
+    pub texture: Option<Arc<Texture>>,
+    /// Start of each of its levels \[texels from the start of the memory\].
+    pub offsets: Vec<u64>,
+    /// Pixels with a texture.
+    pub pixels: u64,
+    /// Texels read for them.
+    pub texels: u64,
+}
+
+/// Texture look-up table (330): u, v and map select in, texture value out. Client 0 is the cache in front of its memory.
+///
+/// Only pixels that passed the depth test look anything up. A polygon without a texture is white.
+#[derive(Clone, Debug, Default)]
+pub struct TextureLookUpTable {
+    /// Parameters.
+    pub config: LookUpConfig,
+    /// Two levels are looked up where the level has a fraction.
+    pub trilinear: bool,
+    /// Bytes per line of the cache.
+    pub line_bytes: u32,
+    /// 2^n texels share a line.
+    shared: u32,
+    /// Everything it remembers.
+    pub state: TextureLookUpTableState,
+}
+
+impl TextureLookUpTable {
+    /// A texture look-up table at power-on, with a cache of lines of this size.
+    pub fn new(config: LookUpConfig, trilinear: bool, line_bytes: u32) -> Self {
+        let bytes = config.texel_bytes;
+        let shared = if bytes.is_power_of_two() { (line_bytes / bytes).max(1).ilog2() } else { 0 };
+        Self { config, trilinear, line_bytes, shared, state: TextureLookUpTableState::default() }
+    }
+
+    fn take(&mut self, control: &Control) {
+        let Control::Polygon(polygon) = control else { return };
+        let texture = &polygon.material.color_texture;
+        let is_known = match (&self.state.texture, texture) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        if !is_known {
+            self.state.texture.clone_from(texture);
+            self.state.offsets = texture.iter().flat_map(|t| (0..t.levels.len()).map(|k| level_offset(t, k))).collect();
+        }
+    }
+
+    #[inline(always)]
+    fn look_up(&mut self, packet: TexelPacket, levels: &LevelPacket, traffic: &mut Traffic) -> TexturePacket {
+        let TexelPacket { packet, points, uv, displacement, .. } = packet;
+        let mut out = TexturePacket { packet, points, rgba: [WHITE; PACKET_PIXELS], displacement };
+        let Self { config, trilinear, state, shared, .. } = self;
+        let Some(texture) = state.texture.as_deref() else { return out };
+        let mut port = Port { config, texture, offsets: &state.offsets, shared: *shared, recent: [u64::MAX; 4], texels: 0 };
+        for i in packet.positions() {
+            let level = levels.level[i];
+            let (fine, share) = (level as usize, level - (level as usize) as f32);
+            let mut value = port.sample(fine, uv[i], traffic);
+            if *trilinear && share > 0.0 {
+                let coarse = port.sample(fine + 1, uv[i], traffic);
+                value = std::array::from_fn(|c| value[c] + share * (coarse[c] - value[c]));
+            }
+            let [r, g, b, a] = value;
+            out.rgba[i] = to_16_bits([256.0 * r, 256.0 * g, 256.0 * b, 256.0 * a]);
+        }
+        state.pixels += packet.pixels() as u64;
+        state.texels += port.texels;
+        out
+    }
+}
+
+/// What looks texels up for a packet.
+struct Port<'a> {
+    config: &'a LookUpConfig,
+    texture: &'a Texture,
+    offsets: &'a [u64],
+    shared: u32,
+    /// Lines that were mentioned last: naming them again costs the device nothing, and the host something.
+    recent: [u64; 4],
+    texels: u64,
+}
+
+impl Port<'_> {
+    /// Filtered RGBA of a level, 0..=255; of the last one where there is no such level.
+    #[inline(always)]
+    fn sample(&mut self, level: usize, uv: [f32; 2], traffic: &mut Traffic) -> [f32; 4] {
+        let level = level.min(self.texture.levels.len().saturating_sub(1));
+        let (Some(image), Some(&offset)) = (self.texture.levels.get(level), self.offsets.get(level)) else { return [255.0; 4] };
+        let taps = taps(image, &self.texture.sampler, self.config.filter, uv);
+        let count = usize::from(taps.count);
+        self.texels += count as u64;
+        for texel in &tap_offsets(image.width, &taps)[..count] {
+            self.mention(offset + texel, traffic);
+        }
+        filtered(image, &taps)
+    }
+
+    /// Looks a texel up.
+    #[inline(always)]
+    fn mention(&mut self, texel: u64, traffic: &mut Traffic) {
+        let bytes = self.config.texel_bytes;
+        let line = texel >> self.shared;
+        if !self.recent.contains(&line) {
+            self.recent = [line, self.recent[0], self.recent[1], self.recent[2]];
+            traffic.look_up(0, texel * u64::from(bytes), bytes);
+        }
+    }
+}
+
+/// Texels that `taps` names, weighted.
+#[inline(always)]
+fn filtered(image: &Image, taps: &Taps) -> [f32; 4] {
+    let texel = |i: usize| {
+        let [column, row] = taps.texel[i];
+        let texel = image.texels.get(row as usize * image.width as usize + column as usize);
+        let [r, g, b, a] = texel.copied().unwrap_or_default();
+        [f32::from(r), f32::from(g), f32::from(b), f32::from(a)]
+    };
+    if taps.count == 1 {
+        return texel(0);
+    }
+    // One by one: a map over the array would be a call.
+    let (a, b, c, d) = (texel(0), texel(1), texel(2), texel(3));
+    let [p, q, r, s] = taps.weight;
+    let mixed = |i: usize| p * a[i] + q * b[i] + r * c[i] + s * d[i];
+    [mixed(0), mixed(1), mixed(2), mixed(3)]
+}
+
+impl Unit for TextureLookUpTable {
+    type In = (Option<Flow<TexelPacket>>, Option<Flow<LevelPacket>>);
+    type Out = Option<Flow<TexturePacket>>;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+
+    #[inline(always)]
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let latency = u64::from(self.config.latency);
+        match pair("texture look-up table", input, traffic) {
+            Pair::Items(packet, levels) => {
+                let pixels = packet.packet.pixels();
+                let out = self.look_up(packet, &levels, traffic);
+                Step::over(pixels, u64::from(self.config.initiation_interval), latency, Some(Flow::Item(out)))
+            }
+            Pair::Control(control) => {
+                self.take(&control);
+                Step::after(latency, Some(Flow::Control(control)))
+            }
+            Pair::Nothing => Step::after(latency, None),
+        }
+    }
+
+    /// Taps of the pixels of a packet, each on two lines of the cache where texels can straddle them.
+    fn largest_step(&self, client: usize) -> u32 {
+        let taps = if self.config.filter == Filter::Nearest { 1 } else { 4 };
+        let levels = if self.trilinear { 2 } else { 1 };
+        let bytes = self.config.texel_bytes;
+        let lines =
+            if bytes.is_power_of_two() { bytes.div_ceil(self.line_bytes.max(1)) } else { 2 + bytes / self.line_bytes.max(1) };
+        if client == 0 { PACKET_PIXELS as u32 * taps * levels * lines } else { 0 }
+    }
+}

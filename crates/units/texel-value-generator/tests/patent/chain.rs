@@ -1,0 +1,125 @@
+//! Spans on their way through step calculator, dividers and approximate calculator (310a), and random spans.
+
+use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_signals::{Control, Flow, Image, Material, Polygon, Sampler, Texture, Vertex, Wrap};
+use basrelief_texel_value_generator::signals::{GradientPacket, Segment, Span, TexelPacket};
+use basrelief_texel_value_generator::{
+    ApproximateCalculator, ApproximationConfig, Divider, DividerConfig, MipPer, StepCalculator, StepCounters, TexelConfig,
+};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+/// A span of pixels 0 .. count, with these W, u, v at its ends.
+pub fn span(count: u16, w: [f64; 2], uv: [[f64; 2]; 2]) -> Span {
+    let ends = [0, 1].map(|i| [uv[i][0] * w[i], uv[i][1] * w[i], w[i]]);
+    let per_pixel = if count > 1 { 1.0 / f64::from(count - 1) } else { 0.0 };
+    let step = std::array::from_fn(|i| (ends[1][i] - ends[0][i]) * per_pixel);
+    Span { y: 3, x: 0, count, textured: true, ends, step, ..Span::default() }
+}
+
+/// What came of a span.
+pub struct Walked {
+    pub segments: Vec<Segment>,
+    pub packets: Vec<TexelPacket>,
+    pub gradients: Vec<GradientPacket>,
+    pub counters: StepCounters,
+    pub divider: Divider,
+    pub approximate: ApproximateCalculator,
+    /// Cycles that each step kept the step calculator, and all kept the approximate calculator.
+    pub kept: (Vec<u64>, u64),
+}
+
+impl Walked {
+    /// Pixels between which u, v are divided: the ends of all segments.
+    pub fn points(&self) -> Vec<u16> {
+        let mut all: Vec<u16> = self.segments.iter().flat_map(|s| [s.from, s.to]).collect();
+        all.dedup();
+        all
+    }
+
+    /// u, v by column, some whole tiles less.
+    pub fn uv(&self) -> Vec<[f32; 2]> {
+        self.packets.iter().flat_map(|s| s.packet.positions().map(|i| s.uv[i])).collect()
+    }
+
+    pub fn largest_displacement(&self) -> f64 {
+        self.approximate.state.counters.displacements.largest
+    }
+}
+
+/// A polygon with a texture of these wrap modes, for what is constant over it.
+pub fn textured(wrap: Wrap) -> Arc<Polygon> {
+    let side = |side: u32| Image { width: side, height: side, texels: vec![[200; 4]; (side * side) as usize] };
+    let levels = [64, 32, 16, 8, 4, 2, 1].map(side).to_vec();
+    let sampler = Sampler { wrap: [wrap; 2], ..Sampler::default() };
+    let texture = Texture { id: 0, name: String::new(), sampler, levels, offset: 0 };
+    let material = Arc::new(Material { color_texture: Some(Arc::new(texture)), ..Material::default() });
+    let vertices = vec![Vertex::default(); 3];
+    Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: false, arrival: 0 })
+}
+
+/// Takes a span through the three units.
+pub fn walk(config: &TexelConfig, span: Span) -> Walked {
+    walk_on(config, span, &textured(Wrap::Repeat), Some(MipPer::Segment))
+}
+
+pub fn walk_on(config: &TexelConfig, span: Span, polygon: &Arc<Polygon>, gradients: Option<MipPer>) -> Walked {
+    let mut steps = StepCalculator::new(config.clone());
+    let mut divider = Divider::new(DividerConfig::default());
+    let mut approximate = ApproximateCalculator::new(ApproximationConfig::default(), 24, gradients);
+    let (mut segments, mut packets, mut out_gradients) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut none, mut kept) = (Traffic::default(), (Vec::new(), 0));
+    for token in [Flow::Control(Control::Polygon(Arc::clone(polygon))), Flow::Item(span)] {
+        let mut input = Some(token);
+        while input.is_some() || steps.demand() == Demand::Nothing {
+            let step = steps.step(input.take(), &mut none);
+            kept.0.push(step.occupancy);
+            let (segment, points) = step.out;
+            segments.extend(segment.iter().filter_map(|s| if let Flow::Item(s) = s { Some(*s) } else { None }));
+            let quotients = divider.step(points, &mut none).out;
+            let mut pair = Some((segment, quotients));
+            while pair.is_some() || approximate.demand() == Demand::Nothing {
+                let step = approximate.step(pair.take().unwrap_or((None, None)), &mut none);
+                kept.1 += step.occupancy;
+                let (packet, gradient) = step.out;
+                packets.extend(packet.into_iter().filter_map(|s| if let Flow::Item(s) = s { Some(s) } else { None }));
+                out_gradients.extend(gradient.into_iter().filter_map(|s| if let Flow::Item(s) = s { Some(s) } else { None }));
+            }
+        }
+    }
+    assert!(steps.is_empty() && approximate.is_empty());
+    Walked { segments, packets, gradients: out_gradients, counters: steps.state.counters, divider, approximate, kept }
+}
+
+/// W at the ends in a ratio of up to 1:1000, either way round, of every size; now and then equal.
+fn ends() -> impl Strategy<Value = [f64; 2]> {
+    let ratio = prop_oneof![1 => Just(0.0), 6 => -3.0f64..3.0, 2 => -0.1f64..0.1];
+    (-6.0f64..6.0, ratio).prop_map(|(size, ratio)| {
+        let w = power_of_ten(size);
+        if ratio < 0.0 { [w, w / power_of_ten(ratio)].map(f64::abs) } else { [w * power_of_ten(ratio), w] }
+    })
+}
+
+/// 10^x, of tests alone.
+fn power_of_ten(x: f64) -> f64 {
+    10f64.powf(x)
+}
+
+/// Spans of 1 to 4,096 pixels, u and v up to a thousand tiles long and away.
+pub fn spans() -> impl Strategy<Value = Span> {
+    let count = prop_oneof![4 => 1u16..64, 3 => 64u16..512, 2 => 512u16..=4096, 1 => Just(4096u16)];
+    let uv = prop::array::uniform2(prop::array::uniform2(-1000.0f64..1000.0));
+    (count, ends(), uv, any::<bool>()).prop_map(|(count, w, uv, near)| {
+        // A thousand tiles, or a few.
+        span(count, w, if near { uv.map(|p| p.map(|c| c / 500.0)) } else { uv })
+    })
+}
+
+/// e from 0.05 to 4.
+pub fn bounds() -> impl Strategy<Value = f64> {
+    prop_oneof![3 => 0.05f64..4.0, 1 => Just(0.5), 1 => 0.05f64..0.2]
+}
+
+pub fn config(error_bound: f64) -> TexelConfig {
+    TexelConfig { error_bound, ..TexelConfig::default() }
+}

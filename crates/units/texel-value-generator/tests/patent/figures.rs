@@ -1,0 +1,227 @@
+//! Figures 1, 2, 4A, 4B and 6 step by step, and the dividers.
+
+use crate::chain::{config, span, textured, walk};
+use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_signals::{Camera, Control, Flow, Frame, Polygon, Vertex, Wrap};
+use basrelief_texel_value_generator::signals::{IlluminancePacket, Span, TexturePacket};
+use basrelief_texel_value_generator::{
+    CombineMode, Combiner, CombinerConfig, Divider, DividerConfig, Division, March, Method, ScanConverter, ScanConverterConfig,
+    Snap, StorageElement, TexelConfig,
+};
+use smallvec::smallvec;
+use std::sync::Arc;
+
+pub fn frame(width: u32, height: u32) -> Control {
+    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+    Control::Frame(Arc::new(Frame { index: 0, width, height, camera, lights: Vec::new(), textures: Vec::new() }))
+}
+
+/// A textured polygon of corners (x, y, 1 / w), u and v as x and y over the size of a picture of 64 x 64.
+pub fn polygon(corners: &[[f32; 3]]) -> Control {
+    let vertex = |&[x, y, w]: &[f32; 3]| Vertex { position: [x, y, 0.5, w], uv: [x / 64.0, y / 64.0], ..Vertex::default() };
+    let polygon = Polygon { vertices: corners.iter().map(vertex).collect(), ..Polygon::clone(&textured(Wrap::Repeat)) };
+    Control::Polygon(Arc::new(polygon))
+}
+
+/// Spans of a polygon.
+pub fn scanned(snap: Snap, march: March, corners: &[[f32; 3]]) -> (Vec<Span>, ScanConverter) {
+    let mut unit = ScanConverter::new(ScanConverterConfig::default(), snap, march);
+    unit.step(Some(frame(64, 64)), &mut Traffic::default());
+    unit.step(Some(polygon(corners)), &mut Traffic::default());
+    let mut spans = Vec::new();
+    while unit.demand() == Demand::Nothing {
+        let (Some(Flow::Item(span)), Some(Flow::Item(lit))) = unit.step(None, &mut Traffic::default()).out else { panic!() };
+        assert_eq!((span.x, span.y, span.count), (lit.x, lit.y, lit.count));
+        spans.push(span);
+    }
+    (spans, unit)
+}
+
+#[test]
+fn figure_4a_step_410_snaps_the_ends_to_integer_pixels() {
+    let bar = [[3.25, 5.0, 1.0], [9.75, 5.0, 1.0], [9.75, 6.0, 1.0], [3.25, 6.0, 1.0]];
+    let columns = |snap| {
+        let (spans, _) = scanned(snap, March::LeftToRight, &bar);
+        let mut all: Vec<u16> = spans.iter().flat_map(|s| (0..s.count).map(|k| s.column(k))).collect();
+        all.sort_unstable();
+        (all.first().copied(), all.last().copied(), all.len())
+    };
+    // The ends are 2.75 and 9.25, counted from the centre of the first pixel; the right one belongs to what follows.
+    assert_eq!(columns(Snap::Ceil), (Some(3), Some(9), 7));
+    assert_eq!(columns(Snap::Round), (Some(3), Some(8), 6));
+    assert_eq!(columns(Snap::Floor), (Some(2), Some(8), 7));
+    assert_eq!(columns(Snap::Truncate), columns(Snap::Floor));
+}
+
+#[test]
+fn figure_4a_step_420_an_empty_span_is_none() {
+    let sliver = [[3.6, 0.0, 1.0], [4.4, 0.0, 1.0], [4.4, 9.0, 1.0], [3.6, 9.0, 1.0]];
+    let (spans, unit) = scanned(Snap::Ceil, March::LeftToRight, &sliver);
+    assert!(spans.is_empty() && unit.state.empty == 1);
+}
+
+#[test]
+fn figure_4a_step_430_a_span_too_short_to_gain_has_its_end_points_only() {
+    let uv = [[0.0, 0.0], [1.0, 0.0]];
+    for (count, min_span, short) in [(20, 20, true), (21, 20, false), (2, 2, true), (3, 2, false), (400, 1000, true)] {
+        let walked = walk(&TexelConfig { min_span, ..config(0.05) }, span(count, [1.0, 0.1], uv));
+        assert_eq!((walked.counters.short == 1, walked.counters.division_points == 0), (short, short), "{count}");
+        assert_eq!(walked.counters.step_divisions, u64::from(!short));
+    }
+}
+
+#[test]
+fn figure_4b_the_next_point_is_the_step_rounded_down_at_least_1_and_at_most_what_is_left() {
+    let span = span(300, [0.1, 1.0], [[0.0, 0.0], [1.0, 0.0]]);
+    for e in [0.01, 0.5, 3.0] {
+        let dw = span.step[2];
+        for pair in walk(&config(e), span).points().windows(2) {
+            let t = 2.0 * (e * span.value(pair[0])[2] / dw).sqrt() + e;
+            let left = f64::from(span.last() - pair[0]);
+            assert_eq!(f64::from(pair[1] - pair[0]), t.floor().max(1.0).min(left));
+        }
+    }
+}
+
+#[test]
+fn figure_6_ends_and_division_points_are_exact_and_the_rest_is_linear_between_them() {
+    let span = span(200, [1.0, 0.05], [[0.2, 0.9], [0.7, 0.1]]);
+    let walked = walk(&config(0.5), span);
+    let uv = walked.uv();
+    let exact = |k: u16| [0, 1].map(|i| (span.value(k)[i] / span.value(k)[2]) as f32);
+    assert!(walked.points().len() > 4);
+    for pair in walked.points().windows(2) {
+        assert_eq!([uv[usize::from(pair[0])], uv[usize::from(pair[1])]], [exact(pair[0]), exact(pair[1])]);
+        for k in pair[0]..pair[1] {
+            let share = f64::from(k - pair[0]) / f64::from(pair[1] - pair[0]);
+            for (i, got) in uv[usize::from(k)].into_iter().enumerate() {
+                let [a, b] = [pair[0], pair[1]].map(|k| span.value(k)[i] / span.value(k)[2]);
+                assert!((f64::from(got) - (a + share * (b - a))).abs() < 1e-7);
+            }
+        }
+    }
+}
+
+#[test]
+fn figure_2_a_fixed_number_of_points_lies_evenly_and_an_interval_ends_with_what_is_left() {
+    let span = span(65, [1.0, 0.5], [[0.0, 0.0], [1.0, 0.0]]);
+    let fixed = |points, interval| walk(&TexelConfig { method: Method::Fixed, points, interval, ..config(0.5) }, span).points();
+    assert_eq!(fixed(7, 1), [0, 8, 16, 24, 32, 40, 48, 56, 64]);
+    assert_eq!(fixed(2, 1), [0, 21, 43, 64]);
+    assert_eq!(fixed(1000, 1).len(), 65, "no more than pixels");
+    assert_eq!(fixed(0, 30), [0, 30, 60, 64]);
+    assert_eq!(fixed(0, 64), [0, 64]);
+}
+
+#[test]
+fn figure_1_each_child_polygon_has_exact_ends_on_a_scan_line() {
+    // A triangle of 40 pixels, cut into 4 x 4 of 10; on its scan lines the lines between them are 10 pixels apart.
+    let corners = [[0.5, 0.5, 1.0], [40.5, 0.5, 0.5], [0.5, 40.5, 0.25]];
+    let (spans, _) = scanned(Snap::Ceil, March::LeftToRight, &corners);
+    assert_eq!(spans.len(), 40);
+    // The longest edge is the diagonal: 56.6 pixels.
+    let config = TexelConfig { method: Method::Subpolygon, interval: 15, ..TexelConfig::default() };
+    let Control::Polygon(polygon) = polygon(&corners) else { unreachable!() };
+    for span in &spans {
+        let walked = crate::chain::walk_on(&config, *span, &polygon, None);
+        // Children are 10 pixels wide, and a scan line crosses some pointing up and some pointing down.
+        assert!(walked.segments.iter().all(|s| s.walk <= 11), "{:?}", span.y);
+        assert!(walked.segments.windows(2).all(|s| s[1].from == s[0].to + 1));
+        let ends: u64 = walked.segments.iter().map(|s| if s.from == s.to { 1 } else { 2 }).sum();
+        assert_eq!(walked.divider.state.points, ends);
+    }
+}
+
+#[test]
+fn marching_from_the_right_finds_the_same_bound_from_the_other_end() {
+    let corners = [[2.5, 3.0, 1.0], [60.5, 3.0, 0.05], [60.5, 40.0, 0.05], [2.5, 40.0, 1.0]];
+    let (left, _) = scanned(Snap::Ceil, March::LeftToRight, &corners);
+    let (right, _) = scanned(Snap::Ceil, March::RightToLeft, &corners);
+    assert_eq!(left.len(), right.len());
+    for (a, b) in left.iter().zip(&right) {
+        assert_eq!((a.column(0), a.column(a.last()), a.ends), (b.column(b.last()), b.column(0), [b.ends[1], b.ends[0]]));
+        let [a, b] = [a, b].map(|span| walk(&config(0.3), *span));
+        assert!(b.largest_displacement() <= 0.3 + 1e-6);
+        assert!(a.points().len().abs_diff(b.points().len()) <= 1);
+    }
+}
+
+#[test]
+fn a_w_that_is_not_positive_is_an_error_that_says_where() {
+    for w in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        let mut unit = ScanConverter::default();
+        let mut traffic = Traffic::default();
+        unit.step(Some(frame(8, 8)), &mut traffic);
+        unit.step(Some(polygon(&[[0.0, 0.0, 1.0], [8.0, 0.0, w], [0.0, 8.0, 1.0]])), &mut traffic);
+        let said = format!("{traffic:?}");
+        assert!(said.contains("object 0 has 1 / w =") && said.contains("near plane"), "{said}");
+        assert!(unit.is_empty());
+    }
+}
+
+#[test]
+fn dividers_take_what_is_next_and_give_the_last_quotient_last() {
+    let cycles = |count, latency, initiation_interval, divisions| {
+        let config = DividerConfig { count, latency, initiation_interval, ..DividerConfig::default() };
+        Divider::new(config).cycles(divisions)
+    };
+    // Kept, and to the last quotient.
+    assert_eq!(cycles(1, 16, 16, 2), (32, 32));
+    assert_eq!(cycles(2, 16, 16, 2), (16, 16));
+    assert_eq!(cycles(4, 16, 16, 2), (8, 16));
+    assert_eq!(cycles(1, 16, 1, 2), (2, 17));
+    assert_eq!(cycles(2, 16, 1, 4), (2, 17));
+    assert_eq!(cycles(3, 20, 10, 4), (14, 30));
+}
+
+#[test]
+fn a_reciprocal_and_two_multiplications_stand_for_two_divisions() {
+    let points = smallvec![[1.5, 3.0, 0.5], [0.3, 0.1, 0.7]];
+    let of = |division| {
+        let mut unit = Divider::new(DividerConfig { division, ..DividerConfig::default() });
+        let step = unit.step(Some(Flow::Item(Clone::clone(&points))), &mut Traffic::default());
+        let Some(Flow::Item(quotients)) = step.out else { panic!() };
+        (quotients, step.occupancy, step.latency, unit.state)
+    };
+    let (two, occupancy, latency, state) = of(Division::Two);
+    assert_eq!((occupancy, latency, state.divisions, state.reciprocals, state.multiplications), (32, 32, 4, 0, 0));
+    let (one, occupancy, latency, state) = of(Division::Reciprocal);
+    assert_eq!((occupancy, latency, state.divisions, state.reciprocals, state.multiplications), (16, 18, 0, 2, 4));
+    assert!(two.iter().flatten().zip(one.iter().flatten()).all(|(a, b): (&f64, &f64)| (a - b).abs() < 1e-15 * a.abs() * 2.0));
+}
+
+#[test]
+fn the_storage_element_holds_the_criterion_until_another_is_selected() {
+    let mut storage = StorageElement::default();
+    storage.select(0.5);
+    assert_eq!(storage.criterion(), 0.5);
+    storage.select(2.0);
+    assert_eq!((storage.criterion(), storage.selected), (2.0, 2));
+}
+
+#[test]
+fn the_combiner_replaces_modulates_and_blends_with_the_old_value() {
+    let one = 1 << 14;
+    let drawn = |mode| {
+        let mut unit = Combiner::new(CombinerConfig { mode, ..CombinerConfig::default() });
+        unit.step((Some(Flow::Control(frame(40, 3))), Some(Flow::Control(frame(40, 3)))), &mut Traffic::default());
+        let (mut colors, mut reads) = (Vec::new(), 0);
+        for (value, alpha) in [(200, 255), (100, 51)] {
+            let (mut texture, mut light) = (TexturePacket::default(), IlluminancePacket::default());
+            (texture.packet.x, texture.packet.y, texture.packet.mask) = (16, 2, 0b1000);
+            texture.rgba[3] = [value << 8, value << 8, value << 8, alpha << 8];
+            light.rgba[3] = [one, one / 2, 0, one];
+            let mut traffic = Traffic::default();
+            let out = unit.step((Some(Flow::Item(texture)), Some(Flow::Item(light))), &mut traffic).out;
+            let Some(Flow::Item(packet)) = out else { panic!() };
+            colors.push(packet.rgb[3]);
+            reads += traffic.requests().len();
+            assert!(traffic.requests().iter().all(|r| !r.write && r.address == (2 * 3 + 1) * 64 && r.bytes == 64));
+        }
+        (colors, reads)
+    };
+    assert_eq!(drawn(CombineMode::Replace), (vec![[200, 100, 0], [100, 50, 0]], 0));
+    assert_eq!(drawn(CombineMode::Modulate), (vec![[0, 0, 0], [0, 0, 0]], 2), "the buffer begins black");
+    // A fifth of the new one, four fifths of the old one.
+    assert_eq!(drawn(CombineMode::Blend), (vec![[200, 100, 0], [180, 90, 0]], 2));
+}

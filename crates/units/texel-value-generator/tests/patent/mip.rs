@@ -1,0 +1,67 @@
+//! MIP-map selector (320) and claim 9.
+
+use crate::chain::{bounds, config, spans, textured, walk_on};
+use basrelief_kernel::{Traffic, Unit};
+use basrelief_signals::{Control, Flow, Wrap};
+use basrelief_texel_value_generator::signals::GradientPacket;
+use basrelief_texel_value_generator::{MipConfig, MipMapSelector, MipMode, MipPer};
+use proptest::prelude::*;
+use std::collections::BTreeMap;
+
+fn levels(mode: MipMode, gradients: &[GradientPacket]) -> Vec<(u16, f32)> {
+    let mut unit = MipMapSelector::new(MipConfig { mode, ..MipConfig::default() });
+    unit.step(Some(Flow::Control(Control::Polygon(textured(Wrap::Repeat)))), &mut Traffic::default());
+    let mut all = Vec::new();
+    for packet in gradients {
+        let Some(Flow::Item(levels)) = unit.step(Some(Flow::Item(*packet)), &mut Traffic::default()).out else { panic!() };
+        all.extend(packet.packet.positions().map(|i| (packet.packet.x + i as u16, levels.level[i])));
+    }
+    all
+}
+
+proptest! {
+    #[test]
+    fn claim_9_the_level_is_constant_per_segment_and_follows_from_its_ends(span in spans(), e in bounds()) {
+        let walked = walk_on(&config(e), span, &textured(Wrap::Repeat), Some(MipPer::Segment));
+        let levels: BTreeMap<u16, f32> = levels(MipMode::Trilinear, &walked.gradients).into_iter().collect();
+        for segment in &walked.segments {
+            let [a, b] = [segment.from, segment.to].map(|k| span.value(k)).map(|[u, v, w]| [u / w, v / w]);
+            let length = f64::from(segment.to - segment.from).max(1.0);
+            let texels = (0..2).map(|i| ((b[i] - a[i]) / length).abs() * 64.0).fold(0.0, f64::max);
+            let expected = if texels > 1.0 { texels.log2().min(6.0) } else { 0.0 };
+            for k in segment.from..segment.from + segment.walk {
+                prop_assert!((f64::from(levels[&k]) - expected).abs() < 1e-4, "{k}: {} {expected}", levels[&k]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_level_per_pixel_follows_from_the_derivative_there(span in spans(), e in bounds()) {
+        let walked = walk_on(&config(e), span, &textured(Wrap::Repeat), Some(MipPer::Pixel));
+        for (texels, packet) in walked.packets.iter().zip(&walked.gradients) {
+            // Between division points it is that of the interpolated u.
+            for i in packet.packet.positions().filter(|i| texels.points & 1 << i != 0) {
+                let k = packet.packet.x + i as u16;
+                let [u, _, w] = span.value(k);
+                let [ahead, behind] = [span.step[0] / w, u / w * span.step[2] / w];
+                let got = f64::from(packet.gradient[i][0]);
+                let off = 1e-6 * (ahead.abs() + behind.abs()) + 1e-30;
+                prop_assert!((got - (ahead - behind)).abs() <= off, "{k}: {got} {}", ahead - behind);
+            }
+        }
+        prop_assert_eq!(walked.approximate.state.counters.gradient_reciprocals, u64::from(span.count));
+    }
+}
+
+#[test]
+fn the_level_nearest_to_half_way_is_the_finer_one_and_off_is_level_0() {
+    let packet = |texels: f32| {
+        let mut packet = GradientPacket::default();
+        packet.packet.mask = 1;
+        packet.gradient[0] = [texels / 64.0, 0.0];
+        packet
+    };
+    let of = |mode, texels: f32| levels(mode, &[packet(texels)])[0].1;
+    assert_eq!([2.8, 2.9, 1e6].map(|t| of(MipMode::Nearest, t)), [1.0, 2.0, 6.0]);
+    assert_eq!(of(MipMode::Off, 9.0), 0.0);
+}
