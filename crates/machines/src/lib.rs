@@ -12,6 +12,7 @@ mod config;
 mod counts;
 pub mod defer;
 mod draws;
+mod fifos;
 mod front;
 mod problem;
 pub mod shade;
@@ -24,10 +25,3 @@ pub use draws::Draws;
 pub use front::{FrontConfig, FrontEnd, SceneFront, TraceFront};
 pub use problem::ConfigProblem;
 pub use unit_info::UnitInfo;
-
-use basrelief_kernel::{Fifo, FifoConfig};
-
-/// A FIFO as configured.
-fn fifo<T>(name: &str, config: &FifoConfig) -> Fifo<T> {
-    Fifo::new(name, config.depth as usize, u64::from(config.latency))
-}
