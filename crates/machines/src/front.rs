@@ -4,7 +4,7 @@ use crate::counts::Counts;
 use basrelief_geometry_processor::{
     BumpConfig, DisplayListConfig, DisplayListSource, GeometryConfig, GeometryProcessor, SceneSource,
 };
-use basrelief_kernel::{Clients, Fifo, Stage, Visitor};
+use basrelief_kernel::{Fifo, Stage, Visitor};
 use basrelief_signals::{Control, Draw};
 use std::fmt::Display;
 
@@ -59,8 +59,8 @@ impl<I: Iterator<Item = Draw>> SceneFront<I> {
 
 impl<I: Iterator<Item = Draw>> FrontEnd for SceneFront<I> {
     fn wire<V: Visitor>(&mut self, v: &mut V, draws: &mut Fifo<Draw>, polygons: &mut Fifo<Control>) {
-        v.stage(&mut self.host, (), &mut *draws, Clients::none());
-        v.stage(&mut self.geometry, draws, polygons, Clients::none());
+        v.stage(self.host.between((), &mut *draws));
+        v.stage(self.geometry.between(draws, polygons));
     }
 
     fn counts(&self, counts: &mut Counts) {
@@ -93,7 +93,7 @@ impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> TraceFro
 
 impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> FrontEnd for TraceFront<I> {
     fn wire<V: Visitor>(&mut self, v: &mut V, _: &mut Fifo<Draw>, polygons: &mut Fifo<Control>) {
-        v.stage(&mut self.display_list, (), polygons, Clients::none());
+        v.stage(self.display_list.between((), polygons));
     }
 
     fn counts(&self, counts: &mut Counts) {

@@ -11,6 +11,8 @@ pub mod bump;
 mod config;
 mod counts;
 pub mod defer;
+#[cfg(test)]
+mod drawing;
 mod draws;
 mod fifos;
 mod front;

@@ -8,7 +8,7 @@ use crate::{Counts, Draws};
 use basrelief_brightness::{BrightnessFetch, Components};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::{DepthTest, GraphicsProcessor};
-use basrelief_kernel::{Clients, Machine, MemorySystem, Stage, Visitor};
+use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
 use basrelief_replacement::Replacement;
@@ -118,27 +118,27 @@ impl<F: FrontEnd> Machine for BumpProcessor<F> {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
         self.front.wire(v, &mut f.draws, &mut f.polygons);
-        v.stage(&mut self.rasterizer, &mut f.polygons, &mut f.fragments, Clients::none());
+        v.stage(self.rasterizer.between(&mut f.polygons, &mut f.fragments));
         let to_distribute = if self.early_z {
-            v.stage(&mut self.early_depth, &mut f.fragments, &mut f.tested_fragments, Clients::of(m, &c.depth));
+            v.stage(self.early_depth.between(&mut f.fragments, &mut f.tested_fragments).using(m, &c.depth));
             &mut f.tested_fragments
         } else {
             &mut f.fragments
         };
-        v.stage(&mut self.distributor, to_distribute, (&mut f.bump_fragments, &mut f.plain_fragments), Clients::none());
-        v.stage(&mut self.mapping, &mut f.bump_fragments, &mut f.pseudo_normals, Clients::of(m, &c.mapping));
-        v.stage(&mut self.replacement, &mut f.pseudo_normals, &mut f.indexes, Clients::of(m, &c.replacement));
-        v.stage(&mut self.brightness, &mut f.indexes, &mut f.shaded, Clients::of(m, &c.brightness));
+        v.stage(self.distributor.between(to_distribute, (&mut f.bump_fragments, &mut f.plain_fragments)));
+        v.stage(self.mapping.between(&mut f.bump_fragments, &mut f.pseudo_normals).using(m, &c.mapping));
+        v.stage(self.replacement.between(&mut f.pseudo_normals, &mut f.indexes).using(m, &c.replacement));
+        v.stage(self.brightness.between(&mut f.indexes, &mut f.shaded).using(m, &c.brightness));
         let shaded_and_plain = (&mut f.shaded, &mut f.plain_fragments);
-        v.stage(&mut self.graphics, shaded_and_plain, &mut f.pixels, Clients::of(m, &c.graphics));
+        v.stage(self.graphics.between(shaded_and_plain, &mut f.pixels).using(m, &c.graphics));
         let to_write = if self.early_z {
             &mut f.pixels
         } else {
-            v.stage(&mut self.late_depth, &mut f.pixels, &mut f.tested_pixels, Clients::of(m, &c.depth));
+            v.stage(self.late_depth.between(&mut f.pixels, &mut f.tested_pixels).using(m, &c.depth));
             &mut f.tested_pixels
         };
-        v.stage(&mut self.frame_buffer, to_write, &mut f.finished_frames, Clients::of(m, &c.frame_buffer));
-        v.stage(&mut self.video_out, &mut f.finished_frames, (), Clients::of(m, &c.video_out));
+        v.stage(self.frame_buffer.between(to_write, &mut f.finished_frames).using(m, &c.frame_buffer));
+        v.stage(self.video_out.between(&mut f.finished_frames, ()).using(m, &c.video_out));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

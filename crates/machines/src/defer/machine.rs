@@ -15,7 +15,7 @@ use basrelief_deferred_renderer::{
 };
 use basrelief_frame_buffer::{FinishedFrame, PixelBuffer, ShownPicture, VideoOut};
 use basrelief_graphics_processor::DepthTest;
-use basrelief_kernel::{Clients, Fifo, Machine, MemorySystem, Stage, Visitor};
+use basrelief_kernel::{Fifo, Machine, MemorySystem, Stage, Visitor};
 use basrelief_rasterizer::Rasterizer;
 use basrelief_signals::{Fragment, Stamp};
 use std::sync::Arc;
@@ -157,25 +157,25 @@ impl<F: FrontEnd> Machine for DeferredRenderer<F> {
         let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
         self.front.wire(v, &mut f.draws, &mut f.polygons);
         let asked = (&mut f.polygons, &mut f.requests, &mut f.shown);
-        v.stage(&mut self.server, asked, &mut f.parcels, Clients::none());
-        v.stage(&mut self.path, &mut f.parcels, (&mut f.mesh, &mut self.tiles), Clients::none());
-        v.stage(&mut self.expander, &mut self.tiles, &mut f.expanded, Clients::none());
-        v.stage(&mut self.rasterizer, &mut f.mesh, &mut f.fragments, Clients::none());
-        v.stage(&mut self.depth, &mut f.fragments, &mut f.tested_fragments, Clients::of(m, &c.depth));
-        v.stage(&mut self.cell_maker, &mut f.tested_fragments, &mut f.cells, Clients::none());
+        v.stage(self.server.between(asked, &mut f.parcels));
+        v.stage(self.path.between(&mut f.parcels, (&mut f.mesh, &mut self.tiles)));
+        v.stage(self.expander.between(&mut self.tiles, &mut f.expanded));
+        v.stage(self.rasterizer.between(&mut f.mesh, &mut f.fragments));
+        v.stage(self.depth.between(&mut f.fragments, &mut f.tested_fragments).using(m, &c.depth));
+        v.stage(self.cell_maker.between(&mut f.tested_fragments, &mut f.cells));
         let passes = (&mut f.marking, &mut f.colouring);
         let cells = (&mut f.cells, &mut f.rounds);
-        v.stage(&mut self.reference_buffer, cells, passes, Clients::of(m, &c.reference_buffer));
-        v.stage(&mut self.identification, &mut f.marking, &mut f.marks, Clients::none());
+        v.stage(self.reference_buffer.between(cells, passes).using(m, &c.reference_buffer));
+        v.stage(self.identification.between(&mut f.marking, &mut f.marks));
         let marks = (&mut f.marks, &mut f.improvements);
         let decided = (&mut f.requests, &mut f.orders, &mut f.rounds);
-        v.stage(&mut self.tile_lists, marks, decided, Clients::none());
+        v.stage(self.tile_lists.between(marks, decided));
         let coloured = (&mut f.colouring, &mut f.orders, &mut f.expanded);
         let pictures = (&mut f.improvements, &mut f.pixels);
-        v.stage(&mut self.rasterization, coloured, pictures, Clients::of(m, &c.rasterization));
+        v.stage(self.rasterization.between(coloured, pictures).using(m, &c.rasterization));
         let finished = (&mut f.finished_frames, &mut f.shown);
-        v.stage(&mut self.pixel_buffer, &mut f.pixels, finished, Clients::of(m, &c.pixel_buffer));
-        v.stage(&mut self.video_out, &mut f.finished_frames, (), Clients::of(m, &c.video_out));
+        v.stage(self.pixel_buffer.between(&mut f.pixels, finished).using(m, &c.pixel_buffer));
+        v.stage(self.video_out.between(&mut f.finished_frames, ()).using(m, &c.video_out));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

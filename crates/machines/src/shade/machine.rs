@@ -12,7 +12,7 @@ use basrelief_figure_shading::{
 };
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
-use basrelief_kernel::{Clients, Machine, MemorySystem, Stage, Visitor};
+use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_signals::{Pixel, Stamp};
 
 /// Figure shading device (200) between host computer (100) and frame memory (300).
@@ -86,25 +86,25 @@ impl<F: FrontEnd> Machine for FigureShadingDevice<F> {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
         self.front.wire(v, &mut f.draws, &mut f.polygons);
-        v.stage(&mut self.host, (&mut f.polygons, &mut f.finished), &mut f.transfers, Clients::none());
+        v.stage(self.host.between((&mut f.polygons, &mut f.finished), &mut f.transfers));
         let decided = (&mut f.figures, &mut f.normals, &mut f.flat_dots, &mut f.constant_dots);
-        v.stage(&mut self.microcomputer, &mut f.transfers, decided, Clients::none());
+        v.stage(self.microcomputer.between(&mut f.transfers, decided));
         let linear = (&mut f.interpolated, &mut f.brightness_dots);
-        v.stage(&mut self.interpolation, &mut f.figures, linear, Clients::none());
-        v.stage(&mut self.normal_interpolation, &mut f.normals, &mut f.highlights, Clients::none());
-        v.stage(&mut self.gate, &mut f.highlights, &mut f.gated, Clients::none());
-        v.stage(&mut self.adder, (&mut f.interpolated, &mut f.gated), &mut f.sums, Clients::none());
-        v.stage(&mut self.selector_53, (&mut f.sums, &mut f.flat_dots), &mut f.selected, Clients::none());
+        v.stage(self.interpolation.between(&mut f.figures, linear));
+        v.stage(self.normal_interpolation.between(&mut f.normals, &mut f.highlights));
+        v.stage(self.gate.between(&mut f.highlights, &mut f.gated));
+        v.stage(self.adder.between((&mut f.interpolated, &mut f.gated), &mut f.sums));
+        v.stage(self.selector_53.between((&mut f.sums, &mut f.flat_dots), &mut f.selected));
         let ways = (&mut f.selected, &mut f.brightness_dots, &mut f.constant_dots);
-        v.stage(&mut self.selector_28, ways, (&mut f.pixels, &mut f.finished), Clients::none());
+        v.stage(self.selector_28.between(ways, (&mut f.pixels, &mut f.finished)));
         let to_write = if self.depth_test {
-            v.stage(&mut self.depth, &mut f.pixels, &mut f.tested_pixels, Clients::of(m, &c.depth));
+            v.stage(self.depth.between(&mut f.pixels, &mut f.tested_pixels).using(m, &c.depth));
             &mut f.tested_pixels
         } else {
             &mut f.pixels
         };
-        v.stage(&mut self.frame_memory, to_write, &mut f.finished_frames, Clients::of(m, &c.frame_memory));
-        v.stage(&mut self.video_out, &mut f.finished_frames, (), Clients::of(m, &c.video_out));
+        v.stage(self.frame_memory.between(to_write, &mut f.finished_frames).using(m, &c.frame_memory));
+        v.stage(self.video_out.between(&mut f.finished_frames, ()).using(m, &c.video_out));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

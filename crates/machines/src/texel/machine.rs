@@ -9,7 +9,7 @@ use crate::problem::ConfigProblem;
 use crate::{Counts, Draws};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
-use basrelief_kernel::{Clients, Machine, MemorySystem, Stage, Visitor};
+use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_signals::PixelPacket;
 use basrelief_texel_value_generator::signals::TexelPacket;
 use basrelief_texel_value_generator::{
@@ -107,25 +107,25 @@ impl<F: FrontEnd> Machine for TextureMappingSystem<F> {
         let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
         self.front.wire(v, &mut f.draws, &mut f.polygons);
         let scanned = (&mut f.spans, &mut f.lit_spans);
-        v.stage(&mut self.scan_converter, &mut f.polygons, scanned, Clients::none());
+        v.stage(self.scan_converter.between(&mut f.polygons, scanned));
         let divided = (&mut f.segments, &mut f.points);
-        v.stage(&mut self.step_calculator, &mut f.spans, divided, Clients::none());
-        v.stage(&mut self.divider, &mut f.points, &mut f.quotients, Clients::none());
+        v.stage(self.step_calculator.between(&mut f.spans, divided));
+        v.stage(self.divider.between(&mut f.points, &mut f.quotients));
         let exact = (&mut f.segments, &mut f.quotients);
-        v.stage(&mut self.approximate_calculator, exact, (&mut f.texels, &mut f.gradients), Clients::none());
-        v.stage(&mut self.mip_map_selector, &mut f.gradients, &mut f.levels, Clients::none());
+        v.stage(self.approximate_calculator.between(exact, (&mut f.texels, &mut f.gradients)));
+        v.stage(self.mip_map_selector.between(&mut f.gradients, &mut f.levels));
         let to_look_up = if self.depth_test {
-            v.stage(&mut self.depth, &mut f.texels, &mut f.tested_texels, Clients::of(m, &c.depth));
+            v.stage(self.depth.between(&mut f.texels, &mut f.tested_texels).using(m, &c.depth));
             &mut f.tested_texels
         } else {
             &mut f.texels
         };
-        v.stage(&mut self.look_up, (to_look_up, &mut f.levels), &mut f.texture_values, Clients::of(m, &c.look_up));
-        v.stage(&mut self.illuminance, &mut f.lit_spans, &mut f.illuminances, Clients::none());
+        v.stage(self.look_up.between((to_look_up, &mut f.levels), &mut f.texture_values).using(m, &c.look_up));
+        v.stage(self.illuminance.between(&mut f.lit_spans, &mut f.illuminances));
         let combined = (&mut f.texture_values, &mut f.illuminances);
-        v.stage(&mut self.combiner, combined, &mut f.pixels, Clients::of(m, &c.combiner));
-        v.stage(&mut self.buffer, &mut f.pixels, &mut f.finished_frames, Clients::of(m, &c.buffer));
-        v.stage(&mut self.dacs, &mut f.finished_frames, (), Clients::of(m, &c.dacs));
+        v.stage(self.combiner.between(combined, &mut f.pixels).using(m, &c.combiner));
+        v.stage(self.buffer.between(&mut f.pixels, &mut f.finished_frames).using(m, &c.buffer));
+        v.stage(self.dacs.between(&mut f.finished_frames, ()).using(m, &c.dacs));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {
