@@ -190,6 +190,7 @@ mod config;
 pub mod contract;
 mod cycle;
 mod engine;
+pub mod facts;
 mod fifo;
 mod flight;
 mod link;

@@ -73,6 +73,11 @@ impl Link {
         self.depth
     }
 
+    /// Cycles from delivery to visibility.
+    pub fn latency(&self) -> u64 {
+        self.latency
+    }
+
     /// Tokens inside, delivered or not.
     #[inline]
     pub fn len(&self) -> usize {

@@ -1,5 +1,6 @@
 //! The unit contract: what a unit does to a token and how long it is busy. When is the kernel's business.
 
+use crate::facts::Facts;
 use crate::traffic::Traffic;
 
 /// Which inputs the next step takes (law 3): declared from the unit's own state alone.
@@ -104,5 +105,10 @@ pub trait Unit {
     /// Whether no token is held back; a run that ends while one is, has deadlocked.
     fn is_empty(&self) -> bool {
         true
+    }
+
+    /// Tells what it counted, and how fast it fills its outputs. Asked after the run.
+    fn tell(&self, facts: &mut Facts) {
+        let _ = facts;
     }
 }
