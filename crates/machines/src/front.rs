@@ -97,6 +97,6 @@ impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> FrontEnd
     }
 
     fn counts(&self, counts: &mut Counts) {
-        counts.add("display_list_commands", self.display_list.unit.state.commands);
+        counts.add("display_list_commands", self.display_list.unit.state.counters.commands);
     }
 }

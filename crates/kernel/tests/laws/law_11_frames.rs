@@ -1,6 +1,6 @@
 //! Frame k ends in the cycle in which its end token leaves; frames[k] = end(k) - end(k-1); the rest is drain.
 
-use basrelief_kernel::contract::{Bench, Client, Setting};
+use basrelief_kernel::contract::{Bench, Client, Surroundings};
 use basrelief_kernel::{Demand, Engine, RunReport, Step, Traffic, Unit, run};
 
 /// Ends a frame with every third token; looks up the same line for each frame.
@@ -28,7 +28,7 @@ impl Unit for FrameBuffer {
 }
 
 fn both(clients: bool, gaps: &[u64]) -> RunReport {
-    let setting = Setting { depth: 16, latency: 1, source_gaps: gaps.to_vec(), ..Setting::default() };
+    let setting = Surroundings { depth: 16, latency: 1, source_gaps: gaps.to_vec(), ..Surroundings::default() };
     let clients: &[Client] = if clients { &[Client::Cache { line_bytes: 64 }] } else { &[] };
     let unit = FrameBuffer { clients: !clients.is_empty() };
     let [timed, ticked] = [Engine::Timed, Engine::Ticked]

@@ -2,7 +2,7 @@
 //! is an ordinary FIFO.
 
 use super::common::{Draw, report, swallowed};
-use basrelief_kernel::contract::{Bench, Setting};
+use basrelief_kernel::contract::{Bench, Surroundings};
 use basrelief_kernel::plan::Kind;
 use basrelief_kernel::{Demand, Engine, Outcome, Step, Traffic, Unit, run, run_functional};
 
@@ -85,7 +85,7 @@ impl Unit for Batch {
 }
 
 fn bench(room: usize, tokens: Vec<Flow>) -> Bench<Batch> {
-    let setting = Setting { depth: 2, latency: 1, ..Setting::default() };
+    let setting = Surroundings { depth: 2, latency: 1, ..Surroundings::default() };
     Bench::new(Batch { room, scale: 1, held: vec![], flushing: false }, tokens, None, &[], &setting)
 }
 

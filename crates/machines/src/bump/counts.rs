@@ -11,7 +11,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
         self.front.counts(&mut counts);
         self.count_fragments(&mut counts);
         self.count_surface(&mut counts);
-        let brightness = self.brightness.unit.counters();
+        let brightness = &self.brightness.unit.state.counters;
         counts.add("clut_samples", brightness.samples);
         counts.add("clut_rebuilds", brightness.rebuilds);
         counts.add("clut_rebuild_cycles", brightness.rebuild_cycles);
@@ -21,23 +21,23 @@ impl<F: FrontEnd> BumpProcessor<F> {
         counts.add("pixels_textured", graphics.textured);
         counts.add("results_held", graphics.held);
         counts.add("frames", self.frame_buffer.unit.state.counters.frames);
-        counts.add("video_out_bytes", self.video_out.unit.state.bytes);
+        counts.add("video_out_bytes", self.video_out.unit.state.counters.bytes);
         counts
     }
 
     fn count_fragments(&self, counts: &mut Counts) {
         let rasterizer = &self.rasterizer.unit.state.counters;
         counts.add("fragments", rasterizer.fragments);
-        counts.add("bump_fragments", self.mapping.unit.counters().bump_fragments);
-        let (early, late) = (&self.early_depth.unit.state, &self.late_depth.unit.state);
+        counts.add("bump_fragments", self.mapping.unit.state.counters.bump_fragments);
+        let (early, late) = (&self.early_depth.unit.state.counters, &self.late_depth.unit.state.counters);
         counts.add("z_tested", early.tested + late.tested);
         counts.add("z_passed", early.passed + late.passed);
     }
 
     /// Claim 3 and the promise of the patent: only indexes are kept on the surface, so less is moved than with normals.
     fn count_surface(&self, counts: &mut Counts) {
-        let mapping = self.mapping.unit.counters();
-        let replacement = self.replacement.unit.counters();
+        let mapping = &self.mapping.unit.state.counters;
+        let replacement = &self.replacement.unit.state.counters;
         counts.add("normal_texels", mapping.texels);
         counts.add("pseudo_normals", mapping.pseudo_normals);
         counts.add("distinct_pseudo_normals", u64::from(mapping.distinct.count()));

@@ -125,7 +125,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
 
     /// Why the server (110) sends nothing any more, where a tile could not be had. Such a run ends in standstill.
     pub fn lost(&self) -> Option<&str> {
-        self.server.unit.lost.as_deref()
+        self.server.unit.state.lost.as_deref()
     }
 
     /// Pages (132) and their tile load lists (136).

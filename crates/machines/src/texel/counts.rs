@@ -9,25 +9,25 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
     pub(super) fn count(&self) -> Counts {
         let mut counts = Counts::default();
         self.front.counts(&mut counts);
-        let scan = &self.scan_converter.unit.state;
+        let scan = &self.scan_converter.unit.state.counters;
         counts.add("triangles_scanned", scan.triangles);
         counts.add("polygons_empty", scan.empty);
         counts.add("fragments", scan.fragments);
         self.count_segments(&mut counts);
         self.count_arithmetic(&mut counts);
         self.count_displacements(&mut counts);
-        counts.add("mip_selections", self.mip_map_selector.unit.state.selections);
-        let depth = &self.depth.unit.state;
+        counts.add("mip_selections", self.mip_map_selector.unit.state.counters.selections);
+        let depth = &self.depth.unit.state.counters;
         counts.add("z_tested", depth.tested);
         counts.add("z_passed", depth.passed);
-        let look_up = &self.look_up.unit.state;
+        let look_up = &self.look_up.unit.state.counters;
         counts.add("pixels_textured", look_up.pixels);
         counts.add("texels_read", look_up.texels);
-        let combiner = &self.combiner.unit.state;
+        let combiner = &self.combiner.unit.state.counters;
         counts.add("pixels", combiner.pixels);
         counts.add("pixels_read_back", combiner.read_back);
         counts.add("frames", self.buffer.unit.state.counters.frames);
-        counts.add("video_out_bytes", self.dacs.unit.state.bytes);
+        counts.add("video_out_bytes", self.dacs.unit.state.counters.bytes);
         counts
     }
 
@@ -50,7 +50,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
 
     /// What is calculated: in the dividers, in the step calculator, at set-up.
     fn count_arithmetic(&self, counts: &mut Counts) {
-        let (divider, c) = (&self.divider.unit.state, &self.step_calculator.unit.state.counters);
+        let (divider, c) = (&self.divider.unit.state.counters, &self.step_calculator.unit.state.counters);
         let approximation = &self.approximate_calculator.unit.state.counters;
         counts.add("points_divided", divider.points);
         counts.add("divisions", divider.divisions);
@@ -59,7 +59,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         counts.add("step_table_look_ups", if self.step_calculator.unit.table().is_some() { c.roots } else { 0 });
         counts.add("multiplications", divider.multiplications + approximation.multiplications);
         counts.add("step_divisions", c.step_divisions);
-        counts.add("setup_reciprocals", self.scan_converter.unit.state.triangles);
+        counts.add("setup_reciprocals", self.scan_converter.unit.state.counters.triangles);
         counts.add("gradient_reciprocals", approximation.gradient_reciprocals);
         let pixels = c.textured_pixels.max(1) as f64;
         counts.add("divisions_per_pixel", (divider.divisions + divider.reciprocals) as f64 / pixels);
@@ -69,7 +69,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
     /// Measured for every pixel with a texture.
     fn count_displacements(&self, counts: &mut Counts) {
         let displacements = &self.approximate_calculator.unit.state.counters.displacements;
-        counts.add("displacement_bound", self.step_calculator.unit.state.storage.criterion());
+        counts.add("displacement_bound", self.step_calculator.unit.config.error_bound);
         counts.add("displacement_largest", displacements.largest);
         counts.add("displacement_mean", displacements.mean());
         if let Some(table) = self.step_calculator.unit.table() {

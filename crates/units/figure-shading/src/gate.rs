@@ -4,15 +4,22 @@ use crate::{CircuitConfig, Highlights};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 
+/// What the gate has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GateCounters {
+    /// Dots let through.
+    pub passed: u64,
+    /// Dots held back.
+    pub blocked: u64,
+}
+
 /// Everything the gate remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GateState {
     /// Specular register (18).
     pub open: bool,
-    /// Dots let through.
-    pub passed: u64,
-    /// Dots held back.
-    pub blocked: u64,
+    /// What it has counted.
+    pub counters: GateCounters,
 }
 
 /// Gate (51): lets the output of circuit (50) through to the adder (52), or holds it back, as the specular register (18)
@@ -50,7 +57,7 @@ impl Unit for Gate {
                 (None, 1)
             }
             Some(Highlights::Dot(dot)) => {
-                *if state.open { &mut state.passed } else { &mut state.blocked } += 1;
+                *if state.open { &mut state.counters.passed } else { &mut state.counters.blocked } += 1;
                 (state.open.then_some(Highlights::Dot(dot)), u64::from(self.config.initiation_interval))
             }
             end => (end.filter(|_| state.open), 1),

@@ -1,6 +1,6 @@
 //! Selector (28), the way out of the device.
 
-use crate::{CircuitConfig, Dot, Figure, Finished, Mode, Path, Selection, Signal};
+use crate::{CircuitConfig, Dot, Figure, Finished, Mode, Route, Selection, Signal};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::saturated;
 use basrelief_signals::{Control, Flow, Pixel, Stamp};
@@ -13,17 +13,24 @@ const FROM_21: usize = 1;
 /// The output of process 24.
 const FROM_24: usize = 2;
 
+/// What selector (28) has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Selector28Counters {
+    /// Polygons, by route.
+    pub polygons: [u64; 6],
+    /// Dots, by route.
+    pub dots: [u64; 6],
+}
+
 /// Everything selector (28) remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Selector28State {
     /// The input that is read.
     pub selected: usize,
-    /// Path of the polygon that passes.
-    pub path: Path,
-    /// Polygons, by path.
-    pub polygons: [u64; 6],
-    /// Dots, by path.
-    pub dots: [u64; 6],
+    /// Route of the polygon that passes.
+    pub route: Route,
+    /// What it has counted.
+    pub counters: Selector28Counters,
 }
 
 /// Selector (28): by the mode register (14) the output of selector (53) (input 0), of circuit (21) (input 1) or of process
@@ -46,8 +53,8 @@ impl Selector28 {
     }
 
     fn select(&mut self, figure: &Figure) {
-        self.state.path = figure.path;
-        self.state.polygons[figure.path as usize] += 1;
+        self.state.route = figure.route;
+        self.state.counters.polygons[figure.route as usize] += 1;
         self.state.selected = match (figure.registers.mode, figure.registers.selection()) {
             (Mode::Normal, _) => FROM_53,
             (_, Selection::Mean) => FROM_24,
@@ -57,7 +64,7 @@ impl Selector28 {
 
     #[inline]
     fn pixel(&mut self, dot: Dot) -> Pixel {
-        self.state.dots[self.state.path as usize] += 1;
+        self.state.counters.dots[self.state.route as usize] += 1;
         Pixel { x: dot.x, y: dot.y, z: dot.z, rgb: saturated(dot.brightness) }
     }
 }

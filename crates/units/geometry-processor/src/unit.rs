@@ -2,7 +2,7 @@
 
 use crate::clip::{Clipped, clip};
 use crate::config::{BumpConfig, GeometryConfig, Targets};
-use crate::state::GeometryState;
+use crate::state::GeometryProcessorState;
 use crate::transform::{Corner, Transform, centre};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{brightness, doubled_area, light_vectors, polygon_lod};
@@ -26,7 +26,7 @@ pub struct GeometryProcessor {
     /// Parameters of the bump decision.
     pub bump: BumpConfig,
     /// Everything it remembers.
-    pub state: GeometryState,
+    pub state: GeometryProcessorState,
 }
 
 /// Why a triangle became no polygon.
@@ -39,7 +39,7 @@ enum Dropped {
 impl GeometryProcessor {
     /// A geometry processor at power-on.
     pub fn new(config: GeometryConfig, bump: BumpConfig) -> Self {
-        Self { config, bump, state: GeometryState::default() }
+        Self { config, bump, state: GeometryProcessorState::default() }
     }
 
     fn begin_object(&mut self, object: Arc<Object>) -> ObjectInfo {

@@ -6,9 +6,9 @@ use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::Flow;
 use serde::{Deserialize, Serialize};
 
-/// Everything the dividers remember.
+/// What the dividers have counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct DividerState {
+pub struct DividerCounters {
     /// Points.
     pub points: u64,
     /// Divisions U / W and V / W.
@@ -17,6 +17,13 @@ pub struct DividerState {
     pub reciprocals: u64,
     /// Multiplications behind these.
     pub multiplications: u64,
+}
+
+/// Everything the dividers remember.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DividerState {
+    /// What they have counted.
+    pub counters: DividerCounters,
 }
 
 /// The dividers of the texel value generator (310): steps 610 and 620, exact values at end points and division points.
@@ -47,14 +54,14 @@ impl Divider {
 
     fn divide(&mut self, points: &Points) -> (Quotients, u64, u64) {
         let count = points.len() as u64;
-        self.state.points += count;
+        self.state.counters.points += count;
         if self.config.division == Division::Two {
-            self.state.divisions += 2 * count;
+            self.state.counters.divisions += 2 * count;
             let (occupancy, latency) = self.cycles(2 * count);
             return (points.iter().map(|[u, v, w]| [u / w, v / w]).collect(), occupancy, latency);
         }
-        self.state.reciprocals += count;
-        self.state.multiplications += 2 * count;
+        self.state.counters.reciprocals += count;
+        self.state.counters.multiplications += 2 * count;
         let (occupancy, latency) = self.cycles(count);
         let quotient = |[u, v, w]: &[f64; 3]| {
             let reciprocal = 1.0 / w;

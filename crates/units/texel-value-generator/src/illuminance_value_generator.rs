@@ -12,9 +12,16 @@ use std::sync::Arc;
 /// 1, in the format of [`IlluminancePacket::rgba`].
 pub const ONE: f32 = (1 << 14) as f32;
 
+/// What the illuminance value generator has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct IlluminanceValueGeneratorCounters {
+    /// Pixels.
+    pub pixels: u64,
+}
+
 /// Everything the illuminance value generator remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct IlluminanceState {
+pub struct IlluminanceValueGeneratorState {
     /// The frame, with its lights.
     pub frame: Option<Arc<Frame>>,
     /// Lights as the object sees them.
@@ -29,8 +36,8 @@ pub struct IlluminanceState {
     pub line: [[f32; 4]; 2],
     /// Pixels of it that are done.
     pub done: u16,
-    /// Pixels.
-    pub pixels: u64,
+    /// What it has counted.
+    pub counters: IlluminanceValueGeneratorCounters,
 }
 
 /// Illuminance value generator (340): spans in; for each packet of their pixels, what the texture is multiplied with: brightness
@@ -42,13 +49,13 @@ pub struct IlluminanceValueGenerator {
     /// Parameters.
     pub config: IlluminanceConfig,
     /// Everything it remembers.
-    pub state: IlluminanceState,
+    pub state: IlluminanceValueGeneratorState,
 }
 
 impl IlluminanceValueGenerator {
     /// An illuminance value generator at power-on.
     pub fn new(config: IlluminanceConfig) -> Self {
-        Self { config, state: IlluminanceState::default() }
+        Self { config, state: IlluminanceValueGeneratorState::default() }
     }
 
     fn take(&mut self, control: &Control) {
@@ -118,7 +125,7 @@ impl IlluminanceValueGenerator {
             let at = |i: usize| (first[i] + f32::from(state.done) * change[i]) * ONE;
             out.rgba[position] = to_16_bits([at(0), at(1), at(2), at(3)]);
             state.done += 1;
-            state.pixels += 1;
+            state.counters.pixels += 1;
         }
         if state.done >= count {
             state.span = None;

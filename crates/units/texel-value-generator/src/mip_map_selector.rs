@@ -6,6 +6,13 @@ use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, Texture};
 use serde::{Deserialize, Serialize};
 
+/// What the MIP-map selector has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MipMapSelectorCounters {
+    /// Levels selected, one for each run of equal gradients.
+    pub selections: u64,
+}
+
 /// Everything the MIP-map selector remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MipMapSelectorState {
@@ -13,8 +20,8 @@ pub struct MipMapSelectorState {
     pub size: [f32; 2],
     /// Number of its last level.
     pub last: f32,
-    /// Levels selected, one for each run of equal gradients.
-    pub selections: u64,
+    /// What it has counted.
+    pub counters: MipMapSelectorCounters,
 }
 
 /// MIP-map selector (320): gradients in, map select out (claim 9).
@@ -67,7 +74,7 @@ impl MipMapSelector {
             levels.level[i] = match known {
                 Some((same, level)) if same == gradient => level,
                 _ => {
-                    self.state.selections += 1;
+                    self.state.counters.selections += 1;
                     level(gradient, self.state.size, self.state.last, self.config.mode)
                 }
             };

@@ -12,6 +12,15 @@ use std::sync::Arc;
 /// White, in the format of [`TexturePacket::rgba`].
 const WHITE: [u16; 4] = [255 << 8; 4];
 
+/// What the texture look-up table has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TextureLookUpTableCounters {
+    /// Pixels with a texture.
+    pub pixels: u64,
+    /// Texels read for them.
+    pub texels: u64,
+}
+
 /// Everything the texture look-up table remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TextureLookUpTableState {
@@ -19,10 +28,8 @@ pub struct TextureLookUpTableState {
     pub texture: Option<Arc<Texture>>,
     /// Start of each of its levels \[texels from the start of the memory\].
     pub offsets: Vec<u64>,
-    /// Pixels with a texture.
-    pub pixels: u64,
-    /// Texels read for them.
-    pub texels: u64,
+    /// What it has counted.
+    pub counters: TextureLookUpTableCounters,
 }
 
 /// Texture look-up table (330): u, v and map select in, texture value out. Client 0 is the cache in front of its memory.
@@ -81,8 +88,8 @@ impl TextureLookUpTable {
             let [r, g, b, a] = value;
             out.rgba[i] = to_16_bits([256.0 * r, 256.0 * g, 256.0 * b, 256.0 * a]);
         }
-        state.pixels += packet.pixels() as u64;
-        state.texels += port.texels;
+        state.counters.pixels += packet.pixels() as u64;
+        state.counters.texels += port.texels;
         out
     }
 }

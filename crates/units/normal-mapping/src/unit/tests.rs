@@ -114,7 +114,7 @@ fn a_footprint_within_a_block_is_one_line() {
     assert_eq!(lines(&mut unit, 2.0 / 16.0, 2.0 / 16.0), [0]);
     assert_eq!(lines(&mut unit, 4.0 / 16.0, 2.0 / 16.0), [0, 1]);
     assert_eq!(lines(&mut unit, 4.0 / 16.0, 4.0 / 16.0), [0, 1, 4, 5]);
-    assert_eq!(unit.counters().texels, 12);
+    assert_eq!(unit.state.counters.texels, 12);
 }
 
 #[test]
@@ -148,10 +148,10 @@ fn occupancy_follows_the_number_of_samples() {
 fn the_state_survives_a_checkpoint() {
     let mut a = unit(NormalMappingConfig::default(), 2, square(3, Some(map(8, 4, |k, x, _| [x as u8, k as u8, 255]))));
     mapped(&mut a, fragment(0.3, 0.1), &mut Traffic::default());
-    let text = serde_json::to_string(a.state()).unwrap();
+    let text = serde_json::to_string(&a.state).unwrap();
     let mut b = NormalMapping::new(NormalMappingConfig::default(), 2, 4, 64);
-    b.set_state(serde_json::from_str(&text).unwrap());
-    assert_eq!(a.state(), b.state());
+    b.state = serde_json::from_str(&text).unwrap();
+    assert_eq!(a.state, b.state);
     let at = fragment(0.7, 0.6);
     assert_eq!(mapped(&mut a, at, &mut Traffic::default()), mapped(&mut b, at, &mut Traffic::default()));
 }
@@ -227,7 +227,7 @@ basrelief_kernel::unit_contract! {
     unit: NormalMapping::new(NormalMappingConfig::default(), 2, 4, 64),
     inputs: run_of_two(),
     clients: [Client::Cache { line_bytes: 64 }],
-    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+    state,
 }
 
 basrelief_kernel::unit_contract! {
@@ -237,5 +237,5 @@ basrelief_kernel::unit_contract! {
     ),
     inputs: run_of_two(),
     clients: [Client::Cache { line_bytes: 16 }],
-    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+    state,
 }

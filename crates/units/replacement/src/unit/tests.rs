@@ -98,10 +98,10 @@ fn claims_2_and_6_the_table_size_depends_on_the_level() {
     let directions = reference_normals(7, 4_000, Table::Fibonacci, true, 16).unwrap();
     let input = directions.iter().map(|&n| Flow::Item(sample(0, &[(0, n), (1, n), (2, n), (7, n)]))).collect();
     let (_, requests) = run(&mut unit, input);
-    assert_eq!(unit.counters().reference_normals_used(), [256, 128, 64, 0, 0, 0, 0, 32]);
-    assert_eq!(unit.counters().table_loads, 4);
+    assert_eq!(unit.state.counters.reference_normals_used(), [256, 128, 64, 0, 0, 0, 0, 32]);
+    assert_eq!(unit.state.counters.table_loads, 4);
     let bytes = 6 * (256 + 128 + 64 + 32);
-    assert_eq!(unit.counters().table_load_bytes, bytes);
+    assert_eq!(unit.state.counters.table_load_bytes, bytes);
     assert_eq!(requests.iter().map(|r| u64::from(r.bytes)).sum::<u64>(), bytes);
 }
 
@@ -121,7 +121,7 @@ fn the_least_recently_used_table_goes_first() {
     let mut unit = Replacement::new(ReplacementConfig { resident_tables: 2, ..config() }, 16).unwrap();
     let at = |level| Flow::Item(sample(0, &[(level, [1, 2, 3])]));
     run(&mut unit, [0, 1, 0, 2, 0, 1].map(at).to_vec());
-    assert_eq!(unit.counters().table_loads, 4, "0, 1, 2 (for 1), 1 (for 2)");
+    assert_eq!(unit.state.counters.table_loads, 4, "0, 1, 2 (for 1), 1 (for 2)");
 }
 
 #[test]
@@ -172,7 +172,7 @@ fn a_stamp_takes_as_long_as_its_samples_and_leaves_with_the_last() {
         three.stamp.extend([fragment; 2]);
         let (steps, _) = run(&mut unit, vec![Flow::Item(three.clone()), Flow::Item(three)]);
         let last = steps.last().unwrap();
-        assert_eq!((indexes(&steps)[1].stamp.len(), unit.counters().searches), (3, 12));
+        assert_eq!((indexes(&steps)[1].stamp.len(), unit.state.counters.searches), (3, 12));
         (last.occupancy, last.latency)
     };
     assert_eq!(timing(true), (6, 4 + 5 + 4));
@@ -215,7 +215,7 @@ fn code_books_lead_their_fragments_and_order_is_kept() {
     let (unit, steps, requests) = gathered(CodeBookMode::PerPolygon);
     assert_eq!(shape(&steps), "OPB12PPB3OPE");
     assert!(unit.is_empty());
-    assert_eq!(unit.counters().code_books, 2);
+    assert_eq!(unit.state.counters.code_books, 2);
     let (writes, reads): (Vec<&Request>, Vec<&Request>) = requests.iter().partition(|r| r.write);
     assert_eq!((writes.len(), reads.len()), (3, 3));
     assert!(requests.iter().all(|r| r.client == 1 && r.bytes == 12));
@@ -255,7 +255,7 @@ fn clustering_takes_passes_times_normals_times_entries_over_lanes() {
     let (steps, _) = run(&mut unit, input);
     let is_book = |s: &&Step<_>| matches!(s.out, Some(Flow::Control(Control::CodeBook(_))));
     assert_eq!(steps.iter().find(is_book).unwrap().occupancy, 8 * 100 * 4 / 8);
-    assert_eq!(unit.counters().clustering_cycles, 400);
+    assert_eq!(unit.state.counters.clustering_cycles, 400);
 }
 
 #[test]
@@ -286,8 +286,8 @@ fn the_state_survives_a_checkpoint_in_the_middle_of_a_batch() {
     a.step(None, &mut Traffic::default());
     a.step(None, &mut Traffic::default());
     let mut b = Replacement::new(config, 16).unwrap();
-    b.set_state(serde_json::from_str(&serde_json::to_string(a.state()).unwrap()).unwrap());
-    assert_eq!(a.state(), b.state());
+    b.state = serde_json::from_str(&serde_json::to_string(&a.state).unwrap()).unwrap();
+    assert_eq!(a.state, b.state);
     while a.demand() == Demand::Nothing {
         assert_eq!(a.step(None, &mut Traffic::default()), b.step(None, &mut Traffic::default()));
     }
@@ -322,8 +322,8 @@ proptest! {
         }).collect();
         prop_assert_eq!(passed, expected);
         let bytes = |write| requests.iter().filter(|r| r.write == write).map(|r| u64::from(r.bytes)).sum::<u64>();
-        prop_assert_eq!(bytes(true), unit.counters().gathered_bytes);
-        prop_assert_eq!(bytes(false), unit.counters().gathered_bytes + unit.counters().table_load_bytes);
+        prop_assert_eq!(bytes(true), unit.state.counters.gathered_bytes);
+        prop_assert_eq!(bytes(false), unit.state.counters.gathered_bytes + unit.state.counters.table_load_bytes);
     }
 }
 
@@ -351,7 +351,7 @@ basrelief_kernel::unit_contract! {
     unit: small(CodeBookMode::Fixed),
     inputs: frame_of_two_objects(),
     clients: [Client::Port, Client::Port],
-    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+    state,
 }
 
 basrelief_kernel::unit_contract! {
@@ -359,7 +359,7 @@ basrelief_kernel::unit_contract! {
     unit: small(CodeBookMode::PerPolygon),
     inputs: frame_of_two_objects(),
     clients: [Client::Port, Client::Port],
-    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+    state,
 }
 
 basrelief_kernel::unit_contract! {
@@ -367,5 +367,5 @@ basrelief_kernel::unit_contract! {
     unit: small(CodeBookMode::PerObject),
     inputs: frame_of_two_objects(),
     clients: [Client::Port, Client::Port],
-    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+    state,
 }

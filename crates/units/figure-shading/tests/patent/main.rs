@@ -1,7 +1,7 @@
 //! The circuits together, without time: what the patent's page says of them. And of each unit its contract.
 
 mod chain;
-mod contracts;
+mod contract;
 mod degenerate;
 mod equations;
 mod host;

@@ -1,6 +1,7 @@
-//! Frame buffer (126).
+//! The unit and its step.
 
 use crate::config::FrameBufferConfig;
+use crate::state::{FinishedFrame, FrameBufferState};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Drawn, Flow, Frame, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines};
 use serde::{Deserialize, Serialize};
@@ -19,45 +20,6 @@ pub struct FrameDone {
     pub address: u64,
     /// What it takes there, sides rounded up to whole blocks \[bytes\].
     pub bytes: u64,
-}
-
-/// A finished picture.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FinishedFrame {
-    /// Number of the frame.
-    pub index: u32,
-    /// Width \[pixels\].
-    pub width: u32,
-    /// Height \[pixels\].
-    pub height: u32,
-    /// Colours, top row first; black where nothing was drawn.
-    pub rgb: Vec<[u8; 3]>,
-    /// Whether anything was drawn, per pixel.
-    pub covered: Vec<bool>,
-}
-
-/// What the frame buffer has counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FrameBufferCounters {
-    /// Frames finished.
-    pub frames: u64,
-    /// Pixels written.
-    pub pixels: u64,
-    /// Lines written to memory.
-    pub lines_written: u64,
-}
-
-/// Everything the frame buffer remembers.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FrameBufferState {
-    /// The picture that is being drawn, if a frame has begun.
-    pub picture: Option<FinishedFrame>,
-    /// Number of the line that gathers writes.
-    pub line: Option<u64>,
-    /// Pictures that nobody has fetched yet, in order.
-    pub finished: Vec<FinishedFrame>,
-    /// Counters.
-    pub counters: FrameBufferCounters,
 }
 
 /// Frame buffer (126): takes pixels in order, the last one stays. Client 0 takes posted writes of whole lines: the 16

@@ -8,21 +8,28 @@ use basrelief_signals::Fragment;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Everything circuit (21) remembers.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct InterpolationState {
-    /// The polygon that is part-way.
-    pub figure: Option<Arc<Figure>>,
-    /// Where in it.
-    pub dots: Dots,
-    /// Brightness at the corners of the current triangle.
-    pub corners: Corners,
+/// What circuit (21) has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BrightnessInterpolationCounters {
     /// Polygons drawn.
     pub polygons: u64,
     /// Dots drawn.
     pub drawn: u64,
     /// Cycles that polygons kept the circuit.
     pub started_cycles: u64,
+}
+
+/// Everything circuit (21) remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BrightnessInterpolationState {
+    /// The polygon that is part-way.
+    pub figure: Option<Arc<Figure>>,
+    /// Where in it.
+    pub dots: Dots,
+    /// Brightness at the corners of the current triangle.
+    pub corners: Corners,
+    /// What it has counted.
+    pub counters: BrightnessInterpolationCounters,
 }
 
 /// Brightness interpolation circuit (21): from the brightness at the sample points to brightness and screen address of every
@@ -35,7 +42,7 @@ pub struct BrightnessInterpolation {
     /// Parameters.
     pub config: InterpolationConfig,
     /// Everything it remembers.
-    pub state: InterpolationState,
+    pub state: BrightnessInterpolationState,
 }
 
 type Out = Step<(Option<Signal>, Option<Signal>)>;
@@ -43,7 +50,7 @@ type Out = Step<(Option<Signal>, Option<Signal>)>;
 impl BrightnessInterpolation {
     /// A circuit at power-on.
     pub fn new(config: InterpolationConfig) -> Self {
-        Self { config, state: InterpolationState::default() }
+        Self { config, state: BrightnessInterpolationState::default() }
     }
 
     /// Takes a polygon; the cycles that it keeps the circuit. None are charged where the dots come from process 24.
@@ -56,8 +63,8 @@ impl BrightnessInterpolation {
         state.dots = Dots::new(&figure.polygon, figure.raster);
         state.corners = Corners::default();
         state.figure = Some(Arc::clone(figure));
-        state.polygons += 1;
-        state.started_cycles += cycles;
+        state.counters.polygons += 1;
+        state.counters.started_cycles += cycles;
         cycles
     }
 
@@ -71,7 +78,7 @@ impl BrightnessInterpolation {
             Some(fragment) => {
                 let brightness = state.corners.at(&fragment, |i| figure.brightness.get(i).copied().unwrap_or_default());
                 let Fragment { x, y, z, .. } = fragment;
-                state.drawn += 1;
+                state.counters.drawn += 1;
                 (Signal::Dot(Dot { x, y, z, brightness }), u64::from(self.config.initiation_interval))
             }
             None => {
@@ -79,7 +86,7 @@ impl BrightnessInterpolation {
                 (Signal::End, 1)
             }
         };
-        state.started_cycles += cycles;
+        state.counters.started_cycles += cycles;
         let out = if to_adder { (Some(signal), None) } else { (None, Some(signal)) };
         Step::after(u64::from(self.config.latency), out).busy(cycles)
     }

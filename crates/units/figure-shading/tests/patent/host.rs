@@ -33,9 +33,9 @@ fn object() -> Control {
 fn bytes_are_those_of_the_protocol() {
     let mut unit = unit(HostConfig { buffers: 2, ..HostConfig::default() });
     let mut sent = |control| {
-        let before = unit.state.bytes;
+        let before = unit.state.counters.bytes;
         let step = send(&mut unit, control);
-        let bytes = unit.state.bytes - before;
+        let bytes = unit.state.counters.bytes - before;
         assert_eq!(step.occupancy, bytes.div_ceil(4).max(1));
         assert_eq!(step.latency, step.occupancy + 2);
         bytes / 4
@@ -45,18 +45,18 @@ fn bytes_are_those_of_the_protocol() {
     assert_eq!(sent(square(9.0)), 8 + 1 + 4 * 6, "coefficients, count, points and normals");
     assert_eq!(sent(square(9.0)), 1 + 4 * 6, "coefficients did not change");
     finish(&mut unit);
-    assert_eq!(unit.state.bytes, 4 * (13 + 33 + 25));
+    assert_eq!(unit.state.counters.bytes, 4 * (13 + 33 + 25));
     send(&mut unit, square(10.0));
-    assert_eq!(unit.state.bytes, 4 * (13 + 33 + 25 + 33));
+    assert_eq!(unit.state.counters.bytes, 4 * (13 + 33 + 25 + 33));
 }
 
 #[test]
 fn the_l_of_a_light_at_a_point_is_sent_for_each_object() {
     let mut unit = unit(HostConfig::default());
     send(&mut unit, frame(vec![Light { kind: LightKind::Point { position: [1.0; 3] }, intensity: 1.0 }, sun(Vec3::Z)]));
-    let before = unit.state.bytes;
+    let before = unit.state.counters.bytes;
     send(&mut unit, object());
-    assert_eq!(unit.state.bytes - before, 4 * 3);
+    assert_eq!(unit.state.counters.bytes - before, 4 * 3);
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn fewer_than_three_points_are_dropped_and_counted() {
     send(&mut unit, frame(vec![sun(Vec3::Z)]));
     let line = polygon(&[[1.0, 1.0], [5.0, 1.0]], &[Vec3::Z; 2], Lighting::default());
     assert_eq!(send(&mut unit, line).out, None);
-    assert_eq!((unit.state.dropped, unit.state.polygons, unit.state.in_flight), (1, 0, 0));
+    assert_eq!((unit.state.counters.dropped, unit.state.counters.polygons, unit.state.in_flight), (1, 0, 0));
     let square = square(9.0);
     assert_eq!(send(&mut unit, square.clone()).out, Some(square));
 }

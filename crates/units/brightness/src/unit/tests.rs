@@ -105,7 +105,7 @@ fn claims_4_and_8_a_clut_holds_the_brightness_of_each_reference_normal() {
             assert!((stored - exact[0] - exact[1]).abs() <= 0.5 * 1.3 / 255.0 + 1e-6);
         }
     }
-    assert_eq!(unit.counters().rebuilds, 1);
+    assert_eq!(unit.state.counters.rebuilds, 1);
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn a_rebuild_writes_every_entry_of_every_table_and_is_counted_apart() {
     let last = requests.last().unwrap();
     assert_eq!((last.client, last.write, last.address, last.bytes), (0, false, base + 64 + 3, 1));
     assert_eq!((step.occupancy, step.latency), (1, 4));
-    let counters = unit.counters();
+    let counters = unit.state.counters;
     assert_eq!((counters.rebuilds, counters.rebuild_cycles, counters.rebuild_bytes), (1, 16 * 53, 53));
 }
 
@@ -158,11 +158,11 @@ fn a_rebuild_writes_every_entry_of_every_table_and_is_counted_apart() {
 fn only_a_real_change_is_recalculated() {
     let mut unit = unit(BrightnessConfig::default());
     let mut rebuilds = |controls: &[Control]| {
-        let before = unit.counters().rebuilds;
+        let before = unit.state.counters.rebuilds;
         tell(&mut unit, controls);
-        assert_eq!(unit.counters().rebuilds, before, "not before a fragment needs it");
+        assert_eq!(unit.state.counters.rebuilds, before, "not before a fragment needs it");
         alpha(&mut unit, 0, 0);
-        unit.counters().rebuilds - before
+        unit.state.counters.rebuilds - before
     };
     let (plain, shiny) = (Lighting::default(), Lighting { n: 64.0, ..Lighting::default() });
     let (here, there) = (object([0.0; 3], None), object([5.0, 0.0, 0.0], None));
@@ -185,7 +185,7 @@ fn code_books_replace_the_tables_and_end_here() {
     tell(&mut unit, &[book(&[&[[0, 0, -32_767], [0, 0, 32_767]], &[]])]);
     assert!((alpha(&mut unit, 0, 0) - 0.1).abs() < 0.003);
     assert!((alpha(&mut unit, 0, 1) - 1.3).abs() < 1e-6);
-    assert_eq!(unit.counters().rebuild_bytes, 2);
+    assert_eq!(unit.state.counters.rebuild_bytes, 2);
 }
 
 #[test]
@@ -199,7 +199,7 @@ fn separate_components_keep_the_highlight_apart() {
 
 #[test]
 fn claim_7_direct_brightness_needs_no_clut() {
-    let mut direct = unit(BrightnessConfig { source: Source::Direct, ..BrightnessConfig::default() });
+    let mut direct = unit(BrightnessConfig { source: BrightnessSource::Direct, ..BrightnessConfig::default() });
     tell(&mut direct, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
     let (shaded, requests, step) = fetch(&mut direct, &[(0, 17, 0.25), (1, 40, 0.75)]);
     let lights = light_vectors(direct.state.frame.as_ref().unwrap(), [0.0; 3]);
@@ -210,7 +210,7 @@ fn claim_7_direct_brightness_needs_no_clut() {
     };
     assert_eq!(shaded.brightness, 0.25 * exact(0, 17) + 0.75 * exact(1, 40));
     assert!(requests.is_empty());
-    assert_eq!((step.occupancy, step.latency, direct.counters().rebuilds), (32, 36, 0));
+    assert_eq!((step.occupancy, step.latency, direct.state.counters.rebuilds), (32, 36, 0));
 }
 
 #[test]
@@ -245,12 +245,12 @@ fn the_state_survives_a_checkpoint_in_the_middle_of_a_rebuild() {
     tell(&mut a, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
     a.step(Some(Flow::Item(indexes(&[(0, 9, 1.0)]))), &mut Traffic::default());
     let mut b = unit(BrightnessConfig::default());
-    b.set_state(serde_json::from_str(&serde_json::to_string(a.state()).unwrap()).unwrap());
-    assert_eq!(a.state(), b.state());
+    b.state = serde_json::from_str(&serde_json::to_string(&a.state).unwrap()).unwrap();
+    assert_eq!(a.state, b.state);
     while a.demand() == Demand::Nothing {
         assert_eq!(a.step(None, &mut Traffic::default()), b.step(None, &mut Traffic::default()));
     }
-    assert_eq!((a.state(), b.demand()), (b.state(), Demand::All));
+    assert_eq!((a.state, b.demand()), (b.state, Demand::All));
 }
 
 proptest! {
@@ -286,13 +286,13 @@ basrelief_kernel::unit_contract! {
     unit: BrightnessFetch::new(BrightnessConfig::default(), tables(40), 2),
     inputs: frame_of_two_objects(),
     clients: [Client::Cache { line_bytes: 64 }, Client::Port],
-    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+    state,
 }
 
 basrelief_kernel::unit_contract! {
     name: contract_of_direct_brightness,
-    unit: BrightnessFetch::new(BrightnessConfig { source: Source::Direct, ..BrightnessConfig::default() }, tables(40), 2),
+    unit: BrightnessFetch::new(BrightnessConfig { source: BrightnessSource::Direct, ..BrightnessConfig::default() }, tables(40), 2),
     inputs: frame_of_two_objects(),
     clients: [Client::Cache { line_bytes: 64 }, Client::Port],
-    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+    state,
 }

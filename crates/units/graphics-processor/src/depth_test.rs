@@ -6,21 +6,28 @@ use basrelief_signals::{Control, Flow, Frame, LINE_PIXELS, Tested, layout, line_
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
-/// Everything the z-test remembers.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct DepthState {
-    /// Width of the frame \[pixels\].
-    pub width: u32,
-    /// The z-buffer, row by row.
-    pub z: Vec<u32>,
-    /// Number of the line that gathers writes.
-    pub line: Option<u64>,
+/// What the z-test has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DepthTestCounters {
     /// Fragments tested.
     pub tested: u64,
     /// Fragments that were in front.
     pub passed: u64,
     /// Lines written.
     pub lines_written: u64,
+}
+
+/// Everything the z-test remembers.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DepthTestState {
+    /// Width of the frame \[pixels\].
+    pub width: u32,
+    /// The z-buffer, row by row.
+    pub z: Vec<u32>,
+    /// Number of the line that gathers writes.
+    pub line: Option<u64>,
+    /// What it has counted.
+    pub counters: DepthTestCounters,
 }
 
 /// Emits what lies in front of everything before it (less-than test, in order), and keeps the z-buffer.
@@ -35,14 +42,14 @@ pub struct DepthTest<T> {
     /// Width of a z value \[bits\]; kept in 2 bytes up to 16 bits, else in 4.
     pub z_bits: u32,
     /// Everything it remembers.
-    pub state: DepthState,
+    pub state: DepthTestState,
     token: PhantomData<fn(T) -> T>,
 }
 
 impl<T: Tested> DepthTest<T> {
     /// A z-test at power-on; `z_bits` (1..=32) is the rasterizer's.
     pub fn new(config: DepthConfig, z_bits: u32) -> Self {
-        Self { config, z_bits, state: DepthState::default(), token: PhantomData }
+        Self { config, z_bits, state: DepthTestState::default(), token: PhantomData }
     }
 
     fn z_bytes(&self) -> u32 {
@@ -67,7 +74,7 @@ impl<T: Tested> DepthTest<T> {
         if let Some(line) = std::mem::replace(&mut self.state.line, next) {
             let bytes = LINE_PIXELS * self.z_bytes();
             traffic.write(1, layout::Z_BUFFER + line * u64::from(bytes), bytes);
-            self.state.lines_written += 1;
+            self.state.counters.lines_written += 1;
         }
     }
 
@@ -84,12 +91,12 @@ impl<T: Tested> DepthTest<T> {
         let [columns, rows] = T::LINE;
         let offset = line * u64::from(LINE_PIXELS) + u64::from(y % rows * columns + x % columns);
         traffic.look_up(0, layout::Z_BUFFER + offset * u64::from(bytes), bytes);
-        self.state.tested += 1;
+        self.state.counters.tested += 1;
         if z >= *nearest {
             return false;
         }
         *nearest = z;
-        self.state.passed += 1;
+        self.state.counters.passed += 1;
         self.gather(Some(line), traffic);
         true
     }
@@ -158,7 +165,7 @@ mod tests {
         let mut unit = unit(24);
         let mut passes = |z| unit.step(Some(fragment(3, 2, z)), &mut Traffic::default()).out.is_some();
         assert_eq!([50, 50, 60, 49, 0, 0].map(&mut passes), [true, false, false, true, true, false]);
-        assert_eq!((unit.state.tested, unit.state.passed), (6, 3));
+        assert_eq!((unit.state.counters.tested, unit.state.counters.passed), (6, 3));
         unit.step(Some(Flow::Control(frame(16, 8))), &mut Traffic::default());
         assert!(unit.step(Some(fragment(3, 2, 60)), &mut Traffic::default()).out.is_some());
     }

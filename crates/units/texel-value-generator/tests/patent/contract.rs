@@ -141,49 +141,49 @@ unit_contract! {
     name: scan_converter,
     unit: ScanConverter::default(),
     inputs: display_list(),
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: step_calculator,
     unit: StepCalculator::new(texel(Method::Adaptive)),
     inputs: wires(Method::Adaptive).spans,
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: step_calculator_of_child_polygons,
     unit: StepCalculator::new(texel(Method::Subpolygon)),
     inputs: wires(Method::Adaptive).spans,
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: divider,
     unit: Divider::default(),
     inputs: wires(Method::Adaptive).points,
-    state: |unit| unit.state => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: approximate_calculator,
     unit: approximate(),
     inputs: { let w = wires(Method::Adaptive); (w.segments, w.quotients) },
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: approximate_calculator_of_exact_pixels,
     unit: approximate(),
     inputs: { let w = wires(Method::Exact); (w.segments, w.quotients) },
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: mip_map_selector,
     unit: selector(),
     inputs: wires(Method::Adaptive).gradients,
-    state: |unit| unit.state => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
@@ -191,14 +191,14 @@ unit_contract! {
     unit: look_up(),
     inputs: { let w = wires(Method::Adaptive); (w.texels, w.levels) },
     clients: [Client::Cache { line_bytes: 64 }],
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: illuminance_value_generator,
     unit: IlluminanceValueGenerator::default(),
     inputs: wires(Method::Adaptive).lit_spans,
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
@@ -206,5 +206,5 @@ unit_contract! {
     unit: blend(),
     inputs: { let w = wires(Method::Adaptive); (w.texture_values, w.illuminances) },
     clients: [Client::Port],
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }

@@ -5,12 +5,13 @@ use crate::acquisition::{Acquired, How, TileList};
 use crate::config::{EngineConfig, RenderMode, TileOrder};
 use crate::tokens::{Mark, MarkFlow, Order, Request, Round};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// How much a tile is wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Wanted {
     pixels: u32,
     distance: u32,
@@ -19,7 +20,7 @@ struct Wanted {
 const UNWANTED: Wanted = Wanted { pixels: 0, distance: u32::MAX };
 
 /// A page and its tile load list (136).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Listed {
     page: Arc<Page>,
     list: TileList,
@@ -28,7 +29,7 @@ struct Listed {
 }
 
 /// What the lists do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
     /// Take pages and marks of the identification (461), up to its end.
     #[default]
@@ -40,16 +41,27 @@ enum Phase {
 }
 
 /// What the lists have counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TileListCounters {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TileListsCounters {
     /// Tiles loaded.
     pub loaded: u64,
     /// Tiles synthesized.
     pub synthesized: u64,
     /// Acquisitions that had anything to do.
     pub acquisitions: u64,
+}
+
+/// Everything the lists remember.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TileListsState {
+    phase: Phase,
+    pages: Vec<Listed>,
+    /// What is to be acquired, in order: page and tile.
+    pub plan: VecDeque<(u16, Acquired)>,
     /// Pictures of the current frame whose marks have been taken.
     pub pictures: u32,
+    /// What they have counted.
+    pub counters: TileListsCounters,
 }
 
 /// Tile load lists (136): marks tiles, and acquires those in state L.
@@ -61,40 +73,37 @@ pub struct TileListCounters {
 /// Two bits per tile: the lists are kept in the unit, and are no traffic of the texture-data memory (assumed).
 #[derive(Clone, Debug)]
 pub struct TileLists {
-    engine: EngineConfig,
+    /// Parameters.
+    pub config: EngineConfig,
     mode: RenderMode,
     order: TileOrder,
     pictures_per_view: u32,
-    phase: Phase,
-    pages: Vec<Listed>,
-    plan: VecDeque<(u16, Acquired)>,
-    /// What it has counted.
-    pub counters: TileListCounters,
+    /// Everything they remember.
+    pub state: TileListsState,
 }
 
 type Out = (Option<Request>, Option<Order>, Option<Round>);
 
 impl TileLists {
     /// At power-on; `pictures_per_view`: progressive pictures after which the viewpoint is left, 0 for never.
-    pub fn new(engine: EngineConfig, mode: RenderMode, order: TileOrder, pictures_per_view: u32) -> Self {
-        let (phase, counters) = (Phase::Identified, TileListCounters::default());
-        Self { engine, mode, order, pictures_per_view, phase, pages: Vec::new(), plan: VecDeque::new(), counters }
+    pub fn new(config: EngineConfig, mode: RenderMode, order: TileOrder, pictures_per_view: u32) -> Self {
+        Self { config, mode, order, pictures_per_view, state: TileListsState::default() }
     }
 
     /// Pages and their lists.
     pub fn lists(&self) -> impl Iterator<Item = (&Arc<Page>, &TileList)> {
-        self.pages.iter().map(|l| (&l.page, &l.list))
+        self.state.pages.iter().map(|l| (&l.page, &l.list))
     }
 
     fn add(&mut self, page: Arc<Page>) {
         let tiles = page.tiles();
         let wanted = if self.order == TileOrder::Listed { Vec::new() } else { vec![UNWANTED; tiles as usize] };
-        self.pages.push(Listed { page, list: TileList::new(tiles), wanted });
+        self.state.pages.push(Listed { page, list: TileList::new(tiles), wanted });
     }
 
     #[inline]
     fn mark(&mut self, mark: &Mark) {
-        let Some(listed) = self.pages.get_mut(usize::from(mark.page)) else { return };
+        let Some(listed) = self.state.pages.get_mut(usize::from(mark.page)) else { return };
         listed.list.mark(mark.tile);
         if let Some(wanted) = listed.wanted.get_mut(mark.tile as usize) {
             wanted.pixels = wanted.pixels.saturating_add(mark.pixels);
@@ -104,8 +113,8 @@ impl TileLists {
 
     /// A new viewpoint (482): what was to be loaded is not any more. Tiles in flight are E already.
     fn forget(&mut self) {
-        self.counters.pictures = 0;
-        for listed in &mut self.pages {
+        self.state.pictures = 0;
+        for listed in &mut self.state.pages {
             listed.list.forget();
             listed.wanted.fill(UNWANTED);
         }
@@ -114,7 +123,7 @@ impl TileLists {
     /// Marks whole layers: all of them (conventional) or the top tiles (471).
     fn mark_layers(&mut self) {
         let whole = self.mode == RenderMode::Conventional;
-        for listed in &mut self.pages {
+        for listed in &mut self.state.pages {
             let end = if whole { listed.page.tiles() } else { listed.page.layers[0].pitch * listed.page.layers[0].rows };
             (0..end).for_each(|tile| {
                 listed.list.mark(tile);
@@ -125,25 +134,25 @@ impl TileLists {
     /// Figure 6 for every page; cycles that looking at the lists takes.
     fn acquire(&mut self) -> u64 {
         let mut looked_at = 0;
-        for listed in &mut self.pages {
+        for listed in &mut self.state.pages {
             looked_at += u64::from(listed.page.tiles());
             let number = listed.page.number;
-            self.plan.extend(listed.list.acquire(&listed.page).into_iter().map(|a| (number, a)));
+            self.state.plan.extend(listed.list.acquire(&listed.page).into_iter().map(|a| (number, a)));
         }
         if self.order != TileOrder::Listed {
             self.sort();
         }
-        if !self.plan.is_empty() {
-            self.counters.acquisitions += 1;
+        if !self.state.plan.is_empty() {
+            self.state.counters.acquisitions += 1;
         }
-        looked_at.div_ceil(self.engine.list_rate.into()).max(1)
+        looked_at.div_ceil(self.config.list_rate.into()).max(1)
     }
 
     /// Loads in the order wished for, then what is averaged from them. Those wished for alike stay as listed.
     fn sort(&mut self) {
-        let pages = &self.pages;
+        let pages = &self.state.pages;
         let order = self.order;
-        self.plan.make_contiguous().sort_by_key(|(page, acquired)| {
+        self.state.plan.make_contiguous().sort_by_key(|(page, acquired)| {
             let wanted = pages[usize::from(*page)].wanted.get(acquired.tile as usize).copied().unwrap_or(UNWANTED);
             match (acquired.how, order) {
                 (How::Synthesized, _) | (_, TileOrder::Listed) => (1, 0, Reverse(0)),
@@ -155,8 +164,8 @@ impl TileLists {
 
     /// What a real server may be told ahead.
     fn announcement(&self) -> Option<Request> {
-        let loaded = self.plan.iter().filter(|(_, a)| a.how == How::Loaded);
-        let tiles: Arc<[_]> = loaded.map(|(page, a)| (Arc::clone(&self.pages[usize::from(*page)].page), a.tile)).collect();
+        let loaded = self.state.plan.iter().filter(|(_, a)| a.how == How::Loaded);
+        let tiles: Arc<[_]> = loaded.map(|(page, a)| (Arc::clone(&self.state.pages[usize::from(*page)].page), a.tile)).collect();
         (!tiles.is_empty()).then_some(Request::Announce(tiles))
     }
 
@@ -166,37 +175,37 @@ impl TileLists {
             self.mark_layers();
         }
         let cycles = self.acquire();
-        self.phase = Phase::Acquire;
+        self.state.phase = Phase::Acquire;
         (cycles, (self.announcement(), None, None))
     }
 
     /// All marks of a progressive picture are taken (476): another round, unless none is marked or the user moves on (475).
     fn end_of_picture(&mut self) -> (u64, Out) {
-        self.counters.pictures += 1;
-        if self.counters.pictures == self.pictures_per_view {
-            self.phase = Phase::Identified;
+        self.state.pictures += 1;
+        if self.state.pictures == self.pictures_per_view {
+            self.state.phase = Phase::Identified;
             return (1, (Some(Request::End), None, Some(Round::Done)));
         }
         let cycles = self.acquire();
-        if self.plan.is_empty() {
-            self.phase = Phase::Identified;
+        if self.state.plan.is_empty() {
+            self.state.phase = Phase::Identified;
             return (cycles, (Some(Request::End), None, Some(Round::Done)));
         }
-        self.phase = Phase::Acquire;
+        self.state.phase = Phase::Acquire;
         (cycles, (self.announcement(), None, Some(Round::Again)))
     }
 
     /// The next tile of the plan.
     fn next(&mut self) -> Out {
-        let Some((page, Acquired { tile, how })) = self.plan.pop_front() else { return self.end_of_acquisition() };
+        let Some((page, Acquired { tile, how })) = self.state.plan.pop_front() else { return self.end_of_acquisition() };
         match how {
             How::Loaded => {
-                self.counters.loaded += 1;
-                let request = Request::Tile(Arc::clone(&self.pages[usize::from(page)].page), tile);
+                self.state.counters.loaded += 1;
+                let request = Request::Tile(Arc::clone(&self.state.pages[usize::from(page)].page), tile);
                 (Some(request), Some(Order::Load { page, tile }), None)
             }
             How::Synthesized => {
-                self.counters.synthesized += 1;
+                self.state.counters.synthesized += 1;
                 (None, Some(Order::Synthesize { page, tile }), None)
             }
         }
@@ -204,10 +213,10 @@ impl TileLists {
 
     fn end_of_acquisition(&mut self) -> Out {
         if self.mode == RenderMode::Progressive {
-            self.phase = Phase::Improved;
+            self.state.phase = Phase::Improved;
             (None, Some(Order::End), None)
         } else {
-            self.phase = Phase::Identified;
+            self.state.phase = Phase::Identified;
             (Some(Request::End), Some(Order::End), Some(Round::Done))
         }
     }
@@ -220,7 +229,7 @@ impl TileLists {
                 marks.iter().for_each(|mark| self.mark(mark));
                 return (marks.len() as u64, (None, None, None));
             }
-            MarkFlow::End if self.phase == Phase::Identified => return self.end_of_identification(),
+            MarkFlow::End if self.state.phase == Phase::Identified => return self.end_of_identification(),
             MarkFlow::End => return self.end_of_picture(),
         }
         (1, (None, None, None))
@@ -233,7 +242,7 @@ impl Unit for TileLists {
 
     #[inline]
     fn demand(&self) -> Demand {
-        match self.phase {
+        match self.state.phase {
             Phase::Identified => Demand::Only(0),
             Phase::Acquire => Demand::Nothing,
             Phase::Improved => Demand::Only(1),
@@ -242,7 +251,7 @@ impl Unit for TileLists {
 
     #[inline]
     fn step(&mut self, (identified, improved): Self::In, _: &mut Traffic) -> Step<Out> {
-        let latency = u64::from(self.engine.latency);
+        let latency = u64::from(self.config.latency);
         match identified.or(improved) {
             Some(token) => {
                 let (cycles, out) = self.take(token);
@@ -253,6 +262,6 @@ impl Unit for TileLists {
     }
 
     fn is_empty(&self) -> bool {
-        self.phase == Phase::Identified
+        self.state.phase == Phase::Identified
     }
 }

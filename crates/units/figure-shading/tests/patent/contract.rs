@@ -3,15 +3,15 @@
 use crate::chain::{Config, feed, frame, polygon, sun};
 use basrelief_figure_shading::{
     Adder, BrightnessInterpolation, CircuitConfig, Dot, Finished, Gate, Highlight, Highlights, HostConfig, HostInterface,
-    InterpolationConfig, Microcomputer, MicrocomputerState, Mode, NormalInterpolationConfig, NormalLoad, PowerMethod, Selector28,
-    Selector53, Signal, SpecularSkip,
+    InterpolationConfig, Microcomputer, Mode, NormalInterpolationConfig, NormalLoad, PowerMethod, Selector28, Selector53, Signal,
+    SpecularSkip,
 };
 use basrelief_kernel::{Demand, Step, Traffic, Unit, unit_contract};
 use basrelief_signals::{Control, Flow, Lighting, ObjectInfo, Pixel, Stamp};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// Two frames of polygons for every path, and degenerate ones.
+/// Two frames of polygons for every route, and degenerate ones.
 fn display_list() -> Vec<Control> {
     let shiny = Lighting { n: 30.0, ..Lighting::default() };
     let triangle = [[1.0, 2.0], [14.0, 3.0], [5.0, 12.0]];
@@ -148,80 +148,76 @@ impl Unit for TwoWays {
     }
 }
 
-fn state_of(unit: &OneWire) -> MicrocomputerState {
-    unit.0.state().clone()
-}
-
 unit_contract! {
     name: contract_of_the_host_interface,
     unit: HostInterface::new(HostConfig { buffers: 2, ..HostConfig::default() }),
     inputs: (display_list(), vec![Finished; 14]),
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: contract_of_the_microcomputer,
     unit: OneWire(config(Mode::Normal).microcomputer()),
     inputs: display_list(),
-    state: state_of => |unit, state| unit.0.set_state(state),
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
 }
 
 unit_contract! {
     name: contract_of_the_microcomputer_in_polyhedron_mode,
     unit: OneWire(config(Mode::Polyhedron).microcomputer()),
     inputs: display_list(),
-    state: state_of => |unit, state| unit.0.set_state(state),
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
 }
 
 unit_contract! {
     name: contract_of_circuit_21,
     unit: BrightnessInterpolation::new(InterpolationConfig::default()),
     inputs: wires(Mode::Normal).figures,
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: contract_of_circuit_21_in_brightness_mode,
     unit: BrightnessInterpolation::new(InterpolationConfig { initiation_interval: 3, ..InterpolationConfig::default() }),
     inputs: wires(Mode::Brightness).figures,
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: contract_of_circuit_50,
     unit: config(Mode::Normal).circuit_50(),
     inputs: wires(Mode::Normal).normals,
-    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+    state,
 }
 
 unit_contract! {
     name: contract_of_circuit_50_with_a_table,
     unit: basrelief_figure_shading::NormalInterpolation::new(
-        NormalInterpolationConfig { power: PowerMethod::Table, ..NormalInterpolationConfig::default() }, true,
+        NormalInterpolationConfig { power: PowerMethod::Table, table_entries: 64, ..NormalInterpolationConfig::default() }, true,
     ),
     inputs: wires(Mode::Normal).normals,
-    state: |unit| unit.state().clone() => |unit, state| unit.set_state(state),
+    state,
 }
 
 unit_contract! {
     name: contract_of_the_gate,
     unit: Gate::new(CircuitConfig::default()),
     inputs: wires(Mode::Normal).highlights,
-    state: |unit| unit.state => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: contract_of_the_adder,
     unit: Adder::new(CircuitConfig { latency: 3, ..CircuitConfig::default() }),
     inputs: (wires(Mode::Normal).interpolated, wires(Mode::Normal).gated),
-    state: |unit| unit.state => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: contract_of_selector_53,
     unit: Selector53::new(CircuitConfig::default()),
     inputs: (wires(Mode::Normal).sums, wires(Mode::Normal).flat_dots),
-    state: |unit| unit.state => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {

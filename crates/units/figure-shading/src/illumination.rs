@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// circuit (50) once more. Light and viewer are at infinity, or a point light is taken at the object's centre: L and H are
 /// constant over an object. Ka and Kd carry the surface's colour; Ks does not, a highlight is white.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Setting {
+pub struct Illumination {
     /// Mode.
     pub mode: Mode,
     /// Ka, Kd, Ks, n.
@@ -25,7 +25,7 @@ pub struct Setting {
     pub lights: Vec<LightVector>,
 }
 
-impl Setting {
+impl Illumination {
     /// `Ka*Ia + Kd * sum of Is*(N.L)`, without colour.
     pub fn ambient_and_diffuse(&self, normal: Vec3, clamp: Clamp) -> f32 {
         let lit = |light: &LightVector| {
@@ -57,22 +57,22 @@ pub(crate) fn normal_of(stored: [f32; 3]) -> Vec3 {
 mod tests {
     use super::*;
 
-    fn setting(kd: f32, ks: f32) -> Setting {
+    fn illumination(kd: f32, ks: f32) -> Illumination {
         let lighting = Lighting { ka: 0.25, kd, ks, n: 2.0 };
         let light = LightVector { to_light: Vec3::Z, halfway: Vec3::new(0.6, 0.0, 0.8), intensity: 0.5 };
-        Setting { lighting, color: [1.0; 3], ambient: 2.0, lights: vec![light; 2], ..Setting::default() }
+        Illumination { lighting, color: [1.0; 3], ambient: 2.0, lights: vec![light; 2], ..Illumination::default() }
     }
 
     #[test]
     fn section_2_ambient_once_the_other_terms_per_light() {
-        let s = setting(0.5, 1.0);
+        let s = illumination(0.5, 1.0);
         assert_eq!(s.ambient_and_diffuse(Vec3::Z, Clamp::Vertex), 0.25 * 2.0 + 0.5);
         assert!((s.specular(Vec3::Z) - 0.64).abs() < 1e-6);
     }
 
     #[test]
     fn section_2_clamp_concerns_the_diffuse_term_and_an_even_power_does_not_light_the_far_side() {
-        let s = setting(0.5, 1.0);
+        let s = illumination(0.5, 1.0);
         assert_eq!(s.ambient_and_diffuse(-Vec3::Z, Clamp::Vertex), 0.5);
         assert_eq!(s.ambient_and_diffuse(-Vec3::Z, Clamp::None), 0.0);
         assert_eq!(s.specular(-Vec3::Z), 0.0);
@@ -84,6 +84,6 @@ mod tests {
         assert_eq!(normal_of([f32::NAN, 0.0, 1.0]), Vec3::ZERO);
         assert_eq!(normal_of([f32::INFINITY, 0.0, 1.0]), Vec3::ZERO);
         assert_eq!(normal_of([0.0; 3]), Vec3::ZERO);
-        assert_eq!(setting(0.5, 1.0).ambient_and_diffuse(Vec3::ZERO, Clamp::None), 0.5);
+        assert_eq!(illumination(0.5, 1.0).ambient_and_diffuse(Vec3::ZERO, Clamp::None), 0.5);
     }
 }

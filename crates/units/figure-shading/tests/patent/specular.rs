@@ -1,15 +1,15 @@
 //! Short cut 1: the specular term is negligible.
 
 use crate::chain::{Config, direction, draw, lighting, polygon, sun, triangle};
-use basrelief_figure_shading::{Mode, NormalInterpolationConfig, Path, PowerMethod, SpecularSkip};
+use basrelief_figure_shading::{Mode, NormalInterpolationConfig, PowerMethod, Route, SpecularSkip};
 use basrelief_shading::saturated;
 use basrelief_signals::Lighting;
 use glam::Vec3;
 use proptest::prelude::*;
 
-fn path(config: &Config, normals: &[Vec3; 3], lighting: Lighting) -> Path {
+fn route(config: &Config, normals: &[Vec3; 3], lighting: Lighting) -> Route {
     let t = [[0.0, 0.0], [31.0, 0.0], [0.0, 31.0]];
-    draw(config, vec![sun(Vec3::Z)], polygon(&t, normals, lighting)).figure.expect("a figure").path
+    draw(config, vec![sun(Vec3::Z)], polygon(&t, normals, lighting)).figure.expect("a figure").route
 }
 
 fn renormalising(renormalise: bool) -> Config {
@@ -32,8 +32,8 @@ fn a_highlight_may_peak_inside_a_polygon_whose_points_are_all_dark() {
     for angle in [20.0, 40.0, 80.0] {
         let normals = leaning(angle);
         assert!(normals.iter().all(|n| 0.5 * libm::powf(n.z, 200.0) < 1.0 / 510.0), "all dark");
-        assert_eq!(path(&renormalising(true), &normals, lighting), Path::Normal, "{angle} degrees");
-        assert_eq!(path(&renormalising(false), &normals, lighting), Path::GateClosed, "{angle} degrees");
+        assert_eq!(route(&renormalising(true), &normals, lighting), Route::Normal, "{angle} degrees");
+        assert_eq!(route(&renormalising(false), &normals, lighting), Route::GateClosed, "{angle} degrees");
         let shaded =
             draw(&renormalising(true), vec![sun(Vec3::Z)], polygon(&[[0.0, 0.0], [31.0, 0.0], [0.0, 31.0]], &normals, lighting));
         let peak = shaded.highlights.iter().map(|h| h.brightness).fold(0.0, f32::max);
@@ -45,22 +45,22 @@ fn a_highlight_may_peak_inside_a_polygon_whose_points_are_all_dark() {
 fn no_bound_where_normals_may_cancel() {
     let lighting = Lighting { ks: 0.5, n: 200.0, ..Lighting::default() };
     let apart = [Vec3::X, -Vec3::X, Vec3::Y];
-    assert_eq!(path(&renormalising(true), &apart, lighting), Path::Normal);
-    assert_eq!(path(&renormalising(false), &apart, lighting), Path::GateClosed);
+    assert_eq!(route(&renormalising(true), &apart, lighting), Route::Normal);
+    assert_eq!(route(&renormalising(false), &apart, lighting), Route::GateClosed);
     let zero = [Vec3::X, Vec3::X, Vec3::ZERO];
-    assert_eq!(path(&renormalising(true), &zero, lighting), Path::Normal);
+    assert_eq!(route(&renormalising(true), &zero, lighting), Route::Normal);
 }
 
 #[test]
 fn what_faces_away_or_does_not_shine_is_negligible() {
     let lighting = Lighting { ks: 0.5, n: 1.0, ..Lighting::default() };
     let away = leaning(110.0);
-    assert_eq!(path(&renormalising(true), &away, lighting), Path::GateClosed);
+    assert_eq!(route(&renormalising(true), &away, lighting), Route::GateClosed);
     let matte = Lighting { ks: 0.0, ..lighting };
-    assert_eq!(path(&renormalising(false), &leaning(5.0), matte), Path::GateClosed);
+    assert_eq!(route(&renormalising(false), &leaning(5.0), matte), Route::GateClosed);
     let mut off = renormalising(true);
     off.short_cuts.specular_negligible.enabled = false;
-    assert_eq!(path(&off, &away, matte), Path::Normal);
+    assert_eq!(route(&off, &away, matte), Route::Normal);
 }
 
 #[test]

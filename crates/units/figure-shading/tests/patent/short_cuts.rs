@@ -1,7 +1,7 @@
 //! Short cuts 2 and 3 (flat; same plane as before), and Figure 6.
 
 use crate::chain::{Config, SIDE, direction, draw, feed, frame, lighting, polygon, shade, sun, triangle};
-use basrelief_figure_shading::{Clamp, Microcomputer, Mode, Path, Process};
+use basrelief_figure_shading::{Clamp, Microcomputer, Mode, Process, Route};
 use basrelief_shading::saturated;
 use basrelief_signals::{Camera, Control, Frame, Light, Lighting, Material, Polygon};
 use glam::Vec3;
@@ -26,7 +26,7 @@ proptest! {
         config.short_cuts.flatness.tolerance = tolerance;
         let lights = vec![sun(light)];
         let flat = draw(&config, lights.clone(), polygon(&t, &normals, lighting));
-        prop_assert_eq!(flat.figure.expect("a figure").path, Path::Flat);
+        prop_assert_eq!(flat.figure.expect("a figure").route, Route::Flat);
         let full = draw(&config.plain(), lights, polygon(&t, &normals, lighting));
         // Each normal lies within the tolerance of the first, so any mean of them lies within twice that of any other; and
         // a negligible specular term may be missing, at most half a step.
@@ -60,7 +60,7 @@ proptest! {
         let stored = shade(&mut unit, &config, polygon(&first, &[normal; 3], lighting));
         prop_assume!(!stored.dots.is_empty());
         let reused = shade(&mut unit, &config, second.clone());
-        prop_assert_eq!(reused.figure.expect("a figure").path, Path::Reused);
+        prop_assert_eq!(reused.figure.expect("a figure").route, Route::Reused);
         let fresh = draw(&config, vec![sun(light)], second);
         for (a, b) in reused.dots.iter().zip(&fresh.dots) {
             prop_assert!((a.brightness[0] - b.brightness[0]).abs() <= tolerance * slope(&lighting) + 1.0 / 510.0 + 1e-5);
@@ -73,8 +73,8 @@ fn a_polygon_whose_points_differ_in_colour_is_not_flat() {
     let Control::Polygon(white) = polygon(&SQUARE, &[Vec3::Z; 4], Lighting::default()) else { unreachable!() };
     let mut coloured = Polygon::clone(&white);
     coloured.vertices[2].color = [1.0, 0.0, 0.0, 1.0];
-    let path = |polygon| draw(&Config::default(), vec![sun(Vec3::Z)], Control::Polygon(polygon)).figure.expect("a figure").path;
-    assert_eq!((path(white), path(Arc::new(coloured))), (Path::Flat, Path::Normal));
+    let route = |polygon| draw(&Config::default(), vec![sun(Vec3::Z)], Control::Polygon(polygon)).figure.expect("a figure").route;
+    assert_eq!((route(white), route(Arc::new(coloured))), (Route::Flat, Route::Normal));
 }
 
 #[test]
@@ -137,22 +137,22 @@ impl Scene {
     }
 }
 
-/// Path of the second polygon, drawn by `unit` after the first of `before`.
-fn second(before: &Scene, after: &Scene, config: &Config) -> Path {
+/// Route of the second polygon, drawn by `unit` after the first of `before`.
+fn second(before: &Scene, after: &Scene, config: &Config) -> Route {
     let first = Config::default();
     let mut unit = first.microcomputer();
     feed(&mut unit, [before.frame()]);
-    assert_eq!(shade(&mut unit, &first, before.polygon()).figure.expect("a figure").path, Path::Flat);
+    assert_eq!(shade(&mut unit, &first, before.polygon()).figure.expect("a figure").route, Route::Flat);
     let mut other: Microcomputer = config.microcomputer();
-    other.set_state(unit.state().clone());
+    other.state = unit.state.clone();
     feed(&mut other, [Control::FrameEnd, after.frame()]);
-    shade(&mut other, config, after.polygon()).figure.expect("a figure").path
+    shade(&mut other, config, after.polygon()).figure.expect("a figure").route
 }
 
 #[test]
 fn figure_7_the_stored_brightness_is_void_after_any_new_mode_ia_is_l_v_ka_kd_ks_n() {
     let (scene, same) = (Scene::new(), Config::default());
-    assert_eq!(second(&scene, &scene, &same), Path::Reused, "sent again, but not changed");
+    assert_eq!(second(&scene, &scene, &same), Route::Reused, "sent again, but not changed");
     let changes: [Change<Scene>; 10] = [
         ("L", |s| s.light = sun(Vec3::new(0.3, 0.2, 1.0))),
         ("Is", |s| s.light.intensity = 0.5),
@@ -168,7 +168,7 @@ fn figure_7_the_stored_brightness_is_void_after_any_new_mode_ia_is_l_v_ka_kd_ks_
     for (name, change) in changes {
         let mut changed = scene.clone();
         change(&mut changed);
-        assert_eq!(second(&scene, &changed, &same), Path::Flat, "{name}");
+        assert_eq!(second(&scene, &changed, &same), Route::Flat, "{name}");
     }
     let settings: [Change<Config>; 4] = [
         ("mode", |c| (c.shading.mode, c.shading.flat_in_brightness_mode) = (Mode::Brightness, true)),
@@ -179,7 +179,7 @@ fn figure_7_the_stored_brightness_is_void_after_any_new_mode_ia_is_l_v_ka_kd_ks_
     for (name, change) in settings {
         let mut config = Config::default();
         change(&mut config);
-        assert_eq!(second(&scene, &scene, &config), Path::Flat, "{name}");
+        assert_eq!(second(&scene, &scene, &config), Route::Flat, "{name}");
     }
 }
 
@@ -189,12 +189,14 @@ fn figure_7_what_is_reused_is_not_calculated() {
     let mut unit = config.microcomputer();
     feed(&mut unit, [scene.frame()]);
     let first = shade(&mut unit, &config, scene.polygon());
-    let runs = |unit: &Microcomputer| [Process::Specular, Process::Brightness, Process::Mean].map(|p| unit.process(p).runs);
+    let runs = |unit: &Microcomputer| {
+        [Process::Specular, Process::Brightness, Process::Mean].map(|p| unit.state.counters.processes[p as usize].runs)
+    };
     assert_eq!(runs(&unit), [1, 1, 1]);
     let second = shade(&mut unit, &config, scene.polygon());
     assert_eq!(runs(&unit), [1, 1, 1]);
     assert_eq!(second.dots, first.dots);
-    assert_eq!((unit.counters().flat, unit.counters().reused), (2, 1));
+    assert_eq!((unit.state.counters.flat, unit.state.counters.reused), (2, 1));
 }
 
 /// Brightness at the sample points of a polygon in these circumstances: ambient 0.1, diffuse 0.5, specular 0.3, all at

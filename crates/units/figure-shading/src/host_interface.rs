@@ -5,17 +5,9 @@ use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Frame, LightKind, Lighting, Polygon};
 use serde::{Deserialize, Serialize};
 
-/// Everything the host interface remembers.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct HostState {
-    /// Lights at a point: their L is sent anew for each object.
-    pub point_lights: u64,
-    /// Coefficients and colour sent last.
-    pub sent: Option<(Lighting, [f32; 4])>,
-    /// Polygons that the device holds.
-    pub in_flight: u32,
-    /// The end of the frame waits until they are finished.
-    pub frame_ends: bool,
+/// What the host interface has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HostInterfaceCounters {
     /// Polygons sent.
     pub polygons: u64,
     /// Polygons of fewer than three points, not sent.
@@ -24,6 +16,21 @@ pub struct HostState {
     pub textured: u64,
     /// Bytes sent.
     pub bytes: u64,
+}
+
+/// Everything the host interface remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HostInterfaceState {
+    /// Lights at a point: their L is sent anew for each object.
+    pub point_lights: u64,
+    /// Coefficients and colour sent last.
+    pub sent: Option<(Lighting, [f32; 4])>,
+    /// Polygons that the device holds.
+    pub in_flight: u32,
+    /// The end of the frame waits until they are finished.
+    pub frame_ends: bool,
+    /// What it has counted.
+    pub counters: HostInterfaceCounters,
 }
 
 /// Sends, in the words of the patent: once per frame the mode, Ia, Is, L and V; per object L again, where its light is at a
@@ -37,7 +44,7 @@ pub struct HostInterface {
     /// Parameters.
     pub config: HostConfig,
     /// Everything it remembers.
-    pub state: HostState,
+    pub state: HostInterfaceState,
 }
 
 type Out = Step<Option<Control>>;
@@ -45,13 +52,13 @@ type Out = Step<Option<Control>>;
 impl HostInterface {
     /// A host interface at power-on.
     pub fn new(config: HostConfig) -> Self {
-        Self { config, state: HostState::default() }
+        Self { config, state: HostInterfaceState::default() }
     }
 
     /// Sends so many numbers.
     fn send(&mut self, numbers: u64, control: Control) -> Out {
         let bytes = numbers * u64::from(self.config.number_bytes);
-        self.state.bytes += bytes;
+        self.state.counters.bytes += bytes;
         let cycles = bytes.div_ceil(u64::from(self.config.bytes_per_cycle)).max(1);
         Step::after(cycles + u64::from(self.config.latency), Some(control)).busy(cycles)
     }
@@ -80,13 +87,13 @@ impl HostInterface {
             }
             Control::Object(_) => self.send(3 * self.state.point_lights, control),
             Control::Polygon(polygon) if polygon.vertices.len() < 3 => {
-                self.state.dropped += 1;
+                self.state.counters.dropped += 1;
                 Step::after(0, None)
             }
             Control::Polygon(polygon) => {
                 self.state.in_flight += 1;
-                self.state.polygons += 1;
-                self.state.textured += u64::from(polygon.material.color_texture.is_some());
+                self.state.counters.polygons += 1;
+                self.state.counters.textured += u64::from(polygon.material.color_texture.is_some());
                 let numbers = self.polygon_numbers(polygon);
                 self.send(numbers, control)
             }

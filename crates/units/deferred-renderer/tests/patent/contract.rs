@@ -2,7 +2,7 @@
 //! progressive one.
 
 use crate::texture;
-use crate::two_wires::{Either, FreshServer, TwoInputs, TwoOutputs};
+use crate::two_wires::{Either, Requested, TwoInputs, TwoOutputs};
 use basrelief_deferred_renderer::tokens::{
     CellFlow, Content, EncodedTile, ExpandedTile, Mark, MarkFlow, Order, Parcel, PassFlow, Request, Round,
 };
@@ -149,17 +149,17 @@ fn wires(mode: RenderMode) -> Wires {
         drive(reference_buffer(mode), two(cell_flow.clone(), rounds.clone())).into_iter().unzip();
     let [marking, colouring] = [marking, colouring].map(|tokens| tokens.into_iter().flatten().collect::<Vec<_>>());
     let marks: Vec<_> = drive(Identification::new(engine()), one(marking.clone())).into_iter().flatten().collect();
-    let (requests, told): (Vec<_>, Vec<_>) =
+    let (requests, orders): (Vec<_>, Vec<_>) =
         drive(tile_lists(mode), two(marks.clone(), improvements.clone())).into_iter().unzip();
     let asked = |request: Request| {
         let shown = (request == Request::End).then_some(Either::Third(()));
         [Some(Either::Second(request)), shown].into_iter().flatten()
     };
     let asked: Vec<_> = requests.into_iter().flatten().flat_map(asked).collect();
-    let parcels: Vec<_> = drive(FreshServer::new(), two(controls(), asked.clone())).into_iter().flatten().collect();
+    let parcels: Vec<_> = drive(Requested::new(), two(controls(), asked.clone())).into_iter().flatten().collect();
     let encoded: Vec<_> = drive(path(), one(parcels.clone())).into_iter().filter_map(|(_, tile)| tile).collect();
     let tiles = drive(expander(), one(encoded.clone())).into_iter().flatten().collect();
-    let acquired = with_tiles(told.into_iter().flatten().filter_map(|(order, _)| order), tiles);
+    let acquired = with_tiles(orders.into_iter().flatten().filter_map(|(order, _)| order), tiles);
     Wires { cells: cell_flow, rounds, marking, colouring, marks, improvements, asked, parcels, encoded, acquired }
 }
 
@@ -184,26 +184,30 @@ fn the_tokens_of_the_contracts_say_something() {
 
 unit_contract! {
     name: server,
-    unit: FreshServer::new(),
+    unit: Requested::new(),
     inputs: (controls(), wires(RenderMode::Best).asked),
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
 }
 
 unit_contract! {
     name: path_of_the_tiles,
     unit: path(),
     inputs: wires(RenderMode::Best).parcels,
+    state,
 }
 
 unit_contract! {
     name: expander_of_tiles,
     unit: expander(),
     inputs: wires(RenderMode::Best).encoded,
+    stateless,
 }
 
 unit_contract! {
     name: cells_of_fragments,
     unit: cells(),
     inputs: fragments(),
+    state,
 }
 
 unit_contract! {
@@ -211,6 +215,7 @@ unit_contract! {
     unit: reference_buffer(RenderMode::Best),
     inputs: { let w = wires(RenderMode::Best); (w.cells, w.rounds) },
     clients: [Client::Port, Client::Port],
+    state,
 }
 
 unit_contract! {
@@ -218,24 +223,28 @@ unit_contract! {
     unit: reference_buffer(RenderMode::Progressive),
     inputs: { let w = wires(RenderMode::Progressive); (w.cells, w.rounds) },
     clients: [Client::Port, Client::Port],
+    state,
 }
 
 unit_contract! {
     name: identification,
     unit: Identification::new(engine()),
     inputs: wires(RenderMode::Best).marking,
+    state,
 }
 
 unit_contract! {
     name: tile_lists_of_best_resolution,
     unit: tile_lists(RenderMode::Best),
     inputs: { let w = wires(RenderMode::Best); (w.marks, w.improvements) },
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
 }
 
 unit_contract! {
     name: tile_lists_of_the_progressive_mode,
     unit: tile_lists(RenderMode::Progressive),
     inputs: { let w = wires(RenderMode::Progressive); (w.marks, w.improvements) },
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
 }
 
 unit_contract! {
@@ -243,6 +252,7 @@ unit_contract! {
     unit: rasterization(RenderMode::Best),
     inputs: { let w = wires(RenderMode::Best); (w.colouring, w.acquired) },
     clients: [Client::Cache { line_bytes: 64 }, Client::Port, Client::Port],
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
 }
 
 unit_contract! {
@@ -250,4 +260,5 @@ unit_contract! {
     unit: rasterization(RenderMode::Progressive),
     inputs: { let w = wires(RenderMode::Progressive); (w.colouring, w.acquired) },
     clients: [Client::Cache { line_bytes: 64 }, Client::Port, Client::Port],
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
 }

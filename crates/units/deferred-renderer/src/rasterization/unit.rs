@@ -1,5 +1,6 @@
-//! Final rasterization (463, 464; 472, 473), with the texture-data memory (130) that it reads.
+//! The unit and its step.
 
+use super::state::{Phase, RasterizationState};
 use crate::cell::CellFormat;
 use crate::colour::{Choice, best, progressive, sample, shaded};
 use crate::config::{EngineConfig, RenderMode};
@@ -20,35 +21,6 @@ const STORE: u32 = 1;
 /// Client that reads tiles to be averaged.
 const SOURCES: u32 = 2;
 
-/// What the final rasterization waits for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Phase {
-    /// A block to be coloured, or what is in front of a pass.
-    #[default]
-    Cells,
-    /// What becomes of tiles.
-    Orders,
-    /// A tile of the path.
-    Tile(u16, u32),
-}
-
-/// What the final rasterization has counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RasterizationCounters {
-    /// Pictures coloured.
-    pub pictures: u64,
-    /// Textured pixels coloured.
-    pub textured: u64,
-    /// Pixels of direct colour copied (464, 473).
-    pub direct: u64,
-    /// Interpolations within a layer.
-    pub interpolations: u64,
-    /// Interpolations between two layers.
-    pub between_layers: u64,
-    /// Most pictures of one frame.
-    pub most_pictures: u64,
-}
-
 /// Final rasterization, and the texture-data memory (130) with its pyramids (134): stores and averages tiles as ordered, then
 /// colours the pixels of a pass.
 ///
@@ -56,114 +28,91 @@ pub struct RasterizationCounters {
 /// pixels. Client 0 is the texel cache, client 1 writes tiles, client 2 reads those to be averaged.
 #[derive(Clone, Debug)]
 pub struct Rasterization {
-    engine: EngineConfig,
+    /// Parameters.
+    pub config: EngineConfig,
     mode: RenderMode,
     pictures_per_view: u32,
     format: CellFormat,
     /// What became of tiles is kept, frame by frame, for who wants to look at it.
     pub keep: bool,
-    phase: Phase,
-    pages: Vec<PageTexels>,
-    /// Number of the current frame, from 1.
-    frame: u64,
-    /// Pictures of the current frame.
-    pictures: u32,
-    centre: [u32; 2],
-    /// Pixels of the pass that could be better.
-    improvable: bool,
-    records: Vec<(u32, Vec<TileRecord>)>,
-    /// What it has counted.
-    pub counters: RasterizationCounters,
+    /// Everything it remembers.
+    pub state: RasterizationState,
 }
 
 type Out = (Option<MarkFlow>, Option<PictureFlow>);
 
 impl Rasterization {
     /// At power-on; `pictures_per_view` as of the tile load lists.
-    pub fn new(engine: EngineConfig, mode: RenderMode, pictures_per_view: u32, format: CellFormat) -> Self {
-        Self {
-            engine,
-            mode,
-            pictures_per_view,
-            format,
-            keep: false,
-            phase: Phase::Cells,
-            pages: Vec::new(),
-            frame: 0,
-            pictures: 0,
-            centre: [0; 2],
-            improvable: false,
-            records: Vec::new(),
-            counters: RasterizationCounters::default(),
-        }
+    pub fn new(config: EngineConfig, mode: RenderMode, pictures_per_view: u32, format: CellFormat) -> Self {
+        Self { config, mode, pictures_per_view, format, keep: false, state: RasterizationState::default() }
     }
 
     /// Pages and what has come of their pyramids.
     pub fn pages(&self) -> &[PageTexels] {
-        &self.pages
+        &self.state.pages
     }
 
     /// What became of tiles in the frames finished since the last call, where that is kept: number of the frame, from 0, and its
     /// tiles.
     pub fn drain_records(&mut self) -> Vec<(u32, Vec<TileRecord>)> {
-        std::mem::take(&mut self.records)
+        std::mem::take(&mut self.state.records)
     }
 
     fn order(&mut self, order: Order, traffic: &mut Traffic) -> Step<Out> {
         match order {
-            Order::Load { page, tile } => self.phase = Phase::Tile(page, tile),
+            Order::Load { page, tile } => self.state.phase = Phase::Tile(page, tile),
             Order::Synthesize { page, tile } => return self.synthesize(page, tile, traffic),
-            Order::End => self.phase = Phase::Cells,
+            Order::End => self.state.phase = Phase::Cells,
         }
         Step::after(0, (None, None))
     }
 
     fn synthesize(&mut self, page: u16, tile: u32, traffic: &mut Traffic) -> Step<Out> {
-        let Some(texels) = self.pages.get_mut(usize::from(page)) else { return Step::after(0, (None, None)) };
+        let Some(texels) = self.state.pages.get_mut(usize::from(page)) else { return Step::after(0, (None, None)) };
         let bytes = texels.page.tile_bytes();
         let address = |tile: u32| texels.page.address + u64::from(tile) * bytes;
         for source in texels.page.sources(tile) {
             traffic.read(SOURCES, address(source), bytes as u32);
         }
         traffic.write(STORE, address(tile), bytes as u32);
-        let cycles = area(&texels.page, tile).div_ceil(self.engine.average_rate.into());
-        texels.synthesize(tile, self.frame);
+        let cycles = area(&texels.page, tile).div_ceil(self.config.average_rate.into());
+        texels.synthesize(tile, self.state.frame);
         Step::after(0, (None, None)).busy(cycles)
     }
 
     fn store(&mut self, arrived: &ExpandedTile, traffic: &mut Traffic) -> Step<Out> {
         let ExpandedTile { page, tile, texels } = arrived;
-        let Phase::Tile(number, ordered) = std::mem::replace(&mut self.phase, Phase::Orders) else {
+        let Phase::Tile(number, ordered) = std::mem::replace(&mut self.state.phase, Phase::Orders) else {
             return Step::after(0, (None, None));
         };
         if (number, ordered) != (page.number, *tile) {
             traffic.fault(format!("{}: came where another tile was expected; report this as a defect", place_of(page, *tile)));
         }
-        if let Some(own) = self.pages.get_mut(usize::from(page.number)) {
-            own.store(*tile, texels, self.frame);
+        if let Some(own) = self.state.pages.get_mut(usize::from(page.number)) {
+            own.store(*tile, texels, self.state.frame);
         }
         let bytes = page.tile_bytes();
         traffic.write(STORE, page.address + u64::from(*tile) * bytes, bytes as u32);
-        let cycles = (texels.len() as u64).div_ceil(self.engine.average_rate.into());
+        let cycles = (texels.len() as u64).div_ceil(self.config.average_rate.into());
         Step::after(0, (None, None)).busy(cycles.max(1))
     }
 
     fn pass(&mut self, token: PassFlow, traffic: &mut Traffic) -> Step<Out> {
-        let latency = u64::from(self.engine.latency);
+        let latency = u64::from(self.config.latency);
         match token {
             PassFlow::Frame(frame) => {
-                self.frame += 1;
-                self.pictures = 0;
-                self.centre = centre_of(&frame);
+                self.state.frame += 1;
+                self.state.pictures = 0;
+                self.state.centre = centre_of(&frame);
                 Step::after(latency, (None, Some(PictureFlow::Frame(frame))))
             }
             PassFlow::Page(page) => {
-                self.pages.push(PageTexels::new(page));
+                self.state.pages.push(PageTexels::new(page));
                 Step::after(latency, (None, None))
             }
             PassFlow::Begin => {
-                self.improvable = false;
-                self.phase = Phase::Orders;
+                self.state.improvable = false;
+                self.state.phase = Phase::Orders;
                 Step::after(latency, (None, None))
             }
             PassFlow::Cells(block) => self.colour(&block, traffic),
@@ -172,12 +121,12 @@ impl Rasterization {
     }
 
     fn end_of_picture(&mut self) -> Out {
-        self.pictures += 1;
-        self.counters.pictures += 1;
-        self.counters.most_pictures = self.counters.most_pictures.max(self.pictures.into());
-        let last = !self.improvable || self.pictures == self.pictures_per_view;
+        self.state.pictures += 1;
+        self.state.counters.pictures += 1;
+        self.state.counters.most_pictures = self.state.counters.most_pictures.max(self.state.pictures.into());
+        let last = !self.state.improvable || self.state.pictures == self.pictures_per_view;
         if last && self.keep {
-            self.records.push((self.frame as u32 - 1, records_of(&self.pages, self.frame)));
+            self.state.records.push((self.state.frame as u32 - 1, records_of(&self.state.pages, self.state.frame)));
         }
         let marks = (self.mode == RenderMode::Progressive).then_some(MarkFlow::End);
         (marks, Some(PictureFlow::Show { last }))
@@ -187,13 +136,13 @@ impl Rasterization {
     #[inline]
     fn colour(&mut self, block: &CellBlock, traffic: &mut Traffic) -> Step<Out> {
         let mut pixels = PixelBlock { at: block.at, mask: block.mask, rgb: [[0; 3]; 16] };
-        let mut marks = BlockMarks::new(block.at, self.centre);
+        let mut marks = BlockMarks::new(block.at, self.state.centre);
         let mut touched = [Touched::default(); 2];
         let mut interpolations = 0;
         for (i, cell) in block.drawn() {
             pixels.rgb[i] = match cell.page() {
                 None => {
-                    self.counters.direct += 1;
+                    self.state.counters.direct += 1;
                     cell.rgb()
                 }
                 Some(page) => {
@@ -203,11 +152,11 @@ impl Rasterization {
                 }
             };
         }
-        self.counters.interpolations += interpolations as u64;
+        self.state.counters.interpolations += interpolations as u64;
         let marks = marks.finish();
-        self.improvable |= marks.is_some();
-        let cycles = interpolations.max(block.mask.count_ones() as usize).div_ceil(self.engine.interpolation_rate as usize);
-        Step::over(cycles, 1, self.engine.latency.into(), (marks, Some(PictureFlow::Pixels(pixels))))
+        self.state.improvable |= marks.is_some();
+        let cycles = interpolations.max(block.mask.count_ones() as usize).div_ceil(self.config.interpolation_rate as usize);
+        Step::over(cycles, 1, self.config.latency.into(), (marks, Some(PictureFlow::Pixels(pixels))))
     }
 
     /// Colours a textured pixel, and says how many layers that took.
@@ -219,7 +168,7 @@ impl Rasterization {
         (marks, touched): (&mut BlockMarks, &mut [Touched; 2]),
         traffic: &mut Traffic,
     ) -> ([u8; 3], usize) {
-        let Some(texels) = self.pages.get_mut(page) else { return ([0; 3], 0) };
+        let Some(texels) = self.state.pages.get_mut(page) else { return ([0; 3], 0) };
         let placed = texels.page.placed(cell.coordinates);
         let choice = match self.mode {
             RenderMode::Progressive => progressive(texels, cell, placed),
@@ -237,12 +186,12 @@ impl Rasterization {
         for (slot, (layer, taps)) in sample.read.into_iter().flatten().enumerate() {
             layers += 1;
             if improve.is_none() {
-                texels.need(layer, &taps, self.frame);
+                texels.need(layer, &taps, self.state.frame);
             }
             touched[slot].look_up(&texels.page, layer, &taps, (TEXELS, &mut *traffic));
         }
-        self.counters.textured += 1;
-        self.counters.between_layers += u64::from(choice.upper.is_some());
+        self.state.counters.textured += 1;
+        self.state.counters.between_layers += u64::from(choice.upper.is_some());
         (shaded(&self.format, cell, sample.colour), layers)
     }
 }
@@ -259,7 +208,7 @@ impl Unit for Rasterization {
 
     #[inline]
     fn demand(&self) -> Demand {
-        match self.phase {
+        match self.state.phase {
             Phase::Cells => Demand::Only(0),
             Phase::Orders => Demand::Only(1),
             Phase::Tile(..) => Demand::Only(2),
@@ -286,6 +235,6 @@ impl Unit for Rasterization {
     }
 
     fn is_empty(&self) -> bool {
-        self.phase == Phase::Cells
+        self.state.phase == Phase::Cells
     }
 }

@@ -1,108 +1,25 @@
-//! Sources: the host that feeds a scene, and the replay of a recorded display list.
+//! Display-list source: the replay of a recorded display list.
 
 use crate::config::{Arrival, DisplayListConfig};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::{Control, Draw, Frame, Scene};
+use basrelief_signals::Control;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 use std::fmt::Display;
-use std::sync::Arc;
 
-/// The draw commands of a scene, frame by frame; memory does not grow with their number.
-#[derive(Clone, Debug)]
-pub struct SceneDraws {
-    scene: Arc<Scene>,
-    frame: usize,
-    begun: bool,
-    object: usize,
-    /// The triangle of the object that comes next; none before the object's own command.
-    triangle: Option<u32>,
-}
-
-impl SceneDraws {
-    /// All frames of the scene.
-    pub fn new(scene: Arc<Scene>) -> Self {
-        Self { scene, frame: 0, begun: false, object: 0, triangle: None }
-    }
-
-    /// It declares all colour textures, in order of their first object: those of objects outside the view too.
-    fn first_frame(&self, frame: &Frame) -> Arc<Frame> {
-        let mut known = BTreeSet::new();
-        let all = self.scene.objects.iter().filter_map(|object| object.material.color_texture.as_ref());
-        let textures = all.filter(|texture| known.insert(texture.id)).cloned().collect();
-        Arc::new(Frame { textures, ..frame.clone() })
-    }
-}
-
-impl Iterator for SceneDraws {
-    type Item = Draw;
-
-    fn next(&mut self) -> Option<Draw> {
-        let frame = self.scene.frames.get(self.frame)?;
-        if !self.begun {
-            self.begun = true;
-            return Some(Draw::Frame(if self.frame == 0 { self.first_frame(frame) } else { Arc::clone(frame) }));
-        }
-        while let Some(object) = self.scene.objects.get(self.object) {
-            let Some(triangle) = self.triangle else {
-                self.triangle = Some(0);
-                return Some(Draw::Object(Arc::clone(object)));
-            };
-            if (triangle as usize) < object.mesh.indices.len() / 3 {
-                self.triangle = Some(triangle + 1);
-                return Some(Draw::Triangle(triangle));
-            }
-            self.object += 1;
-            self.triangle = None;
-        }
-        self.frame += 1;
-        self.begun = false;
-        self.object = 0;
-        Some(Draw::FrameEnd)
-    }
-}
-
-/// The host: feeds draw commands, one per cycle.
-#[derive(Clone, Debug)]
-pub struct SceneSource<I> {
-    draws: I,
-    /// Held ahead, since a unit declares its end from its own state.
-    next: Option<Draw>,
-}
-
-impl<I: Iterator<Item = Draw>> SceneSource<I> {
-    /// Feeds these.
-    pub fn new(mut draws: I) -> Self {
-        let next = draws.next();
-        Self { draws, next }
-    }
-}
-
-impl<I: Iterator<Item = Draw>> Unit for SceneSource<I> {
-    type In = ();
-    type Out = Option<Draw>;
-
-    fn demand(&self) -> Demand {
-        if self.next.is_some() { Demand::Nothing } else { Demand::Finished }
-    }
-
-    fn step(&mut self, (): (), _: &mut Traffic) -> Step<Self::Out> {
-        let next = self.draws.next();
-        Step::after(0, std::mem::replace(&mut self.next, next))
-    }
-
-    fn is_empty(&self) -> bool {
-        self.next.is_none()
-    }
-}
-
-/// Everything the display-list source remembers, beside its place in the list.
+/// What the display-list source has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct DisplayListState {
+pub struct DisplayListSourceCounters {
     /// Commands delivered.
     pub commands: u64,
+}
+
+/// Everything the display-list source remembers. Its place in the list is how many commands it has delivered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DisplayListSourceState {
     /// Start of the next step, had nothing ever blocked the source.
     pub elapsed: u64,
+    /// What it has counted.
+    pub counters: DisplayListSourceCounters,
 }
 
 /// Latest recorded cycle that is believed; a damaged list must not overflow the time of a run.
@@ -123,7 +40,7 @@ pub struct DisplayListSource<I> {
     /// Parameters.
     pub config: DisplayListConfig,
     /// Everything it remembers.
-    pub state: DisplayListState,
+    pub state: DisplayListSourceState,
     commands: I,
     /// Held ahead, since a unit declares its end from its own state and a step's occupancy depends on the next command.
     next: Option<Result<Due, String>>,
@@ -135,9 +52,15 @@ where
     E: Display,
 {
     /// Replays these.
-    pub fn new(config: DisplayListConfig, mut commands: I) -> Self {
-        let next = commands.next().map(|command| due(command, 0));
-        Self { config, state: DisplayListState::default(), commands, next }
+    pub fn new(config: DisplayListConfig, commands: I) -> Self {
+        Self::resumed(config, commands, DisplayListSourceState::default())
+    }
+
+    /// Goes on from `state` with the same commands: those that were delivered are skipped.
+    pub fn resumed(config: DisplayListConfig, mut commands: I, state: DisplayListSourceState) -> Self {
+        let delivered = usize::try_from(state.counters.commands).unwrap_or(usize::MAX);
+        let next = commands.by_ref().nth(delivered).map(|command| due(command, state.elapsed));
+        Self { config, state, commands, next }
     }
 }
 
@@ -168,7 +91,7 @@ where
             None => return Step::after(0, None),
         };
         self.next = self.commands.next().map(|command| due(command, now + 1));
-        self.state.commands += 1;
+        self.state.counters.commands += 1;
         if self.config.arrival == Arrival::Asap {
             return Step::after(0, Some(control));
         }
@@ -187,32 +110,6 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_signals::{Camera, Mesh, Object};
-
-    #[test]
-    fn a_scene_is_drawn_frame_by_frame_object_by_object() {
-        let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        let frame = |index| Arc::new(Frame { index, width: 1, height: 1, camera, lights: Vec::new(), textures: Vec::new() });
-        let object = |id, triangles: u32| {
-            let mesh = Arc::new(Mesh { indices: vec![0; 3 * triangles as usize], ..Mesh::default() });
-            let name = String::new();
-            Arc::new(Object { id, name, mesh, world: [0.0; 16], material: Arc::default(), entries: None, bump: None })
-        };
-        let scene = Scene { frames: vec![frame(0), frame(1)], objects: vec![object(0, 2), object(1, 0)], ..Scene::default() };
-        let mut source = SceneSource::new(SceneDraws::new(Arc::new(scene)));
-        let mut seen = String::new();
-        while source.demand() == Demand::Nothing {
-            seen.push_str(&match source.step((), &mut Traffic::default()).out {
-                Some(Draw::Frame(f)) => format!("f{} ", f.index),
-                Some(Draw::Object(o)) => format!("o{} ", o.id),
-                Some(Draw::Triangle(t)) => format!("{t} "),
-                Some(Draw::FrameEnd) => "end ".into(),
-                None => "nothing ".into(),
-            });
-        }
-        assert_eq!(seen, "f0 o0 0 1 o1 end f1 o0 0 1 o1 end ");
-        assert_eq!(source.demand(), Demand::Finished);
-    }
 
     /// Unblocked delivery cycles of commands with these recorded ones.
     fn delivered(arrival: Arrival, recorded: &[Option<u64>]) -> Vec<u64> {
