@@ -1,7 +1,7 @@
 //! What units tell of themselves: what they counted, and how fast they are.
 
-use crate::wiring::{Machine, Outputs, Visitor, Wires};
-use crate::{Link, Place};
+use crate::wiring::{Machine, Visitor, Wires};
+use crate::{Link, Place, Unit};
 
 /// What the units of a machine tell, each in [`Unit::tell`](crate::Unit::tell), in the order of the wiring. See [`facts`].
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,13 +1,12 @@
 //! The rate-limited renderer as a [`Device`].
 
-use crate::device::{Device, Exhibits, Told};
+use crate::device::{Device, Exhibits, Shown, Told};
 use crate::exhibit::Exhibit;
 use basrelief_deferred_renderer::{Lighting, TexelCentre, TileSource};
-use basrelief_kernel::RunReport;
+use basrelief_kernel::facts::{Part, Value};
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
-use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_reference::{self as reference, Options, Pyramid, Shading, Style, TextureFilter};
-use serde_json::Value;
 use std::sync::Arc;
 
 impl Device for DeferConfig {
@@ -46,41 +45,41 @@ impl Device for DeferConfig {
         Style { shading, options }
     }
 
-    fn warnings(&self, counts: &Counts) -> Vec<String> {
-        defer::warnings(self).into_iter().chain(defer::input_warnings(counts)).collect()
+    fn warnings(&self, facts: &Facts) -> Vec<String> {
+        defer::warnings(facts)
     }
 
     /// When each picture was shown, from the end of the frame before, and how far it is from the last of its frame.
-    fn figures(&self, told: &Told<'_>) -> Vec<(&'static str, Value)> {
-        let mut figures = vec![
-            ("picture_frame", told.shown.iter().map(|s| s.frame).collect()),
-            ("picture_round", told.shown.iter().map(|s| s.round).collect()),
-            ("picture_psnr_db", told.shown.iter().map(|s| s.psnr_db).collect()),
-        ];
-        if let Some(run) = told.run {
-            figures.extend(times(self.clock.hz, told, run));
+    fn figures(&self, told: &Told<'_>, facts: &mut Facts) {
+        let shown = told.shown;
+        let mut column = |title, values: Value, unit, about| {
+            facts.figure(&format!("picture_{title}"), values, unit, about).part(Part::Column { table: "picture", title });
+        };
+        let count = |of: fn(&Shown) -> u32| shown.iter().map(|s| u64::from(of(s))).collect::<Vec<_>>();
+        column("frame", count(|s| s.frame).into(), "", "Number of the frame, from 0");
+        column("round", count(|s| s.round).into(), "", "Number of the picture in its frame, from 0");
+        let cycles = told.run.map(|run| told.cycles_of_frames(run));
+        let ms = |cycles: u64| milliseconds(cycles, self.clock.hz);
+        if let Some(cycles) = &cycles {
+            column("cycles", cycles.clone().into(), "cycles", "From the end of the frame before to the picture");
+            column("ms", cycles.iter().map(|c| ms(*c)).collect::<Vec<_>>().into(), "ms", "The same, as time");
         }
-        figures
+        let psnr_db = shown.iter().map(|s| s.psnr_db).collect::<Vec<_>>();
+        column("psnr_db", psnr_db.into(), "dB", "How far it is from the last picture of its frame");
+        let cycles = cycles.unwrap_or_default();
+        let last = shown.iter().position(|s| s.last).and_then(|i| cycles.get(i));
+        if let Some((&first, &last)) = cycles.first().zip(last) {
+            facts.figure("first_picture_cycles", first, "cycles", "Cycles to the first picture");
+            facts.figure("first_picture_ms", ms(first), "ms", "The same, as time");
+            facts.figure("final_picture_cycles", last, "cycles", "Cycles to the last picture of the first frame");
+            facts.figure("final_picture_ms", ms(last), "ms", "The same, as time");
+        }
     }
 }
 
 /// Milliseconds of these cycles, to the nanosecond.
 fn milliseconds(cycles: u64, hz: u64) -> f64 {
     (cycles as f64 * 1e9 / hz as f64).round() / 1e6
-}
-
-/// Times of pictures: all of them, and the first and the last of the first frame.
-fn times(hz: u64, told: &Told<'_>, run: &RunReport) -> Vec<(&'static str, Value)> {
-    let cycles = told.cycles_of_frames(run);
-    let ms = |cycles: u64| milliseconds(cycles, hz);
-    let last = told.shown.iter().position(|s| s.last).and_then(|i| cycles.get(i));
-    let mut times =
-        vec![("picture_cycles", cycles.iter().copied().collect()), ("picture_ms", cycles.iter().map(|c| ms(*c)).collect())];
-    if let Some((&first, &last)) = cycles.first().zip(last) {
-        times.extend([("first_picture_cycles", first.into()), ("first_picture_ms", ms(first).into())]);
-        times.extend([("final_picture_cycles", last.into()), ("final_picture_ms", ms(last).into())]);
-    }
-    times
 }
 
 impl<F: FrontEnd> Exhibits for DeferredRenderer<F> {

@@ -4,11 +4,10 @@ use crate::exhibit::Exhibit;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_kernel::RunReport;
 use basrelief_machines::texel::FrameLog;
-use basrelief_machines::{ConfigProblem, Counts, Draws, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
 use schemars::JsonSchema;
-use serde_json::Value;
 use std::fmt::Debug;
 
 /// A short cut: its name, and what switches it off.
@@ -49,11 +48,10 @@ pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq + 'static 
     /// What its pictures are held against.
     fn exact_style(&self) -> Style;
     /// What the reader of a report should know, one sentence each.
-    fn warnings(&self, counts: &Counts) -> Vec<String>;
-    /// Figures that the machine alone cannot know: of the pictures shown, and of time.
-    fn figures(&self, told: &Told<'_>) -> Vec<(&'static str, Value)> {
-        let _ = told;
-        vec![]
+    fn warnings(&self, facts: &Facts) -> Vec<String>;
+    /// Tells figures that the machine alone cannot know: of the pictures shown, and of time.
+    fn figures(&self, told: &Told<'_>, facts: &mut Facts) {
+        let _ = (told, facts);
     }
 }
 

@@ -10,16 +10,16 @@ use crate::settings::Settings;
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
-use basrelief_machines::Counts;
+use basrelief_machines::Facts;
 use basrelief_reference::{Picture, Quality, metrics};
-use basrelief_report::model::{Difference, Figure, Input, Picture as PictureFile, PictureQuality, Size};
-use basrelief_report::{Facts, Report};
+use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
+use basrelief_report::{Context, Report};
 use basrelief_signals::{Camera, Frame};
 use sha2::{Digest as _, Sha256};
 
 /// What the engine came to, and what the units counted.
 pub(crate) struct Driven {
-    counts: Counts,
+    facts: Facts,
     report: Option<RunReport>,
 }
 
@@ -86,7 +86,7 @@ impl<'a> Session<'a> {
         }
         match self.failed.take() {
             Some(failed) => Err(SessionError::Observer(failed)),
-            None => Ok(Driven { counts: machine.counts(), report }),
+            None => Ok(Driven { facts: machine.facts(), report }),
         }
     }
 
@@ -168,26 +168,28 @@ impl<'a> Session<'a> {
         let image = self.images.into_iter().enumerate();
         let no_view = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
         let told = Told { run: driven.report.as_ref(), shown: &self.shown };
-        let more = device.figures(&told).into_iter().map(|(name, value)| (name.to_owned(), figure(&value)));
-        let facts = Facts {
+        let mut facts = driven.facts;
+        device.figures(&told, &mut facts);
+        let context = Context {
             machine: D::NAME.into(),
             input,
             config: serde_json::to_value(device).unwrap_or_default(),
             camera: frame.map_or(no_view, |f| f.camera),
             size: frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
             numerals: D::UNITS.iter().filter_map(|u| Some((u.name.to_owned(), u.numeral.parse().ok()?))).collect(),
-            device: driven.counts.iter().map(|(name, value)| (name.to_owned(), figure(value))).chain(more).collect(),
+            device: facts.figures().map(|f| (f.name.clone(), (&f.value).into())).collect(),
+            legend: facts.figures().map(|f| (f.name.clone(), f.into())).collect(),
             quality: self.quality.last().map(|&last| PictureQuality {
                 last,
                 difference: self.difference,
                 frames: if several { self.quality.clone() } else { vec![] },
             }),
             image: image.map(|(i, sha256)| PictureFile { file: picture_name("image", i, several), sha256 }).collect(),
-            warnings: warnings.iter().cloned().chain(device.warnings(&driven.counts)).collect(),
+            warnings: warnings.iter().cloned().chain(device.warnings(&facts)).collect(),
         };
         let report = match &driven.report {
-            Some(run) => Report::timed(facts, run),
-            None => Report::functional(facts, &Outcome::Complete),
+            Some(run) => Report::timed(context, run),
+            None => Report::functional(context, &Outcome::Complete),
         };
         Run { report, timing: driven.report, expectations, simulate_s: self.simulate_s }
     }
@@ -202,8 +204,4 @@ fn digest(picture: &Picture) -> String {
     let mut hash = Sha256::new();
     hash.update(picture.rgb.as_flattened());
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-fn figure(value: &serde_json::Value) -> Figure {
-    serde_json::from_value(value.clone()).unwrap_or_else(|_| Figure::Text(value.to_string()))
 }

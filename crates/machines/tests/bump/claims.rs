@@ -33,7 +33,7 @@ fn formula(normal: [i16; 3]) -> f64 {
 const HALF_STEP: f64 = 0.5 * 1.3 / 255.0 + 1e-6;
 
 fn used(ran: &Ran) -> Vec<u64> {
-    let (_, value) = ran.counts.iter().find(|(name, _)| *name == "reference_normals_used").unwrap();
+    let (_, value) = ran.facts.iter().find(|(name, _)| *name == "reference_normals_used").unwrap();
     value.as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).collect()
 }
 

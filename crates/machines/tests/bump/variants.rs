@@ -15,7 +15,7 @@ fn mixed(change: impl Fn(&mut Object)) -> Arc<Scene> {
 }
 
 fn used(ran: &Ran) -> Vec<u64> {
-    let (_, value) = ran.counts.iter().find(|(name, _)| *name == "reference_normals_used").unwrap();
+    let (_, value) = ran.facts.iter().find(|(name, _)| *name == "reference_normals_used").unwrap();
     value.as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).collect()
 }
 

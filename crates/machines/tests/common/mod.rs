@@ -7,7 +7,7 @@ use basrelief_frame_buffer::FinishedFrame;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, Probe, RunReport, run_functional, run_with};
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
-use basrelief_machines::{Counts, Draws, FrontConfig, FrontEnd, SceneFront, TraceFront};
+use basrelief_machines::{Draws, Facts, FrontConfig, FrontEnd, SceneFront, TraceFront};
 use basrelief_parameters::{Parameters, load};
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Control, Scene};
@@ -17,18 +17,18 @@ use std::sync::Arc;
 pub struct Ran {
     pub report: RunReport,
     pub frames: Vec<FinishedFrame>,
-    pub counts: Counts,
+    pub facts: Facts,
 }
 
 impl Ran {
     pub fn count(&self, name: &str) -> u64 {
-        count(&self.counts, name)
+        count(&self.facts, name)
     }
 
     /// Bytes that a client read and wrote.
     pub fn bytes(&self, client: &str) -> u64 {
         let ports = self.report.memories.iter().flat_map(|m| &m.ports);
-        ports.filter(|p| p.client == client).map(|p| p.counts.read_bytes + p.counts.write_bytes).sum()
+        ports.filter(|p| p.client == client).map(|p| p.facts.read_bytes + p.facts.write_bytes).sum()
     }
 
     /// Largest difference of any 8-bit output.
@@ -43,9 +43,9 @@ impl Ran {
 }
 
 /// A device figure that there must be.
-pub fn count(counts: &Counts, name: &str) -> u64 {
+pub fn count(facts: &Facts, name: &str) -> u64 {
     assert!(counts.iter().any(|(n, _)| n == name), "there is no device figure `{name}`");
-    counts.number(name)
+    facts.count(name)
 }
 
 /// A machine's defaults with these settings.
@@ -73,7 +73,7 @@ pub fn scene_front(scene: &Arc<Scene>, config: impl Into<FrontConfig>) -> SceneF
 /// Runs a machine under a probe.
 pub fn run_probed<P: Probe>(mut machine: impl Draws, engine: Engine, probe: &mut P) -> Ran {
     let report = run_with(&mut machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
-    Ran { report, frames: machine.drain_finished(), counts: machine.counts() }
+    Ran { report, frames: machine.drain_finished(), counts: machine.facts() }
 }
 
 /// Runs a machine.
@@ -89,9 +89,9 @@ pub fn timed(machine: impl Draws, settings: &[(&str, &str)]) -> Ran {
 }
 
 /// Pictures and device figures of the functional model.
-pub fn functional(mut machine: impl Draws) -> (Vec<FinishedFrame>, Counts) {
+pub fn functional(mut machine: impl Draws) -> (Vec<FinishedFrame>, Facts) {
     run_functional(&mut machine, &mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
-    (machine.drain_finished(), machine.counts())
+    (machine.drain_finished(), machine.facts())
 }
 
 /// Which pixels the bump-mapping processor covers.
@@ -107,9 +107,9 @@ pub fn agree<M: Draws>(machine: impl Fn() -> M) -> Ran {
     assert_eq!(timed.report.outcome, Outcome::Complete);
     let ticked = run(machine(), Engine::Ticked);
     same(&timed.report, &ticked.report);
-    assert_eq!((&timed.frames, &timed.counts), (&ticked.frames, &ticked.counts));
+    assert_eq!((&timed.frames, &timed.facts), (&ticked.frames, &ticked.facts));
     let (frames, counts) = functional(machine());
-    assert_eq!((&timed.frames, &timed.counts), (&frames, &counts), "the functional model");
+    assert_eq!((&timed.frames, &timed.facts), (&frames, &counts), "the functional model");
     conserved(&timed.report);
     timed
 }

@@ -228,6 +228,6 @@ fn a_list_without_textures_is_drawn_and_said_to_need_no_tile() {
     let list = [vec![frame(0), object(0)], vec![floor(&plain, 3.0), Control::FrameEnd]].concat();
     let ran = timed(&list, &[FAST, SMALL].concat());
     assert_eq!((ran.seen.count("path_tile_bytes"), ran.seen.finished.len()), (0, 1));
-    assert!(input_warnings(&ran.seen.counts)[0].contains("no pixel has a colour texture"));
-    assert!(input_warnings(&timed(&views(&[0.0]), &[FAST, SMALL].concat()).seen.counts).is_empty());
+    assert!(input_warnings(&ran.seen.facts)[0].contains("no pixel has a colour texture"));
+    assert!(input_warnings(&timed(&views(&[0.0]), &[FAST, SMALL].concat()).seen.facts).is_empty());
 }

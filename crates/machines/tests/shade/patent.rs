@@ -178,9 +178,9 @@ fn what_the_device_cannot_draw_is_said() {
     let line = Polygon { vertices: first.vertices[..2].to_vec(), ..Polygon::clone(first) };
     list[2] = Control::Polygon(Arc::new(Polygon { material, ..Polygon::clone(first) }));
     list.insert(2, Control::Polygon(Arc::new(line)));
-    let said = input_warnings(&timed(&list, &[]).counts);
+    let said = input_warnings(&timed(&list, &[]).facts);
     assert!(said[0].contains("1 polygons have a colour texture") && said[1].contains("1 polygons have fewer"), "{said:?}");
-    assert!(input_warnings(&timed(&squares(2, FLAT), &[]).counts).is_empty());
+    assert!(input_warnings(&timed(&squares(2, FLAT), &[]).facts).is_empty());
 }
 
 /// The display list that the geometry processor of a bump-mapping processor makes of a demo.

@@ -16,8 +16,7 @@ fn agree<F: FrontEnd>(front: impl Fn() -> F, config: &TexelMachineConfig) -> Ran
 
 /// What counters must have in common.
 fn conserved(ran: &Ran) {
-    let lengths =
-        ran.counts.iter().find(|(n, _)| *n == "segment_lengths").map(|(_, v)| v.as_array().cloned()).unwrap_or_default();
+    let lengths = ran.facts.iter().find(|(n, _)| *n == "segment_lengths").map(|(_, v)| v.as_array().cloned()).unwrap_or_default();
     let segments: u64 = lengths.unwrap_or_default().iter().filter_map(serde_json::Value::as_u64).sum();
     assert_eq!(segments, ran.count("segments"), "the histogram holds every segment");
     assert!(ran.count("points_divided") >= ran.count("division_points"));

@@ -3,6 +3,7 @@
 use crate::clut::NormalTables;
 use crate::state::Rebuild;
 use crate::{BrightnessConfig, BrightnessFetchState, BrightnessSource, Clut};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LEVELS, TableSet, light_vectors};
 use basrelief_signals::{Control, Flow, Indexes, MAX_SAMPLES, MAX_STAMP, Sample, Shaded, Stamp, quantization_memory};
@@ -191,6 +192,15 @@ impl Unit for BrightnessFetch {
 
     fn is_empty(&self) -> bool {
         self.state.pending.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        let c = &self.state.counters;
+        facts.figure("clut_samples", c.samples, "samples", "Samples looked up in CLUTs");
+        facts.figure("clut_rebuilds", c.rebuilds, "rebuilds", "Times that CLUTs were calculated anew");
+        facts.figure("clut_rebuild_cycles", c.rebuild_cycles, "cycles", "Cycles that this took");
+        facts.figure("clut_rebuild_bytes", c.rebuild_bytes, "bytes", "What it wrote");
     }
 }
 

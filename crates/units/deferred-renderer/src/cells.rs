@@ -5,6 +5,7 @@ use crate::cell::{CellFormat, layer_depth, most_pages};
 use crate::config::{CellConfig, EngineConfig, Lighting, WrapMode};
 use crate::page::{Cut, Page};
 use crate::tokens::{CellFlow, PlacedCell};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Derived, Step, Traffic, Unit};
 use basrelief_shading::{Gradient, fan_triangle, saturated};
 use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp, Texture};
@@ -268,5 +269,12 @@ impl Unit for Cells {
 
     fn is_empty(&self) -> bool {
         self.state.declared.is_empty()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        let c = &self.state.counters;
+        facts.figure("cells_textured", c.textured, "cells", "Cells with a texture");
+        facts.figure("cells_direct", c.direct, "cells", "Cells with a colour");
     }
 }

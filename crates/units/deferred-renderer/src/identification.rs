@@ -4,6 +4,7 @@ use crate::cell::split_depth;
 use crate::config::EngineConfig;
 use crate::tokens::{CellBlock, Mark, MarkFlow, Marks, PassFlow};
 use crate::{Cell, Page};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::Frame;
 use serde::{Deserialize, Serialize};
@@ -135,5 +136,9 @@ impl Unit for Identification {
             Some(PassFlow::Begin) | None => None,
         };
         Step::after(latency, out)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.figure("tiles_marked", self.state.counters.marked, "tiles", "Tiles marked, each time");
     }
 }

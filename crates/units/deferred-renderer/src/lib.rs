@@ -24,6 +24,7 @@ pub mod config;
 pub mod encoding;
 pub mod expander;
 pub mod identification;
+mod layer_figures;
 mod layers;
 pub mod page;
 pub mod path;

@@ -2,6 +2,7 @@
 
 use crate::config::PathConfig;
 use crate::tokens::{Content, EncodedTile, Parcel};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::Control;
 use serde::{Deserialize, Serialize};
@@ -76,5 +77,9 @@ impl Unit for Path {
                 Step::after(latency, (None, Some(tile))).busy(carried.max(1))
             }
         }
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.figure("path_bytes", self.state.counters.bytes, "bytes", "What the path carried");
     }
 }

@@ -3,6 +3,7 @@
 use crate::config::{EngineConfig, RenderMode};
 use crate::tokens::{CellBlock, CellFlow, PassFlow, PlacedCell, Round};
 use crate::{Cell, Page};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::texture::{BLOCK, texel_offset};
 use basrelief_signals::{Frame, Stamp, layout};
@@ -255,5 +256,13 @@ impl Unit for ReferenceBuffer {
 
     fn is_empty(&self) -> bool {
         self.state.phase == Phase::Fill
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let interval = 16_u32.div_ceil(self.config.scan_rate);
+        for output in 0..2 {
+            facts.rate(output, self.config.latency, interval);
+        }
+        facts.figure("reference_passes", self.state.counters.passes, "passes", "Passes over the reference buffer");
     }
 }

@@ -5,6 +5,7 @@ use crate::encoding::TileEncoding;
 use crate::pyramid::ServedTexture;
 use crate::tokens::{Content, EncodedTile, Parcel, Request};
 use crate::{Page, page::Cut};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Derived, Step, Traffic, Unit};
 use basrelief_signals::{Control, Polygon, Texture};
 use serde::{Deserialize, Serialize};
@@ -243,5 +244,13 @@ impl Unit for Server {
 
     fn is_empty(&self) -> bool {
         self.state.phase == Phase::Polygons
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let c = &self.state.counters;
+        facts.figure("path_polygon_bytes", c.polygon_bytes, "bytes", "Polygons sent on the path");
+        facts.figure("path_texture_size_bytes", c.size_bytes, "bytes", "Sizes of textures sent on it");
+        facts.figure("path_tile_bytes", c.tile_bytes, "bytes", "Tiles sent on it");
+        facts.figure("path_tiles", c.tiles, "tiles", "Tiles sent on it");
     }
 }

@@ -4,6 +4,7 @@ use crate::Page;
 use crate::acquisition::{Acquired, How, TileList};
 use crate::config::{EngineConfig, RenderMode, TileOrder};
 use crate::tokens::{Mark, MarkFlow, Order, Request, Round};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
@@ -263,5 +264,12 @@ impl Unit for TileLists {
 
     fn is_empty(&self) -> bool {
         self.state.phase == Phase::Identified
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let c = &self.state.counters;
+        facts.figure("tiles_loaded", c.loaded, "tiles", "Tiles loaded");
+        facts.figure("tiles_synthesized", c.synthesized, "tiles", "Tiles synthesized");
+        facts.figure("acquisitions", c.acquisitions, "acquisitions", "Times that the lists were worked off");
     }
 }

@@ -1,6 +1,7 @@
 //! Adder (52).
 
 use crate::{CircuitConfig, Dot, Highlight, Highlights, Selection, Signal};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 
@@ -93,5 +94,10 @@ impl Unit for Adder {
 
     fn is_empty(&self) -> bool {
         !self.state.joins
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.initiation_interval);
+        facts.figure("adder_sums", self.state.counters.sums, "dots", "Dots to which a highlight was added");
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::dots::{Corners, Dots};
 use crate::{Dot, Figure, InterpolationConfig, Mode, Selection, Signal};
+use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::fan_triangles;
 use basrelief_signals::Fragment;
@@ -110,5 +111,17 @@ impl Unit for BrightnessInterpolation {
 
     fn is_empty(&self) -> bool {
         self.state.figure.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        for output in 0..2 {
+            facts.rate(output, self.config.latency, self.config.initiation_interval);
+        }
+        let c = &self.state.counters;
+        facts.figure("interpolation_polygons", c.polygons, "polygons", "Polygons in the brightness interpolation circuit (21)");
+        facts.figure("interpolation_dots", c.drawn, "dots", "Their dots");
+        facts
+            .figure("interpolation_started_cycles", c.started_cycles, "cycles", "Cycles in which it was started")
+            .part(Part::Started("interpolation".into()));
     }
 }

@@ -1,6 +1,7 @@
 //! Gate (51).
 
 use crate::{CircuitConfig, Highlights};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 
@@ -63,5 +64,12 @@ impl Unit for Gate {
             end => (end.filter(|_| state.open), 1),
         };
         Step::after(u64::from(self.config.latency), out).busy(cycles)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.initiation_interval);
+        let c = &self.state.counters;
+        facts.figure("gate_passed", c.passed, "dots", "Highlights that the gate let pass");
+        facts.figure("gate_blocked", c.blocked, "dots", "Highlights that it held back");
     }
 }

@@ -1,6 +1,7 @@
 //! Host interface: transfers from the host computer (100), polygon by polygon.
 
 use crate::{Finished, HostConfig};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Frame, LightKind, Lighting, Polygon};
 use serde::{Deserialize, Serialize};
@@ -134,5 +135,13 @@ impl Unit for HostInterface {
 
     fn is_empty(&self) -> bool {
         !self.state.frame_ends
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let c = &self.state.counters;
+        facts.figure("host_bytes", c.bytes, "bytes", "What the host computer sent");
+        facts.figure("polygons_sent", c.polygons, "polygons", "Polygons that it sent");
+        facts.figure("polygons_dropped", c.dropped, "polygons", "Polygons of fewer than three points, which were not drawn");
+        facts.figure("polygons_textured", c.textured, "polygons", "Polygons with a colour texture, which took the base colour");
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::dots::{Corners, Dots};
 use crate::{Highlight, Highlights, NormalInterpolationConfig, NormalLoad, Power};
+use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::fan_triangles;
 use glam::Vec3;
@@ -135,6 +136,9 @@ impl NormalInterpolation {
     }
 }
 
+/// Exponent for which the rate is told: the patent's largest.
+const LARGEST_EXPONENT: f32 = 200.0;
+
 impl Unit for NormalInterpolation {
     type In = Option<Arc<NormalLoad>>;
     type Out = Option<Highlights>;
@@ -154,5 +158,27 @@ impl Unit for NormalInterpolation {
 
     fn is_empty(&self) -> bool {
         self.state.load.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let normalise = if self.renormalise { self.config.normalise_latency } else { 0 };
+        let before = self.config.inner_product_latency + normalise;
+        facts.rate(0, u64::from(before) + self.power.latency(LARGEST_EXPONENT), self.power.occupancy(LARGEST_EXPONENT));
+        let c = &self.state.counters;
+        facts.figure(
+            "normal_interpolation_polygons",
+            c.polygons,
+            "polygons",
+            "Polygons in the normal-interpolation brightness circuit (50)",
+        );
+        facts.figure("normal_interpolation_dots", c.drawn, "dots", "Their dots");
+        let circuit = || "normal_interpolation".into();
+        facts
+            .figure("normal_interpolation_started_cycles", c.started_cycles, "cycles", "Cycles in which it was started")
+            .part(Part::Started(circuit()));
+        facts
+            .figure("normal_interpolation_needed_cycles", c.needed_cycles, "cycles", "Those whose result was needed")
+            .part(Part::Needed(circuit()));
+        facts.figure("power_table_fills", c.table_fills, "fills", "Times that the table of powers was filled");
     }
 }

@@ -1,6 +1,7 @@
 //! Selector (28), the way out of the device.
 
 use crate::{CircuitConfig, Dot, Figure, Finished, Mode, Route, Selection, Signal};
+use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::saturated;
 use basrelief_signals::{Control, Flow, Pixel, Stamp};
@@ -106,5 +107,20 @@ impl Unit for Selector28 {
 
     fn is_empty(&self) -> bool {
         self.state.selected == FROM_53
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.initiation_interval);
+        let c = &self.state.counters;
+        facts.figure("fragments", c.dots.iter().sum::<u64>(), "dots", "Dots drawn; a dot is a fragment").part(Part::Work);
+        let routes = |counts: [u64; 6]| Route::ALL.map(|route| (route.name(), counts[route as usize]));
+        for (name, polygons) in routes(c.polygons) {
+            facts
+                .figure(&format!("polygons_{name}"), polygons, "polygons", "Polygons on this route")
+                .part(Part::Route(name.into()));
+        }
+        for (name, dots) in routes(c.dots) {
+            facts.figure(&format!("dots_{name}"), dots, "dots", "Their dots").part(Part::Route(name.into()));
+        }
     }
 }

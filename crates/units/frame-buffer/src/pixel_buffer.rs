@@ -3,6 +3,7 @@
 use crate::config::FrameBufferConfig;
 use crate::state::FinishedFrame;
 use crate::unit::FrameDone;
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Frame, PictureFlow, PixelBlock, layout};
 use serde::{Deserialize, Serialize};
@@ -173,5 +174,19 @@ impl Unit for PixelBuffer {
     /// One block.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client == 0)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let c = &self.state.counters;
+        let saved = if self.base == layout::Z_BUFFER { self.bytes() } else { 0 };
+        facts.figure("pixels", c.pixels, "pixels", "Pixels written");
+        facts.figure("frames", c.frames, "frames", "Frames finished");
+        facts.figure("pictures", c.pictures, "pictures", "Pictures shown");
+        facts.figure(
+            "memory_saved_by_sharing_bytes",
+            saved,
+            "bytes",
+            "Memory that pixels take in place of depth values, where they share one",
+        );
     }
 }

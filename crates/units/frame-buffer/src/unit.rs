@@ -2,6 +2,7 @@
 
 use crate::config::FrameBufferConfig;
 use crate::state::{FinishedFrame, FrameBufferState};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Drawn, Flow, Frame, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines};
 use serde::{Deserialize, Serialize};
@@ -144,6 +145,12 @@ impl<T: Drawn> Unit for FrameBuffer<T> {
     /// One write of a gathered line.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client == 0)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let c = &self.state.counters;
+        facts.figure("pixels", c.pixels, "pixels", "Pixels written");
+        facts.figure("frames", c.frames, "frames", "Frames finished");
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::config::VideoOutConfig;
 use crate::unit::FrameDone;
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 
@@ -74,6 +75,10 @@ impl Unit for VideoOut {
 
     fn is_empty(&self) -> bool {
         self.state.left == 0
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.figure("video_out_bytes", self.state.counters.bytes, "bytes", "What was read for the display");
     }
 }
 

@@ -1,6 +1,7 @@
 //! Display-list source: the replay of a recorded display list.
 
 use crate::config::{Arrival, DisplayListConfig};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::Control;
 use serde::{Deserialize, Serialize};
@@ -104,6 +105,10 @@ where
 
     fn is_empty(&self) -> bool {
         self.next.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.figure("display_list_commands", self.state.counters.commands, "commands", "Commands of the display list");
     }
 }
 

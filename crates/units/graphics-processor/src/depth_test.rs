@@ -1,6 +1,7 @@
 //! Z-test, with the z-buffer in the graphics-data memory (124).
 
 use crate::config::DepthConfig;
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, Frame, LINE_PIXELS, Tested, layout, line_of};
 use serde::{Deserialize, Serialize};
@@ -135,6 +136,13 @@ impl<T: Tested> Unit for DepthTest<T> {
     /// A token lies in one line: one look-up of the z-cache, one write of the line gathered before.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client < 2)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        let c = &self.state.counters;
+        facts.figure("z_tested", c.tested, "fragments", "Fragments tested for depth");
+        facts.figure("z_passed", c.passed, "fragments", "Those in front");
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::blend::{blended, filtered};
 use crate::config::{DrawOrder, GraphicsConfig, Mip};
 use crate::state::{GraphicsProcessorState, Held, Phase};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::texture::texel_offset;
 use basrelief_shading::{Gradient, fan_triangle, interpolate, level_offset, polygon_lod, select_levels, taps};
@@ -295,6 +296,13 @@ impl Unit for GraphicsProcessor {
 
     fn is_empty(&self) -> bool {
         self.state.pending.is_none() && self.state.held.is_empty()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.blend_cycles);
+        let c = &self.state.counters;
+        facts.figure("pixels_textured", c.textured, "pixels", "Pixels with a colour texture");
+        facts.figure("results_held", c.held, "pixels", "Results held until the list was over");
     }
 }
 

@@ -1,10 +1,12 @@
 //! The unit and its step.
 
+use crate::DistinctCounter;
 use crate::lanes::weights;
 use crate::lines::Lines;
 use crate::rotate::{FixedPoint, TangentFrame};
 use crate::state::Setup;
 use crate::{FilterAt, NormalMappingConfig, NormalMappingState};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{Footprints, LEVELS, Taps, decode_normal, footprints, level_offset, select_levels};
 use basrelief_signals::{Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Sample, Samples, Stamp};
@@ -181,6 +183,26 @@ impl Unit for NormalMapping {
             return 0;
         }
         self.stamp * u32::from(self.levels.clamp(1, LEVELS as u8)) * self.config.taps() * self.lines.per_texel
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        let c = &self.state.counters;
+        facts.figure("bump_fragments", c.bump_fragments, "fragments", "Fragments of bump targets");
+        facts.figure("normal_texels", c.texels, "texels", "Normal-map texels read");
+        facts.figure("pseudo_normals", c.pseudo_normals, "pseudo-normals", "Pseudo-normals N' calculated");
+        facts.figure(
+            "distinct_pseudo_normals",
+            u64::from(c.distinct.count()),
+            "pseudo-normals",
+            "Distinct ones; more are not told apart from `distinct_pseudo_normals_counted_to`",
+        );
+        facts.figure(
+            "distinct_pseudo_normals_counted_to",
+            u64::from(DistinctCounter::LIMIT),
+            "pseudo-normals",
+            "So many distinct ones are counted, and no more",
+        );
     }
 }
 

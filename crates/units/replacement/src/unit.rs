@@ -3,6 +3,7 @@
 use crate::state::{TableKey, TableLoad};
 use crate::tables::HostTables;
 use crate::{CodeBookMode, NearestSearch, ReplacementConfig, ReplacementState, build_code_book};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LEVELS, TableError};
 use basrelief_signals::{Control, Flow, Indexes, MAX_STAMP, PseudoNormals, Sample, Samples, quantization_memory};
@@ -326,6 +327,36 @@ impl Unit for Replacement {
 
     fn is_empty(&self) -> bool {
         self.state.pending.is_none() && self.state.gather.is_empty()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let search = self.config.search_cycles(self.config.entries.levels()[0]);
+        let interval = if self.config.pipelined { 1 } else { search };
+        facts.rate(0, u64::from(self.config.latency) + search, interval);
+        let c = &self.state.counters;
+        // Claim 3 and the promise of the patent: only indexes are kept on the surface, so less is moved than with normals.
+        let most = self.config.entries.levels().into_iter().max().unwrap_or(1);
+        let index_bytes = u64::from(most.max(2).next_power_of_two().trailing_zeros()).div_ceil(8);
+        let normal_bytes = u64::from(3 * self.normal_bits).div_ceil(8);
+        facts.figure("searches", c.searches, "searches", "Searches for the nearest reference normal");
+        facts.figure(
+            "reference_normals_used",
+            c.reference_normals_used().map(u64::from).to_vec(),
+            "reference normals",
+            "Reference normals that some search found, by VQ table",
+        );
+        facts.figure("vq_table_loads", c.table_loads, "loads", "Loads of VQ tables");
+        facts.figure("vq_table_load_bytes", c.table_load_bytes, "bytes", "What they moved");
+        facts.figure("code_books", c.code_books, "code books", "Code books made of gathered pseudo-normals");
+        facts.figure("clustering_cycles", c.clustering_cycles, "cycles", "Cycles that making them took");
+        facts.figure("gathered_bytes", c.gathered_bytes, "bytes", "Pseudo-normals gathered for them");
+        facts.figure(
+            "index_bytes",
+            c.searches * index_bytes,
+            "bytes",
+            "What indexes take that are kept on the surface, one per search",
+        );
+        facts.figure("full_normal_bytes", c.searches * normal_bytes, "bytes", "What normals would take in their place");
     }
 }
 

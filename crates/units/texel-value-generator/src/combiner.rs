@@ -4,6 +4,7 @@ use crate::config::{CombineMode, CombinerConfig};
 use crate::log::DisplacementMap;
 use crate::signals::{IlluminancePacket, TexturePacket};
 use crate::twins::{Pair, pair};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, LINE_PIXELS, PACKET_PIXELS, PixelPacket, layout, line_of};
 use serde::{Deserialize, Serialize};
@@ -164,6 +165,11 @@ impl Unit for Combiner {
     /// One read of a line.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client == 0 && self.config.mode != CombineMode::Replace)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        facts.figure("pixels_read_back", self.state.counters.read_back, "pixels", "Pixels whose old value was read");
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::config::{DividerConfig, Division};
 use crate::signals::{Points, Quotients};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::Flow;
 use serde::{Deserialize, Serialize};
@@ -92,5 +93,21 @@ impl Unit for Divider {
             Some(Flow::Control(control)) => Step::after(0, Some(Flow::Control(control))),
             None => Step::after(0, None),
         }
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        // Two divisions keep so many dividers.
+        let interval = (2 * self.config.initiation_interval).div_ceil(self.config.count);
+        facts.rate(0, self.config.latency, interval);
+        let c = &self.state.counters;
+        facts.figure("points_divided", c.points, "points", "Points whose u, v were divided");
+        facts.figure("divisions", c.divisions, "divisions", "Divisions");
+        facts.figure("reciprocals", c.reciprocals, "reciprocals", "Reciprocals in their place");
+        facts.figure(
+            "multiplications",
+            c.multiplications,
+            "multiplications",
+            "Multiplications of dividers and approximate calculator",
+        );
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::config::{IlluminanceConfig, IlluminanceMode};
 use crate::signals::{IlluminancePacket, LitSpan, to_16_bits};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LightVector, brightness, fan_triangle, light_vectors};
 use basrelief_signals::{Control, Flow, Frame, PACKET_PIXELS, Packet, Polygon, Vertex};
@@ -161,5 +162,9 @@ impl Unit for IlluminanceValueGenerator {
 
     fn is_empty(&self) -> bool {
         self.state.span.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
     }
 }

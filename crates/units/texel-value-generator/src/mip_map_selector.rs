@@ -2,6 +2,7 @@
 
 use crate::config::{MipConfig, MipMode};
 use crate::signals::{GradientPacket, LevelPacket};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, Texture};
 use serde::{Deserialize, Serialize};
@@ -107,6 +108,11 @@ impl Unit for MipMapSelector {
             }
             None => Step::after(latency, None),
         }
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        facts.figure("mip_selections", self.state.counters.selections, "pixels", "Pixels for which a level was selected");
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::config::{March, ScanConverterConfig, Snap};
 use crate::signals::{LitSpan, Span, Uvw};
+use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{Raster, Spans, fan_triangle, fan_triangles};
 use basrelief_signals::{Control, Flow, Polygon, Vertex};
@@ -204,5 +205,14 @@ impl Unit for ScanConverter {
 
     fn is_empty(&self) -> bool {
         self.state.next.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.cycles_per_span);
+        let c = &self.state.counters;
+        facts.figure("triangles_scanned", c.triangles, "triangles", "Triangles scanned");
+        facts.figure("polygons_empty", c.empty, "polygons", "Polygons without a pixel");
+        facts.figure("fragments", c.fragments, "fragments", "Pixels of spans").part(Part::Work);
+        facts.figure("setup_reciprocals", c.triangles, "reciprocals", "Reciprocals at set-up, one per triangle");
     }
 }

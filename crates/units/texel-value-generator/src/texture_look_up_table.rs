@@ -3,6 +3,7 @@
 use crate::config::LookUpConfig;
 use crate::signals::{LevelPacket, TexelPacket, TexturePacket, to_16_bits};
 use crate::twins::{Pair, pair};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{Taps, level_offset, tap_offsets, taps};
 use basrelief_signals::{Control, Filter, Flow, Image, PACKET_PIXELS, Texture};
@@ -185,5 +186,12 @@ impl Unit for TextureLookUpTable {
         let lines =
             if bytes.is_power_of_two() { bytes.div_ceil(self.line_bytes.max(1)) } else { 2 + bytes / self.line_bytes.max(1) };
         if client == 0 { PACKET_PIXELS as u32 * taps * levels * lines } else { 0 }
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        let c = &self.state.counters;
+        facts.figure("pixels_textured", c.pixels, "pixels", "Pixels with a texture");
+        facts.figure("texels_read", c.texels, "texels", "Texels read for them");
     }
 }

@@ -11,6 +11,7 @@ use crate::texels::PageTexels;
 use crate::tokens::{CellBlock, ExpandedTile, MarkFlow, Order, PassFlow};
 use crate::touched::{MOST_LINES, Touched};
 use crate::{Cell, Page};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{PictureFlow, PixelBlock};
 
@@ -236,5 +237,16 @@ impl Unit for Rasterization {
 
     fn is_empty(&self) -> bool {
         self.state.phase == Phase::Cells
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(1, self.config.latency, 16_u32.div_ceil(self.config.interpolation_rate));
+        let c = &self.state.counters;
+        facts.figure("pixels_textured", c.textured, "pixels", "Pixels coloured by a texture");
+        facts.figure("pixels_direct", c.direct, "pixels", "Pixels coloured by their cell");
+        facts.figure("interpolations_within_layers", c.interpolations, "interpolations", "Bilinear interpolations");
+        facts.figure("interpolations_between_layers", c.between_layers, "interpolations", "Interpolations between two layers");
+        facts.figure("most_pictures_per_frame", c.most_pictures, "pictures", "Most pictures of a frame");
+        crate::layer_figures::tell(self.pages(), facts);
     }
 }

@@ -7,6 +7,7 @@ use crate::{
     Figure, MicrocomputerConfig, NormalInterpolationConfig, NormalLoad, Power, Registers, Route, ScanConfig, Selection,
     ShadingConfig, ShortCutConfigs, Signal,
 };
+use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Polygon};
 use std::sync::Arc;
@@ -147,5 +148,29 @@ impl Unit for Microcomputer {
 
     fn is_empty(&self) -> bool {
         matches!(self.state.phase, Phase::Idle)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let dot = self.config.dot_cycles;
+        // Process 24 draws dots: flat polygons to selector (53), polygons of polyhedron mode to selector (28).
+        facts.rate(2, dot, dot);
+        facts.rate(3, dot, dot);
+        let c = &self.state.counters;
+        facts.figure(
+            "short_cut_specular_negligible",
+            c.specular_negligible,
+            "polygons",
+            "Polygons whose specular term was negligible",
+        );
+        facts.figure("short_cut_flat", c.flat, "polygons", "Polygons found flat");
+        facts.figure("short_cut_same_plane", c.reused, "points", "Sample points whose brightness was reused");
+        for (process, name) in Process::ALL {
+            let process = c.processes[process as usize];
+            let mut part = |what: &str, count, unit, about| {
+                facts.figure(&format!("{name}_{what}"), count, unit, about).part(Part::Process(name.into()))
+            };
+            part("runs", process.runs, "runs", "Runs of the process");
+            part("cycles", process.cycles, "cycles", "Cycles that all runs took");
+        }
     }
 }

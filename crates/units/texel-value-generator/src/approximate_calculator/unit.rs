@@ -4,6 +4,7 @@ use super::{ApproximateCalculatorState, displacement};
 use crate::config::{ApproximationConfig, MipPer};
 use crate::signals::{GradientPacket, Quotients, Segment, TexelPacket};
 use crate::twins::{Pair, pair};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, PACKET_PIXELS, Packet, Wrap};
 
@@ -170,5 +171,26 @@ impl Unit for ApproximateCalculator {
 
     fn is_empty(&self) -> bool {
         !self.state.is_walking && self.state.packet.packet.mask == 0
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        for output in 0..2 {
+            facts.rate(output, self.config.latency, 1_u64);
+        }
+        let c = &self.state.counters;
+        facts.figure(
+            "multiplications",
+            c.multiplications,
+            "multiplications",
+            "Multiplications of dividers and approximate calculator",
+        );
+        facts.figure("gradient_reciprocals", c.gradient_reciprocals, "reciprocals", "Reciprocals for du, dv");
+        facts.figure(
+            "displacement_largest",
+            c.displacements.largest,
+            "pixels",
+            "Largest displacement measured, of all pixels with a texture",
+        );
+        facts.figure("displacement_mean", c.displacements.mean(), "pixels", "Their mean displacement");
     }
 }

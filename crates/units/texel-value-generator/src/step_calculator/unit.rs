@@ -1,9 +1,11 @@
 //! The unit and its step.
 
+use super::state::BINS;
 use super::{Reach, RootTable, StepCalculatorState, StepEquation};
 use crate::config::{Method, TexelConfig};
 use crate::log::SpanRecord;
 use crate::signals::{Points, Segment, Span};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow};
 use smallvec::smallvec;
@@ -191,5 +193,37 @@ impl Unit for StepCalculator {
 
     fn is_empty(&self) -> bool {
         self.state.span.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let root = if self.table.is_some() { self.config.table_cycles } else { self.config.root_cycles };
+        for output in 0..2 {
+            facts.rate(output, self.config.latency + root, root);
+        }
+        let c = &self.state.counters;
+        let (roots, look_ups) = if self.table.is_some() { (0, c.roots) } else { (c.roots, 0) };
+        let bins = c.lengths.iter().rposition(|n| *n > 0).map_or(0, |i| i + 1).min(BINS);
+        facts.figure("textured_fragments", c.textured_pixels, "pixels", "Pixels of spans with a texture");
+        facts.figure("spans", c.spans, "spans", "Spans with a texture");
+        facts.figure("spans_untextured", c.untextured, "spans", "Spans without");
+        facts.figure("spans_of_one_pixel", c.single, "spans", "Spans of one pixel");
+        facts.figure("spans_not_subdivided", c.short, "spans", "Spans that one segment covers");
+        facts.figure("segments", c.segments, "segments", "Segments between division points");
+        facts.figure(
+            "segment_lengths_up_to",
+            (0..bins).map(|i| 1_u64 << i).collect::<Vec<_>>(),
+            "pixels",
+            "Longest segments of each class of `segment_lengths`",
+        );
+        facts.figure("segment_lengths", c.lengths[..bins].to_vec(), "segments", "Segments of each class of lengths");
+        facts.figure("segment_longest", c.longest, "pixels", "The longest segment");
+        facts.figure("division_points", c.division_points, "points", "Division points");
+        facts.figure("square_roots", roots, "roots", "Square roots calculated");
+        facts.figure("step_table_look_ups", look_ups, "look-ups", "Square roots looked up in their place");
+        facts.figure("step_divisions", c.step_divisions, "divisions", "Divisions of the step calculator");
+        facts.figure("displacement_bound", self.config.error_bound, "pixels", "Largest displacement that the criterion allows");
+        if let Some(table) = &self.table {
+            facts.figure("step_table_largest_error", table.largest_error(), "", "Largest relative error of the table of roots");
+        }
     }
 }
