@@ -31,7 +31,7 @@ impl<P: Probe> Tick<'_, P> {
         }
         stage.clock.fire(&mut stage.unit, demand, self.now, wires, &mut self.traffic);
         self.fired = true;
-        if P::ON {
+        if P::is_on() {
             self.probe.worked(self.stage, self.now, stage.clock.free);
         }
         if self.traffic.fault.is_some() && self.fault.is_none() {

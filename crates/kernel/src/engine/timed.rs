@@ -46,7 +46,7 @@ impl<P: Probe> Visitor for RunAhead<'_, P> {
             let wires = (&mut inputs, &mut outputs, &mut clients);
             stage.clock.fire(&mut stage.unit, next.demand, next.at, wires, &mut self.traffic);
             self.moved = true;
-            if P::ON {
+            if P::is_on() {
                 self.probe.worked(number, next.at, stage.clock.free);
             }
             if self.traffic.fault.is_some() {
