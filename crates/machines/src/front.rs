@@ -5,7 +5,7 @@ use crate::fifo;
 use basrelief_geometry_processor::{
     BumpConfig, DisplayListConfig, DisplayListSource, GeometryConfig, GeometryProcessor, SceneSource,
 };
-use basrelief_kernel::{Clients, Fifo, FifoConfig, Stage, Visitor};
+use basrelief_kernel::{Fifo, FifoConfig, Stage, Visitor};
 use basrelief_signals::{Control, Draw};
 use std::fmt::Display;
 
@@ -69,8 +69,8 @@ impl<I: Iterator<Item = Draw>> SceneFront<I> {
 
 impl<I: Iterator<Item = Draw>> FrontEnd for SceneFront<I> {
     fn wire<V: Visitor>(&mut self, v: &mut V, polygons: &mut Fifo<Control>) {
-        v.stage(&mut self.host, (), &mut self.draws, Clients::none());
-        v.stage(&mut self.geometry, &mut self.draws, polygons, Clients::none());
+        v.stage(self.host.between((), &mut self.draws));
+        v.stage(self.geometry.between(&mut self.draws, polygons));
     }
 
     fn counts(&self, counts: &mut Counts) {
@@ -103,7 +103,7 @@ impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> TraceFro
 
 impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> FrontEnd for TraceFront<I> {
     fn wire<V: Visitor>(&mut self, v: &mut V, polygons: &mut Fifo<Control>) {
-        v.stage(&mut self.display_list, (), polygons, Clients::none());
+        v.stage(self.display_list.between((), polygons));
     }
 
     fn counts(&self, counts: &mut Counts) {

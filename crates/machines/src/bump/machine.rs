@@ -7,7 +7,7 @@ use crate::{Counts, Draws, fifo};
 use basrelief_brightness::{BrightnessFetch, Components};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
 use basrelief_graphics_processor::{DepthTest, GraphicsProcessor};
-use basrelief_kernel::{Clients, Fifo, Machine, MemorySystem, Stage, Visitor};
+use basrelief_kernel::{Fifo, Machine, MemorySystem, Stage, Visitor};
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
 use basrelief_replacement::Replacement;
@@ -138,27 +138,27 @@ impl<F: FrontEnd> Machine for BumpProcessor<F> {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let (m, c) = (&mut self.memories, &self.clients);
         self.front.wire(v, &mut self.polygons);
-        v.stage(&mut self.rasterizer, &mut self.polygons, &mut self.fragments, Clients::none());
+        v.stage(self.rasterizer.between(&mut self.polygons, &mut self.fragments));
         let to_distribute = if self.early_z {
-            v.stage(&mut self.early_depth, &mut self.fragments, &mut self.tested_fragments, Clients::of(m, &c.depth));
+            v.stage(self.early_depth.between(&mut self.fragments, &mut self.tested_fragments).using(m, &c.depth));
             &mut self.tested_fragments
         } else {
             &mut self.fragments
         };
-        v.stage(&mut self.distributor, to_distribute, (&mut self.bump_fragments, &mut self.plain_fragments), Clients::none());
-        v.stage(&mut self.mapping, &mut self.bump_fragments, &mut self.pseudo_normals, Clients::of(m, &c.mapping));
-        v.stage(&mut self.replacement, &mut self.pseudo_normals, &mut self.indexes, Clients::of(m, &c.replacement));
-        v.stage(&mut self.brightness, &mut self.indexes, &mut self.shaded, Clients::of(m, &c.brightness));
+        v.stage(self.distributor.between(to_distribute, (&mut self.bump_fragments, &mut self.plain_fragments)));
+        v.stage(self.mapping.between(&mut self.bump_fragments, &mut self.pseudo_normals).using(m, &c.mapping));
+        v.stage(self.replacement.between(&mut self.pseudo_normals, &mut self.indexes).using(m, &c.replacement));
+        v.stage(self.brightness.between(&mut self.indexes, &mut self.shaded).using(m, &c.brightness));
         let shaded_and_plain = (&mut self.shaded, &mut self.plain_fragments);
-        v.stage(&mut self.graphics, shaded_and_plain, &mut self.pixels, Clients::of(m, &c.graphics));
+        v.stage(self.graphics.between(shaded_and_plain, &mut self.pixels).using(m, &c.graphics));
         let to_write = if self.early_z {
             &mut self.pixels
         } else {
-            v.stage(&mut self.late_depth, &mut self.pixels, &mut self.tested_pixels, Clients::of(m, &c.depth));
+            v.stage(self.late_depth.between(&mut self.pixels, &mut self.tested_pixels).using(m, &c.depth));
             &mut self.tested_pixels
         };
-        v.stage(&mut self.frame_buffer, to_write, &mut self.finished_frames, Clients::of(m, &c.frame_buffer));
-        v.stage(&mut self.video_out, &mut self.finished_frames, (), Clients::of(m, &c.video_out));
+        v.stage(self.frame_buffer.between(to_write, &mut self.finished_frames).using(m, &c.frame_buffer));
+        v.stage(self.video_out.between(&mut self.finished_frames, ()).using(m, &c.video_out));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

@@ -14,7 +14,7 @@ use basrelief_deferred_renderer::{
 };
 use basrelief_frame_buffer::{FinishedFrame, FrameDone, PixelBuffer, ShownPicture, VideoOut};
 use basrelief_graphics_processor::DepthTest;
-use basrelief_kernel::{Clients, Fifo, FifoConfig, Machine, MemorySystem, Stage, Visitor};
+use basrelief_kernel::{Fifo, FifoConfig, Machine, MemorySystem, Stage, Visitor};
 use basrelief_rasterizer::Rasterizer;
 use basrelief_signals::{Control, Flow, Fragment, PictureFlow, Stamp};
 use std::sync::Arc;
@@ -226,25 +226,25 @@ impl<F: FrontEnd> Machine for DeferredRenderer<F> {
         let (m, c) = (&mut self.memories, &self.clients);
         self.front.wire(v, &mut self.polygons);
         let asked = (&mut self.polygons, &mut self.requests, &mut self.shown);
-        v.stage(&mut self.server, asked, &mut self.parcels, Clients::none());
-        v.stage(&mut self.path, &mut self.parcels, (&mut self.mesh, &mut self.tiles), Clients::none());
-        v.stage(&mut self.expander, &mut self.tiles, &mut self.expanded, Clients::none());
-        v.stage(&mut self.rasterizer, &mut self.mesh, &mut self.fragments, Clients::none());
-        v.stage(&mut self.depth, &mut self.fragments, &mut self.tested_fragments, Clients::of(m, &c.depth));
-        v.stage(&mut self.cell_maker, &mut self.tested_fragments, &mut self.cells, Clients::none());
+        v.stage(self.server.between(asked, &mut self.parcels));
+        v.stage(self.path.between(&mut self.parcels, (&mut self.mesh, &mut self.tiles)));
+        v.stage(self.expander.between(&mut self.tiles, &mut self.expanded));
+        v.stage(self.rasterizer.between(&mut self.mesh, &mut self.fragments));
+        v.stage(self.depth.between(&mut self.fragments, &mut self.tested_fragments).using(m, &c.depth));
+        v.stage(self.cell_maker.between(&mut self.tested_fragments, &mut self.cells));
         let passes = (&mut self.marking, &mut self.colouring);
         let cells = (&mut self.cells, &mut self.rounds);
-        v.stage(&mut self.reference_buffer, cells, passes, Clients::of(m, &c.reference_buffer));
-        v.stage(&mut self.identification, &mut self.marking, &mut self.marks, Clients::none());
+        v.stage(self.reference_buffer.between(cells, passes).using(m, &c.reference_buffer));
+        v.stage(self.identification.between(&mut self.marking, &mut self.marks));
         let marks = (&mut self.marks, &mut self.improvements);
         let decided = (&mut self.requests, &mut self.orders, &mut self.rounds);
-        v.stage(&mut self.tile_lists, marks, decided, Clients::none());
+        v.stage(self.tile_lists.between(marks, decided));
         let coloured = (&mut self.colouring, &mut self.orders, &mut self.expanded);
         let pictures = (&mut self.improvements, &mut self.pixels);
-        v.stage(&mut self.rasterization, coloured, pictures, Clients::of(m, &c.rasterization));
+        v.stage(self.rasterization.between(coloured, pictures).using(m, &c.rasterization));
         let finished = (&mut self.finished_frames, &mut self.shown);
-        v.stage(&mut self.pixel_buffer, &mut self.pixels, finished, Clients::of(m, &c.pixel_buffer));
-        v.stage(&mut self.video_out, &mut self.finished_frames, (), Clients::of(m, &c.video_out));
+        v.stage(self.pixel_buffer.between(&mut self.pixels, finished).using(m, &c.pixel_buffer));
+        v.stage(self.video_out.between(&mut self.finished_frames, ()).using(m, &c.video_out));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

@@ -11,7 +11,7 @@ use basrelief_figure_shading::{
 };
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
 use basrelief_graphics_processor::DepthTest;
-use basrelief_kernel::{Clients, Fifo, Machine, MemorySystem, Stage, Visitor};
+use basrelief_kernel::{Fifo, Machine, MemorySystem, Stage, Visitor};
 use basrelief_signals::{Control, Flow, Pixel, Stamp};
 use std::sync::Arc;
 
@@ -141,25 +141,25 @@ impl<F: FrontEnd> Machine for FigureShadingDevice<F> {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let (m, c) = (&mut self.memories, &self.clients);
         self.front.wire(v, &mut self.polygons);
-        v.stage(&mut self.host, (&mut self.polygons, &mut self.finished), &mut self.transfers, Clients::none());
+        v.stage(self.host.between((&mut self.polygons, &mut self.finished), &mut self.transfers));
         let decided = (&mut self.figures, &mut self.normals, &mut self.flat_dots, &mut self.constant_dots);
-        v.stage(&mut self.microcomputer, &mut self.transfers, decided, Clients::none());
+        v.stage(self.microcomputer.between(&mut self.transfers, decided));
         let linear = (&mut self.interpolated, &mut self.brightness_dots);
-        v.stage(&mut self.interpolation, &mut self.figures, linear, Clients::none());
-        v.stage(&mut self.normal_interpolation, &mut self.normals, &mut self.highlights, Clients::none());
-        v.stage(&mut self.gate, &mut self.highlights, &mut self.gated, Clients::none());
-        v.stage(&mut self.adder, (&mut self.interpolated, &mut self.gated), &mut self.sums, Clients::none());
-        v.stage(&mut self.selector_53, (&mut self.sums, &mut self.flat_dots), &mut self.selected, Clients::none());
+        v.stage(self.interpolation.between(&mut self.figures, linear));
+        v.stage(self.normal_interpolation.between(&mut self.normals, &mut self.highlights));
+        v.stage(self.gate.between(&mut self.highlights, &mut self.gated));
+        v.stage(self.adder.between((&mut self.interpolated, &mut self.gated), &mut self.sums));
+        v.stage(self.selector_53.between((&mut self.sums, &mut self.flat_dots), &mut self.selected));
         let ways = (&mut self.selected, &mut self.brightness_dots, &mut self.constant_dots);
-        v.stage(&mut self.selector_28, ways, (&mut self.pixels, &mut self.finished), Clients::none());
+        v.stage(self.selector_28.between(ways, (&mut self.pixels, &mut self.finished)));
         let to_write = if self.depth_test {
-            v.stage(&mut self.depth, &mut self.pixels, &mut self.tested_pixels, Clients::of(m, &c.depth));
+            v.stage(self.depth.between(&mut self.pixels, &mut self.tested_pixels).using(m, &c.depth));
             &mut self.tested_pixels
         } else {
             &mut self.pixels
         };
-        v.stage(&mut self.frame_memory, to_write, &mut self.finished_frames, Clients::of(m, &c.frame_memory));
-        v.stage(&mut self.video_out, &mut self.finished_frames, (), Clients::of(m, &c.video_out));
+        v.stage(self.frame_memory.between(to_write, &mut self.finished_frames).using(m, &c.frame_memory));
+        v.stage(self.video_out.between(&mut self.finished_frames, ()).using(m, &c.video_out));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

@@ -7,7 +7,7 @@ use crate::problem::ConfigProblem;
 use crate::{Counts, Draws, fifo};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
 use basrelief_graphics_processor::DepthTest;
-use basrelief_kernel::{Clients, Fifo, Machine, MemorySystem, Stage, Visitor};
+use basrelief_kernel::{Fifo, Machine, MemorySystem, Stage, Visitor};
 use basrelief_signals::{Control, Flow, PixelPacket};
 use basrelief_texel_value_generator::signals::{
     GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Points, Quotients, Segment, Span, TexelPacket, TexturePacket,
@@ -165,25 +165,25 @@ impl<F: FrontEnd> Machine for TextureMappingSystem<F> {
         let (m, c) = (&mut self.memories, &self.clients);
         self.front.wire(v, &mut self.polygons);
         let scanned = (&mut self.spans, &mut self.lit_spans);
-        v.stage(&mut self.scan_converter, &mut self.polygons, scanned, Clients::none());
+        v.stage(self.scan_converter.between(&mut self.polygons, scanned));
         let divided = (&mut self.segments, &mut self.points);
-        v.stage(&mut self.step_calculator, &mut self.spans, divided, Clients::none());
-        v.stage(&mut self.divider, &mut self.points, &mut self.quotients, Clients::none());
+        v.stage(self.step_calculator.between(&mut self.spans, divided));
+        v.stage(self.divider.between(&mut self.points, &mut self.quotients));
         let exact = (&mut self.segments, &mut self.quotients);
-        v.stage(&mut self.approximate_calculator, exact, (&mut self.texels, &mut self.gradients), Clients::none());
-        v.stage(&mut self.mip_map_selector, &mut self.gradients, &mut self.levels, Clients::none());
+        v.stage(self.approximate_calculator.between(exact, (&mut self.texels, &mut self.gradients)));
+        v.stage(self.mip_map_selector.between(&mut self.gradients, &mut self.levels));
         let to_look_up = if self.depth_test {
-            v.stage(&mut self.depth, &mut self.texels, &mut self.tested_texels, Clients::of(m, &c.depth));
+            v.stage(self.depth.between(&mut self.texels, &mut self.tested_texels).using(m, &c.depth));
             &mut self.tested_texels
         } else {
             &mut self.texels
         };
-        v.stage(&mut self.look_up, (to_look_up, &mut self.levels), &mut self.texture_values, Clients::of(m, &c.look_up));
-        v.stage(&mut self.illuminance, &mut self.lit_spans, &mut self.illuminances, Clients::none());
+        v.stage(self.look_up.between((to_look_up, &mut self.levels), &mut self.texture_values).using(m, &c.look_up));
+        v.stage(self.illuminance.between(&mut self.lit_spans, &mut self.illuminances));
         let combined = (&mut self.texture_values, &mut self.illuminances);
-        v.stage(&mut self.combiner, combined, &mut self.pixels, Clients::of(m, &c.combiner));
-        v.stage(&mut self.buffer, &mut self.pixels, &mut self.finished_frames, Clients::of(m, &c.buffer));
-        v.stage(&mut self.dacs, &mut self.finished_frames, (), Clients::of(m, &c.dacs));
+        v.stage(self.combiner.between(combined, &mut self.pixels).using(m, &c.combiner));
+        v.stage(self.buffer.between(&mut self.pixels, &mut self.finished_frames).using(m, &c.buffer));
+        v.stage(self.dacs.between(&mut self.finished_frames, ()).using(m, &c.dacs));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {
