@@ -1,21 +1,26 @@
-//! The rate-limited renderer as a [`Device`].
+//! The rate-limited renderer as a [`MachineSpec`].
 
-use crate::device::{Device, Exhibits, Shown, Told};
-use crate::exhibit::Exhibit;
-use basrelief_deferred_renderer::{Lighting, TexelCentre, TileSource};
+use super::spec::{Logs, MachineSpec, PictureRecord, RunSummary, TileFetch};
+use crate::exhibits::ExhibitSpec;
+use crate::exhibits::defer::{DeferLog, EXHIBITS};
+use basrelief_deferred_renderer::{Lighting, RenderMode, TexelCentre, TileSource};
+use basrelief_frame_buffer::{FinishedFrame, ShownPicture};
 use basrelief_kernel::facts::{Part, Value};
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
 use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_reference::{self as reference, Options, Pyramid, Shading, Style, TextureFilter};
 use std::sync::Arc;
 
-impl Device for DeferConfig {
+impl MachineSpec for DeferConfig {
     const NAME: &'static str = defer::NAME;
     const ABOUT: &'static str = "HP's renderer for a rate-limited path";
     const DIAGRAM: &'static str = defer::DIAGRAM;
     const UNITS: &'static [UnitInfo] = defer::UNITS;
     const DEMOS: &'static [&'static str] = &["gallery"];
+    const EXHIBITS: &'static [ExhibitSpec<Self>] = EXHIBITS;
+    const FETCHES_TILES: bool = true;
     type Machine<F: FrontEnd> = DeferredRenderer<F>;
+    type Log = DeferLog;
 
     fn build<F: FrontEnd>(&self, front: F) -> Result<DeferredRenderer<F>, ConfigProblem> {
         DeferredRenderer::new(front, self)
@@ -23,6 +28,11 @@ impl Device for DeferConfig {
 
     fn build_remote<F: FrontEnd>(&self, front: F, tiles: Box<dyn TileSource>) -> Result<DeferredRenderer<F>, ConfigProblem> {
         DeferredRenderer::with_source(front, self, tiles)
+    }
+
+    fn tile_fetch(&self) -> Option<TileFetch> {
+        let (tile, path) = (&self.tile, &self.path);
+        Some(TileFetch { encoding: tile.encoding, jpeg_quality: tile.jpeg_quality, requests: path.requests })
     }
 
     fn front(&self) -> FrontConfig {
@@ -50,15 +60,15 @@ impl Device for DeferConfig {
     }
 
     /// When each picture was shown, from the end of the frame before, and how far it is from the last of its frame.
-    fn figures(&self, told: &Told<'_>, facts: &mut Facts) {
-        let shown = told.shown;
+    fn figures(&self, summary: &RunSummary<'_>, facts: &mut Facts) {
+        let shown = summary.pictures;
         let mut column = |title, values: Value, unit, about| {
             facts.figure(&format!("picture_{title}"), values, unit, about).part(Part::Column { table: "picture", title });
         };
-        let count = |of: fn(&Shown) -> u32| shown.iter().map(|s| u64::from(of(s))).collect::<Vec<_>>();
+        let count = |of: fn(&PictureRecord) -> u32| shown.iter().map(|s| u64::from(of(s))).collect::<Vec<_>>();
         column("frame", count(|s| s.frame).into(), "", "Number of the frame, from 0");
         column("round", count(|s| s.round).into(), "", "Number of the picture in its frame, from 0");
-        let cycles = told.run.map(|run| told.cycles_of_frames(run));
+        let cycles = summary.run.map(|run| summary.cycles_of_frames(run));
         let ms = |cycles: u64| milliseconds(cycles, self.clock.hz);
         if let Some(cycles) = &cycles {
             column("cycles", cycles.clone().into(), "cycles", "From the end of the frame before to the picture");
@@ -75,6 +85,10 @@ impl Device for DeferConfig {
             facts.figure("final_picture_ms", ms(last), "ms", "The same, as time");
         }
     }
+
+    fn shows_rounds(&self) -> bool {
+        self.defer.mode == RenderMode::Progressive
+    }
 }
 
 /// Milliseconds of these cycles, to the nanosecond.
@@ -82,24 +96,27 @@ fn milliseconds(cycles: u64, hz: u64) -> f64 {
     (cycles as f64 * 1e9 / hz as f64).round() / 1e6
 }
 
-impl<F: FrontEnd> Exhibits for DeferredRenderer<F> {
+impl<F: FrontEnd> Logs<DeferLog> for DeferredRenderer<F> {
+    fn drain_rounds(&mut self) -> Vec<ShownPicture> {
+        DeferredRenderer::drain_rounds(self)
+    }
+
     fn keep_log(&mut self) {
         self.keep();
     }
 
-    fn drain_exhibits(&mut self) -> Vec<Exhibit> {
-        let rounds = self.drain_rounds().into_iter().map(Exhibit::Round);
-        let mut all: Vec<Exhibit> = rounds.collect();
-        all.extend(self.drain_filled().into_iter().map(Exhibit::ReferenceBuffer));
-        all.extend(self.drain_records().into_iter().map(|(frame, tiles)| Exhibit::Tiles { frame, tiles }));
-        all
+    fn drain_log(&mut self, _: &[FinishedFrame]) -> Vec<(u32, DeferLog)> {
+        let filled = self.drain_filled().into_iter().map(|filled| (filled.frame, DeferLog::ReferenceBuffer(filled)));
+        let mut log: Vec<_> = filled.collect();
+        log.extend(self.drain_records().into_iter().map(|(frame, tiles)| (frame, DeferLog::Tiles(tiles))));
+        log
+    }
+
+    fn last_log(&mut self) -> Option<DeferLog> {
+        Some(DeferLog::TileLists(self.lists().map(|(page, list)| (Arc::clone(page), list.clone())).collect()))
     }
 
     fn lost(&self) -> Option<String> {
         DeferredRenderer::lost(self).map(str::to_owned)
-    }
-
-    fn last_exhibits(&mut self) -> Vec<Exhibit> {
-        vec![Exhibit::TileLists(self.lists().map(|(page, list)| (Arc::clone(page), list.clone())).collect())]
     }
 }
