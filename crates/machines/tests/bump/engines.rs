@@ -33,12 +33,12 @@ fn conserved(ran: &Ran, config: &BumpProcessorConfig, frames: usize) {
         ("color_texture", "color_texels", cache.color_texture.line_bytes),
         ("depth", "z_read", cache.depth.line_bytes),
     ] {
-        let misses = caches.iter().find(|c| c.name == name).map(|c| c.facts.misses).unwrap();
-        let port = ports().find(|p| p.client == client).map(|p| p.facts).unwrap();
+        let misses = caches.iter().find(|c| c.name == name).map(|c| c.counts.misses).unwrap();
+        let port = ports().find(|p| p.client == client).map(|p| p.counts).unwrap();
         assert_eq!((port.reads, port.read_bytes), (misses, misses * u64::from(line_bytes)), "a miss is a request: {name}");
     }
     for port in ports() {
-        let c = &port.facts;
+        let c = &port.counts;
         assert_eq!(c.row_hits + c.row_closed + c.row_conflicts, c.bursts, "bursts of {}", port.client);
     }
 }
@@ -54,7 +54,7 @@ fn engines_agree_on_every_demo() {
 fn each_stamp_is_looked_up_once_in_the_depth_cache_and_each_pixel_written() {
     for (early_z, stamp) in [("true", "1"), ("false", "1"), ("true", "4"), ("false", "4")] {
         let ran = timed(&small_demo("mixed", 1), &[("rasterizer.early_z", early_z), ("rasterizer.stamp", stamp)]);
-        let depth = ran.report.caches.iter().find(|c| c.name == "depth").unwrap().facts;
+        let depth = ran.report.caches.iter().find(|c| c.name == "depth").unwrap().counts;
         let look_ups = depth.hits + depth.misses + depth.merged;
         let tokens = |fifo: &str| ran.report.fifos.iter().find(|f| f.name == fifo).unwrap().tokens;
         // The frame, its objects and polygons, and the end of the frame are tokens, too.

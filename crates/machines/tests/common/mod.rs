@@ -28,7 +28,7 @@ impl Ran {
     /// Bytes that a client read and wrote.
     pub fn bytes(&self, client: &str) -> u64 {
         let ports = self.report.memories.iter().flat_map(|m| &m.ports);
-        ports.filter(|p| p.client == client).map(|p| p.facts.read_bytes + p.facts.write_bytes).sum()
+        ports.filter(|p| p.client == client).map(|p| p.counts.read_bytes + p.counts.write_bytes).sum()
     }
 
     /// Largest difference of any 8-bit output.
@@ -44,7 +44,7 @@ impl Ran {
 
 /// A device figure that there must be.
 pub fn count(facts: &Facts, name: &str) -> u64 {
-    assert!(counts.iter().any(|(n, _)| n == name), "there is no device figure `{name}`");
+    assert!(facts.get(name).is_some(), "there is no device figure `{name}`");
     facts.count(name)
 }
 
@@ -73,7 +73,7 @@ pub fn scene_front(scene: &Arc<Scene>, config: impl Into<FrontConfig>) -> SceneF
 /// Runs a machine under a probe.
 pub fn run_probed<P: Probe>(mut machine: impl Draws, engine: Engine, probe: &mut P) -> Ran {
     let report = run_with(&mut machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
-    Ran { report, frames: machine.drain_finished(), counts: machine.facts() }
+    Ran { report, frames: machine.drain_finished(), facts: machine.facts() }
 }
 
 /// Runs a machine.
@@ -108,8 +108,8 @@ pub fn agree<M: Draws>(machine: impl Fn() -> M) -> Ran {
     let ticked = run(machine(), Engine::Ticked);
     same(&timed.report, &ticked.report);
     assert_eq!((&timed.frames, &timed.facts), (&ticked.frames, &ticked.facts));
-    let (frames, counts) = functional(machine());
-    assert_eq!((&timed.frames, &timed.facts), (&frames, &counts), "the functional model");
+    let (frames, facts) = functional(machine());
+    assert_eq!((&timed.frames, &timed.facts), (&frames, &facts), "the functional model");
     conserved(&timed.report);
     timed
 }

@@ -4,7 +4,7 @@ use crate::recipe::{FAST, SMALL, display_lists, floor, frame, object, texture, v
 use crate::runs::{Ran, Seen, Tile, timed};
 use basrelief_deferred_renderer::cell::split_depth;
 use basrelief_deferred_renderer::{How, Page};
-use basrelief_machines::defer::input_warnings;
+use basrelief_machines::defer::warnings;
 use basrelief_signals::{Control, Frame, Material, Wrap};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -228,6 +228,6 @@ fn a_list_without_textures_is_drawn_and_said_to_need_no_tile() {
     let list = [vec![frame(0), object(0)], vec![floor(&plain, 3.0), Control::FrameEnd]].concat();
     let ran = timed(&list, &[FAST, SMALL].concat());
     assert_eq!((ran.seen.count("path_tile_bytes"), ran.seen.finished.len()), (0, 1));
-    assert!(input_warnings(&ran.seen.facts)[0].contains("no pixel has a colour texture"));
-    assert!(input_warnings(&timed(&views(&[0.0]), &[FAST, SMALL].concat()).seen.facts).is_empty());
+    assert!(warnings(&ran.seen.facts)[0].contains("no pixel has a colour texture"));
+    assert!(warnings(&timed(&views(&[0.0]), &[FAST, SMALL].concat()).seen.facts).is_empty());
 }

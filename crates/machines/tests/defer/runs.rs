@@ -63,7 +63,7 @@ fn seen<F: FrontEnd>(mut machine: DeferredRenderer<F>) -> Seen {
         filled: machine.drain_filled(),
         tiles: machine.drain_records().into_iter().map(|(_, tiles)| tiles).collect(),
         lists: machine.lists().map(|(page, list)| (Arc::clone(page), list.clone())).collect(),
-        counts: machine.facts(),
+        facts: machine.facts(),
     }
 }
 

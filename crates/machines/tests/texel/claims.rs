@@ -5,7 +5,7 @@ use crate::recipe::{display_lists, frame, material, object, polygon, texture};
 use crate::runs::{Ran, config, figure, replay, run, scene_front, small_demo, timed};
 use basrelief_kernel::{Engine, run_functional};
 use basrelief_machines::Draws;
-use basrelief_machines::texel::{FrameLog, TexelMachineConfig, TextureMappingSystem, input_warnings, warnings};
+use basrelief_machines::texel::{FrameLog, TexelMachineConfig, TextureMappingSystem, warnings};
 use basrelief_signals::{Control, Wrap};
 use proptest::prelude::*;
 
@@ -173,15 +173,14 @@ fn a_span_is_told_as_one_line() {
 
 #[test]
 fn what_the_system_has_no_use_for_is_said() {
-    assert!(warnings(&TexelMachineConfig::default()).is_empty(), "{:?}", warnings(&TexelMachineConfig::default()));
-    let short = warnings(&config(&[("fifo.texels.depth", "2")]));
-    assert!(short.len() == 1 && short[0].contains("fifo.texels.depth = 2"), "{short:?}");
     let mut list = floor([40, 8], [1.0, 0.1], 1.0);
-    assert!(input_warnings(&timed(&list, &[]).facts).is_empty());
+    assert_eq!(warnings(&timed(&list, &[]).facts), [""; 0], "defaults hold full rate");
+    let short = warnings(&timed(&list, &[("fifo.texels.depth", "2")]).facts);
+    assert!(short.len() == 1 && short[0].contains("fifo.texels.depth = 2"), "{short:?}");
     list[2] =
         polygon(&[[1.0, 1.0, 0.5, 1.0], [30.0, 1.0, 0.5, 1.0], [1.0, 8.0, 0.5, 1.0]], &[[0.0; 2]; 3], &material(None), false);
     let ran = timed(&list, &[]);
-    assert!(input_warnings(&ran.facts)[0].contains("no polygon has a colour texture"));
+    assert!(warnings(&ran.facts)[0].contains("no polygon has a colour texture"));
     assert_eq!((ran.count("divisions"), ran.count("texels_read")), (0, 0));
 }
 

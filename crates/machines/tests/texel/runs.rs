@@ -4,6 +4,7 @@ use crate::common;
 pub use crate::common::{Ran, replay, scene_front};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::Engine;
+use basrelief_kernel::facts::Value;
 use basrelief_machines::Facts;
 use basrelief_machines::texel::{FrontEnd, TexelMachineConfig, TextureMappingSystem};
 use basrelief_signals::{Control, Scene};
@@ -40,6 +41,8 @@ pub fn functional(front: impl FrontEnd, config: &TexelMachineConfig) -> (Vec<Fin
 
 /// A figure that is no whole number.
 pub fn figure(facts: &Facts, name: &str) -> f64 {
-    let found = counts.iter().find(|(n, _)| *n == name).and_then(|(_, value)| value.as_f64());
-    found.unwrap_or_else(|| panic!("there is no device figure `{name}`"))
+    match facts.get(name) {
+        Some(Value::Real(real)) => *real,
+        found => panic!("device figure `{name}`: {found:?}"),
+    }
 }
