@@ -6,7 +6,7 @@ use crate::runs::{Ran, config, replay, run, small_demo, timed};
 use basrelief_geometry_processor::{GeometryProcessor, SceneDraws};
 use basrelief_kernel::{Engine, Traffic, Unit};
 use basrelief_machines::bump::BumpProcessorConfig;
-use basrelief_machines::shade::{ShadeConfig, warnings};
+use basrelief_machines::shade::warnings;
 use basrelief_signals::{Control, Draw, Lighting, Material, Polygon};
 use proptest::prelude::*;
 use std::sync::Arc;
