@@ -157,6 +157,7 @@ impl<T: Drawn> Unit for FrameBuffer<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::FrameBufferCounters;
     use basrelief_signals::Camera;
     use proptest::prelude::*;
     use std::sync::Arc;
