@@ -186,6 +186,7 @@
 
 mod account;
 mod cache;
+mod check;
 mod config;
 pub mod contract;
 mod cycle;
@@ -196,6 +197,7 @@ mod link;
 mod memory;
 mod memory_system;
 mod occupancy;
+mod outcome;
 mod place;
 pub mod plan;
 mod probe;
@@ -208,6 +210,7 @@ mod wiring;
 
 pub use account::{Account, Cause};
 pub use cache::CacheCounts;
+pub use check::{WiringError, check_wiring};
 pub use config::{CacheConfig, FifoConfig, MemoryConfig};
 pub use cycle::Cycle;
 pub use engine::{Engine, Limits, run, run_functional, run_with};
@@ -215,9 +218,10 @@ pub use fifo::Fifo;
 pub use link::Link;
 pub use memory::PortCounts;
 pub use memory_system::MemorySystem;
+pub use outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor};
 pub use place::{Between, Clients, Connections, ConnectionsOf, MemoryClients, Place};
 pub use probe::{Interval, NoProbe, Probe, Recorder};
-pub use report::{CacheReport, FifoReport, MemoryReport, Outcome, PortReport, RunReport, UnitReport};
+pub use report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
 pub use stage::Stage;
 pub use topology::{StageTopology, topology};
 pub use traffic::{Request, Traffic};

@@ -3,6 +3,7 @@
 use super::memories::{ClientNumbers, build};
 use super::{BumpProcessorConfig, ConfigProblem, check};
 use crate::front::FrontEnd;
+use crate::problem::wired;
 use crate::{Counts, Draws, fifo};
 use basrelief_brightness::{BrightnessFetch, Components};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
@@ -75,7 +76,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let separate = c.brightness.components == Components::Separate;
         let (z_bits, stamp) = (c.rasterizer.z_bits, check::stamp(config));
         let levels = c.brightness.levels;
-        let machine = Self {
+        wired(Self {
             front,
             polygons: fifo("polygons", &f.polygons),
             early_z: c.rasterizer.early_z,
@@ -105,18 +106,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
             memories,
             clients,
             widths: Widths::new(config),
-        };
-        machine.check_credits(config)?;
-        Ok(machine)
-    }
-
-    fn check_credits(&self, config: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
-        let (m, c) = (&self.memories, &self.clients);
-        let config = &config.memory;
-        check::credits(&self.mapping.unit, &c.mapping, m, config)?;
-        check::credits(&self.replacement.unit, &c.replacement, m, config)?;
-        check::credits(&self.brightness.unit, &c.brightness, m, config)?;
-        check::credits(&self.graphics.unit, &c.graphics, m, config)
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use super::DeferConfig;
 use super::check::check;
 use crate::front::FrontEnd;
-use crate::problem::ConfigProblem;
+use crate::problem::{ConfigProblem, wired};
 use crate::{Counts, Draws, fifo};
 use basrelief_deferred_renderer::tokens::{
     CellFlow, EncodedTile, ExpandedTile, MarkFlow, Order, Parcel, PassFlow, Request, Round,
@@ -121,7 +121,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let in_flight = FifoConfig { depth: c.path.requests, ..FifoConfig::default() };
         let shared = c.defer.depth_pixel == DepthPixel::Shared;
         let cells = Cells::new(engine.clone(), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
-        Ok(Self {
+        wired(Self {
             front,
             polygons: fifo("polygons", &f.polygons),
             server: Stage::new("server", Server::new(c.path.clone(), source)),

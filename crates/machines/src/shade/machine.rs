@@ -3,7 +3,7 @@
 use super::ShadeConfig;
 use super::check::check;
 use crate::front::FrontEnd;
-use crate::problem::ConfigProblem;
+use crate::problem::{ConfigProblem, wired};
 use crate::{Counts, Draws, fifo};
 use basrelief_figure_shading::{
     Adder, BrightnessInterpolation, Finished, Gate, Highlights, HostInterface, Microcomputer, NormalInterpolation, NormalLoad,
@@ -87,7 +87,7 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
         let (memories, clients) = build(config);
         let normal_interpolation = NormalInterpolation::new(c.normal_interpolation.clone(), c.shade.renormalise);
         let microcomputer = Microcomputer::new(c.microcomputer, c.shade, c.shortcut, c.scan.clone(), &c.normal_interpolation);
-        Ok(Self {
+        wired(Self {
             front,
             polygons: fifo("polygons", &f.polygons),
             host: Stage::new("host-interface", HostInterface::new(c.host)),

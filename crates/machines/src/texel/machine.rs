@@ -3,7 +3,7 @@
 use super::TexelMachineConfig;
 use super::check::check;
 use crate::front::FrontEnd;
-use crate::problem::ConfigProblem;
+use crate::problem::{ConfigProblem, wired};
 use crate::{Counts, Draws, fifo};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
 use basrelief_graphics_processor::DepthTest;
@@ -92,11 +92,11 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         let f = &config.fifo;
         let trilinear = c.mip.mode == MipMode::Trilinear;
         let look_up = TextureLookUpTable::new(c.look_up, trilinear, c.cache.texture.line_bytes);
-        check(config, &look_up)?;
+        check(config)?;
         let (memories, clients) = build(config);
         let gradients = (c.mip.mode != MipMode::Off).then_some(c.mip.per);
         let approximate_calculator = ApproximateCalculator::new(c.approximation, c.scan.z_bits, gradients);
-        Ok(Self {
+        wired(Self {
             front,
             polygons: fifo("polygons", &f.polygons),
             depth: Stage::new("depth-test", DepthTest::new(c.depth, c.scan.z_bits)),

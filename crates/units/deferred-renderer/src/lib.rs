@@ -56,4 +56,3 @@ pub use reference_buffer::{FilledBuffer, ReferenceBuffer};
 pub use server::{Server, TextureMemory, TileSource};
 pub use texels::{LayerCounts, PageTexels};
 pub use tile_list::TileLists;
-pub use touched::MOST_LINES;
