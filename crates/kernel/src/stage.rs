@@ -190,7 +190,7 @@ fn deliver<O: Outputs>(marks: &mut Vec<Cycle>, to: u32, at: Cycle, outputs: &mut
 #[inline]
 pub(crate) fn charge<P: Probe>(account: &mut Account, probe: &mut P, stage: usize, (cause, from, to): Wait) {
     account.charge(cause, to.since(from));
-    if P::ON {
+    if P::is_on() {
         probe.waited(stage, cause, from, to);
     }
 }
