@@ -1,6 +1,7 @@
 //! What no single parameter's range can say, as every machine finds it.
 
 use basrelief_kernel::facts::{Facts, SlowFifo};
+use basrelief_kernel::{Machine, WiringError, check_wiring};
 
 /// Parameters that do not fit together.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -10,6 +11,20 @@ pub struct ConfigProblem {
     pub key: String,
     /// What is wrong, what was expected, what to do.
     pub message: String,
+}
+
+/// The machine as it is built, its wiring checked. Where a memory has fewer credits than a step needs (law 3), its parameter
+/// is at fault.
+pub(crate) fn wired<M: Machine>(mut machine: M) -> Result<M, ConfigProblem> {
+    let Err(error) = check_wiring(&mut machine) else { return Ok(machine) };
+    let (key, message) = match &error {
+        WiringError::TooFewCredits { memory, port, needed, outstanding, .. } => (
+            format!("memory.{memory}.outstanding"),
+            format!("is {outstanding}, but one step needs {needed} requests on port `{port}`; set it to {needed} or more"),
+        ),
+        other => ("wiring".into(), other.to_string()),
+    };
+    Err(ConfigProblem { key, message })
 }
 
 /// `key` is at fault.

@@ -141,6 +141,22 @@ fn the_reference_shares_no_code_with_the_units_it_judges() {
 #[test]
 fn the_kernel_knows_no_graphics() {
     assert_eq!(dependencies("kernel"), ["parameters"]);
+    // Nor do its words, comments and documentation included.
+    let words = [
+        "texel", "pixel", "fragment", "frame", "video", "z-test", "early z", " mip", "clut", "scene", "light", "picture",
+        "polygon", "triangle", "vertex", "shad",
+    ];
+    let mut files = Vec::new();
+    rust_files(&folder("kernel").join("src"), &mut files);
+    for path in files {
+        for (n, line) in (1..).zip(read(&path).lines()) {
+            // Steps in flight are no light.
+            let said = line.to_lowercase().replace("flight", "");
+            let word = words.iter().find(|word| said.contains(**word));
+            let allowed = ["knows no graphics"].iter().any(|words| line.contains(words));
+            assert!(word.is_none() || allowed, "{}:{n}: `{}` is graphics: {line}", path.display(), word.unwrap_or(&""));
+        }
+    }
 }
 
 #[test]

@@ -96,7 +96,7 @@ impl From<&kernel::Outcome> for Outcome {
     fn from(outcome: &kernel::Outcome) -> Self {
         let (kind, message) = match outcome {
             kernel::Outcome::Complete => (OutcomeKind::Complete, None),
-            kernel::Outcome::Deadlock(text) => (OutcomeKind::Deadlock, Some(text.clone())),
+            kernel::Outcome::Deadlock(deadlock) => (OutcomeKind::Deadlock, Some(deadlock.to_string())),
             kernel::Outcome::Limit => (OutcomeKind::Limit, None),
             kernel::Outcome::Stopped => (OutcomeKind::Stopped, None),
             kernel::Outcome::Fault(text) => (OutcomeKind::Fault, Some(text.clone())),
@@ -106,8 +106,8 @@ impl From<&kernel::Outcome> for Outcome {
 }
 
 fn cycles(run: &kernel::RunReport) -> Cycles {
-    let drain = run.total.saturating_sub(run.frames.iter().sum());
-    Cycles { total: run.total, frames: run.frames.clone(), drain }
+    let drain = run.total.saturating_sub(run.marks.iter().sum());
+    Cycles { total: run.total, frames: run.marks.clone(), drain }
 }
 
 fn unit(unit: &kernel::UnitReport, fifos: &[kernel::FifoReport], numerals: &IndexMap<String, u32>) -> Unit {

@@ -274,7 +274,8 @@ fn place<T>(place: impl Display, result: Result<T, String>) -> Result<T, Broken>
 fn completed(report: &RunReport) -> Result<(), String> {
     match &report.outcome {
         Outcome::Complete => Ok(()),
-        Outcome::Deadlock(text) | Outcome::Fault(text) => Err(text.clone()),
+        Outcome::Deadlock(deadlock) => Err(deadlock.to_string()),
+        Outcome::Fault(text) => Err(text.clone()),
         other @ (Outcome::Limit | Outcome::Stopped) => Err(format!("the run ended with {other:?}, expected Complete")),
     }
 }
@@ -291,6 +292,6 @@ fn same_reports((a_name, a): (&str, &RunReport), (b_name, b): (&str, &RunReport)
         .or_else(|| first(&a.fifos, &b.fifos))
         .or_else(|| first(&a.memories, &b.memories))
         .or_else(|| first(&a.caches, &b.caches))
-        .unwrap_or_else(|| (format!("{:?}", (a.total, &a.frames)), format!("{:?}", (b.total, &b.frames))));
+        .unwrap_or_else(|| (format!("{:?}", (a.total, &a.marks)), format!("{:?}", (b.total, &b.marks))));
     Err(format!("{a_name}: {of_a}; {b_name}: {of_b}"))
 }

@@ -1,10 +1,10 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
-use super::{BumpProcessorConfig, MemoryConfigs};
+use super::BumpProcessorConfig;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
 use basrelief_graphics_processor::GraphicsProcessor;
+use basrelief_kernel::Unit;
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{MemorySystem, Unit};
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_signals::MAX_SAMPLES;
 
@@ -32,32 +32,6 @@ pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
         ("depth", c.cache.depth.line_bytes),
     ] {
         line_is_power_of_two(name, line_bytes)?;
-    }
-    Ok(())
-}
-
-/// Law 3: a step starts when its ports have the credits of the largest one; with fewer it never would. (Units of which no
-/// step makes more than one request need no check: the range of `outstanding` begins at 1.)
-pub(super) fn credits(
-    unit: &impl Unit,
-    clients: &[usize],
-    memories: &MemorySystem,
-    config: &MemoryConfigs,
-) -> Result<(), ConfigProblem> {
-    for (number, &client) in clients.iter().enumerate() {
-        let name = memories.memory_name(client);
-        let outstanding = match name {
-            "normal_map" => config.normal_map.outstanding,
-            "quantization" => config.quantization.outstanding,
-            _ => config.graphics.outstanding,
-        };
-        let needed = unit.largest_step(number);
-        if needed > outstanding {
-            let port = memories.client_name(client);
-            let message =
-                format!("is {outstanding}, but one step needs {needed} requests on port `{port}`; set it to {needed} or more");
-            return problem(&format!("memory.{name}.outstanding"), message);
-        }
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use super::memories::{ClientNumbers, build};
 use super::{BumpProcessorConfig, ConfigProblem, check};
 use crate::Draws;
 use crate::front::FrontEnd;
+use crate::problem::wired;
 use basrelief_brightness::{BrightnessFetch, Components};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::{DepthTest, GraphicsProcessor};
@@ -49,7 +50,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let separate = c.brightness.components == Components::Separate;
         let (z_bits, stamp) = (c.rasterizer.z_bits, check::stamp(config));
         let levels = c.brightness.levels;
-        let machine = Self {
+        wired(Self {
             front,
             fifos: Fifos::new(&c.fifo),
             early_z: c.rasterizer.early_z,
@@ -68,18 +69,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
             video_out: Stage::new("video-out", VideoOut::new(c.video_out)),
             memories,
             clients,
-        };
-        machine.check_credits(config)?;
-        Ok(machine)
-    }
-
-    fn check_credits(&self, config: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
-        let (m, c) = (&self.memories, &self.clients);
-        let config = &config.memory;
-        check::credits(&self.mapping.unit, &c.mapping, m, config)?;
-        check::credits(&self.replacement.unit, &c.replacement, m, config)?;
-        check::credits(&self.brightness.unit, &c.brightness, m, config)?;
-        check::credits(&self.graphics.unit, &c.graphics, m, config)
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::DeferConfig;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
-use basrelief_deferred_renderer::{MOST_LINES, NumberFormat};
+use basrelief_deferred_renderer::NumberFormat;
 use basrelief_kernel::facts::Facts;
 
 /// Checks what spans parameters.
@@ -13,15 +13,6 @@ pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
         if !side.is_power_of_two() {
             return problem(key, format!("is {side}, expected a power of two"));
         }
-    }
-    if c.memory.texture.outstanding < MOST_LINES {
-        return problem(
-            "memory.texture.outstanding",
-            format!(
-                "is {}, but a block of 16 pixels may touch {MOST_LINES} lines; set it to that or more",
-                c.memory.texture.outstanding
-            ),
-        );
     }
     let cell = &c.cell;
     let fields = [

@@ -7,7 +7,7 @@ use super::memories::{ClientNumbers, build};
 use crate::Draws;
 use crate::fifos::{fifo, slots};
 use crate::front::FrontEnd;
-use crate::problem::ConfigProblem;
+use crate::problem::{ConfigProblem, wired};
 use basrelief_deferred_renderer::tokens::EncodedTile;
 use basrelief_deferred_renderer::{
     CellFormat, Cells, Cut, DepthPixel, Expander, FilledBuffer, Identification, Page, Path, Rasterization, ReferenceBuffer,
@@ -69,7 +69,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let shown = c.defer.pictures_per_view;
         let shared = c.defer.depth_pixel == DepthPixel::Shared;
         let cells = Cells::new(engine.clone(), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
-        Ok(Self {
+        wired(Self {
             front,
             fifos: Fifos::new(&c.fifo),
             tiles: fifo("tiles", &slots(c.path.requests)),

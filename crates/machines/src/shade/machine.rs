@@ -6,7 +6,7 @@ use super::fifos::Fifos;
 use super::memories::{ClientNumbers, build};
 use crate::Draws;
 use crate::front::FrontEnd;
-use crate::problem::ConfigProblem;
+use crate::problem::{ConfigProblem, wired};
 use basrelief_figure_shading::{
     Adder, BrightnessInterpolation, Gate, HostInterface, Microcomputer, NormalInterpolation, Selector28, Selector53,
 };
@@ -47,7 +47,7 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
         let (memories, clients) = build(config);
         let normal_interpolation = NormalInterpolation::new(c.normal_interpolation.clone(), c.shade.renormalise);
         let microcomputer = Microcomputer::new(c.microcomputer, c.shade, c.shortcut, c.scan.clone(), &c.normal_interpolation);
-        Ok(Self {
+        wired(Self {
             front,
             fifos: Fifos::new(&c.fifo),
             host: Stage::new("host-interface", HostInterface::new(c.host)),

@@ -2,13 +2,11 @@
 
 use super::TexelMachineConfig;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
-use basrelief_kernel::Unit;
 use basrelief_kernel::facts::Facts;
 use basrelief_signals::LINE_PIXELS;
-use basrelief_texel_value_generator::TextureLookUpTable;
 
 /// Checks what spans parameters.
-pub(super) fn check(c: &TexelMachineConfig, look_up: &TextureLookUpTable) -> Result<(), ConfigProblem> {
+pub(super) fn check(c: &TexelMachineConfig) -> Result<(), ConfigProblem> {
     line_is_power_of_two("texture", c.cache.texture.line_bytes)?;
     line_is_power_of_two("depth", c.cache.depth.line_bytes)?;
     let depth_bytes = LINE_PIXELS * if c.scan.z_bits <= 16 { 2 } else { 4 };
@@ -19,13 +17,6 @@ pub(super) fn check(c: &TexelMachineConfig, look_up: &TextureLookUpTable) -> Res
                 "is {}, but the depth of {LINE_PIXELS} pixels is tested in one look-up; set it to {depth_bytes} or more",
                 c.cache.depth.line_bytes
             ),
-        );
-    }
-    let (needed, outstanding) = (look_up.largest_step(0), c.memory.texture.outstanding);
-    if needed > outstanding {
-        return problem(
-            "memory.texture.outstanding",
-            format!("is {outstanding}, but one step needs {needed} requests on port `texel_read`; set it to {needed} or more"),
         );
     }
     Ok(())

@@ -6,7 +6,7 @@ use super::fifos::Fifos;
 use super::memories::{ClientNumbers, build};
 use crate::Draws;
 use crate::front::FrontEnd;
-use crate::problem::ConfigProblem;
+use crate::problem::{ConfigProblem, wired};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::facts::Facts;
@@ -48,11 +48,11 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         let c = config.clone();
         let trilinear = c.mip.mode == MipMode::Trilinear;
         let look_up = TextureLookUpTable::new(c.look_up, trilinear, c.cache.texture.line_bytes);
-        check(config, &look_up)?;
+        check(config)?;
         let (memories, clients) = build(config);
         let gradients = (c.mip.mode != MipMode::Off).then_some(c.mip.per);
         let approximate_calculator = ApproximateCalculator::new(c.approximation, c.scan.z_bits, gradients);
-        Ok(Self {
+        wired(Self {
             front,
             fifos: Fifos::new(&c.fifo),
             depth: Stage::new("depth-test", DepthTest::new(c.depth, c.scan.z_bits)),

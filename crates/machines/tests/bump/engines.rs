@@ -21,7 +21,7 @@ fn agree(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> Ran {
 
 /// Laws 9 to 11 and what caches, ports and counters must have in common.
 fn conserved(ran: &Ran, config: &BumpProcessorConfig, frames: usize) {
-    let RunReport { total, memories, caches, frames: ends, .. } = &ran.report;
+    let RunReport { total, memories, caches, marks: ends, .. } = &ran.report;
     assert_eq!(ends.len(), frames);
     // What is left of the total is drain.
     assert!(ends.iter().all(|f| *f > 0) && ends.iter().sum::<u64>() <= *total, "{ends:?} of {total}");

@@ -122,7 +122,7 @@ pub fn same(timed: &RunReport, ticked: &RunReport) {
     if timed != ticked {
         let parts = [
             differ(&[&timed.outcome], &[&ticked.outcome]),
-            differ(&[(timed.total, &timed.frames)], &[(ticked.total, &ticked.frames)]),
+            differ(&[(timed.total, &timed.marks)], &[(ticked.total, &ticked.marks)]),
             differ(&timed.units, &ticked.units),
             differ(&timed.fifos, &ticked.fifos),
             differ(&timed.memories, &ticked.memories),

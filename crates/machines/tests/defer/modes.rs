@@ -119,7 +119,7 @@ fn textures_that_are_declared_count_whether_polygons_name_them_or_not_452_471() 
 fn the_first_progressive_picture_comes_before_that_of_best_resolution() {
     let slow = [("path.bits_per_second", "20000000"), ("path.requests", "4")];
     let [best, progressive, conventional] = modes(&views(&[0.0]), &slow);
-    assert!(progressive.report.frames[0] < best.report.frames[0] && best.report.frames[0] < conventional.report.frames[0]);
+    assert!(progressive.report.marks[0] < best.report.marks[0] && best.report.marks[0] < conventional.report.marks[0]);
 }
 
 /// What must hold of the pictures of every frame.

@@ -107,7 +107,7 @@ impl RunSummary<'_> {
     /// Cycles from the end of the frame before to each picture.
     pub fn cycles_of_frames(&self, run: &RunReport) -> Vec<u64> {
         let mut since = 0;
-        let cycles = self.pictures.iter().zip(&run.frames).map(|(shown, cycles)| {
+        let cycles = self.pictures.iter().zip(&run.marks).map(|(shown, cycles)| {
             let own = since + cycles;
             since = if shown.last { 0 } else { own };
             own

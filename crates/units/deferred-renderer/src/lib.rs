@@ -57,4 +57,3 @@ pub use reference_buffer::{FilledBuffer, ReferenceBuffer, ReferenceBufferCounter
 pub use server::{Server, ServerCounters, ServerState, TextureMemory, TileSource};
 pub use texels::{LayerCounts, PageTexels};
 pub use tile_lists::{TileLists, TileListsCounters, TileListsState};
-pub use touched::MOST_LINES;

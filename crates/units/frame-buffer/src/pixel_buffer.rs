@@ -164,7 +164,7 @@ impl Unit for PixelBuffer {
             Some(PictureFlow::Show { last }) => {
                 let out = self.show(last);
                 let step = Step::after(latency, out);
-                return if out.0.is_some() { step.ending_frame() } else { step };
+                return if out.0.is_some() { step.marked() } else { step };
             }
             None => {}
         }

@@ -135,7 +135,7 @@ impl<T: Drawn> Unit for FrameBuffer<T> {
             Some(Flow::Control(Control::FrameEnd)) => {
                 let done = self.finish(traffic);
                 let step = Step::after(latency, done);
-                return if done.is_some() { step.ending_frame() } else { step };
+                return if done.is_some() { step.marked() } else { step };
             }
             Some(Flow::Control(_)) | None => {}
         }
@@ -177,7 +177,7 @@ mod tests {
     fn step(unit: &mut FrameBuffer, token: Flow<Stamp<Pixel>>) -> (Vec<(u64, u32)>, Option<FrameDone>) {
         let mut traffic = Traffic::default();
         let step = unit.step(Some(token), &mut traffic);
-        assert_eq!(step.ends_frame, step.out.is_some());
+        assert_eq!(step.marked, step.out.is_some());
         assert!(traffic.requests().len() as u32 <= unit.largest_step(0));
         assert!(traffic.requests().iter().all(|r| r.write && r.client == 0));
         (traffic.requests().iter().map(|r| (r.address, r.bytes)).collect(), step.out)

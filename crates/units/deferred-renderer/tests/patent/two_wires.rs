@@ -21,9 +21,9 @@ impl Unit for TwoOutputs {
     }
 
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
-        let Step { out: (request, order, round), occupancy, latency, ends_frame } = self.0.step(input, traffic);
+        let Step { out: (request, order, round), occupancy, latency, marked } = self.0.step(input, traffic);
         let orders = (order.is_some() || round.is_some()).then_some((order, round));
-        Step { out: (request, orders), occupancy, latency, ends_frame }
+        Step { out: (request, orders), occupancy, latency, marked }
     }
 
     fn is_empty(&self) -> bool {
