@@ -31,5 +31,7 @@ pub use model::{
     Camera, Draw, Filter, Frame, Image, Light, LightKind, Lighting, MAX_PICTURE_PIXELS, Material, Mesh, Object, Sampler, Scene,
     Texture, Wrap,
 };
-pub use packet::{Drawn, LINE_PIXELS, Lined, PACKET_PIXELS, Packet, PixelPacket, Placed, Tested, line_of, lines};
+pub use packet::{
+    ColorToken, DepthToken, LINE_PIXELS, PACKET_PIXELS, Packet, PixelPacket, PixelPlace, PixelToken, line_of, lines,
+};
 pub use polygon::{ObjectInfo, Polygon, Vertex};

@@ -1,22 +1,22 @@
 //! Pixels that travel together, whatever their shape: what a depth test and a frame buffer ask of a token.
 
-use crate::{Fragment, Pixel, Stamp};
+use crate::{Fragment, MAX_STAMP, Pixel, Stamp};
 use serde::{Deserialize, Serialize};
 
 /// Has a place on the screen and a depth.
-pub trait Placed {
+pub trait PixelPlace {
     /// Column, row, depth.
     fn place(&self) -> (u16, u16, u32);
 }
 
-impl Placed for Fragment {
+impl PixelPlace for Fragment {
     #[inline]
     fn place(&self) -> (u16, u16, u32) {
         (self.x, self.y, self.z)
     }
 }
 
-impl Placed for Pixel {
+impl PixelPlace for Pixel {
     #[inline]
     fn place(&self) -> (u16, u16, u32) {
         (self.x, self.y, self.z)
@@ -25,9 +25,11 @@ impl Placed for Pixel {
 
 /// A token of pixels that lie in one line of a picture's memory: a rectangle of [`LINE_PIXELS`], the same for all tokens of
 /// a type, so that a picture that they draw is stored line by line.
-pub trait Lined {
+pub trait PixelToken {
     /// Width and height of a line \[pixels\]; their product is [`LINE_PIXELS`].
     const LINE: [u32; 2];
+    /// Most pixels of a token.
+    const MOST_PIXELS: u32;
     /// Pixels in it.
     fn pixels(&self) -> usize;
 }
@@ -37,19 +39,19 @@ pub const LINE_PIXELS: u32 = 16;
 
 /// Number of the line that holds pixel `(x, y)` of a picture of this width, lines row by row.
 #[inline]
-pub fn line_of<T: Lined>(width: u32, [x, y]: [u32; 2]) -> u64 {
+pub fn line_of<T: PixelToken>(width: u32, [x, y]: [u32; 2]) -> u64 {
     let [columns, rows] = T::LINE;
     u64::from(y / rows) * u64::from(width.div_ceil(columns)) + u64::from(x / columns)
 }
 
 /// Lines of a picture of this size.
-pub fn lines<T: Lined>(width: u32, height: u32) -> u64 {
+pub fn lines<T: PixelToken>(width: u32, height: u32) -> u64 {
     let [columns, rows] = T::LINE;
     u64::from(width.div_ceil(columns)) * u64::from(height.div_ceil(rows))
 }
 
 /// A token whose pixels a depth test looks at.
-pub trait Tested: Lined {
+pub trait DepthToken: PixelToken {
     /// The token goes on though none of its pixels is left: what follows counts tokens.
     const KEPT_WHEN_EMPTY: bool;
     /// Drops the pixels of which `passes` says no, in order, and tells whether any is left.
@@ -57,13 +59,14 @@ pub trait Tested: Lined {
 }
 
 /// A token of finished pixels.
-pub trait Drawn: Lined {
+pub trait ColorToken: PixelToken {
     /// Shows each pixel: column, row, colour.
     fn each(&self, show: impl FnMut(u16, u16, [u8; 3]));
 }
 
-impl<T: Placed> Lined for Stamp<T> {
+impl<T: PixelPlace> PixelToken for Stamp<T> {
     const LINE: [u32; 2] = [4, 4];
+    const MOST_PIXELS: u32 = MAX_STAMP as u32;
 
     #[inline]
     fn pixels(&self) -> usize {
@@ -71,7 +74,7 @@ impl<T: Placed> Lined for Stamp<T> {
     }
 }
 
-impl<T: Placed> Tested for Stamp<T> {
+impl<T: PixelPlace> DepthToken for Stamp<T> {
     const KEPT_WHEN_EMPTY: bool = false;
 
     #[inline(always)]
@@ -84,7 +87,7 @@ impl<T: Placed> Tested for Stamp<T> {
     }
 }
 
-impl Drawn for Stamp<Pixel> {
+impl ColorToken for Stamp<Pixel> {
     #[inline(always)]
     fn each(&self, mut show: impl FnMut(u16, u16, [u8; 3])) {
         self.iter().for_each(|p| show(p.x, p.y, p.rgb));
@@ -133,8 +136,9 @@ pub struct PixelPacket {
     pub rgb: [[u8; 3]; PACKET_PIXELS],
 }
 
-impl Lined for PixelPacket {
+impl PixelToken for PixelPacket {
     const LINE: [u32; 2] = [PACKET_PIXELS as u32, 1];
+    const MOST_PIXELS: u32 = PACKET_PIXELS as u32;
 
     #[inline]
     fn pixels(&self) -> usize {
@@ -142,7 +146,7 @@ impl Lined for PixelPacket {
     }
 }
 
-impl Drawn for PixelPacket {
+impl ColorToken for PixelPacket {
     #[inline(always)]
     fn each(&self, mut show: impl FnMut(u16, u16, [u8; 3])) {
         self.packet.positions().for_each(|i| show(self.packet.x + i as u16, self.packet.y, self.rgb[i]));

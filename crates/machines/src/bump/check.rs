@@ -42,7 +42,7 @@ pub(super) fn stamp(c: &BumpProcessorConfig) -> u32 {
     let (levels, line_bytes) = (c.brightness.levels, c.cache.normal_map.line_bytes);
     let mapping = NormalMapping::new(c.normal_mapping.clone(), levels, 1, line_bytes).largest_step(0);
     let brightness = c.normal_mapping.samples(levels);
-    let graphics = GraphicsProcessor::new(c.graphics.clone(), false, 1).largest_step(0);
+    let graphics = GraphicsProcessor::new(c.graphics.clone(), false, 1, c.cache.color_texture.line_bytes).largest_step(0);
     let memory = &c.memory;
     [
         (memory.normal_map.outstanding, mapping),

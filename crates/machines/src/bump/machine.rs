@@ -55,7 +55,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
             fifos: Fifos::new(&c.fifo),
             early_z: c.rasterizer.early_z,
             rasterizer: Stage::new("rasterizer", Rasterizer::new(RasterizerConfig { stamp, ..c.rasterizer })),
-            early_depth: Stage::new("depth-test", DepthTest::new(c.depth.clone(), z_bits)),
+            early_depth: Stage::new("depth-test", DepthTest::new(c.depth.clone(), z_bits, c.cache.depth.line_bytes)),
             distributor: Stage::new("distributor", Distributor::default()),
             mapping: Stage::new(
                 "normal-mapping",
@@ -63,8 +63,11 @@ impl<F: FrontEnd> BumpProcessor<F> {
             ),
             replacement: Stage::new("replacement", replacement),
             brightness: Stage::new("brightness", BrightnessFetch::new(c.brightness, tables, stamp * samples)),
-            graphics: Stage::new("graphics", GraphicsProcessor::new(c.graphics, separate, stamp)),
-            late_depth: Stage::new("depth-test", DepthTest::new(c.depth, z_bits)),
+            graphics: Stage::new(
+                "graphics",
+                GraphicsProcessor::new(c.graphics, separate, stamp, c.cache.color_texture.line_bytes),
+            ),
+            late_depth: Stage::new("depth-test", DepthTest::new(c.depth, z_bits, c.cache.depth.line_bytes)),
             frame_buffer: Stage::new("frame-buffer", FrameBuffer::new(c.frame_buffer)),
             video_out: Stage::new("video-out", VideoOut::new(c.video_out)),
             memories,

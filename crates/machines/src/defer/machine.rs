@@ -76,7 +76,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
             server: Stage::new("server", Server::new(c.path.clone(), source)),
             path: Stage::new("path", Path::new(&c.path, c.clock.hz)),
             expander: Stage::new("expander", Expander::new(c.tile.clone(), engine.latency)),
-            depth: Stage::new("z-test", DepthTest::new(c.depth, c.rasterizer.z_bits)),
+            depth: Stage::new("z-test", DepthTest::new(c.depth, c.rasterizer.z_bits, c.cache.depth.line_bytes)),
             rasterizer: Stage::new("rasterizer", Rasterizer::new(c.rasterizer)),
             cell_maker: Stage::new("cells", cells),
             reference_buffer: Stage::new("reference-buffer", ReferenceBuffer::new(engine.clone(), mode, format.bytes)),

@@ -4,7 +4,7 @@ use crate::config::FrameBufferConfig;
 use crate::state::{FinishedFrame, FrameBufferState};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::{Control, Drawn, Flow, Frame, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines};
+use basrelief_signals::{ColorToken, Control, Flow, Frame, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines};
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
@@ -34,13 +34,13 @@ pub struct FrameBuffer<T = Stamp<Pixel>> {
     token: PhantomData<fn(T)>,
 }
 
-impl<T: Drawn> Default for FrameBuffer<T> {
+impl<T: ColorToken> Default for FrameBuffer<T> {
     fn default() -> Self {
         Self::new(FrameBufferConfig::default())
     }
 }
 
-impl<T: Drawn> FrameBuffer<T> {
+impl<T: ColorToken> FrameBuffer<T> {
     /// A frame buffer at power-on.
     pub fn new(config: FrameBufferConfig) -> Self {
         Self { config, state: FrameBufferState::default(), token: PhantomData }
@@ -114,7 +114,7 @@ impl<T: Drawn> FrameBuffer<T> {
     }
 }
 
-impl<T: Drawn> Unit for FrameBuffer<T> {
+impl<T: ColorToken> Unit for FrameBuffer<T> {
     type In = Option<Flow<T>>;
     type Out = Option<FrameDone>;
 

@@ -3,7 +3,7 @@
 use crate::config::DepthConfig;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::{Control, Flow, Frame, LINE_PIXELS, Tested, layout, line_of};
+use basrelief_signals::{Control, DepthToken, Flow, Frame, LINE_PIXELS, layout, line_of};
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
@@ -42,15 +42,17 @@ pub struct DepthTest<T> {
     pub config: DepthConfig,
     /// Width of a z value \[bits\]; kept in 2 bytes up to 16 bits, else in 4.
     pub z_bits: u32,
+    /// A line of the z-cache \[bytes\].
+    pub line_bytes: u32,
     /// Everything it remembers.
     pub state: DepthTestState,
     token: PhantomData<fn(T) -> T>,
 }
 
-impl<T: Tested> DepthTest<T> {
-    /// A z-test at power-on; `z_bits` (1..=32) is the rasterizer's.
-    pub fn new(config: DepthConfig, z_bits: u32) -> Self {
-        Self { config, z_bits, state: DepthTestState::default(), token: PhantomData }
+impl<T: DepthToken> DepthTest<T> {
+    /// A z-test at power-on; `z_bits` (1..=32) is the rasterizer's, `line_bytes` the z-cache's.
+    pub fn new(config: DepthConfig, z_bits: u32, line_bytes: u32) -> Self {
+        Self { config, z_bits, line_bytes, state: DepthTestState::default(), token: PhantomData }
     }
 
     fn z_bytes(&self) -> u32 {
@@ -103,7 +105,7 @@ impl<T: Tested> DepthTest<T> {
     }
 }
 
-impl<T: Tested> Unit for DepthTest<T> {
+impl<T: DepthToken> Unit for DepthTest<T> {
     type In = Option<Flow<T>>;
     type Out = Option<Flow<T>>;
 
@@ -133,9 +135,13 @@ impl<T: Tested> Unit for DepthTest<T> {
         }
     }
 
-    /// A token lies in one line: one look-up of the z-cache, one write of the line gathered before.
+    /// Lines of the z-cache that the pixels of a token can lie in; one write of the line gathered before.
     fn largest_step(&self, client: usize) -> u32 {
-        u32::from(client < 2)
+        match client {
+            0 => (LINE_PIXELS * self.z_bytes()).div_ceil(self.line_bytes.max(1)).min(T::MOST_PIXELS),
+            1 => 1,
+            _ => 0,
+        }
     }
 
     fn tell(&self, facts: &mut Facts) {
@@ -159,7 +165,7 @@ mod tests {
     }
 
     fn unit(z_bits: u32) -> DepthTest<Stamp<Fragment>> {
-        let mut unit = DepthTest::new(DepthConfig::default(), z_bits);
+        let mut unit = DepthTest::new(DepthConfig::default(), z_bits, 64);
         unit.step(Some(Flow::Control(frame(16, 8))), &mut Traffic::default());
         unit
     }

@@ -33,15 +33,17 @@ pub struct GraphicsProcessor {
     pub separate: bool,
     /// Most fragments of a stamp.
     pub stamp: u32,
+    /// A line of the cache of colour textures \[bytes\].
+    pub line_bytes: u32,
     /// Everything it remembers.
     pub state: GraphicsProcessorState,
 }
 
 impl GraphicsProcessor {
     /// A graphics processor at power-on, for stamps of at most `stamp` fragments; `separate`: the two terms of a vertex's
-    /// brightness are blended apart.
-    pub fn new(config: GraphicsConfig, separate: bool, stamp: u32) -> Self {
-        Self { config, separate, stamp, state: GraphicsProcessorState::default() }
+    /// brightness are blended apart; `line_bytes` is the colour cache's.
+    pub fn new(config: GraphicsConfig, separate: bool, stamp: u32, line_bytes: u32) -> Self {
+        Self { config, separate, stamp, line_bytes, state: GraphicsProcessorState::default() }
     }
 
     /// A control token on the way through (106), which carries the order. Polygons that are no bump target, and what ends
@@ -282,11 +284,12 @@ impl Unit for GraphicsProcessor {
         }
     }
 
-    /// Taps of a filtered sample, each on two lines of the cache where texels can straddle them; one held result, which
+    /// Taps of a filtered sample, each on as many lines of the cache as a texel can lie on; one held result, which
     /// is the whole traffic of its client.
     fn largest_step(&self, client: usize) -> u32 {
         let taps = if self.config.filter == Filter::Nearest { 1 } else { 4 };
-        let lines = if self.config.texel_bytes.is_power_of_two() { 1 } else { 2 };
+        let (bytes, line) = (self.config.texel_bytes, self.line_bytes.max(1));
+        let lines = if bytes.is_power_of_two() { bytes.div_ceil(line) } else { 2 + bytes / line };
         match client {
             0 => self.stamp * taps * lines,
             1 => u32::from(self.config.draw == DrawOrder::AfterList),

@@ -8,7 +8,7 @@
 //!   12 bits of fraction.
 //! - texels to the combiner (350): 8 bits and 8 bits of fraction; illuminance: 2 bits and 14 bits of fraction.
 
-use basrelief_signals::{Lined, PACKET_PIXELS, Packet, Tested};
+use basrelief_signals::{DepthToken, PACKET_PIXELS, Packet, PixelToken};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
@@ -128,8 +128,9 @@ pub struct TexelPacket {
     pub displacement: Option<Box<[f32; PACKET_PIXELS]>>,
 }
 
-impl Lined for TexelPacket {
+impl PixelToken for TexelPacket {
     const LINE: [u32; 2] = [PACKET_PIXELS as u32, 1];
+    const MOST_PIXELS: u32 = PACKET_PIXELS as u32;
 
     #[inline]
     fn pixels(&self) -> usize {
@@ -137,7 +138,7 @@ impl Lined for TexelPacket {
     }
 }
 
-impl Tested for TexelPacket {
+impl DepthToken for TexelPacket {
     /// Levels and illuminance of its pixels are on their way.
     const KEPT_WHEN_EMPTY: bool = true;
 

@@ -48,7 +48,7 @@ struct Bench {
 
 impl Bench {
     fn new(config: GraphicsConfig, separate: bool) -> Self {
-        let unit = GraphicsProcessor::new(config, separate, 4);
+        let unit = GraphicsProcessor::new(config, separate, 4, 64);
         Self { unit, inputs: Default::default(), plain: false, out: Vec::new(), traffic: Vec::new() }
     }
 
