@@ -6,18 +6,17 @@ use crate::exact::Exact;
 use crate::machine::{MachineConfig, for_device};
 use crate::observer::Observer;
 use crate::outcome::{Run, SessionError};
-use crate::record::hash_of;
+use crate::record::{Drawn, HashedDraws};
 use crate::settings::{Settings, Source};
 use crate::tee::{Seen, Tee};
 use crate::watch::{Watch, Watched};
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles, Resolver};
-use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{self as kernel, NoProbe, Probe, StageTopology};
 use basrelief_machines::{ConfigProblem, SceneFront, TraceFront};
 use basrelief_report::model::Input;
 use basrelief_signals::{Control, Draw, Scene};
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
@@ -98,16 +97,23 @@ fn run_scene<D: Device, P: Probe>(
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
-    let sha256 = hash_of(scene, device.front())?.to_string();
-    let commands = Rc::new(Cell::new(0_u64));
-    let counter = Rc::clone(&commands);
-    let draws = SceneDraws::new(Arc::clone(scene)).inspect(move |_: &Draw| counter.set(counter.get() + 1));
+    let drawn = Rc::new(RefCell::new(Drawn::default()));
+    let draws = HashedDraws::new(scene, device.front(), Rc::clone(&drawn), settings.clock);
     let machine = device.build(SceneFront::new(draws, device.front()))?;
     let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
     let exact = if settings.exact { Exact::Scene(Arc::clone(scene), device.exact_style()) } else { Exact::None };
     let total = Some((per_frame * scene.frames.len()) as u64);
-    let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.get(), total)));
+    // The first command is drawn when the machine is built, ahead of the simulation.
+    let ahead = drawn.borrow().seconds;
+    let commands = Rc::clone(&drawn);
+    let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.borrow().commands, total)));
     let driven = session.drive(machine, probe)?;
+    let passed = std::mem::take(&mut *drawn.borrow_mut());
+    if let Some(error) = passed.error {
+        return Err(error.into());
+    }
+    session.simulate_s -= passed.seconds - ahead;
+    let sha256 = passed.digest.map(|d| d.to_string()).unwrap_or_default();
     let input = Input { kind: "scene".into(), name: file_name(&scene.name), sha256 };
     let frame = scene.frames.last().map(|f| &**f);
     Ok(session.finish(device, input, frame, driven, &scene.warnings, vec![]))
