@@ -3,8 +3,8 @@
 use crate::workload::{Counted, Sample, Size, Workload, measured};
 use basrelief_kernel::contract::Source;
 use basrelief_kernel::{
-    CacheConfig, Clients, Demand, Engine, Fifo, Limits, Machine, MemoryConfig, MemorySystem, NoProbe, Outcome, Probe, Recorder,
-    Stage, Step, Traffic, Unit, Visitor, run_functional, run_with,
+    CacheConfig, Demand, Engine, Fifo, Limits, Machine, MemoryConfig, MemorySystem, NoProbe, Outcome, Probe, Recorder, Stage,
+    Step, Traffic, Unit, Visitor, run_functional, run_with,
 };
 use std::hint::black_box;
 use std::ops::Range;
@@ -89,15 +89,15 @@ impl Machine for Chain {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let [a, b, c, d, e, f, g] = &mut self.passes;
         let [w0, w1, w2, w3, w4, w5, w6, w7] = &mut self.fifos;
-        v.stage(&mut self.source, (), &mut *w0, Clients::none());
-        v.stage(a, w0, &mut *w1, Clients::none());
-        v.stage(b, w1, &mut *w2, Clients::none());
-        v.stage(c, w2, &mut *w3, Clients::none());
-        v.stage(d, w3, &mut *w4, Clients::none());
-        v.stage(e, w4, &mut *w5, Clients::none());
-        v.stage(f, w5, &mut *w6, Clients::none());
-        v.stage(g, w6, &mut *w7, Clients::none());
-        v.stage(&mut self.drain, w7, (), Clients::none());
+        v.stage(self.source.between((), &mut *w0));
+        v.stage(a.between(w0, &mut *w1));
+        v.stage(b.between(w1, &mut *w2));
+        v.stage(c.between(w2, &mut *w3));
+        v.stage(d.between(w3, &mut *w4));
+        v.stage(e.between(w4, &mut *w5));
+        v.stage(f.between(w5, &mut *w6));
+        v.stage(g.between(w6, &mut *w7));
+        v.stage(self.drain.between(w7, ()));
     }
     fn memories(&mut self) -> &mut MemorySystem {
         &mut self.memories
@@ -168,12 +168,12 @@ impl Machine for ForkJoin {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let [input, left, right, left_out, right_out, out] = &mut self.fifos;
         let [a, b] = &mut self.branches;
-        v.stage(&mut self.source, (), &mut *input, Clients::none());
-        v.stage(&mut self.fork, input, (&mut *left, &mut *right), Clients::none());
-        v.stage(a, left, &mut *left_out, Clients::none());
-        v.stage(b, right, &mut *right_out, Clients::none());
-        v.stage(&mut self.join, (left_out, right_out), &mut *out, Clients::none());
-        v.stage(&mut self.drain, out, (), Clients::none());
+        v.stage(self.source.between((), &mut *input));
+        v.stage(self.fork.between(input, (&mut *left, &mut *right)));
+        v.stage(a.between(left, &mut *left_out));
+        v.stage(b.between(right, &mut *right_out));
+        v.stage(self.join.between((left_out, right_out), &mut *out));
+        v.stage(self.drain.between(out, ()));
     }
     fn memories(&mut self) -> &mut MemorySystem {
         &mut self.memories
@@ -254,9 +254,9 @@ impl<const N: usize> Machine for Rows<N> {
     #[inline]
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         for Row { source, input, client, output, drain, ids } in &mut self.rows {
-            v.stage(source, (), &mut *input, Clients::none());
-            v.stage(client, input, &mut *output, Clients::of(&mut self.memories, &*ids));
-            v.stage(drain, output, (), Clients::none());
+            v.stage(source.between((), &mut *input));
+            v.stage(client.between(input, &mut *output).using(&mut self.memories, &*ids));
+            v.stage(drain.between(output, ()));
         }
     }
     fn memories(&mut self) -> &mut MemorySystem {

@@ -5,7 +5,7 @@
 //! for popping and pushing; engine, memories and caches are not there. Two clock readings per visit are included, 50 ns for
 //! some ten steps.
 
-use basrelief_kernel::{Clients, Demand, Inputs, Machine, Outputs, Stage, Traffic, Unit, Visitor};
+use basrelief_kernel::{Connections, Demand, Inputs, Machine, Outputs, Place, Traffic, Unit, Visitor};
 use std::time::{Duration, Instant};
 
 /// What a unit did.
@@ -27,16 +27,11 @@ struct Stopwatch {
 }
 
 impl Visitor for Stopwatch {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        stage: &mut Stage<U>,
-        mut inputs: I,
-        mut outputs: O,
-        _: Clients<'_, M>,
-    ) {
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, Connections { inputs, outputs, .. }) = place.open();
         let began = Instant::now();
         let mut steps = 0;
-        while let Some(demand) = ready(&stage.unit, &inputs, &outputs) {
+        while let Some(demand) = ready(&stage.unit, inputs, outputs) {
             let step = stage.unit.step(inputs.take(demand), &mut self.traffic);
             outputs.put(step.out);
             self.traffic.clear();

@@ -43,7 +43,7 @@
 //!
 //! ```
 //! use basrelief_kernel::contract::{Sink, Source};
-//! use basrelief_kernel::{Clients, Demand, Engine, Fifo, Machine, MemorySystem, Outcome};
+//! use basrelief_kernel::{Demand, Engine, Fifo, Machine, MemorySystem, Outcome};
 //! use basrelief_kernel::{Stage, Step, Traffic, Unit, Visitor, run};
 //!
 //! /// Squares a number in 3 cycles, one number at a time.
@@ -71,9 +71,9 @@
 //!
 //! impl Machine for Squares {
 //!     fn wire<V: Visitor>(&mut self, v: &mut V) {
-//!         v.stage(&mut self.source, (), &mut self.numbers, Clients::none());
-//!         v.stage(&mut self.square, &mut self.numbers, &mut self.squares, Clients::none());
-//!         v.stage(&mut self.sink, &mut self.squares, (), Clients::none());
+//!         v.stage(self.source.between((), &mut self.numbers));
+//!         v.stage(self.square.between(&mut self.numbers, &mut self.squares));
+//!         v.stage(self.sink.between(&mut self.squares, ()));
 //!     }
 //!     fn memories(&mut self) -> &mut MemorySystem {
 //!         &mut self.memories
@@ -196,6 +196,7 @@ mod link;
 mod memory;
 mod memory_system;
 mod occupancy;
+mod place;
 pub mod plan;
 mod probe;
 mod report;
@@ -214,10 +215,11 @@ pub use fifo::Fifo;
 pub use link::Link;
 pub use memory::PortCounts;
 pub use memory_system::MemorySystem;
+pub use place::{Between, Clients, Connections, ConnectionsOf, MemoryClients, Place};
 pub use probe::{Interval, NoProbe, Probe, Recorder};
 pub use report::{CacheReport, FifoReport, MemoryReport, Outcome, PortReport, RunReport, UnitReport};
 pub use stage::Stage;
 pub use topology::{StageTopology, topology};
 pub use traffic::{Request, Traffic};
 pub use unit::{Demand, Step, Unit};
-pub use wiring::{Clients, Inputs, MAX_CLIENTS, MAX_LINKS, Machine, Outputs, Visitor, Wires};
+pub use wiring::{Inputs, MAX_CLIENTS, MAX_LINKS, Machine, Outputs, Visitor, Wires};

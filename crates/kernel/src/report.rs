@@ -1,9 +1,9 @@
 //! What a run came to: outcome, accounting, occupancy, traffic.
 
-use crate::stage::split_wait;
+use crate::place::{Clients, Connections, Place};
 use crate::topology::StageTopology;
-use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
-use crate::{Account, CacheCounts, Cause, Cycle, Demand, PortCounts, Stage, Unit};
+use crate::wiring::{Inputs, Machine, Outputs, Visitor, Wires};
+use crate::{Account, CacheCounts, Cause, Cycle, Demand, PortCounts, Unit};
 
 /// How a run ended (law 8).
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -112,13 +112,8 @@ struct Survey {
 }
 
 impl Visitor for Survey {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        stage: &mut Stage<U>,
-        inputs: I,
-        outputs: O,
-        _: Clients<'_, M>,
-    ) {
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, Connections { inputs, outputs, .. }) = place.open();
         if stage.clock.steps > 0 {
             self.last = self.last.max(Some(Cycle(stage.clock.free.0 - 1)));
         }
@@ -143,13 +138,8 @@ struct Conclude {
 }
 
 impl Visitor for Conclude {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        stage: &mut Stage<U>,
-        inputs: I,
-        mut outputs: O,
-        clients: Clients<'_, M>,
-    ) {
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
         let free = stage.clock.free;
         let demand = stage.unit.demand();
         let mut account = stage.clock.account.clone();
@@ -157,21 +147,21 @@ impl Visitor for Conclude {
         if demand == Demand::Finished || (self.complete && stage.clock.steps > 0) {
             account.done += self.total.since(free);
         } else {
-            let wires = (&inputs, &outputs, &clients);
             let needs = &stage.clock.needs;
-            split_wait(needs, demand, wires, (free, self.total), |(cause, from, to)| account.charge(cause, to.since(from)));
+            connections.split_wait(needs, demand, (free, self.total), |(cause, from, to)| account.charge(cause, to.since(from)));
             // What holds it for ever; a unit that was busy up to the end waits for it, too.
             let mut last = None;
-            split_wait(needs, demand, wires, (free, Cycle::UNKNOWN), |(cause, ..)| last = Some(cause));
+            connections.split_wait(needs, demand, (free, Cycle::UNKNOWN), |(cause, ..)| last = Some(cause));
             if let Some(cause) = last {
-                self.stuck.push(explain(stage.name(), cause, &inputs, &outputs, &clients));
+                self.stuck.push(explain(stage.name(), cause, connections));
                 self.full |= matches!(cause, Cause::Blocked(_));
             }
         }
-        let StageTopology { name, inputs, outputs: names, clients } = StageTopology::of(stage, &inputs, &outputs, &clients);
+        let StageTopology { name, inputs, outputs: names, clients } = StageTopology::of(stage, connections);
+        let wires = &mut connections.outputs;
         self.units.push(UnitReport { name, steps: stage.clock.steps, account, inputs, outputs: names, clients });
-        for i in 0..outputs.count() {
-            let link = outputs.link_mut(i);
+        for i in 0..wires.count() {
+            let link = wires.link_mut(i);
             let (name, depth, tokens) = (link.name().to_owned(), link.depth(), link.tokens());
             self.fifos.push(FifoReport { name, depth, tokens, histogram: link.finish(self.total.0).to_vec() });
         }
@@ -179,19 +169,14 @@ impl Visitor for Conclude {
 }
 
 /// One line on a unit that cannot go on: what it waits for, and how full that is.
-fn explain<I: Inputs, O: Outputs, const M: bool>(
-    name: &str,
-    cause: Cause,
-    inputs: &I,
-    outputs: &O,
-    clients: &Clients<'_, M>,
-) -> String {
+fn explain<I: Inputs, O: Outputs, C: Clients>(name: &str, cause: Cause, connections: &Connections<I, O, C>) -> String {
+    let Connections { inputs, outputs, clients } = connections;
     let fill = |link: &crate::Link| format!("`{}` ({} of {} slots)", link.name(), link.len(), link.depth());
     match cause {
         Cause::Starved(i) => format!("`{name}` waits for a token from {}", fill(inputs.link(i))),
         Cause::Blocked(i) => format!("`{name}` waits for a slot in {}", fill(outputs.link(i))),
         Cause::Memory(i) => {
-            let port = clients.system().map_or("", |s| s.client_name(clients.ids()[i]));
+            let port = clients.memories().map_or("", |s| s.client_name(clients.ids()[i]));
             format!("`{name}` waits for memory port `{port}`")
         }
     }

@@ -2,8 +2,9 @@
 
 use crate::account::{Account, Cause};
 use crate::flight::{Delivery, ENDS_FRAME, Flight, Flights};
+use crate::place::{Clients, Connections};
 use crate::probe::Probe;
-use crate::wiring::{Clients, Inputs, MAX_CLIENTS, Outputs};
+use crate::wiring::{Inputs, MAX_CLIENTS, Outputs};
 use crate::{Cycle, Demand, Traffic, Unit};
 
 /// A unit together with its times.
@@ -30,6 +31,34 @@ impl<U: Unit> Stage<U> {
     pub fn steps(&self) -> u64 {
         self.clock.steps
     }
+
+    /// Makes one step.
+    #[inline(always)]
+    pub(crate) fn fire<I, O, C>(&mut self, start: &Start, connections: &mut Connections<I, O, C>, traffic: &mut Traffic)
+    where
+        I: Inputs<Item = U::In>,
+        O: Outputs<Item = U::Out>,
+        C: Clients,
+    {
+        let (Self { unit, clock, .. }, &Start { at, demand }) = (self, start);
+        let item = connections.inputs.pop(demand, at);
+        let step = unit.step(item, traffic);
+        if step.occupancy == 0 {
+            traffic.fault("a step kept its unit for 0 cycles, expected at least 1 (law 3)".into());
+        }
+        let mask = connections.outputs.reserve(at, step.out);
+        let outputs_and_frame = mask | if step.ends_frame { ENDS_FRAME } else { 0 };
+        let delivery = Delivery { base: at + step.latency, outputs: outputs_and_frame };
+        let mut occupancy = step.occupancy;
+        if !C::HAS_MEMORY || (traffic.is_empty() && clock.flights.is_empty()) {
+            deliver(&mut clock.frame_ends, delivery.outputs, delivery.base, &mut connections.outputs);
+        } else {
+            occupancy = occupancy.max(clock.depart(at, delivery, connections, traffic));
+        }
+        clock.account.busy += occupancy;
+        clock.free = at + occupancy;
+        clock.steps += 1;
+    }
 }
 
 /// A wait: why, its first cycle, and the cycle after its last.
@@ -53,9 +82,9 @@ pub(crate) struct Clock {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Needs {
     /// Credits that the largest step needs, by client.
-    credits: [u32; MAX_CLIENTS],
+    pub(crate) credits: [u32; MAX_CLIENTS],
     /// Clients in the order in which their memories serve them.
-    served_in_order: [usize; MAX_CLIENTS],
+    pub(crate) served_in_order: [usize; MAX_CLIENTS],
 }
 
 /// What is known of the start of the next step.
@@ -64,179 +93,43 @@ pub(crate) struct Start {
     pub(crate) demand: Demand,
 }
 
-/// The earliest start of the unit's next step (law 3); `None` if it will make no further step.
-///
-/// What runs in every step is marked to be inlined always: a step is a dozen comparisons, and left to itself the compiler
-/// inlines them or not as it happens to divide the crates into units of code.
-#[inline(always)]
-pub(crate) fn next_start<U: Unit, I: Inputs, O: Outputs, const M: bool>(
-    unit: &U,
-    clock: &Clock,
-    inputs: &I,
-    outputs: &O,
-    clients: &Clients<'_, M>,
-) -> Option<Start> {
-    let demand = unit.demand();
-    if demand == Demand::Finished {
-        return None;
-    }
-    let mut at = clock.free;
-    for i in (0..inputs.count()).filter(|&i| demand.takes(i)) {
-        at = at.max(inputs.link(i).front_visible());
-    }
-    // Most visits end here: what else is unknown makes no difference.
-    if !at.is_known() {
-        return Some(Start { at, demand });
-    }
-    for i in 0..outputs.count() {
-        at = at.max(outputs.link(i).room_at());
-    }
-    if let Some(system) = clients.system() {
-        for (&client, &credits) in clients.ids().iter().zip(&clock.needs.credits) {
-            at = at.max(system.credits_at(client, credits));
-        }
-    }
-    Some(Start { at, demand })
-}
-
-/// Promises that the unit makes no step before it can at the earliest: with what its neighbours have promised, where they have
-/// not come so far yet. Its neighbours build on that in turn, and its memories serve what others asked for until then.
-#[inline(always)]
-pub(crate) fn promise<I: Inputs, O: Outputs, const M: bool>(
-    demand: Demand,
-    free: Cycle,
-    (inputs, outputs, clients): (&mut I, &mut O, &mut Clients<'_, M>),
-) {
-    let mut start = if demand == Demand::Finished { Cycle::UNKNOWN } else { free };
-    for i in (0..inputs.count()).filter(|&i| demand.takes(i)) {
-        start = start.max(inputs.link(i).no_front_before());
-    }
-    for i in 0..outputs.count() {
-        start = start.max(outputs.link(i).no_room_before());
-    }
-    for i in 0..inputs.count() {
-        inputs.link_mut(i).promise_pop(start);
-    }
-    for i in 0..outputs.count() {
-        outputs.link_mut(i).promise_push(start);
-    }
-    let ids = clients.ids();
-    if let Some(system) = clients.system_mut() {
-        ids.iter().for_each(|&client| system.promise(client, start));
-    }
-}
-
-/// Splits the wait from `from` to `to` into its causes (law 9), in order, and hands each to `charge`.
-///
-/// In each cycle the first cause that applies counts; every condition, once met, stays met until the step starts. So
-/// the causes follow each other in the order in which they are tried, and a running maximum splits the interval.
-pub(crate) fn split_wait<I: Inputs, O: Outputs, const M: bool>(
-    needs: &Needs,
-    demand: Demand,
-    wires: (&I, &O, &Clients<'_, M>),
-    (from, to): (Cycle, Cycle),
-    mut charge: impl FnMut(Wait),
-) {
-    let (inputs, outputs, clients) = wires;
-    let mut at = from;
-    // Tells whether nothing of the interval is left.
-    let mut until = |cause: Cause, end: Cycle| {
-        let end = end.min(to);
-        if end > at {
-            charge((cause, at, end));
-            at = end;
-        }
-        at >= to
-    };
-    for i in (0..inputs.count()).filter(|&i| demand.takes(i)) {
-        if until(Cause::Starved(i), inputs.link(i).front_visible()) {
-            return;
-        }
-    }
-    if let Some(system) = clients.system() {
-        for (i, (&client, &credits)) in clients.ids().iter().zip(&needs.credits).enumerate() {
-            if until(Cause::Memory(i), system.credits_at(client, credits)) {
-                return;
-            }
-        }
-    }
-    for i in 0..outputs.count() {
-        let link = outputs.link(i);
-        let room = link.room_at();
-        for &client in needs.served_in_order.iter().take(clients.ids().len()) {
-            until(Cause::Memory(client), link.oldest_awaits(client).min(room));
-        }
-        until(Cause::Blocked(i), room);
-    }
-}
-
 impl Clock {
     /// Starts a run: asks what does not change during it.
-    pub(crate) fn attach<U: Unit, O: Outputs, const M: bool>(&mut self, unit: &U, outputs: &mut O, clients: &Clients<'_, M>) {
+    pub(crate) fn attach<I, O: Outputs, C: Clients>(&mut self, unit: &impl Unit, connections: &mut Connections<I, O, C>) {
+        let Connections { outputs, clients, .. } = connections;
         let ids = clients.ids();
         for i in 0..outputs.count() {
             outputs.link_mut(i).keep_awaits(!ids.is_empty());
         }
         self.needs.credits = std::array::from_fn(|i| if i < ids.len() { unit.largest_step(i) } else { 0 });
         self.needs.served_in_order = std::array::from_fn(|i| i);
-        if let Some(system) = clients.system() {
-            self.needs.served_in_order[..ids.len()].sort_by_key(|&i| system.service_rank(ids[i]));
+        if let Some(memories) = clients.memories() {
+            self.needs.served_in_order[..ids.len()].sort_by_key(|&i| memories.service_rank(ids[i]));
         }
-    }
-
-    /// Makes one step at `start`.
-    #[inline(always)]
-    pub(crate) fn fire<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        unit: &mut U,
-        demand: Demand,
-        start: Cycle,
-        wires: (&mut I, &mut O, &mut Clients<'_, M>),
-        traffic: &mut Traffic,
-    ) {
-        let (inputs, outputs, clients) = wires;
-        let item = inputs.pop(demand, start);
-        let step = unit.step(item, traffic);
-        if step.occupancy == 0 {
-            traffic.fault("a step kept its unit for 0 cycles, expected at least 1 (law 3)".into());
-        }
-        let mask = outputs.reserve(start, step.out);
-        let outputs_and_frame = mask | if step.ends_frame { ENDS_FRAME } else { 0 };
-        let delivery = Delivery { base: start + step.latency, outputs: outputs_and_frame };
-        let mut occupancy = step.occupancy;
-        if !M || (traffic.is_empty() && self.flights.is_empty()) {
-            deliver(&mut self.frame_ends, delivery.outputs, delivery.base, outputs);
-        } else {
-            occupancy = occupancy.max(self.depart(start, delivery, outputs, clients, traffic));
-        }
-        self.account.busy += occupancy;
-        self.free = start + occupancy;
-        self.steps += 1;
     }
 
     /// Issues a step's traffic, and delivers it if all answers are known; the least occupancy that its look-ups need.
-    fn depart<O: Outputs, const M: bool>(
+    fn depart<I, O: Outputs, C: Clients>(
         &mut self,
         start: Cycle,
         delivery: Delivery,
-        outputs: &mut O,
-        clients: &mut Clients<'_, M>,
+        connections: &mut Connections<I, O, C>,
         traffic: &mut Traffic,
     ) -> u64 {
-        let ids = clients.ids();
-        let Some(system) = clients.system_mut() else { return 1 };
+        let Connections { outputs, clients, .. } = &mut *connections;
+        let Some((ids, memories)) = clients.open() else { return 1 };
         let mut flight = Flight::new(delivery);
-        let (least, at_once) = self.flights.issue(&mut flight, start, (ids, system), traffic);
+        let (least, at_once) = self.flights.issue(&mut flight, start, (ids, memories), traffic);
         let requests = !traffic.requests.is_empty();
         traffic.clear();
         if at_once {
             deliver_answered(&mut self.frame_ends, &flight, delivery.outputs, outputs);
         } else {
-            self.flights.push(flight, (ids, system));
+            self.flights.push(flight, (ids, memories));
         }
         // Private memories answer at once, and so the step may land.
-        if (requests || !at_once) && ids.iter().fold(false, |any, &client| system.serve_if_private(client) | any) {
-            self.land_known(outputs, clients);
+        if (requests || !at_once) && ids.iter().fold(false, |any, &client| memories.serve_if_private(client) | any) {
+            self.land_known(connections);
         }
         least
     }
@@ -247,15 +140,15 @@ impl Clock {
     /// A step may overtake those ahead that deliver nothing where it does, such as fragments that failed the z-test: its
     /// token must not seem to wait for their answers, or requests that it leads to would be served too late.
     #[inline(always)]
-    pub(crate) fn land_known<O: Outputs, const M: bool>(&mut self, outputs: &mut O, clients: &mut Clients<'_, M>) -> bool {
-        if !M || self.flights.is_empty() {
+    pub(crate) fn land_known<I, O: Outputs, C: Clients>(&mut self, connections: &mut Connections<I, O, C>) -> bool {
+        if !C::HAS_MEMORY || self.flights.is_empty() {
             return false;
         }
-        let ids = clients.ids();
-        let Some(system) = clients.system_mut() else { return false };
+        let Connections { outputs, clients, .. } = connections;
+        let Some((ids, memories)) = clients.open() else { return false };
         let all = (1 << outputs.count()) - 1;
         let Self { flights, frame_ends, .. } = self;
-        flights.land(all, (ids, system), |flight, to| deliver_answered(frame_ends, flight, to, outputs))
+        flights.land(all, (ids, memories), |flight, to| deliver_answered(frame_ends, flight, to, outputs))
     }
 }
 

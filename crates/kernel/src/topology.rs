@@ -1,6 +1,7 @@
 //! The block diagram as data: what `wire` shows, without running anything.
 
-use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
+use crate::place::{Clients, Connections, Place};
+use crate::wiring::{Inputs, Machine, Outputs, Visitor};
 use crate::{Stage, Unit};
 
 /// A stage and its wires, by name.
@@ -18,13 +19,12 @@ pub struct StageTopology {
 
 impl StageTopology {
     /// Of a stage as it is shown to a visitor.
-    pub(crate) fn of<U: Unit, I: Inputs, O: Outputs, const M: bool>(
-        stage: &Stage<U>,
-        inputs: &I,
-        outputs: &O,
-        clients: &Clients<'_, M>,
-    ) -> Self {
-        let client = |&c: &usize| clients.system().map_or("", |s| s.client_name(c)).to_owned();
+    pub(crate) fn of<U, I: Inputs, O: Outputs, C: Clients>(stage: &Stage<U>, connections: &Connections<I, O, C>) -> Self
+    where
+        U: Unit,
+    {
+        let Connections { inputs, outputs, clients } = connections;
+        let client = |&c: &usize| clients.memories().map_or("", |s| s.client_name(c)).to_owned();
         Self {
             name: stage.name().into(),
             inputs: (0..inputs.count()).map(|i| inputs.link(i).name().to_owned()).collect(),
@@ -38,14 +38,9 @@ impl StageTopology {
 pub fn topology(machine: &mut impl Machine) -> Vec<StageTopology> {
     struct Walk(Vec<StageTopology>);
     impl Visitor for Walk {
-        fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-            &mut self,
-            stage: &mut Stage<U>,
-            inputs: I,
-            outputs: O,
-            clients: Clients<'_, M>,
-        ) {
-            self.0.push(StageTopology::of(stage, &inputs, &outputs, &clients));
+        fn stage<P: Place>(&mut self, mut place: P) {
+            let (stage, connections) = place.open();
+            self.0.push(StageTopology::of(stage, connections));
         }
     }
     let mut walk = Walk(Vec::new());

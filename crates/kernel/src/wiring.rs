@@ -1,6 +1,6 @@
 //! Wiring: how a machine shows its block diagram to the visitors that run, account for and describe it.
 
-use crate::{Cycle, Demand, Fifo, Link, MemorySystem, Stage, Unit};
+use crate::{Cycle, Demand, Fifo, Link, MemorySystem, Place};
 
 /// Most inputs or outputs of one unit.
 pub const MAX_LINKS: usize = 8;
@@ -191,55 +191,10 @@ impl<T> Outputs for Vec<&mut Fifo<T>> {
     }
 }
 
-/// The memory clients of one stage, in the order in which its unit numbers them. `M` tells at compile time whether there
-/// are any: stages without memory pay nothing for those that have it.
-#[derive(Debug)]
-pub struct Clients<'a, const M: bool> {
-    system: Option<&'a mut MemorySystem>,
-    ids: &'a [usize],
-}
-
-impl Clients<'static, false> {
-    /// For a unit that touches no memory.
-    pub fn none() -> Self {
-        Self { system: None, ids: &[] }
-    }
-}
-
-impl<'a> Clients<'a, true> {
-    /// Clients `ids` of the machine's memories.
-    pub fn of(system: &'a mut MemorySystem, ids: &'a [usize]) -> Self {
-        Self { system: Some(system), ids }
-    }
-}
-
-impl<'a, const M: bool> Clients<'a, M> {
-    #[inline]
-    pub(crate) fn system(&self) -> Option<&MemorySystem> {
-        if M { self.system.as_deref() } else { None }
-    }
-
-    #[inline]
-    pub(crate) fn system_mut(&mut self) -> Option<&mut MemorySystem> {
-        if M { self.system.as_deref_mut() } else { None }
-    }
-
-    #[inline]
-    pub(crate) fn ids(&self) -> &'a [usize] {
-        if M { self.ids } else { &[] }
-    }
-}
-
 /// Who walks a machine's wiring: engines, accounting, reports.
 pub trait Visitor {
-    /// One stage with its wires.
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        stage: &mut Stage<U>,
-        inputs: I,
-        outputs: O,
-        clients: Clients<'_, M>,
-    );
+    /// One stage in its place.
+    fn stage<P: Place>(&mut self, place: P);
 }
 
 /// A machine: its `wire` function is its block diagram, and the only place where the topology stands.

@@ -1,7 +1,7 @@
 //! A step waits for its own answers, and on each output for the token ahead, never for a step beside it.
 
 use basrelief_kernel::{
-    CacheConfig, Clients, Demand, Engine, Fifo, Machine, MemoryConfig, MemorySystem, Stage, Step, Traffic, Unit, Visitor, run,
+    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemorySystem, Stage, Step, Traffic, Unit, Visitor, run,
 };
 
 /// Emits the numbers below its limit.
@@ -104,10 +104,10 @@ impl Machine for Bench {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let (m, [filter, left, right]) = (&mut self.memories, &self.clients);
         let [left_writer, right_writer] = &mut self.writers;
-        v.stage(&mut self.count, (), &mut self.numbers, Clients::none());
-        v.stage(&mut self.filter, &mut self.numbers, (&mut self.left, &mut self.right), Clients::of(m, filter));
-        v.stage(left_writer, &mut self.left, (), Clients::of(m, left));
-        v.stage(right_writer, &mut self.right, (), Clients::of(m, right));
+        v.stage(self.count.between((), &mut self.numbers));
+        v.stage(self.filter.between(&mut self.numbers, (&mut self.left, &mut self.right)).using(m, filter));
+        v.stage(left_writer.between(&mut self.left, ()).using(m, left));
+        v.stage(right_writer.between(&mut self.right, ()).using(m, right));
     }
     fn memories(&mut self) -> &mut MemorySystem {
         &mut self.memories

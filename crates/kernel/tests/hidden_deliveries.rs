@@ -3,8 +3,8 @@
 
 use basrelief_kernel::contract::Source;
 use basrelief_kernel::{
-    CacheConfig, Clients, Demand, Engine, Fifo, Machine, MemoryConfig, MemorySystem, Outcome, RunReport, Stage, Step, Traffic,
-    Unit, Visitor, run,
+    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemorySystem, Outcome, RunReport, Stage, Step, Traffic, Unit,
+    Visitor, run,
 };
 
 /// Looks up a line of its own for every token, and lets every fifth through without.
@@ -60,9 +60,9 @@ struct Sieve {
 impl Machine for Sieve {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let m = &mut self.memories;
-        v.stage(&mut self.source, (), &mut self.tokens, Clients::none());
-        v.stage(&mut self.filter, &mut self.tokens, &mut self.passed, Clients::of(m, &self.clients[..1]));
-        v.stage(&mut self.reader, &mut self.passed, (), Clients::of(m, &self.clients[1..]));
+        v.stage(self.source.between((), &mut self.tokens));
+        v.stage(self.filter.between(&mut self.tokens, &mut self.passed).using(m, &self.clients[..1]));
+        v.stage(self.reader.between(&mut self.passed, ()).using(m, &self.clients[1..]));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

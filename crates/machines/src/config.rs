@@ -1,13 +1,7 @@
 //! Parameters that every machine has.
 
-use basrelief_kernel::FifoConfig;
 use basrelief_parameters::parameters;
 use serde::{Deserialize, Serialize};
-
-/// A FIFO of `depth` slots.
-pub(crate) fn slots(depth: u32) -> FifoConfig {
-    FifoConfig { depth, ..FifoConfig::default() }
-}
 
 parameters! {
     /// The machine's clock; turns cycles into seconds in the report and changes no cycle.

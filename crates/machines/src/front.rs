@@ -1,18 +1,17 @@
 //! What stands in front of every machine: the host with the geometry processor (102), or a recorded display list.
 
 use crate::counts::Counts;
-use crate::fifo;
 use basrelief_geometry_processor::{
     BumpConfig, DisplayListConfig, DisplayListSource, GeometryConfig, GeometryProcessor, SceneSource,
 };
-use basrelief_kernel::{Clients, Fifo, FifoConfig, Stage, Visitor};
+use basrelief_kernel::{Fifo, Stage, Visitor};
 use basrelief_signals::{Control, Draw};
 use std::fmt::Display;
 
 /// The way in: whatever ends in the FIFO `polygons`.
 pub trait FrontEnd {
-    /// Shows its stages to `v`.
-    fn wire<V: Visitor>(&mut self, v: &mut V, polygons: &mut Fifo<Control>);
+    /// Shows its stages to `v`, with two FIFOs of the machine: the one that it fills, and `draws`, for a host in front of it.
+    fn wire<V: Visitor>(&mut self, v: &mut V, draws: &mut Fifo<Draw>, polygons: &mut Fifo<Control>);
     /// What its units counted.
     fn counts(&self, counts: &mut Counts);
 }
@@ -26,8 +25,6 @@ pub struct FrontConfig {
     pub bump: BumpConfig,
     /// How a display list is fed.
     pub display_list: DisplayListConfig,
-    /// FIFO from the host to the geometry processor.
-    pub draws: FifoConfig,
 }
 
 /// What the way in needs of this configuration, in which it has the same names as in every machine's.
@@ -35,12 +32,7 @@ macro_rules! front_of {
     ($config:ty) => {
         impl From<&$config> for $crate::FrontConfig {
             fn from(c: &$config) -> Self {
-                Self {
-                    geometry: c.geometry.clone(),
-                    bump: c.bump.clone(),
-                    display_list: c.display_list.clone(),
-                    draws: c.fifo.draws.clone(),
-                }
+                Self { geometry: c.geometry.clone(), bump: c.bump.clone(), display_list: c.display_list.clone() }
             }
         }
     };
@@ -51,7 +43,6 @@ pub(crate) use front_of;
 #[derive(Debug)]
 pub struct SceneFront<I: Iterator<Item = Draw>> {
     host: Stage<SceneSource<I>>,
-    draws: Fifo<Draw>,
     geometry: Stage<GeometryProcessor>,
 }
 
@@ -61,16 +52,15 @@ impl<I: Iterator<Item = Draw>> SceneFront<I> {
         let config = config.into();
         Self {
             host: Stage::new("host", SceneSource::new(draws)),
-            draws: fifo("draws", &config.draws),
             geometry: Stage::new("geometry", GeometryProcessor::new(config.geometry, config.bump)),
         }
     }
 }
 
 impl<I: Iterator<Item = Draw>> FrontEnd for SceneFront<I> {
-    fn wire<V: Visitor>(&mut self, v: &mut V, polygons: &mut Fifo<Control>) {
-        v.stage(&mut self.host, (), &mut self.draws, Clients::none());
-        v.stage(&mut self.geometry, &mut self.draws, polygons, Clients::none());
+    fn wire<V: Visitor>(&mut self, v: &mut V, draws: &mut Fifo<Draw>, polygons: &mut Fifo<Control>) {
+        v.stage(self.host.between((), &mut *draws));
+        v.stage(self.geometry.between(draws, polygons));
     }
 
     fn counts(&self, counts: &mut Counts) {
@@ -102,8 +92,8 @@ impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> TraceFro
 }
 
 impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> FrontEnd for TraceFront<I> {
-    fn wire<V: Visitor>(&mut self, v: &mut V, polygons: &mut Fifo<Control>) {
-        v.stage(&mut self.display_list, (), polygons, Clients::none());
+    fn wire<V: Visitor>(&mut self, v: &mut V, _: &mut Fifo<Draw>, polygons: &mut Fifo<Control>) {
+        v.stage(self.display_list.between((), polygons));
     }
 
     fn counts(&self, counts: &mut Counts) {

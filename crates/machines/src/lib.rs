@@ -11,7 +11,10 @@ pub mod bump;
 mod config;
 mod counts;
 pub mod defer;
+#[cfg(test)]
+mod drawing;
 mod draws;
+mod fifos;
 mod front;
 mod problem;
 pub mod shade;
@@ -24,10 +27,3 @@ pub use draws::Draws;
 pub use front::{FrontConfig, FrontEnd, SceneFront, TraceFront};
 pub use problem::ConfigProblem;
 pub use unit_info::UnitInfo;
-
-use basrelief_kernel::{Fifo, FifoConfig};
-
-/// A FIFO as configured.
-fn fifo<T>(name: &str, config: &FifoConfig) -> Fifo<T> {
-    Fifo::new(name, config.depth as usize, u64::from(config.latency))
-}

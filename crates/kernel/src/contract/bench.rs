@@ -3,7 +3,7 @@
 use super::Client;
 use super::ends::{Back, Emitted, Front, Popped};
 use super::guard::Guard;
-use crate::wiring::{Clients, Machine, Visitor};
+use crate::wiring::{Machine, Visitor};
 use crate::{CacheConfig, MemoryConfig, MemorySystem, Stage, Unit};
 use std::fmt;
 
@@ -111,8 +111,7 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
 impl<U: Unit<In: Popped, Out: Emitted>> Machine for Bench<U> {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         self.front.wire(v);
-        let clients = Clients::of(&mut self.memories, &self.clients);
-        v.stage(&mut self.unit, self.front.ends(), self.back.ends(), clients);
+        v.stage(self.unit.between(self.front.ends(), self.back.ends()).using(&mut self.memories, &self.clients));
         self.back.wire(v);
     }
 

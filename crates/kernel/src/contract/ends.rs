@@ -1,7 +1,7 @@
 //! The two sides of a bench: what feeds each shape of input, and what collects each shape of output.
 
 use super::{Setting, Sink, Source};
-use crate::wiring::{Clients, Inputs, Outputs, Visitor};
+use crate::wiring::{Inputs, Outputs, Visitor};
 use crate::{Fifo, Stage};
 use std::fmt::Debug;
 
@@ -115,7 +115,7 @@ impl<A> Front for Inlet<A> {
     where
         A: 'a;
     fn wire<V: Visitor>(&mut self, v: &mut V) {
-        v.stage(&mut self.stage, (), &mut self.fifo, Clients::none());
+        v.stage(self.stage.between((), &mut self.fifo));
     }
     fn ends(&mut self) -> &mut Fifo<A> {
         &mut self.fifo
@@ -177,7 +177,7 @@ impl<A: Clone + Debug + PartialEq> Back for Outlet<A> {
     where
         A: 'a;
     fn wire<V: Visitor>(&mut self, v: &mut V) {
-        v.stage(&mut self.stage, &mut self.fifo, (), Clients::none());
+        v.stage(self.stage.between(&mut self.fifo, ()));
     }
     fn ends(&mut self) -> &mut Fifo<A> {
         &mut self.fifo

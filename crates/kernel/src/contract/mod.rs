@@ -57,7 +57,7 @@
 //!
 //! ```
 //! use basrelief_kernel::contract::{Sink, Source};
-//! use basrelief_kernel::{Clients, Engine, Fifo, Machine, MemorySystem, Outcome, Stage, Visitor, run};
+//! use basrelief_kernel::{Engine, Fifo, Machine, MemorySystem, Outcome, Stage, Visitor, run};
 //!
 //! struct Wire {
 //!     source: Stage<Source<std::ops::Range<u32>>>,
@@ -68,8 +68,8 @@
 //!
 //! impl Machine for Wire {
 //!     fn wire<V: Visitor>(&mut self, v: &mut V) {
-//!         v.stage(&mut self.source, (), &mut self.fifo, Clients::none());
-//!         v.stage(&mut self.sink, &mut self.fifo, (), Clients::none());
+//!         v.stage(self.source.between((), &mut self.fifo));
+//!         v.stage(self.sink.between(&mut self.fifo, ()));
 //!     }
 //!     fn memories(&mut self) -> &mut MemorySystem {
 //!         &mut self.memories

@@ -1,8 +1,9 @@
 //! The functional model: the same steps, without time; memories answer at once (law 6, claim 10).
 
 use super::fault_of;
-use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
-use crate::{Demand, Stage, Traffic, Unit};
+use crate::place::{Connections, Place};
+use crate::wiring::{Inputs, Machine, Outputs, Visitor, Wires};
+use crate::{Demand, Traffic, Unit};
 
 struct Walk {
     traffic: Traffic,
@@ -12,13 +13,8 @@ struct Walk {
 
 impl Visitor for Walk {
     #[inline]
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        stage: &mut Stage<U>,
-        mut inputs: I,
-        mut outputs: O,
-        _: Clients<'_, M>,
-    ) {
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, Connections { inputs, outputs, .. }) = place.open();
         while self.fault.is_none() {
             let demand = stage.unit.demand();
             let ready = demand != Demand::Finished

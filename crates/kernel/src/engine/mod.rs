@@ -4,9 +4,10 @@ mod functional;
 mod ticked;
 mod timed;
 
+use crate::place::{Clients, Place};
 use crate::report::{RunReport, conclude};
-use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
-use crate::{Cycle, Probe, Stage, Traffic, Unit};
+use crate::wiring::{Machine, Visitor};
+use crate::{Cycle, Probe, Traffic};
 
 /// How to run a machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,15 +55,10 @@ fn attach(machine: &mut impl Machine) {
     #[derive(Default)]
     struct Attach(Vec<Vec<usize>>);
     impl Visitor for Attach {
-        fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-            &mut self,
-            stage: &mut Stage<U>,
-            _: I,
-            mut outputs: O,
-            clients: Clients<'_, M>,
-        ) {
-            stage.clock.attach(&stage.unit, &mut outputs, &clients);
-            self.0.push(clients.ids().to_vec());
+        fn stage<P: Place>(&mut self, mut place: P) {
+            let (stage, connections) = place.open();
+            stage.clock.attach(&stage.unit, connections);
+            self.0.push(connections.clients.ids().to_vec());
         }
     }
     let mut all = Attach::default();
@@ -73,14 +69,9 @@ fn attach(machine: &mut impl Machine) {
 /// Delivers what is known by now, for every stage; used after the last memory answers.
 struct Land;
 impl Visitor for Land {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        stage: &mut Stage<U>,
-        _: I,
-        mut outputs: O,
-        mut clients: Clients<'_, M>,
-    ) {
-        stage.clock.land_known(&mut outputs, &mut clients);
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
+        stage.clock.land_known(connections);
     }
 }
 

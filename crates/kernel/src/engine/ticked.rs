@@ -2,14 +2,15 @@
 //! cycle by cycle, so that nothing of the timed engine's interval arithmetic is shared.
 
 use super::{Land, Limits, fault_of};
+use crate::place::{Clients, Connections, Place};
 use crate::report::Halt;
-use crate::stage::{Wait, charge, next_start, split_wait};
-use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
-use crate::{Cycle, Demand, Probe, Stage, Traffic, Unit};
+use crate::stage::{Clock, Start, Wait, charge};
+use crate::wiring::{Inputs, Machine, Outputs, Visitor, Wires};
+use crate::{Cycle, Probe, Stage, Traffic, Unit};
 
 /// One cycle of all stages.
-struct Tick<'p, P> {
-    probe: &'p mut P,
+struct Tick<'p, SomeProbe> {
+    probe: &'p mut SomeProbe,
     traffic: Traffic,
     now: Cycle,
     stage: usize,
@@ -19,19 +20,20 @@ struct Tick<'p, P> {
     fault: Option<String>,
 }
 
-impl<P: Probe> Tick<'_, P> {
-    fn work<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        stage: &mut Stage<U>,
-        demand: Demand,
-        wires: (&mut I, &mut O, &mut Clients<'_, M>),
-    ) {
+impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
+    fn work<U, I, O, C>(&mut self, stage: &mut Stage<U>, start: &Start, connections: &mut Connections<I, O, C>)
+    where
+        U: Unit,
+        I: Inputs<Item = U::In>,
+        O: Outputs<Item = U::Out>,
+        C: Clients,
+    {
         for wait in std::mem::take(&mut stage.clock.waits) {
             charge(&mut stage.clock.account, self.probe, self.stage, wait);
         }
-        stage.clock.fire(&mut stage.unit, demand, self.now, wires, &mut self.traffic);
+        stage.fire(start, connections, &mut self.traffic);
         self.fired = true;
-        if P::ON {
+        if SomeProbe::ON {
             self.probe.worked(self.stage, self.now, stage.clock.free);
         }
         if self.traffic.fault.is_some() && self.fault.is_none() {
@@ -40,27 +42,22 @@ impl<P: Probe> Tick<'_, P> {
     }
 }
 
-impl<P: Probe> Visitor for Tick<'_, P> {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        stage: &mut Stage<U>,
-        mut inputs: I,
-        mut outputs: O,
-        mut clients: Clients<'_, M>,
-    ) {
+impl<SomeProbe: Probe> Visitor for Tick<'_, SomeProbe> {
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
         let now = self.now;
         if stage.clock.free <= now
-            && let Some(next) = next_start(&stage.unit, &stage.clock, &inputs, &outputs, &clients)
+            && let Some(next) = connections.next_start(&stage.unit, &stage.clock)
         {
             if next.at <= now {
-                self.work(stage, next.demand, (&mut inputs, &mut outputs, &mut clients));
+                self.work(stage, &Start { at: now, ..next }, connections);
             } else {
-                let waits = &mut stage.clock.waits;
-                let wires = (&inputs, &outputs, &clients);
-                split_wait(&stage.clock.needs, next.demand, wires, (now, now + 1), |wait| join(waits, wait));
+                let Clock { waits, needs, .. } = &mut stage.clock;
+                connections.split_wait(needs, next.demand, (now, now + 1), |wait| join(waits, wait));
             }
         }
         self.horizon = self.horizon.max(stage.clock.free);
+        let outputs = &connections.outputs;
         for i in 0..outputs.count() {
             self.horizon = self.horizon.max(outputs.link(i).last_visible().unwrap_or_default());
         }
@@ -78,13 +75,8 @@ fn join(waits: &mut Vec<Wait>, (cause, from, to): Wait) {
 /// Counts slots held at the end of a cycle.
 struct CountHeld(Cycle);
 impl Visitor for CountHeld {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        _: &mut Stage<U>,
-        _: I,
-        mut outputs: O,
-        _: Clients<'_, M>,
-    ) {
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (_, Connections { outputs, .. }) = place.open();
         for i in 0..outputs.count() {
             outputs.link_mut(i).count_held(self.0);
         }
@@ -94,14 +86,9 @@ impl Visitor for CountHeld {
 /// Whether any stage has a known next start.
 struct AnyStart(bool);
 impl Visitor for AnyStart {
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        stage: &mut Stage<U>,
-        inputs: I,
-        outputs: O,
-        clients: Clients<'_, M>,
-    ) {
-        let next = next_start(&stage.unit, &stage.clock, &inputs, &outputs, &clients);
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
+        let next = connections.next_start(&stage.unit, &stage.clock);
         self.0 |= next.is_some_and(|next| next.at.is_known());
     }
 }

@@ -2,14 +2,15 @@
 //! memories answer what nothing still to come can precede. Cost is O(tokens x stages), whatever the cycles.
 
 use super::{Land, Limits, fault_of};
+use crate::place::Place;
 use crate::report::Halt;
-use crate::stage::{Clock, charge, next_start, promise, split_wait};
-use crate::wiring::{Clients, Inputs, Machine, Outputs, Visitor};
-use crate::{Cycle, Probe, Stage, Traffic, Unit};
+use crate::stage::{Clock, charge};
+use crate::wiring::{Machine, Visitor};
+use crate::{Cycle, Probe, Traffic, Unit};
 
 /// One walk over all stages.
-struct RunAhead<'p, P> {
-    probe: &'p mut P,
+struct RunAhead<'p, SomeProbe> {
+    probe: &'p mut SomeProbe,
     traffic: Traffic,
     end: Cycle,
     stage: usize,
@@ -20,19 +21,14 @@ struct RunAhead<'p, P> {
     promises: bool,
 }
 
-impl<P: Probe> Visitor for RunAhead<'_, P> {
+impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
     #[inline]
-    fn stage<U: Unit, I: Inputs<Item = U::In>, O: Outputs<Item = U::Out>, const M: bool>(
-        &mut self,
-        stage: &mut Stage<U>,
-        mut inputs: I,
-        mut outputs: O,
-        mut clients: Clients<'_, M>,
-    ) {
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
         let number = self.stage;
         self.stage += 1;
-        self.moved |= stage.clock.land_known(&mut outputs, &mut clients);
-        while let Some(next) = next_start(&stage.unit, &stage.clock, &inputs, &outputs, &clients) {
+        self.moved |= stage.clock.land_known(connections);
+        while let Some(next) = connections.next_start(&stage.unit, &stage.clock) {
             if next.at >= self.end {
                 self.limited |= next.at.is_known();
                 break;
@@ -40,13 +36,11 @@ impl<P: Probe> Visitor for RunAhead<'_, P> {
             let free = stage.clock.free;
             if next.at > free {
                 let (Clock { needs, account, .. }, probe) = (&mut stage.clock, &mut *self.probe);
-                let wires = (&inputs, &outputs, &clients);
-                split_wait(needs, next.demand, wires, (free, next.at), |wait| charge(account, probe, number, wait));
+                connections.split_wait(needs, next.demand, (free, next.at), |wait| charge(account, probe, number, wait));
             }
-            let wires = (&mut inputs, &mut outputs, &mut clients);
-            stage.clock.fire(&mut stage.unit, next.demand, next.at, wires, &mut self.traffic);
+            stage.fire(&next, connections, &mut self.traffic);
             self.moved = true;
-            if P::ON {
+            if SomeProbe::ON {
                 self.probe.worked(number, next.at, stage.clock.free);
             }
             if self.traffic.fault.is_some() {
@@ -56,7 +50,7 @@ impl<P: Probe> Visitor for RunAhead<'_, P> {
             }
         }
         if self.promises {
-            promise(stage.unit.demand(), stage.clock.free, (&mut inputs, &mut outputs, &mut clients));
+            connections.promise(stage.unit.demand(), stage.clock.free);
         }
     }
 }

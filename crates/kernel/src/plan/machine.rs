@@ -2,7 +2,7 @@
 
 use super::check::check;
 use super::{Kind, Plan, PlanError, PlanUnit, PlannedUnit, Token};
-use crate::{CacheConfig, Clients, Fifo, Machine, MemoryConfig, MemorySystem, Stage, Visitor};
+use crate::{CacheConfig, Fifo, Machine, MemoryConfig, MemorySystem, Stage, Visitor};
 use std::collections::BTreeMap;
 
 /// A stage and the numbers of its FIFOs and clients.
@@ -115,7 +115,7 @@ impl Machine for PlanMachine {
             let mut pick =
                 |numbers: &[usize]| -> Vec<&mut Fifo<Token>> { numbers.iter().filter_map(|&i| fifos[i].take()).collect() };
             let (inputs, outputs) = (pick(&placed.inputs), pick(&placed.outputs));
-            v.stage(&mut placed.stage, inputs, outputs, Clients::of(&mut self.memories, &placed.clients));
+            v.stage(placed.stage.between(inputs, outputs).using(&mut self.memories, &placed.clients));
         }
     }
 

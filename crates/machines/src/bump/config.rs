@@ -1,47 +1,17 @@
 //! All parameters of the bump-mapping processor, in the order of its block diagram.
 
-use crate::config::{ClockConfig, ReferenceConfig, slots};
+use super::fifos::FifoConfigs;
+use crate::config::{ClockConfig, ReferenceConfig};
 use crate::front::front_of;
 use basrelief_brightness::BrightnessConfig;
 use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::{DepthConfig, GraphicsConfig};
-use basrelief_kernel::{CacheConfig, FifoConfig, MemoryConfig};
+use basrelief_kernel::{CacheConfig, MemoryConfig};
 use basrelief_normal_mapping::NormalMappingConfig;
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
 use basrelief_replacement::ReplacementConfig;
-
-parameter_groups! {
-    /// FIFOs of the bump-mapping processor, by name. Defaults hold full rate (law 2): latency of the producer + FIFO
-    /// latency + 1, and on the way out of a unit that waits for memory its loaded latency too.
-    pub struct FifoConfigs {
-        /// Host to geometry processor: triangles.
-        draws: FifoConfig = slots(16),
-        /// Geometry processor to rasterizer: the display list.
-        polygons: FifoConfig = slots(16),
-        /// Rasterizer to z-test or distributor: fragments.
-        fragments: FifoConfig = slots(32),
-        /// Z-test to distributor, with early z.
-        tested_fragments: FifoConfig = slots(64),
-        /// Distributor to normal-vector mapping unit: fragments of bump targets.
-        bump_fragments: FifoConfig = slots(16),
-        /// Distributor to graphics processor: other fragments.
-        plain_fragments: FifoConfig = slots(64),
-        /// Mapping unit to replacement unit: pseudo-normals N'.
-        pseudo_normals: FifoConfig = slots(64),
-        /// Replacement unit to brightness fetch unit: indexes.
-        indexes: FifoConfig = slots(32),
-        /// Brightness fetch unit to graphics processor: brightness.
-        shaded: FifoConfig = slots(64),
-        /// Graphics processor to frame buffer, or to the z-test without early z: pixels.
-        pixels: FifoConfig = slots(64),
-        /// Z-test to frame buffer, without early z.
-        tested_pixels: FifoConfig = slots(64),
-        /// Frame buffer to video output: finished frames.
-        finished_frames: FifoConfig = slots(2),
-    }
-}
 
 parameter_groups! {
     /// The three memories.

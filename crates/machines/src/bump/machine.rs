@@ -1,42 +1,33 @@
 //! The machine: fields and wiring.
 
+use super::fifos::Fifos;
 use super::memories::{ClientNumbers, build};
 use super::{BumpProcessorConfig, ConfigProblem, check};
 use crate::front::FrontEnd;
-use crate::{Counts, Draws, fifo};
+use crate::{Counts, Draws};
 use basrelief_brightness::{BrightnessFetch, Components};
-use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
+use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::{DepthTest, GraphicsProcessor};
-use basrelief_kernel::{Clients, Fifo, Machine, MemorySystem, Stage, Visitor};
+use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
 use basrelief_replacement::Replacement;
-use basrelief_signals::{Control, Flow, Fragment, Indexes, Pixel, PseudoNormals, Shaded, Stamp};
+use basrelief_signals::{Fragment, Pixel, Stamp};
 
 /// Bump-mapping processor (106) between geometry processor (102) and graphics processor (104), with its memories.
 #[derive(Clone, Debug)]
 pub struct BumpProcessor<F> {
     pub(super) front: F,
-    polygons: Fifo<Control>,
+    fifos: Fifos,
     pub(super) rasterizer: Stage<Rasterizer>,
-    fragments: Fifo<Flow<Stamp<Fragment>>>,
     pub(super) early_depth: Stage<DepthTest<Stamp<Fragment>>>,
-    tested_fragments: Fifo<Flow<Stamp<Fragment>>>,
     distributor: Stage<Distributor>,
-    bump_fragments: Fifo<Flow<Stamp<Fragment>>>,
-    plain_fragments: Fifo<Flow<Stamp<Fragment>>>,
     pub(super) mapping: Stage<NormalMapping>,
-    pseudo_normals: Fifo<Flow<PseudoNormals>>,
     pub(super) replacement: Stage<Replacement>,
-    indexes: Fifo<Flow<Indexes>>,
     pub(super) brightness: Stage<BrightnessFetch>,
-    shaded: Fifo<Flow<Stamp<Shaded>>>,
     pub(super) graphics: Stage<GraphicsProcessor>,
-    pixels: Fifo<Flow<Stamp<Pixel>>>,
     pub(super) late_depth: Stage<DepthTest<Stamp<Pixel>>>,
-    tested_pixels: Fifo<Flow<Stamp<Pixel>>>,
     pub(super) frame_buffer: Stage<FrameBuffer>,
-    finished_frames: Fifo<FrameDone>,
     pub(super) video_out: Stage<VideoOut>,
     memories: MemorySystem,
     clients: ClientNumbers,
@@ -69,7 +60,6 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let c = config.clone();
         let samples = c.normal_mapping.samples(c.brightness.levels);
         let replacement = Replacement::new(c.replacement.clone(), c.normal_mapping.normal_bits).map_err(check::no_table)?;
-        let f = &config.fifo;
         let (memories, clients) = build(config);
         let tables = c.replacement.table_set();
         let separate = c.brightness.components == Components::Separate;
@@ -77,30 +67,20 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let levels = c.brightness.levels;
         let machine = Self {
             front,
-            polygons: fifo("polygons", &f.polygons),
+            fifos: Fifos::new(&c.fifo),
             early_z: c.rasterizer.early_z,
             rasterizer: Stage::new("rasterizer", Rasterizer::new(RasterizerConfig { stamp, ..c.rasterizer })),
-            fragments: fifo("fragments", &f.fragments),
             early_depth: Stage::new("depth-test", DepthTest::new(c.depth.clone(), z_bits)),
-            tested_fragments: fifo("tested_fragments", &f.tested_fragments),
             distributor: Stage::new("distributor", Distributor::default()),
-            bump_fragments: fifo("bump_fragments", &f.bump_fragments),
-            plain_fragments: fifo("plain_fragments", &f.plain_fragments),
             mapping: Stage::new(
                 "normal-mapping",
                 NormalMapping::new(c.normal_mapping.clone(), levels, stamp, c.cache.normal_map.line_bytes),
             ),
-            pseudo_normals: fifo("pseudo_normals", &f.pseudo_normals),
             replacement: Stage::new("replacement", replacement),
-            indexes: fifo("indexes", &f.indexes),
             brightness: Stage::new("brightness", BrightnessFetch::new(c.brightness, tables, stamp * samples)),
-            shaded: fifo("shaded", &f.shaded),
             graphics: Stage::new("graphics", GraphicsProcessor::new(c.graphics, separate, stamp)),
-            pixels: fifo("pixels", &f.pixels),
             late_depth: Stage::new("depth-test", DepthTest::new(c.depth, z_bits)),
-            tested_pixels: fifo("tested_pixels", &f.tested_pixels),
             frame_buffer: Stage::new("frame-buffer", FrameBuffer::new(c.frame_buffer)),
-            finished_frames: fifo("finished_frames", &f.finished_frames),
             video_out: Stage::new("video-out", VideoOut::new(c.video_out)),
             memories,
             clients,
@@ -136,29 +116,29 @@ impl<F: FrontEnd> Draws for BumpProcessor<F> {
 
 impl<F: FrontEnd> Machine for BumpProcessor<F> {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
-        let (m, c) = (&mut self.memories, &self.clients);
-        self.front.wire(v, &mut self.polygons);
-        v.stage(&mut self.rasterizer, &mut self.polygons, &mut self.fragments, Clients::none());
+        let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
+        self.front.wire(v, &mut f.draws, &mut f.polygons);
+        v.stage(self.rasterizer.between(&mut f.polygons, &mut f.fragments));
         let to_distribute = if self.early_z {
-            v.stage(&mut self.early_depth, &mut self.fragments, &mut self.tested_fragments, Clients::of(m, &c.depth));
-            &mut self.tested_fragments
+            v.stage(self.early_depth.between(&mut f.fragments, &mut f.tested_fragments).using(m, &c.depth));
+            &mut f.tested_fragments
         } else {
-            &mut self.fragments
+            &mut f.fragments
         };
-        v.stage(&mut self.distributor, to_distribute, (&mut self.bump_fragments, &mut self.plain_fragments), Clients::none());
-        v.stage(&mut self.mapping, &mut self.bump_fragments, &mut self.pseudo_normals, Clients::of(m, &c.mapping));
-        v.stage(&mut self.replacement, &mut self.pseudo_normals, &mut self.indexes, Clients::of(m, &c.replacement));
-        v.stage(&mut self.brightness, &mut self.indexes, &mut self.shaded, Clients::of(m, &c.brightness));
-        let shaded_and_plain = (&mut self.shaded, &mut self.plain_fragments);
-        v.stage(&mut self.graphics, shaded_and_plain, &mut self.pixels, Clients::of(m, &c.graphics));
+        v.stage(self.distributor.between(to_distribute, (&mut f.bump_fragments, &mut f.plain_fragments)));
+        v.stage(self.mapping.between(&mut f.bump_fragments, &mut f.pseudo_normals).using(m, &c.mapping));
+        v.stage(self.replacement.between(&mut f.pseudo_normals, &mut f.indexes).using(m, &c.replacement));
+        v.stage(self.brightness.between(&mut f.indexes, &mut f.shaded).using(m, &c.brightness));
+        let shaded_and_plain = (&mut f.shaded, &mut f.plain_fragments);
+        v.stage(self.graphics.between(shaded_and_plain, &mut f.pixels).using(m, &c.graphics));
         let to_write = if self.early_z {
-            &mut self.pixels
+            &mut f.pixels
         } else {
-            v.stage(&mut self.late_depth, &mut self.pixels, &mut self.tested_pixels, Clients::of(m, &c.depth));
-            &mut self.tested_pixels
+            v.stage(self.late_depth.between(&mut f.pixels, &mut f.tested_pixels).using(m, &c.depth));
+            &mut f.tested_pixels
         };
-        v.stage(&mut self.frame_buffer, to_write, &mut self.finished_frames, Clients::of(m, &c.frame_buffer));
-        v.stage(&mut self.video_out, &mut self.finished_frames, (), Clients::of(m, &c.video_out));
+        v.stage(self.frame_buffer.between(to_write, &mut f.finished_frames).using(m, &c.frame_buffer));
+        v.stage(self.video_out.between(&mut f.finished_frames, ()).using(m, &c.video_out));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

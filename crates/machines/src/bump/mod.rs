@@ -9,6 +9,7 @@
 mod check;
 mod config;
 mod counts;
+mod fifos;
 mod machine;
 mod memories;
 mod units;
@@ -18,7 +19,8 @@ pub use crate::front::{FrontEnd, SceneFront, TraceFront};
 pub use crate::problem::ConfigProblem;
 pub use crate::unit_info::UnitInfo;
 pub use check::{claim_3_warning, warnings};
-pub use config::{BumpProcessorConfig, CacheConfigs, FifoConfigs, MemoryConfigs};
+pub use config::{BumpProcessorConfig, CacheConfigs, MemoryConfigs};
+pub use fifos::FifoConfigs;
 pub use machine::BumpProcessor;
 pub use units::UNITS;
 

@@ -1,58 +1,15 @@
 //! All parameters of the rate-limited renderer, in the order of its block diagram.
 
-use crate::config::{ClockConfig, slots};
+use super::fifos::FifoConfigs;
+use crate::config::ClockConfig;
 use crate::front::front_of;
 use basrelief_deferred_renderer::{CellConfig, EngineConfig, PathConfig, RendererConfig, TileConfig};
 use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, FifoConfig, MemoryConfig};
+use basrelief_kernel::{CacheConfig, MemoryConfig};
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
-
-parameter_groups! {
-    /// FIFOs of the rate-limited renderer, by name. Defaults hold full rate (law 2): latency of the producer + FIFO latency
-    /// + 1, and on the way out of a unit that waits for memory its loaded latency too. That of tiles on the path has as many
-    /// slots as there may be requests in flight: `path.requests`.
-    pub struct FifoConfigs {
-        /// Host to geometry processor: triangles.
-        draws: FifoConfig = slots(16),
-        /// Geometry processor to server (110): the display list, in its polygon memory (112).
-        polygons: FifoConfig = slots(16),
-        /// Server (110) to path: what it sends.
-        parcels: FifoConfig = slots(4),
-        /// Path to rasterizer: polygons.
-        mesh: FifoConfig = slots(16),
-        /// Expander to texture-data memory (130): tiles.
-        expanded: FifoConfig = slots(2),
-        /// Rasterizer to z-test: fragments.
-        fragments: FifoConfig = slots(32),
-        /// Z-test to the making of cells: fragments in front.
-        tested_fragments: FifoConfig = slots(64),
-        /// To reference buffer (126): cells.
-        cells: FifoConfig = slots(32),
-        /// Reference buffer (126) to identification (461): blocks of cells.
-        marking: FifoConfig = slots(8),
-        /// Reference buffer (126) to final rasterization (463, 472): blocks of cells.
-        colouring: FifoConfig = slots(8),
-        /// Identification (461) to tile load lists (136): tiles to mark.
-        marks: FifoConfig = slots(16),
-        /// Final rasterization (472) to tile load lists (136): tiles that would improve the picture.
-        improvements: FifoConfig = slots(16),
-        /// Tile load lists (136) to server (110): requests.
-        requests: FifoConfig = slots(8),
-        /// Tile load lists (136) to texture-data memory (130): what becomes of tiles.
-        orders: FifoConfig = slots(16),
-        /// Tile load lists (136) to reference buffer (126): whether another round follows.
-        rounds: FifoConfig = slots(2),
-        /// Final rasterization to pixel buffer (124): blocks of pixels.
-        pixels: FifoConfig = slots(16),
-        /// Pixel buffer (124) to server (110): the last picture of a frame is shown.
-        shown: FifoConfig = slots(2),
-        /// Pixel buffer (124) to video output: finished pictures.
-        finished_frames: FifoConfig = slots(2),
-    }
-}
 
 parameter_groups! {
     /// The three memories.

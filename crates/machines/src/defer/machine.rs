@@ -2,21 +2,22 @@
 
 use super::DeferConfig;
 use super::check::check;
+use super::fifos::Fifos;
+use super::memories::{ClientNumbers, build};
+use crate::fifos::{fifo, slots};
 use crate::front::FrontEnd;
 use crate::problem::ConfigProblem;
-use crate::{Counts, Draws, fifo};
-use basrelief_deferred_renderer::tokens::{
-    CellFlow, EncodedTile, ExpandedTile, MarkFlow, Order, Parcel, PassFlow, Request, Round,
-};
+use crate::{Counts, Draws};
+use basrelief_deferred_renderer::tokens::EncodedTile;
 use basrelief_deferred_renderer::{
     CellFormat, Cells, Cut, DepthPixel, Expander, FilledBuffer, Identification, Page, Path, Rasterization, ReferenceBuffer,
     Server, TextureMemory, TileList, TileLists, TileRecord, TileSource, brightness_range,
 };
-use basrelief_frame_buffer::{FinishedFrame, FrameDone, PixelBuffer, ShownPicture, VideoOut};
+use basrelief_frame_buffer::{FinishedFrame, PixelBuffer, ShownPicture, VideoOut};
 use basrelief_graphics_processor::DepthTest;
-use basrelief_kernel::{Clients, Fifo, FifoConfig, Machine, MemorySystem, Stage, Visitor};
+use basrelief_kernel::{Fifo, Machine, MemorySystem, Stage, Visitor};
 use basrelief_rasterizer::Rasterizer;
-use basrelief_signals::{Control, Flow, Fragment, PictureFlow, Stamp};
+use basrelief_signals::{Fragment, Stamp};
 use std::sync::Arc;
 
 /// Rendering device (100) at the end of a path (104, 106, 108) from a server (110).
@@ -24,75 +25,23 @@ use std::sync::Arc;
 pub struct DeferredRenderer<F> {
     pub(super) front: F,
     pub(super) config: DeferConfig,
-    polygons: Fifo<Control>,
-    pub(super) server: Stage<Server>,
-    parcels: Fifo<Parcel>,
-    pub(super) path: Stage<Path>,
-    mesh: Fifo<Control>,
+    fifos: Fifos,
+    /// Path to expander. It has as many slots as there may be requests in flight, so no parameter of its own.
     tiles: Fifo<EncodedTile>,
+    pub(super) server: Stage<Server>,
+    pub(super) path: Stage<Path>,
     expander: Stage<Expander>,
-    expanded: Fifo<ExpandedTile>,
     pub(super) rasterizer: Stage<Rasterizer>,
-    fragments: Fifo<Flow<Stamp<Fragment>>>,
     pub(super) depth: Stage<DepthTest<Stamp<Fragment>>>,
-    tested_fragments: Fifo<Flow<Stamp<Fragment>>>,
     pub(super) cell_maker: Stage<Cells>,
-    cells: Fifo<CellFlow>,
     pub(super) reference_buffer: Stage<ReferenceBuffer>,
-    marking: Fifo<PassFlow>,
-    colouring: Fifo<PassFlow>,
     pub(super) identification: Stage<Identification>,
-    marks: Fifo<MarkFlow>,
-    improvements: Fifo<MarkFlow>,
     pub(super) tile_lists: Stage<TileLists>,
-    requests: Fifo<Request>,
-    orders: Fifo<Order>,
-    rounds: Fifo<Round>,
     pub(super) rasterization: Stage<Rasterization>,
-    pixels: Fifo<PictureFlow>,
     pub(super) pixel_buffer: Stage<PixelBuffer>,
-    shown: Fifo<()>,
-    finished_frames: Fifo<FrameDone>,
     pub(super) video_out: Stage<VideoOut>,
     memories: MemorySystem,
     clients: ClientNumbers,
-}
-
-/// Numbers of the memory clients, by unit. What drains the machine comes first, as in the bump-mapping processor.
-#[derive(Clone, Debug)]
-struct ClientNumbers {
-    pixel_buffer: [usize; 1],
-    depth: [usize; 2],
-    video_out: [usize; 1],
-    reference_buffer: [usize; 2],
-    rasterization: [usize; 3],
-}
-
-/// Builds the memories with their ports and caches.
-fn build(config: &DeferConfig) -> (MemorySystem, ClientNumbers) {
-    let mut m = MemorySystem::default();
-    let memory = &config.memory;
-    let pixel_depth = m.add_memory("pixel_depth", &memory.pixel_depth);
-    let reference = m.add_memory("reference", &memory.reference);
-    let texture = m.add_memory("texture", &memory.texture);
-    let of_pixels = memory.pixel_depth.outstanding;
-    let of_cells = memory.reference.outstanding;
-    let of_texels = memory.texture.outstanding;
-    let clients = ClientNumbers {
-        pixel_buffer: [m.add_client("pixel_write", pixel_depth, of_pixels)],
-        depth: [
-            m.add_cached_client("z_read", pixel_depth, of_pixels, "depth", &config.cache.depth),
-            m.add_client("z_write", pixel_depth, of_pixels),
-        ],
-        video_out: [m.add_client("video_out", pixel_depth, of_pixels)],
-        reference_buffer: [m.add_client("cell_read", reference, of_cells), m.add_client("cell_write", reference, of_cells)],
-        rasterization: [
-            m.add_cached_client("texel_read", texture, of_texels, "texel", &config.cache.texel),
-            m.add_client("tile_write", texture, of_texels),
-            m.add_client("tile_read", texture, of_texels),
-        ],
-    };
-    (m, clients)
 }
 
 impl<F: FrontEnd> DeferredRenderer<F> {
@@ -112,46 +61,28 @@ impl<F: FrontEnd> DeferredRenderer<F> {
     pub fn with_source(front: F, config: &DeferConfig, source: Box<dyn TileSource>) -> Result<Self, ConfigProblem> {
         check(config)?;
         let c = config.clone();
-        let f = &config.fifo;
         let (memories, clients) = build(config);
         let (mode, engine) = (c.defer.mode, c.engine.clone());
         let cut = cut(config);
         let format = CellFormat::new(&c.cell, brightness_range(c.defer.lighting));
         let shown = c.defer.pictures_per_view;
-        let in_flight = FifoConfig { depth: c.path.requests, ..FifoConfig::default() };
         let shared = c.defer.depth_pixel == DepthPixel::Shared;
         let cells = Cells::new(engine.clone(), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
         Ok(Self {
             front,
-            polygons: fifo("polygons", &f.polygons),
+            fifos: Fifos::new(&c.fifo),
+            tiles: fifo("tiles", &slots(c.path.requests)),
             server: Stage::new("server", Server::new(c.path.clone(), source)),
-            parcels: fifo("parcels", &f.parcels),
             path: Stage::new("path", Path::new(&c.path, c.clock.hz)),
-            mesh: fifo("mesh", &f.mesh),
-            tiles: fifo("tiles", &in_flight),
             expander: Stage::new("expander", Expander::new(c.tile.clone(), engine.latency)),
-            expanded: fifo("expanded", &f.expanded),
             depth: Stage::new("z-test", DepthTest::new(c.depth, c.rasterizer.z_bits)),
             rasterizer: Stage::new("rasterizer", Rasterizer::new(c.rasterizer)),
-            fragments: fifo("fragments", &f.fragments),
-            tested_fragments: fifo("tested_fragments", &f.tested_fragments),
             cell_maker: Stage::new("cells", cells),
-            cells: fifo("cells", &f.cells),
             reference_buffer: Stage::new("reference-buffer", ReferenceBuffer::new(engine.clone(), mode, format.bytes)),
-            marking: fifo("marking", &f.marking),
-            colouring: fifo("colouring", &f.colouring),
             identification: Stage::new("identification", Identification::new(engine.clone())),
-            marks: fifo("marks", &f.marks),
-            improvements: fifo("improvements", &f.improvements),
             tile_lists: Stage::new("tile-lists", TileLists::new(engine.clone(), mode, c.tile.order, shown)),
-            requests: fifo("requests", &f.requests),
-            orders: fifo("orders", &f.orders),
-            rounds: fifo("rounds", &f.rounds),
             rasterization: Stage::new("final-rasterization", Rasterization::new(engine, mode, shown, format)),
-            pixels: fifo("pixels", &f.pixels),
             pixel_buffer: Stage::new("pixel-buffer", PixelBuffer::new(c.frame_buffer, shared)),
-            shown: fifo("shown", &f.shown),
-            finished_frames: fifo("finished_frames", &f.finished_frames),
             video_out: Stage::new("video-out", VideoOut::new(c.video_out)),
             memories,
             clients,
@@ -223,28 +154,28 @@ impl<F: FrontEnd> Draws for DeferredRenderer<F> {
 
 impl<F: FrontEnd> Machine for DeferredRenderer<F> {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
-        let (m, c) = (&mut self.memories, &self.clients);
-        self.front.wire(v, &mut self.polygons);
-        let asked = (&mut self.polygons, &mut self.requests, &mut self.shown);
-        v.stage(&mut self.server, asked, &mut self.parcels, Clients::none());
-        v.stage(&mut self.path, &mut self.parcels, (&mut self.mesh, &mut self.tiles), Clients::none());
-        v.stage(&mut self.expander, &mut self.tiles, &mut self.expanded, Clients::none());
-        v.stage(&mut self.rasterizer, &mut self.mesh, &mut self.fragments, Clients::none());
-        v.stage(&mut self.depth, &mut self.fragments, &mut self.tested_fragments, Clients::of(m, &c.depth));
-        v.stage(&mut self.cell_maker, &mut self.tested_fragments, &mut self.cells, Clients::none());
-        let passes = (&mut self.marking, &mut self.colouring);
-        let cells = (&mut self.cells, &mut self.rounds);
-        v.stage(&mut self.reference_buffer, cells, passes, Clients::of(m, &c.reference_buffer));
-        v.stage(&mut self.identification, &mut self.marking, &mut self.marks, Clients::none());
-        let marks = (&mut self.marks, &mut self.improvements);
-        let decided = (&mut self.requests, &mut self.orders, &mut self.rounds);
-        v.stage(&mut self.tile_lists, marks, decided, Clients::none());
-        let coloured = (&mut self.colouring, &mut self.orders, &mut self.expanded);
-        let pictures = (&mut self.improvements, &mut self.pixels);
-        v.stage(&mut self.rasterization, coloured, pictures, Clients::of(m, &c.rasterization));
-        let finished = (&mut self.finished_frames, &mut self.shown);
-        v.stage(&mut self.pixel_buffer, &mut self.pixels, finished, Clients::of(m, &c.pixel_buffer));
-        v.stage(&mut self.video_out, &mut self.finished_frames, (), Clients::of(m, &c.video_out));
+        let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
+        self.front.wire(v, &mut f.draws, &mut f.polygons);
+        let asked = (&mut f.polygons, &mut f.requests, &mut f.shown);
+        v.stage(self.server.between(asked, &mut f.parcels));
+        v.stage(self.path.between(&mut f.parcels, (&mut f.mesh, &mut self.tiles)));
+        v.stage(self.expander.between(&mut self.tiles, &mut f.expanded));
+        v.stage(self.rasterizer.between(&mut f.mesh, &mut f.fragments));
+        v.stage(self.depth.between(&mut f.fragments, &mut f.tested_fragments).using(m, &c.depth));
+        v.stage(self.cell_maker.between(&mut f.tested_fragments, &mut f.cells));
+        let passes = (&mut f.marking, &mut f.colouring);
+        let cells = (&mut f.cells, &mut f.rounds);
+        v.stage(self.reference_buffer.between(cells, passes).using(m, &c.reference_buffer));
+        v.stage(self.identification.between(&mut f.marking, &mut f.marks));
+        let marks = (&mut f.marks, &mut f.improvements);
+        let decided = (&mut f.requests, &mut f.orders, &mut f.rounds);
+        v.stage(self.tile_lists.between(marks, decided));
+        let coloured = (&mut f.colouring, &mut f.orders, &mut f.expanded);
+        let pictures = (&mut f.improvements, &mut f.pixels);
+        v.stage(self.rasterization.between(coloured, pictures).using(m, &c.rasterization));
+        let finished = (&mut f.finished_frames, &mut f.shown);
+        v.stage(self.pixel_buffer.between(&mut f.pixels, finished).using(m, &c.pixel_buffer));
+        v.stage(self.video_out.between(&mut f.finished_frames, ()).using(m, &c.video_out));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

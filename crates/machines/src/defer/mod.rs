@@ -9,7 +9,9 @@
 mod check;
 mod config;
 mod counts;
+mod fifos;
 mod machine;
+mod memories;
 mod units;
 
 pub use crate::config::ClockConfig;
@@ -17,7 +19,8 @@ pub use crate::front::{FrontEnd, SceneFront, TraceFront};
 pub use crate::problem::ConfigProblem;
 pub use crate::unit_info::UnitInfo;
 pub use check::{input_warnings, warnings};
-pub use config::{CacheConfigs, DeferConfig, FifoConfigs, MemoryConfigs};
+pub use config::{CacheConfigs, DeferConfig, MemoryConfigs};
+pub use fifos::FifoConfigs;
 pub use machine::DeferredRenderer;
 pub use units::UNITS;
 

@@ -1,6 +1,7 @@
 //! All parameters of the figure shading device, in the order of its block diagram.
 
-use crate::config::{ClockConfig, slots};
+use super::fifos::FifoConfigs;
+use crate::config::ClockConfig;
 use crate::front::front_of;
 use basrelief_figure_shading::{
     CircuitConfig, HostConfig, InterpolationConfig, MicrocomputerConfig, NormalInterpolationConfig, ScanConfig, ShadingConfig,
@@ -9,7 +10,7 @@ use basrelief_figure_shading::{
 use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, FifoConfig, MemoryConfig};
+use basrelief_kernel::{CacheConfig, MemoryConfig};
 use basrelief_parameters::{parameter_groups, parameters};
 
 parameters! {
@@ -17,47 +18,6 @@ parameters! {
     pub struct FrameMemoryConfig {
         /// Dots are tested for depth; off: the last one drawn stays.
         depth_test: bool = true, unit: "", Assumed("the patent has none; polygons would have to come sorted");
-    }
-}
-
-parameter_groups! {
-    /// FIFOs of the figure shading device, by name. Defaults hold full rate (law 2): latency of the producer + FIFO latency
-    /// + 1, and on the way out of a unit that waits for memory its loaded latency too.
-    pub struct FifoConfigs {
-        /// Host to geometry processor: triangles.
-        draws: FifoConfig = slots(16),
-        /// Geometry processor to host interface: the display list.
-        polygons: FifoConfig = slots(16),
-        /// Host interface to microcomputer (10): what the host has sent.
-        transfers: FifoConfig = slots(4),
-        /// Microcomputer (10) to circuit (21): registers and brightness at the sample points; all control.
-        figures: FifoConfig = slots(4),
-        /// Microcomputer (10) to circuit (50): normals at the sample points.
-        normals: FifoConfig = slots(4),
-        /// Process 24 to selector (53): dots of flat polygons.
-        flat_dots: FifoConfig = slots(16),
-        /// Process 24 to selector (28): dots in polyhedron mode.
-        constant_dots: FifoConfig = slots(16),
-        /// Circuit (21) to adder (52): dots in normal-interpolation mode, all control.
-        interpolated: FifoConfig = slots(16),
-        /// Circuit (21) to selector (28): dots in brightness-interpolation mode.
-        brightness_dots: FifoConfig = slots(16),
-        /// Circuit (50) to gate (51): specular brightness of dots.
-        highlights: FifoConfig = slots(64),
-        /// Gate (51) to adder (52).
-        gated: FifoConfig = slots(16),
-        /// Adder (52) to selector (53).
-        sums: FifoConfig = slots(16),
-        /// Selector (53) to selector (28).
-        selected: FifoConfig = slots(16),
-        /// Selector (28) to the depth test, or to the frame memory (300) without it.
-        pixels: FifoConfig = slots(64),
-        /// Depth test to frame memory (300).
-        tested_pixels: FifoConfig = slots(64),
-        /// Selector (28) back to the host interface: polygons that are finished.
-        finished: FifoConfig = slots(2),
-        /// Frame memory (300) to video output: finished frames.
-        finished_frames: FifoConfig = slots(2),
     }
 }
 

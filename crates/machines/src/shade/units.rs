@@ -50,5 +50,11 @@ mod tests {
     use super::*;
     use crate::shade::{DIAGRAM, FigureShadingDevice, ShadeConfig};
 
-    crate::unit_info::checks_the_table!(FigureShadingDevice, [ShadeConfig::default()]);
+    fn without_depth_test() -> ShadeConfig {
+        let mut config = ShadeConfig::default();
+        config.frame_memory.depth_test = false;
+        config
+    }
+
+    crate::unit_info::checks_the_table!(FigureShadingDevice, [ShadeConfig::default(), without_depth_test()]);
 }

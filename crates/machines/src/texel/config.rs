@@ -1,11 +1,12 @@
 //! All parameters of the texture mapping system, in the order of its block diagram.
 
-use crate::config::{ClockConfig, slots};
+use super::fifos::FifoConfigs;
+use crate::config::ClockConfig;
 use crate::front::front_of;
 use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, FifoConfig, MemoryConfig};
+use basrelief_kernel::{CacheConfig, MemoryConfig};
 use basrelief_parameters::{parameter_groups, parameters};
 use basrelief_texel_value_generator::{
     ApproximationConfig, CombinerConfig, DividerConfig, IlluminanceConfig, LookUpConfig, MipConfig, ScanConverterConfig,
@@ -17,44 +18,6 @@ parameters! {
     pub struct PixelValueBufferConfig {
         /// Pixels are tested for depth; off: the last one drawn stays.
         depth_test: bool = true, unit: "", Assumed("the patent has none; polygons would have to come sorted");
-    }
-}
-
-parameter_groups! {
-    /// FIFOs of the texture mapping system, by name. Defaults hold full rate (law 2): latency of the producer + FIFO latency
-    /// + 1, and on the way out of a unit that waits for memory its loaded latency too.
-    pub struct FifoConfigs {
-        /// Host to geometry processor: triangles.
-        draws: FifoConfig = slots(16),
-        /// Geometry processor to scan converter: the display list.
-        polygons: FifoConfig = slots(16),
-        /// Scan converter to step calculator: scan lines of triangles.
-        spans: FifoConfig = slots(8),
-        /// Scan converter to illuminance value generator (340): the same, with other values. Holds what is under way on the
-        /// other way.
-        lit_spans: FifoConfig = slots(64),
-        /// Step calculator to dividers: points.
-        points: FifoConfig = slots(4),
-        /// Step calculator to approximate calculator (310a): segments. Holds what is being divided.
-        segments: FifoConfig = slots(8),
-        /// Dividers to approximate calculator (310a): exact values. So many divisions are ahead of the interpolation.
-        quotients: FifoConfig = slots(4),
-        /// Approximate calculator (310a) to depth test, or to texture look-up table (330) without it.
-        texels: FifoConfig = slots(16),
-        /// Approximate calculator (310a) to MIP-map selector (320).
-        gradients: FifoConfig = slots(16),
-        /// Depth test to texture look-up table (330).
-        tested_texels: FifoConfig = slots(64),
-        /// MIP-map selector (320) to texture look-up table (330): map select.
-        levels: FifoConfig = slots(64),
-        /// Texture look-up table (330) to combiner (350).
-        texture_values: FifoConfig = slots(64),
-        /// Illuminance value generator (340) to combiner (350). Holds what is under way on the other way.
-        illuminances: FifoConfig = slots(64),
-        /// Combiner (350) to pixel value buffer (360).
-        pixels: FifoConfig = slots(64),
-        /// Pixel value buffer (360) to DACs (370): finished frames.
-        finished_frames: FifoConfig = slots(2),
     }
 }
 

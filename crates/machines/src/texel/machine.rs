@@ -2,16 +2,16 @@
 
 use super::TexelMachineConfig;
 use super::check::check;
+use super::fifos::Fifos;
+use super::memories::{ClientNumbers, build};
 use crate::front::FrontEnd;
 use crate::problem::ConfigProblem;
-use crate::{Counts, Draws, fifo};
-use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, FrameDone, VideoOut};
+use crate::{Counts, Draws};
+use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
-use basrelief_kernel::{Clients, Fifo, Machine, MemorySystem, Stage, Visitor};
-use basrelief_signals::{Control, Flow, PixelPacket};
-use basrelief_texel_value_generator::signals::{
-    GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Points, Quotients, Segment, Span, TexelPacket, TexturePacket,
-};
+use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
+use basrelief_signals::PixelPacket;
+use basrelief_texel_value_generator::signals::TexelPacket;
 use basrelief_texel_value_generator::{
     ApproximateCalculator, Combiner, Divider, FrameLog, IlluminanceValueGenerator, MipMapSelector, MipMode, ScanConverter,
     StepCalculator, TextureLookUpTable,
@@ -21,65 +21,21 @@ use basrelief_texel_value_generator::{
 #[derive(Clone, Debug)]
 pub struct TextureMappingSystem<F> {
     pub(super) front: F,
-    polygons: Fifo<Control>,
+    fifos: Fifos,
     pub(super) scan_converter: Stage<ScanConverter>,
-    spans: Fifo<Flow<Span>>,
-    lit_spans: Fifo<Flow<LitSpan>>,
     pub(super) step_calculator: Stage<StepCalculator>,
-    segments: Fifo<Flow<Segment>>,
-    points: Fifo<Flow<Points>>,
     pub(super) divider: Stage<Divider>,
-    quotients: Fifo<Flow<Quotients>>,
     pub(super) approximate_calculator: Stage<ApproximateCalculator>,
-    texels: Fifo<Flow<TexelPacket>>,
-    gradients: Fifo<Flow<GradientPacket>>,
     pub(super) mip_map_selector: Stage<MipMapSelector>,
-    levels: Fifo<Flow<LevelPacket>>,
     pub(super) depth: Stage<DepthTest<TexelPacket>>,
-    tested_texels: Fifo<Flow<TexelPacket>>,
     pub(super) look_up: Stage<TextureLookUpTable>,
-    texture_values: Fifo<Flow<TexturePacket>>,
     pub(super) illuminance: Stage<IlluminanceValueGenerator>,
-    illuminances: Fifo<Flow<IlluminancePacket>>,
     pub(super) combiner: Stage<Combiner>,
-    pixels: Fifo<Flow<PixelPacket>>,
     pub(super) buffer: Stage<FrameBuffer<PixelPacket>>,
-    finished_frames: Fifo<FrameDone>,
     pub(super) dacs: Stage<VideoOut>,
     memories: MemorySystem,
     clients: ClientNumbers,
     depth_test: bool,
-}
-
-/// Numbers of the memory clients, by unit. What drains the machine comes first, as in the bump-mapping processor.
-#[derive(Clone, Debug)]
-struct ClientNumbers {
-    buffer: [usize; 1],
-    combiner: [usize; 1],
-    depth: [usize; 2],
-    dacs: [usize; 1],
-    look_up: [usize; 1],
-}
-
-/// Builds the memories of (330), of the depth test and of (360) with their ports and caches.
-fn build(config: &TexelMachineConfig) -> (MemorySystem, ClientNumbers) {
-    let mut m = MemorySystem::default();
-    let texture = m.add_memory("texture", &config.memory.texture);
-    let depth = m.add_memory("depth", &config.memory.depth);
-    let pixel = m.add_memory("pixel", &config.memory.pixel);
-    let (of_texture, of_pixel) = (config.memory.texture.outstanding, config.memory.pixel.outstanding);
-    let of_depth = config.memory.depth.outstanding;
-    let clients = ClientNumbers {
-        buffer: [m.add_client("pixel_write", pixel, of_pixel)],
-        combiner: [m.add_client("pixel_read", pixel, of_pixel)],
-        depth: [
-            m.add_cached_client("z_read", depth, of_depth, "depth", &config.cache.depth),
-            m.add_client("z_write", depth, of_depth),
-        ],
-        dacs: [m.add_client("video_out", pixel, of_pixel)],
-        look_up: [m.add_cached_client("texel_read", texture, of_texture, "texture", &config.cache.texture)],
-    };
-    (m, clients)
 }
 
 impl<F: FrontEnd> TextureMappingSystem<F> {
@@ -89,7 +45,6 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
     /// Where parameters, each in its range, do not fit together.
     pub fn new(front: F, config: &TexelMachineConfig) -> Result<Self, ConfigProblem> {
         let c = config.clone();
-        let f = &config.fifo;
         let trilinear = c.mip.mode == MipMode::Trilinear;
         let look_up = TextureLookUpTable::new(c.look_up, trilinear, c.cache.texture.line_bytes);
         check(config, &look_up)?;
@@ -98,30 +53,17 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         let approximate_calculator = ApproximateCalculator::new(c.approximation, c.scan.z_bits, gradients);
         Ok(Self {
             front,
-            polygons: fifo("polygons", &f.polygons),
+            fifos: Fifos::new(&c.fifo),
             depth: Stage::new("depth-test", DepthTest::new(c.depth, c.scan.z_bits)),
             scan_converter: Stage::new("scan-converter", ScanConverter::new(c.scan, c.texel.snap, c.texel.march)),
-            spans: fifo("spans", &f.spans),
-            lit_spans: fifo("lit_spans", &f.lit_spans),
             step_calculator: Stage::new("step-calculator", StepCalculator::new(c.texel)),
-            segments: fifo("segments", &f.segments),
-            points: fifo("points", &f.points),
             divider: Stage::new("divider", Divider::new(c.divider)),
-            quotients: fifo("quotients", &f.quotients),
             approximate_calculator: Stage::new("approximate-calculator", approximate_calculator),
-            texels: fifo("texels", &f.texels),
-            gradients: fifo("gradients", &f.gradients),
             mip_map_selector: Stage::new("mip-map-selector", MipMapSelector::new(c.mip)),
-            levels: fifo("levels", &f.levels),
-            tested_texels: fifo("tested_texels", &f.tested_texels),
             look_up: Stage::new("texture-look-up", look_up),
-            texture_values: fifo("texture_values", &f.texture_values),
             illuminance: Stage::new("illuminance", IlluminanceValueGenerator::new(c.illuminance)),
-            illuminances: fifo("illuminances", &f.illuminances),
             combiner: Stage::new("combiner", Combiner::new(c.combiner)),
-            pixels: fifo("pixels", &f.pixels),
             buffer: Stage::new("pixel-value-buffer", FrameBuffer::new(c.frame_buffer)),
-            finished_frames: fifo("finished_frames", &f.finished_frames),
             dacs: Stage::new("dacs", VideoOut::new(c.video_out)),
             memories,
             clients,
@@ -162,28 +104,28 @@ impl<F: FrontEnd> Draws for TextureMappingSystem<F> {
 
 impl<F: FrontEnd> Machine for TextureMappingSystem<F> {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
-        let (m, c) = (&mut self.memories, &self.clients);
-        self.front.wire(v, &mut self.polygons);
-        let scanned = (&mut self.spans, &mut self.lit_spans);
-        v.stage(&mut self.scan_converter, &mut self.polygons, scanned, Clients::none());
-        let divided = (&mut self.segments, &mut self.points);
-        v.stage(&mut self.step_calculator, &mut self.spans, divided, Clients::none());
-        v.stage(&mut self.divider, &mut self.points, &mut self.quotients, Clients::none());
-        let exact = (&mut self.segments, &mut self.quotients);
-        v.stage(&mut self.approximate_calculator, exact, (&mut self.texels, &mut self.gradients), Clients::none());
-        v.stage(&mut self.mip_map_selector, &mut self.gradients, &mut self.levels, Clients::none());
+        let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
+        self.front.wire(v, &mut f.draws, &mut f.polygons);
+        let scanned = (&mut f.spans, &mut f.lit_spans);
+        v.stage(self.scan_converter.between(&mut f.polygons, scanned));
+        let divided = (&mut f.segments, &mut f.points);
+        v.stage(self.step_calculator.between(&mut f.spans, divided));
+        v.stage(self.divider.between(&mut f.points, &mut f.quotients));
+        let exact = (&mut f.segments, &mut f.quotients);
+        v.stage(self.approximate_calculator.between(exact, (&mut f.texels, &mut f.gradients)));
+        v.stage(self.mip_map_selector.between(&mut f.gradients, &mut f.levels));
         let to_look_up = if self.depth_test {
-            v.stage(&mut self.depth, &mut self.texels, &mut self.tested_texels, Clients::of(m, &c.depth));
-            &mut self.tested_texels
+            v.stage(self.depth.between(&mut f.texels, &mut f.tested_texels).using(m, &c.depth));
+            &mut f.tested_texels
         } else {
-            &mut self.texels
+            &mut f.texels
         };
-        v.stage(&mut self.look_up, (to_look_up, &mut self.levels), &mut self.texture_values, Clients::of(m, &c.look_up));
-        v.stage(&mut self.illuminance, &mut self.lit_spans, &mut self.illuminances, Clients::none());
-        let combined = (&mut self.texture_values, &mut self.illuminances);
-        v.stage(&mut self.combiner, combined, &mut self.pixels, Clients::of(m, &c.combiner));
-        v.stage(&mut self.buffer, &mut self.pixels, &mut self.finished_frames, Clients::of(m, &c.buffer));
-        v.stage(&mut self.dacs, &mut self.finished_frames, (), Clients::of(m, &c.dacs));
+        v.stage(self.look_up.between((to_look_up, &mut f.levels), &mut f.texture_values).using(m, &c.look_up));
+        v.stage(self.illuminance.between(&mut f.lit_spans, &mut f.illuminances));
+        let combined = (&mut f.texture_values, &mut f.illuminances);
+        v.stage(self.combiner.between(combined, &mut f.pixels).using(m, &c.combiner));
+        v.stage(self.buffer.between(&mut f.pixels, &mut f.finished_frames).using(m, &c.buffer));
+        v.stage(self.dacs.between(&mut f.finished_frames, ()).using(m, &c.dacs));
     }
 
     fn memories(&mut self) -> &mut MemorySystem {

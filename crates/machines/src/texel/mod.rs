@@ -9,7 +9,9 @@
 mod check;
 mod config;
 mod counts;
+mod fifos;
 mod machine;
+mod memories;
 mod units;
 
 pub use crate::config::ClockConfig;
@@ -18,7 +20,8 @@ pub use crate::problem::ConfigProblem;
 pub use crate::unit_info::UnitInfo;
 pub use basrelief_texel_value_generator::{DisplacementMap, FrameLog, SpanRecord};
 pub use check::{input_warnings, warnings};
-pub use config::{CacheConfigs, FifoConfigs, MemoryConfigs, PixelValueBufferConfig, TexelMachineConfig};
+pub use config::{CacheConfigs, MemoryConfigs, PixelValueBufferConfig, TexelMachineConfig};
+pub use fifos::FifoConfigs;
 pub use machine::TextureMappingSystem;
 pub use units::UNITS;
 

@@ -60,5 +60,11 @@ mod tests {
     use super::*;
     use crate::texel::{DIAGRAM, TexelMachineConfig, TextureMappingSystem};
 
-    crate::unit_info::checks_the_table!(TextureMappingSystem, [TexelMachineConfig::default()]);
+    fn without_depth_test() -> TexelMachineConfig {
+        let mut config = TexelMachineConfig::default();
+        config.pixel_value_buffer.depth_test = false;
+        config
+    }
+
+    crate::unit_info::checks_the_table!(TextureMappingSystem, [TexelMachineConfig::default(), without_depth_test()]);
 }

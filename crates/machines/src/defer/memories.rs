@@ -1,0 +1,41 @@
+//! The three memories and their clients.
+
+use super::DeferConfig;
+use basrelief_kernel::MemorySystem;
+
+/// Numbers of the memory clients, by unit. What drains the machine comes first, as in the bump-mapping processor.
+#[derive(Clone, Debug)]
+pub(super) struct ClientNumbers {
+    pub(super) pixel_buffer: [usize; 1],
+    pub(super) depth: [usize; 2],
+    pub(super) video_out: [usize; 1],
+    pub(super) reference_buffer: [usize; 2],
+    pub(super) rasterization: [usize; 3],
+}
+
+/// Builds the memories with their ports and caches.
+pub(super) fn build(config: &DeferConfig) -> (MemorySystem, ClientNumbers) {
+    let mut m = MemorySystem::default();
+    let memory = &config.memory;
+    let pixel_depth = m.add_memory("pixel_depth", &memory.pixel_depth);
+    let reference = m.add_memory("reference", &memory.reference);
+    let texture = m.add_memory("texture", &memory.texture);
+    let of_pixels = memory.pixel_depth.outstanding;
+    let of_cells = memory.reference.outstanding;
+    let of_texels = memory.texture.outstanding;
+    let clients = ClientNumbers {
+        pixel_buffer: [m.add_client("pixel_write", pixel_depth, of_pixels)],
+        depth: [
+            m.add_cached_client("z_read", pixel_depth, of_pixels, "depth", &config.cache.depth),
+            m.add_client("z_write", pixel_depth, of_pixels),
+        ],
+        video_out: [m.add_client("video_out", pixel_depth, of_pixels)],
+        reference_buffer: [m.add_client("cell_read", reference, of_cells), m.add_client("cell_write", reference, of_cells)],
+        rasterization: [
+            m.add_cached_client("texel_read", texture, of_texels, "texel", &config.cache.texel),
+            m.add_client("tile_write", texture, of_texels),
+            m.add_client("tile_read", texture, of_texels),
+        ],
+    };
+    (m, clients)
+}
