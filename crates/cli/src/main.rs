@@ -5,7 +5,6 @@
 mod args;
 mod commands;
 mod error;
-mod exhibits;
 mod input;
 mod interrupt;
 mod outputs;

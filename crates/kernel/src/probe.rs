@@ -5,8 +5,14 @@ use crate::{Cause, Cycle};
 /// Watches a run. Stages are numbered in the order of the wiring; intervals are half-open; those of one stage come in
 /// order of time, those of different stages interleave as the engine pleases.
 pub trait Probe {
-    /// Whether to call at all; known at compile time.
-    const ON: bool = true;
+    /// Whether to call at all. Known at compile time wherever the probe's type is; a function, so that a probe can stand
+    /// behind a pointer, which it could not with a constant.
+    fn is_on() -> bool
+    where
+        Self: Sized,
+    {
+        true
+    }
     /// Stage `stage` was kept by a step.
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle);
     /// Stage `stage` waited for `cause`.
@@ -18,9 +24,20 @@ pub trait Probe {
 pub struct NoProbe;
 
 impl Probe for NoProbe {
-    const ON: bool = false;
+    fn is_on() -> bool {
+        false
+    }
     fn worked(&mut self, _: usize, _: Cycle, _: Cycle) {}
     fn waited(&mut self, _: usize, _: Cause, _: Cycle, _: Cycle) {}
+}
+
+impl<P: Probe + ?Sized> Probe for &mut P {
+    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+        (**self).worked(stage, from, to);
+    }
+    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+        (**self).waited(stage, cause, from, to);
+    }
 }
 
 /// One interval of a stage.

@@ -175,7 +175,7 @@ fn deliver<O: Outputs>(frame_ends: &mut Vec<Cycle>, to: u32, at: Cycle, outputs:
 #[inline]
 pub(crate) fn charge<P: Probe>(account: &mut Account, probe: &mut P, stage: usize, (cause, from, to): Wait) {
     account.charge(cause, to.since(from));
-    if P::ON {
+    if P::is_on() {
         probe.waited(stage, cause, from, to);
     }
 }

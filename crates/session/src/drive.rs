@@ -1,9 +1,9 @@
 //! A run under way: the engine, the pictures it finishes, and the report in the end.
 
-use crate::device::{Device, Exhibits, Shown, Told};
 use crate::difference::difference;
 use crate::exact::Exact;
-use crate::exhibit::Exhibit;
+use crate::exhibits::{ExhibitInfo, Form, show_round};
+use crate::machines::{Logs, MachineSpec, PictureRecord, RunSummary};
 use crate::observer::{Observer, Pictures, picture_name};
 use crate::outcome::{Run, SessionError};
 use crate::settings::Settings;
@@ -18,7 +18,7 @@ use basrelief_signals::{Camera, Frame};
 use sha2::{Digest as _, Sha256};
 
 /// What the engine came to, and what the units counted.
-pub(crate) struct Driven {
+pub(crate) struct EngineResult {
     counts: Counts,
     report: Option<RunReport>,
 }
@@ -34,7 +34,7 @@ pub(crate) struct Session<'a> {
     difference: Option<Difference>,
     /// Pictures of the current frame that better ones follow.
     rounds: Vec<(u32, Picture)>,
-    shown: Vec<Shown>,
+    shown: Vec<PictureRecord>,
     failed: Option<String>,
     /// Seconds of simulation.
     pub(crate) simulate_s: f64,
@@ -53,15 +53,20 @@ impl<'a> Session<'a> {
     }
 
     /// Simulates to the end.
-    pub(crate) fn drive<M: Exhibits, P: Probe>(&mut self, mut machine: M, probe: &mut P) -> Result<Driven, SessionError> {
+    pub(crate) fn drive<S: MachineSpec, M: Logs<S::Log>, P: Probe>(
+        &mut self,
+        spec: &S,
+        mut machine: M,
+        probe: &mut P,
+    ) -> Result<EngineResult, SessionError> {
         let &Settings { clock, engine, max_cycles, .. } = self.settings;
-        if self.settings.log {
+        if !self.settings.exhibits.is_empty() {
             machine.keep_log();
         }
         let began = clock();
         let mut aside = 0.0;
         let report = {
-            let mut progress = |machine: &mut M| self.look(machine, &mut aside);
+            let mut progress = |machine: &mut M| self.look(spec, machine, &mut aside);
             match engine {
                 Some(engine) => {
                     let limits = Limits { max_cycles, progress: &mut progress };
@@ -74,9 +79,10 @@ impl<'a> Session<'a> {
             }
         };
         self.simulate_s = clock() - began - aside;
-        self.take_frames(&mut machine);
-        if self.settings.log {
-            self.take_exhibits(machine.last_exhibits());
+        self.take_frames(spec, &mut machine);
+        if !self.settings.exhibits.is_empty() {
+            let last = machine.last_log().map(|log| (0, log));
+            self.show(spec, last.as_slice());
         }
         if let Some(RunReport { outcome: Outcome::Fault(fault), .. }) = &report {
             return Err(self.fault(fault.clone()));
@@ -86,7 +92,7 @@ impl<'a> Session<'a> {
         }
         match self.failed.take() {
             Some(failed) => Err(SessionError::Observer(failed)),
-            None => Ok(Driven { counts: machine.counts(), report }),
+            None => Ok(EngineResult { counts: machine.counts(), report }),
         }
     }
 
@@ -95,34 +101,60 @@ impl<'a> Session<'a> {
     }
 
     /// Called by the engine between its rounds; what is done here counts as no simulation.
-    fn look<M: Exhibits>(&mut self, machine: &mut M, aside: &mut f64) -> bool {
+    fn look<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M, aside: &mut f64) -> bool {
         if machine.has_finished() {
             let began = (self.settings.clock)();
-            self.take_frames(machine);
+            self.take_frames(spec, machine);
             *aside += (self.settings.clock)() - began;
         }
         let (commands, total) = (self.commands)();
         self.failed.is_none() && self.observer.progress(commands, total)
     }
 
-    fn take_frames<M: Exhibits>(&mut self, machine: &mut M) {
-        self.take_exhibits(machine.drain_exhibits());
+    fn take_frames<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M) {
+        let rounds = self.wanted::<S>(Form::PicturePerRound).filter(|_| spec.shows_rounds());
+        for shown in machine.drain_rounds() {
+            let (frame, number) = (shown.picture.index, shown.round);
+            let picture = picture(shown.picture);
+            self.attempt(|session| rounds.map_or(Ok(()), |info| show_round(info, [frame, number], &picture, session.observer)));
+            self.rounds.push((frame, picture));
+        }
         let frames = machine.drain_finished();
-        let mut logs = machine.drain_logs(frames.len()).into_iter();
+        self.show(spec, &machine.drain_log(&frames));
         for frame in frames {
-            let log = logs.next();
-            if self.failed.is_none() {
-                let told = log.map_or(Ok(()), |log| self.observer.texels(self.images.len(), &log));
-                self.failed = told.and_then(|()| self.take_frame(frame)).err();
+            self.attempt(|session| session.take_frame(frame, rounds));
+        }
+    }
+
+    /// The exhibit of this form, if the machine has one and it is wanted.
+    fn wanted<S: MachineSpec>(&self, form: Form) -> Option<ExhibitInfo> {
+        S::EXHIBITS.iter().map(|e| e.info).find(|info| info.form == form && self.settings.exhibits.contains(info))
+    }
+
+    /// Shows all that is wanted of these entries of the log.
+    fn show<S: MachineSpec>(&mut self, spec: &S, log: &[(u32, S::Log)]) {
+        for entry in log {
+            for exhibit in S::EXHIBITS.iter().filter(|e| self.settings.exhibits.contains(&e.info)) {
+                self.attempt(|session| exhibit.show(spec, entry, session.observer));
             }
         }
     }
 
-    fn take_frame(&mut self, frame: FinishedFrame) -> Result<(), String> {
+    /// Does something, unless anything has failed before.
+    fn attempt(&mut self, action: impl FnOnce(&mut Self) -> Result<(), String>) {
+        if self.failed.is_none() {
+            self.failed = action(self).err();
+        }
+    }
+
+    fn take_frame(&mut self, frame: FinishedFrame, rounds: Option<ExhibitInfo>) -> Result<(), String> {
         let index = self.images.len();
         let number = frame.index;
         let machine = picture(frame);
-        self.compare_rounds(number, &machine).map_err(|e| e.to_string())?;
+        let round = self.compare_rounds(number, &machine).map_err(|e| e.to_string())?;
+        if let Some(info) = rounds {
+            show_round(info, [number, round], &machine, self.observer)?;
+        }
         self.images.push(digest(&machine));
         let exact = self.exact.picture(index);
         let quality = exact.as_ref().map(|e| Quality::measure(e, &machine)).transpose().map_err(|e| e.to_string())?;
@@ -131,69 +163,60 @@ impl<'a> Session<'a> {
         self.observer.frame(&Pictures { index, machine: &machine, exact: exact.as_ref().zip(quality) })
     }
 
-    fn take_exhibits(&mut self, exhibits: Vec<Exhibit>) {
-        for exhibit in exhibits {
-            if self.failed.is_none() {
-                self.failed = self.observer.exhibit(&exhibit).err();
-            }
-            if let Exhibit::Round(round) = exhibit {
-                self.rounds.push((round.picture.index, picture(round.picture)));
-            }
-        }
-    }
-
-    /// Holds the pictures that were shown before against the last one of their frame.
-    fn compare_rounds(&mut self, frame: u32, last: &Picture) -> Result<(), metrics::SizeMismatch> {
+    /// Holds the pictures that were shown before against the last one of their frame; the number of that.
+    fn compare_rounds(&mut self, frame: u32, last: &Picture) -> Result<u32, metrics::SizeMismatch> {
         let (own, others) = std::mem::take(&mut self.rounds).into_iter().partition(|(of, _)| *of == frame);
         self.rounds = others;
         let own: Vec<(u32, Picture)> = own;
         for (round, (_, picture)) in (0..).zip(&own) {
             let psnr_db = basrelief_report::derived::round6(metrics::psnr(last, picture)?);
-            self.shown.push(Shown { frame, round, psnr_db, last: false });
+            self.shown.push(PictureRecord { frame, round, psnr_db, last: false });
         }
-        self.shown.push(Shown { frame, round: own.len() as u32, psnr_db: metrics::IDENTICAL_DB, last: true });
-        Ok(())
+        let round = own.len() as u32;
+        self.shown.push(PictureRecord { frame, round, psnr_db: metrics::IDENTICAL_DB, last: true });
+        Ok(round)
     }
 
-    pub(crate) fn finish<D: Device>(
+    pub(crate) fn finish<S: MachineSpec>(
         self,
-        device: &D,
+        spec: &S,
         input: Input,
         frame: Option<&Frame>,
-        driven: Driven,
+        result: EngineResult,
         warnings: &[String],
         expectations: Vec<Expectation>,
     ) -> Run {
         let several = self.images.len() > 1;
         let image = self.images.into_iter().enumerate();
         let no_view = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        let told = Told { run: driven.report.as_ref(), shown: &self.shown };
-        let more = device.figures(&told).into_iter().map(|(name, value)| (name.to_owned(), figure(&value)));
+        let summary = RunSummary { run: result.report.as_ref(), pictures: &self.shown };
+        let more = spec.figures(&summary).into_iter().map(|(name, value)| (name.to_owned(), figure(&value)));
         let facts = Facts {
-            machine: D::NAME.into(),
+            machine: S::NAME.into(),
             input,
-            config: serde_json::to_value(device).unwrap_or_default(),
+            config: serde_json::to_value(spec).unwrap_or_default(),
             camera: frame.map_or(no_view, |f| f.camera),
             size: frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
-            numerals: D::UNITS.iter().filter_map(|u| Some((u.name.to_owned(), u.numeral.parse().ok()?))).collect(),
-            device: driven.counts.iter().map(|(name, value)| (name.to_owned(), figure(value))).chain(more).collect(),
+            numerals: S::UNITS.iter().filter_map(|u| Some((u.name.to_owned(), u.numeral.parse().ok()?))).collect(),
+            device: result.counts.iter().map(|(name, value)| (name.to_owned(), figure(value))).chain(more).collect(),
             quality: self.quality.last().map(|&last| PictureQuality {
                 last,
                 difference: self.difference,
                 frames: if several { self.quality.clone() } else { vec![] },
             }),
             image: image.map(|(i, sha256)| PictureFile { file: picture_name("image", i, several), sha256 }).collect(),
-            warnings: warnings.iter().cloned().chain(device.warnings(&driven.counts)).collect(),
+            warnings: warnings.iter().cloned().chain(spec.warnings(&result.counts)).collect(),
         };
-        let report = match &driven.report {
+        let report = match &result.report {
             Some(run) => Report::timed(facts, run),
             None => Report::functional(facts, &Outcome::Complete),
         };
-        Run { report, timing: driven.report, expectations, simulate_s: self.simulate_s }
+        Run { report, timing: result.report, expectations, simulate_s: self.simulate_s }
     }
 }
 
-fn picture(frame: FinishedFrame) -> Picture {
+/// A finished frame as a picture.
+pub(crate) fn picture(frame: FinishedFrame) -> Picture {
     Picture { width: frame.width, height: frame.height, rgb: frame.rgb, covered: frame.covered }
 }
 

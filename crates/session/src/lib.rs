@@ -19,45 +19,30 @@
 //! ```
 
 mod ablation;
-mod bump;
-mod defer;
-mod device;
 mod difference;
 mod drive;
-pub mod dump;
 mod exact;
-mod exhibit;
+mod exhibits;
 mod expectation;
-mod heat_map;
-mod lettering;
-mod machine;
+mod machines;
 mod methods;
 mod observer;
 mod outcome;
 mod record;
 mod run;
 mod settings;
-mod shade;
 mod tee;
-mod texel;
-mod texel_pictures;
-mod tile_pictures;
-mod watch;
 
 pub use ablation::ablate;
-pub use basrelief_machines::texel::{DisplacementMap, FrameLog, SpanRecord};
-pub use exhibit::Exhibit;
+pub use exhibits::{Content, Exhibit, ExhibitInfo, Form};
 pub use expectation::{check_expectation, expectation_of};
-pub use machine::{MACHINES, MachineConfig, MachineInfo};
+pub use machines::{MACHINES, MachineConfig, MachineInfo, TileFetch};
 pub use methods::compare_methods;
 pub use observer::{Observer, Pictures, Unobserved, picture_name};
 pub use outcome::{Run, SessionError};
 pub use record::{begin_of, display_list};
 pub use run::{run, stages};
 pub use settings::{Settings, Source};
-pub use texel_pictures::{displacement_picture, divisions_picture};
-pub use tile_pictures::{layer_depth_picture, tile_map_picture};
-pub use watch::Watch;
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]

@@ -1,7 +1,7 @@
 //! What each method of choosing division points costs where all keep the same error.
 
 use crate::ablation::complete;
-use crate::machine::MachineConfig;
+use crate::machines::MachineConfig;
 use crate::observer::Observer;
 use crate::outcome::{Run, SessionError};
 use crate::settings::Settings;
@@ -81,7 +81,7 @@ impl<E: From<SessionError>, R: FnMut(&Settings, &mut dyn Observer) -> Result<Run
     fn configured(&self, change: impl FnOnce(&mut TexelMachineConfig)) -> Settings {
         let mut config = self.config.clone();
         change(&mut config);
-        Settings { config: config.into(), log: false, ..self.settings.clone() }
+        Settings { config: config.into(), exhibits: vec![], ..self.settings.clone() }
     }
 
     fn timed(

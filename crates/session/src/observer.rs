@@ -1,7 +1,6 @@
 //! Watching a run from outside.
 
-use crate::exhibit::Exhibit;
-use basrelief_machines::texel::FrameLog;
+use crate::exhibits::Exhibit;
 use basrelief_reference::{Picture, Quality};
 
 /// A finished frame, as the machine and as the exact renderer drew it.
@@ -23,17 +22,6 @@ pub trait Observer {
         true
     }
 
-    /// The log of frame `index`, ahead of the frame itself, where [`Settings::log`](crate::Settings::log) asks for logs and
-    /// the machine keeps them (`texel` does): its spans with their division points, and how far the texel of each visible
-    /// pixel is from its place.
-    ///
-    /// # Errors
-    /// What keeps the observer from taking it; stops the run.
-    fn texels(&mut self, index: usize, log: &FrameLog) -> Result<(), String> {
-        let _ = (index, log);
-        Ok(())
-    }
-
     /// A frame is finished.
     ///
     /// # Errors
@@ -43,11 +31,12 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Something beside the finished pictures; comes before the frame that it belongs to is finished.
+    /// Something beside the finished pictures, of those that [`Settings::exhibits`](crate::Settings::exhibits) asks for; comes
+    /// before the frame that it belongs to, but for the last picture of a frame that is shown several times.
     ///
     /// # Errors
     /// What keeps the observer from taking it; stops the run.
-    fn exhibit(&mut self, exhibit: &Exhibit) -> Result<(), String> {
+    fn exhibit(&mut self, exhibit: &Exhibit<'_>) -> Result<(), String> {
         let _ = exhibit;
         Ok(())
     }

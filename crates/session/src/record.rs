@@ -1,6 +1,6 @@
 //! What the geometry processor (102) hands on, without the rest of the machine.
 
-use crate::machine::MachineConfig;
+use crate::machines::MachineConfig;
 use basrelief_display_list::{Begin, CanonicalHash, Digest, TraceError};
 use basrelief_geometry_processor::{GeometryProcessor, SceneDraws};
 use basrelief_kernel::{Demand, Traffic, Unit};

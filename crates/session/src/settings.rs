@@ -1,6 +1,7 @@
 //! What to run, and how.
 
-use crate::machine::MachineConfig;
+use crate::exhibits::ExhibitInfo;
+use crate::machines::MachineConfig;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles};
 use basrelief_kernel::Engine;
@@ -59,8 +60,9 @@ pub struct Settings {
     pub max_cycles: u64,
     /// Draw the exact picture too, and measure against it.
     pub exact: bool,
-    /// Tell the observer of each frame what the machine can tell beside its picture; costs nothing where it is off.
-    pub log: bool,
+    /// What the observer is shown beside the finished pictures, of what the machine has
+    /// ([`MachineInfo::exhibits`](crate::MachineInfo::exhibits)); costs nothing where it is empty.
+    pub exhibits: Vec<ExhibitInfo>,
     /// Seconds on a clock that does not run backwards, for the host figures; libraries read none themselves. It must
     /// not influence anything else, and does not.
     pub clock: fn() -> f64,
@@ -70,6 +72,6 @@ impl Default for Settings {
     /// Default machine, timed engine, exact picture, no clock.
     fn default() -> Self {
         let config = MachineConfig::default();
-        Self { config, engine: Some(Engine::Timed), max_cycles: u64::MAX, exact: true, log: false, clock: || 0.0 }
+        Self { config, engine: Some(Engine::Timed), max_cycles: u64::MAX, exact: true, exhibits: vec![], clock: || 0.0 }
     }
 }

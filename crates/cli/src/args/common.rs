@@ -1,6 +1,7 @@
 //! Arguments that several commands have.
 
 use super::values::{direction, finite, key_value, machine, size};
+use crate::commands::dump;
 use basrelief_session::MachineInfo;
 use clap::{ArgAction, Args, ValueEnum};
 use std::path::PathBuf;
@@ -90,8 +91,6 @@ pub struct SimulationArgs {
     /// displacements and PSNR as methods.json and methods.csv, and nothing else. Of machine texel.
     #[arg(long, conflicts_with_all = ["functional", "timeline", "csv", "dump", "ablate"])]
     pub compare_methods: bool,
-    /// Write what the machine can tell beside its picture, as JSON Lines: `spans` (texel) with their division points,
-    /// `reference-buffer` (defer), its textured pixels, or `tiles` (defer), those acquired or used again; repeatable.
-    #[arg(long, num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
+    #[arg(long, help = dump::help(), num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
     pub dump: Vec<PathBuf>,
 }

@@ -7,30 +7,31 @@ use crate::input;
 use crate::interrupt;
 use crate::progress::{Progress, TileProgress};
 use crate::remote::{Fetcher, Kept, Patience, RemoteTiles, TileCache};
-use basrelief_session::{MachineConfig, MachineInfo, Source};
+use basrelief_session::{MACHINES, MachineConfig, Source};
 use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 /// The configuration of the machine; other machines, and a view, are refused.
 fn config_of(args: &RunArgs) -> Done<MachineConfig> {
-    if args.machine.machine.is_some_and(|m| m.name != "defer") {
-        return Err(Failure::Usage("--from: only machine `defer` renders from a server".into()));
-    }
+    let fetching = || MACHINES.iter().filter(|m| m.fetches_tiles);
+    let Some(machine) = args.machine.machine.or_else(|| fetching().next()).filter(|m| m.fetches_tiles) else {
+        let names: Vec<String> = fetching().map(|m| format!("`{}`", m.name)).collect();
+        return Err(Failure::Usage(format!("--from: only machine {} renders from a server", names.join(", "))));
+    };
     if args.view != ViewArgs::default() {
         return Err(Failure::Usage(
             "--from: the server has the view; give --size, --camera, --frames and --orbit to serve".into(),
         ));
     }
-    let machine = MachineArgs { machine: Some(MachineInfo::named("defer").map_err(Failure::Usage)?), ..args.machine.clone() };
-    input::config(&machine, None)
+    input::config(&MachineArgs { machine: Some(machine), ..args.machine.clone() }, None)
 }
 
 /// Renders from the server at `url`.
 pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
     let began = seconds();
     let config = config_of(args)?;
-    let MachineConfig::Defer(device) = &config else { return Err(Failure::Usage("--from: needs machine defer".into())) };
+    let fetch = config.tile_fetch().ok_or_else(|| Failure::Usage("--from: this machine fetches no tiles".into()))?;
     let shown = TileProgress::new(quiet || args.simulation.json);
     let mut fetcher = Fetcher::new(url, Patience::default());
     let (polygons, textures) = fetcher.polygons(|bytes| shown.polygons(bytes)).map_err(Failure::Bad)?;
@@ -41,8 +42,7 @@ pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
     }
     let failed = Arc::new(OnceLock::new());
     let kept = cache.map(|cache| Kept { cache, failed: Arc::clone(&failed) });
-    let encoding = (device.tile.encoding, device.tile.jpeg_quality);
-    let tiles = Box::new(RemoteTiles::new(fetcher, encoding, device.path.requests, kept, shown));
+    let tiles = Box::new(RemoteTiles::new(fetcher, (fetch.encoding, fetch.jpeg_quality), fetch.requests, kept, shown));
     let source = Source::Remote { reader: Box::new(Cursor::new(polygons)), name: url.into(), tiles };
     let mut settings = settings_of(config, &args.simulation);
     settings.exact = false;

@@ -3,8 +3,9 @@
 mod compare;
 mod convert;
 mod describe;
-mod dump;
+pub mod dump;
 mod from;
+mod output_files;
 mod record;
 mod run;
 mod schema;
@@ -12,7 +13,6 @@ mod serve;
 mod simulate;
 mod tables;
 mod verify;
-mod watcher;
 
 use crate::args::{Cli, Command};
 use crate::error::Done;

@@ -1,16 +1,16 @@
 //! A run from its source to its files, and what all commands that simulate share.
 
-use super::dump::Dumps;
-use super::watcher::Watcher;
+use super::dump::DumpFiles;
+use super::output_files::OutputFiles;
 use crate::args::{EngineName, SimulationArgs};
 use crate::error::{Done, Failure, print};
 use crate::outputs::{Outputs, PartialFile, check_distinct};
 use crate::progress::Progress;
-use basrelief_kernel::{Engine, StageTopology};
+use basrelief_kernel::{Engine, Probe, StageTopology};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, MachineConfig, Observer, Run, SessionError, Settings, Source, Unobserved, Watch, picture_name,
+    self as session, Form, MachineConfig, Observer, Run, SessionError, Settings, Source, Unobserved, picture_name,
 };
 use std::cell::Cell;
 use std::io::{BufWriter, IsTerminal, Write};
@@ -34,14 +34,14 @@ impl From<EngineName> for Engine {
     }
 }
 
-/// As the command line says; nobody has asked for logs yet.
+/// As the command line says; nobody has asked for exhibits yet.
 pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs) -> Settings {
     Settings {
         config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
-        log: false,
+        exhibits: vec![],
         clock: seconds,
     }
 }
@@ -54,25 +54,25 @@ pub fn simulate_source(
     simulation: &SimulationArgs,
     quiet: bool,
 ) -> Done {
-    let error_bound = settings.config.texel_error_bound().filter(|_| !simulation.no_exact);
     // Before the dumps: they may lie in it.
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
     check_distinct(&simulation.out, &named_outputs(simulation)).map_err(Failure::Usage)?;
-    let dumps = Dumps::open(&simulation.dump, &settings.config)?;
-    // Further pictures of machine `defer` are made of its log.
-    settings.log = error_bound.is_some() || dumps.any() || settings.config.machine().name == "defer";
-    let (kinds, extra, rounds) = (vec![], vec![], settings.config.shows_rounds().then_some(0));
-    let mut watcher = Watcher { dumps, outputs, progress, read, error_bound, frames: 0, kinds, map: None, rounds, extra };
+    let dumps = DumpFiles::open(&simulation.dump, &settings.config)?;
+    let pictures = settings.config.machine().exhibits().into_iter().filter(|e| e.form != Form::Lines);
+    settings.exhibits = pictures.filter(|e| settings.exact || !e.judges).chain(dumps.exhibits()).collect();
+    let mut files =
+        OutputFiles { dumps, outputs, progress, read, frames: 0, kinds: Default::default(), extra: vec![], shown: None };
     let ran = match &simulation.timeline {
-        None => run_named(source, &settings, &mut watcher, None).map(|run| (run, None)),
-        Some(path) => with_timeline(path, source, &settings, &mut watcher),
+        None => run_named(source, &settings, &mut files, None).map(|run| (run, None)),
+        Some(path) => with_timeline(path, source, &settings, &mut files),
     };
     let (run, timeline) = match ran {
         Ok(ran) => ran,
-        Err(error) => return Err(watcher.rescue(error)),
+        Err(error) => return Err(files.rescue(error)),
     };
     let report = run.with_host(seconds() - began);
-    let Watcher { outputs, progress, mut dumps, frames, kinds, extra, .. } = watcher;
+    let OutputFiles { outputs, progress, mut dumps, frames, kinds, extra, .. } = files;
+    let kinds = kinds.concat();
     drop(progress);
     dumps.flush()?;
     if simulation.json {
@@ -95,7 +95,7 @@ fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
 }
 
 /// A run whose errors name the input, unless it is the parameters or an output that are wrong.
-pub fn run_named(source: Source, settings: &Settings, observer: &mut dyn Observer, probe: Option<&mut dyn Watch>) -> Done<Run> {
+pub fn run_named(source: Source, settings: &Settings, observer: &mut dyn Observer, probe: Option<&mut dyn Probe>) -> Done<Run> {
     let name = source.name().to_owned();
     session::run(source, settings, observer, probe).map_err(|e| match e {
         SessionError::Trace(_) | SessionError::Fault(_) => Failure::within(&name)(e),
@@ -107,12 +107,12 @@ pub fn run_named(source: Source, settings: &Settings, observer: &mut dyn Observe
     })
 }
 
-fn with_timeline(path: &Path, source: Source, settings: &Settings, watcher: &mut Watcher) -> Done<(Run, Option<PartialFile>)> {
+fn with_timeline(path: &Path, source: Source, settings: &Settings, files: &mut OutputFiles) -> Done<(Run, Option<PartialFile>)> {
     let failed = || Failure::file(path, "be written");
     let stages: Vec<StageNames> = session::stages(&source, settings).map_err(Failure::bad)?.into_iter().map(names).collect();
     let mut file = PartialFile::create(path).map_err(failed())?;
     let mut timeline = Timeline::new(BufWriter::new(&mut file), settings.config.machine().name, &stages);
-    let run = run_named(source, settings, watcher, Some(&mut timeline))?;
+    let run = run_named(source, settings, files, Some(&mut timeline))?;
     match &run.timing {
         Some(timing) => timeline.finish(timing).and_then(|mut out| out.flush()).map_err(failed())?,
         None => drop(timeline),
@@ -155,7 +155,7 @@ fn show(report: &Report, (kinds, extra): (&[&str], &[String]), simulation: &Simu
     }
 }
 
-/// Most pictures of machine `defer` that are told by name.
+/// Most pictures with names of their own that are told.
 const MOST_NAMED: usize = 8;
 
 fn written(report: &Report, kinds: &[&str], extra: &[String]) -> String {

@@ -33,7 +33,7 @@ impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
         }
         stage.fire(start, connections, &mut self.traffic);
         self.fired = true;
-        if SomeProbe::ON {
+        if SomeProbe::is_on() {
             self.probe.worked(self.stage, self.now, stage.clock.free);
         }
         if self.traffic.fault.is_some() && self.fault.is_none() {

@@ -40,7 +40,7 @@ impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
             }
             stage.fire(&next, connections, &mut self.traffic);
             self.moved = true;
-            if SomeProbe::ON {
+            if SomeProbe::is_on() {
                 self.probe.worked(number, next.at, stage.clock.free);
             }
             if self.traffic.fault.is_some() {

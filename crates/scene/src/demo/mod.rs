@@ -38,8 +38,6 @@ pub struct DemoInfo {
     pub name: &'static str,
     /// What it shows, in a sentence.
     pub about: &'static str,
-    /// The machine whose work it shows: `bump`, `shade`, `texel` or `defer`. Any other draws it, too.
-    pub machine: &'static str,
     build: Build,
 }
 
@@ -52,20 +50,12 @@ enum Build {
 }
 
 impl DemoInfo {
-    const fn bump(name: &'static str, about: &'static str, build: fn() -> Stage) -> Self {
-        Self { name, about, machine: "bump", build: Build::Fixed(build) }
+    const fn fixed(name: &'static str, about: &'static str, build: fn() -> Stage) -> Self {
+        Self { name, about, build: Build::Fixed(build) }
     }
 
-    const fn texel(name: &'static str, about: &'static str, build: fn() -> Stage) -> Self {
-        Self { name, about, machine: "texel", build: Build::Fixed(build) }
-    }
-
-    const fn defer(name: &'static str, about: &'static str, build: fn() -> Stage) -> Self {
-        Self { name, about, machine: "defer", build: Build::Fixed(build) }
-    }
-
-    const fn shade(name: &'static str, about: &'static str, build: fn(u32) -> Stage) -> Self {
-        Self { name, about, machine: "shade", build: Build::Tessellated(build) }
+    const fn tessellated(name: &'static str, about: &'static str, build: fn(u32) -> Stage) -> Self {
+        Self { name, about, build: Build::Tessellated(build) }
     }
 
     /// Tessellations N that [`demo`] takes as `NAME@N`; `None` where there is only one.
@@ -92,39 +82,43 @@ impl DemoInfo {
     }
 }
 
-/// All demos, machine by machine; the first of each machine is its default one.
+/// All demos. Any machine draws any of them; which one a machine draws where none is named, it says itself.
 pub const DEMOS: &[DemoInfo] = &[
-    DemoInfo::bump("golf-ball", "A golf ball: 336 dimples in a normal map on a smooth sphere.", golf_ball::build),
-    DemoInfo::bump(
+    DemoInfo::fixed("golf-ball", "A golf ball: 336 dimples in a normal map on a smooth sphere.", golf_ball::build),
+    DemoInfo::fixed(
         "coin",
         "Relief on a coin while the light circles around it: the tables of brightness change with every frame.",
         coin::build,
     ),
-    DemoInfo::bump(
+    DemoInfo::fixed(
         "brick",
         "A brick wall and a paved floor that run to the horizon, so that every LOD 0..=63 occurs.",
         brick::build,
     ),
-    DemoInfo::bump("mixed", "Bump targets, textured and plain polygons in front of each other.", mixed::build),
-    DemoInfo::bump(
+    DemoInfo::fixed("mixed", "Bump targets, textured and plain polygons in front of each other.", mixed::build),
+    DemoInfo::fixed(
         "sphere",
         "The benchmark: a woven sphere of 20,000 triangles with a normal map of 512 x 512 texels.",
         sphere::build,
     ),
-    DemoInfo::shade(
+    DemoInfo::tessellated(
         "ellipsoid",
         "A lacquered ellipsoid (Figure 3 of the shading device); `ellipsoid@1` to `@16` set the tessellation, 4 is the default.",
         ellipsoid::build,
     ),
-    DemoInfo::shade(
+    DemoInfo::tessellated(
         "cut-plane",
         "A plane that a curve cuts into many facets, beside a curved body; tessellation as above.",
         cut_plane::build,
     ),
-    DemoInfo::shade("goblet", "A spline surface of revolution with narrow highlights; tessellation as above.", goblet::build),
-    DemoInfo::texel("corridor", "A corridor with checkered floor, walls and ceiling, to the vanishing point.", corridor::build),
-    DemoInfo::texel("turntable", "A box with a picture on every side, turning close to the eye.", turntable::build),
-    DemoInfo::defer(
+    DemoInfo::tessellated(
+        "goblet",
+        "A spline surface of revolution with narrow highlights; tessellation as above.",
+        goblet::build,
+    ),
+    DemoInfo::fixed("corridor", "A corridor with checkered floor, walls and ceiling, to the vanishing point.", corridor::build),
+    DemoInfo::fixed("turntable", "A box with a picture on every side, turning close to the eye.", turntable::build),
+    DemoInfo::fixed(
         "gallery",
         "A hall with many large pictures, most of them hidden, oblique or far; `--frames` walks around in it.",
         gallery::build,
@@ -239,7 +233,7 @@ mod tests {
 
     #[test]
     fn tessellation_is_part_of_the_name() {
-        for info in DEMOS.iter().filter(|d| d.machine == "shade") {
+        for info in DEMOS.iter().filter(|d| d.tessellations().is_some()) {
             let count = |suffix: &str| triangles(&demo(&format!("{}{suffix}", info.name), &ViewOptions::default()).unwrap());
             assert_eq!(info.tessellations(), Some(1..=16));
             assert_eq!(count(""), count("@4"));
@@ -263,7 +257,7 @@ mod tests {
     /// What the shading device is for: no textures, highlights as sharp as its page says, n 50..=200.
     #[test]
     fn demos_of_the_shading_device_shine_and_have_no_textures() {
-        for scene in DEMOS.iter().filter(|d| d.machine == "shade").map(|d| demo(d.name, &ViewOptions::default()).unwrap()) {
+        for scene in ["ellipsoid", "cut-plane", "goblet"].map(|name| demo(name, &ViewOptions::default()).unwrap()) {
             for material in scene.objects.iter().map(|o| &o.material) {
                 assert!(material.color_texture.is_none() && material.normal_map.is_none());
                 assert!((50.0..=200.0).contains(&material.lighting.n) && material.lighting.ks > 0.0);

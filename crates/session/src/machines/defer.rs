@@ -1,8 +1,10 @@
-//! The rate-limited renderer as a [`Device`].
+//! The rate-limited renderer as a [`MachineSpec`].
 
-use crate::device::{Device, Exhibits, Told};
-use crate::exhibit::Exhibit;
-use basrelief_deferred_renderer::{Lighting, TexelCentre, TileSource};
+use super::spec::{Logs, MachineSpec, RunSummary, TileFetch};
+use crate::exhibits::ExhibitSpec;
+use crate::exhibits::defer::{DeferLog, EXHIBITS};
+use basrelief_deferred_renderer::{Lighting, RenderMode, TexelCentre, TileSource};
+use basrelief_frame_buffer::{FinishedFrame, ShownPicture};
 use basrelief_kernel::RunReport;
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
@@ -10,13 +12,16 @@ use basrelief_reference::{self as reference, Options, Pyramid, Shading, Style, T
 use serde_json::Value;
 use std::sync::Arc;
 
-impl Device for DeferConfig {
+impl MachineSpec for DeferConfig {
     const NAME: &'static str = defer::NAME;
     const ABOUT: &'static str = "HP's renderer for a rate-limited path";
     const DIAGRAM: &'static str = defer::DIAGRAM;
     const UNITS: &'static [UnitInfo] = defer::UNITS;
     const DEMOS: &'static [&'static str] = &["gallery"];
+    const EXHIBITS: &'static [ExhibitSpec<Self>] = EXHIBITS;
+    const FETCHES_TILES: bool = true;
     type Machine<F: FrontEnd> = DeferredRenderer<F>;
+    type Log = DeferLog;
 
     fn build<F: FrontEnd>(&self, front: F) -> Result<DeferredRenderer<F>, ConfigProblem> {
         DeferredRenderer::new(front, self)
@@ -24,6 +29,11 @@ impl Device for DeferConfig {
 
     fn build_remote<F: FrontEnd>(&self, front: F, tiles: Box<dyn TileSource>) -> Result<DeferredRenderer<F>, ConfigProblem> {
         DeferredRenderer::with_source(front, self, tiles)
+    }
+
+    fn tile_fetch(&self) -> Option<TileFetch> {
+        let (tile, path) = (&self.tile, &self.path);
+        Some(TileFetch { encoding: tile.encoding, jpeg_quality: tile.jpeg_quality, requests: path.requests })
     }
 
     fn front(&self) -> FrontConfig {
@@ -51,16 +61,20 @@ impl Device for DeferConfig {
     }
 
     /// When each picture was shown, from the end of the frame before, and how far it is from the last of its frame.
-    fn figures(&self, told: &Told<'_>) -> Vec<(&'static str, Value)> {
+    fn figures(&self, summary: &RunSummary<'_>) -> Vec<(&'static str, Value)> {
         let mut figures = vec![
-            ("picture_frame", told.shown.iter().map(|s| s.frame).collect()),
-            ("picture_round", told.shown.iter().map(|s| s.round).collect()),
-            ("picture_psnr_db", told.shown.iter().map(|s| s.psnr_db).collect()),
+            ("picture_frame", summary.pictures.iter().map(|s| s.frame).collect()),
+            ("picture_round", summary.pictures.iter().map(|s| s.round).collect()),
+            ("picture_psnr_db", summary.pictures.iter().map(|s| s.psnr_db).collect()),
         ];
-        if let Some(run) = told.run {
-            figures.extend(times(self.clock.hz, told, run));
+        if let Some(run) = summary.run {
+            figures.extend(times(self.clock.hz, summary, run));
         }
         figures
+    }
+
+    fn shows_rounds(&self) -> bool {
+        self.defer.mode == RenderMode::Progressive
     }
 }
 
@@ -70,10 +84,10 @@ fn milliseconds(cycles: u64, hz: u64) -> f64 {
 }
 
 /// Times of pictures: all of them, and the first and the last of the first frame.
-fn times(hz: u64, told: &Told<'_>, run: &RunReport) -> Vec<(&'static str, Value)> {
-    let cycles = told.cycles_of_frames(run);
+fn times(hz: u64, summary: &RunSummary<'_>, run: &RunReport) -> Vec<(&'static str, Value)> {
+    let cycles = summary.cycles_of_frames(run);
     let ms = |cycles: u64| milliseconds(cycles, hz);
-    let last = told.shown.iter().position(|s| s.last).and_then(|i| cycles.get(i));
+    let last = summary.pictures.iter().position(|s| s.last).and_then(|i| cycles.get(i));
     let mut times =
         vec![("picture_cycles", cycles.iter().copied().collect()), ("picture_ms", cycles.iter().map(|c| ms(*c)).collect())];
     if let Some((&first, &last)) = cycles.first().zip(last) {
@@ -83,24 +97,27 @@ fn times(hz: u64, told: &Told<'_>, run: &RunReport) -> Vec<(&'static str, Value)
     times
 }
 
-impl<F: FrontEnd> Exhibits for DeferredRenderer<F> {
+impl<F: FrontEnd> Logs<DeferLog> for DeferredRenderer<F> {
+    fn drain_rounds(&mut self) -> Vec<ShownPicture> {
+        DeferredRenderer::drain_rounds(self)
+    }
+
     fn keep_log(&mut self) {
         self.keep();
     }
 
-    fn drain_exhibits(&mut self) -> Vec<Exhibit> {
-        let rounds = self.drain_rounds().into_iter().map(Exhibit::Round);
-        let mut all: Vec<Exhibit> = rounds.collect();
-        all.extend(self.drain_filled().into_iter().map(Exhibit::ReferenceBuffer));
-        all.extend(self.drain_records().into_iter().map(|(frame, tiles)| Exhibit::Tiles { frame, tiles }));
-        all
+    fn drain_log(&mut self, _: &[FinishedFrame]) -> Vec<(u32, DeferLog)> {
+        let filled = self.drain_filled().into_iter().map(|filled| (filled.frame, DeferLog::ReferenceBuffer(filled)));
+        let mut log: Vec<_> = filled.collect();
+        log.extend(self.drain_records().into_iter().map(|(frame, tiles)| (frame, DeferLog::Tiles(tiles))));
+        log
+    }
+
+    fn last_log(&mut self) -> Option<DeferLog> {
+        Some(DeferLog::TileLists(self.lists().map(|(page, list)| (Arc::clone(page), list.clone())).collect()))
     }
 
     fn lost(&self) -> Option<String> {
         DeferredRenderer::lost(self).map(str::to_owned)
-    }
-
-    fn last_exhibits(&mut self) -> Vec<Exhibit> {
-        vec![Exhibit::TileLists(self.lists().map(|(page, list)| (Arc::clone(page), list.clone())).collect())]
     }
 }

@@ -1,4 +1,4 @@
-//! Exhibits as lines of JSON.
+//! The reference buffer and tiles as lines of JSON.
 
 use basrelief_deferred_renderer::{FilledBuffer, How, TileRecord};
 use serde::Serialize;
@@ -44,10 +44,7 @@ fn line(out: &mut dyn Write, line: &impl Serialize) -> io::Result<()> {
 
 /// Writes one line per textured pixel: `{"x", "y", "texture", "s", "t", "depth"}`, texture coordinates in texels of the finest
 /// layer, without a half-texel offset; with `"frame"` in front for all frames but the first.
-///
-/// # Errors
-/// What the writer says.
-pub fn write_reference_buffer(filled: &FilledBuffer, out: &mut dyn Write) -> io::Result<()> {
+pub(super) fn write_reference_buffer(filled: &FilledBuffer, out: &mut dyn Write) -> io::Result<()> {
     for (i, cell) in (0..).zip(&filled.cells) {
         let Some(page) = cell.page().and_then(|p| filled.pages.get(usize::from(p))) else { continue };
         let [s, t] = cell.coordinates;
@@ -59,10 +56,7 @@ pub fn write_reference_buffer(filled: &FilledBuffer, out: &mut dyn Write) -> io:
 
 /// Writes one line per tile of frame `frame`: `{"texture", "width", "height", "layer", "tile", "state"}`, the size that of the
 /// texture, the state `loaded`, `synthesized` or `reused`; with `"frame"` in front for all frames but the first.
-///
-/// # Errors
-/// What the writer says.
-pub fn write_tiles(frame: u32, tiles: &[TileRecord], out: &mut dyn Write) -> io::Result<()> {
+pub(super) fn write_tiles(frame: u32, tiles: &[TileRecord], out: &mut dyn Write) -> io::Result<()> {
     for TileRecord { page, tile, acquired } in tiles {
         let [width, height] = page.texture_size;
         let state = match acquired {

@@ -49,12 +49,12 @@ const GLYPHS: [(char, [u8; 5]); 40] = [
 /// Picture pixels per pixel of a glyph.
 const SCALE: u32 = 2;
 /// From glyph to glyph \[pixels\].
-pub(crate) const ADVANCE: u32 = 4 * SCALE;
+pub(super) const ADVANCE: u32 = 4 * SCALE;
 /// Height of a glyph \[pixels\].
-pub(crate) const HEIGHT: u32 = 5 * SCALE;
+pub(super) const HEIGHT: u32 = 5 * SCALE;
 
 /// Writes in white capitals, from this column and row on. What is no letter, digit or `.-_:` is a blank.
-pub(crate) fn write(picture: &mut Picture, start: u32, row: u32, text: &str) {
+pub(super) fn write(picture: &mut Picture, start: u32, row: u32, text: &str) {
     for (k, letter) in (0..).zip(text.chars()) {
         let letter = letter.to_ascii_uppercase();
         let Some((_, glyph)) = GLYPHS.iter().find(|(known, _)| *known == letter) else { continue };
@@ -67,7 +67,7 @@ pub(crate) fn write(picture: &mut Picture, start: u32, row: u32, text: &str) {
 }
 
 /// Draws a pixel; none outside of the picture.
-pub(crate) fn set(picture: &mut Picture, x: u32, y: u32, color: [u8; 3]) {
+pub(super) fn set(picture: &mut Picture, x: u32, y: u32, color: [u8; 3]) {
     let place = y as usize * picture.width as usize + x as usize;
     if x < picture.width && place < picture.rgb.len() {
         picture.rgb[place] = color;

@@ -1,7 +1,7 @@
 //! The pictures of machine `defer`: layer depth, tile load lists.
 
-use crate::heat_map::heat_map;
-use crate::lettering::{ADVANCE, HEIGHT, set, write};
+use super::heat_map::heat_map;
+use super::lettering::{ADVANCE, HEIGHT, set, write};
 use basrelief_deferred_renderer::{Cell, FilledBuffer, Layer, Page, TileList, TileState};
 use basrelief_reference::Picture;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ const DIRECT: [u8; 3] = [128; 3];
 
 /// Layer depth per pixel as a heat map with its scale below: from layer 0 to the finest layer of the scene. Pixels of direct
 /// colour are grey.
-pub fn layer_depth_picture(filled: &FilledBuffer) -> Picture {
+pub(super) fn layer_depth_picture(filled: &FilledBuffer) -> Picture {
     let deepest = filled.pages.iter().map(|p| p.dmax()).max().unwrap_or(0).max(1);
     let depth = |cell: &Cell| if cell.page().is_some() { cell.depth } else { f32::NAN };
     let depths: Vec<f32> = filled.cells.iter().map(depth).collect();
@@ -84,7 +84,7 @@ fn places(sizes: &[[u32; 2]]) -> (Vec<[u32; 2]>, [u32; 2]) {
 
 /// Tile load lists (136) at the end of a run: textures with number, name and size, below it their layers from the coarsest on
 /// the left to the finest with their numbers; grey is N, yellow L, green E. What does not fit is left out.
-pub fn tile_map_picture(lists: &[(Arc<Page>, TileList)]) -> Picture {
+pub(super) fn tile_map_picture(lists: &[(Arc<Page>, TileList)]) -> Picture {
     let sizes: Vec<_> = lists.iter().map(|(page, _)| size_of(page)).collect();
     let (places, [width, height]) = places(&sizes);
     // Below it, what the colours mean.

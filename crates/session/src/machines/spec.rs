@@ -1,9 +1,9 @@
 //! What a run needs to know of a machine, whichever it is.
 
-use crate::exhibit::Exhibit;
-use basrelief_deferred_renderer::TileSource;
+use crate::exhibits::ExhibitSpec;
+use basrelief_deferred_renderer::{TileEncoding, TileSource};
+use basrelief_frame_buffer::{FinishedFrame, ShownPicture};
 use basrelief_kernel::RunReport;
-use basrelief_machines::texel::FrameLog;
 use basrelief_machines::{ConfigProblem, Counts, Draws, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
@@ -12,10 +12,10 @@ use serde_json::Value;
 use std::fmt::Debug;
 
 /// A short cut: its name, and what switches it off.
-pub type ShortCut<D> = (&'static str, fn(&mut D));
+pub type ShortCut<S> = (&'static str, fn(&mut S));
 
 /// A machine, as its configuration: names it, and builds it behind either way in.
-pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq + 'static {
+pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'static {
     /// As `--machine` names it.
     const NAME: &'static str;
     /// What it is, in a sentence.
@@ -28,8 +28,14 @@ pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq + 'static 
     const DEMOS: &'static [&'static str];
     /// The short cuts that an ablation switches off.
     const SHORT_CUTS: &'static [ShortCut<Self>] = &[];
+    /// What it shows beside its finished pictures.
+    const EXHIBITS: &'static [ExhibitSpec<Self>] = &[];
+    /// Its textures come over a path, from a server that may be elsewhere.
+    const FETCHES_TILES: bool = false;
     /// The machine behind one way in.
-    type Machine<F: FrontEnd>: Exhibits;
+    type Machine<F: FrontEnd>: Logs<Self::Log>;
+    /// An entry of its log, of which exhibits are made; `()` where there are none.
+    type Log: 'static;
 
     /// The machine at power-on.
     ///
@@ -44,6 +50,10 @@ pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq + 'static 
         drop(tiles);
         self.build(front)
     }
+    /// How it asks for tiles, where it fetches any.
+    fn tile_fetch(&self) -> Option<TileFetch> {
+        None
+    }
     /// What its way in needs.
     fn front(&self) -> FrontConfig;
     /// What its pictures are held against.
@@ -51,15 +61,31 @@ pub trait Device: Parameters + JsonSchema + Clone + Debug + PartialEq + 'static 
     /// What the reader of a report should know, one sentence each.
     fn warnings(&self, counts: &Counts) -> Vec<String>;
     /// Figures that the machine alone cannot know: of the pictures shown, and of time.
-    fn figures(&self, told: &Told<'_>) -> Vec<(&'static str, Value)> {
-        let _ = told;
+    fn figures(&self, summary: &RunSummary<'_>) -> Vec<(&'static str, Value)> {
+        let _ = summary;
         vec![]
     }
+
+    /// Whether each frame may be shown in several pictures, each better than the one before.
+    fn shows_rounds(&self) -> bool {
+        false
+    }
+}
+
+/// How a machine asks for tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TileFetch {
+    /// How tiles are encoded on the path.
+    pub encoding: TileEncoding,
+    /// Quality of JPEG, where it is that: 1 to 100.
+    pub jpeg_quality: u8,
+    /// Requests under way at a time.
+    pub requests: u32,
 }
 
 /// A picture that was shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
+pub struct PictureRecord {
     /// Number of its frame.
     pub frame: u32,
     /// Number within its frame, from 0.
@@ -70,20 +96,20 @@ pub struct Shown {
     pub last: bool,
 }
 
-/// What a run has told beside the counts of the machine.
+/// A run that is over, beside the counts of the machine.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<'a> {
+pub struct RunSummary<'a> {
     /// What the engine came to; `None` for the functional model.
     pub run: Option<&'a RunReport>,
     /// All pictures, in order.
-    pub shown: &'a [Shown],
+    pub pictures: &'a [PictureRecord],
 }
 
-impl Told<'_> {
+impl RunSummary<'_> {
     /// Cycles from the end of the frame before to each picture.
     pub fn cycles_of_frames(&self, run: &RunReport) -> Vec<u64> {
         let mut since = 0;
-        let cycles = self.shown.iter().zip(&run.frames).map(|(shown, cycles)| {
+        let cycles = self.pictures.iter().zip(&run.frames).map(|(shown, cycles)| {
             let own = since + cycles;
             since = if shown.last { 0 } else { own };
             own
@@ -92,26 +118,26 @@ impl Told<'_> {
     }
 }
 
-/// A machine, with what it has to show beside finished pictures: nothing, unless it says so.
-pub trait Exhibits: Draws {
-    /// Keeps a log of each picture, and what [`Exhibits::drain_exhibits`] shows and is not needed otherwise, from now on, where
-    /// the machine has any. Called before the first step.
-    fn keep_log(&mut self) {}
-    /// Logs of so many pictures, those drained with them, in order; none where none is kept.
-    fn drain_logs(&mut self, pictures: usize) -> Vec<FrameLog> {
-        let _ = pictures;
-        Vec::new()
-    }
-    /// What there is to show since the last call beside finished pictures, in order; nothing stays in the machine.
-    fn drain_exhibits(&mut self) -> Vec<Exhibit> {
+/// A machine that tells more than finished pictures and counts; by itself it tells nothing. `L` is an entry of its log.
+pub trait Logs<L>: Draws {
+    /// Pictures shown since the last call that a better one follows, in order.
+    fn drain_rounds(&mut self) -> Vec<ShownPicture> {
         vec![]
     }
-    /// What it has lost, in a sentence: it stands still for that, and no fault of its own.
-    fn lost(&self) -> Option<String> {
+    /// Keeps a log from now on. Called before the first step, where exhibits are wanted.
+    fn keep_log(&mut self) {}
+    /// What was logged since the last call, in order, each entry with the number of its frame; `finished` are the frames
+    /// finished since then. Nothing that is returned stays in the machine.
+    fn drain_log(&mut self, finished: &[FinishedFrame]) -> Vec<(u32, L)> {
+        let _ = finished;
+        vec![]
+    }
+    /// What there is to log when the run is over.
+    fn last_log(&mut self) -> Option<L> {
         None
     }
-    /// What there is to show when the run is over.
-    fn last_exhibits(&mut self) -> Vec<Exhibit> {
-        vec![]
+    /// What the machine has lost, in a sentence: it stands still for that, and no fault of its own.
+    fn lost(&self) -> Option<String> {
+        None
     }
 }

@@ -1,11 +1,11 @@
-//! The figure shading device as a [`Device`].
+//! The figure shading device as a [`MachineSpec`].
 
-use crate::device::{Device, Exhibits, ShortCut};
+use super::spec::{Logs, MachineSpec, ShortCut};
 use basrelief_machines::shade::{self, FigureShadingDevice, ShadeConfig};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_reference::{Components, Options, Shading, Style, TextureFilter};
 
-impl Device for ShadeConfig {
+impl MachineSpec for ShadeConfig {
     const NAME: &'static str = shade::NAME;
     const ABOUT: &'static str = "Hitachi's figure shading device";
     const DIAGRAM: &'static str = shade::DIAGRAM;
@@ -17,6 +17,7 @@ impl Device for ShadeConfig {
         ("same-plane", |c| c.shortcut.same_plane.enabled = false),
     ];
     type Machine<F: FrontEnd> = FigureShadingDevice<F>;
+    type Log = ();
 
     fn build<F: FrontEnd>(&self, front: F) -> Result<FigureShadingDevice<F>, ConfigProblem> {
         FigureShadingDevice::new(front, self)
@@ -43,4 +44,4 @@ impl Device for ShadeConfig {
     }
 }
 
-impl<F: FrontEnd> Exhibits for FigureShadingDevice<F> {}
+impl<F: FrontEnd> Logs<()> for FigureShadingDevice<F> {}

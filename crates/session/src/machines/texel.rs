@@ -1,19 +1,25 @@
-//! The texture mapping system as a [`Device`].
+//! The texture mapping system as a [`MachineSpec`].
 
-use crate::device::{Device, Exhibits};
-use basrelief_machines::texel::{self, FrameLog, TexelMachineConfig, TextureMappingSystem};
+use super::spec::{Logs, MachineSpec};
+use crate::drive::picture;
+use crate::exhibits::ExhibitSpec;
+use crate::exhibits::texel::{EXHIBITS, TexelLog};
+use basrelief_frame_buffer::FinishedFrame;
+use basrelief_machines::texel::{self, TexelMachineConfig, TextureMappingSystem};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_reference::{LevelRule, Options, Shading, Style, TextureFilter};
 use basrelief_signals::Filter;
 use basrelief_texel_value_generator::{IlluminanceMode, MipMode};
 
-impl Device for TexelMachineConfig {
+impl MachineSpec for TexelMachineConfig {
     const NAME: &'static str = texel::NAME;
     const ABOUT: &'static str = "Sun's texture mapping system with its texel value generator";
     const DIAGRAM: &'static str = texel::DIAGRAM;
     const UNITS: &'static [UnitInfo] = texel::UNITS;
     const DEMOS: &'static [&'static str] = &["corridor", "turntable"];
+    const EXHIBITS: &'static [ExhibitSpec<Self>] = EXHIBITS;
     type Machine<F: FrontEnd> = TextureMappingSystem<F>;
+    type Log = TexelLog;
 
     fn build<F: FrontEnd>(&self, front: F) -> Result<TextureMappingSystem<F>, ConfigProblem> {
         TextureMappingSystem::new(front, self)
@@ -51,12 +57,13 @@ impl Device for TexelMachineConfig {
     }
 }
 
-impl<F: FrontEnd> Exhibits for TextureMappingSystem<F> {
+impl<F: FrontEnd> Logs<TexelLog> for TextureMappingSystem<F> {
     fn keep_log(&mut self) {
         self.keep_log();
     }
 
-    fn drain_logs(&mut self, pictures: usize) -> Vec<FrameLog> {
-        self.drain_logs(pictures)
+    fn drain_log(&mut self, finished: &[FinishedFrame]) -> Vec<(u32, TexelLog)> {
+        let logs = self.drain_logs(finished.len()).into_iter().zip(finished);
+        logs.map(|(frame, of)| (of.index, TexelLog { frame, picture: picture(of.clone()) })).collect()
     }
 }

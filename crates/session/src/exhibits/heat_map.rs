@@ -1,6 +1,6 @@
 //! Values per pixel as colours, with the scale drawn below.
 
-use crate::lettering::{ADVANCE, set, write};
+use super::lettering::{ADVANCE, set, write};
 use basrelief_reference::Picture;
 
 /// Height of the scale below the picture \[pixels\]: a bar, ticks, numbers.
@@ -13,7 +13,7 @@ const COLORS: [[u8; 3]; 7] =
 
 /// Draws `values`, row by row; not a number is background. Colours run from 0 to `top`, and these numbers and `marks` between
 /// stand below.
-pub(crate) fn heat_map(width: u32, values: &[f32], top: f64, marks: &[f64]) -> Picture {
+pub(super) fn heat_map(width: u32, values: &[f32], top: f64, marks: &[f64]) -> Picture {
     let height = values.len() as u32 / width.max(1);
     let mut picture = Picture::new(width, height + SCALE_HEIGHT);
     for (place, value) in values.iter().enumerate().filter(|(_, value)| !value.is_nan()) {

@@ -1,18 +1,19 @@
-//! The quantized bump-mapping processor as a [`Device`].
+//! The quantized bump-mapping processor as a [`MachineSpec`].
 
-use crate::device::{Device, Exhibits};
+use super::spec::{Logs, MachineSpec};
 use basrelief_brightness::Components;
 use basrelief_machines::bump::{self, BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, ReferenceFilter, UnitInfo};
 use basrelief_reference::{self as reference, Options, Style, TextureFilter};
 
-impl Device for BumpProcessorConfig {
+impl MachineSpec for BumpProcessorConfig {
     const NAME: &'static str = "bump";
     const ABOUT: &'static str = "Sony's quantized bump-mapping processor";
     const DIAGRAM: &'static str = bump::DIAGRAM;
     const UNITS: &'static [UnitInfo] = bump::UNITS;
     const DEMOS: &'static [&'static str] = &["golf-ball", "coin", "brick", "mixed", "sphere"];
     type Machine<F: FrontEnd> = BumpProcessor<F>;
+    type Log = ();
 
     fn build<F: FrontEnd>(&self, front: F) -> Result<BumpProcessor<F>, ConfigProblem> {
         BumpProcessor::new(front, self)
@@ -44,4 +45,4 @@ impl Device for BumpProcessorConfig {
     }
 }
 
-impl<F: FrontEnd> Exhibits for BumpProcessor<F> {}
+impl<F: FrontEnd> Logs<()> for BumpProcessor<F> {}

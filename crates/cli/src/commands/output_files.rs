@@ -1,0 +1,94 @@
+//! What a run writes while it goes on: pictures, exhibits, progress.
+
+use super::dump::DumpFiles;
+use crate::error::Failure;
+use crate::outputs::Outputs;
+use crate::progress::Progress;
+use basrelief_reference::{Picture, metrics};
+use basrelief_session::{Content, Exhibit, Form, Observer, Pictures, picture_name};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use std::cell::Cell;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::rc::Rc;
+
+/// Files, progress and pictures of a run.
+pub struct OutputFiles {
+    /// In front of the outputs: a dump that is given up must be gone before the folder that was made for both.
+    pub dumps: DumpFiles,
+    pub outputs: Outputs,
+    pub progress: Progress,
+    /// Bytes of a trace read so far; a scene counts commands instead.
+    pub read: Option<Rc<Cell<u64>>>,
+    pub frames: usize,
+    /// Of the pictures of frames written so far: the machine's own and those that it is held against, then exhibits.
+    pub kinds: [Vec<&'static str>; 2],
+    /// Names of the other pictures.
+    pub extra: Vec<String>,
+    /// The picture that was shown last of a frame that is shown several times, and its frame.
+    pub shown: Option<(u32, String)>,
+}
+
+impl Observer for OutputFiles {
+    fn progress(&mut self, commands: u64, _: Option<u64>) -> bool {
+        self.progress.at(self.read.as_ref().map_or(commands, |read| read.get()));
+        true
+    }
+
+    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+        let index = pictures.index;
+        self.frames = index + 1;
+        self.save([0, index], "image", pictures.machine)?;
+        let Some((exact, _)) = pictures.exact else { return Ok(()) };
+        self.save([0, index], "reference", exact)?;
+        let difference = metrics::difference(exact, pictures.machine).map_err(|e| e.to_string())?;
+        self.save([0, index], "difference", &difference)
+    }
+
+    fn exhibit(&mut self, exhibit: &Exhibit<'_>) -> Result<(), String> {
+        match &exhibit.content {
+            Content::Lines(write) => self.dumps.write(exhibit.info, write),
+            Content::Picture(picture) => self.save([1, exhibit.frame as usize], exhibit.info.name, picture),
+            Content::NamedPicture(name, picture) => {
+                self.write(name, picture)?;
+                self.extra.push(name.clone());
+                if exhibit.info.form == Form::PicturePerRound {
+                    self.shown = Some((exhibit.frame, name.clone()));
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+impl OutputFiles {
+    /// A run has failed: the best picture of a frame that was under way stays, if there was any.
+    pub fn rescue(self, error: Failure) -> Failure {
+        let Some((_, best)) = self.shown.filter(|(frame, _)| *frame as usize >= self.frames) else { return error };
+        match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png")) {
+            Ok(()) => error,
+            Err(e) => Failure::Bad(format!("{error}\nThe best picture so far cannot be written: {e}")),
+        }
+    }
+
+    /// Writes a picture of frame `index`; `exhibit` is 1 for one of the exhibits, otherwise 0.
+    fn save(&mut self, [exhibit, index]: [usize; 2], kind: &'static str, picture: &Picture) -> Result<(), String> {
+        let kinds = &mut self.kinds[exhibit];
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+        self.write(&picture_name(kind, index, true), picture)
+    }
+
+    fn write(&mut self, name: &str, picture: &Picture) -> Result<(), String> {
+        let failed = |e: &dyn std::fmt::Display| format!("{}: cannot be written: {e}", self.outputs.place(name).display());
+        // In memory: the encoder would wrap what is wrong with the disk in words of its own.
+        let mut png = Vec::new();
+        PngEncoder::new(&mut png)
+            .write_image(&picture.to_rgba(), picture.width, picture.height, ExtendedColorType::Rgba8)
+            .map_err(|e| failed(&e))?;
+        let write = |mut file: BufWriter<File>| file.write_all(&png).and_then(|()| file.flush());
+        self.outputs.create(name).and_then(write).map_err(|e| failed(&e))
+    }
+}

@@ -1,0 +1,91 @@
+//! What there is to know of a machine before it runs.
+
+use super::{MACHINES, MachineConfig, MachineSpec};
+use crate::exhibits::ExhibitInfo;
+use basrelief_machines::UnitInfo;
+use basrelief_parameters::{ConfigError, Parameter};
+use serde_json::Value;
+
+/// What there is to know of a machine before it runs.
+#[derive(Clone, Copy, Debug)]
+pub struct MachineInfo {
+    /// As `--machine` names it.
+    pub name: &'static str,
+    /// What it is, in a sentence.
+    pub about: &'static str,
+    /// The patent's block diagram in characters.
+    pub diagram: &'static str,
+    /// The boxes of the block diagram.
+    pub units: &'static [UnitInfo],
+    /// The demo scenes that are made for it; the first is drawn where none is named.
+    pub demos: &'static [&'static str],
+    /// Its textures come over a path, from a server that may be elsewhere.
+    pub fetches_tiles: bool,
+    exhibits: fn() -> Vec<ExhibitInfo>,
+    table: fn() -> Vec<Parameter>,
+    schema: fn() -> Value,
+    load: Load,
+}
+
+/// Makes a configuration of TOML and single settings.
+type Load = fn(&str, &[(&str, &str)]) -> Result<MachineConfig, ConfigError>;
+
+impl MachineInfo {
+    pub(super) const fn of<S: MachineSpec>() -> Self
+    where
+        MachineConfig: From<S>,
+    {
+        Self {
+            name: S::NAME,
+            about: S::ABOUT,
+            diagram: S::DIAGRAM,
+            units: S::UNITS,
+            demos: S::DEMOS,
+            fetches_tiles: S::FETCHES_TILES,
+            exhibits: || S::EXHIBITS.iter().map(|e| e.info).collect(),
+            table: S::table,
+            schema: || schemars::schema_for!(S).to_value(),
+            load: |toml, settings| basrelief_parameters::load::<S>(toml, settings).map(MachineConfig::from),
+        }
+    }
+
+    /// The machine of this name.
+    ///
+    /// # Errors
+    /// A sentence with the names that there are.
+    pub fn named(name: &str) -> Result<&'static Self, String> {
+        MACHINES.iter().find(|m| m.name == name).ok_or_else(|| {
+            let names: Vec<&str> = MACHINES.iter().map(|m| m.name).collect();
+            format!("no machine is called `{name}`; expected {}", names.join(", "))
+        })
+    }
+
+    /// The machine that a demo scene is made for, by the name of the demo, with its tessellation or not.
+    pub fn of_demo(demo: &str) -> &'static Self {
+        let name = demo.split('@').next().unwrap_or(demo);
+        MACHINES.iter().find(|m| m.demos.contains(&name)).unwrap_or(&MACHINES[0])
+    }
+
+    /// What it shows beside its finished pictures.
+    pub fn exhibits(&self) -> Vec<ExhibitInfo> {
+        (self.exhibits)()
+    }
+
+    /// All parameters, in the order of the block diagram.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        (self.table)()
+    }
+
+    /// JSON schema of the configuration.
+    pub fn schema(&self) -> Value {
+        (self.schema)()
+    }
+
+    /// A configuration: defaults, then the TOML text, then single settings in order.
+    ///
+    /// # Errors
+    /// As [`basrelief_parameters::load`].
+    pub fn load(&self, toml: &str, settings: &[(&str, &str)]) -> Result<MachineConfig, ConfigError> {
+        (self.load)(toml, settings)
+    }
+}

@@ -1,0 +1,162 @@
+//! The machines by name, and the configuration of any of them. A machine is a line of the list in this file and a file in
+//! this folder, which says what a run needs to know of it.
+
+mod bump;
+mod defer;
+mod info;
+mod shade;
+mod spec;
+mod texel;
+
+pub use info::MachineInfo;
+pub use spec::TileFetch;
+pub(crate) use spec::{Logs, MachineSpec, PictureRecord, RunSummary};
+
+use basrelief_machines::FrontConfig;
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_machines::defer::DeferConfig;
+use basrelief_machines::shade::ShadeConfig;
+use basrelief_machines::texel::TexelMachineConfig;
+use serde_json::Value;
+use spec::ShortCut;
+
+/// Makes all that depends on which machines there are: the configuration of any of them, the list by name, and
+/// `for_machine!(config, machine => expression)`, which does the same for whichever machine is configured. (`$` is handed in
+/// because a macro cannot write it into the macro that it makes.)
+macro_rules! machines {
+    ($d:tt $($(#[$about:meta])+ $machine:ident($config:ty),)+) => {
+        /// The configuration of any machine.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum MachineConfig {
+            $($(#[$about])+ $machine($config),)+
+        }
+
+        $(impl From<$config> for MachineConfig {
+            fn from(config: $config) -> Self {
+                Self::$machine(config)
+            }
+        })+
+
+        /// All machines, the default one first.
+        pub const MACHINES: &[MachineInfo] = &[$(MachineInfo::of::<$config>()),+];
+
+        macro_rules! for_machine {
+            ($d config:expr, $d machine:ident => $d body:expr) => {
+                match $d config {
+                    $($crate::machines::MachineConfig::$machine($d machine) => $d body,)+
+                }
+            };
+        }
+        pub(crate) use for_machine;
+    };
+}
+
+machines! { $
+    /// The quantized bump-mapping processor.
+    Bump(BumpProcessorConfig),
+    /// The figure shading device.
+    Shade(ShadeConfig),
+    /// The texture mapping system.
+    Texel(TexelMachineConfig),
+    /// The rate-limited renderer.
+    Defer(DeferConfig),
+}
+
+impl Default for MachineConfig {
+    fn default() -> Self {
+        BumpProcessorConfig::default().into()
+    }
+}
+
+impl MachineConfig {
+    /// The machine.
+    pub fn machine(&self) -> &'static MachineInfo {
+        fn info<S: MachineSpec>(_: &S) -> &'static MachineInfo
+        where
+            MachineConfig: From<S>,
+        {
+            const { &MachineInfo::of::<S>() }
+        }
+        for_machine!(self, machine => info(machine))
+    }
+
+    /// All parameters, in groups as in TOML.
+    pub fn to_value(&self) -> Value {
+        for_machine!(self, machine => serde_json::to_value(machine)).unwrap_or_default()
+    }
+
+    /// The machine as it is, without each of its short cuts in turn, and without any: names and configurations. Nothing
+    /// where it has none.
+    pub(crate) fn ablations(&self) -> Vec<(String, Self)> {
+        for_machine!(self, machine => ablations(machine))
+    }
+
+    /// How the machine asks for tiles, where it fetches any.
+    pub fn tile_fetch(&self) -> Option<TileFetch> {
+        for_machine!(self, machine => machine.tile_fetch())
+    }
+
+    pub(crate) fn front(&self) -> FrontConfig {
+        for_machine!(self, machine => machine.front())
+    }
+}
+
+fn ablations<S: MachineSpec>(machine: &S) -> Vec<(String, MachineConfig)>
+where
+    MachineConfig: From<S>,
+{
+    if S::SHORT_CUTS.is_empty() {
+        return vec![];
+    }
+    let without = |short_cuts: &[ShortCut<S>]| {
+        let mut machine = machine.clone();
+        short_cuts.iter().for_each(|(_, switch_off)| switch_off(&mut machine));
+        MachineConfig::from(machine)
+    };
+    let each = S::SHORT_CUTS.iter().map(|one| (format!("without {}", one.0), without(&[*one])));
+    let all = ("without any".into(), without(S::SHORT_CUTS));
+    std::iter::once(("as configured".into(), without(&[]))).chain(each).chain([all]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use basrelief_scene::DEMOS;
+
+    #[test]
+    fn every_demo_is_made_for_one_machine() {
+        let mut made_for: Vec<&str> = MACHINES.iter().flat_map(|m| m.demos).copied().collect();
+        let mut all: Vec<&str> = DEMOS.iter().map(|d| d.name).collect();
+        made_for.sort_unstable();
+        all.sort_unstable();
+        assert_eq!(made_for, all);
+        assert_eq!(MachineInfo::of_demo("goblet@8").name, "shade");
+        assert_eq!(MachineInfo::of_demo("coin").name, "bump");
+    }
+
+    #[test]
+    fn an_ablation_switches_off_one_short_cut_at_a_time_and_then_all() {
+        let variants = MachineConfig::from(ShadeConfig::default()).ablations();
+        let off = |c: &MachineConfig| {
+            let MachineConfig::Shade(c) = c else { panic!("another machine") };
+            let s = &c.shortcut;
+            [!s.specular_negligible.enabled, !s.flatness.enabled, !s.same_plane.enabled]
+        };
+        let switched: Vec<[bool; 3]> = variants.iter().map(|(_, c)| off(c)).collect();
+        assert_eq!(switched, [[false; 3], [true, false, false], [false, true, false], [false, false, true], [true; 3]]);
+        assert_eq!(variants[0].0, "as configured");
+        assert!(MachineConfig::default().ablations().is_empty());
+    }
+
+    #[test]
+    fn a_machine_is_found_by_its_name_and_configures_itself() {
+        for machine in MACHINES {
+            let config = MachineInfo::named(machine.name).unwrap().load("", &[]).unwrap();
+            assert_eq!(config.machine().name, machine.name);
+            let first = &machine.parameters()[0];
+            assert_eq!(config.to_value().pointer(&format!("/{}", first.key.replace('.', "/"))), Some(&first.default));
+        }
+        assert_eq!(MachineConfig::default().machine().name, MACHINES[0].name);
+        assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade, texel, defer"));
+    }
+}
