@@ -63,7 +63,7 @@ fn the_report_of_the_figure_shading_device_tells_paths_circuits_and_errors() {
     let difference = &report["quality"]["difference"];
     assert!(difference["mean"].as_f64().is_some_and(|mean| mean > 0.0 && mean < 255.0));
     assert!(difference["largest"].as_u64().is_some_and(|largest| largest > 0 && largest < 256));
-    for part in ["Path ", "gate_closed", "Circuit ", "Process ", "mean error", "microcomputer (10)", "dots/s"] {
+    for part in ["Route ", "gate_closed", "Circuit ", "Process ", "mean error", "microcomputer (10)", "dots/s"] {
         assert!(said.contains(part), "{part}: {said}");
     }
     assert!(place.text("out/report.csv").contains("quality,,largest_difference,,"));

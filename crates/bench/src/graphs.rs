@@ -208,10 +208,10 @@ impl Unit for Access {
         }
         Step::after(1, input)
     }
-    fn largest_step(&self, _: usize) -> u32 {
+    fn largest_step(&self, client: usize) -> u32 {
         match self {
-            Access::Read { .. } => 1,
-            Access::LookUp => 4,
+            Access::Read { .. } => u32::from(client == 0),
+            Access::LookUp => 4 * u32::from(client == 0),
         }
     }
 }

@@ -156,7 +156,7 @@ impl Job for ShowStages {
 /// Does the job with a machine, and tells how many fragments it has made by then.
 fn done<J: Job, M: Draws>(job: J, machine: Result<M, ConfigProblem>) -> (J::Result, u64) {
     let mut machine = machine.expect("what the workloads set fits the defaults");
-    (job.with(&mut machine), machine.counts().number("fragments"))
+    (job.with(&mut machine), machine.facts().count("fragments"))
 }
 
 fn load<C: Parameters>(set: Set) -> MachineConfig

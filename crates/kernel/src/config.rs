@@ -38,14 +38,14 @@ parameters! {
     /// A read cache in front of a memory port.
     pub struct CacheConfig {
         /// Bytes per line; a power of two.
-        line_bytes: u32 = 64, unit: "bytes", Assumed("one 4 x 4 block of 32-bit texels"), range: 4..=4096;
+        line_bytes: u32 = 64, unit: "bytes", Assumed("one 4 x 4 block of 32-bit values"), range: 4..=4096;
         /// Sets.
-        sets: u32 = 64, unit: "sets", Assumed("for texels 64 sets x 4 lines x 64 bytes = 16 KiB, the largest working set Hakura and Gupta found (1997); fewer for CLUTs and z"), range: 1..=65536;
+        sets: u32 = 64, unit: "sets", Assumed("64 sets x 4 lines x 64 bytes = 16 KiB, the largest working set Hakura and Gupta found (1997); small tables need fewer"), range: 1..=65536;
         /// Lines per set.
-        ways: u32 = 4, unit: "lines", Assumed("enough that two MIP levels do not evict each other"), range: 1..=64;
+        ways: u32 = 4, unit: "lines", Assumed("enough that two arrays read side by side do not evict each other"), range: 1..=64;
         /// Cycles from look-up to data on a hit.
         hit_latency: u32 = 2, unit: "cycles", Assumed("tag, then data"), range: 0..=1024;
         /// Look-ups per cycle.
-        lookups_per_cycle: u32 = 4, unit: "look-ups/cycle", Assumed("one for each texel of a bilinear footprint; the z-test makes one"), range: 1..=64;
+        lookups_per_cycle: u32 = 4, unit: "look-ups/cycle", Assumed("one for each of four neighbouring values"), range: 1..=64;
     }
 }

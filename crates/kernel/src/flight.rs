@@ -1,8 +1,9 @@
 //! What a stage has in flight: steps that wait for memory answers, or behind such a step (laws 4 and 5).
 
 use crate::cache::LookUp;
+use crate::place::Clients;
 use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
-use crate::{Cycle, MemorySystem, Traffic};
+use crate::{Cycle, MemorySystem, Request, Traffic};
 use std::collections::VecDeque;
 
 /// A step's delivery, as far as it does not depend on memory.
@@ -10,12 +11,12 @@ use std::collections::VecDeque;
 pub(crate) struct Delivery {
     /// Start + latency: it is not delivered before.
     pub(crate) base: Cycle,
-    /// Outputs that get a token, one bit each; [`ENDS_FRAME`] stands beside them.
+    /// Outputs that get a token, one bit each; [`MARKED`] stands beside them.
     pub(crate) outputs: u32,
 }
 
-/// Bit of [`Delivery::outputs`]: the delivery ends a frame.
-pub(crate) const ENDS_FRAME: u32 = 1 << MAX_LINKS;
+/// Bit of [`Delivery::outputs`]: the delivery passes a mark.
+pub(crate) const MARKED: u32 = 1 << MAX_LINKS;
 
 /// A step that has issued its traffic.
 #[derive(Clone, Debug)]
@@ -79,7 +80,8 @@ impl Flights {
     }
 
     /// Issues the traffic of a step that starts at `start`; the least occupancy that its look-ups need (law 5), and
-    /// whether all its answers are known and nothing is ahead of it, so that it can deliver at once.
+    /// whether all its answers are known and nothing is ahead of it, so that it can deliver at once. `None` where the traffic
+    /// is not what the unit declared and the machine wired: `largest` is what the largest step needs, by client.
     #[inline(always)]
     pub(crate) fn issue(
         &mut self,
@@ -87,19 +89,22 @@ impl Flights {
         start: Cycle,
         (ids, system): (&[usize], &mut MemorySystem),
         traffic: &Traffic,
-    ) -> (u64, bool) {
+        largest: &[u32; MAX_CLIENTS],
+    ) -> Option<(u64, bool)> {
         let mut least = 1;
         let mut waits = false;
+        let mut left = *largest;
         if !traffic.look_ups.is_empty() {
-            (least, waits) = self.look_up(flight, start, (ids, system), traffic);
+            (least, waits) = self.look_up(flight, start, (ids, system), traffic, &mut left)?;
         }
         if !traffic.requests.is_empty() {
-            waits |= issue_requests(flight, start, (ids, system), traffic);
+            waits |= issue_requests(flight, start, (ids, system), traffic, &mut left)?;
         }
-        (least, !waits && self.steps.is_empty())
+        Some((least, !waits && self.steps.is_empty()))
     }
 
-    /// Makes the look-ups of a step, each line once; the least occupancy, and whether it waits for any.
+    /// Makes the look-ups of a step, each line once; the least occupancy, and whether it waits for any. Takes what they need
+    /// from what is `left` of the largest step.
     #[inline]
     fn look_up(
         &mut self,
@@ -107,9 +112,11 @@ impl Flights {
         start: Cycle,
         (ids, system): (&[usize], &mut MemorySystem),
         traffic: &Traffic,
-    ) -> (u64, bool) {
+        left: &mut [u32; MAX_CLIENTS],
+    ) -> Option<(u64, bool)> {
         let mut least = 1;
         let mut waits = false;
+        let mut made = 0;
         // By client, since all that a client has is fetched once then. (The order between clients decides nothing: each has
         // its own port.)
         for (own, &client) in ids.iter().enumerate() {
@@ -117,6 +124,7 @@ impl Flights {
             let pending = &mut self.look_ups[own];
             self.lines.clear();
             for r in traffic.look_ups.iter().filter(|r| r.client as usize == own) {
+                made += 1;
                 let (mut line, last) = cached.cache.lines(r.address, r.bytes);
                 // Not a range: mostly it is one line, and a range asks twice whether it is over.
                 loop {
@@ -137,9 +145,11 @@ impl Flights {
                     line += 1;
                 }
             }
+            left[own] = left[own].checked_sub(self.lines.len() as u32)?;
             least = least.max(cached.cache.cycles(self.lines.len()));
         }
-        (least, waits)
+        // The others ask a client without a cache, or none.
+        (made == traffic.look_ups.len()).then_some((least, waits))
     }
 
     /// Takes in a step that waits. Steps that deliver nothing wait only to be counted: those in a row wait as one.
@@ -211,18 +221,43 @@ impl Flights {
     }
 }
 
-/// Issues the direct requests of a step; whether it waits for any.
+/// Issues the direct requests of a step; whether it waits for any. Takes what they need from what is `left` of the largest
+/// step.
 #[inline]
-fn issue_requests(flight: &mut Flight, start: Cycle, (ids, system): (&[usize], &mut MemorySystem), traffic: &Traffic) -> bool {
+fn issue_requests(
+    flight: &mut Flight,
+    start: Cycle,
+    (ids, system): (&[usize], &mut MemorySystem),
+    traffic: &Traffic,
+    left: &mut [u32; MAX_CLIENTS],
+) -> Option<bool> {
     let mut waits = false;
     for r in &traffic.requests {
-        let number = system.issue(ids[r.client as usize], start, r.address, r.bytes, r.write);
+        let &client = ids.get(r.client as usize)?;
+        let left = &mut left[r.client as usize];
+        *left = left.checked_sub(1)?;
+        let number = system.issue(client, start, r.address, r.bytes, r.write);
         if !r.write {
             flight.reads[r.client as usize] = number + 1;
             waits = true;
         }
     }
-    waits
+    Some(waits)
+}
+
+/// What is wrong with traffic that could not be issued: not what the unit declared, or not what the machine wired.
+#[cold]
+pub(crate) fn objection(clients: &impl Clients, largest: &[u32; MAX_CLIENTS], traffic: &Traffic) -> String {
+    let wired = clients.ids().len();
+    if let Some(r) = traffic.requests.iter().chain(&traffic.look_ups).find(|r| r.client as usize >= wired) {
+        return format!("a step uses memory client {}, but the wiring gives it {wired}", r.client);
+    }
+    let is_cached = |r: &Request| clients.memories().is_some_and(|m| m.cache_name(clients.ids()[r.client as usize]).is_some());
+    if let Some(r) = traffic.look_ups.iter().find(|r| !is_cached(r)) {
+        return format!("a step looks up a line in memory client {}, which has no cache", r.client);
+    }
+    let declared: Vec<String> = largest[..wired].iter().map(u32::to_string).collect();
+    format!("a step needs more credits of a memory client than largest_step declared ({})", declared.join(", "))
 }
 
 /// Takes in the answers to a step's look-ups, unless one ahead of it on the same client is `stuck` (a bit each).

@@ -31,7 +31,8 @@
 //! - **Burst**: the unit of transfer, [`MemoryConfig::burst_bytes`] aligned bytes. It finds its bank's row open (*hit*),
 //!   its bank closed, or another row open (*conflict*).
 //! - **Starved, memory, blocked**: why a unit does not work: no token, no credit or answer, no slot. See [`Cause`].
-//! - **Frame**: ends with the step that lets [its end token](Step::ending_frame) leave the frame buffer.
+//! - **Place**: a stage with the [FIFOs on its two sides and its clients](Stage::between), as a [visitor](Visitor) is shown it.
+//! - **Mark**: a [marked step](Step::marked) ends a piece of work; cycles are counted from mark to mark.
 //! - **Engine**: who makes the steps: [`Engine::Ticked`], [`Engine::Timed`] or the
 //!   [functional model](run_functional).
 //!
@@ -97,24 +98,34 @@
 //! assert_eq!((square.busy, square.starved[0], square.done), (12, 1, 1));
 //! ```
 //!
+//! To run more: `examples/pipeline.rs`, `examples/shared_memory.rs` and `examples/visitor.rs`, each under 80 lines.
+//!
 //! # The laws of time
 //!
-//! Units are joined by bounded FIFOs. Time is counted in cycles from 0. A *step* of a unit starts at cycle s, keeps the unit for `occupancy` >= 1 cycles
-//! (s .. s+occupancy-1) and delivers at s + `latency` (>= 0); both may depend on the token. The laws of time, stated once, enforced at construction, proved by tests -
-//! two people who implement them apart must get the same cycle counts:
+//! Units are joined by bounded FIFOs. Time is counted in cycles from 0. A *step* of a unit starts at cycle s, keeps the unit
+//! for `occupancy` >= 1 cycles (s .. s+occupancy-1) and delivers at s + `latency` (>= 0); both may depend on the token. The
+//! laws of time are stated once, enforced at construction, and proved by tests: two people who implement them apart must get
+//! the same cycle counts.
 //!
-//! 1. **FIFO.** Depth >= 1, latency f >= 1. A token delivered at d is visible from max(d + f, visible time of the token before it + 1). Tokens never overtake.
+//! 1. **FIFO.** Its depth and its latency f are at least 1. A token delivered at d is visible from
+//!    max(d + f, visible time of the token before it + 1). Tokens never overtake.
 //!
 //!    *Enforced by [`Fifo::new`] and [`Link`]; test `laws/law_1_fifo`.*
-//! 2. **Slots.** A slot is *reserved at the start* of the step that fills it (credit flow control: results in flight hold slots) and is free again the cycle after the pop. Full rate
-//!    therefore needs depth >= ceil((latency + f + 1) / occupancy), or the loaded memory latency; defaults are computed so, and a config below it is a warning that names the rate it allows.
+//! 2. **Slots.** A slot is *reserved at the start* of the step that fills it: what is in flight holds slots, as under credit
+//!    flow control. It is free again the cycle after the pop. So full rate needs
+//!    depth >= ceil((latency + f + 1) / occupancy), or the loaded memory latency. Defaults are computed so; a config below it
+//!    is a warning that names the rate it allows.
 //!
 //!    *Enforced by [`Link::room_at`]; test `laws/law_2_slots`.*
-//! 3. **Start.** A unit declares, from its own state alone, which inputs its next step takes (none, some, all). The step starts at the first cycle at which the unit is free, every declared
-//!    input has a visible token, *every* output has a slot (also when the step turns out to emit nothing there) and every memory port it uses has credits for its largest step. It pops exactly
-//!    the declared inputs and emits 0 or 1 token per output - where it emits none it reserves no slot - (wider hardware = a wider token: a quad, a span). No choice depends on which token came first; what must (an arbiter) is a memory or a kernel unit.
+//! 3. **Start.** A unit declares, from its own state alone, which inputs its next step takes: none, some, or all. The step
+//!    starts at the first cycle at which the unit is free, every declared input has a visible token, *every* output has a slot
+//!    (also when the step turns out to emit nothing there), and every memory port it uses has credits for its largest step.
+//!    It pops exactly the declared inputs and emits 0 or 1 token per output; where it emits none it reserves no slot. Wider
+//!    hardware is a wider token. No choice depends on which token came first; what must, such as an arbiter, is a memory or a
+//!    kernel unit.
 //!
-//!    *Enforced by [`Stage`], from [`Unit::demand`] and [`Unit::largest_step`]; test `laws/law_3_start`.*
+//!    *Enforced by [`Stage`], from [`Unit::demand`] and [`Unit::largest_step`], whose word is held by [`check_wiring`] and in
+//!    every step; tests `laws/law_3_start`, `wiring`.*
 //! 4. **Memory.** All requests of a step arrive at its start, in order of issue. Service is first come, first served over (arrival cycle, port number, order of issue); port numbers belong to the
 //!    memory's config, so wire order cannot matter. No reordering: an answer's time is known when the request is served. A request is split into aligned bursts, ascending; per burst: command =
 //!    max(arrival + 1, previous command of this memory + 1, bank free); first data = max(command + (hit: cas | closed: rcd + cas | conflict: rp + rcd + cas), bus free); bus and bank are free at
@@ -123,17 +134,24 @@
 //!    the answer.
 //!
 //!    *Enforced by [`MemorySystem`]; test `laws/law_4_memory`.*
-//! 5. **Cache.** One look-up per cache port and cycle; a step's look-ups are its n distinct lines in order of first mention, all made at its start, and its occupancy is >= ceil(n / ports). Tags change in order of look-up at the step's start, least recently used goes first;
-//!    they run ahead of the data (Igehy 1998), so a line in flight may be replaced, while fills and uses stay in order. A miss makes one line request that arrives at the memory in the same cycle; answer +
-//!    hit latency. A look-up of a line in flight is `merged`: no request, it waits for that fill. Answers in order: a hit behind a miss waits. hits + misses + merged = look-ups.
+//! 5. **Cache.** A cache port makes one look-up per cycle. A step's look-ups are its n distinct lines in order of first mention,
+//!    all made at its start, and its occupancy is >= ceil(n / ports). Tags change in order of look-up at the step's start;
+//!    the least recently used goes first. They run ahead of the data (Igehy 1998), so a line in flight may be replaced, while
+//!    fills and uses stay in order. A miss makes one line request that arrives at the memory in the same cycle; the look-up is
+//!    answered at its answer + hit latency. A look-up of a line in flight is `merged`: it makes no request, and waits for that
+//!    fill. Answers come in order: a hit behind a miss waits. hits + misses + merged = look-ups.
 //!
 //!    *Enforced by [`MemorySystem::add_cached_client`]'s caches; counted in [`CacheCounts`]; test `laws/law_5_cache`.*
-//! 6. **Contents.** Memories give time, never data. Every bit of state belongs to exactly one unit; what another needs travels in tokens. Results may not depend on the cycle: `step` is not given one, only
-//!    its port handle is. Hence the functional model is the same steps with a handle that answers at once, and running ahead is safe. Early z: the unit that owns z tests *and* updates it, in fragment order.
+//! 6. **Contents.** Memories give time, never data. Every bit of state belongs to exactly one unit; what another needs travels
+//!    in tokens. Results may not depend on the cycle: `step` is not given one, only its port handle is. Hence the functional
+//!    model is the same steps with a handle that answers at once, and running ahead is safe. What is tested and then updated
+//!    is tested *and* updated by the unit that owns it, in order of its tokens.
 //!
 //!    *Enforced by the signature of [`Unit::step`] and by [`Traffic`], which tells nothing; test `laws/law_6_contents`, and of every unit the [contract].*
-//! 7. **Control in band.** Frame begin and end, light, code book, texture and phase changes are tokens in the same FIFOs and take effect when popped. A unit that gathers (code book, batch, phase)
-//!    flushes on the end token; what it holds is a memory of its own with a size, and exceeding it is an error at load, not a deadlock. Feedback is an ordinary FIFO that can hold all tokens of its loop.
+//! 7. **Control in band.** Beginnings and ends of work, changes of tables, of parameters and of phase are tokens in the same
+//!    FIFOs and take effect when popped. A unit that gathers (a table, a batch, a phase) flushes on the end token; what it
+//!    holds is a memory of its own with a size, and exceeding it is an error at load, not a deadlock. Feedback is an ordinary
+//!    FIFO that can hold all tokens of its loop.
 //!
 //!    *There is no other way in: [`Inputs`] are FIFOs. [`Unit::is_empty`] and [`Traffic::fault`] are for those that gather; test `laws/law_7_control_in_band`.*
 //! 8. **End.** The run ends when every unit's next start is unknown - never after N idle cycles (idle stretches can last millions). Complete: sources exhausted, FIFOs empty, no unit holds
@@ -148,10 +166,11 @@
 //!     events up to min(last push, last pop) are settled: O(1) per event, exact.)
 //!
 //!     *Kept in [`FifoReport::histogram`]; test `laws/law_10_occupancy`.*
-//! 11. **Frames.** Frame k ends in the cycle in which its end token leaves the frame buffer; frames\[k\] = end(k) - end(k-1); the rest is `drain`; the sum is total. Caches, open rows and tables stay warm. Video-out
-//!     reads each finished frame once, from its end token on, as a client of the graphics memory.
+//! 11. **Marks.** A marked step ends a piece of work: mark k is passed at end(k), the cycle in which that step delivers.
+//!     marks\[k\] = end(k) - end(k-1); the rest is `drain`; the sum is total. Caches, open rows and tables stay warm from mark
+//!     to mark.
 //!
-//!     *Marked by [`Step::ending_frame`], kept in [`RunReport::frames`]; test `laws/law_11_frames`.*
+//!     *Marked by [`Step::marked`], kept in [`RunReport::marks`]; test `laws/law_11_marks`.*
 //!
 //! Hence the order in which units are visited cannot change any result. Tests are under `tests/`; `hand` computes four
 //! whole machines by hand, `vectors` holds both engines against 300 results of a reading of these laws that shares no code
@@ -186,16 +205,20 @@
 
 mod account;
 mod cache;
+mod check;
 mod config;
 pub mod contract;
 mod cycle;
+mod derived;
 mod engine;
+pub mod facts;
 mod fifo;
 mod flight;
 mod link;
 mod memory;
 mod memory_system;
 mod occupancy;
+mod outcome;
 mod place;
 pub mod plan;
 mod probe;
@@ -208,16 +231,19 @@ mod wiring;
 
 pub use account::{Account, Cause};
 pub use cache::CacheCounts;
+pub use check::{WiringError, check_wiring};
 pub use config::{CacheConfig, FifoConfig, MemoryConfig};
 pub use cycle::Cycle;
+pub use derived::Derived;
 pub use engine::{Engine, Limits, run, run_functional, run_with};
 pub use fifo::Fifo;
 pub use link::Link;
 pub use memory::PortCounts;
 pub use memory_system::MemorySystem;
+pub use outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor};
 pub use place::{Between, Clients, Connections, ConnectionsOf, MemoryClients, Place};
 pub use probe::{Interval, NoProbe, Probe, Recorder};
-pub use report::{CacheReport, FifoReport, MemoryReport, Outcome, PortReport, RunReport, UnitReport};
+pub use report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
 pub use stage::Stage;
 pub use topology::{StageTopology, topology};
 pub use traffic::{Request, Traffic};

@@ -36,6 +36,9 @@ pub struct Link {
     /// producer has no memory client.
     awaits: Box<[[Cycle; MAX_CLIENTS]]>,
     occupancy: Occupancy,
+    /// Numbers of the stages at its ends, once the wiring is checked.
+    producer: Option<usize>,
+    consumer: Option<usize>,
 }
 
 impl Link {
@@ -60,6 +63,8 @@ impl Link {
             no_pop_before: Cycle::ZERO,
             awaits: Box::default(),
             occupancy: Occupancy::new(depth),
+            producer: None,
+            consumer: None,
         }
     }
 
@@ -68,9 +73,36 @@ impl Link {
         &self.name
     }
 
+    /// Number in the wiring of the stage that fills it; none before a run.
+    pub fn producer(&self) -> Option<usize> {
+        self.producer
+    }
+
+    /// Number in the wiring of the stage that empties it; none before a run.
+    pub fn consumer(&self) -> Option<usize> {
+        self.consumer
+    }
+
+    pub(crate) fn set_producer(&mut self, stage: usize) {
+        self.producer = Some(stage);
+    }
+
+    pub(crate) fn set_consumer(&mut self, stage: usize) {
+        self.consumer = Some(stage);
+    }
+
+    pub(crate) fn forget_ends(&mut self) {
+        (self.producer, self.consumer) = (None, None);
+    }
+
     /// Slots.
     pub fn depth(&self) -> usize {
         self.depth
+    }
+
+    /// Cycles from delivery to visibility.
+    pub fn latency(&self) -> u64 {
+        self.latency
     }
 
     /// Tokens inside, delivered or not.

@@ -73,6 +73,11 @@ impl Port {
         }
     }
 
+    /// Credits in all.
+    pub(crate) fn outstanding(&self) -> u64 {
+        self.outstanding
+    }
+
     /// The first cycle with at least `credits` free credits; unknown while that depends on an answer not known yet.
     #[inline(always)]
     pub(crate) fn credits_at(&self, credits: u32) -> Cycle {

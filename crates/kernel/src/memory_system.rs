@@ -85,6 +85,11 @@ impl MemorySystem {
         &self.port(client).name
     }
 
+    /// Requests that a client may have in flight.
+    pub fn outstanding(&self, client: usize) -> u64 {
+        self.port(client).outstanding()
+    }
+
     /// Name of the memory behind a client.
     pub fn memory_name(&self, client: usize) -> &str {
         &self.memories[self.port(client).memory].name

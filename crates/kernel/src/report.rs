@@ -1,24 +1,10 @@
-//! What a run came to: outcome, accounting, occupancy, traffic.
+//! What a run came to: accounting, occupancy, traffic.
 
+use crate::outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor, circle};
 use crate::place::{Clients, Connections, Place};
 use crate::topology::StageTopology;
 use crate::wiring::{Inputs, Machine, Outputs, Visitor, Wires};
-use crate::{Account, CacheCounts, Cause, Cycle, Demand, PortCounts, Unit};
-
-/// How a run ended (law 8).
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Outcome {
-    /// Sources exhausted, FIFOs empty, no unit holds tokens.
-    Complete,
-    /// Nothing can ever start again, and something is left; the text names every stuck unit.
-    Deadlock(String),
-    /// The limit of cycles was reached.
-    Limit,
-    /// The caller stopped it.
-    Stopped,
-    /// A unit could not go on, and says why.
-    Fault(String),
-}
+use crate::{Account, CacheCounts, Cause, Cycle, Demand, Link, PortCounts, Unit};
 
 /// A unit's part of the report. Inputs, outputs and clients stand in the order of the wiring.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -91,8 +77,8 @@ pub struct RunReport {
     pub outcome: Outcome,
     /// Cycles in all: 1 + the last cycle in which anything moved.
     pub total: u64,
-    /// Cycles of each frame (law 11); what is left of the total is drain.
-    pub frames: Vec<u64>,
+    /// Cycles up to each mark from the one before (law 11); what is left of the total is drain.
+    pub marks: Vec<u64>,
     /// In the order of the wiring.
     pub units: Vec<UnitReport>,
     /// In the order of the wiring, by producer.
@@ -103,12 +89,20 @@ pub struct RunReport {
     pub caches: Vec<CacheReport>,
 }
 
+impl RunReport {
+    /// Of a run that could not begin.
+    pub(crate) fn of_fault(fault: String) -> Self {
+        let (marks, units, fifos, memories, caches) = Default::default();
+        Self { outcome: Outcome::Fault(fault), total: 0, marks, units, fifos, memories, caches }
+    }
+}
+
 /// Looks at every stage at rest: what is left, and the last cycle in which anything moved.
 #[derive(Default)]
 struct Survey {
     last: Option<Cycle>,
     stuck: bool,
-    frame_ends: Vec<Cycle>,
+    marks: Vec<Cycle>,
 }
 
 impl Visitor for Survey {
@@ -122,7 +116,7 @@ impl Visitor for Survey {
         }
         self.stuck |= (0..inputs.count()).any(|i| !inputs.link(i).is_empty());
         self.stuck |= !stage.unit.is_empty() || stage.unit.demand() == Demand::Nothing;
-        self.frame_ends.append(&mut stage.clock.frame_ends);
+        self.marks.append(&mut stage.clock.marks);
     }
 }
 
@@ -132,9 +126,9 @@ struct Conclude {
     total: Cycle,
     units: Vec<UnitReport>,
     fifos: Vec<FifoReport>,
-    stuck: Vec<String>,
-    /// Whether any unit waits for a slot.
-    full: bool,
+    stuck: Vec<Stuck>,
+    /// Per stage, the one that it waits for for ever.
+    waits: Vec<Option<usize>>,
 }
 
 impl Visitor for Conclude {
@@ -142,6 +136,7 @@ impl Visitor for Conclude {
         let (stage, connections) = place.open();
         let free = stage.clock.free;
         let demand = stage.unit.demand();
+        let mut waits = None;
         let mut account = stage.clock.account.clone();
         account.busy -= free.since(self.total);
         if demand == Demand::Finished || (self.complete && stage.clock.steps > 0) {
@@ -153,10 +148,12 @@ impl Visitor for Conclude {
             let mut last = None;
             connections.split_wait(needs, demand, (free, Cycle::UNKNOWN), |(cause, ..)| last = Some(cause));
             if let Some(cause) = last {
-                self.stuck.push(explain(stage.name(), cause, connections));
-                self.full |= matches!(cause, Cause::Blocked(_));
+                let (waits_for, on) = waits_for(cause, connections);
+                self.stuck.push(Stuck { unit: stage.name().into(), waits_for });
+                waits = on;
             }
         }
+        self.waits.push(waits);
         let StageTopology { name, inputs, outputs: names, clients } = StageTopology::of(stage, connections);
         let wires = &mut connections.outputs;
         self.units.push(UnitReport { name, steps: stage.clock.steps, account, inputs, outputs: names, clients });
@@ -168,16 +165,21 @@ impl Visitor for Conclude {
     }
 }
 
-/// One line on a unit that cannot go on: what it waits for, and how full that is.
-fn explain<I: Inputs, O: Outputs, C: Clients>(name: &str, cause: Cause, connections: &Connections<I, O, C>) -> String {
+/// What a unit waits for that cannot go on, and the stage that could give it.
+fn waits_for<I, O, C>(cause: Cause, connections: &Connections<I, O, C>) -> (WaitsFor, Option<usize>)
+where
+    I: Inputs,
+    O: Outputs,
+    C: Clients,
+{
     let Connections { inputs, outputs, clients } = connections;
-    let fill = |link: &crate::Link| format!("`{}` ({} of {} slots)", link.name(), link.len(), link.depth());
+    let fill = |link: &Link| Fill { fifo: link.name().into(), held: link.len(), depth: link.depth() };
     match cause {
-        Cause::Starved(i) => format!("`{name}` waits for a token from {}", fill(inputs.link(i))),
-        Cause::Blocked(i) => format!("`{name}` waits for a slot in {}", fill(outputs.link(i))),
+        Cause::Starved(i) => (WaitsFor::Token(fill(inputs.link(i))), inputs.link(i).producer()),
+        Cause::Blocked(i) => (WaitsFor::Slot(fill(outputs.link(i))), outputs.link(i).consumer()),
         Cause::Memory(i) => {
-            let port = clients.memories().map_or("", |s| s.client_name(clients.ids()[i]));
-            format!("`{name}` waits for memory port `{port}`")
+            let port = clients.memories().map_or("", |memories| memories.client_name(clients.ids()[i])).into();
+            (WaitsFor::Memory { port }, None)
         }
     }
 }
@@ -205,11 +207,14 @@ pub(crate) fn conclude<M: Machine>(machine: &mut M, halt: Halt) -> RunReport {
         Halt::Limit(max) => (false, max),
         Halt::Stopped | Halt::Fault(_) => (false, quiet_total),
     };
-    let mut parts = Conclude { complete, total: Cycle(total), units: vec![], fifos: vec![], stuck: vec![], full: false };
+    let mut parts = Conclude { complete, total: Cycle(total), units: vec![], fifos: vec![], stuck: vec![], waits: vec![] };
     machine.wire(&mut parts);
     let outcome = match halt {
         Halt::Quiet if complete => Outcome::Complete,
-        Halt::Quiet => Outcome::Deadlock(deadlock_text(total, &parts.stuck, parts.full)),
+        Halt::Quiet => {
+            let circle = circle(&parts.waits).into_iter().map(|stage| parts.units[stage].name.clone()).collect();
+            Outcome::Deadlock(Deadlock { total, stuck: parts.stuck, circle })
+        }
         Halt::Limit(_) => Outcome::Limit,
         Halt::Stopped => Outcome::Stopped,
         Halt::Fault(text) => Outcome::Fault(text),
@@ -222,7 +227,7 @@ pub(crate) fn conclude<M: Machine>(machine: &mut M, halt: Halt) -> RunReport {
     RunReport {
         outcome,
         total,
-        frames: frames(&survey.frame_ends, total),
+        marks: between(&survey.marks, total),
         units: parts.units,
         fifos: parts.fifos,
         memories: (system.memories().iter().enumerate())
@@ -235,17 +240,8 @@ pub(crate) fn conclude<M: Machine>(machine: &mut M, halt: Halt) -> RunReport {
     }
 }
 
-fn deadlock_text(total: u64, stuck: &[String], full: bool) -> String {
-    let units = stuck.join("; ");
-    let cure = if full {
-        "Give the FIFO that is full more slots (fifo.<name>.depth)"
-    } else {
-        "No FIFO is full: a unit holds tokens back for others that never came"
-    };
-    format!("deadlock after {total} cycles: {units}. {cure}")
-}
-
-fn frames(ends: &[Cycle], total: u64) -> Vec<u64> {
+/// Cycles between marks, of those that lie within the run.
+fn between(ends: &[Cycle], total: u64) -> Vec<u64> {
     let mut before = Cycle::ZERO;
     ends.iter().filter(|end| end.0 <= total).map(|&end| end.since(std::mem::replace(&mut before, end))).collect()
 }

@@ -1,7 +1,7 @@
 //! A unit in its place: when it is free, what it has in flight, where its cycles went.
 
 use crate::account::{Account, Cause};
-use crate::flight::{Delivery, ENDS_FRAME, Flight, Flights};
+use crate::flight::{Delivery, Flight, Flights, MARKED, objection};
 use crate::place::{Clients, Connections};
 use crate::probe::Probe;
 use crate::wiring::{Inputs, MAX_CLIENTS, Outputs};
@@ -47,11 +47,14 @@ impl<U: Unit> Stage<U> {
             traffic.fault("a step kept its unit for 0 cycles, expected at least 1 (law 3)".into());
         }
         let mask = connections.outputs.reserve(at, step.out);
-        let outputs_and_frame = mask | if step.ends_frame { ENDS_FRAME } else { 0 };
-        let delivery = Delivery { base: at + step.latency, outputs: outputs_and_frame };
+        let outputs_and_mark = mask | if step.marked { MARKED } else { 0 };
+        let delivery = Delivery { base: at + step.latency, outputs: outputs_and_mark };
         let mut occupancy = step.occupancy;
+        if !C::HAS_MEMORY && !traffic.is_empty() {
+            refuse(&connections.clients, &clock.needs, traffic);
+        }
         if !C::HAS_MEMORY || (traffic.is_empty() && clock.flights.is_empty()) {
-            deliver(&mut clock.frame_ends, delivery.outputs, delivery.base, &mut connections.outputs);
+            deliver(&mut clock.marks, delivery.outputs, delivery.base, &mut connections.outputs);
         } else {
             occupancy = occupancy.max(clock.depart(at, delivery, connections, traffic));
         }
@@ -74,8 +77,8 @@ pub(crate) struct Clock {
     pub(crate) waits: Vec<Wait>,
     pub(crate) needs: Needs,
     flights: Flights,
-    /// Deliveries that ended a frame, not yet collected.
-    pub(crate) frame_ends: Vec<Cycle>,
+    /// Deliveries that passed a mark, not yet collected.
+    pub(crate) marks: Vec<Cycle>,
 }
 
 /// What a stage asks of its memory clients in every step.
@@ -119,11 +122,15 @@ impl Clock {
         let Connections { outputs, clients, .. } = &mut *connections;
         let Some((ids, memories)) = clients.open() else { return 1 };
         let mut flight = Flight::new(delivery);
-        let (least, at_once) = self.flights.issue(&mut flight, start, (ids, memories), traffic);
+        let issued = self.flights.issue(&mut flight, start, (ids, memories), traffic, &self.needs.credits);
+        let Some((least, at_once)) = issued else {
+            refuse(clients, &self.needs, traffic);
+            return 1;
+        };
         let requests = !traffic.requests.is_empty();
         traffic.clear();
         if at_once {
-            deliver_answered(&mut self.frame_ends, &flight, delivery.outputs, outputs);
+            deliver_answered(&mut self.marks, &flight, delivery.outputs, outputs);
         } else {
             self.flights.push(flight, (ids, memories));
         }
@@ -137,7 +144,7 @@ impl Clock {
     /// Delivers the steps in flight whose answers are known by now, and tells whether there were any. To be called
     /// before looking at the next start.
     ///
-    /// A step may overtake those ahead that deliver nothing where it does, such as fragments that failed the z-test: its
+    /// A step may overtake those ahead that deliver nothing where it does, such as tokens that a test let go no further: its
     /// token must not seem to wait for their answers, or requests that it leads to would be served too late.
     #[inline(always)]
     pub(crate) fn land_known<I, O: Outputs, C: Clients>(&mut self, connections: &mut Connections<I, O, C>) -> bool {
@@ -147,27 +154,35 @@ impl Clock {
         let Connections { outputs, clients, .. } = connections;
         let Some((ids, memories)) = clients.open() else { return false };
         let all = (1 << outputs.count()) - 1;
-        let Self { flights, frame_ends, .. } = self;
-        flights.land(all, (ids, memories), |flight, to| deliver_answered(frame_ends, flight, to, outputs))
+        let Self { flights, marks, .. } = self;
+        flights.land(all, (ids, memories), |flight, to| deliver_answered(marks, flight, to, outputs))
     }
+}
+
+/// Faults on traffic that the unit did not declare, or for which nothing is wired: the next stage must not issue it.
+#[cold]
+fn refuse(clients: &impl Clients, needs: &Needs, traffic: &mut Traffic) {
+    let text = objection(clients, &needs.credits, traffic);
+    traffic.clear();
+    traffic.fault(text);
 }
 
 /// Delivers a step that has its answers, to these of its outputs.
 #[inline]
-fn deliver_answered<O: Outputs>(frame_ends: &mut Vec<Cycle>, flight: &Flight, to: u32, outputs: &mut O) {
+fn deliver_answered<O: Outputs>(marks: &mut Vec<Cycle>, flight: &Flight, to: u32, outputs: &mut O) {
     for i in (0..outputs.count()).filter(|i| to & 1 << i != 0) {
         outputs.link_mut(i).set_awaits(flight.answers);
     }
-    deliver(frame_ends, to, flight.delivered(), outputs);
+    deliver(marks, to, flight.delivered(), outputs);
 }
 
 #[inline(always)]
-fn deliver<O: Outputs>(frame_ends: &mut Vec<Cycle>, to: u32, at: Cycle, outputs: &mut O) {
+fn deliver<O: Outputs>(marks: &mut Vec<Cycle>, to: u32, at: Cycle, outputs: &mut O) {
     for i in (0..outputs.count()).filter(|i| to & 1 << i != 0) {
         outputs.link_mut(i).deliver(at);
     }
-    if to & ENDS_FRAME != 0 {
-        frame_ends.push(at);
+    if to & MARKED != 0 {
+        marks.push(at);
     }
 }
 

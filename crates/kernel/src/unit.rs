@@ -1,5 +1,6 @@
 //! The unit contract: what a unit does to a token and how long it is busy. When is the kernel's business.
 
+use crate::facts::Facts;
 use crate::traffic::Traffic;
 
 /// Which inputs the next step takes (law 3): declared from the unit's own state alone.
@@ -36,15 +37,15 @@ pub struct Step<O> {
     pub occupancy: u64,
     /// Cycles from start to delivery; memory answers may come later.
     pub latency: u64,
-    /// This step lets a frame's end token leave (law 11): its delivery ends the frame.
-    pub ends_frame: bool,
+    /// Its delivery passes a mark (law 11).
+    pub marked: bool,
 }
 
 impl<O> Step<O> {
     /// A step of one cycle, delivered `latency` cycles after its start.
     #[inline]
     pub fn after(latency: u64, out: O) -> Self {
-        Self { out, occupancy: 1, latency, ends_frame: false }
+        Self { out, occupancy: 1, latency, marked: false }
     }
 
     /// A step over `items` items of a wide token, which enter `interval` cycles after each other: the unit is kept for all
@@ -52,7 +53,7 @@ impl<O> Step<O> {
     #[inline]
     pub fn over(items: usize, interval: u64, latency: u64, out: O) -> Self {
         let occupancy = (items as u64 * interval).max(1);
-        Self { out, occupancy, latency: latency + occupancy.saturating_sub(interval), ends_frame: false }
+        Self { out, occupancy, latency: latency + occupancy.saturating_sub(interval), marked: false }
     }
 
     /// Keeps the unit for this many cycles.
@@ -63,11 +64,11 @@ impl<O> Step<O> {
         self
     }
 
-    /// Marks the step that lets a frame's end token leave the machine's frame buffer.
+    /// Marks the step: its delivery is counted as the end of a piece of work (law 11).
     #[inline]
     #[must_use]
-    pub fn ending_frame(mut self) -> Self {
-        self.ends_frame = true;
+    pub fn marked(mut self) -> Self {
+        self.marked = true;
         self
     }
 }
@@ -90,12 +91,13 @@ pub trait Unit {
 
     /// One step.
     ///
-    /// Mark it `#[inline(always)]`, with what it hands tokens to, where a unit makes a step per stamp: a token is then built in
+    /// Mark it `#[inline(always)]`, with what it hands tokens to, where a unit makes a step per wide token: a token is then built in
     /// its slot, instead of being copied on its way there (3 % of a run).
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out>;
 
     /// Credits that the largest step needs of memory client `client` (as numbered in the wiring): requests it issues,
-    /// or distinct lines it looks up. Asked once, before the run: it must not change during one.
+    /// or distinct lines it looks up; 0 for a client that the unit does not have. Asked before the run: it must not change
+    /// during one. A step that needs more is a fault.
     fn largest_step(&self, client: usize) -> u32 {
         let _ = client;
         0
@@ -104,5 +106,10 @@ pub trait Unit {
     /// Whether no token is held back; a run that ends while one is, has deadlocked.
     fn is_empty(&self) -> bool {
         true
+    }
+
+    /// Tells what it counted, and how fast it fills its outputs. Asked after the run.
+    fn tell(&self, facts: &mut Facts) {
+        let _ = facts;
     }
 }

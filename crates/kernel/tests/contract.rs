@@ -10,8 +10,58 @@ fn counter() -> Source<std::ops::Range<u32>> {
     Source::new(0..40).with_gaps(&[0, 2])
 }
 
-unit_contract! { name: source, unit: counter(), inputs: () }
-unit_contract! { name: sink, unit: Sink::<u8>::new().with_occupancy(&[1, 3]), inputs: (0..40).collect() }
+/// One that has emitted so many items.
+fn counter_at(emitted: usize) -> Source<std::ops::Range<u32>> {
+    let mut source = counter();
+    for _ in 0..emitted {
+        source.step((), &mut Traffic::default());
+    }
+    source
+}
+
+fn sink() -> Sink<u8> {
+    Sink::new().with_occupancy(&[1, 3])
+}
+
+/// One that has taken these tokens.
+fn sink_of(tokens: Vec<u8>) -> Sink<u8> {
+    let mut sink = sink();
+    for token in tokens {
+        sink.step(Some(token), &mut Traffic::default());
+    }
+    sink
+}
+
+unit_contract! {
+    name: source,
+    unit: counter(),
+    inputs: (),
+    state: |unit| unit.emitted() => |unit, emitted| *unit = counter_at(emitted),
+}
+
+unit_contract! {
+    name: sink_of_bytes,
+    unit: sink(),
+    inputs: (0..40).collect(),
+    state: |unit| unit.tokens().to_vec() => |unit, tokens| *unit = sink_of(tokens),
+}
+
+/// Doubles what it is given, and remembers nothing.
+#[derive(Clone)]
+struct Double;
+
+impl Unit for Double {
+    type In = Option<u64>;
+    type Out = Option<u64>;
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+    fn step(&mut self, input: Option<u64>, _: &mut Traffic) -> Step<Option<u64>> {
+        Step::after(1, input.map(|n| 2 * n))
+    }
+}
+
+unit_contract! { name: double, unit: Double, inputs: (0..40).collect(), stateless }
 
 /// Pairs two inputs; two tokens of the first to one of the second, and emits sum and difference on two outputs.
 #[derive(Clone, Default)]
@@ -107,7 +157,11 @@ unit_contract! {
 }
 
 fn contract(unit: Triple) -> Contract<Triple> {
-    Contract::new(unit, (0..30).collect()).clients(&CLIENTS).state(|unit| unit.held, |unit, held| unit.held = held)
+    contract_of(unit, (0..30).collect())
+}
+
+fn contract_of(unit: Triple, tokens: Vec<u64>) -> Contract<Triple> {
+    Contract::new(unit, tokens, |unit| unit.held, |unit, held| unit.held = held).clients(&CLIENTS)
 }
 
 #[test]
@@ -119,11 +173,9 @@ fn a_step_beyond_the_largest_is_named() {
 
 #[test]
 fn a_client_that_is_not_listed_is_named() {
-    let contract = Contract::new(Triple::default(), (0..30).collect());
-    let broken = contract.clients(&[Client::Cache { line_bytes: 64 }]).check_all().unwrap_err();
+    let broken = contract(Triple::default()).clients(&[Client::Cache { line_bytes: 64 }]).check_all().unwrap_err();
     assert!(broken.what.ends_with("a step uses client 1, but the contract gives it 1"), "{broken}");
-    let contract = Contract::new(Triple::default(), (0..30).collect());
-    let broken = contract.clients(&[Client::Port, Client::Port]).check_all().unwrap_err();
+    let broken = contract(Triple::default()).clients(&[Client::Port, Client::Port]).check_all().unwrap_err();
     assert!(broken.what.ends_with("a step looks up a line in client 0, which has no cache"), "{broken}");
 }
 
@@ -134,6 +186,13 @@ fn state_that_is_not_saved_is_found() {
     assert!(broken.what.ends_with("token 1: got 1, expected 2"), "{broken}");
     let broken = contract.reset_is_idempotent().unwrap_err();
     assert!(broken.what.ends_with("token 0: got 91, expected 1"), "{broken}");
+}
+
+#[test]
+fn a_unit_that_is_called_stateless_and_is_not_is_found() {
+    let contract = Contract::stateless(Triple::default(), (0..30).collect()).clients(&CLIENTS);
+    let broken = contract.state_round_trips().unwrap_err();
+    assert!(broken.what.ends_with("token 1: got 1, expected 0"), "{broken}");
 }
 
 #[test]
@@ -150,6 +209,6 @@ fn a_token_held_back_is_a_deadlock_that_names_the_unit() {
 
 #[test]
 fn a_unit_that_never_works_is_no_proof() {
-    let broken = Contract::new(Triple::default(), vec![]).clients(&CLIENTS).check_all().unwrap_err();
+    let broken = contract_of(Triple::default(), vec![]).check_all().unwrap_err();
     assert!(broken.what.contains("made no step"), "{broken}");
 }

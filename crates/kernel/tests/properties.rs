@@ -3,15 +3,14 @@
 mod common;
 
 use basrelief_kernel::plan::{Token, result};
-use basrelief_kernel::{Engine, Outcome, run};
+use basrelief_kernel::{Deadlock, Engine, Outcome, run};
 use common::random::{recipe, tight_recipe};
 use common::{machine, report, run_both, swallowed};
 use proptest::prelude::*;
 
-/// The clauses of a deadlock's text, one per stuck unit, in order of name.
-fn clauses(text: &str) -> Vec<&str> {
-    let inner = text.split_once(": ").map_or(text, |(_, rest)| rest);
-    let mut clauses: Vec<_> = inner.split(". ").next().unwrap_or_default().split("; ").collect();
+/// Who is stuck, in order of name.
+fn stuck(deadlock: &Deadlock) -> Vec<String> {
+    let mut clauses: Vec<_> = deadlock.stuck.iter().map(ToString::to_string).collect();
     clauses.sort_unstable();
     clauses
 }
@@ -28,7 +27,7 @@ proptest! {
         let (here, there) = (report(&recipe.plan().0), report(&recipe.reordered()));
         prop_assert_eq!(result(&here), result(&there));
         if let (Outcome::Deadlock(here), Outcome::Deadlock(there)) = (&here.outcome, &there.outcome) {
-            prop_assert_eq!(clauses(here), clauses(there));
+            prop_assert_eq!(stuck(here), stuck(there));
         }
     }
 
@@ -67,7 +66,10 @@ proptest! {
         let (plan, _) = recipe.plan();
         let outcome = report(&plan).outcome;
         // About half of them do.
-        let Outcome::Deadlock(text) = outcome else { return Ok(()) };
+        let Outcome::Deadlock(deadlock) = outcome else { return Ok(()) };
+        prop_assert!(deadlock.is_any_full());
+        prop_assert!(deadlock.circle.len() > 1, "{:?}", deadlock.circle);
+        let text = deadlock.to_string();
         let full = plan.fifos.iter().filter(|f| {
             text.contains(&format!("waits for a slot in `{}` ({} of {} slots)", f.name, f.depth, f.depth))
         });

@@ -1,15 +1,27 @@
 //! What every machine does, whichever it is.
 
-use crate::Counts;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::Machine;
+use basrelief_kernel::facts::{Facts, facts};
 
 /// A machine that finishes pictures.
 pub trait Draws: Machine {
-    /// What its units counted, in the order of the block diagram.
-    fn counts(&self) -> Counts;
     /// Pictures finished since the last call, in order.
     fn drain_finished(&mut self) -> Vec<FinishedFrame>;
     /// Whether [`Draws::drain_finished`] would give any.
     fn has_finished(&self) -> bool;
+    /// Tells figures that follow from those of several units, or from the configuration: no unit knows them alone.
+    fn derive(&self, facts: &mut Facts) {
+        let _ = facts;
+    }
+
+    /// What its units tell, in the order of the wiring, then what follows from it. To be called after a run.
+    fn facts(&mut self) -> Facts
+    where
+        Self: Sized,
+    {
+        let mut facts = facts(self);
+        self.derive(&mut facts);
+        facts
+    }
 }

@@ -1,6 +1,5 @@
 //! What stands in front of every machine: the host with the geometry processor (102), or a recorded display list.
 
-use crate::counts::Counts;
 use basrelief_geometry_processor::{
     BumpConfig, DisplayListConfig, DisplayListSource, GeometryConfig, GeometryProcessor, SceneSource,
 };
@@ -12,8 +11,6 @@ use std::fmt::Display;
 pub trait FrontEnd {
     /// Shows its stages to `v`, with two FIFOs of the machine: the one that it fills, and `draws`, for a host in front of it.
     fn wire<V: Visitor>(&mut self, v: &mut V, draws: &mut Fifo<Draw>, polygons: &mut Fifo<Control>);
-    /// What its units counted.
-    fn counts(&self, counts: &mut Counts);
 }
 
 /// What the way in needs of a machine's configuration: made from a reference to it.
@@ -62,19 +59,6 @@ impl<I: Iterator<Item = Draw>> FrontEnd for SceneFront<I> {
         v.stage(self.host.between((), &mut *draws));
         v.stage(self.geometry.between(draws, polygons));
     }
-
-    fn counts(&self, counts: &mut Counts) {
-        let c = &self.geometry.unit.state.counters;
-        counts.add("triangles", c.triangles);
-        counts.add("triangles_outside", c.outside);
-        counts.add("triangles_culled", c.culled);
-        counts.add("triangles_degenerate", c.degenerate);
-        counts.add("polygons_clipped", c.clipped);
-        counts.add("polygons", c.polygons);
-        counts.add("bump_polygons", c.bump_polygons);
-        counts.add("vertices_transformed", c.vertices);
-        counts.add("vertex_cache_hits", c.vertex_cache_hits);
-    }
 }
 
 /// A recorded display list: what a geometry processor handed on.
@@ -94,9 +78,5 @@ impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> TraceFro
 impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> FrontEnd for TraceFront<I> {
     fn wire<V: Visitor>(&mut self, v: &mut V, _: &mut Fifo<Draw>, polygons: &mut Fifo<Control>) {
         v.stage(self.display_list.between((), polygons));
-    }
-
-    fn counts(&self, counts: &mut Counts) {
-        counts.add("display_list_commands", self.display_list.unit.state.commands);
     }
 }

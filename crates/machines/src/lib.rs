@@ -9,7 +9,6 @@
 
 pub mod bump;
 mod config;
-mod counts;
 pub mod defer;
 #[cfg(test)]
 mod drawing;
@@ -21,9 +20,9 @@ pub mod shade;
 pub mod texel;
 mod unit_info;
 
+pub use basrelief_kernel::facts::Facts;
 pub use config::{ClockConfig, ReferenceConfig, ReferenceFilter};
-pub use counts::Counts;
 pub use draws::Draws;
 pub use front::{FrontConfig, FrontEnd, SceneFront, TraceFront};
-pub use problem::ConfigProblem;
+pub use problem::{ConfigProblem, slow_fifos};
 pub use unit_info::UnitInfo;

@@ -141,6 +141,22 @@ fn the_reference_shares_no_code_with_the_units_it_judges() {
 #[test]
 fn the_kernel_knows_no_graphics() {
     assert_eq!(dependencies("kernel"), ["parameters"]);
+    // Nor do its words, comments and documentation included.
+    let words = [
+        "texel", "pixel", "fragment", "frame", "video", "z-test", "early z", " mip", "clut", "scene", "light", "picture",
+        "polygon", "triangle", "vertex", "shad",
+    ];
+    let mut files = Vec::new();
+    rust_files(&folder("kernel").join("src"), &mut files);
+    for path in files {
+        for (n, line) in (1..).zip(read(&path).lines()) {
+            // Steps in flight are no light.
+            let said = line.to_lowercase().replace("flight", "");
+            let word = words.iter().find(|word| said.contains(**word));
+            let allowed = ["knows no graphics"].iter().any(|words| line.contains(words));
+            assert!(word.is_none() || allowed, "{}:{n}: `{}` is graphics: {line}", path.display(), word.unwrap_or(&""));
+        }
+    }
 }
 
 #[test]
@@ -295,4 +311,53 @@ fn every_test_named_in_the_table_of_claims_exists() {
         });
         assert!(found, "docs/claims.md names {name}, which is no test");
     }
+}
+
+/// `DepthTest` as `depth_test`; digits stand alone: `selector_28`.
+fn snake(name: &str) -> String {
+    let mut out = String::new();
+    for (i, c) in name.char_indices() {
+        let begins = c.is_uppercase() || (c.is_ascii_digit() && !out.ends_with(|p: char| p.is_ascii_digit()));
+        if begins && i > 0 {
+            out.push('_');
+        }
+        out.extend(c.to_lowercase());
+    }
+    out
+}
+
+/// Units that remember nothing.
+const STATELESS: [&str; 1] = ["Expander"];
+
+#[test]
+fn every_unit_has_the_same_shape() {
+    let mut found = 0;
+    for name in units() {
+        let mut files = Vec::new();
+        rust_files(&folder(&name).join("src"), &mut files);
+        let all: String = files.iter().map(|file| read(file)).collect();
+        for file in &files {
+            let text = read(file);
+            for (_, after) in text.lines().filter(|l| l.starts_with("impl")).filter_map(|l| l.split_once(" Unit for ")) {
+                let unit = after.split(['<', ' ']).next().unwrap();
+                found += 1;
+                let place = file.with_extension("");
+                let in_place = place.ends_with("src/unit")
+                    || place.ends_with(snake(unit))
+                    || place.ends_with(format!("{}/unit", snake(unit)));
+                assert!(in_place, "{}: expected {unit} in unit.rs or {}.rs", file.display(), snake(unit));
+                let stateless = STATELESS.contains(&unit);
+                assert_eq!(text.contains(&format!("pub state: {unit}State,")), !stateless, "{unit}: its field `state`");
+                let counts = all.contains(&format!("pub struct {unit}Counters"));
+                assert_eq!(all.contains(&format!("pub counters: {unit}Counters,")), counts, "{unit}: its `state.counters`");
+                assert!(
+                    !text.contains("pub fn state(") && !text.contains("pub fn counters("),
+                    "{unit}: a second way to its state"
+                );
+            }
+            let other = text.split("Counters {").next().filter(|t| t.ends_with("pub struct ") || t.ends_with(" struct "));
+            assert_eq!(other, None, "{}: Counters of which unit?", file.display());
+        }
+    }
+    assert!(found > 30, "{found}");
 }

@@ -3,7 +3,7 @@
 use crate::derived::derive;
 use crate::json::SCHEMA;
 use crate::model::{
-    Cache, Client, Cycles, Fifo, Figure, Input, Memory, Outcome, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
+    Cache, Client, Cycles, Fifo, Figure, Input, Legend, Memory, Outcome, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
 };
 use crate::work::work;
 use basrelief_kernel as kernel;
@@ -12,7 +12,7 @@ use indexmap::IndexMap;
 
 /// What the kernel cannot know about a run.
 #[derive(Clone, Debug)]
-pub struct Facts {
+pub struct Context {
     /// The machine, as `--machine` names it.
     pub machine: String,
     /// What was drawn.
@@ -28,6 +28,8 @@ pub struct Facts {
     pub numerals: IndexMap<String, u32>,
     /// Figures of the device; cycles and bytes are divided by its [`work`].
     pub device: IndexMap<String, Figure>,
+    /// What they mean.
+    pub legend: IndexMap<String, Legend>,
     /// Against the exact pictures.
     pub quality: Option<PictureQuality>,
     /// In order of time, the final picture last.
@@ -38,9 +40,9 @@ pub struct Facts {
 
 impl Report {
     /// Report of a run with time.
-    pub fn timed(facts: Facts, run: &kernel::RunReport) -> Self {
-        let numerals = facts.numerals.clone();
-        let mut report = Self::functional(facts, &run.outcome);
+    pub fn timed(context: Context, run: &kernel::RunReport) -> Self {
+        let numerals = context.numerals.clone();
+        let mut report = Self::functional(context, &run.outcome);
         report.cycles = Some(cycles(run));
         report.units = Some(run.units.iter().map(|u| (u.name.clone(), unit(u, &run.fifos, &numerals))).collect());
         report.fifos = Some(run.fifos.iter().map(|f| (f.name.clone(), fifo(f))).collect());
@@ -51,26 +53,27 @@ impl Report {
     }
 
     /// Report of a functional run: the same steps, but no time, so neither cycles nor traffic.
-    pub fn functional(facts: Facts, outcome: &kernel::Outcome) -> Self {
+    pub fn functional(context: Context, outcome: &kernel::Outcome) -> Self {
         Self {
             schema: SCHEMA.into(),
             version: env!("CARGO_PKG_VERSION").into(),
-            machine: facts.machine,
-            input: facts.input,
+            machine: context.machine,
+            input: context.input,
             outcome: outcome.into(),
-            config: facts.config,
-            camera: facts.camera,
-            size: facts.size,
+            config: context.config,
+            camera: context.camera,
+            size: context.size,
             cycles: None,
             units: None,
             fifos: None,
             memories: None,
             caches: None,
-            device: facts.device,
-            quality: facts.quality,
-            image: facts.image,
+            device: context.device,
+            legend: context.legend,
+            quality: context.quality,
+            image: context.image,
             derived: IndexMap::new(),
-            warnings: facts.warnings,
+            warnings: context.warnings,
             host: None,
         }
     }
@@ -93,7 +96,7 @@ impl From<&kernel::Outcome> for Outcome {
     fn from(outcome: &kernel::Outcome) -> Self {
         let (kind, message) = match outcome {
             kernel::Outcome::Complete => (OutcomeKind::Complete, None),
-            kernel::Outcome::Deadlock(text) => (OutcomeKind::Deadlock, Some(text.clone())),
+            kernel::Outcome::Deadlock(deadlock) => (OutcomeKind::Deadlock, Some(deadlock.to_string())),
             kernel::Outcome::Limit => (OutcomeKind::Limit, None),
             kernel::Outcome::Stopped => (OutcomeKind::Stopped, None),
             kernel::Outcome::Fault(text) => (OutcomeKind::Fault, Some(text.clone())),
@@ -103,8 +106,8 @@ impl From<&kernel::Outcome> for Outcome {
 }
 
 fn cycles(run: &kernel::RunReport) -> Cycles {
-    let drain = run.total.saturating_sub(run.frames.iter().sum());
-    Cycles { total: run.total, frames: run.frames.clone(), drain }
+    let drain = run.total.saturating_sub(run.marks.iter().sum());
+    Cycles { total: run.total, frames: run.marks.clone(), drain }
 }
 
 fn unit(unit: &kernel::UnitReport, fifos: &[kernel::FifoReport], numerals: &IndexMap<String, u32>) -> Unit {

@@ -2,7 +2,7 @@
 //! report is the same on every host. A figure whose divisor is 0 or unknown is left out.
 
 use crate::model::{Client, Derived, Report};
-use crate::work::{Work, circuits, paths, work};
+use crate::work::{Work, circuits, routes, work};
 use indexmap::IndexMap;
 
 /// Rounds to 6 decimals, halves away from zero.
@@ -34,16 +34,11 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
 
     let formula = format!("cycles.total / {}", work.formula);
     figures.ratio(format!("cycles_per_{}", work.one), (total, fragments), "cycles", formula);
-    let polygons = paths(report).iter().map(|p| p.polygons as f64).sum::<f64>();
-    figures.ratio(
-        "cycles_per_polygon",
-        (total, polygons),
-        "cycles",
-        "cycles.total / sum(device.polygons_NAME), NAME as in device.dots_NAME",
-    );
+    let polygons = routes(report).iter().map(|r| r.polygons as f64).sum::<f64>();
+    figures.ratio("cycles_per_polygon", (total, polygons), "cycles", "cycles.total / sum(device.polygons_ROUTE)");
     for circuit in circuits(report) {
         let (name, idle) = (circuit.name, total - circuit.started as f64);
-        let formula = format!("cycles.total - device.{name}_started_cycles");
+        let formula = format!("cycles.total - device.{}", circuit.figure);
         figures.ratio(format!("{name}.idle"), (idle, 1.0), "cycles", formula);
     }
     figures.ratio("time_ms", (1e3 * total, hz), "ms", "1000 * cycles.total / config.clock.hz");
@@ -109,8 +104,8 @@ mod tests {
     }
 
     #[test]
-    fn a_device_with_paths_is_told_in_dots_and_polygons() {
-        let derived = samples::with_paths().derived;
+    fn a_device_with_routes_is_told_in_dots_and_polygons() {
+        let derived = samples::with_routes().derived;
         assert_eq!(derived["cycles_per_dot"].value, 5.0);
         assert_eq!(derived["cycles_per_polygon"].value, 1000.0);
         assert_eq!(derived["circuit_50.idle"].value, 400_000.0);

@@ -33,7 +33,7 @@ pub mod timeline;
 pub mod work;
 
 pub use ablation::Ablation;
-pub use build::Facts;
+pub use build::Context;
 pub use compare::{Comparison, compare};
 pub use csv::to_csv;
 pub use json::{ReadError, SCHEMA, schema};

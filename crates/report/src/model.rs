@@ -1,5 +1,6 @@
 //! The report as it stands in `report.json`: plain data, fields in fixed order, maps in the order of the block diagram.
 
+use basrelief_kernel::facts;
 use basrelief_reference::Quality;
 use basrelief_signals::Camera;
 use indexmap::IndexMap;
@@ -42,6 +43,9 @@ pub struct Report {
     pub caches: Option<IndexMap<String, Cache>>,
     /// Figures of the device, as the machine names them: fragments, searches, table look-ups ...
     pub device: IndexMap<String, Figure>,
+    /// What the figures of `device` mean, by the same names.
+    #[serde(default)]
+    pub legend: IndexMap<String, Legend>,
     /// The machine's pictures against the exact ones; absent where none were drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quality: Option<PictureQuality>,
@@ -244,6 +248,68 @@ impl Figure {
             Self::Real(x) => Some(*x),
             Self::Text(_) | Self::List(_) => None,
         }
+    }
+}
+
+/// What a figure of a device means.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Legend {
+    /// Unit of measure, in the plural; absent for a ratio.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+    /// What it is.
+    pub about: String,
+    /// What it is told side by side with; absent where it stands alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<Part>,
+}
+
+/// What a figure is told side by side with.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// With all that is divided by it: it is the work of the machine.
+    Work,
+    /// With what else is counted on the route of this name.
+    Route(String),
+    /// With the other cycles of the circuit of this name: those in which it was started.
+    Started(String),
+    /// With the other cycles of the circuit of this name: those whose results were needed.
+    Needed(String),
+    /// With what else is counted of the process of this name.
+    Process(String),
+    /// With the other columns of a table.
+    Column {
+        /// Name of the table.
+        table: String,
+        /// Title of the column.
+        title: String,
+    },
+}
+
+impl From<&facts::Value> for Figure {
+    fn from(value: &facts::Value) -> Self {
+        match value {
+            facts::Value::Count(n) => Self::Count(*n),
+            facts::Value::Real(x) => Self::Real(*x),
+            facts::Value::Counts(counts) => counts.clone().into(),
+            facts::Value::Reals(reals) => reals.clone().into(),
+        }
+    }
+}
+
+impl From<&facts::Figure> for Legend {
+    fn from(figure: &facts::Figure) -> Self {
+        let part = match figure.part.clone() {
+            facts::Part::Alone => None,
+            facts::Part::Work => Some(Part::Work),
+            facts::Part::Route(name) => Some(Part::Route(name)),
+            facts::Part::Started(name) => Some(Part::Started(name)),
+            facts::Part::Needed(name) => Some(Part::Needed(name)),
+            facts::Part::Process(name) => Some(Part::Process(name)),
+            facts::Part::Column { table, title } => Some(Part::Column { table: table.into(), title: title.into() }),
+        };
+        Self { unit: figure.unit.into(), about: figure.about.into(), part }
     }
 }
 

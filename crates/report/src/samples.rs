@@ -1,9 +1,10 @@
 //! Hand-made reports for the tests of this crate, and one that the kernel made.
 
-use crate::build::Facts;
+use crate::build::Context;
 use crate::derived::derive;
 use crate::model::{
-    Cache, Client, Cycles, Difference, Fifo, Figure, Input, Memory, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
+    Cache, Client, Cycles, Difference, Fifo, Figure, Input, Legend, Memory, OutcomeKind, Part, Picture, PictureQuality, Report,
+    Size, Unit,
 };
 use basrelief_kernel::plan::{Plan, PlanMachine};
 use basrelief_kernel::{Engine, Outcome, RunReport};
@@ -16,11 +17,11 @@ pub const TOKENS: u64 = 40;
 /// Cycles of the hand-made runs.
 pub const TOTAL: u64 = 1_000_000;
 
-pub fn facts() -> Facts {
+pub fn context() -> Context {
     let mut view_projection = [0.0; 16];
     [0, 5, 10, 15].into_iter().for_each(|i| view_projection[i] = 1.0);
     let figure = |name: &str, value: Figure| (name.to_owned(), value);
-    Facts {
+    Context {
         machine: "bump".into(),
         input: Input { kind: "demo".into(), name: "coin".into(), sha256: "ab".repeat(32) },
         config: json!({
@@ -40,6 +41,7 @@ pub fn facts() -> Facts {
         ]
         .into_iter()
         .collect(),
+        legend: [("fragments".to_owned(), legend("fragments", Part::Work))].into_iter().collect(),
         quality: Some(PictureQuality {
             last: Quality { psnr_db: 41.25, ssim: 0.987654, flip: 0.0321 },
             difference: Some(Difference { mean: 0.75, largest: 12 }),
@@ -53,8 +55,13 @@ pub fn facts() -> Facts {
     }
 }
 
+/// What a figure means.
+pub fn legend(unit: &str, part: Part) -> Legend {
+    Legend { unit: unit.into(), about: String::new(), part: Some(part) }
+}
+
 pub fn functional() -> Report {
-    Report::functional(facts(), &Outcome::Complete)
+    Report::functional(context(), &Outcome::Complete)
 }
 
 /// A unit's row: name, then (cause, cycles); causes are `busy`, `done`, `<fifo`, `>fifo` and `@client`.
@@ -79,7 +86,7 @@ pub fn with_units(rows: &[(&str, &[(&str, u64)])]) -> Report {
     report.cycles = Some(Cycles { total: TOTAL, drain: 10_000, frames });
     let mut units: indexmap::IndexMap<_, _> = rows.iter().map(|&(name, row)| (name.to_owned(), unit(row))).collect();
     for (name, unit) in &mut units {
-        unit.numeral = facts().numerals.get(name).copied();
+        unit.numeral = context().numerals.get(name).copied();
     }
     let names = units.values().flat_map(|u| u.blocked.keys()).cloned().collect::<Vec<_>>();
     report.fifos = Some(names.into_iter().zip(fifos().into_iter().cycle()).collect());
@@ -135,25 +142,25 @@ pub fn balanced() -> Report {
     ])
 }
 
-/// [`balanced`], of a device that counts dots on two paths, runs of a process, and the cycles of two circuits.
-pub fn with_paths() -> Report {
+/// [`balanced`], of a device that counts dots on two routes, runs of a process, and the cycles of two circuits.
+pub fn with_routes() -> Report {
     let mut report = balanced();
     report.machine = "shade".into();
-    report.device = [
-        ("fragments", 200_000),
-        ("polygons_normal", 900),
-        ("polygons_flat", 100),
-        ("dots_normal", 150_000),
-        ("dots_flat", 50_000),
-        ("process_22_runs", 1_000),
-        ("process_22_cycles", 36_000),
-        ("circuit_21_started_cycles", 150_000),
-        ("circuit_50_started_cycles", 600_000),
-        ("circuit_50_needed_cycles", 450_000),
-    ]
-    .map(|(name, n)| (name.to_owned(), Figure::Count(n)))
-    .into_iter()
-    .collect();
+    let (normal, flat) = (|| "normal".to_owned(), || "flat".to_owned());
+    let figures = [
+        ("fragments", 200_000, "dots", Part::Work),
+        ("polygons_normal", 900, "polygons", Part::Route(normal())),
+        ("polygons_flat", 100, "polygons", Part::Route(flat())),
+        ("dots_normal", 150_000, "dots", Part::Route(normal())),
+        ("dots_flat", 50_000, "dots", Part::Route(flat())),
+        ("process_22_runs", 1_000, "runs", Part::Process("process_22".into())),
+        ("process_22_cycles", 36_000, "cycles", Part::Process("process_22".into())),
+        ("circuit_21_started_cycles", 150_000, "cycles", Part::Started("circuit_21".into())),
+        ("circuit_50_started_cycles", 600_000, "cycles", Part::Started("circuit_50".into())),
+        ("circuit_50_needed_cycles", 450_000, "cycles", Part::Needed("circuit_50".into())),
+    ];
+    report.device = figures.iter().map(|(name, n, ..)| ((*name).to_owned(), Figure::Count(*n))).collect();
+    report.legend = figures.into_iter().map(|(name, _, unit, part)| (name.to_owned(), legend(unit, part))).collect();
     report.derived = derive(&report);
     report
 }
@@ -213,7 +220,7 @@ pub fn run() -> RunReport {
 
 /// What the kernel made of [`plan`].
 pub fn simulated() -> Report {
-    Report::timed(facts(), &run())
+    Report::timed(context(), &run())
 }
 
 /// [`balanced`], and the same run with a quarter of the entries: the search is no longer what limits it.

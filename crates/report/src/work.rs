@@ -1,10 +1,50 @@
-//! What a device draws, in its own words: fragments, or dots on several paths.
+//! What a device draws and does, as the legend of its figures says: its work, routes, circuits, processes and tables.
 
-use crate::model::{Figure, Report};
+use crate::model::{Figure, Legend, Part, Report};
 
-/// A way through a device on which it counts polygons and dots: figures `polygons_NAME` and `dots_NAME`.
+/// The figures of a device that are a part of something, in its order: their names, what they count, their units of measure, and
+/// the part.
+fn parts(report: &Report) -> impl Iterator<Item = (&str, &Figure, &str, &Part)> {
+    report.device.iter().filter_map(|(name, figure)| {
+        let Legend { unit, part, .. } = report.legend.get(name)?;
+        Some((name.as_str(), figure, unit.as_str(), part.as_ref()?))
+    })
+}
+
+fn count(figure: &Figure) -> u64 {
+    if let Figure::Count(n) = figure { *n } else { 0 }
+}
+
+/// The entry of this name, made if there is none.
+fn entry<'a, T>(list: &'a mut Vec<T>, is: impl Fn(&T) -> bool, new: impl FnOnce() -> T) -> &'a mut T {
+    let at = list.iter().position(is).unwrap_or(list.len());
+    if at == list.len() {
+        list.push(new());
+    }
+    &mut list[at]
+}
+
+/// What cycles and bytes are divided by.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Work {
+    /// One of them: `fragment` or `dot`.
+    pub one: String,
+    /// How many.
+    pub count: u64,
+    /// How many, in names of the report.
+    pub formula: String,
+}
+
+/// The work of a device; no fragments where it names none.
+pub fn work(report: &Report) -> Work {
+    let named = parts(report).find(|(.., part)| **part == Part::Work);
+    let (name, count, unit) = named.map_or(("fragments", 0, "fragments"), |(name, figure, unit, _)| (name, count(figure), unit));
+    Work { one: unit.strip_suffix('s').unwrap_or(unit).into(), count, formula: format!("device.{name}") }
+}
+
+/// A way through a device on which it counts polygons and dots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Path<'a> {
+pub struct Route<'a> {
     /// Name.
     pub name: &'a str,
     /// Polygons that took it.
@@ -13,76 +53,43 @@ pub struct Path<'a> {
     pub dots: u64,
 }
 
-fn count(figure: Option<&Figure>) -> u64 {
-    match figure {
-        Some(Figure::Count(n)) => *n,
-        _ => 0,
+/// The routes of a device, in its order; none where it has only one.
+pub fn routes(report: &Report) -> Vec<Route<'_>> {
+    let mut routes = vec![];
+    for (_, figure, unit, part) in parts(report) {
+        let Part::Route(name) = part else { continue };
+        let route = entry(&mut routes, |r: &Route<'_>| r.name == name, || Route { name, polygons: 0, dots: 0 });
+        *(if unit == "polygons" { &mut route.polygons } else { &mut route.dots }) = count(figure);
     }
+    routes
 }
 
-/// The paths of a device, in its order; none where it has only one.
-pub fn paths(report: &Report) -> Vec<Path<'_>> {
-    let named = report.device.iter().filter_map(|(key, figure)| Some((key.strip_prefix("dots_")?, figure)));
-    let polygons = |name: &str| count(report.device.get(&format!("polygons_{name}")));
-    named.map(|(name, figure)| Path { name, polygons: polygons(name), dots: count(Some(figure)) }).collect()
-}
-
-/// What cycles and bytes are divided by.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Work {
-    /// One of them: `fragment` or `dot`.
-    pub one: &'static str,
-    /// How many.
-    pub count: u64,
-    /// How many, in names of the report.
-    pub formula: &'static str,
-}
-
-/// What a device draws: dots where it has paths, fragments otherwise.
-pub fn work(report: &Report) -> Work {
-    let paths = paths(report);
-    if paths.is_empty() {
-        return Work { one: "fragment", count: count(report.device.get("fragments")), formula: "device.fragments" };
-    }
-    let count = paths.iter().fold(0, |sum: u64, p| sum.saturating_add(p.dots));
-    Work { one: "dot", count, formula: "sum(device.dots_*)" }
-}
-
-/// A circuit of which a device counts the cycles in which it was started: figure `NAME_started_cycles`.
+/// A circuit of which a device counts the cycles in which it was started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Circuit<'a> {
     /// Name.
     pub name: &'a str,
-    /// Cycles of work whose result the picture needs, where the device tells them apart: figure `NAME_needed_cycles`.
+    /// Cycles of work whose result the picture needs, where the device tells them apart.
     pub needed: Option<u64>,
     /// Cycles of work.
     pub started: u64,
+    /// Figure of the device that says so.
+    pub figure: &'a str,
 }
 
 /// The circuits of a device, in its order.
 pub fn circuits(report: &Report) -> Vec<Circuit<'_>> {
-    let named = report.device.iter().filter_map(|(key, figure)| Some((key.strip_suffix("_started_cycles")?, figure)));
-    let needed = |name: &str| report.device.get(&format!("{name}_needed_cycles")).map(|f| count(Some(f)));
-    named.map(|(name, figure)| Circuit { name, needed: needed(name), started: count(Some(figure)) }).collect()
+    let mut circuits = vec![];
+    for (figure, started, _, part) in parts(report) {
+        let Part::Started(name) = part else { continue };
+        let of_it = |other: &Part| matches!(other, Part::Needed(other) if other == name);
+        let needed = parts(report).find(|(.., part)| of_it(part)).map(|(_, figure, ..)| count(figure));
+        circuits.push(Circuit { name, needed, started: count(started), figure });
+    }
+    circuits
 }
 
-/// Tables that a device tells as lists of one length, a figure per column: figures `TABLE_COLUMN`.
-pub const LISTS: [(&str, &[&str]); 2] = [
-    ("picture", &["frame", "round", "cycles", "ms", "psnr_db"]),
-    ("layers", &["texture", "layer", "tiles", "loaded", "synthesized", "reused", "never_needed"]),
-];
-
-/// Columns of one of [`LISTS`] that the device has, in order: their names and figures.
-pub fn columns<'a>(report: &'a Report, table: &str) -> Vec<(&'static str, &'a [Figure])> {
-    let names = LISTS.iter().filter(|list| list.0 == table).flat_map(|list| list.1);
-    let column = |name: &&'static str| match report.device.get(&format!("{table}_{name}"))? {
-        Figure::List(list) => Some((*name, list.as_slice())),
-        _ => None,
-    };
-    names.filter_map(column).collect()
-}
-
-/// A process of which a device counts runs and cycles: figures `NAME_runs` and `NAME_cycles`.
+/// A process of which a device counts runs and cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Process<'a> {
     /// Name.
@@ -95,10 +102,31 @@ pub struct Process<'a> {
 
 /// The processes of a device, in its order.
 pub fn processes(report: &Report) -> Vec<Process<'_>> {
-    let cycles = |name: &str| report.device.get(&format!("{name}_cycles"));
-    let named = report.device.iter().filter_map(|(key, figure)| {
-        let name = key.strip_suffix("_runs")?;
-        cycles(name).map(|cycles| Process { name, runs: count(Some(figure)), cycles: count(Some(cycles)) })
-    });
-    named.collect()
+    let mut processes = vec![];
+    for (_, figure, unit, part) in parts(report) {
+        let Part::Process(name) = part else { continue };
+        let process = entry(&mut processes, |p: &Process<'_>| p.name == name, || Process { name, runs: 0, cycles: 0 });
+        *(if unit == "runs" { &mut process.runs } else { &mut process.cycles }) = count(figure);
+    }
+    processes
+}
+
+/// A table of a device: titles and values of its columns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Columns<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// In order.
+    pub columns: Vec<(&'a str, &'a [Figure])>,
+}
+
+/// The tables of a device, in its order.
+pub fn tables(report: &Report) -> Vec<Columns<'_>> {
+    let mut tables = vec![];
+    for (_, figure, _, part) in parts(report) {
+        let (Part::Column { table, title }, Figure::List(list)) = (part, figure) else { continue };
+        let table = entry(&mut tables, |t: &Columns<'_>| t.name == table, || Columns { name: table, columns: vec![] });
+        table.columns.push((title, list));
+    }
+    tables
 }

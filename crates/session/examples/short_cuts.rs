@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release -p basrelief-session --example short_cuts -- goblet@1 goblet@4 MODEL.glb ...`: demo scenes or models.
 
-use basrelief_report::work::{paths, work};
+use basrelief_report::work::{routes, work};
 use basrelief_scene::{DEMOS, ViewOptions, demo, load_path};
 use basrelief_session::{MachineInfo, Run, SessionError, Settings, Source, Unobserved, ablate, run};
 use basrelief_signals::Scene;
@@ -57,7 +57,7 @@ fn on_each_path(scene: &Arc<Scene>) -> Result<(), Box<dyn Error>> {
         let value = |figure: &str| report.derived.get(figure).map_or(0.0, |d| d.value);
         let quality = report.quality.as_ref().ok_or("no exact picture")?;
         let cycles = report.cycles.as_ref().map_or(0, |c| c.total);
-        let on_it: u64 = paths(&report).iter().filter(|p| p.name == path).map(|p| p.dots).sum();
+        let on_it: u64 = routes(&report).iter().filter(|p| p.name == path).map(|p| p.dots).sum();
         let share = 100.0 * on_it as f64 / work(&report).count as f64;
         let (per_dot, per_polygon) = (value("cycles_per_dot"), value("cycles_per_polygon"));
         let (psnr, mean) = (quality.last.psnr_db, quality.difference.map_or(0.0, |d| d.mean));

@@ -10,16 +10,16 @@ use crate::settings::Settings;
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
-use basrelief_machines::Counts;
+use basrelief_machines::Facts;
 use basrelief_reference::{Picture, Quality, metrics};
-use basrelief_report::model::{Difference, Figure, Input, Picture as PictureFile, PictureQuality, Size};
-use basrelief_report::{Facts, Report};
+use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
+use basrelief_report::{Context, Report};
 use basrelief_signals::{Camera, Frame};
 use sha2::{Digest as _, Sha256};
 
 /// What the engine came to, and what the units counted.
 pub(crate) struct EngineResult {
-    counts: Counts,
+    facts: Facts,
     report: Option<RunReport>,
 }
 
@@ -92,7 +92,7 @@ impl<'a> Session<'a> {
         }
         match self.failed.take() {
             Some(failed) => Err(SessionError::Observer(failed)),
-            None => Ok(EngineResult { counts: machine.counts(), report }),
+            None => Ok(EngineResult { facts: machine.facts(), report }),
         }
     }
 
@@ -190,26 +190,28 @@ impl<'a> Session<'a> {
         let image = self.images.into_iter().enumerate();
         let no_view = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
         let summary = RunSummary { run: result.report.as_ref(), pictures: &self.shown };
-        let more = spec.figures(&summary).into_iter().map(|(name, value)| (name.to_owned(), figure(&value)));
-        let facts = Facts {
+        let mut facts = result.facts;
+        spec.figures(&summary, &mut facts);
+        let context = Context {
             machine: S::NAME.into(),
             input,
             config: serde_json::to_value(spec).unwrap_or_default(),
             camera: frame.map_or(no_view, |f| f.camera),
             size: frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
             numerals: S::UNITS.iter().filter_map(|u| Some((u.name.to_owned(), u.numeral.parse().ok()?))).collect(),
-            device: result.counts.iter().map(|(name, value)| (name.to_owned(), figure(value))).chain(more).collect(),
+            device: facts.figures().map(|f| (f.name.clone(), (&f.value).into())).collect(),
+            legend: facts.figures().map(|f| (f.name.clone(), f.into())).collect(),
             quality: self.quality.last().map(|&last| PictureQuality {
                 last,
                 difference: self.difference,
                 frames: if several { self.quality.clone() } else { vec![] },
             }),
             image: image.map(|(i, sha256)| PictureFile { file: picture_name("image", i, several), sha256 }).collect(),
-            warnings: warnings.iter().cloned().chain(spec.warnings(&result.counts)).collect(),
+            warnings: warnings.iter().cloned().chain(spec.warnings(&facts)).collect(),
         };
         let report = match &result.report {
-            Some(run) => Report::timed(facts, run),
-            None => Report::functional(facts, &Outcome::Complete),
+            Some(run) => Report::timed(context, run),
+            None => Report::functional(context, &Outcome::Complete),
         };
         Run { report, timing: result.report, expectations, simulate_s: self.simulate_s }
     }
@@ -225,8 +227,4 @@ fn digest(picture: &Picture) -> String {
     let mut hash = Sha256::new();
     hash.update(picture.rgb.as_flattened());
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-fn figure(value: &serde_json::Value) -> Figure {
-    serde_json::from_value(value.clone()).unwrap_or_else(|_| Figure::Text(value.to_string()))
 }

@@ -9,7 +9,7 @@ use std::fmt;
 
 /// What surrounds the unit in one run.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Setting {
+pub struct Surroundings {
     /// Slots of every FIFO.
     pub depth: usize,
     /// Cycles from delivery to visibility, of every FIFO.
@@ -22,7 +22,7 @@ pub struct Setting {
     pub slow_memory: bool,
 }
 
-impl fmt::Display for Setting {
+impl fmt::Display for Surroundings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { depth, latency, source_gaps, sink_occupancy, slow_memory } = self;
         let memory = if *slow_memory { "slow" } else { "fast" };
@@ -31,7 +31,7 @@ impl fmt::Display for Setting {
     }
 }
 
-impl Setting {
+impl Surroundings {
     fn memory(&self) -> MemoryConfig {
         let slow = MemoryConfig { banks: 1, burst_cycles: 7, cas: 40, rcd: 23, rp: 17, ..MemoryConfig::default() };
         if self.slow_memory { slow } else { MemoryConfig::default() }
@@ -67,7 +67,7 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
         tokens: <U::In as Popped>::Tokens,
         expected: Option<<U::Out as Emitted>::Tokens>,
         clients: &[Client],
-        setting: &Setting,
+        setting: &Surroundings,
     ) -> Self {
         Self::guarded(Guard::new(unit, clients), tokens, expected, setting)
     }
@@ -76,7 +76,7 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
         guard: Guard<U>,
         tokens: <U::In as Popped>::Tokens,
         expected: Option<<U::Out as Emitted>::Tokens>,
-        setting: &Setting,
+        setting: &Surroundings,
     ) -> Self {
         let mut memories = MemorySystem::default();
         let memory = memories.add_memory("memory", &setting.memory());

@@ -1,7 +1,7 @@
 //! The unit contract.
 
 use super::guard::{AfterStep, Guard};
-use super::{Bench, Client, Emitted, Popped, Setting};
+use super::{Bench, Client, Emitted, Popped, Surroundings};
 use crate::{Engine, Outcome, RunReport, Unit, run, run_functional};
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Display;
@@ -20,11 +20,23 @@ pub struct Broken {
 type Write<U> = Rc<dyn Fn(&U) -> Result<String, String>>;
 type Read<U> = Rc<dyn Fn(&mut U, &str) -> Result<(), String>>;
 
-/// Writes a unit's state as JSON, and puts it into another unit.
+/// How a unit's state is copied out, and put into another unit of the same configuration.
 #[derive(Clone)]
-struct State<U> {
+struct StateOf<U> {
     write: Write<U>,
     read: Read<U>,
+}
+
+impl<U: 'static> StateOf<U> {
+    fn new<S: Serialize + DeserializeOwned>(get: impl Fn(&U) -> S + 'static, set: impl Fn(&mut U, S) + 'static) -> Self {
+        Self {
+            write: Rc::new(move |unit| serde_json::to_string(&get(unit)).map_err(|e| format!("state to JSON: {e}"))),
+            read: Rc::new(move |unit, json| {
+                set(unit, serde_json::from_str(json).map_err(|e| format!("state from JSON: {e}"))?);
+                Ok(())
+            }),
+        }
+    }
 }
 
 /// What every unit promises, for one configuration and one sequence of tokens: each method checks one promise.
@@ -36,54 +48,48 @@ pub struct Contract<U: Unit<In: Popped>> {
     fresh: U,
     tokens: <U::In as Popped>::Tokens,
     clients: Vec<Client>,
-    state: Option<State<U>>,
+    state: StateOf<U>,
 }
 
 /// The settings that a unit is tried in.
-fn settings() -> Vec<Setting> {
+fn settings() -> Vec<Surroundings> {
     let mut all = Vec::new();
     for depth in [1, 2, 16] {
-        let plain = Setting { depth, latency: 1, ..Setting::default() };
+        let plain = Surroundings { depth, latency: 1, ..Surroundings::default() };
         all.push(plain.clone());
-        all.push(Setting { latency: 3, sink_occupancy: vec![1, 1, 23, 1, 4], ..plain.clone() });
-        all.push(Setting { latency: 2, source_gaps: vec![0, 31, 0, 5], ..plain.clone() });
-        all.push(Setting { slow_memory: true, ..plain });
+        all.push(Surroundings { latency: 3, sink_occupancy: vec![1, 1, 23, 1, 4], ..plain.clone() });
+        all.push(Surroundings { latency: 2, source_gaps: vec![0, 31, 0, 5], ..plain.clone() });
+        all.push(Surroundings { slow_memory: true, ..plain });
     }
     all
 }
 
 /// One that shows most and costs least: nothing but the unit limits the run.
-fn plain() -> Setting {
-    Setting { depth: 16, latency: 1, ..Setting::default() }
+fn plain() -> Surroundings {
+    Surroundings { depth: 16, latency: 1, ..Surroundings::default() }
 }
 
 impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
-    /// The contract of `unit`, fresh from its constructor, fed with `tokens`.
-    pub fn new(unit: U, tokens: <U::In as Popped>::Tokens) -> Self {
-        Self { fresh: unit, tokens, clients: Vec::new(), state: None }
+    /// The contract of `unit`, fresh from its constructor, fed with `tokens`. Its state is plain data, which `get` copies out and
+    /// `set` puts into another unit of the same configuration.
+    pub fn new<S: Serialize + DeserializeOwned>(
+        unit: U,
+        tokens: <U::In as Popped>::Tokens,
+        get: impl Fn(&U) -> S + 'static,
+        set: impl Fn(&mut U, S) + 'static,
+    ) -> Self {
+        Self { fresh: unit, tokens, clients: Vec::new(), state: StateOf::new(get, set) }
+    }
+
+    /// The contract of a unit without state: after every step it is as it was before.
+    pub fn stateless(unit: U, tokens: <U::In as Popped>::Tokens) -> Self {
+        Self::new(unit, tokens, |_| (), |_, ()| ())
     }
 
     /// What stands behind each memory client of the unit, in the unit's numbering.
     #[must_use]
     pub fn clients(mut self, clients: &[Client]) -> Self {
         self.clients = clients.to_vec();
-        self
-    }
-
-    /// How to copy the unit's state out, and how to put it into another unit of the same configuration.
-    #[must_use]
-    pub fn state<S: Serialize + DeserializeOwned>(
-        mut self,
-        get: impl Fn(&U) -> S + 'static,
-        set: impl Fn(&mut U, S) + 'static,
-    ) -> Self {
-        self.state = Some(State {
-            write: Rc::new(move |unit| serde_json::to_string(&get(unit)).map_err(|e| format!("state to JSON: {e}"))),
-            read: Rc::new(move |unit, json| {
-                set(unit, serde_json::from_str(json).map_err(|e| format!("state from JSON: {e}"))?);
-                Ok(())
-            }),
-        });
         self
     }
 
@@ -103,8 +109,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         self.nothing_is_left_at_the_end()
     }
 
-    /// A unit that has run and was given the state of a fresh one runs as the fresh one did. Where the contract knows
-    /// no state, this holds for a clone of the fresh unit: the run left nothing outside the unit.
+    /// A unit that has run and was given the state of a fresh one runs as the fresh one did; one without state does so as it is.
     ///
     /// # Errors
     /// Names the first difference.
@@ -112,13 +117,8 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         let setting = plain();
         let (first, used) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
         let mut again = used.unit().clone();
-        match &self.state {
-            Some(state) => {
-                let fresh = place("fresh unit", (state.write)(&self.fresh))?;
-                place("reset", (state.read)(&mut again, &fresh))?;
-            }
-            None => again = self.fresh.clone(),
-        }
+        let fresh = place("fresh unit", (self.state.write)(&self.fresh))?;
+        place("reset", (self.state.read)(&mut again, &fresh))?;
         let (second, _) = self.run(again, Engine::Timed, &setting)?;
         place("run after reset", same_reports(("before", &first), ("after", &second)))
     }
@@ -177,13 +177,13 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// The state survives a trip through JSON after every step: a checkpoint is a serialization, and nothing else need
-    /// be saved. Holds where the contract knows no state.
+    /// The state survives a trip through JSON, into a fresh unit, after every step: a checkpoint is a serialization, and nothing
+    /// else need be saved.
     ///
     /// # Errors
     /// Says what was lost, or which token came out differently.
     pub fn state_round_trips(&self) -> Result<(), Broken> {
-        let Some(State { write, read }) = self.state.clone() else { return Ok(()) };
+        let StateOf { write, read } = self.state.clone();
         let fresh = self.fresh.clone();
         let trip: AfterStep<U> = Rc::new(move |unit: &mut U| {
             let before = write(unit)?;
@@ -193,7 +193,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
             if after == before { Ok(()) } else { Err(format!("the state was {before}, and is {after} after a round trip")) }
         });
         let guard = Guard::new(self.fresh.clone(), &self.clients).after_step(trip);
-        let setting = Setting { depth: 2, ..plain() };
+        let setting = Surroundings { depth: 2, ..plain() };
         let expected = self.functional()?.tokens();
         let mut bench = Bench::guarded(guard, self.tokens.clone(), Some(expected), &setting);
         place("state through JSON after every step", completed(&run(&mut bench, Engine::Timed)))
@@ -252,7 +252,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     }
 
     /// A complete run, with sinks that expect the tokens of the functional model.
-    fn run(&self, unit: U, engine: Engine, setting: &Setting) -> Result<(RunReport, Bench<U>), Broken> {
+    fn run(&self, unit: U, engine: Engine, setting: &Surroundings) -> Result<(RunReport, Bench<U>), Broken> {
         let expected = self.functional()?.tokens();
         let mut bench = Bench::new(unit, self.tokens.clone(), Some(expected), &self.clients, setting);
         let report = run(&mut bench, engine);
@@ -261,8 +261,8 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
     }
 
     /// The unit's state as JSON; nothing where the contract knows none.
-    fn final_state(&self, unit: &U) -> Result<Option<String>, Broken> {
-        place("final state", self.state.as_ref().map(|s| (s.write)(unit)).transpose())
+    fn final_state(&self, unit: &U) -> Result<String, Broken> {
+        place("final state", (self.state.write)(unit))
     }
 }
 
@@ -274,7 +274,8 @@ fn place<T>(place: impl Display, result: Result<T, String>) -> Result<T, Broken>
 fn completed(report: &RunReport) -> Result<(), String> {
     match &report.outcome {
         Outcome::Complete => Ok(()),
-        Outcome::Deadlock(text) | Outcome::Fault(text) => Err(text.clone()),
+        Outcome::Deadlock(deadlock) => Err(deadlock.to_string()),
+        Outcome::Fault(text) => Err(text.clone()),
         other @ (Outcome::Limit | Outcome::Stopped) => Err(format!("the run ended with {other:?}, expected Complete")),
     }
 }
@@ -291,6 +292,6 @@ fn same_reports((a_name, a): (&str, &RunReport), (b_name, b): (&str, &RunReport)
         .or_else(|| first(&a.fifos, &b.fifos))
         .or_else(|| first(&a.memories, &b.memories))
         .or_else(|| first(&a.caches, &b.caches))
-        .unwrap_or_else(|| (format!("{:?}", (a.total, &a.frames)), format!("{:?}", (b.total, &b.frames))));
+        .unwrap_or_else(|| (format!("{:?}", (a.total, &a.marks)), format!("{:?}", (b.total, &b.marks))));
     Err(format!("{a_name}: {of_a}; {b_name}: {of_b}"))
 }

@@ -1,6 +1,6 @@
 //! The two sides of a bench: what feeds each shape of input, and what collects each shape of output.
 
-use super::{Setting, Sink, Source};
+use super::{Sink, Source, Surroundings};
 use crate::wiring::{Inputs, Outputs, Visitor};
 use crate::{Fifo, Stage};
 use std::fmt::Debug;
@@ -12,7 +12,7 @@ pub trait Popped: Sized {
     /// The sources with their FIFOs.
     type Front: Front<Item = Self>;
     /// Sources of `tokens`.
-    fn front(tokens: Self::Tokens, setting: &Setting) -> Self::Front;
+    fn front(tokens: Self::Tokens, setting: &Surroundings) -> Self::Front;
 }
 
 /// Sources with their FIFOs.
@@ -36,7 +36,7 @@ pub trait Emitted: Sized {
     /// The sinks with their FIFOs.
     type Back: Back<Item = Self, Tokens = Self::Tokens>;
     /// Sinks that expect `tokens`, if given.
-    fn back(tokens: Option<Self::Tokens>, setting: &Setting) -> Self::Back;
+    fn back(tokens: Option<Self::Tokens>, setting: &Surroundings) -> Self::Back;
 }
 
 /// Sinks with their FIFOs.
@@ -65,7 +65,7 @@ pub struct Inlet<T> {
 }
 
 impl<T> Inlet<T> {
-    fn new(n: usize, tokens: Vec<T>, setting: &Setting) -> Self {
+    fn new(n: usize, tokens: Vec<T>, setting: &Surroundings) -> Self {
         let source = Source::new(tokens).with_gaps(&setting.source_gaps);
         let fifo = Fifo::new(&format!("input_{n}"), setting.depth, setting.latency);
         Self { stage: Stage::new(&format!("source_{n}"), source), fifo }
@@ -80,7 +80,7 @@ pub struct Outlet<T> {
 }
 
 impl<T: Debug + PartialEq> Outlet<T> {
-    fn new(n: usize, tokens: Option<Vec<T>>, setting: &Setting) -> Self {
+    fn new(n: usize, tokens: Option<Vec<T>>, setting: &Surroundings) -> Self {
         let sink = tokens.map_or_else(Sink::new, Sink::expect).with_occupancy(&setting.sink_occupancy);
         let fifo = Fifo::new(&format!("output_{n}"), setting.depth, setting.latency);
         Self { stage: Stage::new(&format!("sink_{n}"), sink), fifo }
@@ -90,7 +90,7 @@ impl<T: Debug + PartialEq> Outlet<T> {
 impl Popped for () {
     type Tokens = ();
     type Front = ();
-    fn front((): (), _: &Setting) {}
+    fn front((): (), _: &Surroundings) {}
 }
 
 impl Front for () {
@@ -103,7 +103,7 @@ impl Front for () {
 impl<A: Clone> Popped for Option<A> {
     type Tokens = Vec<A>;
     type Front = Inlet<A>;
-    fn front(tokens: Vec<A>, setting: &Setting) -> Inlet<A> {
+    fn front(tokens: Vec<A>, setting: &Surroundings) -> Inlet<A> {
         Inlet::new(0, tokens, setting)
     }
 }
@@ -125,7 +125,7 @@ impl<A> Front for Inlet<A> {
 impl<A: Clone, B: Clone> Popped for (Option<A>, Option<B>) {
     type Tokens = (Vec<A>, Vec<B>);
     type Front = (Inlet<A>, Inlet<B>);
-    fn front((a, b): (Vec<A>, Vec<B>), setting: &Setting) -> Self::Front {
+    fn front((a, b): (Vec<A>, Vec<B>), setting: &Surroundings) -> Self::Front {
         (Inlet::new(0, a, setting), Inlet::new(1, b, setting))
     }
 }
@@ -149,7 +149,7 @@ impl<A, B> Front for (Inlet<A>, Inlet<B>) {
 impl Emitted for () {
     type Tokens = ();
     type Back = ();
-    fn back(_: Option<()>, _: &Setting) {}
+    fn back(_: Option<()>, _: &Surroundings) {}
 }
 
 impl Back for () {
@@ -164,7 +164,7 @@ impl Back for () {
 impl<A: Clone + Debug + PartialEq> Emitted for Option<A> {
     type Tokens = Vec<A>;
     type Back = Outlet<A>;
-    fn back(tokens: Option<Vec<A>>, setting: &Setting) -> Outlet<A> {
+    fn back(tokens: Option<Vec<A>>, setting: &Surroundings) -> Outlet<A> {
         Outlet::new(0, tokens, setting)
     }
 }
@@ -190,7 +190,7 @@ impl<A: Clone + Debug + PartialEq> Back for Outlet<A> {
 impl<A: Clone + Debug + PartialEq, B: Clone + Debug + PartialEq> Emitted for (Option<A>, Option<B>) {
     type Tokens = (Vec<A>, Vec<B>);
     type Back = (Outlet<A>, Outlet<B>);
-    fn back(tokens: Option<(Vec<A>, Vec<B>)>, setting: &Setting) -> Self::Back {
+    fn back(tokens: Option<(Vec<A>, Vec<B>)>, setting: &Surroundings) -> Self::Back {
         let (a, b) = tokens.unzip();
         (Outlet::new(0, a, setting), Outlet::new(1, b, setting))
     }

@@ -85,7 +85,7 @@ impl<U: Unit> Unit for Guard<U> {
     }
 
     fn largest_step(&self, client: usize) -> u32 {
-        self.unit.largest_step(client)
+        if client < self.clients.len() { self.unit.largest_step(client) } else { 0 }
     }
 
     fn is_empty(&self) -> bool {

@@ -35,18 +35,20 @@
 //!     inputs: (0..100).collect(),
 //!     // One per memory client of the unit, in its numbering; leave the line out where it has none.
 //!     clients: [Client::Port, Client::Cache { line_bytes: 64 }],
-//!     // How to copy the state out and put it back; leave the line out where the unit has none.
-//!     state: |unit| unit.state => |unit, state| unit.state = state,
+//!     // Its state is its field `state`; `stateless` where it has none.
+//!     state,
 //! }
 //!
 //! // The same, as one call: for units that are built at run time.
 //! # use basrelief_kernel::contract::{Client, Contract};
-//! Contract::new(Sum::default(), (0..100).collect())
+//! Contract::new(Sum::default(), (0..100).collect(), |unit| unit.state, |unit, state| unit.state = state)
 //!     .clients(&[Client::Port, Client::Cache { line_bytes: 64 }])
-//!     .state(|unit| unit.state, |unit, state| unit.state = state)
 //!     .check_all()?;
 //! # Ok::<(), basrelief_kernel::contract::Broken>(())
 //! ```
+//!
+//! The state is plain data: it goes through JSON after every step, and a fresh unit goes on with it. A unit of another shape
+//! says how it is copied out and put back: `state: |unit| unit.0.state => |unit, state| unit.0.state = state`.
 //!
 //! `inputs` is a `Vec` for a unit of one input, `(Vec, Vec)` for two, `()` for a source. It must be a whole run: every
 //! token is taken, and whatever gathers is flushed by its last one. Tokens need `Clone` (and `Debug + PartialEq` where
@@ -93,7 +95,7 @@ mod guard;
 mod sink;
 mod source;
 
-pub use bench::{Bench, Setting};
+pub use bench::{Bench, Surroundings};
 pub use check::{Broken, Contract};
 pub use ends::{Back, Emitted, Front, Inlet, Outlet, Popped};
 pub use sink::Sink;
@@ -111,12 +113,26 @@ pub enum Client {
     },
 }
 
-/// The unit contract as a module of tests, one per promise of [`Contract`](crate::contract::Contract). See the
-/// [module](crate::contract) for an example.
+/// The unit contract as a module of tests, one per promise of [`Contract`](crate::contract::Contract). It demands the unit's
+/// state, or the word `stateless`. See the [module](crate::contract) for an example.
 #[macro_export]
 macro_rules! unit_contract {
     (name: $name:ident, unit: $unit:expr, inputs: $inputs:expr
-     $(, clients: [$($client:expr),* $(,)?])? $(, state: $get:expr => $set:expr)? $(,)?) => {
+     $(, clients: [$($client:expr),* $(,)?])?, state $(,)?) => {
+        $crate::unit_contract! {
+            name: $name, unit: $unit, inputs: $inputs $(, clients: [$($client),*])?,
+            state: |unit| unit.state.clone() => |unit, state| unit.state = state
+        }
+    };
+    (name: $name:ident, unit: $unit:expr, inputs: $inputs:expr
+     $(, clients: [$($client:expr),* $(,)?])?, stateless $(,)?) => {
+        $crate::unit_contract! {
+            name: $name, unit: $unit, inputs: $inputs $(, clients: [$($client),*])?,
+            state: |_| () => |_, ()| ()
+        }
+    };
+    (name: $name:ident, unit: $unit:expr, inputs: $inputs:expr
+     $(, clients: [$($client:expr),* $(,)?])?, state: $get:expr => $set:expr $(,)?) => {
         #[cfg(test)]
         mod $name {
             #[allow(unused_imports, reason = "a contract may need nothing from around it")]
@@ -127,9 +143,8 @@ macro_rules! unit_contract {
             fn contract() -> $crate::contract::Contract<
                 impl $crate::Unit<In: $crate::contract::Popped, Out: $crate::contract::Emitted> + Clone + 'static,
             > {
-                $crate::contract::Contract::new($unit, $inputs)
+                $crate::contract::Contract::new($unit, $inputs, $get, $set)
                     $(.clients(&[$($client),*]))?
-                    $(.state($get, $set))?
             }
 
             $crate::unit_contract! { @tests

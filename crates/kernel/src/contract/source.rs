@@ -18,6 +18,11 @@ impl<I: Iterator> Source<I> {
         Self { next: items.next(), items, emitted: 0, gaps: Vec::new() }
     }
 
+    /// Items emitted so far.
+    pub fn emitted(&self) -> usize {
+        self.emitted
+    }
+
     /// Leaves `gaps[n mod length]` cycles free after item n.
     #[must_use]
     pub fn with_gaps(mut self, gaps: &[u64]) -> Self {

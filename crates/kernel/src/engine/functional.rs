@@ -1,4 +1,4 @@
-//! The functional model: the same steps, without time; memories answer at once (law 6, claim 10).
+//! The functional model: the same steps, without time; memories answer at once (law 6).
 
 use super::fault_of;
 use crate::place::{Connections, Place};

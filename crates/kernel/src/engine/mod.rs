@@ -4,6 +4,7 @@ mod functional;
 mod ticked;
 mod timed;
 
+use crate::check::check_wiring;
 use crate::place::{Clients, Place};
 use crate::report::{RunReport, conclude};
 use crate::wiring::{Machine, Visitor};
@@ -23,7 +24,7 @@ pub enum Engine {
 pub struct Limits<'a, M> {
     /// No step starts in this cycle or later; the run then ends as [`Outcome::Limit`](crate::Outcome::Limit).
     pub max_cycles: u64,
-    /// Called every now and then with the machine, to show progress and to take finished frames away; `false` stops
+    /// Called every now and then with the machine, to show progress and to take finished results away; `false` stops
     /// the run as [`Outcome::Stopped`](crate::Outcome::Stopped).
     pub progress: &'a mut dyn FnMut(&mut M) -> bool,
 }
@@ -35,6 +36,9 @@ pub fn run<M: Machine>(machine: &mut M, engine: Engine) -> RunReport {
 
 /// Runs `machine` under a probe, within limits.
 pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &mut P, limits: Limits<'_, M>) -> RunReport {
+    if let Err(error) = check_wiring(machine) {
+        return RunReport::of_fault(error.to_string());
+    }
     attach(machine);
     let halt = match engine {
         Engine::Timed => timed::run(machine, probe, limits),
@@ -44,8 +48,9 @@ pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &m
 }
 
 /// Runs the same steps without time, with memories that answer at once: the functional model (law 6). Returns the
-/// fault, if a unit raised one.
+/// fault, if a unit raised one or the wiring is wrong.
 pub fn run_functional<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) -> bool) -> Result<(), String> {
+    check_wiring(machine).map_err(|error| error.to_string())?;
     functional::run(machine, progress)
 }
 

@@ -1,5 +1,12 @@
 //! `ticked`: every unit in every cycle. Each cycle of each unit is charged as it passes, and occupancies are counted
 //! cycle by cycle, so that nothing of the timed engine's interval arithmetic is shared.
+//!
+//! What it does share with `timed`: the making of a step (`Stage::fire`), the steps in flight, the links and the memories.
+//! It is the oracle of the *order* in which things are done, and of the accounting; an error in what both share it cannot
+//! see. For that there is an executable reading of the laws that shares no code with this crate. Its results stand in
+//! `tests/vectors/laws.jsonl`, one plan and result per line, and `tests/vectors.rs` holds both engines against them. To
+//! repeat it with another reading: give it the `plan` of each line, and compare; `examples/plan.rs` runs one plan, or a
+//! folder of such vectors, from the command line.
 
 use super::{Land, Limits, fault_of};
 use crate::place::{Clients, Connections, Place};

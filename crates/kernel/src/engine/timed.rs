@@ -1,5 +1,41 @@
 //! `timed`: every stage runs ahead as far as its inputs, outputs and credits are known; when none can go on, the
 //! memories answer what nothing still to come can precede. Cost is O(tokens x stages), whatever the cycles.
+//!
+//! # Why it gives what `ticked` gives
+//!
+//! Each invariant holds before and after every visit of a stage. Named: where the code keeps it, and what fails without it.
+//!
+//! 1. **What a step does depends on no time.** It is a function of the unit's state and of the tokens that the unit declared
+//!    from its state; tokens of one FIFO come in order, from one producer to one consumer. So the steps of a unit, and the
+//!    tokens on each FIFO, are the same in whatever order stages are visited. [`Unit::step`] is given no cycle;
+//!    [`check_wiring`](crate::check_wiring) finds a FIFO with two producers or consumers. Tests `laws/law_6_contents`,
+//!    `wiring::a_fifo_has_one_producer_and_one_consumer`.
+//! 2. **A known time is final.** Visible, popped and answer times are written once, when all they are computed from is known,
+//!    and a time not known yet is later than any. `Link::deliver`, `Link::pop`, `Memory::serve`; `Cycle::UNKNOWN`. Tests
+//!    `laws/law_1_fifo`, `laws/law_2_slots`.
+//! 3. **A start that is known is the earliest** (law 3): the greatest of four kinds of known times, each of which is final by
+//!    2 and, once passed, stays passed until the step starts. `Connections::next_start`; for the causes on the way there
+//!    `Connections::split_wait`. Tests `laws/law_3_start`, `laws/law_9_accounting`.
+//! 4. **A client's requests arrive in order of time.** They arrive at the starts of one stage's steps, which only grow; so a
+//!    port's queue is sorted. It needs one stage per client, traffic to that stage's clients only, and credits for the largest
+//!    step, beyond which a start would be known too early or never. `check_wiring`; `Stage::fire` refuses other traffic.
+//!    Tests `wiring::a_memory_client_belongs_to_one_stage_and_exists`, `wiring::the_largest_step_finds_credits`,
+//!    `wiring::traffic_to_no_client_is_a_fault`, `wiring::a_step_beyond_the_largest_is_a_fault`.
+//! 5. **A memory that one stage uses serves at once.** By 4 nothing still to come can arrive before what is queued.
+//!    `MemorySystem::find_private`, `MemorySystem::serve_if_private`. Test `laws/law_4_memory`.
+//! 6. **A promise is kept.** A stage that promised *p* makes no step before *p*: every input and output it waits for is not
+//!    there before what the stage at the other end has promised, plus what lies between. So a memory may serve what arrived
+//!    before the least promise of its users. `Connections::promise`, `MemorySystem::serve_promised`. Test
+//!    `properties::both_engines_give_equal_reports`.
+//! 7. **When nothing moves, nothing can arrive before the horizon.** Every stage that will ever step again waits, through
+//!    whatever chain of FIFOs and credits, for an answer to a queued request; the horizon is the earliest that any of those can
+//!    be. For this a delivery must not seem to wait for an answer that it does not wait for: `Flights::land` lets steps pass
+//!    those ahead that emit nothing, or elsewhere. `MemorySystem::serve_safe`. Tests `hidden_deliveries`, `flights`.
+//! 8. **It ends.** An answer takes at least a cycle, so the request that sets the horizon is served: each round makes a step,
+//!    serves a request, or is the last. Test `laws/law_8_end`.
+//!
+//! By 1 both engines make the same steps; by 2, 3 and 5 to 7 at the same times, in which all requests are served in the order
+//! of law 4; by 8 both come to rest, where nothing can start: so their reports are equal.
 
 use super::{Land, Limits, fault_of};
 use crate::place::Place;

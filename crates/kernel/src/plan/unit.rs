@@ -143,7 +143,7 @@ impl Unit for PlanUnit {
     fn largest_step(&self, client: usize) -> u32 {
         match &self.plan.kind {
             Kind::Access { .. } => self.clients.iter().filter(|&&c| c as usize == client).count() as u32,
-            Kind::Cached { lookups, .. } => lookups.len() as u32,
+            Kind::Cached { lookups, .. } if client == 0 => lookups.len() as u32,
             _ => 0,
         }
     }

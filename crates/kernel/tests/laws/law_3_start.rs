@@ -2,7 +2,7 @@
 //! has a slot - also when the step turns out to emit nothing there - and every port has credits for the largest step.
 
 use super::common::{Draw, small_memory, starts};
-use basrelief_kernel::contract::{Bench, Setting};
+use basrelief_kernel::contract::{Bench, Surroundings};
 use basrelief_kernel::plan::{Kind, PlanRequest};
 use basrelief_kernel::{Demand, Engine, Outcome, Step, Traffic, Unit, run};
 
@@ -99,7 +99,7 @@ impl Unit for Timeless {
 #[test]
 fn an_occupancy_of_0_is_a_fault() {
     for engine in [Engine::Timed, Engine::Ticked] {
-        let setting = Setting { depth: 1, latency: 1, ..Setting::default() };
+        let setting = Surroundings { depth: 1, latency: 1, ..Surroundings::default() };
         let report = run(&mut Bench::new(Timeless, vec![1], None, &[], &setting), engine);
         let text = "unit, cycle 1: a step kept its unit for 0 cycles, expected at least 1 (law 3)";
         assert_eq!(report.outcome, Outcome::Fault(text.into()));

@@ -2,7 +2,7 @@
 //! is an ordinary FIFO.
 
 use super::common::{Draw, report, swallowed};
-use basrelief_kernel::contract::{Bench, Setting};
+use basrelief_kernel::contract::{Bench, Surroundings};
 use basrelief_kernel::plan::Kind;
 use basrelief_kernel::{Demand, Engine, Outcome, Step, Traffic, Unit, run, run_functional};
 
@@ -85,7 +85,7 @@ impl Unit for Batch {
 }
 
 fn bench(room: usize, tokens: Vec<Flow>) -> Bench<Batch> {
-    let setting = Setting { depth: 2, latency: 1, ..Setting::default() };
+    let setting = Surroundings { depth: 2, latency: 1, ..Surroundings::default() };
     Bench::new(Batch { room, scale: 1, held: vec![], flushing: false }, tokens, None, &[], &setting)
 }
 
@@ -103,9 +103,10 @@ fn control_takes_effect_when_it_is_popped() {
 #[test]
 fn without_its_end_token_a_gathering_unit_does_not_end_normally() {
     let report = run(&mut bench(3, vec![Flow::Item(1), Flow::Item(2)]), Engine::Timed);
-    let Outcome::Deadlock(text) = report.outcome else { panic!("{:?}", report.outcome) };
+    let Outcome::Deadlock(deadlock) = report.outcome else { panic!("{:?}", report.outcome) };
+    assert!(deadlock.circle.is_empty(), "the unit waits for a source that has finished");
     assert_eq!(
-        text,
+        deadlock.to_string(),
         "deadlock after 3 cycles: `unit` waits for a token from `input_0` (0 of 2 slots); \
          `sink_0` waits for a token from `output_0` (0 of 2 slots). \
          No FIFO is full: a unit holds tokens back for others that never came"

@@ -3,7 +3,7 @@
 
 use super::common::{Draw, account, report, run_both};
 use basrelief_kernel::plan::{Kind, Plan};
-use basrelief_kernel::{Engine, Limits, Outcome, run_with};
+use basrelief_kernel::{Engine, Fill, Limits, Outcome, Stuck, WaitsFor, run_with};
 
 fn wire(tokens: u64, source: (u64, u64), sink: u64) -> Plan {
     let mut draw = Draw::default();
@@ -68,9 +68,9 @@ fn too_little_room_is_a_deadlock_that_names_units_fifos_and_fill() {
     // fork: steps at 1 and 3, when b is full. in gets its third token at 4, visible 5: 6 cycles. gather holds two
     // tokens of four, the other two will never come.
     let report = report(&batch_beside(2));
-    let Outcome::Deadlock(text) = &report.outcome else { panic!("{:?}", report.outcome) };
+    let Outcome::Deadlock(deadlock) = &report.outcome else { panic!("{:?}", report.outcome) };
     assert_eq!(
-        text,
+        deadlock.to_string(),
         "deadlock after 6 cycles: `source` waits for a slot in `in` (1 of 1 slots); \
          `fork` waits for a slot in `b` (2 of 2 slots); `gather` waits for a token from `a` (0 of 1 slots); \
          `expand` waits for a token from `middle` (0 of 1 slots); `join` waits for a token from `a2` (0 of 1 slots); \
@@ -78,6 +78,10 @@ fn too_little_room_is_a_deadlock_that_names_units_fifos_and_fill() {
          Give the FIFO that is full more slots (fifo.<name>.depth)"
     );
     assert_eq!(report.outcome, run_both(&batch_beside(2), 1000).0.outcome);
+    // As data: the slots that are missing, and who waits for whom in a circle.
+    let full = Fill { fifo: "b".into(), held: 2, depth: 2 };
+    assert_eq!(deadlock.stuck[1], Stuck { unit: "fork".into(), waits_for: WaitsFor::Slot(full) });
+    assert_eq!(deadlock.circle, ["fork", "join", "expand", "gather"]);
 }
 
 #[test]

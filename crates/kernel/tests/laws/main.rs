@@ -4,7 +4,7 @@
 mod common;
 
 mod law_10_occupancy;
-mod law_11_frames;
+mod law_11_marks;
 mod law_1_fifo;
 mod law_2_slots;
 mod law_3_start;

@@ -32,7 +32,7 @@ pub fn print_speed<M: Draws>(machine: impl Fn() -> Result<M, ConfigProblem>, fig
     let began = Instant::now();
     run_functional(&mut functional, &mut |_| true)?;
     let functional_s = began.elapsed().as_secs_f64();
-    let count = timed.counts().number(figure);
+    let count = timed.facts().count(figure);
     println!("{:?}: {count} {elements}, {} cycles", report.outcome, report.total);
     for (name, seconds) in [("timed", timed_s), ("functional", functional_s)] {
         println!("{name}: {seconds:.3} s, {:.2} M {elements}/s", count as f64 / seconds * 1e-6);

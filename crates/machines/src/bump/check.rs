@@ -1,10 +1,10 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
-use super::{BumpProcessorConfig, MemoryConfigs};
-use crate::counts::Counts;
-use crate::problem::{ConfigProblem, Feed, line_is_power_of_two, problem};
+use super::BumpProcessorConfig;
+use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
 use basrelief_graphics_processor::GraphicsProcessor;
-use basrelief_kernel::{MemorySystem, Unit};
+use basrelief_kernel::Unit;
+use basrelief_kernel::facts::Facts;
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_signals::MAX_SAMPLES;
 
@@ -36,32 +36,6 @@ pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
     Ok(())
 }
 
-/// Law 3: a step starts when its ports have the credits of the largest one; with fewer it never would. (Units of which no
-/// step makes more than one request need no check: the range of `outstanding` begins at 1.)
-pub(super) fn credits(
-    unit: &impl Unit,
-    clients: &[usize],
-    memories: &MemorySystem,
-    config: &MemoryConfigs,
-) -> Result<(), ConfigProblem> {
-    for (number, &client) in clients.iter().enumerate() {
-        let name = memories.memory_name(client);
-        let outstanding = match name {
-            "normal_map" => config.normal_map.outstanding,
-            "quantization" => config.quantization.outstanding,
-            _ => config.graphics.outstanding,
-        };
-        let needed = unit.largest_step(number);
-        if needed > outstanding {
-            let port = memories.client_name(client);
-            let message =
-                format!("is {outstanding}, but one step needs {needed} requests on port `{port}`; set it to {needed} or more");
-            return problem(&format!("memory.{name}.outstanding"), message);
-        }
-    }
-    Ok(())
-}
-
 /// Most fragments of a stamp: as configured, but no more than ports have credits for, as a step looks up the lines of all
 /// of them (law 3). So few credits cost time, and never keep a machine from running that could run with single fragments.
 pub(super) fn stamp(c: &BumpProcessorConfig) -> u32 {
@@ -81,37 +55,22 @@ pub(super) fn stamp(c: &BumpProcessorConfig) -> u32 {
     .max(1)
 }
 
-/// Claim 3 wants fewer reference normals in a table than distinct pseudo-normals on the surface: says where a run was
-/// otherwise. Quantizing then costs tables without saving anything.
-pub fn claim_3_warning(c: &BumpProcessorConfig, counts: &Counts) -> Option<String> {
-    let (distinct, searches) = (counts.number("distinct_pseudo_normals"), counts.number("searches"));
-    let entries = c.replacement.entries.levels().into_iter().max().unwrap_or(0);
-    (searches > 0 && distinct <= u64::from(entries)).then(|| {
-        format!("the surface has {distinct} distinct pseudo-normals, a VQ table {entries} entries: claim 3 wants fewer entries (replacement.entries)")
-    })
-}
-
-/// FIFOs that cannot hold full rate (law 2): one sentence each, with the rate that they allow. Memory latency comes on
-/// top and is not looked at here.
-pub fn warnings(c: &BumpProcessorConfig) -> Vec<String> {
-    let f = &c.fifo;
-    let search = c.replacement.search_cycles(c.replacement.entries.levels()[0]) as u32;
-    let feeds = [
-        Feed { occupancy: c.geometry.cycles_per_polygon.max(1), ..Feed::new("polygons", &f.polygons, c.geometry.latency) },
-        Feed::new("fragments", &f.fragments, c.rasterizer.latency),
-        Feed::new("tested_fragments", &f.tested_fragments, c.depth.latency),
-        Feed::new("pseudo_normals", &f.pseudo_normals, c.normal_mapping.latency),
-        Feed {
-            occupancy: if c.replacement.pipelined { 1 } else { search },
-            ..Feed::new("indexes", &f.indexes, c.replacement.latency + search)
-        },
-        Feed::new("shaded", &f.shaded, c.brightness.latency),
-        Feed { occupancy: c.graphics.blend_cycles, ..Feed::new("pixels", &f.pixels, c.graphics.latency) },
-        Feed::new("tested_pixels", &f.tested_pixels, c.depth.latency),
-    ];
+/// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, smaller stamps, and where claim 3 was
+/// not met.
+pub fn warnings(c: &BumpProcessorConfig, facts: &Facts) -> Vec<String> {
     let fewer = stamp(c);
     let stamps = (fewer < c.rasterizer.stamp).then(|| {
         format!("stamps of {fewer} instead of {} fragments: a step of more needs more requests in flight (memory.*.outstanding) than there may be", c.rasterizer.stamp)
     });
-    feeds.iter().filter_map(Feed::warning).chain(stamps).collect()
+    slow_fifos(facts).into_iter().chain(stamps).chain(claim_3_warning(c, facts)).collect()
+}
+
+/// Claim 3 wants fewer reference normals in a table than distinct pseudo-normals on the surface: says where a run was
+/// otherwise. Quantizing then costs tables without saving anything.
+fn claim_3_warning(c: &BumpProcessorConfig, facts: &Facts) -> Option<String> {
+    let (distinct, searches) = (facts.count("distinct_pseudo_normals"), facts.count("searches"));
+    let entries = c.replacement.entries.levels().into_iter().max().unwrap_or(0);
+    (searches > 0 && distinct <= u64::from(entries)).then(|| {
+        format!("the surface has {distinct} distinct pseudo-normals, a VQ table {entries} entries: claim 3 wants fewer entries (replacement.entries)")
+    })
 }

@@ -3,8 +3,9 @@
 use super::fifos::Fifos;
 use super::memories::{ClientNumbers, build};
 use super::{BumpProcessorConfig, ConfigProblem, check};
+use crate::Draws;
 use crate::front::FrontEnd;
-use crate::{Counts, Draws};
+use crate::problem::wired;
 use basrelief_brightness::{BrightnessFetch, Components};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::{DepthTest, GraphicsProcessor};
@@ -17,37 +18,21 @@ use basrelief_signals::{Fragment, Pixel, Stamp};
 /// Bump-mapping processor (106) between geometry processor (102) and graphics processor (104), with its memories.
 #[derive(Clone, Debug)]
 pub struct BumpProcessor<F> {
-    pub(super) front: F,
+    front: F,
     fifos: Fifos,
-    pub(super) rasterizer: Stage<Rasterizer>,
-    pub(super) early_depth: Stage<DepthTest<Stamp<Fragment>>>,
+    rasterizer: Stage<Rasterizer>,
+    early_depth: Stage<DepthTest<Stamp<Fragment>>>,
     distributor: Stage<Distributor>,
-    pub(super) mapping: Stage<NormalMapping>,
-    pub(super) replacement: Stage<Replacement>,
-    pub(super) brightness: Stage<BrightnessFetch>,
-    pub(super) graphics: Stage<GraphicsProcessor>,
-    pub(super) late_depth: Stage<DepthTest<Stamp<Pixel>>>,
-    pub(super) frame_buffer: Stage<FrameBuffer>,
-    pub(super) video_out: Stage<VideoOut>,
+    mapping: Stage<NormalMapping>,
+    replacement: Stage<Replacement>,
+    brightness: Stage<BrightnessFetch>,
+    graphics: Stage<GraphicsProcessor>,
+    late_depth: Stage<DepthTest<Stamp<Pixel>>>,
+    frame_buffer: Stage<FrameBuffer>,
+    video_out: Stage<VideoOut>,
     memories: MemorySystem,
     clients: ClientNumbers,
     early_z: bool,
-    pub(super) widths: Widths,
-}
-
-/// What is kept on the surface per sample \[bytes\]: an index, or a normal where there were no VQ tables.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Widths {
-    pub(super) index_bytes: u64,
-    pub(super) normal_bytes: u64,
-}
-
-impl Widths {
-    fn new(c: &BumpProcessorConfig) -> Self {
-        let most = c.replacement.entries.levels().into_iter().max().unwrap_or(1);
-        let index_bits = u64::from(most.max(2).next_power_of_two().trailing_zeros());
-        Self { index_bytes: index_bits.div_ceil(8), normal_bytes: u64::from(3 * c.normal_mapping.normal_bits).div_ceil(8) }
-    }
 }
 
 impl<F: FrontEnd> BumpProcessor<F> {
@@ -65,7 +50,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let separate = c.brightness.components == Components::Separate;
         let (z_bits, stamp) = (c.rasterizer.z_bits, check::stamp(config));
         let levels = c.brightness.levels;
-        let machine = Self {
+        wired(Self {
             front,
             fifos: Fifos::new(&c.fifo),
             early_z: c.rasterizer.early_z,
@@ -84,27 +69,11 @@ impl<F: FrontEnd> BumpProcessor<F> {
             video_out: Stage::new("video-out", VideoOut::new(c.video_out)),
             memories,
             clients,
-            widths: Widths::new(config),
-        };
-        machine.check_credits(config)?;
-        Ok(machine)
-    }
-
-    fn check_credits(&self, config: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
-        let (m, c) = (&self.memories, &self.clients);
-        let config = &config.memory;
-        check::credits(&self.mapping.unit, &c.mapping, m, config)?;
-        check::credits(&self.replacement.unit, &c.replacement, m, config)?;
-        check::credits(&self.brightness.unit, &c.brightness, m, config)?;
-        check::credits(&self.graphics.unit, &c.graphics, m, config)
+        })
     }
 }
 
 impl<F: FrontEnd> Draws for BumpProcessor<F> {
-    fn counts(&self) -> Counts {
-        self.count()
-    }
-
     fn drain_finished(&mut self) -> Vec<FinishedFrame> {
         self.frame_buffer.unit.drain_finished()
     }

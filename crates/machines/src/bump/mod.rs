@@ -8,7 +8,6 @@
 
 mod check;
 mod config;
-mod counts;
 mod fifos;
 mod machine;
 mod memories;
@@ -18,7 +17,7 @@ pub use crate::config::{ClockConfig, ReferenceConfig, ReferenceFilter};
 pub use crate::front::{FrontEnd, SceneFront, TraceFront};
 pub use crate::problem::ConfigProblem;
 pub use crate::unit_info::UnitInfo;
-pub use check::{claim_3_warning, warnings};
+pub use check::warnings;
 pub use config::{BumpProcessorConfig, CacheConfigs, MemoryConfigs};
 pub use fifos::FifoConfigs;
 pub use machine::BumpProcessor;

@@ -4,16 +4,16 @@ use crate::unit_info::{UnitInfo, unit};
 
 /// All stages of the machine, in the order of the wiring.
 pub const UNITS: &[UnitInfo] = &[
-    unit("host", "", "feeds the scene, one draw command per cycle", "crates/units/geometry-processor/src/source.rs"),
+    unit("host", "", "feeds the scene, one draw command per cycle", "crates/units/geometry-processor/src/scene_source.rs"),
     unit("geometry", "102", "transforms, clips, culls, projects; LOD; marks bump targets", "crates/units/geometry-processor"),
     unit(
         "display-list",
         "",
         "replays a recorded display list in place of (102)",
-        "crates/units/geometry-processor/src/source.rs",
+        "crates/units/geometry-processor/src/display_list_source.rs",
     ),
     unit("rasterizer", "", "polygons to fragments: exact coverage, top-left rule", "crates/units/rasterizer"),
-    unit("depth-test", "", "z-test, early or late; owns the z-buffer", "crates/units/graphics-processor/src/depth.rs"),
+    unit("depth-test", "", "z-test, early or late; owns the z-buffer", "crates/units/graphics-processor/src/depth_test.rs"),
     unit("distributor", "", "sends what is no bump target straight on to (104)", "crates/units/rasterizer/src/distributor.rs"),
     unit(
         "normal-mapping",

@@ -1,9 +1,9 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
 use super::DeferConfig;
-use crate::Counts;
-use crate::problem::{ConfigProblem, Feed, line_is_power_of_two, problem};
-use basrelief_deferred_renderer::{MOST_LINES, NumberFormat};
+use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
+use basrelief_deferred_renderer::NumberFormat;
+use basrelief_kernel::facts::Facts;
 
 /// Checks what spans parameters.
 pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
@@ -13,15 +13,6 @@ pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
         if !side.is_power_of_two() {
             return problem(key, format!("is {side}, expected a power of two"));
         }
-    }
-    if c.memory.texture.outstanding < MOST_LINES {
-        return problem(
-            "memory.texture.outstanding",
-            format!(
-                "is {}, but a block of 16 pixels may touch {MOST_LINES} lines; set it to that or more",
-                c.memory.texture.outstanding
-            ),
-        );
     }
     let cell = &c.cell;
     let fields = [
@@ -43,24 +34,14 @@ pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
     Ok(())
 }
 
-/// FIFOs that cannot hold full rate (law 2): one sentence each, with the rate that they allow. Memory latency comes on
-/// top and is not looked at here.
-pub fn warnings(c: &DeferConfig) -> Vec<String> {
-    let (f, latency) = (&c.fifo, c.engine.latency);
-    let blocks = |name, fifo, per_cycle: u32| Feed { name, fifo, latency, occupancy: 16_u32.div_ceil(per_cycle) };
-    let feeds = [
-        Feed::new("fragments", &f.fragments, c.rasterizer.latency),
-        Feed::new("tested_fragments", &f.tested_fragments, c.depth.latency),
-        Feed::new("cells", &f.cells, latency),
-        blocks("marking", &f.marking, c.engine.scan_rate),
-        blocks("colouring", &f.colouring, c.engine.scan_rate),
-        blocks("pixels", &f.pixels, c.engine.interpolation_rate),
-    ];
-    feeds.iter().filter_map(Feed::warning).collect()
+/// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, and what of the input the machine
+/// has no use for.
+pub fn warnings(facts: &Facts) -> Vec<String> {
+    slow_fifos(facts).into_iter().chain(input_warnings(facts)).collect()
 }
 
 /// What of the input the renderer has no use for: one sentence each.
-pub fn input_warnings(counts: &Counts) -> Vec<String> {
-    let none = counts.number("cells_direct") > 0 && counts.number("cells_textured") == 0;
+fn input_warnings(facts: &Facts) -> Vec<String> {
+    let none = facts.count("cells_direct") > 0 && facts.count("cells_textured") == 0;
     none.then(|| "no pixel has a colour texture: no tile was needed".to_owned()).into_iter().collect()
 }

@@ -4,10 +4,10 @@ use super::DeferConfig;
 use super::check::check;
 use super::fifos::Fifos;
 use super::memories::{ClientNumbers, build};
+use crate::Draws;
 use crate::fifos::{fifo, slots};
 use crate::front::FrontEnd;
-use crate::problem::ConfigProblem;
-use crate::{Counts, Draws};
+use crate::problem::{ConfigProblem, wired};
 use basrelief_deferred_renderer::tokens::EncodedTile;
 use basrelief_deferred_renderer::{
     CellFormat, Cells, Cut, DepthPixel, Expander, FilledBuffer, Identification, Page, Path, Rasterization, ReferenceBuffer,
@@ -15,6 +15,7 @@ use basrelief_deferred_renderer::{
 };
 use basrelief_frame_buffer::{FinishedFrame, PixelBuffer, ShownPicture, VideoOut};
 use basrelief_graphics_processor::DepthTest;
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Fifo, Machine, MemorySystem, Stage, Visitor};
 use basrelief_rasterizer::Rasterizer;
 use basrelief_signals::{Fragment, Stamp};
@@ -23,23 +24,23 @@ use std::sync::Arc;
 /// Rendering device (100) at the end of a path (104, 106, 108) from a server (110).
 #[derive(Debug)]
 pub struct DeferredRenderer<F> {
-    pub(super) front: F,
-    pub(super) config: DeferConfig,
+    front: F,
+    config: DeferConfig,
     fifos: Fifos,
     /// Path to expander. It has as many slots as there may be requests in flight, so no parameter of its own.
     tiles: Fifo<EncodedTile>,
-    pub(super) server: Stage<Server>,
-    pub(super) path: Stage<Path>,
+    server: Stage<Server>,
+    path: Stage<Path>,
     expander: Stage<Expander>,
-    pub(super) rasterizer: Stage<Rasterizer>,
-    pub(super) depth: Stage<DepthTest<Stamp<Fragment>>>,
-    pub(super) cell_maker: Stage<Cells>,
-    pub(super) reference_buffer: Stage<ReferenceBuffer>,
-    pub(super) identification: Stage<Identification>,
-    pub(super) tile_lists: Stage<TileLists>,
-    pub(super) rasterization: Stage<Rasterization>,
-    pub(super) pixel_buffer: Stage<PixelBuffer>,
-    pub(super) video_out: Stage<VideoOut>,
+    rasterizer: Stage<Rasterizer>,
+    depth: Stage<DepthTest<Stamp<Fragment>>>,
+    cell_maker: Stage<Cells>,
+    reference_buffer: Stage<ReferenceBuffer>,
+    identification: Stage<Identification>,
+    tile_lists: Stage<TileLists>,
+    rasterization: Stage<Rasterization>,
+    pixel_buffer: Stage<PixelBuffer>,
+    video_out: Stage<VideoOut>,
     memories: MemorySystem,
     clients: ClientNumbers,
 }
@@ -68,7 +69,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let shown = c.defer.pictures_per_view;
         let shared = c.defer.depth_pixel == DepthPixel::Shared;
         let cells = Cells::new(engine.clone(), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
-        Ok(Self {
+        wired(Self {
             front,
             fifos: Fifos::new(&c.fifo),
             tiles: fifo("tiles", &slots(c.path.requests)),
@@ -125,7 +126,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
 
     /// Why the server (110) sends nothing any more, where a tile could not be had. Such a run ends in standstill.
     pub fn lost(&self) -> Option<&str> {
-        self.server.unit.lost.as_deref()
+        self.server.unit.state.lost.as_deref()
     }
 
     /// Pages (132) and their tile load lists (136).
@@ -139,16 +140,22 @@ fn cut(config: &DeferConfig) -> Cut {
 }
 
 impl<F: FrontEnd> Draws for DeferredRenderer<F> {
-    fn counts(&self) -> Counts {
-        self.count()
-    }
-
     fn drain_finished(&mut self) -> Vec<FinishedFrame> {
         self.drain_shown().into_iter().map(|shown| shown.picture).collect()
     }
 
     fn has_finished(&self) -> bool {
         self.pixel_buffer.unit.has_finished()
+    }
+
+    /// The size of a cell; and what a renderer would take that loads all textures whole, which only the cut into tiles tells.
+    fn derive(&self, facts: &mut Facts) {
+        let (conventional, tile_bytes) = (self.server.unit.conventional_bytes(self.cut()), facts.count("path_tile_bytes"));
+        let share = if conventional == 0 { 0.0 } else { tile_bytes as f64 / conventional as f64 };
+        facts.figure("cell_bits", u64::from(self.config.cell.bits()), "bits", "A cell of the reference buffer");
+        facts.figure("conventional_tile_bytes", conventional, "bytes", "All tiles of all textures, sent whole");
+        let share = (share * 1e6).round() / 1e6;
+        facts.figure("tile_bytes_of_conventional", share, "", "`path_tile_bytes` as a share of `conventional_tile_bytes`");
     }
 }
 

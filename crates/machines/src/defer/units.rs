@@ -4,9 +4,14 @@ use crate::unit_info::{UnitInfo, unit};
 
 /// All stages of the machine, in the order of the wiring.
 pub const UNITS: &[UnitInfo] = &[
-    unit("host", "", "feeds the scene, one draw command per cycle", "crates/units/geometry-processor/src/source.rs"),
+    unit("host", "", "feeds the scene, one draw command per cycle", "crates/units/geometry-processor/src/scene_source.rs"),
     unit("geometry", "453", "transforms, clips, culls, projects", "crates/units/geometry-processor"),
-    unit("display-list", "", "replays a recorded display list in their place", "crates/units/geometry-processor/src/source.rs"),
+    unit(
+        "display-list",
+        "",
+        "replays a recorded display list in their place",
+        "crates/units/geometry-processor/src/display_list_source.rs",
+    ),
     unit(
         "server",
         "110",
@@ -16,7 +21,7 @@ pub const UNITS: &[UnitInfo] = &[
     unit("path", "106", "network (106), I/O port (104), bus (108): rate, latency", "crates/units/deferred-renderer/src/path.rs"),
     unit("expander", "", "expands compressed tiles", "crates/units/deferred-renderer/src/expander.rs"),
     unit("rasterizer", "454", "finds the pixels of polygons", "crates/units/rasterizer"),
-    unit("z-test", "", "hidden-surface removal, with (124) as depth buffer", "crates/units/graphics-processor/src/depth.rs"),
+    unit("z-test", "", "hidden-surface removal, with (124) as depth buffer", "crates/units/graphics-processor/src/depth_test.rs"),
     unit(
         "cells",
         "",
@@ -39,13 +44,13 @@ pub const UNITS: &[UnitInfo] = &[
         "tile-lists",
         "136",
         "N, L or E per tile; loads or synthesizes (Figure 6)",
-        "crates/units/deferred-renderer/src/tile_list.rs",
+        "crates/units/deferred-renderer/src/tile_lists.rs",
     ),
     unit(
         "final-rasterization",
         "463",
         "keeps pyramids (134) in (130), interpolates in and between layers (Figures 7A, 7B)",
-        "crates/units/deferred-renderer/src/rasterization.rs",
+        "crates/units/deferred-renderer/src/rasterization/unit.rs",
     ),
     unit(
         "pixel-buffer",

@@ -1,9 +1,8 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
 use super::ShadeConfig;
-use crate::counts::Counts;
-use crate::problem::{ConfigProblem, Feed, line_is_power_of_two, problem};
-use basrelief_figure_shading::Power;
+use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
+use basrelief_kernel::facts::Facts;
 
 /// Checks what spans parameters.
 pub(super) fn check(c: &ShadeConfig) -> Result<(), ConfigProblem> {
@@ -20,38 +19,16 @@ pub(super) fn check(c: &ShadeConfig) -> Result<(), ConfigProblem> {
     Ok(())
 }
 
-/// Exponent for which the rate of circuit (50) is looked at: the patent's largest.
-const LARGEST_EXPONENT: f32 = 200.0;
-
-/// FIFOs that cannot hold full rate (law 2): one sentence each, with the rate that they allow. Memory latency comes on
-/// top and is not looked at here.
-pub fn warnings(c: &ShadeConfig) -> Vec<String> {
-    let f = &c.fifo;
-    let power = Power::new(&c.normal_interpolation);
-    let normalise = if c.shade.renormalise { c.normal_interpolation.normalise_latency } else { 0 };
-    let highlight = c.normal_interpolation.inner_product_latency + normalise + power.latency(LARGEST_EXPONENT) as u32;
-    let feed = |name, fifo, latency, occupancy| Feed { name, fifo, latency, occupancy };
-    let (dot, circuit_21) = (c.microcomputer.dot_cycles, &c.interpolation);
-    let feeds = [
-        feed("polygons", &f.polygons, c.geometry.latency, c.geometry.cycles_per_polygon.max(1)),
-        feed("flat_dots", &f.flat_dots, dot, dot),
-        feed("constant_dots", &f.constant_dots, dot, dot),
-        feed("interpolated", &f.interpolated, circuit_21.latency, circuit_21.initiation_interval),
-        feed("brightness_dots", &f.brightness_dots, circuit_21.latency, circuit_21.initiation_interval),
-        feed("highlights", &f.highlights, highlight, power.occupancy(LARGEST_EXPONENT) as u32),
-        feed("gated", &f.gated, c.gate.latency, c.gate.initiation_interval),
-        feed("sums", &f.sums, c.adder.latency, c.adder.initiation_interval),
-        feed("selected", &f.selected, c.selector_53.latency, c.selector_53.initiation_interval),
-        feed("pixels", &f.pixels, c.selector_28.latency, c.selector_28.initiation_interval),
-        Feed::new("tested_pixels", &f.tested_pixels, c.depth.latency),
-    ];
-    feeds.iter().filter_map(Feed::warning).collect()
+/// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, and what of the input the machine
+/// has no use for.
+pub fn warnings(facts: &Facts) -> Vec<String> {
+    slow_fifos(facts).into_iter().chain(input_warnings(facts)).collect()
 }
 
 /// What the device could not draw as it was given: one sentence each.
-pub fn input_warnings(counts: &Counts) -> Vec<String> {
-    let textured = counts.number("polygons_textured");
-    let dropped = counts.number("polygons_dropped");
+fn input_warnings(facts: &Facts) -> Vec<String> {
+    let textured = facts.count("polygons_textured");
+    let dropped = facts.count("polygons_dropped");
     let sentences = [
         (textured, format!("{textured} polygons have a colour texture; the device has none, they take the base colour")),
         (dropped, format!("{dropped} polygons have fewer than three points and were not drawn")),

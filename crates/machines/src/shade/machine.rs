@@ -4,9 +4,9 @@ use super::ShadeConfig;
 use super::check::check;
 use super::fifos::Fifos;
 use super::memories::{ClientNumbers, build};
+use crate::Draws;
 use crate::front::FrontEnd;
-use crate::problem::ConfigProblem;
-use crate::{Counts, Draws};
+use crate::problem::{ConfigProblem, wired};
 use basrelief_figure_shading::{
     Adder, BrightnessInterpolation, Gate, HostInterface, Microcomputer, NormalInterpolation, Selector28, Selector53,
 };
@@ -18,19 +18,19 @@ use basrelief_signals::{Pixel, Stamp};
 /// Figure shading device (200) between host computer (100) and frame memory (300).
 #[derive(Clone, Debug)]
 pub struct FigureShadingDevice<F> {
-    pub(super) front: F,
+    front: F,
     fifos: Fifos,
-    pub(super) host: Stage<HostInterface>,
-    pub(super) microcomputer: Stage<Microcomputer>,
-    pub(super) interpolation: Stage<BrightnessInterpolation>,
-    pub(super) normal_interpolation: Stage<NormalInterpolation>,
-    pub(super) gate: Stage<Gate>,
-    pub(super) adder: Stage<Adder>,
+    host: Stage<HostInterface>,
+    microcomputer: Stage<Microcomputer>,
+    interpolation: Stage<BrightnessInterpolation>,
+    normal_interpolation: Stage<NormalInterpolation>,
+    gate: Stage<Gate>,
+    adder: Stage<Adder>,
     selector_53: Stage<Selector53>,
-    pub(super) selector_28: Stage<Selector28>,
-    pub(super) depth: Stage<DepthTest<Stamp<Pixel>>>,
-    pub(super) frame_memory: Stage<FrameBuffer>,
-    pub(super) video_out: Stage<VideoOut>,
+    selector_28: Stage<Selector28>,
+    depth: Stage<DepthTest<Stamp<Pixel>>>,
+    frame_memory: Stage<FrameBuffer>,
+    video_out: Stage<VideoOut>,
     memories: MemorySystem,
     clients: ClientNumbers,
     depth_test: bool,
@@ -47,7 +47,7 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
         let (memories, clients) = build(config);
         let normal_interpolation = NormalInterpolation::new(c.normal_interpolation.clone(), c.shade.renormalise);
         let microcomputer = Microcomputer::new(c.microcomputer, c.shade, c.shortcut, c.scan.clone(), &c.normal_interpolation);
-        Ok(Self {
+        wired(Self {
             front,
             fifos: Fifos::new(&c.fifo),
             host: Stage::new("host-interface", HostInterface::new(c.host)),
@@ -69,10 +69,6 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
 }
 
 impl<F: FrontEnd> Draws for FigureShadingDevice<F> {
-    fn counts(&self) -> Counts {
-        self.count()
-    }
-
     fn drain_finished(&mut self) -> Vec<FinishedFrame> {
         self.frame_memory.unit.drain_finished()
     }

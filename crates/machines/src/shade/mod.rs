@@ -8,7 +8,6 @@
 
 mod check;
 mod config;
-mod counts;
 mod fifos;
 mod machine;
 mod memories;
@@ -18,7 +17,7 @@ pub use crate::config::ClockConfig;
 pub use crate::front::{FrontEnd, SceneFront, TraceFront};
 pub use crate::problem::ConfigProblem;
 pub use crate::unit_info::UnitInfo;
-pub use check::{input_warnings, warnings};
+pub use check::warnings;
 pub use config::{CacheConfigs, FrameMemoryConfig, MemoryConfigs, ShadeConfig};
 pub use fifos::FifoConfigs;
 pub use machine::FigureShadingDevice;

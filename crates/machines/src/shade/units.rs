@@ -4,10 +4,15 @@ use crate::unit_info::{UnitInfo, unit};
 
 /// All stages of the machine, in the order of the wiring.
 pub const UNITS: &[UnitInfo] = &[
-    unit("host", "100", "feeds the scene, one draw command per cycle", "crates/units/geometry-processor/src/source.rs"),
+    unit("host", "100", "feeds the scene, one draw command per cycle", "crates/units/geometry-processor/src/scene_source.rs"),
     unit("geometry", "", "transforms, clips, culls, projects, in the host computer", "crates/units/geometry-processor"),
-    unit("display-list", "", "replays a recorded display list in their place", "crates/units/geometry-processor/src/source.rs"),
-    unit("host-interface", "", "transfers polygons, one or two at a time", "crates/units/figure-shading/src/host.rs"),
+    unit(
+        "display-list",
+        "",
+        "replays a recorded display list in their place",
+        "crates/units/geometry-processor/src/display_list_source.rs",
+    ),
+    unit("host-interface", "", "transfers polygons, one or two at a time", "crates/units/figure-shading/src/host_interface.rs"),
     unit(
         "microcomputer",
         "10",
@@ -18,7 +23,7 @@ pub const UNITS: &[UnitInfo] = &[
         "interpolation",
         "21",
         "interpolates brightness: all terms but the specular",
-        "crates/units/figure-shading/src/interpolation.rs",
+        "crates/units/figure-shading/src/brightness_interpolation.rs",
     ),
     unit(
         "normal-interpolation",
@@ -39,7 +44,7 @@ pub const UNITS: &[UnitInfo] = &[
         "depth-test",
         "",
         "tests depth in front of (300); owns the depth values",
-        "crates/units/graphics-processor/src/depth.rs",
+        "crates/units/graphics-processor/src/depth_test.rs",
     ),
     unit("frame-memory", "300", "keeps the picture", "crates/units/frame-buffer"),
     unit("video-out", "", "reads every finished frame once, for the CRT (400)", "crates/units/frame-buffer/src/video_out.rs"),

@@ -4,11 +4,12 @@ use super::TexelMachineConfig;
 use super::check::check;
 use super::fifos::Fifos;
 use super::memories::{ClientNumbers, build};
+use crate::Draws;
 use crate::front::FrontEnd;
-use crate::problem::ConfigProblem;
-use crate::{Counts, Draws};
+use crate::problem::{ConfigProblem, wired};
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_signals::PixelPacket;
 use basrelief_texel_value_generator::signals::TexelPacket;
@@ -20,19 +21,19 @@ use basrelief_texel_value_generator::{
 /// Texture mapping system (300) with the texel value generator (310).
 #[derive(Clone, Debug)]
 pub struct TextureMappingSystem<F> {
-    pub(super) front: F,
+    front: F,
     fifos: Fifos,
-    pub(super) scan_converter: Stage<ScanConverter>,
-    pub(super) step_calculator: Stage<StepCalculator>,
-    pub(super) divider: Stage<Divider>,
-    pub(super) approximate_calculator: Stage<ApproximateCalculator>,
-    pub(super) mip_map_selector: Stage<MipMapSelector>,
-    pub(super) depth: Stage<DepthTest<TexelPacket>>,
-    pub(super) look_up: Stage<TextureLookUpTable>,
-    pub(super) illuminance: Stage<IlluminanceValueGenerator>,
-    pub(super) combiner: Stage<Combiner>,
-    pub(super) buffer: Stage<FrameBuffer<PixelPacket>>,
-    pub(super) dacs: Stage<VideoOut>,
+    scan_converter: Stage<ScanConverter>,
+    step_calculator: Stage<StepCalculator>,
+    divider: Stage<Divider>,
+    approximate_calculator: Stage<ApproximateCalculator>,
+    mip_map_selector: Stage<MipMapSelector>,
+    depth: Stage<DepthTest<TexelPacket>>,
+    look_up: Stage<TextureLookUpTable>,
+    illuminance: Stage<IlluminanceValueGenerator>,
+    combiner: Stage<Combiner>,
+    buffer: Stage<FrameBuffer<PixelPacket>>,
+    dacs: Stage<VideoOut>,
     memories: MemorySystem,
     clients: ClientNumbers,
     depth_test: bool,
@@ -47,11 +48,11 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         let c = config.clone();
         let trilinear = c.mip.mode == MipMode::Trilinear;
         let look_up = TextureLookUpTable::new(c.look_up, trilinear, c.cache.texture.line_bytes);
-        check(config, &look_up)?;
+        check(config)?;
         let (memories, clients) = build(config);
         let gradients = (c.mip.mode != MipMode::Off).then_some(c.mip.per);
         let approximate_calculator = ApproximateCalculator::new(c.approximation, c.scan.z_bits, gradients);
-        Ok(Self {
+        wired(Self {
             front,
             fifos: Fifos::new(&c.fifo),
             depth: Stage::new("depth-test", DepthTest::new(c.depth, c.scan.z_bits)),
@@ -89,16 +90,21 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
 }
 
 impl<F: FrontEnd> Draws for TextureMappingSystem<F> {
-    fn counts(&self) -> Counts {
-        self.count()
-    }
-
     fn drain_finished(&mut self) -> Vec<FinishedFrame> {
         self.buffer.unit.drain_finished()
     }
 
     fn has_finished(&self) -> bool {
         !self.buffer.unit.state.finished.is_empty()
+    }
+
+    /// The price of the division points, per pixel.
+    fn derive(&self, facts: &mut Facts) {
+        let pixels = facts.count("textured_fragments").max(1) as f64;
+        let divisions = facts.count("divisions") + facts.count("reciprocals");
+        let points = facts.count("points_divided");
+        facts.figure("divisions_per_pixel", divisions as f64 / pixels, "", "Divisions and reciprocals per pixel with a texture");
+        facts.figure("points_per_pixel", points as f64 / pixels, "", "Points divided per pixel with a texture");
     }
 }
 

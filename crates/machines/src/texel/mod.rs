@@ -8,7 +8,6 @@
 
 mod check;
 mod config;
-mod counts;
 mod fifos;
 mod machine;
 mod memories;
@@ -19,7 +18,7 @@ pub use crate::front::{FrontEnd, SceneFront, TraceFront};
 pub use crate::problem::ConfigProblem;
 pub use crate::unit_info::UnitInfo;
 pub use basrelief_texel_value_generator::{DisplacementMap, FrameLog, SpanRecord};
-pub use check::{input_warnings, warnings};
+pub use check::warnings;
 pub use config::{CacheConfigs, MemoryConfigs, PixelValueBufferConfig, TexelMachineConfig};
 pub use fifos::FifoConfigs;
 pub use machine::TextureMappingSystem;

@@ -4,9 +4,14 @@ use crate::unit_info::{UnitInfo, unit};
 
 /// All stages of the machine, in the order of the wiring.
 pub const UNITS: &[UnitInfo] = &[
-    unit("host", "", "feeds the scene, one draw command per cycle", "crates/units/geometry-processor/src/source.rs"),
+    unit("host", "", "feeds the scene, one draw command per cycle", "crates/units/geometry-processor/src/scene_source.rs"),
     unit("geometry", "", "transforms, clips, culls, projects", "crates/units/geometry-processor"),
-    unit("display-list", "", "replays a recorded display list in their place", "crates/units/geometry-processor/src/source.rs"),
+    unit(
+        "display-list",
+        "",
+        "replays a recorded display list in their place",
+        "crates/units/geometry-processor/src/display_list_source.rs",
+    ),
     unit(
         "scan-converter",
         "",
@@ -31,7 +36,7 @@ pub const UNITS: &[UnitInfo] = &[
         "depth-test",
         "",
         "tests depth in front of (330); owns the depth values",
-        "crates/units/graphics-processor/src/depth.rs",
+        "crates/units/graphics-processor/src/depth_test.rs",
     ),
     unit(
         "texture-look-up",

@@ -3,6 +3,7 @@
 use crate::chain::{Chain, TO_LIGHT, bumpy_map, indexes, pseudo_normals, single, uniform_map};
 use crate::recipe::{Part, SceneRecipe, Shape, Surface};
 use crate::runs::{Ran, config, functional, run_probed, small_demo, timed};
+use basrelief_kernel::facts::Value;
 use basrelief_kernel::{Engine, Interval, Recorder};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_signals::Lighting;
@@ -33,8 +34,8 @@ fn formula(normal: [i16; 3]) -> f64 {
 const HALF_STEP: f64 = 0.5 * 1.3 / 255.0 + 1e-6;
 
 fn used(ran: &Ran) -> Vec<u64> {
-    let (_, value) = ran.counts.iter().find(|(name, _)| *name == "reference_normals_used").unwrap();
-    value.as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).collect()
+    let Some(Value::Counts(used)) = ran.facts.get("reference_normals_used") else { panic!("{:?}", ran.facts) };
+    used.clone()
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::promise::{exact, psnr};
 use crate::runs::{Ran, small_demo, timed};
+use basrelief_kernel::facts::Value;
 use basrelief_signals::{Object, Scene};
 use std::sync::Arc;
 
@@ -15,8 +16,8 @@ fn mixed(change: impl Fn(&mut Object)) -> Arc<Scene> {
 }
 
 fn used(ran: &Ran) -> Vec<u64> {
-    let (_, value) = ran.counts.iter().find(|(name, _)| *name == "reference_normals_used").unwrap();
-    value.as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).collect()
+    let Some(Value::Counts(used)) = ran.facts.get("reference_normals_used") else { panic!("{:?}", ran.facts) };
+    used.clone()
 }
 
 #[test]

@@ -7,7 +7,7 @@ use basrelief_frame_buffer::FinishedFrame;
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, Probe, RunReport, run_functional, run_with};
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
-use basrelief_machines::{Counts, Draws, FrontConfig, FrontEnd, SceneFront, TraceFront};
+use basrelief_machines::{Draws, Facts, FrontConfig, FrontEnd, SceneFront, TraceFront};
 use basrelief_parameters::{Parameters, load};
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Control, Scene};
@@ -17,12 +17,12 @@ use std::sync::Arc;
 pub struct Ran {
     pub report: RunReport,
     pub frames: Vec<FinishedFrame>,
-    pub counts: Counts,
+    pub facts: Facts,
 }
 
 impl Ran {
     pub fn count(&self, name: &str) -> u64 {
-        count(&self.counts, name)
+        count(&self.facts, name)
     }
 
     /// Bytes that a client read and wrote.
@@ -43,9 +43,9 @@ impl Ran {
 }
 
 /// A device figure that there must be.
-pub fn count(counts: &Counts, name: &str) -> u64 {
-    assert!(counts.iter().any(|(n, _)| n == name), "there is no device figure `{name}`");
-    counts.number(name)
+pub fn count(facts: &Facts, name: &str) -> u64 {
+    assert!(facts.get(name).is_some(), "there is no device figure `{name}`");
+    facts.count(name)
 }
 
 /// A machine's defaults with these settings.
@@ -73,7 +73,7 @@ pub fn scene_front(scene: &Arc<Scene>, config: impl Into<FrontConfig>) -> SceneF
 /// Runs a machine under a probe.
 pub fn run_probed<P: Probe>(mut machine: impl Draws, engine: Engine, probe: &mut P) -> Ran {
     let report = run_with(&mut machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
-    Ran { report, frames: machine.drain_finished(), counts: machine.counts() }
+    Ran { report, frames: machine.drain_finished(), facts: machine.facts() }
 }
 
 /// Runs a machine.
@@ -89,9 +89,9 @@ pub fn timed(machine: impl Draws, settings: &[(&str, &str)]) -> Ran {
 }
 
 /// Pictures and device figures of the functional model.
-pub fn functional(mut machine: impl Draws) -> (Vec<FinishedFrame>, Counts) {
+pub fn functional(mut machine: impl Draws) -> (Vec<FinishedFrame>, Facts) {
     run_functional(&mut machine, &mut |_| true).unwrap_or_else(|fault| panic!("{fault}"));
-    (machine.drain_finished(), machine.counts())
+    (machine.drain_finished(), machine.facts())
 }
 
 /// Which pixels the bump-mapping processor covers.
@@ -107,9 +107,9 @@ pub fn agree<M: Draws>(machine: impl Fn() -> M) -> Ran {
     assert_eq!(timed.report.outcome, Outcome::Complete);
     let ticked = run(machine(), Engine::Ticked);
     same(&timed.report, &ticked.report);
-    assert_eq!((&timed.frames, &timed.counts), (&ticked.frames, &ticked.counts));
-    let (frames, counts) = functional(machine());
-    assert_eq!((&timed.frames, &timed.counts), (&frames, &counts), "the functional model");
+    assert_eq!((&timed.frames, &timed.facts), (&ticked.frames, &ticked.facts));
+    let (frames, facts) = functional(machine());
+    assert_eq!((&timed.frames, &timed.facts), (&frames, &facts), "the functional model");
     conserved(&timed.report);
     timed
 }
@@ -122,7 +122,7 @@ pub fn same(timed: &RunReport, ticked: &RunReport) {
     if timed != ticked {
         let parts = [
             differ(&[&timed.outcome], &[&ticked.outcome]),
-            differ(&[(timed.total, &timed.frames)], &[(ticked.total, &ticked.frames)]),
+            differ(&[(timed.total, &timed.marks)], &[(ticked.total, &ticked.marks)]),
             differ(&timed.units, &ticked.units),
             differ(&timed.fifos, &ticked.fifos),
             differ(&timed.memories, &ticked.memories),

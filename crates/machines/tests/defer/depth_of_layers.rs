@@ -52,5 +52,5 @@ fn depth_of_layers_0033_a_cap_on_dmax_draws_the_picture_of_textures_halved_as_of
 fn depth_of_layers_0033_a_cap_of_dmax_or_more_leaves_nothing_out() {
     let list = list(&texture(0, [128, 128], [Wrap::Repeat; 2]), &texture(1, [37, 61], [Wrap::Clamp; 2]));
     let (all, capped) = (run(&list, "best", "31"), run(&list, "best", "4"));
-    assert_eq!((all.report, &all.seen.finished, &all.seen.counts), (capped.report, &capped.seen.finished, &capped.seen.counts));
+    assert_eq!((all.report, &all.seen.finished, &all.seen.facts), (capped.report, &capped.seen.finished, &capped.seen.facts));
 }

@@ -25,7 +25,7 @@ fn agree(list: &[Control], config: &DeferConfig) -> Ran {
 fn conserved(ran: &Ran) {
     common::conserved(&ran.report);
     let count = |name: &str| ran.seen.count(name);
-    assert_eq!(ran.report.frames.len() as u64, count("pictures"), "each picture shown ends a frame (law 11)");
+    assert_eq!(ran.report.marks.len() as u64, count("pictures"), "each picture shown ends a frame (law 11)");
     assert_eq!(count("tiles_loaded"), count("path_tiles"));
     let parts = ["path_polygon_bytes", "path_texture_size_bytes", "path_tile_bytes"];
     assert_eq!(parts.map(count).iter().sum::<u64>(), count("path_bytes"));

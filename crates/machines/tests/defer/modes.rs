@@ -4,7 +4,7 @@ use crate::recipe::{FAST, SMALL, display_lists, floor, frame, object, texture, v
 use crate::runs::{Ran, Seen, Tile, timed};
 use basrelief_deferred_renderer::cell::split_depth;
 use basrelief_deferred_renderer::{How, Page};
-use basrelief_machines::defer::input_warnings;
+use basrelief_machines::defer::warnings;
 use basrelief_signals::{Control, Frame, Material, Wrap};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -119,7 +119,7 @@ fn textures_that_are_declared_count_whether_polygons_name_them_or_not_452_471() 
 fn the_first_progressive_picture_comes_before_that_of_best_resolution() {
     let slow = [("path.bits_per_second", "20000000"), ("path.requests", "4")];
     let [best, progressive, conventional] = modes(&views(&[0.0]), &slow);
-    assert!(progressive.report.frames[0] < best.report.frames[0] && best.report.frames[0] < conventional.report.frames[0]);
+    assert!(progressive.report.marks[0] < best.report.marks[0] && best.report.marks[0] < conventional.report.marks[0]);
 }
 
 /// What must hold of the pictures of every frame.
@@ -228,6 +228,6 @@ fn a_list_without_textures_is_drawn_and_said_to_need_no_tile() {
     let list = [vec![frame(0), object(0)], vec![floor(&plain, 3.0), Control::FrameEnd]].concat();
     let ran = timed(&list, &[FAST, SMALL].concat());
     assert_eq!((ran.seen.count("path_tile_bytes"), ran.seen.finished.len()), (0, 1));
-    assert!(input_warnings(&ran.seen.counts)[0].contains("no pixel has a colour texture"));
-    assert!(input_warnings(&timed(&views(&[0.0]), &[FAST, SMALL].concat()).seen.counts).is_empty());
+    assert!(warnings(&ran.seen.facts)[0].contains("no pixel has a colour texture"));
+    assert!(warnings(&timed(&views(&[0.0]), &[FAST, SMALL].concat()).seen.facts).is_empty());
 }

@@ -6,7 +6,7 @@ use basrelief_deferred_renderer::{FilledBuffer, How, Page, TileList, TileRecord}
 use basrelief_frame_buffer::ShownPicture;
 use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, RunReport, run_functional, run_with};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer, FrontEnd};
-use basrelief_machines::{Counts, Draws};
+use basrelief_machines::{Draws, Facts};
 use basrelief_signals::Control;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ pub struct Seen {
     /// What became of tiles, by frame.
     pub tiles: Vec<Vec<TileRecord>>,
     pub lists: Vec<(Arc<Page>, TileList)>,
-    pub counts: Counts,
+    pub facts: Facts,
 }
 
 /// What a run came to.
@@ -36,7 +36,7 @@ pub type Tile = (u32, u32);
 
 impl Seen {
     pub fn count(&self, name: &str) -> u64 {
-        common::count(&self.counts, name)
+        common::count(&self.facts, name)
     }
 
     /// Tiles of a frame that came so; none: those that were there before, and were needed.
@@ -63,7 +63,7 @@ fn seen<F: FrontEnd>(mut machine: DeferredRenderer<F>) -> Seen {
         filled: machine.drain_filled(),
         tiles: machine.drain_records().into_iter().map(|(_, tiles)| tiles).collect(),
         lists: machine.lists().map(|(page, list)| (Arc::clone(page), list.clone())).collect(),
-        counts: machine.counts(),
+        facts: machine.facts(),
     }
 }
 

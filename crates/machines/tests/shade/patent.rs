@@ -6,7 +6,7 @@ use crate::runs::{Ran, config, replay, run, small_demo, timed};
 use basrelief_geometry_processor::{GeometryProcessor, SceneDraws};
 use basrelief_kernel::{Engine, Traffic, Unit};
 use basrelief_machines::bump::BumpProcessorConfig;
-use basrelief_machines::shade::{ShadeConfig, input_warnings, warnings};
+use basrelief_machines::shade::warnings;
 use basrelief_signals::{Control, Draw, Lighting, Material, Polygon};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -162,10 +162,10 @@ fn without_a_depth_test_the_last_dot_stays() {
 
 #[test]
 fn what_the_device_cannot_draw_is_said() {
-    assert!(warnings(&ShadeConfig::default()).is_empty(), "defaults hold full rate");
-    let short = warnings(&config(&[("fifo.interpolated.depth", "2")]));
-    assert!(short.len() == 1 && short[0].contains("fifo.interpolated.depth = 2"), "{short:?}");
     let mut list = squares(2, FLAT);
+    assert_eq!(warnings(&timed(&list, &[]).facts), [""; 0], "defaults hold full rate");
+    let short = warnings(&timed(&list, &[("fifo.interpolated.depth", "2")]).facts);
+    assert!(short.len() == 1 && short[0].contains("fifo.interpolated.depth = 2"), "{short:?}");
     let Control::Polygon(first) = &list[2] else { unreachable!() };
     let texture = Arc::new(basrelief_signals::Texture {
         id: 0,
@@ -178,9 +178,8 @@ fn what_the_device_cannot_draw_is_said() {
     let line = Polygon { vertices: first.vertices[..2].to_vec(), ..Polygon::clone(first) };
     list[2] = Control::Polygon(Arc::new(Polygon { material, ..Polygon::clone(first) }));
     list.insert(2, Control::Polygon(Arc::new(line)));
-    let said = input_warnings(&timed(&list, &[]).counts);
+    let said = warnings(&timed(&list, &[]).facts);
     assert!(said[0].contains("1 polygons have a colour texture") && said[1].contains("1 polygons have fewer"), "{said:?}");
-    assert!(input_warnings(&timed(&squares(2, FLAT), &[]).counts).is_empty());
 }
 
 /// The display list that the geometry processor of a bump-mapping processor makes of a demo.

@@ -5,7 +5,7 @@ use crate::recipe::{display_lists, frame, material, object, polygon, texture};
 use crate::runs::{Ran, config, figure, replay, run, scene_front, small_demo, timed};
 use basrelief_kernel::{Engine, run_functional};
 use basrelief_machines::Draws;
-use basrelief_machines::texel::{FrameLog, TexelMachineConfig, TextureMappingSystem, input_warnings, warnings};
+use basrelief_machines::texel::{FrameLog, TexelMachineConfig, TextureMappingSystem, warnings};
 use basrelief_signals::{Control, Wrap};
 use proptest::prelude::*;
 
@@ -81,8 +81,8 @@ fn claims_5_and_6_the_step_calculator_works_by_the_criterion_in_its_storage_elem
     let mut before = u64::MAX;
     for e in ["0.05", "0.1", "0.5", "1", "4"] {
         let ran = timed(&list, &[("texel.error_bound", e)]);
-        assert_eq!(figure(&ran.counts, "displacement_bound").to_string(), e);
-        assert!(figure(&ran.counts, "displacement_largest") <= e.parse::<f64>().unwrap() + 1e-6);
+        assert_eq!(figure(&ran.facts, "displacement_bound").to_string(), e);
+        assert!(figure(&ran.facts, "displacement_largest") <= e.parse::<f64>().unwrap() + 1e-6);
         assert!(ran.count("division_points") < before, "a larger e needs fewer points");
         before = ran.count("division_points");
     }
@@ -107,7 +107,7 @@ fn claim_9_the_pixel_value_follows_the_level_of_the_segment() {
         let ran = timed(&list, &[("mip.mode", mode)]);
         assert_ne!(ran.frames[0].rgb, level_0.frames[0].rgb);
         assert!(ran.count("mip_selections") >= ran.count("segments"));
-        assert!(figure(&ran.counts, "gradient_reciprocals") == 0.0);
+        assert!(figure(&ran.facts, "gradient_reciprocals") == 0.0);
     }
 }
 
@@ -129,7 +129,7 @@ fn section_6_divisions_per_pixel_of_the_methods() {
     let list = floor([640, 16], [1.0, 0.1], 3.0);
     let ran = |settings: &[(&str, &str)]| {
         let ran = timed(&list, settings);
-        (figure(&ran.counts, "divisions_per_pixel"), figure(&ran.counts, "displacement_largest"))
+        (figure(&ran.facts, "divisions_per_pixel"), figure(&ran.facts, "displacement_largest"))
     };
     assert_eq!(ran(&[("texel.method", "exact")]).0, 2.0);
     assert_eq!(ran(&[("texel.method", "exact"), ("divider.division", "reciprocal")]).0, 1.0);
@@ -151,7 +151,7 @@ fn a_log_costs_nothing_else_and_its_spans_are_those_of_the_picture() {
     machine.keep_log();
     let report = basrelief_kernel::run(&mut machine, Engine::Timed);
     let plain = run(scene_front(&scene, &config), &config, Engine::Timed);
-    assert!(report == plain.report && machine.counts() == plain.counts && machine.drain_finished() == plain.frames);
+    assert!(report == plain.report && machine.facts() == plain.facts && machine.drain_finished() == plain.frames);
     let log = machine.drain_logs(1).remove(0);
     let pixels: u64 = log.spans.iter().map(|s| u64::from(s.x[1] - s.x[0] + 1)).sum();
     assert_eq!(pixels, plain.count("textured_fragments"));
@@ -160,7 +160,7 @@ fn a_log_costs_nothing_else_and_its_spans_are_those_of_the_picture() {
     assert!(log.spans.iter().all(|s| s.w.iter().all(|w| *w > 0.0)));
     assert_eq!((log.map.width, log.map.height, log.map.displacement.len()), (64, 48, 64 * 48));
     let largest = log.map.displacement.iter().filter(|d| !d.is_nan()).fold(0.0f32, |a, b| a.max(*b));
-    assert!(f64::from(largest) <= figure(&plain.counts, "displacement_largest") + 1e-6 && largest > 0.0);
+    assert!(f64::from(largest) <= figure(&plain.facts, "displacement_largest") + 1e-6 && largest > 0.0);
 }
 
 #[test]
@@ -173,15 +173,14 @@ fn a_span_is_told_as_one_line() {
 
 #[test]
 fn what_the_system_has_no_use_for_is_said() {
-    assert!(warnings(&TexelMachineConfig::default()).is_empty(), "{:?}", warnings(&TexelMachineConfig::default()));
-    let short = warnings(&config(&[("fifo.texels.depth", "2")]));
-    assert!(short.len() == 1 && short[0].contains("fifo.texels.depth = 2"), "{short:?}");
     let mut list = floor([40, 8], [1.0, 0.1], 1.0);
-    assert!(input_warnings(&timed(&list, &[]).counts).is_empty());
+    assert_eq!(warnings(&timed(&list, &[]).facts), [""; 0], "defaults hold full rate");
+    let short = warnings(&timed(&list, &[("fifo.texels.depth", "2")]).facts);
+    assert!(short.len() == 1 && short[0].contains("fifo.texels.depth = 2"), "{short:?}");
     list[2] =
         polygon(&[[1.0, 1.0, 0.5, 1.0], [30.0, 1.0, 0.5, 1.0], [1.0, 8.0, 0.5, 1.0]], &[[0.0; 2]; 3], &material(None), false);
     let ran = timed(&list, &[]);
-    assert!(input_warnings(&ran.counts)[0].contains("no polygon has a colour texture"));
+    assert!(warnings(&ran.facts)[0].contains("no polygon has a colour texture"));
     assert_eq!((ran.count("divisions"), ran.count("texels_read")), (0, 0));
 }
 
@@ -200,7 +199,7 @@ proptest! {
     fn no_pixel_of_any_display_list_is_displaced_by_more_than_e(list in display_lists()) {
         for e in ["0.05", "0.5", "4"] {
             let ran = timed(&list, &[("texel.error_bound", e)]);
-            prop_assert!(figure(&ran.counts, "displacement_largest") <= e.parse::<f64>().unwrap() + 1e-6);
+            prop_assert!(figure(&ran.facts, "displacement_largest") <= e.parse::<f64>().unwrap() + 1e-6);
         }
     }
 }

@@ -4,7 +4,8 @@ use crate::common;
 pub use crate::common::{Ran, replay, scene_front};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::Engine;
-use basrelief_machines::Counts;
+use basrelief_kernel::facts::Value;
+use basrelief_machines::Facts;
 use basrelief_machines::texel::{FrontEnd, TexelMachineConfig, TextureMappingSystem};
 use basrelief_signals::{Control, Scene};
 use std::sync::Arc;
@@ -34,12 +35,14 @@ pub fn timed(controls: &[Control], settings: &[(&str, &str)]) -> Ran {
 }
 
 /// Pictures and device figures of the functional model.
-pub fn functional(front: impl FrontEnd, config: &TexelMachineConfig) -> (Vec<FinishedFrame>, Counts) {
+pub fn functional(front: impl FrontEnd, config: &TexelMachineConfig) -> (Vec<FinishedFrame>, Facts) {
     common::functional(machine(front, config))
 }
 
 /// A figure that is no whole number.
-pub fn figure(counts: &Counts, name: &str) -> f64 {
-    let found = counts.iter().find(|(n, _)| *n == name).and_then(|(_, value)| value.as_f64());
-    found.unwrap_or_else(|| panic!("there is no device figure `{name}`"))
+pub fn figure(facts: &Facts, name: &str) -> f64 {
+    match facts.get(name) {
+        Some(Value::Real(real)) => *real,
+        found => panic!("device figure `{name}`: {found:?}"),
+    }
 }

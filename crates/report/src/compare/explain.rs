@@ -129,7 +129,7 @@ mod tests {
     fn what_cannot_be_compared_is_said() {
         let (a, mut b) = (samples::balanced(), samples::functional());
         assert!(compare(&a, &b).explanation.contains("there are no cycles to compare"));
-        let other = compare(&a, &samples::with_paths()).explanation;
+        let other = compare(&a, &samples::with_routes()).explanation;
         assert!(other.starts_with("The machines differ: A is bump, B is shade;"), "{other}");
         b.input.sha256 = "cd".repeat(32);
         assert!(compare(&samples::functional(), &b).explanation.starts_with("The inputs differ. Both runs are functional"));

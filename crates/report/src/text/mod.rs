@@ -9,6 +9,7 @@ mod table;
 
 use crate::blame::blame;
 use crate::model::{Cycles, OutcomeKind, Report};
+use crate::work;
 pub(crate) use sections::{cause, figure, full_cycles, mean_occupancy};
 pub(crate) use table::{Align, Table};
 
@@ -59,20 +60,17 @@ impl Style {
 /// The whole report, sections parted by empty lines, with a line feed at the end.
 pub fn to_text(report: &Report, style: Style) -> String {
     let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report))), style.wrap(&blame(report).sentence)];
-    let tables = [
+    let mut tables = vec![
         sections::units(report),
         sections::fifos(report),
         sections::memories(report),
         sections::caches(report),
-        sections::paths(report),
+        sections::routes(report),
         sections::circuits(report),
         sections::processes(report),
-        sections::lists(report, "picture"),
-        sections::lists(report, "layers"),
-        sections::device(report),
-        sections::quality(report),
-        sections::derived(report),
     ];
+    tables.extend(work::tables(report).iter().map(sections::columns));
+    tables.extend([sections::device(report), sections::quality(report), sections::derived(report)]);
     parts.extend(tables.iter().filter(|t| !t.is_empty()).map(|t| t.render(style)));
     parts.extend(sections::host(report));
     parts.extend(warnings(report, style));
@@ -116,6 +114,7 @@ fn warnings(report: &Report, style: Style) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Part;
     use crate::samples;
 
     #[test]
@@ -131,10 +130,10 @@ mod tests {
     }
 
     #[test]
-    fn paths_circuits_and_processes_have_tables_of_their_own() {
-        let text = to_text(&samples::with_paths(), Style::default());
+    fn routes_circuits_and_processes_have_tables_of_their_own() {
+        let text = to_text(&samples::with_routes(), Style::default());
         let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
-        has("Path polygons % dots %");
+        has("Route polygons % dots %");
         has("normal 900 90.0 150,000 75.0");
         has("Circuit needed % started % idle %");
         has("circuit_21 15.0 15.0 85.0");
@@ -147,10 +146,13 @@ mod tests {
 
     #[test]
     fn lists_of_one_length_are_told_as_a_table_and_long_ones_cut_short() {
-        let mut report = samples::with_paths();
+        let mut report = samples::with_routes();
         let list = |n: u64| crate::model::Figure::List((0..n).map(Into::into).collect());
         for column in ["texture", "layer", "loaded"] {
-            report.device.insert(format!("layers_{column}"), list(43));
+            let name = format!("layers_{column}");
+            report.device.insert(name.clone(), list(43));
+            let part = Part::Column { table: "layers".into(), title: column.into() };
+            report.legend.insert(name, samples::legend("", part));
         }
         let text = to_text(&report, Style::default());
         let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");

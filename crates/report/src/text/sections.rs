@@ -3,10 +3,9 @@
 use super::number::{percent, real, thousands};
 use super::{Align, Table};
 use crate::blame::{Wait, largest_wait};
-use crate::model::{Difference, Fifo, Figure, Report};
+use crate::model::{Difference, Fifo, Figure, Part, Report};
 use crate::work;
 use Align::{Left, Right};
-use std::collections::BTreeSet;
 
 /// Heights of a histogram's bars; the first means none at all.
 const BARS: [char; 9] = ['·', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
@@ -145,15 +144,15 @@ pub(super) fn caches(report: &Report) -> Table {
     table
 }
 
-pub(super) fn paths(report: &Report) -> Table {
-    let columns = [("Path", Left, 0), ("polygons", Right, 0), ("%", Right, 1), ("dots", Right, 0), ("%", Right, 0)];
+pub(super) fn routes(report: &Report) -> Table {
+    let columns = [("Route", Left, 0), ("polygons", Right, 0), ("%", Right, 1), ("dots", Right, 0), ("%", Right, 0)];
     let mut table = Table::new(&columns);
-    let paths = work::paths(report);
-    let polygons = sum(paths.iter().map(|p| &p.polygons));
-    let dots = sum(paths.iter().map(|p| &p.dots));
-    for p in paths {
-        let (share_polygons, share_dots) = (percent(p.polygons, polygons), percent(p.dots, dots));
-        table.row([p.name.into(), thousands(p.polygons), share_polygons, thousands(p.dots), share_dots]);
+    let routes = work::routes(report);
+    let polygons = sum(routes.iter().map(|r| &r.polygons));
+    let dots = sum(routes.iter().map(|r| &r.dots));
+    for r in routes {
+        let (share_polygons, share_dots) = (percent(r.polygons, polygons), percent(r.dots, dots));
+        table.row([r.name.into(), thousands(r.polygons), share_polygons, thousands(r.dots), share_dots]);
     }
     table
 }
@@ -178,13 +177,12 @@ pub(super) fn processes(report: &Report) -> Table {
     table
 }
 
-/// Most rows of a table of lists.
+/// Most rows of a table of the device.
 const ROWS: usize = 40;
 
-/// A table that the device tells as lists; a long one is cut short.
-pub(super) fn lists(report: &Report, table: &str) -> Table {
-    let columns = work::columns(report, table);
-    let titles: Vec<_> = columns.iter().map(|(name, _)| (*name, Right, 0)).collect();
+/// A table of the device; a long one is cut short.
+pub(super) fn columns(work::Columns { columns, .. }: &work::Columns<'_>) -> Table {
+    let titles: Vec<_> = columns.iter().map(|(title, _)| (*title, Right, 0)).collect();
     let mut rows = Table::new(&titles);
     let count = columns.iter().map(|(_, list)| list.len()).max().unwrap_or(0);
     for i in 0..count.min(ROWS) {
@@ -196,29 +194,18 @@ pub(super) fn lists(report: &Report, table: &str) -> Table {
     rows
 }
 
-/// Figures of the device, but for those of paths, circuits, processes and lists, which have tables of their own.
+/// Figures of the device, but for those of routes, circuits, processes and tables, which stand there.
 pub(super) fn device(report: &Report) -> Table {
     let mut table = Table::new(&[("Device", Left, 0), ("", Right, 0)]);
-    let told = told(report);
-    for (name, value) in report.device.iter().filter(|(name, _)| !told.contains(*name)) {
+    let elsewhere = |name: &str| match report.legend.get(name).and_then(|legend| legend.part.as_ref()) {
+        None | Some(Part::Work) => false,
+        Some(Part::Started(_) | Part::Needed(_)) => report.cycles.is_some(),
+        Some(Part::Route(_) | Part::Process(_) | Part::Column { .. }) => true,
+    };
+    for (name, value) in report.device.iter().filter(|(name, _)| !elsewhere(name)) {
         table.row([name.clone(), figure(value)]);
     }
     table
-}
-
-/// Figures of the device that stand in other tables.
-fn told(report: &Report) -> BTreeSet<String> {
-    let mut told = BTreeSet::new();
-    let mut add = |name: &str, forms: &[&str]| told.extend(forms.iter().map(|form| form.replace("NAME", name)));
-    work::paths(report).iter().for_each(|p| add(p.name, &["polygons_NAME", "dots_NAME"]));
-    work::processes(report).iter().for_each(|p| add(p.name, &["NAME_runs", "NAME_cycles"]));
-    for (table, _) in work::LISTS {
-        work::columns(report, table).iter().for_each(|(name, _)| add(name, &[&format!("{table}_NAME")]));
-    }
-    if report.cycles.is_some() {
-        work::circuits(report).iter().for_each(|c| add(c.name, &["NAME_started_cycles", "NAME_needed_cycles"]));
-    }
-    told
 }
 
 /// A figure as people read it; a long list is cut short.

@@ -12,7 +12,7 @@ pub(crate) enum Align {
 
 #[derive(Clone, Debug)]
 struct Column {
-    title: &'static str,
+    title: String,
     align: Align,
     /// 0 stays; of the others those with the lowest are kept where the width does not hold all.
     rank: u8,
@@ -31,8 +31,8 @@ const LINES: TableStyle = TableStyle::new().header_separator(LineStyle::none().f
 
 impl Table {
     /// A table without rows: title, alignment and rank of each column.
-    pub(crate) fn new(columns: &[(&'static str, Align, u8)]) -> Self {
-        let columns = columns.iter().map(|&(title, align, rank)| Column { title, align, rank }).collect();
+    pub(crate) fn new(columns: &[(&str, Align, u8)]) -> Self {
+        let columns = columns.iter().map(|&(title, align, rank)| Column { title: title.into(), align, rank }).collect();
         Self { columns, rows: vec![] }
     }
 
@@ -53,7 +53,7 @@ impl Table {
             let width = u16::try_from(style.width.max(1)).unwrap_or(u16::MAX);
             table.set_content_arrangement(ContentArrangement::Dynamic).set_width(width);
         }
-        table.set_header(kept.iter().filter_map(|&i| self.columns.get(i)).map(|c| c.title));
+        table.set_header(kept.iter().filter_map(|&i| self.columns.get(i)).map(|c| c.title.as_str()));
         for row in &self.rows {
             table.add_row(kept.iter().map(|&i| row.get(i).map_or("", String::as_str)));
         }

@@ -125,7 +125,7 @@ impl<W: Write> Timeline<W> {
             }
         }
         let mut start = 0;
-        for (k, &cycles) in run.frames.iter().enumerate() {
+        for (k, &cycles) in run.marks.iter().enumerate() {
             let name = Some(format!("frame {}", k + 1));
             self.event(start, TrackEvent { name, ..event(proto::SLICE_BEGIN, FRAMES) });
             start = start.saturating_add(cycles);

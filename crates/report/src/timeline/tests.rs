@@ -96,7 +96,7 @@ fn slices_of_a_unit_sum_to_its_account() {
 #[test]
 fn frames_have_a_track_of_their_own() {
     let mut run = samples::run();
-    run.frames = vec![30, 12];
+    run.marks = vec![30, 12];
     let frames = slices(&write_recorded(vec![], "plan", &Recorder::default(), &run).unwrap());
     let frame = |name: &str, from, to| ("frames".to_owned(), name.to_owned(), from, to);
     assert_eq!(frames, [frame("frame 1", 0, 30), frame("frame 2", 30, 42)]);

@@ -3,7 +3,7 @@
 use super::spec::{Logs, MachineSpec};
 use basrelief_brightness::Components;
 use basrelief_machines::bump::{self, BumpProcessor, BumpProcessorConfig};
-use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, ReferenceFilter, UnitInfo};
+use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, ReferenceFilter, UnitInfo};
 use basrelief_reference::{self as reference, Options, Style, TextureFilter};
 
 impl MachineSpec for BumpProcessorConfig {
@@ -40,8 +40,8 @@ impl MachineSpec for BumpProcessorConfig {
         options.into()
     }
 
-    fn warnings(&self, counts: &Counts) -> Vec<String> {
-        bump::warnings(self).into_iter().chain(bump::claim_3_warning(self, counts)).collect()
+    fn warnings(&self, facts: &Facts) -> Vec<String> {
+        bump::warnings(self, facts)
     }
 }
 

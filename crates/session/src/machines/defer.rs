@@ -1,15 +1,14 @@
 //! The rate-limited renderer as a [`MachineSpec`].
 
-use super::spec::{Logs, MachineSpec, RunSummary, TileFetch};
+use super::spec::{Logs, MachineSpec, PictureRecord, RunSummary, TileFetch};
 use crate::exhibits::ExhibitSpec;
 use crate::exhibits::defer::{DeferLog, EXHIBITS};
 use basrelief_deferred_renderer::{Lighting, RenderMode, TexelCentre, TileSource};
 use basrelief_frame_buffer::{FinishedFrame, ShownPicture};
-use basrelief_kernel::RunReport;
+use basrelief_kernel::facts::{Part, Value};
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
-use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_reference::{self as reference, Options, Pyramid, Shading, Style, TextureFilter};
-use serde_json::Value;
 use std::sync::Arc;
 
 impl MachineSpec for DeferConfig {
@@ -56,21 +55,35 @@ impl MachineSpec for DeferConfig {
         Style { shading, options }
     }
 
-    fn warnings(&self, counts: &Counts) -> Vec<String> {
-        defer::warnings(self).into_iter().chain(defer::input_warnings(counts)).collect()
+    fn warnings(&self, facts: &Facts) -> Vec<String> {
+        defer::warnings(facts)
     }
 
     /// When each picture was shown, from the end of the frame before, and how far it is from the last of its frame.
-    fn figures(&self, summary: &RunSummary<'_>) -> Vec<(&'static str, Value)> {
-        let mut figures = vec![
-            ("picture_frame", summary.pictures.iter().map(|s| s.frame).collect()),
-            ("picture_round", summary.pictures.iter().map(|s| s.round).collect()),
-            ("picture_psnr_db", summary.pictures.iter().map(|s| s.psnr_db).collect()),
-        ];
-        if let Some(run) = summary.run {
-            figures.extend(times(self.clock.hz, summary, run));
+    fn figures(&self, summary: &RunSummary<'_>, facts: &mut Facts) {
+        let shown = summary.pictures;
+        let mut column = |title, values: Value, unit, about| {
+            facts.figure(&format!("picture_{title}"), values, unit, about).part(Part::Column { table: "picture", title });
+        };
+        let count = |of: fn(&PictureRecord) -> u32| shown.iter().map(|s| u64::from(of(s))).collect::<Vec<_>>();
+        column("frame", count(|s| s.frame).into(), "", "Number of the frame, from 0");
+        column("round", count(|s| s.round).into(), "", "Number of the picture in its frame, from 0");
+        let cycles = summary.run.map(|run| summary.cycles_of_frames(run));
+        let ms = |cycles: u64| milliseconds(cycles, self.clock.hz);
+        if let Some(cycles) = &cycles {
+            column("cycles", cycles.clone().into(), "cycles", "From the end of the frame before to the picture");
+            column("ms", cycles.iter().map(|c| ms(*c)).collect::<Vec<_>>().into(), "ms", "The same, as time");
         }
-        figures
+        let psnr_db = shown.iter().map(|s| s.psnr_db).collect::<Vec<_>>();
+        column("psnr_db", psnr_db.into(), "dB", "How far it is from the last picture of its frame");
+        let cycles = cycles.unwrap_or_default();
+        let last = shown.iter().position(|s| s.last).and_then(|i| cycles.get(i));
+        if let Some((&first, &last)) = cycles.first().zip(last) {
+            facts.figure("first_picture_cycles", first, "cycles", "Cycles to the first picture");
+            facts.figure("first_picture_ms", ms(first), "ms", "The same, as time");
+            facts.figure("final_picture_cycles", last, "cycles", "Cycles to the last picture of the first frame");
+            facts.figure("final_picture_ms", ms(last), "ms", "The same, as time");
+        }
     }
 
     fn shows_rounds(&self) -> bool {
@@ -81,20 +94,6 @@ impl MachineSpec for DeferConfig {
 /// Milliseconds of these cycles, to the nanosecond.
 fn milliseconds(cycles: u64, hz: u64) -> f64 {
     (cycles as f64 * 1e9 / hz as f64).round() / 1e6
-}
-
-/// Times of pictures: all of them, and the first and the last of the first frame.
-fn times(hz: u64, summary: &RunSummary<'_>, run: &RunReport) -> Vec<(&'static str, Value)> {
-    let cycles = summary.cycles_of_frames(run);
-    let ms = |cycles: u64| milliseconds(cycles, hz);
-    let last = summary.pictures.iter().position(|s| s.last).and_then(|i| cycles.get(i));
-    let mut times =
-        vec![("picture_cycles", cycles.iter().copied().collect()), ("picture_ms", cycles.iter().map(|c| ms(*c)).collect())];
-    if let Some((&first, &last)) = cycles.first().zip(last) {
-        times.extend([("first_picture_cycles", first.into()), ("first_picture_ms", ms(first).into())]);
-        times.extend([("final_picture_cycles", last.into()), ("final_picture_ms", ms(last).into())]);
-    }
-    times
 }
 
 impl<F: FrontEnd> Logs<DeferLog> for DeferredRenderer<F> {

@@ -2,7 +2,7 @@
 
 use super::spec::{Logs, MachineSpec, ShortCut};
 use basrelief_machines::shade::{self, FigureShadingDevice, ShadeConfig};
-use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_reference::{Components, Options, Shading, Style, TextureFilter};
 
 impl MachineSpec for ShadeConfig {
@@ -39,8 +39,8 @@ impl MachineSpec for ShadeConfig {
         Style { shading: Shading::Phong, options }
     }
 
-    fn warnings(&self, counts: &Counts) -> Vec<String> {
-        shade::warnings(self).into_iter().chain(shade::input_warnings(counts)).collect()
+    fn warnings(&self, facts: &Facts) -> Vec<String> {
+        shade::warnings(facts)
     }
 }
 

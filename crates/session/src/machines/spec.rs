@@ -4,11 +4,10 @@ use crate::exhibits::ExhibitSpec;
 use basrelief_deferred_renderer::{TileEncoding, TileSource};
 use basrelief_frame_buffer::{FinishedFrame, ShownPicture};
 use basrelief_kernel::RunReport;
-use basrelief_machines::{ConfigProblem, Counts, Draws, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
 use schemars::JsonSchema;
-use serde_json::Value;
 use std::fmt::Debug;
 
 /// A short cut: its name, and what switches it off.
@@ -59,11 +58,10 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
     /// What its pictures are held against.
     fn exact_style(&self) -> Style;
     /// What the reader of a report should know, one sentence each.
-    fn warnings(&self, counts: &Counts) -> Vec<String>;
-    /// Figures that the machine alone cannot know: of the pictures shown, and of time.
-    fn figures(&self, summary: &RunSummary<'_>) -> Vec<(&'static str, Value)> {
-        let _ = summary;
-        vec![]
+    fn warnings(&self, facts: &Facts) -> Vec<String>;
+    /// Tells figures that the machine alone cannot know: of the pictures shown, and of time.
+    fn figures(&self, summary: &RunSummary<'_>, facts: &mut Facts) {
+        let _ = (summary, facts);
     }
 
     /// Whether each frame may be shown in several pictures, each better than the one before.
@@ -109,7 +107,7 @@ impl RunSummary<'_> {
     /// Cycles from the end of the frame before to each picture.
     pub fn cycles_of_frames(&self, run: &RunReport) -> Vec<u64> {
         let mut since = 0;
-        let cycles = self.pictures.iter().zip(&run.frames).map(|(shown, cycles)| {
+        let cycles = self.pictures.iter().zip(&run.marks).map(|(shown, cycles)| {
             let own = since + cycles;
             since = if shown.last { 0 } else { own };
             own

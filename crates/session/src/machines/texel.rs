@@ -6,7 +6,7 @@ use crate::exhibits::ExhibitSpec;
 use crate::exhibits::texel::{EXHIBITS, TexelLog};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::texel::{self, TexelMachineConfig, TextureMappingSystem};
-use basrelief_machines::{ConfigProblem, Counts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_reference::{LevelRule, Options, Shading, Style, TextureFilter};
 use basrelief_signals::Filter;
 use basrelief_texel_value_generator::{IlluminanceMode, MipMode};
@@ -52,8 +52,8 @@ impl MachineSpec for TexelMachineConfig {
         Style { shading, options }
     }
 
-    fn warnings(&self, counts: &Counts) -> Vec<String> {
-        texel::warnings(self).into_iter().chain(texel::input_warnings(counts)).collect()
+    fn warnings(&self, facts: &Facts) -> Vec<String> {
+        texel::warnings(facts)
     }
 }
 

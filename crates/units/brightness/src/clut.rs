@@ -1,6 +1,6 @@
 //! CLUTs (122): brightness by index.
 
-use crate::{BrightnessConfig, Components, Source};
+use crate::{BrightnessConfig, BrightnessSource, Components};
 use basrelief_shading::{LEVELS, LightVector, TableError, TableSet, brightness};
 use basrelief_signals::Lighting;
 use glam::Vec3;
@@ -12,7 +12,7 @@ pub(crate) type Book = Arc<Vec<Vec<[i16; 3]>>>;
 
 /// What the entries of a CLUT depend on: if none of it changes, nothing is recalculated.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Setting {
+pub struct ClutKey {
     /// Coefficients of the material.
     pub lighting: Lighting,
     /// Lights as seen from the object; a directional light does not depend on its place.
@@ -47,19 +47,15 @@ impl Clut {
     ///
     /// # Errors
     /// Where the object fixes a number of entries for which there is no table.
-    pub(crate) fn calculate(
-        config: &BrightnessConfig,
-        setting: &Setting,
-        normals: &mut NormalTables,
-    ) -> Result<Self, TableError> {
-        let scale = Scale::new(config, setting);
+    pub(crate) fn calculate(config: &BrightnessConfig, key: &ClutKey, normals: &mut NormalTables) -> Result<Self, TableError> {
+        let scale = Scale::new(config, key);
         let mut clut = Self::default();
         for level in 0..LEVELS {
-            let list = match &setting.book {
+            let list = match &key.book {
                 Some(book) => book.get(level).map_or(&[][..], Vec::as_slice),
-                None => normals.of(level as u8, setting.entries)?,
+                None => normals.of(level as u8, key.entries)?,
             };
-            clut.levels[level] = list.iter().map(|&n| scale.entry(n, setting)).collect();
+            clut.levels[level] = list.iter().map(|&n| scale.entry(n, key)).collect();
         }
         Ok(clut)
     }
@@ -75,18 +71,18 @@ struct Scale {
 }
 
 impl Scale {
-    fn new(config: &BrightnessConfig, setting: &Setting) -> Self {
-        let light: f32 = setting.lights.iter().map(|l| l.intensity).sum();
-        let Lighting { ka, kd, ks, .. } = setting.lighting;
+    fn new(config: &BrightnessConfig, key: &ClutKey) -> Self {
+        let light: f32 = key.lights.iter().map(|l| l.intensity).sum();
+        let Lighting { ka, kd, ks, .. } = key.lighting;
         let combined = config.components == Components::Combined;
         let full = if combined { [ka + (kd + ks) * light, 0.0] } else { [ka + kd * light, ks * light] };
-        let steps = (config.source == Source::Clut).then(|| ((1_u32 << config.bits.min(16)) - 1) as f32);
+        let steps = (config.source == BrightnessSource::Clut).then(|| ((1_u32 << config.bits.min(16)) - 1) as f32);
         Self { combined, full, steps }
     }
 
-    fn entry(&self, normal: [i16; 3], setting: &Setting) -> [f32; 2] {
+    fn entry(&self, normal: [i16; 3], key: &ClutKey) -> [f32; 2] {
         let unit = Vec3::from(normal.map(|c| f32::from(c) / 32_767.0));
-        let [diffuse, specular] = brightness(unit, &setting.lighting, &setting.lights);
+        let [diffuse, specular] = brightness(unit, &key.lighting, &key.lights);
         let exact = if self.combined { [diffuse + specular, 0.0] } else { [diffuse, specular] };
         match self.steps {
             Some(steps) => std::array::from_fn(|i| quantize(exact[i], self.full[i], steps)),

@@ -17,7 +17,7 @@ pub enum Components {
 /// Where the brightness of an index comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Source {
+pub enum BrightnessSource {
     /// Read from the CLUT (122).
     #[default]
     Clut,
@@ -35,7 +35,7 @@ parameters! {
         /// Values per entry: combined (one brightness) or separate (diffuse and specular).
         components: Components = Components::Combined, unit: "", Stated("a CLUT holds the brightness of each reference normal");
         /// Where brightness comes from: clut, or direct (computed per index).
-        source: Source = Source::Clut, unit: "", Stated("the CLUT of the level is read at the index; claim 7 leaves it open");
+        source: BrightnessSource = BrightnessSource::Clut, unit: "", Stated("the CLUT of the level is read at the index; claim 7 leaves it open");
         /// Cycles from indexes to brightness when all entries are there.
         latency: u32 = 4, unit: "cycles", Assumed("address 1, multiply 1, add 2"), range: 1..=1024;
         /// Cycles to compute one sample where the source is direct.

@@ -16,7 +16,7 @@ mod config;
 mod state;
 mod unit;
 
-pub use clut::{Clut, Setting};
-pub use config::{BrightnessConfig, Components, Source};
-pub use state::{BrightnessState, Counters};
+pub use clut::{Clut, ClutKey};
+pub use config::{BrightnessConfig, BrightnessSource, Components};
+pub use state::{BrightnessFetchCounters, BrightnessFetchState};
 pub use unit::BrightnessFetch;

@@ -1,6 +1,6 @@
 //! What the brightness fetch unit (112) keeps between steps.
 
-use crate::{Clut, Setting};
+use crate::{Clut, ClutKey};
 use basrelief_shading::LEVELS;
 use basrelief_signals::{Frame, Indexes, ObjectInfo};
 use serde::{Deserialize, Serialize};
@@ -17,29 +17,30 @@ pub(crate) struct Rebuild {
 
 /// Frame, object and what the next fragments ask for; the CLUTs and what they were calculated for; the counters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct BrightnessState {
+pub struct BrightnessFetchState {
     pub(crate) frame: Option<Arc<Frame>>,
     pub(crate) object: Option<Arc<ObjectInfo>>,
     /// What the fragments that come are to be lit with.
-    pub(crate) wanted: Setting,
+    pub(crate) wanted: ClutKey,
     /// `wanted.lights` is to be evaluated again: frame or object changed.
     pub(crate) lights_changed: bool,
     /// Control came since the CLUTs were last compared with `wanted`.
     pub(crate) check: bool,
     /// What the CLUTs hold.
-    pub(crate) held: Option<Setting>,
+    pub(crate) held: Option<ClutKey>,
     pub(crate) clut: Clut,
     /// Where each level's CLUT starts \[bytes\].
     pub(crate) base: [u64; LEVELS],
     pub(crate) rebuild: Option<Rebuild>,
     /// The fragment that waits for it.
     pub(crate) pending: Option<Indexes>,
-    pub(crate) counters: Counters,
+    /// What it has counted.
+    pub counters: BrightnessFetchCounters,
 }
 
-/// What the unit counts.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Counters {
+/// What the brightness fetch unit (112) has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BrightnessFetchCounters {
     /// Fragments that got a brightness.
     pub fragments: u64,
     /// CLUT entries read, or computed where the source is direct.

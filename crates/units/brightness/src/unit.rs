@@ -2,7 +2,8 @@
 
 use crate::clut::NormalTables;
 use crate::state::Rebuild;
-use crate::{BrightnessConfig, BrightnessState, Clut, Counters, Source};
+use crate::{BrightnessConfig, BrightnessFetchState, BrightnessSource, Clut};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LEVELS, TableSet, light_vectors};
 use basrelief_signals::{Control, Flow, Indexes, MAX_SAMPLES, MAX_STAMP, Sample, Shaded, Stamp, quantization_memory};
@@ -22,9 +23,12 @@ const WRITE_BYTES: u32 = 32;
 /// recalculated, up to 32 bytes per step. Code books end here.
 #[derive(Clone, Debug)]
 pub struct BrightnessFetch {
-    config: BrightnessConfig,
+    /// Parameters.
+    pub config: BrightnessConfig,
     most_samples: u32,
-    state: BrightnessState,
+    /// Everything it remembers.
+    pub state: BrightnessFetchState,
+    /// What the VQ tables (121) hold; follows from their parameters.
     normals: NormalTables,
 }
 
@@ -34,22 +38,7 @@ impl BrightnessFetch {
     /// A unit for the VQ tables (121) that the replacement unit searches, and stamps of at most `most_samples` samples.
     pub fn new(config: BrightnessConfig, tables: TableSet, most_samples: u32) -> Self {
         let most_samples = most_samples.clamp(1, (MAX_SAMPLES * MAX_STAMP) as u32);
-        Self { config, most_samples, state: BrightnessState::default(), normals: NormalTables::new(tables) }
-    }
-
-    /// State; for checkpoints.
-    pub fn state(&self) -> &BrightnessState {
-        &self.state
-    }
-
-    /// Puts a state back; the default resets.
-    pub fn set_state(&mut self, state: BrightnessState) {
-        self.state = state;
-    }
-
-    /// What was counted.
-    pub fn counters(&self) -> &Counters {
-        &self.state.counters
+        Self { config, most_samples, state: BrightnessFetchState::default(), normals: NormalTables::new(tables) }
     }
 
     fn quiet(&self) -> Out {
@@ -112,7 +101,7 @@ impl BrightnessFetch {
         let stride = quantization_memory::clut_stride(largest, self.config.entry_bytes());
         self.state.base = std::array::from_fn(|k| quantization_memory::CLUTS + k as u64 * stride);
         self.state.held = Some(self.state.wanted.clone());
-        if self.config.source == Source::Direct || largest == 0 {
+        if self.config.source == BrightnessSource::Direct || largest == 0 {
             return self.fetch(&indexes, traffic);
         }
         self.state.counters.rebuilds += 1;
@@ -147,7 +136,7 @@ impl BrightnessFetch {
     fn fetch(&mut self, indexes: &Indexes, traffic: &mut Traffic) -> Out {
         let state = &mut self.state;
         let entry_bytes = self.config.entry_bytes();
-        let from_clut = self.config.source == Source::Clut;
+        let from_clut = self.config.source == BrightnessSource::Clut;
         let mut out = Stamp::new();
         for (lane, &fragment) in indexes.stamp.iter().enumerate() {
             let mut sum = [0.0; 2];
@@ -195,8 +184,8 @@ impl Unit for BrightnessFetch {
 
     fn largest_step(&self, client: usize) -> u32 {
         match (self.config.source, client) {
-            (Source::Clut, 0) => self.most_samples,
-            (Source::Clut, 1) => 1,
+            (BrightnessSource::Clut, 0) => self.most_samples,
+            (BrightnessSource::Clut, 1) => 1,
             _ => 0,
         }
     }
@@ -204,8 +193,16 @@ impl Unit for BrightnessFetch {
     fn is_empty(&self) -> bool {
         self.state.pending.is_none()
     }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        let c = &self.state.counters;
+        facts.figure("clut_samples", c.samples, "samples", "Samples looked up in CLUTs");
+        facts.figure("clut_rebuilds", c.rebuilds, "rebuilds", "Times that CLUTs were calculated anew");
+        facts.figure("clut_rebuild_cycles", c.rebuild_cycles, "cycles", "Cycles that this took");
+        facts.figure("clut_rebuild_bytes", c.rebuild_bytes, "bytes", "What it wrote");
+    }
 }
 
 #[cfg(test)]
-#[path = "unit_tests.rs"]
 mod tests;

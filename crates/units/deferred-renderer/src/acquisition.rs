@@ -1,9 +1,10 @@
 //! Figure 6: which tiles of the tile load list (136) are loaded, and which are synthesized.
 
 use crate::Page;
+use serde::{Deserialize, Serialize};
 
 /// State of a tile in the tile load list (136), 2 bits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TileState {
     /// N: not present.
     #[default]
@@ -26,7 +27,7 @@ impl TileState {
 }
 
 /// How a tile comes about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum How {
     /// Over the path.
     Loaded,
@@ -35,7 +36,7 @@ pub enum How {
 }
 
 /// A tile that is acquired.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Acquired {
     /// Its number in its texture.
     pub tile: u32,
@@ -44,7 +45,7 @@ pub struct Acquired {
 }
 
 /// Tile load list (136) of one page.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileList {
     states: Vec<TileState>,
     /// Tiles in state L.

@@ -2,9 +2,10 @@
 
 use crate::config::{CellConfig, NumberFormat};
 use crate::page::Page;
+use serde::{Deserialize, Serialize};
 
 /// What a pixel of the reference buffer (126) holds. Numbers are those that its fields can hold.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// Texture page pointer (310), or one of the two below.
     page: u16,

@@ -5,9 +5,11 @@ use crate::cell::{CellFormat, layer_depth, most_pages};
 use crate::config::{CellConfig, EngineConfig, Lighting, WrapMode};
 use crate::page::{Cut, Page};
 use crate::tokens::{CellFlow, PlacedCell};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{Demand, Derived, Step, Traffic, Unit};
 use basrelief_shading::{Gradient, fan_triangle, saturated};
 use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp, Texture};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
@@ -62,40 +64,52 @@ impl Footprint {
 }
 
 /// The current polygon.
-#[derive(Clone, Debug)]
-struct Surface {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Surface {
     polygon: Arc<Polygon>,
     page: Option<Arc<Page>>,
-    slopes: Option<Slopes>,
+    /// Of the triangle that the last fragment was in.
+    #[serde(skip)]
+    slopes: Derived<Slopes>,
 }
 
 /// What the initial rasterization has counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct CellCounters {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CellsCounters {
     /// Cells of textured pixels.
     pub textured: u64,
     /// Cells of direct colour.
     pub direct: u64,
 }
 
+/// Everything the initial rasterization remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CellsState {
+    /// Pages set up so far, by number of their texture.
+    pub pages: BTreeMap<u32, Arc<Page>>,
+    /// Declared textures whose pages come next.
+    pub declared: VecDeque<Arc<Texture>>,
+    /// First free byte of the texture-data memory (130).
+    pub end: u64,
+    /// The polygon of the fragments that come.
+    pub(crate) surface: Option<Surface>,
+    /// What it has counted.
+    pub counters: CellsCounters,
+}
+
 /// Makes cells of the fragments that are in front, and sets up pages (132): one per texture that a frame declares (452), one
 /// after the other, or when a polygon first names one that was not declared.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    engine: EngineConfig,
+    /// Parameters.
+    pub config: EngineConfig,
     format: CellFormat,
     page_bits: u32,
     lighting: Lighting,
     wrap: WrapMode,
     cut: Cut,
-    pages: BTreeMap<u32, Arc<Page>>,
-    /// Declared textures whose pages come next.
-    declared: VecDeque<Arc<Texture>>,
-    /// First free byte of the texture-data memory (130).
-    end: u64,
-    surface: Option<Surface>,
-    /// What it has counted.
-    pub counters: CellCounters,
+    /// Everything it remembers.
+    pub state: CellsState,
 }
 
 /// Largest brightness that a coefficient stands for: with light, vertices may be brighter than 1.
@@ -105,56 +119,53 @@ pub fn brightness_range(lighting: Lighting) -> f32 {
 
 impl Cells {
     /// At power-on.
-    pub fn new(engine: EngineConfig, cell: &CellConfig, (lighting, wrap): (Lighting, WrapMode), cut: Cut) -> Self {
+    pub fn new(config: EngineConfig, cell: &CellConfig, (lighting, wrap): (Lighting, WrapMode), cut: Cut) -> Self {
         Self {
-            engine,
+            config,
             format: CellFormat::new(cell, brightness_range(lighting)),
             page_bits: cell.page_bits,
             lighting,
             wrap,
             cut,
-            pages: BTreeMap::new(),
-            declared: VecDeque::new(),
-            end: 0,
-            surface: None,
-            counters: CellCounters::default(),
+            state: CellsState::default(),
         }
     }
 
     /// Pages set up so far, in order of their texture's number.
     pub fn pages(&self) -> impl Iterator<Item = &Arc<Page>> {
-        self.pages.values()
+        self.state.pages.values()
     }
 
     /// Sets the page of a texture up.
     fn set_up(&mut self, texture: &Texture, traffic: &mut Traffic) -> Option<Arc<Page>> {
-        if self.pages.len() >= most_pages(self.page_bits) {
+        if self.state.pages.len() >= most_pages(self.page_bits) {
             traffic.fault(format!(
                 "there are more than {} textures, as many as `cell.page_bits` = {} can tell apart; raise it",
-                self.pages.len(),
+                self.state.pages.len(),
                 self.page_bits
             ));
             return None;
         }
-        let page = Page::new(self.pages.len() as u16, texture, self.wrap.of(texture.sampler.wrap), self.cut, self.end);
-        self.end += page.bytes();
-        if self.end > self.engine.texture_memory {
+        let page =
+            Page::new(self.state.pages.len() as u16, texture, self.wrap.of(texture.sampler.wrap), self.cut, self.state.end);
+        self.state.end += page.bytes();
+        if self.state.end > self.config.texture_memory {
             traffic.fault(format!(
                 "the pyramids of {} textures take {} bytes, `engine.texture_memory` has {}; raise it",
-                self.pages.len() + 1,
-                self.end,
-                self.engine.texture_memory
+                self.state.pages.len() + 1,
+                self.state.end,
+                self.config.texture_memory
             ));
             return None;
         }
         let page = Arc::new(page);
-        self.pages.insert(texture.id, Arc::clone(&page));
+        self.state.pages.insert(texture.id, Arc::clone(&page));
         Some(page)
     }
 
     /// The page of a texture that is not set up yet, as a token.
     fn new_page(&mut self, texture: &Texture, traffic: &mut Traffic) -> Option<CellFlow> {
-        if self.pages.contains_key(&texture.id) {
+        if self.state.pages.contains_key(&texture.id) {
             return None;
         }
         self.set_up(texture, traffic).map(CellFlow::Page)
@@ -163,15 +174,15 @@ impl Cells {
     fn begin(&mut self, polygon: &Arc<Polygon>, traffic: &mut Traffic) -> Option<CellFlow> {
         let texture = polygon.material.color_texture.as_ref();
         let new = texture.and_then(|texture| self.new_page(texture, traffic));
-        let page = texture.and_then(|texture| self.pages.get(&texture.id)).cloned();
-        self.surface = Some(Surface { polygon: Arc::clone(polygon), page, slopes: None });
+        let page = texture.and_then(|texture| self.state.pages.get(&texture.id)).cloned();
+        self.state.surface = Some(Surface { polygon: Arc::clone(polygon), page, slopes: Derived::default() });
         new
     }
 
     fn control(&mut self, control: Control, traffic: &mut Traffic) -> Option<CellFlow> {
         match control {
             Control::Frame(frame) => {
-                self.declared.extend(frame.textures.iter().cloned());
+                self.state.declared.extend(frame.textures.iter().cloned());
                 Some(CellFlow::Frame(frame))
             }
             Control::Polygon(polygon) => self.begin(&polygon, traffic),
@@ -182,22 +193,23 @@ impl Cells {
 
     #[inline]
     fn cells(&mut self, fragments: &Stamp<Fragment>) -> Stamp<PlacedCell> {
-        let Some(surface) = &mut self.surface else { return Stamp::new() };
+        let CellsState { surface, counters, .. } = &mut self.state;
+        let Some(surface) = surface else { return Stamp::new() };
         let mut cells = Stamp::new();
         for f in fragments {
             if surface.slopes.as_ref().is_none_or(|s| s.number != f.triangle) {
-                surface.slopes = slopes(&surface.polygon, surface.page.as_deref(), f.triangle, self.lighting);
+                *surface.slopes = slopes(&surface.polygon, surface.page.as_deref(), f.triangle, self.lighting);
             }
-            let Some(slopes) = &surface.slopes else { continue };
+            let Some(slopes) = &*surface.slopes else { continue };
             let colour = slopes.colour.at(f.weights);
             let cell = match &surface.page {
                 Some(page) => {
-                    self.counters.textured += 1;
+                    counters.textured += 1;
                     let depth = layer_depth(page.dmax(), slopes.footprint.rho_squared(f.x, f.y));
                     self.format.textured(page, slopes.coordinates.at(f.weights), depth, colour)
                 }
                 None => {
-                    self.counters.direct += 1;
+                    counters.direct += 1;
                     Cell::direct(saturated(colour))
                 }
             };
@@ -235,27 +247,34 @@ impl Unit for Cells {
 
     #[inline]
     fn demand(&self) -> Demand {
-        if self.declared.is_empty() { Demand::All } else { Demand::Nothing }
+        if self.state.declared.is_empty() { Demand::All } else { Demand::Nothing }
     }
 
     #[inline(always)]
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
-        let latency = u64::from(self.engine.latency);
+        let latency = u64::from(self.config.latency);
         match input {
             Some(Flow::Item(stamp)) => {
                 let cells = self.cells(&stamp);
-                let groups = cells.len().div_ceil(self.engine.fill_rate as usize);
+                let groups = cells.len().div_ceil(self.config.fill_rate as usize);
                 Step::over(groups, 1, latency, (!cells.is_empty()).then_some(CellFlow::Cells(cells)))
             }
             Some(Flow::Control(control)) => Step::after(latency, self.control(control, traffic)),
             None => {
-                let texture = self.declared.pop_front();
+                let texture = self.state.declared.pop_front();
                 Step::after(latency, texture.and_then(|texture| self.new_page(&texture, traffic)))
             }
         }
     }
 
     fn is_empty(&self) -> bool {
-        self.declared.is_empty()
+        self.state.declared.is_empty()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        let c = &self.state.counters;
+        facts.figure("cells_textured", c.textured, "cells", "Cells with a texture");
+        facts.figure("cells_direct", c.direct, "cells", "Cells with a colour");
     }
 }

@@ -6,10 +6,11 @@ use crate::server::place_of;
 use crate::tokens::{EncodedTile, ExpandedTile};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 
-/// Expands tiles. Raw ones pass.
+/// Expands tiles. Raw ones pass. It remembers nothing: there is no state.
 #[derive(Clone, Debug)]
 pub struct Expander {
-    config: TileConfig,
+    /// Parameters.
+    pub config: TileConfig,
     latency: u64,
 }
 

@@ -4,8 +4,10 @@ use crate::cell::split_depth;
 use crate::config::EngineConfig;
 use crate::tokens::{CellBlock, Mark, MarkFlow, Marks, PassFlow};
 use crate::{Cell, Page};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::Frame;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Layers that a cell is interpolated from: D_L, D_f, and D_G = D_L + 1 where D_f is above 0.
@@ -51,36 +53,53 @@ pub fn centre_of(frame: &Frame) -> [u32; 2] {
     [frame.width / 2, frame.height / 2]
 }
 
-/// Marks the tiles that the pixels of the reference buffer (126) need (461).
-#[derive(Clone, Debug)]
-pub struct Identification {
-    engine: EngineConfig,
-    pages: Vec<Arc<Page>>,
-    centre: [u32; 2],
+/// What the identification has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct IdentificationCounters {
     /// Tiles marked, one for each pixel and tile.
     pub marked: u64,
 }
 
+/// Everything the identification remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct IdentificationState {
+    /// Pages so far, by number.
+    pub pages: Vec<Arc<Page>>,
+    /// Centre of the frame's picture \[pixels\].
+    pub centre: [u32; 2],
+    /// What it has counted.
+    pub counters: IdentificationCounters,
+}
+
+/// Marks the tiles that the pixels of the reference buffer (126) need (461).
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// Parameters.
+    pub config: EngineConfig,
+    /// Everything it remembers.
+    pub state: IdentificationState,
+}
+
 impl Identification {
     /// At power-on.
-    pub fn new(engine: EngineConfig) -> Self {
-        Self { engine, pages: Vec::new(), centre: [0; 2], marked: 0 }
+    pub fn new(config: EngineConfig) -> Self {
+        Self { config, state: IdentificationState::default() }
     }
 
     /// Figure 5A for every textured pixel of a block; its token, and the layers looked at.
     #[inline]
     fn identify(&mut self, block: &CellBlock) -> (Option<MarkFlow>, usize) {
-        let mut marks = BlockMarks::new(block.at, self.centre);
+        let mut marks = BlockMarks::new(block.at, self.state.centre);
         let mut looked_at = 0;
         for (_, cell) in block.drawn() {
-            let Some(page) = cell.page().and_then(|p| self.pages.get(usize::from(p))) else { continue };
+            let Some(page) = cell.page().and_then(|p| self.state.pages.get(usize::from(p))) else { continue };
             let placed = page.placed(cell.coordinates);
             let (coarse, _, fine) = layers_of(page, cell);
             for layer in [Some(coarse), fine].into_iter().flatten() {
                 looked_at += 1;
                 for tile in page.marked(layer, placed) {
                     marks.add(page.number, tile);
-                    self.marked += 1;
+                    self.state.counters.marked += 1;
                 }
             }
         }
@@ -99,23 +118,27 @@ impl Unit for Identification {
 
     #[inline(always)]
     fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
-        let latency = u64::from(self.engine.latency);
+        let latency = u64::from(self.config.latency);
         let out = match input {
             Some(PassFlow::Cells(block)) => {
                 let (out, looked_at) = self.identify(&block);
-                return Step::over(looked_at.div_ceil(self.engine.scan_rate as usize), 1, latency, out);
+                return Step::over(looked_at.div_ceil(self.config.scan_rate as usize), 1, latency, out);
             }
             Some(PassFlow::Frame(frame)) => {
-                self.centre = centre_of(&frame);
+                self.state.centre = centre_of(&frame);
                 Some(MarkFlow::Frame)
             }
             Some(PassFlow::Page(page)) => {
-                self.pages.push(Arc::clone(&page));
+                self.state.pages.push(Arc::clone(&page));
                 Some(MarkFlow::Page(page))
             }
             Some(PassFlow::End) => Some(MarkFlow::End),
             Some(PassFlow::Begin) | None => None,
         };
         Step::after(latency, out)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.figure("tiles_marked", self.state.counters.marked, "tiles", "Tiles marked, each time");
     }
 }

@@ -14,7 +14,7 @@ pub enum TexelCentre {
 }
 
 /// How a texture is cut: what is the same for all pages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cut {
     /// Width and height of a tile \[texels\], powers of two.
     pub tile: [u32; 2],
@@ -71,7 +71,7 @@ fn deepest(size: [u32; 2], tile: [u32; 2]) -> u32 {
 }
 
 /// A layer of a pyramid (134).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Layer {
     /// Width and height \[texels\].
     pub size: [u32; 2],

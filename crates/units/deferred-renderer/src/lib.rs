@@ -11,7 +11,7 @@
 //!
 //! Two parts. Arithmetic that knows neither tokens nor time: [`page`] (layers, tiles, marking), [`pyramid`] (texels), [`cell`],
 //! [`acquisition`], [`texels`], [`colour`], [`encoding`]. Units: [`server`], [`path`], [`expander`], [`cells`],
-//! [`reference_buffer`], [`identification`], [`tile_list`], [`rasterization`].
+//! [`reference_buffer`], [`identification`], [`tile_lists`], [`rasterization`].
 //!
 //! A frame goes through phases (Figure 4B). Each unit knows its own, and leaves it by what it takes: no phase is known to the
 //! machine as a whole.
@@ -24,6 +24,7 @@ pub mod config;
 pub mod encoding;
 pub mod expander;
 pub mod identification;
+mod layer_figures;
 mod layers;
 pub mod page;
 pub mod path;
@@ -33,27 +34,26 @@ mod records;
 pub mod reference_buffer;
 pub mod server;
 pub mod texels;
-pub mod tile_list;
+pub mod tile_lists;
 pub mod tokens;
 mod touched;
 
 pub use acquisition::{Acquired, How, TileList, TileState};
 pub use cell::{Cell, CellFormat};
-pub use cells::{Cells, brightness_range};
+pub use cells::{Cells, CellsCounters, CellsState, brightness_range};
 pub use config::{
     CellConfig, DepthPixel, EngineConfig, Lighting, NumberFormat, PathConfig, RenderMode, RendererConfig, TileConfig, TileOrder,
     WrapMode,
 };
 pub use encoding::TileEncoding;
 pub use expander::Expander;
-pub use identification::Identification;
+pub use identification::{Identification, IdentificationCounters, IdentificationState};
 pub use page::{Cut, Layer, Page, TexelCentre};
-pub use path::Path;
+pub use path::{Path, PathCounters, PathState};
 pub use pyramid::{LayerTexels, ServedTexture};
-pub use rasterization::Rasterization;
+pub use rasterization::{Rasterization, RasterizationCounters, RasterizationState};
 pub use records::TileRecord;
-pub use reference_buffer::{FilledBuffer, ReferenceBuffer};
-pub use server::{Server, TextureMemory, TileSource};
+pub use reference_buffer::{FilledBuffer, ReferenceBuffer, ReferenceBufferCounters, ReferenceBufferState};
+pub use server::{Server, ServerCounters, ServerState, TextureMemory, TileSource};
 pub use texels::{LayerCounts, PageTexels};
-pub use tile_list::TileLists;
-pub use touched::MOST_LINES;
+pub use tile_lists::{TileLists, TileListsCounters, TileListsState};

@@ -5,10 +5,11 @@
 
 pub use crate::layers::{Cut, Layer, TexelCentre};
 use basrelief_signals::{Texture, Wrap};
+use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 /// A texture page (132), without its texels: Dmax (133), tile pitch array (138), tile base array (140).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Page {
     /// Number of the page: the texture page pointer (310) of a cell.
     pub number: u16,

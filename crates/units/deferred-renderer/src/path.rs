@@ -2,8 +2,26 @@
 
 use crate::config::PathConfig;
 use crate::tokens::{Content, EncodedTile, Parcel};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::Control;
+use serde::{Deserialize, Serialize};
+
+/// What the path has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PathCounters {
+    /// Bytes carried.
+    pub bytes: u64,
+}
+
+/// Everything the path remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PathState {
+    /// What the last transfer left of a cycle \[bit cycles per second\].
+    pub left: u128,
+    /// What it has counted.
+    pub counters: PathCounters,
+}
 
 /// The path (104, 106, 108): so many bits per second, and a latency from a request to its answer.
 ///
@@ -16,25 +34,23 @@ pub struct Path {
     bits_per_second: u128,
     hz: u128,
     latency: u64,
-    /// What the last transfer left of a cycle \[bit cycles per second\].
-    left: u128,
-    /// Bytes carried.
-    pub bytes: u64,
+    /// Everything it remembers.
+    pub state: PathState,
 }
 
 impl Path {
     /// A path seen from a device with a clock of `hz`.
     pub fn new(config: &PathConfig, hz: u64) -> Self {
         let latency = u64::try_from(u128::from(config.latency_us) * u128::from(hz) / 1_000_000).unwrap_or(u64::MAX);
-        Self { bits_per_second: config.bits_per_second.into(), hz: hz.into(), latency, left: 0, bytes: 0 }
+        Self { bits_per_second: config.bits_per_second.into(), hz: hz.into(), latency, state: PathState::default() }
     }
 
     /// Cycles that the path is kept by this many bytes.
     fn carry(&mut self, bytes: u64) -> u64 {
-        self.bytes += bytes;
-        self.left += u128::from(bytes) * 8 * self.hz;
-        let cycles = self.left / self.bits_per_second;
-        self.left %= self.bits_per_second;
+        self.state.counters.bytes += bytes;
+        self.state.left += u128::from(bytes) * 8 * self.hz;
+        let cycles = self.state.left / self.bits_per_second;
+        self.state.left %= self.bits_per_second;
         u64::try_from(cycles).unwrap_or(u64::MAX)
     }
 }
@@ -61,5 +77,9 @@ impl Unit for Path {
                 Step::after(latency, (None, Some(tile))).busy(carried.max(1))
             }
         }
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.figure("path_bytes", self.state.counters.bytes, "bytes", "What the path carried");
     }
 }

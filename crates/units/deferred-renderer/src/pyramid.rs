@@ -2,10 +2,11 @@
 
 use crate::Page;
 use basrelief_signals::Texture;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Texels of one layer, row by row.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LayerTexels {
     /// Width and height \[texels\].
     pub size: [u32; 2],

@@ -3,10 +3,11 @@
 use crate::Page;
 use crate::acquisition::How;
 use crate::texels::{PageTexels, TileHistory};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// What a tile was in a frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TileRecord {
     /// Its page.
     pub page: Arc<Page>,

@@ -3,16 +3,18 @@
 use crate::config::{EngineConfig, RenderMode};
 use crate::tokens::{CellBlock, CellFlow, PassFlow, PlacedCell, Round};
 use crate::{Cell, Page};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::texture::{BLOCK, texel_offset};
 use basrelief_signals::{Frame, Stamp, layout};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Cells of a block of 4 x 4 pixels.
 const BLOCK_CELLS: usize = 16;
 
 /// What the reference buffer does: one phase of a frame after the other.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
     /// Takes cells (454), up to the end of the frame.
     #[default]
@@ -28,7 +30,7 @@ enum Phase {
 }
 
 /// A filled buffer, for who wants to look at it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FilledBuffer {
     /// Number of the frame.
     pub frame: u32,
@@ -43,7 +45,7 @@ pub struct FilledBuffer {
 }
 
 /// What the reference buffer has counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ReferenceBufferCounters {
     /// Cells written.
     pub written: u64,
@@ -53,6 +55,24 @@ pub struct ReferenceBufferCounters {
     pub read: u64,
 }
 
+/// Everything the reference buffer (126) remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ReferenceBufferState {
+    phase: Phase,
+    /// The frame that fills it.
+    pub frame: Option<Arc<Frame>>,
+    /// Block by block.
+    pub cells: Vec<Cell>,
+    /// Pages so far, by number.
+    pub pages: Vec<Arc<Page>>,
+    /// Number of the block that gathers writes.
+    pub line: Option<u64>,
+    /// Filled buffers that nobody has fetched yet, where they are kept.
+    pub filled: Vec<FilledBuffer>,
+    /// What it has counted.
+    pub counters: ReferenceBufferCounters,
+}
+
 /// Reference buffer (126). It is filled by the initial rasterization; then passes go over it: in the mode of best resolution
 /// one to identify tiles and one to colour, in the progressive mode one for each picture.
 ///
@@ -60,66 +80,48 @@ pub struct ReferenceBufferCounters {
 /// Client 0 reads, client 1 writes: 4 x 4 cells at a time, those to be written gathered while they stay in one block.
 #[derive(Clone, Debug)]
 pub struct ReferenceBuffer {
-    engine: EngineConfig,
+    /// Parameters.
+    pub config: EngineConfig,
     mode: RenderMode,
     cell_bytes: u32,
     /// Filled buffers are kept for who wants to look at them.
     pub keep: bool,
-    phase: Phase,
-    frame: Option<Arc<Frame>>,
-    /// Block by block.
-    cells: Vec<Cell>,
-    pages: Vec<Arc<Page>>,
-    line: Option<u64>,
-    filled: Vec<FilledBuffer>,
-    /// What it has counted.
-    pub counters: ReferenceBufferCounters,
+    /// Everything it remembers.
+    pub state: ReferenceBufferState,
 }
 
 type Out = (Option<PassFlow>, Option<PassFlow>);
 
 impl ReferenceBuffer {
     /// At power-on; `cell_bytes`: of a cell in memory.
-    pub fn new(engine: EngineConfig, mode: RenderMode, cell_bytes: u32) -> Self {
-        Self {
-            engine,
-            mode,
-            cell_bytes,
-            keep: false,
-            phase: Phase::Fill,
-            frame: None,
-            cells: Vec::new(),
-            pages: Vec::new(),
-            line: None,
-            filled: Vec::new(),
-            counters: ReferenceBufferCounters::default(),
-        }
+    pub fn new(config: EngineConfig, mode: RenderMode, cell_bytes: u32) -> Self {
+        Self { config, mode, cell_bytes, keep: false, state: ReferenceBufferState::default() }
     }
 
     /// Buffers filled since the last call, where they are kept.
     pub fn drain_filled(&mut self) -> Vec<FilledBuffer> {
-        std::mem::take(&mut self.filled)
+        std::mem::take(&mut self.state.filled)
     }
 
     fn begin(&mut self, frame: &Arc<Frame>) {
         // A picture without room is the pixel buffer's to report.
         let room = if layout::fits(frame.width, frame.height) { [frame.width, frame.height] } else { [0, 0] };
         let blocks = room.map(|n| n.div_ceil(BLOCK) as usize);
-        self.cells.clear();
-        self.cells.resize(blocks[0] * blocks[1] * BLOCK_CELLS, Cell::default());
-        self.frame = Some(Arc::clone(frame));
-        self.line = None;
+        self.state.cells.clear();
+        self.state.cells.resize(blocks[0] * blocks[1] * BLOCK_CELLS, Cell::default());
+        self.state.frame = Some(Arc::clone(frame));
+        self.state.line = None;
     }
 
     #[inline]
     fn put(&mut self, cells: &Stamp<PlacedCell>, traffic: &mut Traffic) {
-        let Some(frame) = &self.frame else { return };
+        let Some(frame) = &self.state.frame else { return };
         let width = frame.width;
         for placed in cells {
             let offset = texel_offset(width, [placed.x.into(), placed.y.into()]);
-            let Some(cell) = self.cells.get_mut(offset as usize) else { continue };
+            let Some(cell) = self.state.cells.get_mut(offset as usize) else { continue };
             *cell = placed.cell;
-            self.counters.written += 1;
+            self.state.counters.written += 1;
             self.gather(Some(offset / BLOCK_CELLS as u64), traffic);
         }
     }
@@ -127,8 +129,8 @@ impl ReferenceBuffer {
     /// Writes the gathered block, if any, and gathers `next`.
     #[inline]
     fn gather(&mut self, next: Option<u64>, traffic: &mut Traffic) {
-        if self.line != next
-            && let Some(line) = std::mem::replace(&mut self.line, next)
+        if self.state.line != next
+            && let Some(line) = std::mem::replace(&mut self.state.line, next)
         {
             let bytes = BLOCK_CELLS as u32 * self.cell_bytes;
             traffic.write(1, line * u64::from(bytes), bytes);
@@ -136,22 +138,22 @@ impl ReferenceBuffer {
     }
 
     fn filled(&self) -> Option<FilledBuffer> {
-        let frame = self.frame.as_ref()?;
+        let frame = self.state.frame.as_ref()?;
         let (width, height) = (frame.width, frame.height);
-        let cell = |x: u32, y: u32| self.cells.get(texel_offset(width, [x, y]) as usize).copied().unwrap_or_default();
+        let cell = |x: u32, y: u32| self.state.cells.get(texel_offset(width, [x, y]) as usize).copied().unwrap_or_default();
         let cells = (0..height).flat_map(|y| (0..width).map(move |x| cell(x, y))).collect();
-        Some(FilledBuffer { frame: frame.index, width, height, pages: self.pages.clone(), cells })
+        Some(FilledBuffer { frame: frame.index, width, height, pages: self.state.pages.clone(), cells })
     }
 
     fn fill(&mut self, token: CellFlow, traffic: &mut Traffic) -> Step<Out> {
-        let latency = u64::from(self.engine.latency);
+        let latency = u64::from(self.config.latency);
         match token {
             CellFlow::Frame(frame) => {
                 self.begin(&frame);
                 Step::after(latency, (Some(PassFlow::Frame(Arc::clone(&frame))), Some(PassFlow::Frame(frame))))
             }
             CellFlow::Page(page) => {
-                self.pages.push(Arc::clone(&page));
+                self.state.pages.push(Arc::clone(&page));
                 Step::after(latency, (Some(PassFlow::Page(Arc::clone(&page))), Some(PassFlow::Page(page))))
             }
             CellFlow::Cells(cells) => {
@@ -162,7 +164,7 @@ impl ReferenceBuffer {
                 self.gather(None, traffic);
                 if self.keep {
                     let filled = self.filled();
-                    self.filled.extend(filled);
+                    self.state.filled.extend(filled);
                 }
                 self.end_of_fill(latency)
             }
@@ -171,11 +173,11 @@ impl ReferenceBuffer {
 
     fn end_of_fill(&mut self, latency: u64) -> Step<Out> {
         if self.mode == RenderMode::Best {
-            self.counters.passes += 1;
-            self.phase = Phase::Identify(0);
+            self.state.counters.passes += 1;
+            self.state.phase = Phase::Identify(0);
             Step::after(latency, (None, None))
         } else {
-            self.phase = Phase::Begin;
+            self.state.phase = Phase::Begin;
             Step::after(latency, (Some(PassFlow::End), None))
         }
     }
@@ -183,12 +185,12 @@ impl ReferenceBuffer {
     /// Reads one block; none where nothing is drawn in it.
     #[inline]
     fn read(&mut self, block: usize, traffic: &mut Traffic) -> Option<PassFlow> {
-        let cells: &[Cell; BLOCK_CELLS] = self.cells[block * BLOCK_CELLS..].first_chunk()?;
+        let cells: &[Cell; BLOCK_CELLS] = self.state.cells[block * BLOCK_CELLS..].first_chunk()?;
         let bytes = BLOCK_CELLS as u32 * self.cell_bytes;
         traffic.read(0, block as u64 * u64::from(bytes), bytes);
-        self.counters.read += BLOCK_CELLS as u64;
+        self.state.counters.read += BLOCK_CELLS as u64;
         let mask = cells.iter().enumerate().fold(0, |mask, (i, c)| mask | u16::from(c.is_drawn()) << i);
-        let columns = self.frame.as_ref()?.width.div_ceil(BLOCK) as usize;
+        let columns = self.state.frame.as_ref()?.width.div_ceil(BLOCK) as usize;
         let at = [(block % columns) as u16, (block / columns) as u16];
         (mask != 0).then_some(PassFlow::Cells(CellBlock { at, mask, cells: *cells }))
     }
@@ -196,10 +198,10 @@ impl ReferenceBuffer {
     /// The next block of a pass, or its end; the cycles that it takes, and whether it was the end.
     #[inline]
     fn pass(&mut self, block: usize, traffic: &mut Traffic) -> (Option<PassFlow>, u64, bool) {
-        if (block + 1) * BLOCK_CELLS > self.cells.len() {
+        if (block + 1) * BLOCK_CELLS > self.state.cells.len() {
             return (Some(PassFlow::End), 1, true);
         }
-        let cycles = (BLOCK_CELLS as u64).div_ceil(self.engine.scan_rate.into());
+        let cycles = (BLOCK_CELLS as u64).div_ceil(self.config.scan_rate.into());
         (self.read(block, traffic), cycles, false)
     }
 }
@@ -210,7 +212,7 @@ impl Unit for ReferenceBuffer {
 
     #[inline]
     fn demand(&self) -> Demand {
-        match self.phase {
+        match self.state.phase {
             Phase::Fill => Demand::Only(0),
             Phase::Wait => Demand::Only(1),
             Phase::Identify(_) | Phase::Begin | Phase::Colour(_) => Demand::Nothing,
@@ -219,29 +221,29 @@ impl Unit for ReferenceBuffer {
 
     #[inline(always)]
     fn step(&mut self, (cells, round): Self::In, traffic: &mut Traffic) -> Step<Out> {
-        let latency = u64::from(self.engine.latency);
-        match self.phase {
+        let latency = u64::from(self.config.latency);
+        match self.state.phase {
             Phase::Fill => match cells {
                 Some(token) => self.fill(token, traffic),
                 None => Step::after(latency, (None, None)),
             },
             Phase::Identify(block) => {
                 let (token, cycles, end) = self.pass(block, traffic);
-                self.phase = if end { Phase::Begin } else { Phase::Identify(block + 1) };
+                self.state.phase = if end { Phase::Begin } else { Phase::Identify(block + 1) };
                 Step::after(latency, (token, None)).busy(cycles)
             }
             Phase::Begin => {
-                self.counters.passes += 1;
-                self.phase = Phase::Colour(0);
+                self.state.counters.passes += 1;
+                self.state.phase = Phase::Colour(0);
                 Step::after(latency, (None, Some(PassFlow::Begin)))
             }
             Phase::Colour(block) => {
                 let (token, cycles, end) = self.pass(block, traffic);
-                self.phase = if end { Phase::Wait } else { Phase::Colour(block + 1) };
+                self.state.phase = if end { Phase::Wait } else { Phase::Colour(block + 1) };
                 Step::after(latency, (None, token)).busy(cycles)
             }
             Phase::Wait => {
-                self.phase = if round == Some(Round::Again) { Phase::Begin } else { Phase::Fill };
+                self.state.phase = if round == Some(Round::Again) { Phase::Begin } else { Phase::Fill };
                 Step::after(latency, (None, None))
             }
         }
@@ -253,6 +255,14 @@ impl Unit for ReferenceBuffer {
     }
 
     fn is_empty(&self) -> bool {
-        self.phase == Phase::Fill
+        self.state.phase == Phase::Fill
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let interval = 16_u32.div_ceil(self.config.scan_rate);
+        for output in 0..2 {
+            facts.rate(output, self.config.latency, interval);
+        }
+        facts.figure("reference_passes", self.state.counters.passes, "passes", "Passes over the reference buffer");
     }
 }

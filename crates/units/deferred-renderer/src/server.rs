@@ -5,9 +5,11 @@ use crate::encoding::TileEncoding;
 use crate::pyramid::ServedTexture;
 use crate::tokens::{Content, EncodedTile, Parcel, Request};
 use crate::{Page, page::Cut};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{Demand, Derived, Step, Traffic, Unit};
 use basrelief_signals::{Control, Polygon, Texture};
-use std::collections::{BTreeMap, BTreeSet};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -84,7 +86,7 @@ impl TileSource for TextureMemory {
 }
 
 /// What the server does: one phase of a frame after the other.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
     /// Sends polygons and sizes of textures (451, 452), up to the end of the frame.
     #[default]
@@ -95,8 +97,8 @@ enum Phase {
     Shown,
 }
 
-/// What the server has sent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What the server has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ServerCounters {
     /// Bytes of polygons.
     pub polygon_bytes: u64,
@@ -108,6 +110,23 @@ pub struct ServerCounters {
     pub tiles: u64,
 }
 
+/// Everything the server remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ServerState {
+    phase: Phase,
+    /// Frames sent.
+    pub frames: u64,
+    /// Textures that the source of tiles was offered, by number.
+    pub known: BTreeMap<u32, Arc<Texture>>,
+    /// This source was offered them; a state that was put in brings its own textures.
+    #[serde(skip)]
+    offered: Derived<()>,
+    /// Why nothing comes any more: the first tile that there is none of, in a sentence.
+    pub lost: Option<String>,
+    /// What it has counted.
+    pub counters: ServerCounters,
+}
+
 /// Server (110). Inputs: polygons, requests for tiles, and the news that a picture is shown.
 ///
 /// Polygons take their bytes on the path in the first frame; with the following ones the device has them (451 is not repeated
@@ -116,22 +135,17 @@ pub struct ServerCounters {
 /// Where a tile cannot be had, nothing comes from it any more: the device finishes what it has got, and then stands still.
 #[derive(Debug)]
 pub struct Server {
-    config: PathConfig,
+    /// Parameters.
+    pub config: PathConfig,
     source: Box<dyn TileSource>,
-    phase: Phase,
-    frames: u64,
-    known: BTreeSet<u32>,
-    /// Why nothing comes any more: the first tile that there is none of, in a sentence.
-    pub lost: Option<String>,
-    /// What it has sent.
-    pub counters: ServerCounters,
+    /// Everything it remembers.
+    pub state: ServerState,
 }
 
 impl Server {
     /// A server that takes its tiles from `source`.
     pub fn new(config: PathConfig, source: Box<dyn TileSource>) -> Self {
-        let (phase, counters) = (Phase::Polygons, ServerCounters::default());
-        Self { config, source, phase, frames: 0, known: BTreeSet::new(), lost: None, counters }
+        Self { config, source, state: ServerState::default() }
     }
 
     /// Bytes of all tiles of the finest layers of all textures offered.
@@ -141,22 +155,22 @@ impl Server {
 
     /// Offers a texture that it has not offered before; bytes that its size takes on the path (452).
     fn size_of(&mut self, texture: &Arc<Texture>) -> u64 {
-        if !self.known.insert(texture.id) {
+        if self.state.known.insert(texture.id, Arc::clone(texture)).is_some() {
             return 0;
         }
         self.source.offer(texture);
         let bytes = u64::from(self.config.texture_size_bytes);
-        self.counters.size_bytes += bytes;
+        self.state.counters.size_bytes += bytes;
         bytes
     }
 
     /// Bytes that a polygon takes (451): none once the device has it.
     fn vertices_of(&mut self, polygon: &Polygon) -> u64 {
-        if self.frames > 0 {
+        if self.state.frames > 0 {
             return 0;
         }
         let bytes = u64::from(self.config.vertex_bytes) * polygon.vertices.len() as u64;
-        self.counters.polygon_bytes += bytes;
+        self.state.counters.polygon_bytes += bytes;
         bytes
     }
 
@@ -169,13 +183,13 @@ impl Server {
             }
             Control::Frame(frame) => {
                 bytes = frame.textures.iter().map(|texture| self.size_of(texture)).sum();
-                if self.frames == 0 {
+                if self.state.frames == 0 {
                     return Parcel { bytes, content: Content::Asked(control) };
                 }
             }
             Control::FrameEnd => {
-                self.frames += 1;
-                self.phase = Phase::Tiles;
+                self.state.frames += 1;
+                self.state.phase = Phase::Tiles;
             }
             Control::Object(_) | Control::CodeBook(_) => {}
         }
@@ -189,18 +203,18 @@ impl Server {
                 None
             }
             Request::End => {
-                self.phase = Phase::Shown;
+                self.state.phase = Phase::Shown;
                 None
             }
             Request::Tile(page, tile) => match self.source.tile(page, *tile) {
                 Ok(bytes) => {
-                    self.counters.tile_bytes += bytes.len() as u64;
-                    self.counters.tiles += 1;
+                    self.state.counters.tile_bytes += bytes.len() as u64;
+                    self.state.counters.tiles += 1;
                     let encoded = EncodedTile { page: Arc::clone(page), tile: *tile, bytes };
                     Some(Parcel { bytes: encoded.bytes.len() as u64, content: Content::Tile(encoded) })
                 }
                 Err(error) => {
-                    self.lost = Some(error);
+                    self.state.lost = Some(error);
                     None
                 }
             },
@@ -213,18 +227,30 @@ impl Unit for Server {
     type Out = Option<Parcel>;
 
     fn demand(&self) -> Demand {
-        if self.lost.is_some() { Demand::Finished } else { Demand::Only(self.phase as usize) }
+        if self.state.lost.is_some() { Demand::Finished } else { Demand::Only(self.state.phase as usize) }
     }
 
     fn step(&mut self, (control, request, shown): Self::In, _: &mut Traffic) -> Step<Self::Out> {
+        if self.state.offered.is_none() {
+            self.state.known.values().for_each(|texture| self.source.offer(texture));
+            *self.state.offered = Some(());
+        }
         if shown.is_some() {
-            self.phase = Phase::Polygons;
+            self.state.phase = Phase::Polygons;
         }
         let parcel = control.map(|c| self.mesh(c)).or_else(|| self.answer(&request?));
         Step::after(0, parcel)
     }
 
     fn is_empty(&self) -> bool {
-        self.phase == Phase::Polygons
+        self.state.phase == Phase::Polygons
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let c = &self.state.counters;
+        facts.figure("path_polygon_bytes", c.polygon_bytes, "bytes", "Polygons sent on the path");
+        facts.figure("path_texture_size_bytes", c.size_bytes, "bytes", "Sizes of textures sent on it");
+        facts.figure("path_tile_bytes", c.tile_bytes, "bytes", "Tiles sent on it");
+        facts.figure("path_tiles", c.tiles, "tiles", "Tiles sent on it");
     }
 }

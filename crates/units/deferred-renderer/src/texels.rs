@@ -4,11 +4,12 @@ use crate::Page;
 use crate::acquisition::How;
 use crate::page::Tap;
 use crate::pyramid::LayerTexels;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use wide::f32x4;
 
 /// What became of a tile.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileHistory {
     /// How it came, and in which frame, counted from 1.
     pub acquired: Option<(How, u64)>,
@@ -30,7 +31,7 @@ pub struct LayerCounts {
 }
 
 /// Pyramid (134) of one page, as far as its tiles have come.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PageTexels {
     /// The page.
     pub page: Arc<Page>,

@@ -1,16 +1,24 @@
 //! Adder (52).
 
 use crate::{CircuitConfig, Dot, Highlight, Highlights, Selection, Signal};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
+
+/// What the adder has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AdderCounters {
+    /// Dots with a specular term added.
+    pub sums: u64,
+}
 
 /// Everything the adder remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AdderState {
     /// The polygon's dots come from both sides.
     pub joins: bool,
-    /// Dots with a specular term added.
-    pub sums: u64,
+    /// What it has counted.
+    pub counters: AdderCounters,
 }
 
 /// Adder (52): the output of circuit (21) (input 0) plus what gate (51) lets through of circuit (50) (input 1).
@@ -39,7 +47,7 @@ impl Adder {
                 dot.x, dot.y, highlight.x, highlight.y
             ));
         }
-        self.state.sums += 1;
+        self.state.counters.sums += 1;
         Dot { brightness: dot.brightness.map(|b| b + highlight.brightness), ..dot }
     }
 }
@@ -86,5 +94,10 @@ impl Unit for Adder {
 
     fn is_empty(&self) -> bool {
         !self.state.joins
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.initiation_interval);
+        facts.figure("adder_sums", self.state.counters.sums, "dots", "Dots to which a highlight was added");
     }
 }

@@ -1,18 +1,26 @@
 //! Gate (51).
 
 use crate::{CircuitConfig, Highlights};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
+
+/// What the gate has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GateCounters {
+    /// Dots let through.
+    pub passed: u64,
+    /// Dots held back.
+    pub blocked: u64,
+}
 
 /// Everything the gate remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GateState {
     /// Specular register (18).
     pub open: bool,
-    /// Dots let through.
-    pub passed: u64,
-    /// Dots held back.
-    pub blocked: u64,
+    /// What it has counted.
+    pub counters: GateCounters,
 }
 
 /// Gate (51): lets the output of circuit (50) through to the adder (52), or holds it back, as the specular register (18)
@@ -50,11 +58,18 @@ impl Unit for Gate {
                 (None, 1)
             }
             Some(Highlights::Dot(dot)) => {
-                *if state.open { &mut state.passed } else { &mut state.blocked } += 1;
+                *if state.open { &mut state.counters.passed } else { &mut state.counters.blocked } += 1;
                 (state.open.then_some(Highlights::Dot(dot)), u64::from(self.config.initiation_interval))
             }
             end => (end.filter(|_| state.open), 1),
         };
         Step::after(u64::from(self.config.latency), out).busy(cycles)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.initiation_interval);
+        let c = &self.state.counters;
+        facts.figure("gate_passed", c.passed, "dots", "Highlights that the gate let pass");
+        facts.figure("gate_blocked", c.blocked, "dots", "Highlights that it held back");
     }
 }

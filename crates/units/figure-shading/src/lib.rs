@@ -42,33 +42,33 @@
 //! | brightness NaN | black |
 
 mod adder;
+mod brightness_interpolation;
 mod config;
 mod dots;
 mod gate;
-mod host;
-mod interpolation;
+mod host_interface;
+mod illumination;
 mod microcomputer;
 mod normal_interpolation;
 mod power;
 mod registers;
 mod selector_28;
 mod selector_53;
-mod setting;
 mod signals;
 
-pub use adder::{Adder, AdderState};
+pub use adder::{Adder, AdderCounters, AdderState};
+pub use brightness_interpolation::{BrightnessInterpolation, BrightnessInterpolationCounters, BrightnessInterpolationState};
 pub use config::{
     CircuitConfig, Clamp, FlatnessConfig, HostConfig, InterpolationConfig, MicrocomputerConfig, Mode, NormalInterpolationConfig,
     PowerMethod, SamePlaneConfig, ScanConfig, ShadingConfig, ShortCutConfigs, SpecularNegligibleConfig, SpecularSkip,
 };
-pub use gate::{Gate, GateState};
-pub use host::{HostInterface, HostState};
-pub use interpolation::{BrightnessInterpolation, InterpolationState};
-pub use microcomputer::{Counters, Microcomputer, MicrocomputerState, Plane, Process, ProcessCounters};
-pub use normal_interpolation::{NormalInterpolation, NormalInterpolationState};
+pub use gate::{Gate, GateCounters, GateState};
+pub use host_interface::{HostInterface, HostInterfaceCounters, HostInterfaceState};
+pub use illumination::Illumination;
+pub use microcomputer::{Microcomputer, MicrocomputerCounters, MicrocomputerState, Plane, Process, ProcessCounters};
+pub use normal_interpolation::{NormalInterpolation, NormalInterpolationCounters, NormalInterpolationState};
 pub use power::{Power, power};
-pub use registers::{Path, Registers, Selection};
-pub use selector_28::{Selector28, Selector28State};
+pub use registers::{Registers, Route, Selection};
+pub use selector_28::{Selector28, Selector28Counters, Selector28State};
 pub use selector_53::{Selector53, Selector53State};
-pub use setting::Setting;
 pub use signals::{Dot, Figure, Finished, Highlight, Highlights, NormalLoad, Signal};

@@ -2,11 +2,27 @@
 
 use crate::dots::{Corners, Dots};
 use crate::{Highlight, Highlights, NormalInterpolationConfig, NormalLoad, Power};
+use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::fan_triangles;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// What circuit (50) has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NormalInterpolationCounters {
+    /// Polygons drawn.
+    pub polygons: u64,
+    /// Dots drawn.
+    pub drawn: u64,
+    /// Times that the table was filled.
+    pub table_fills: u64,
+    /// Cycles that polygons kept the circuit.
+    pub started_cycles: u64,
+    /// Of these, cycles of polygons for which gate (51) is open.
+    pub needed_cycles: u64,
+}
 
 /// Everything circuit (50) remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -22,16 +38,10 @@ pub struct NormalInterpolationState {
     pub dot_cycles: [u64; 2],
     /// Exponent for which the table is filled, with a table.
     pub filled_for: Option<f32>,
-    /// Polygons drawn.
-    pub polygons: u64,
-    /// Dots drawn.
-    pub drawn: u64,
-    /// Times that the table was filled.
-    pub table_fills: u64,
-    /// Cycles that polygons kept the circuit.
-    pub started_cycles: u64,
-    /// Of these, cycles of polygons for which gate (51) is open.
-    pub needed_cycles: u64,
+    /// The table.
+    pub table: Vec<f32>,
+    /// What it has counted.
+    pub counters: NormalInterpolationCounters,
 }
 
 /// Normal-interpolation brightness circuit (50): from the normals at the sample points to `Ks * sum of Is*(Np.H)^n` and the
@@ -42,10 +52,12 @@ pub struct NormalInterpolationState {
 /// pipelined.
 #[derive(Clone, Debug)]
 pub struct NormalInterpolation {
-    config: NormalInterpolationConfig,
+    /// Parameters.
+    pub config: NormalInterpolationConfig,
     renormalise: bool,
     power: Power,
-    state: NormalInterpolationState,
+    /// Everything it remembers.
+    pub state: NormalInterpolationState,
 }
 
 type Out = Step<Option<Highlights>>;
@@ -57,37 +69,33 @@ impl NormalInterpolation {
         Self { config, renormalise, power, state: NormalInterpolationState::default() }
     }
 
-    /// State; for checkpoints.
-    pub fn state(&self) -> &NormalInterpolationState {
-        &self.state
-    }
-
-    /// Puts a state back; the default resets.
-    pub fn set_state(&mut self, state: NormalInterpolationState) {
-        if let Some(load) = &state.load {
-            self.power.fill(load.setting.lighting.n);
-        }
-        self.state = state;
-    }
-
     fn charge(&mut self, open: bool, cycles: u64) {
-        self.state.started_cycles += cycles;
-        self.state.needed_cycles += if open { cycles } else { 0 };
+        self.state.counters.started_cycles += cycles;
+        self.state.counters.needed_cycles += if open { cycles } else { 0 };
+    }
+
+    /// Fills the table for `n`, unless it is; the cycles that it takes.
+    fn fill(&mut self, n: f32) -> u64 {
+        if self.state.filled_for == Some(n) {
+            return 0;
+        }
+        let cycles = self.power.fill_cycles();
+        self.state.counters.table_fills += u64::from(cycles > 0);
+        self.state.table = self.power.table(n);
+        self.state.filled_for = Some(n);
+        cycles
     }
 
     fn begin(&mut self, load: Arc<NormalLoad>) -> Out {
-        let n = load.setting.lighting.n;
+        let n = load.illumination.lighting.n;
         let setup = u64::from(self.config.setup_cycles) * u64::from(fan_triangles(&load.polygon));
-        let fill = if self.state.filled_for == Some(n) { 0 } else { self.power.fill_cycles() };
-        self.state.table_fills += u64::from(fill > 0);
-        self.state.filled_for = Some(n);
-        self.power.fill(n);
+        let fill = self.fill(n);
         let cycles = (setup + fill).max(1);
         let open = load.open;
-        self.state.dot_cycles = self.dot_cycles(n, load.setting.lights.len().max(1) as u64);
+        self.state.dot_cycles = self.dot_cycles(n, load.illumination.lights.len().max(1) as u64);
         self.state.dots = Dots::new(&load.polygon, load.raster);
         self.state.corners = Corners::default();
-        self.state.polygons += 1;
+        self.state.counters.polygons += 1;
         self.state.load = Some(load);
         self.charge(open, cycles);
         Step::after(0, Some(Highlights::Start { open })).busy(cycles)
@@ -98,14 +106,14 @@ impl NormalInterpolation {
     fn draw(&mut self) -> Out {
         let state = &mut self.state;
         let Some(load) = &state.load else { return Step::after(0, None) };
-        let (setting, open) = (&load.setting, load.open);
+        let (illumination, open) = (&load.illumination, load.open);
         let [mut cycles, latency] = state.dot_cycles;
         let out = if let Some(dot) = state.dots.next(&load.polygon) {
             let sum = Vec3::from(state.corners.at(&dot, |i| load.normals.get(i).copied().unwrap_or_default().to_array()));
             let normal = if self.renormalise { sum.normalize_or_zero() } else { sum };
-            let (power, n) = (&self.power, setting.lighting.n);
-            let brightness = setting.highlight(|light| power.at(normal.dot(light.halfway).clamp(0.0, 1.0), n));
-            state.drawn += 1;
+            let (power, table, n) = (&self.power, &state.table, illumination.lighting.n);
+            let brightness = illumination.highlight(|light| power.at(table, normal.dot(light.halfway).clamp(0.0, 1.0), n));
+            state.counters.drawn += 1;
             Highlights::Dot(Highlight { x: dot.x, y: dot.y, brightness })
         } else {
             state.load = None;
@@ -128,6 +136,9 @@ impl NormalInterpolation {
     }
 }
 
+/// Exponent for which the rate is told: the patent's largest.
+const LARGEST_EXPONENT: f32 = 200.0;
+
 impl Unit for NormalInterpolation {
     type In = Option<Arc<NormalLoad>>;
     type Out = Option<Highlights>;
@@ -147,5 +158,27 @@ impl Unit for NormalInterpolation {
 
     fn is_empty(&self) -> bool {
         self.state.load.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let normalise = if self.renormalise { self.config.normalise_latency } else { 0 };
+        let before = self.config.inner_product_latency + normalise;
+        facts.rate(0, u64::from(before) + self.power.latency(LARGEST_EXPONENT), self.power.occupancy(LARGEST_EXPONENT));
+        let c = &self.state.counters;
+        facts.figure(
+            "normal_interpolation_polygons",
+            c.polygons,
+            "polygons",
+            "Polygons in the normal-interpolation brightness circuit (50)",
+        );
+        facts.figure("normal_interpolation_dots", c.drawn, "dots", "Their dots");
+        let circuit = || "normal_interpolation".into();
+        facts
+            .figure("normal_interpolation_started_cycles", c.started_cycles, "cycles", "Cycles in which it was started")
+            .part(Part::Started(circuit()));
+        facts
+            .figure("normal_interpolation_needed_cycles", c.needed_cycles, "cycles", "Those whose result was needed")
+            .part(Part::Needed(circuit()));
+        facts.figure("power_table_fills", c.table_fills, "fills", "Times that the table of powers was filled");
     }
 }

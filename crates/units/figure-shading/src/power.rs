@@ -35,16 +35,12 @@ fn multiplications(n: f32) -> u64 {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Power {
     config: NormalInterpolationConfig,
-    /// The exponent for which the table is filled.
-    filled: Option<f32>,
-    /// Follows from the configuration and `filled`.
-    table: Vec<f32>,
 }
 
 impl Power {
     /// As configured.
     pub fn new(config: &NormalInterpolationConfig) -> Self {
-        Self { config: config.clone(), filled: None, table: Vec::new() }
+        Self { config: config.clone() }
     }
 
     /// Cycles from N.H to its power.
@@ -93,20 +89,20 @@ impl Power {
         (x * (self.entries() - 1) as f32 + 0.5) as u32
     }
 
-    /// Fills the table for `n`, where there is one and it holds another.
-    pub fn fill(&mut self, n: f32) {
-        if self.config.power == PowerMethod::Table && self.filled != Some(n) {
-            self.table = (0..self.entries()).map(|i| self.entry(i, n)).collect();
-            self.filled = Some(n);
+    /// What the table holds for `n`; empty where there is none.
+    pub fn table(&self, n: f32) -> Vec<f32> {
+        match self.config.power {
+            PowerMethod::Iteration => Vec::new(),
+            PowerMethod::Table => (0..self.entries()).map(|i| self.entry(i, n)).collect(),
         }
     }
 
-    /// `x^n` for x in 0..=1; to be [filled](Self::fill) for `n` before.
+    /// `x^n` for x in 0..=1; `table` is the [table](Self::table) for `n`.
     #[inline]
-    pub fn at(&self, x: f32, n: f32) -> f32 {
+    pub fn at(&self, table: &[f32], x: f32, n: f32) -> f32 {
         match self.config.power {
             PowerMethod::Iteration => power(x, n),
-            PowerMethod::Table => self.table.get(self.index(x) as usize).copied().unwrap_or_default(),
+            PowerMethod::Table => table.get(self.index(x) as usize).copied().unwrap_or_default(),
         }
     }
 
@@ -160,14 +156,14 @@ mod tests {
             let config = NormalInterpolationConfig {
                 power: PowerMethod::Table, table_entries: entries, table_bits: bits, ..NormalInterpolationConfig::default()
             };
-            let mut table = Power::new(&config);
-            table.fill(n);
+            let by_table = Power::new(&config);
+            let table = by_table.table(n);
             // The slope of the power is at most n.
             let off = 0.5 * n / (entries - 1) as f32 + 0.5 / ((1u32 << bits) - 1) as f32;
-            prop_assert!((table.at(x, n) - power(x, n)).abs() <= off * 1.001 + 1e-5);
-            prop_assert!(table.at(x, n) <= table.bound(x, n));
-            prop_assert!(table.at(share * x, n) <= table.bound(x, n));
-            prop_assert!(power(share * x, n) <= table.bound(x, n));
+            prop_assert!((by_table.at(&table, x, n) - power(x, n)).abs() <= off * 1.001 + 1e-5);
+            prop_assert!(by_table.at(&table, x, n) <= by_table.bound(x, n));
+            prop_assert!(by_table.at(&table, share * x, n) <= by_table.bound(x, n));
+            prop_assert!(power(share * x, n) <= by_table.bound(x, n));
         }
     }
 }

@@ -48,9 +48,9 @@ impl Registers {
     }
 }
 
-/// The six paths of a polygon.
+/// The six routes of a polygon.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Path {
+pub enum Route {
     /// Polyhedron mode: mean of the sample points.
     Polyhedron,
     /// Brightness-interpolation mode: circuit (21).
@@ -66,11 +66,11 @@ pub enum Path {
     Reused,
 }
 
-impl Path {
+impl Route {
     /// All, in the order of their numbers.
     pub const ALL: [Self; 6] = [Self::Polyhedron, Self::Brightness, Self::Normal, Self::GateClosed, Self::Flat, Self::Reused];
 
-    /// The path that the registers select.
+    /// The route that the registers select.
     pub fn of(registers: Registers, reused: bool) -> Self {
         match registers.mode {
             Mode::Polyhedron => Self::Polyhedron,
@@ -131,15 +131,15 @@ mod tests {
     #[test]
     fn each_path_is_one_selection() {
         for r in registers() {
-            let expected = match Path::of(r, false) {
-                Path::Polyhedron | Path::Flat | Path::Reused => Selection::Mean,
-                Path::Brightness | Path::GateClosed => Selection::Linear,
-                Path::Normal => Selection::LinearAndSpecular,
+            let expected = match Route::of(r, false) {
+                Route::Polyhedron | Route::Flat | Route::Reused => Selection::Mean,
+                Route::Brightness | Route::GateClosed => Selection::Linear,
+                Route::Normal => Selection::LinearAndSpecular,
             };
             assert_eq!(r.selection(), expected, "{r:?}");
         }
-        for (i, path) in Path::ALL.into_iter().enumerate() {
-            assert_eq!(path as usize, i);
+        for (i, route) in Route::ALL.into_iter().enumerate() {
+            assert_eq!(route as usize, i);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Selector (28), the way out of the device.
 
-use crate::{CircuitConfig, Dot, Figure, Finished, Mode, Path, Selection, Signal};
+use crate::{CircuitConfig, Dot, Figure, Finished, Mode, Route, Selection, Signal};
+use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::saturated;
 use basrelief_signals::{Control, Flow, Pixel, Stamp};
@@ -13,17 +14,24 @@ const FROM_21: usize = 1;
 /// The output of process 24.
 const FROM_24: usize = 2;
 
+/// What selector (28) has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Selector28Counters {
+    /// Polygons, by route.
+    pub polygons: [u64; 6],
+    /// Dots, by route.
+    pub dots: [u64; 6],
+}
+
 /// Everything selector (28) remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Selector28State {
     /// The input that is read.
     pub selected: usize,
-    /// Path of the polygon that passes.
-    pub path: Path,
-    /// Polygons, by path.
-    pub polygons: [u64; 6],
-    /// Dots, by path.
-    pub dots: [u64; 6],
+    /// Route of the polygon that passes.
+    pub route: Route,
+    /// What it has counted.
+    pub counters: Selector28Counters,
 }
 
 /// Selector (28): by the mode register (14) the output of selector (53) (input 0), of circuit (21) (input 1) or of process
@@ -46,8 +54,8 @@ impl Selector28 {
     }
 
     fn select(&mut self, figure: &Figure) {
-        self.state.path = figure.path;
-        self.state.polygons[figure.path as usize] += 1;
+        self.state.route = figure.route;
+        self.state.counters.polygons[figure.route as usize] += 1;
         self.state.selected = match (figure.registers.mode, figure.registers.selection()) {
             (Mode::Normal, _) => FROM_53,
             (_, Selection::Mean) => FROM_24,
@@ -57,7 +65,7 @@ impl Selector28 {
 
     #[inline]
     fn pixel(&mut self, dot: Dot) -> Pixel {
-        self.state.dots[self.state.path as usize] += 1;
+        self.state.counters.dots[self.state.route as usize] += 1;
         Pixel { x: dot.x, y: dot.y, z: dot.z, rgb: saturated(dot.brightness) }
     }
 }
@@ -99,5 +107,20 @@ impl Unit for Selector28 {
 
     fn is_empty(&self) -> bool {
         self.state.selected == FROM_53
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.initiation_interval);
+        let c = &self.state.counters;
+        facts.figure("fragments", c.dots.iter().sum::<u64>(), "dots", "Dots drawn; a dot is a fragment").part(Part::Work);
+        let routes = |counts: [u64; 6]| Route::ALL.map(|route| (route.name(), counts[route as usize]));
+        for (name, polygons) in routes(c.polygons) {
+            facts
+                .figure(&format!("polygons_{name}"), polygons, "polygons", "Polygons on this route")
+                .part(Part::Route(name.into()));
+        }
+        for (name, dots) in routes(c.dots) {
+            facts.figure(&format!("dots_{name}"), dots, "dots", "Their dots").part(Part::Route(name.into()));
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Selector (53).
 
 use crate::{CircuitConfig, Selection, Signal};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 
@@ -56,5 +57,9 @@ impl Unit for Selector53 {
 
     fn is_empty(&self) -> bool {
         !self.state.flat
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.initiation_interval);
     }
 }

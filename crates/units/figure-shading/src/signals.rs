@@ -1,6 +1,6 @@
 //! What travels between the circuits.
 
-use crate::{Path, Registers, Setting};
+use crate::{Illumination, Registers, Route};
 use basrelief_shading::Raster;
 use basrelief_signals::{Frame, Polygon};
 use glam::Vec3;
@@ -16,8 +16,8 @@ pub struct Figure {
     pub raster: Raster,
     /// Registers (14), (16), (18).
     pub registers: Registers,
-    /// Its path.
-    pub path: Path,
+    /// Its route.
+    pub route: Route,
     /// What process 23 loads into circuit (21): brightness of each sample point; empty where process 24 draws.
     pub brightness: Vec<[f32; 3]>,
 }
@@ -32,7 +32,7 @@ pub struct NormalLoad {
     /// Normal of each sample point.
     pub normals: Vec<Vec3>,
     /// H, Is, Ks, n.
-    pub setting: Arc<Setting>,
+    pub illumination: Arc<Illumination>,
     /// Specular register (18), for gate (51).
     pub open: bool,
 }

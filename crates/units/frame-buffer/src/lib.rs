@@ -7,11 +7,13 @@
 //! ```
 
 pub mod config;
-pub mod frame_buffer;
 pub mod pixel_buffer;
+pub mod state;
+pub mod unit;
 pub mod video_out;
 
 pub use config::{FrameBufferConfig, VideoOutConfig};
-pub use frame_buffer::{FinishedFrame, FrameBuffer, FrameBufferCounters, FrameBufferState, FrameDone};
-pub use pixel_buffer::{PixelBuffer, PixelBufferCounters, ShownPicture};
-pub use video_out::{VideoOut, VideoOutState};
+pub use pixel_buffer::{PixelBuffer, PixelBufferCounters, PixelBufferState, ShownPicture};
+pub use state::{FinishedFrame, FrameBufferCounters, FrameBufferState};
+pub use unit::{FrameBuffer, FrameDone};
+pub use video_out::{VideoOut, VideoOutCounters, VideoOutState};

@@ -1,9 +1,12 @@
 //! Pixel/depth buffer (124) of the rate-limited renderer, in its second job: keeps the picture and shows it.
 
 use crate::config::FrameBufferConfig;
-use crate::frame_buffer::{FinishedFrame, FrameDone};
+use crate::state::FinishedFrame;
+use crate::unit::FrameDone;
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Frame, PictureFlow, PixelBlock, layout};
+use serde::{Deserialize, Serialize};
 
 /// Side of a block \[pixels\].
 const BLOCK: u32 = 4;
@@ -11,7 +14,7 @@ const BLOCK: u32 = 4;
 const BLOCK_PIXELS: u32 = BLOCK * BLOCK;
 
 /// What the pixel buffer has counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PixelBufferCounters {
     /// Frames shown to the last picture.
     pub frames: u64,
@@ -22,12 +25,29 @@ pub struct PixelBufferCounters {
 }
 
 /// A picture that was shown.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShownPicture {
     /// The picture.
     pub picture: FinishedFrame,
     /// Its number within its frame, from 0.
     pub round: u32,
+}
+
+/// Everything the pixel buffer remembers.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PixelBufferState {
+    /// The picture that is being drawn, if a frame has begun.
+    pub picture: Option<FinishedFrame>,
+    /// Pictures of the current frame.
+    pub round: u32,
+    /// What the last picture takes in memory \[bytes\].
+    pub bytes: u64,
+    /// Pictures that a better one of the same frame follows and that nobody has fetched yet, in order.
+    pub rounds: Vec<ShownPicture>,
+    /// Last pictures of their frames that nobody has fetched yet, in order.
+    pub finished: Vec<ShownPicture>,
+    /// What it has counted.
+    pub counters: PixelBufferCounters,
 }
 
 /// Pixel buffer (124): takes blocks of pixels, and shows the picture when it is complete; with the progressive mode several
@@ -37,17 +57,11 @@ pub struct ShownPicture {
 /// take the place of the pixels.
 #[derive(Clone, Debug)]
 pub struct PixelBuffer {
-    config: FrameBufferConfig,
+    /// Parameters.
+    pub config: FrameBufferConfig,
     base: u64,
-    picture: Option<FinishedFrame>,
-    /// Pictures of the current frame.
-    round: u32,
-    /// What the last picture takes.
-    bytes: u64,
-    rounds: Vec<ShownPicture>,
-    finished: Vec<ShownPicture>,
-    /// What it has counted.
-    pub counters: PixelBufferCounters,
+    /// Everything it remembers.
+    pub state: PixelBufferState,
 }
 
 type Out = (Option<FrameDone>, Option<()>);
@@ -56,42 +70,33 @@ impl PixelBuffer {
     /// At power-on; `shared`: in the place of the depth values.
     pub fn new(config: FrameBufferConfig, shared: bool) -> Self {
         let base = if shared { layout::Z_BUFFER } else { layout::COLOR_BUFFERS };
-        Self {
-            config,
-            base,
-            picture: None,
-            round: 0,
-            bytes: 0,
-            rounds: Vec::new(),
-            finished: Vec::new(),
-            counters: PixelBufferCounters::default(),
-        }
+        Self { config, base, state: PixelBufferState::default() }
     }
 
     /// Bytes that the last picture takes in memory.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        self.state.bytes
     }
 
     /// Pictures shown since the last call that a better one of the same frame follows, in order.
     pub fn drain_rounds(&mut self) -> Vec<ShownPicture> {
-        std::mem::take(&mut self.rounds)
+        std::mem::take(&mut self.state.rounds)
     }
 
     /// Last pictures of their frames shown since the last call, in order.
     pub fn drain_finished(&mut self) -> Vec<ShownPicture> {
-        std::mem::take(&mut self.finished)
+        std::mem::take(&mut self.state.finished)
     }
 
     /// Whether [`PixelBuffer::drain_finished`] would give any.
     pub fn has_finished(&self) -> bool {
-        !self.finished.is_empty()
+        !self.state.finished.is_empty()
     }
 
     fn begin(&mut self, frame: &Frame, traffic: &mut Traffic) {
         let (index, width, height) = (frame.index, frame.width, frame.height);
-        self.picture = None;
-        self.round = 0;
+        self.state.picture = None;
+        self.state.round = 0;
         if !layout::fits(width, height) {
             return traffic.fault(format!(
                 "pixel buffer: frame {index} is {width} x {height} pixels; there is room for {} per side and {} in all, use a smaller size",
@@ -100,12 +105,13 @@ impl PixelBuffer {
             ));
         }
         let pixels = width as usize * height as usize;
-        self.picture = Some(FinishedFrame { index, width, height, rgb: vec![[0; 3]; pixels], covered: vec![false; pixels] });
+        self.state.picture =
+            Some(FinishedFrame { index, width, height, rgb: vec![[0; 3]; pixels], covered: vec![false; pixels] });
     }
 
     #[inline]
     fn write(&mut self, block: &PixelBlock, traffic: &mut Traffic) {
-        let Some(picture) = &mut self.picture else { return };
+        let Some(picture) = &mut self.state.picture else { return };
         let [left, top] = block.at.map(|b| u32::from(b) * BLOCK);
         for (i, rgb) in (0..).zip(&block.rgb).filter(|(i, _)| block.mask & 1 << i != 0) {
             let (x, y) = (left + i % BLOCK, top + i / BLOCK);
@@ -115,7 +121,7 @@ impl PixelBuffer {
                 picture.covered[place] = true;
             }
         }
-        self.counters.pixels += u64::from(block.mask.count_ones());
+        self.state.counters.pixels += u64::from(block.mask.count_ones());
         let number = u64::from(block.at[1]) * u64::from(picture.width.div_ceil(BLOCK)) + u64::from(block.at[0]);
         let bytes = BLOCK_PIXELS * self.config.pixel_bytes;
         traffic.write(0, self.base + number * u64::from(bytes), bytes);
@@ -123,17 +129,17 @@ impl PixelBuffer {
 
     /// Shows the picture (465, 474); nothing where no frame has begun.
     fn show(&mut self, last: bool) -> Out {
-        let picture = if last { self.picture.take() } else { self.picture.clone() };
+        let picture = if last { self.state.picture.take() } else { self.state.picture.clone() };
         let Some(picture) = picture else { return (None, None) };
-        let shown = ShownPicture { picture, round: self.round };
+        let shown = ShownPicture { picture, round: self.state.round };
         let FinishedFrame { index, width, height, .. } = shown.picture;
-        if last { &mut self.finished } else { &mut self.rounds }.push(shown);
+        if last { &mut self.state.finished } else { &mut self.state.rounds }.push(shown);
         let blocks = u64::from(width.div_ceil(BLOCK)) * u64::from(height.div_ceil(BLOCK));
-        self.bytes = blocks * u64::from(BLOCK_PIXELS * self.config.pixel_bytes);
-        self.round += 1;
-        self.counters.pictures += 1;
-        self.counters.frames += u64::from(last);
-        (Some(FrameDone { index, width, height, address: self.base, bytes: self.bytes }), last.then_some(()))
+        self.state.bytes = blocks * u64::from(BLOCK_PIXELS * self.config.pixel_bytes);
+        self.state.round += 1;
+        self.state.counters.pictures += 1;
+        self.state.counters.frames += u64::from(last);
+        (Some(FrameDone { index, width, height, address: self.base, bytes: self.state.bytes }), last.then_some(()))
     }
 }
 
@@ -158,7 +164,7 @@ impl Unit for PixelBuffer {
             Some(PictureFlow::Show { last }) => {
                 let out = self.show(last);
                 let step = Step::after(latency, out);
-                return if out.0.is_some() { step.ending_frame() } else { step };
+                return if out.0.is_some() { step.marked() } else { step };
             }
             None => {}
         }
@@ -168,5 +174,19 @@ impl Unit for PixelBuffer {
     /// One block.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client == 0)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let c = &self.state.counters;
+        let saved = if self.base == layout::Z_BUFFER { self.bytes() } else { 0 };
+        facts.figure("pixels", c.pixels, "pixels", "Pixels written");
+        facts.figure("frames", c.frames, "frames", "Frames finished");
+        facts.figure("pictures", c.pictures, "pictures", "Pictures shown");
+        facts.figure(
+            "memory_saved_by_sharing_bytes",
+            saved,
+            "bytes",
+            "Memory that pixels take in place of depth values, where they share one",
+        );
     }
 }

@@ -1,9 +1,19 @@
 //! Video output: reads each finished frame once (law 11).
 
 use crate::config::VideoOutConfig;
-use crate::frame_buffer::FrameDone;
+use crate::unit::FrameDone;
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
+
+/// What the video output has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct VideoOutCounters {
+    /// Frames taken.
+    pub frames: u64,
+    /// Bytes read.
+    pub bytes: u64,
+}
 
 /// Everything the video output remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -12,10 +22,8 @@ pub struct VideoOutState {
     pub address: u64,
     /// What is left of the frame \[bytes\].
     pub left: u64,
-    /// Frames taken.
-    pub frames: u64,
-    /// Bytes read.
-    pub bytes: u64,
+    /// What it has counted.
+    pub counters: VideoOutCounters,
 }
 
 /// Video output: reads a frame from its end token on, one read per step, as client 0 of the graphics-data memory (124).
@@ -47,7 +55,7 @@ impl Unit for VideoOut {
         if let Some(frame) = input {
             self.state.address = frame.address;
             self.state.left = if self.config.enabled { frame.bytes } else { 0 };
-            self.state.frames += 1;
+            self.state.counters.frames += 1;
         }
         let bytes = u32::try_from(self.state.left).unwrap_or(u32::MAX).min(self.config.burst_bytes);
         if bytes == 0 {
@@ -56,7 +64,7 @@ impl Unit for VideoOut {
         traffic.read(0, self.state.address, bytes);
         self.state.address += u64::from(bytes);
         self.state.left -= u64::from(bytes);
-        self.state.bytes += u64::from(bytes);
+        self.state.counters.bytes += u64::from(bytes);
         Step::after(0, ()).busy(u64::from(self.config.cycles_per_read))
     }
 
@@ -67,6 +75,10 @@ impl Unit for VideoOut {
 
     fn is_empty(&self) -> bool {
         self.state.left == 0
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.figure("video_out_bytes", self.state.counters.bytes, "bytes", "What was read for the display");
     }
 }
 
@@ -86,7 +98,7 @@ mod tests {
             all.extend(traffic.requests().iter().map(|r| (r.address, r.bytes)));
         }
         assert!(unit.is_empty());
-        assert_eq!(unit.state.bytes, all.iter().map(|(_, n)| u64::from(*n)).sum::<u64>());
+        assert_eq!(unit.state.counters.bytes, all.iter().map(|(_, n)| u64::from(*n)).sum::<u64>());
         (all, cycles)
     }
 

@@ -28,7 +28,7 @@ unit_contract! {
     unit: FrameBuffer::new(FrameBufferConfig { pixel_bytes: 3, latency: 4 }),
     inputs: pixels(),
     clients: [Client::Port],
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 /// Two frames, the first in two pictures, with blocks at the edge and beside it; and a picture without a frame.
@@ -50,6 +50,7 @@ unit_contract! {
     unit: PixelBuffer::new(FrameBufferConfig { pixel_bytes: 3, latency: 4 }, true),
     inputs: blocks(),
     clients: [Client::Port],
+    state,
 }
 
 /// Frames of whole, broken and no bursts, in both buffers.
@@ -69,7 +70,7 @@ unit_contract! {
     unit: VideoOut::new(VideoOutConfig { cycles_per_read: 3, ..VideoOutConfig::default() }),
     inputs: finished(),
     clients: [Client::Port],
-    state: |unit| unit.state => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
@@ -77,5 +78,5 @@ unit_contract! {
     unit: VideoOut::new(VideoOutConfig { enabled: false, ..VideoOutConfig::default() }),
     inputs: finished(),
     clients: [Client::Port],
-    state: |unit| unit.state => |unit, state| unit.state = state,
+    state,
 }

@@ -7,12 +7,14 @@
 
 pub mod clip;
 pub mod config;
-pub mod source;
+pub mod display_list_source;
+pub mod scene_source;
 pub mod state;
 pub mod transform;
 pub mod unit;
 
 pub use config::{Arrival, BumpConfig, DisplayListConfig, GeometryConfig, Targets};
-pub use source::{DisplayListSource, DisplayListState, SceneDraws, SceneSource};
-pub use state::{GeometryCounters, GeometryState, VertexCache};
+pub use display_list_source::{DisplayListSource, DisplayListSourceCounters, DisplayListSourceState};
+pub use scene_source::{SceneDraws, SceneSource, SceneSourceCounters, SceneSourceState};
+pub use state::{GeometryProcessorCounters, GeometryProcessorState, VertexCache};
 pub use unit::GeometryProcessor;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// What the geometry processor has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct GeometryCounters {
+pub struct GeometryProcessorCounters {
     /// Triangles taken; each is outside, culled, degenerate or becomes a polygon.
     pub triangles: u64,
     /// Outside the view volume.
@@ -67,7 +67,7 @@ impl VertexCache {
 
 /// Everything the geometry processor remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct GeometryState {
+pub struct GeometryProcessorState {
     /// The current frame.
     pub frame: Option<Arc<Frame>>,
     /// The current object.
@@ -82,6 +82,6 @@ pub struct GeometryState {
     pub elapsed: u64,
     /// Cycle at which the last step would have delivered then.
     pub arrival: u64,
-    /// Counters.
-    pub counters: GeometryCounters,
+    /// What it has counted.
+    pub counters: GeometryProcessorCounters,
 }

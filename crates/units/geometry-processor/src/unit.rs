@@ -2,8 +2,9 @@
 
 use crate::clip::{Clipped, clip};
 use crate::config::{BumpConfig, GeometryConfig, Targets};
-use crate::state::GeometryState;
+use crate::state::GeometryProcessorState;
 use crate::transform::{Corner, Transform, centre};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{brightness, doubled_area, light_vectors, polygon_lod};
 use basrelief_signals::{Control, Draw, Frame, Object, ObjectInfo, Polygon, Vertex};
@@ -26,7 +27,7 @@ pub struct GeometryProcessor {
     /// Parameters of the bump decision.
     pub bump: BumpConfig,
     /// Everything it remembers.
-    pub state: GeometryState,
+    pub state: GeometryProcessorState,
 }
 
 /// Why a triangle became no polygon.
@@ -39,7 +40,7 @@ enum Dropped {
 impl GeometryProcessor {
     /// A geometry processor at power-on.
     pub fn new(config: GeometryConfig, bump: BumpConfig) -> Self {
-        Self { config, bump, state: GeometryState::default() }
+        Self { config, bump, state: GeometryProcessorState::default() }
     }
 
     fn begin_object(&mut self, object: Arc<Object>) -> ObjectInfo {
@@ -217,6 +218,20 @@ impl Unit for GeometryProcessor {
         };
         self.state.elapsed += occupancy;
         Step::after(latency, out).busy(occupancy)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.cycles_per_polygon.max(1));
+        let c = &self.state.counters;
+        facts.figure("triangles", c.triangles, "triangles", "Triangles of the scene");
+        facts.figure("triangles_outside", c.outside, "triangles", "Those outside the view");
+        facts.figure("triangles_culled", c.culled, "triangles", "Those that face away and are culled");
+        facts.figure("triangles_degenerate", c.degenerate, "triangles", "Those without area");
+        facts.figure("polygons_clipped", c.clipped, "polygons", "Those of `polygons` that were clipped");
+        facts.figure("polygons", c.polygons, "polygons", "Polygons handed on");
+        facts.figure("bump_polygons", c.bump_polygons, "polygons", "Those of `polygons` that are bump targets");
+        facts.figure("vertices_transformed", c.vertices, "vertices", "Vertices transformed");
+        facts.figure("vertex_cache_hits", c.vertex_cache_hits, "vertices", "Vertices found transformed in the vertex cache");
     }
 }
 

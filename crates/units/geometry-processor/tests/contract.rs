@@ -1,8 +1,8 @@
 //! The geometry processor (102) and the two sources keep the unit contract.
 
 use basrelief_geometry_processor::{
-    Arrival, BumpConfig, DisplayListConfig, DisplayListSource, GeometryConfig, GeometryProcessor, SceneDraws, SceneSource,
-    Targets,
+    Arrival, BumpConfig, DisplayListConfig, DisplayListSource, DisplayListSourceState, GeometryConfig, GeometryProcessor,
+    SceneDraws, SceneSource, Targets,
 };
 use basrelief_kernel::unit_contract;
 use basrelief_signals::{
@@ -80,10 +80,15 @@ unit_contract! {
     name: geometry_processor,
     unit: unit(),
     inputs: draws(),
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
-unit_contract! { name: scene_source, unit: SceneSource::new(SceneDraws::new(scene())), inputs: () }
+unit_contract! {
+    name: scene_source,
+    unit: SceneSource::new(SceneDraws::new(scene())),
+    inputs: (),
+    state: |unit| unit.state => |unit, state| *unit = SceneSource::resumed(SceneDraws::new(scene()), state),
+}
 
 /// A display list whose polygons come in time, late, and not at all.
 fn display_list() -> Vec<Result<(Control, Option<u64>), String>> {
@@ -100,9 +105,20 @@ fn display_list() -> Vec<Result<(Control, Option<u64>), String>> {
 
 type Commands = std::vec::IntoIter<Result<(Control, Option<u64>), String>>;
 
-fn replay(arrival: Arrival) -> DisplayListSource<Commands> {
-    DisplayListSource::new(DisplayListConfig { arrival }, display_list().into_iter())
+fn replay(arrival: Arrival, state: DisplayListSourceState) -> DisplayListSource<Commands> {
+    DisplayListSource::resumed(DisplayListConfig { arrival }, display_list().into_iter(), state)
 }
 
-unit_contract! { name: display_list_source_as_recorded, unit: replay(Arrival::Recorded), inputs: () }
-unit_contract! { name: display_list_source_asap, unit: replay(Arrival::Asap), inputs: () }
+unit_contract! {
+    name: display_list_source_as_recorded,
+    unit: replay(Arrival::Recorded, DisplayListSourceState::default()),
+    inputs: (),
+    state: |unit| unit.state => |unit, state| *unit = replay(Arrival::Recorded, state),
+}
+
+unit_contract! {
+    name: display_list_source_asap,
+    unit: replay(Arrival::Asap, DisplayListSourceState::default()),
+    inputs: (),
+    state: |unit| unit.state => |unit, state| *unit = replay(Arrival::Asap, state),
+}

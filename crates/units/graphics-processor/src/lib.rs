@@ -10,11 +10,11 @@
 
 pub mod blend;
 pub mod config;
-pub mod depth;
+pub mod depth_test;
 pub mod state;
 pub mod unit;
 
 pub use config::{DepthConfig, DrawOrder, GraphicsConfig, Mip};
-pub use depth::{DepthState, DepthTest};
-pub use state::{GraphicsCounters, GraphicsState, Held, Phase};
+pub use depth_test::{DepthTest, DepthTestCounters, DepthTestState};
+pub use state::{GraphicsProcessorCounters, GraphicsProcessorState, Held, Phase};
 pub use unit::GraphicsProcessor;

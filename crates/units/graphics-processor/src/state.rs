@@ -30,7 +30,7 @@ pub enum Held {
 
 /// What the graphics processor has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct GraphicsCounters {
+pub struct GraphicsProcessorCounters {
     /// Pixels drawn.
     pub pixels: u64,
     /// Of these, with a colour texture.
@@ -43,7 +43,7 @@ pub struct GraphicsCounters {
 
 /// Everything the graphics processor remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct GraphicsState {
+pub struct GraphicsProcessorState {
     /// What is taken next.
     pub phase: Phase,
     /// The control token whose twin is awaited.
@@ -62,8 +62,8 @@ pub struct GraphicsState {
     pub results_written: u64,
     /// Results read back.
     pub results_read: u64,
-    /// Counters.
-    pub counters: GraphicsCounters,
+    /// What it has counted.
+    pub counters: GraphicsProcessorCounters,
 }
 
 impl Held {

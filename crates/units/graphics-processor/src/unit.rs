@@ -2,7 +2,8 @@
 
 use crate::blend::{blended, filtered};
 use crate::config::{DrawOrder, GraphicsConfig, Mip};
-use crate::state::{GraphicsState, Held, Phase};
+use crate::state::{GraphicsProcessorState, Held, Phase};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::texture::texel_offset;
 use basrelief_shading::{Gradient, fan_triangle, interpolate, level_offset, polygon_lod, select_levels, taps};
@@ -33,14 +34,14 @@ pub struct GraphicsProcessor {
     /// Most fragments of a stamp.
     pub stamp: u32,
     /// Everything it remembers.
-    pub state: GraphicsState,
+    pub state: GraphicsProcessorState,
 }
 
 impl GraphicsProcessor {
     /// A graphics processor at power-on, for stamps of at most `stamp` fragments; `separate`: the two terms of a vertex's
     /// brightness are blended apart.
     pub fn new(config: GraphicsConfig, separate: bool, stamp: u32) -> Self {
-        Self { config, separate, stamp, state: GraphicsState::default() }
+        Self { config, separate, stamp, state: GraphicsProcessorState::default() }
     }
 
     /// A control token on the way through (106), which carries the order. Polygons that are no bump target, and what ends
@@ -295,6 +296,13 @@ impl Unit for GraphicsProcessor {
 
     fn is_empty(&self) -> bool {
         self.state.pending.is_none() && self.state.held.is_empty()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.blend_cycles);
+        let c = &self.state.counters;
+        facts.figure("pixels_textured", c.textured, "pixels", "Pixels with a colour texture");
+        facts.figure("results_held", c.held, "pixels", "Results held until the list was over");
     }
 }
 

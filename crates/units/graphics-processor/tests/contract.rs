@@ -87,7 +87,7 @@ unit_contract! {
     unit: GraphicsProcessor::new(GraphicsConfig::default(), false, 4),
     inputs: both_ways(),
     clients: [Client::Cache { line_bytes: 64 }, Client::Port],
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
@@ -95,7 +95,7 @@ unit_contract! {
     unit: GraphicsProcessor::new(GraphicsConfig { draw: DrawOrder::AfterList, blend_cycles: 3, ..GraphicsConfig::default() }, true, 4),
     inputs: both_ways(),
     clients: [Client::Cache { line_bytes: 64 }, Client::Port],
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
@@ -103,7 +103,7 @@ unit_contract! {
     unit: GraphicsProcessor::new(GraphicsConfig { texel_bytes: 12, ..GraphicsConfig::default() }, false, 4),
     inputs: both_ways(),
     clients: [Client::Cache { line_bytes: 64 }, Client::Port],
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 /// Two frames of items that hide each other, and some outside the frame.
@@ -124,7 +124,7 @@ unit_contract! {
     unit: DepthTest::<Stamp<Fragment>>::new(DepthConfig::default(), 24),
     inputs: flow(|fragment| fragment),
     clients: [Client::Cache { line_bytes: 64 }, Client::Port],
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
@@ -132,5 +132,5 @@ unit_contract! {
     unit: DepthTest::<Stamp<Pixel>>::new(DepthConfig { latency: 7 }, 16),
     inputs: flow(|f| Pixel { x: f.x, y: f.y, z: f.z, rgb: [f.x as u8, f.y as u8, 9] }),
     clients: [Client::Cache { line_bytes: 32 }, Client::Port],
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }

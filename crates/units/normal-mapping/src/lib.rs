@@ -17,5 +17,5 @@ mod unit;
 
 pub use config::{FilterAt, NormalMappingConfig};
 pub use distinct::DistinctCounter;
-pub use state::{Counters, NormalMappingState};
+pub use state::{NormalMappingCounters, NormalMappingState};
 pub use unit::NormalMapping;

@@ -1,13 +1,14 @@
 //! The unit and its step.
 
+use crate::DistinctCounter;
 use crate::lanes::weights;
 use crate::lines::Lines;
 use crate::rotate::{FixedPoint, TangentFrame};
-use crate::{Counters, FilterAt, NormalMappingConfig, NormalMappingState};
+use crate::state::Setup;
+use crate::{FilterAt, NormalMappingConfig, NormalMappingState};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_shading::{
-    Footprints, Gradient, LEVELS, Taps, decode_normal, fan_triangle, footprints, level_offset, select_levels,
-};
+use basrelief_shading::{Footprints, LEVELS, Taps, decode_normal, footprints, level_offset, select_levels};
 use basrelief_signals::{Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Sample, Samples, Stamp};
 use std::sync::Arc;
 use wide::f32x4;
@@ -18,34 +19,14 @@ use wide::f32x4;
 /// `normals_per_cycle`.
 #[derive(Clone, Debug)]
 pub struct NormalMapping {
-    config: NormalMappingConfig,
+    /// Parameters.
+    pub config: NormalMappingConfig,
     levels: u8,
     stamp: u32,
     lines: Lines,
     fixed_point: FixedPoint,
-    state: NormalMappingState,
-    /// Of the triangle that the last fragment was in; follows from the state.
-    setup: Option<Setup>,
-}
-
-/// Attributes over a triangle; follows from polygon and triangle.
-#[derive(Clone, Debug)]
-struct Setup {
-    triangle: u16,
-    /// Normal, tangent, coordinates of the normal map.
-    attributes: Gradient<8>,
-    handedness: f32,
-}
-
-impl Setup {
-    fn new(polygon: &Polygon, triangle: u16) -> Option<Self> {
-        let corners = fan_triangle(polygon, triangle)?;
-        let [a, b, c] = corners.map(|v| {
-            let ([nx, ny, nz], [tx, ty, tz, _], [u, v]) = (v.normal, v.tangent, v.uv_normal);
-            [nx, ny, nz, tx, ty, tz, u, v]
-        });
-        Some(Self { triangle, attributes: Gradient::new([&a, &b, &c]), handedness: corners[0].tangent[3] })
-    }
+    /// Everything it remembers.
+    pub state: NormalMappingState,
 }
 
 impl NormalMapping {
@@ -57,23 +38,7 @@ impl NormalMapping {
     pub fn new(config: NormalMappingConfig, levels: u8, stamp: u32, line_bytes: u32) -> Self {
         let lines = Lines::new(config.texel_bytes, line_bytes);
         let fixed_point = FixedPoint::new(config.normal_bits);
-        Self { config, levels, stamp, lines, fixed_point, state: NormalMappingState::default(), setup: None }
-    }
-
-    /// State; for checkpoints.
-    pub fn state(&self) -> &NormalMappingState {
-        &self.state
-    }
-
-    /// Puts a state back; the default resets.
-    pub fn set_state(&mut self, state: NormalMappingState) {
-        self.state = state;
-        self.setup = None;
-    }
-
-    /// What was counted.
-    pub fn counters(&self) -> &Counters {
-        &self.state.counters
+        Self { config, levels, stamp, lines, fixed_point, state: NormalMappingState::default() }
     }
 
     fn begin_polygon(&mut self, polygon: &Arc<Polygon>) {
@@ -85,7 +50,7 @@ impl NormalMapping {
         }
         self.state.levels = set;
         self.state.polygon = Some(Arc::clone(polygon));
-        self.setup = None;
+        *self.state.setup = None;
     }
 
     #[inline(always)]
@@ -108,13 +73,13 @@ impl NormalMapping {
     /// Samples the fragments of a stamp side by side; `None` where there is nothing to sample.
     #[inline(always)]
     fn sample(&mut self, stamp: &Stamp<Fragment>, out: &mut Samples<[i16; 3]>, traffic: &mut Traffic) -> Option<()> {
-        let NormalMappingState { polygon, levels, base, counters } = &mut self.state;
+        let NormalMappingState { polygon, levels, base, setup, counters } = &mut self.state;
         let polygon = polygon.as_deref()?;
         let triangle = stamp.first()?.triangle;
-        if self.setup.as_ref().is_none_or(|s| s.triangle != triangle) {
-            self.setup = Setup::new(polygon, triangle);
+        if setup.as_ref().is_none_or(|s| s.triangle != triangle) {
+            **setup = Setup::new(polygon, triangle);
         }
-        let setup = self.setup.as_ref()?;
+        let setup = setup.as_ref()?;
         counters.bump_fragments += u64::from(polygon.bump) * stamp.len() as u64;
         let [nx, ny, nz, tx, ty, tz, u, v] = setup.attributes.side_by_side(weights(stamp));
         let selected = (0..usize::from(levels.count)).map(|i| (levels.level[i], levels.weight[i], base[i]));
@@ -219,8 +184,27 @@ impl Unit for NormalMapping {
         }
         self.stamp * u32::from(self.levels.clamp(1, LEVELS as u8)) * self.config.taps() * self.lines.per_texel
     }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        let c = &self.state.counters;
+        facts.figure("bump_fragments", c.bump_fragments, "fragments", "Fragments of bump targets");
+        facts.figure("normal_texels", c.texels, "texels", "Normal-map texels read");
+        facts.figure("pseudo_normals", c.pseudo_normals, "pseudo-normals", "Pseudo-normals N' calculated");
+        facts.figure(
+            "distinct_pseudo_normals",
+            u64::from(c.distinct.count()),
+            "pseudo-normals",
+            "Distinct ones; more are not told apart from `distinct_pseudo_normals_counted_to`",
+        );
+        facts.figure(
+            "distinct_pseudo_normals_counted_to",
+            u64::from(DistinctCounter::LIMIT),
+            "pseudo-normals",
+            "So many distinct ones are counted, and no more",
+        );
+    }
 }
 
 #[cfg(test)]
-#[path = "unit_tests.rs"]
 mod tests;

@@ -27,6 +27,6 @@ pub struct RasterizerState {
     pub polygon: Option<Arc<Polygon>>,
     /// Its traversal.
     pub scan: Scan,
-    /// Counters.
+    /// What it has counted.
     pub counters: RasterizerCounters,
 }

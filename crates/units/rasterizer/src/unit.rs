@@ -2,6 +2,7 @@
 
 use crate::config::RasterizerConfig;
 use crate::state::RasterizerState;
+use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::texture::BLOCK;
 use basrelief_shading::{Raster, Scan, fan_triangles};
@@ -105,6 +106,12 @@ impl Unit for Rasterizer {
 
     fn is_empty(&self) -> bool {
         self.state.polygon.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        let fragments = self.state.counters.fragments;
+        facts.figure("fragments", fragments, "fragments", "Fragments found in polygons").part(Part::Work);
     }
 }
 

@@ -39,14 +39,14 @@ unit_contract! {
     name: rasterizer,
     unit: Rasterizer::new(RasterizerConfig::default()),
     inputs: display_list(),
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 unit_contract! {
     name: rasterizer_of_single_pixels_and_slow_set_up,
     unit: Rasterizer::new(RasterizerConfig { block: 1, setup_cycles: 40, ..RasterizerConfig::default() }),
     inputs: display_list(),
-    state: |unit| unit.state.clone() => |unit, state| unit.state = state,
+    state,
 }
 
 /// What the rasterizer makes of the display list.
@@ -66,5 +66,5 @@ unit_contract! {
     name: distributor,
     unit: Distributor::default(),
     inputs: fragments(),
-    state: |unit| unit.state => |unit, state| unit.state = state,
+    state,
 }

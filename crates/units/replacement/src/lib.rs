@@ -22,5 +22,5 @@ pub use code_book::build_code_book;
 pub use config::{CodeBookMode, PerLevel, ReplacementConfig, Tables};
 pub use gather::Gather;
 pub use search::NearestSearch;
-pub use state::{Counters, ReplacementState};
+pub use state::{ReplacementCounters, ReplacementState};
 pub use unit::Replacement;

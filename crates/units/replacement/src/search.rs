@@ -193,5 +193,4 @@ fn beats((i, a): (u16, [i64; 4]), (j, b): (u16, [i64; 4])) -> bool {
 }
 
 #[cfg(test)]
-#[path = "search_tests.rs"]
 mod tests;

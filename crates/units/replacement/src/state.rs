@@ -1,9 +1,11 @@
 //! What the replacement unit (110) keeps between steps.
 
-use crate::Gather;
+use crate::{Gather, NearestSearch};
+use basrelief_kernel::Derived;
 use basrelief_shading::LEVELS;
-use basrelief_signals::{ObjectInfo, PseudoNormals};
+use basrelief_signals::{MAX_SAMPLES, ObjectInfo, PseudoNormals};
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -32,12 +34,20 @@ pub struct ReplacementState {
     pub(crate) pending: Option<PseudoNormals>,
     /// Code books: what is held back.
     pub(crate) gather: Gather,
-    pub(crate) counters: Counters,
+    /// Search structures of the current code book.
+    #[serde(skip)]
+    pub(crate) book: Derived<Vec<NearestSearch>>,
+    /// Levels of the samples of a stamp that found all tables resident: using them again in the same order leaves their order of
+    /// use as it is, so the next stamp of the kind need not look.
+    #[serde(skip)]
+    pub(crate) settled: Derived<SmallVec<[u8; MAX_SAMPLES]>>,
+    /// What it has counted.
+    pub counters: ReplacementCounters,
 }
 
-/// What the unit counts.
+/// What the replacement unit (110) has counted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Counters {
+pub struct ReplacementCounters {
     /// Searches made, one per sample.
     pub searches: u64,
     /// VQ tables loaded.
@@ -54,7 +64,7 @@ pub struct Counters {
     used: [Vec<u64>; LEVELS],
 }
 
-impl Counters {
+impl ReplacementCounters {
     /// Distinct indexes that occurred at each level: reference normals used. Code books share the numbering.
     pub fn reference_normals_used(&self) -> [u32; LEVELS] {
         std::array::from_fn(|k| self.used[k].iter().map(|word| word.count_ones()).sum())

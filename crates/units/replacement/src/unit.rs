@@ -2,11 +2,11 @@
 
 use crate::state::{TableKey, TableLoad};
 use crate::tables::HostTables;
-use crate::{CodeBookMode, Counters, NearestSearch, ReplacementConfig, ReplacementState, build_code_book};
+use crate::{CodeBookMode, NearestSearch, ReplacementConfig, ReplacementState, build_code_book};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LEVELS, TableError};
-use basrelief_signals::{Control, Flow, Indexes, MAX_SAMPLES, MAX_STAMP, PseudoNormals, Sample, Samples, quantization_memory};
-use smallvec::SmallVec;
+use basrelief_signals::{Control, Flow, Indexes, MAX_STAMP, PseudoNormals, Sample, Samples, quantization_memory};
 use std::sync::Arc;
 
 /// VQ tables (121) are read through this client.
@@ -21,15 +21,13 @@ const GATHERED: u32 = 1;
 /// the end of the polygon or object; then the unit clusters, sends the code book, and sends what it held.
 #[derive(Clone, Debug)]
 pub struct Replacement {
-    config: ReplacementConfig,
+    /// Parameters.
+    pub config: ReplacementConfig,
     normal_bits: u32,
-    state: ReplacementState,
+    /// Everything it remembers.
+    pub state: ReplacementState,
+    /// What the VQ tables (121) hold; follows from their parameters.
     tables: HostTables,
-    /// Search structures of the current code book; they follow from the state.
-    book: Option<Vec<NearestSearch>>,
-    /// Levels of the samples of a stamp that found all tables resident: using them again in the same order leaves their order of
-    /// use as it is, so the next stamp of the kind need not look.
-    settled: Option<SmallVec<[u8; MAX_SAMPLES]>>,
 }
 
 type Out = Step<Option<Flow<Indexes>>>;
@@ -42,31 +40,7 @@ impl Replacement {
     pub fn new(config: ReplacementConfig, normal_bits: u32) -> Result<Self, TableError> {
         let set = config.table_set();
         set.check()?;
-        Ok(Self {
-            config,
-            normal_bits,
-            state: ReplacementState::default(),
-            tables: HostTables::new(set),
-            book: None,
-            settled: None,
-        })
-    }
-
-    /// State; for checkpoints.
-    pub fn state(&self) -> &ReplacementState {
-        &self.state
-    }
-
-    /// Puts a state back; the default resets.
-    pub fn set_state(&mut self, state: ReplacementState) {
-        self.state = state;
-        self.book = None;
-        self.settled = None;
-    }
-
-    /// What was counted.
-    pub fn counters(&self) -> &Counters {
-        &self.state.counters
+        Ok(Self { config, normal_bits, state: ReplacementState::default(), tables: HostTables::new(set) })
     }
 
     /// Level of table and CLUT for a sample's MIP level.
@@ -121,7 +95,7 @@ impl Replacement {
             Control::Object(object) => {
                 self.state.object = Some(Arc::clone(object));
                 self.state.polygons = 0;
-                self.settled = None;
+                *self.state.settled = None;
             }
             Control::Polygon(_) => self.state.polygons += 1,
             _ => {}
@@ -147,7 +121,7 @@ impl Replacement {
     #[inline]
     fn request_tables(&mut self, normals: &PseudoNormals) {
         let levels = || normals.samples.iter().map(|s| s.level);
-        if self.settled.as_ref().is_some_and(|settled| settled.iter().copied().eq(levels())) {
+        if self.state.settled.as_ref().is_some_and(|settled| settled.iter().copied().eq(levels())) {
             return;
         }
         let object = self.fixed_by_object();
@@ -159,7 +133,7 @@ impl Replacement {
                 None => self.admit(key),
             }
         }
-        self.settled = self.state.loads.is_empty().then(|| levels().collect());
+        *self.state.settled = self.state.loads.is_empty().then(|| levels().collect());
     }
 
     fn admit(&mut self, key: TableKey) {
@@ -201,7 +175,7 @@ impl Replacement {
         let (mut of_fragment, mut pipelined) = (0, 0);
         for (i, Sample { level, weight, value }) in normals.samples.iter().enumerate() {
             let level = self.table_level(*level);
-            let search = match &mut self.book {
+            let search = match &mut *self.state.book {
                 Some(book) => book.get_mut(usize::from(level)).ok_or(TableError::Entries(0)),
                 None => self.tables.table(level, object),
             };
@@ -291,7 +265,7 @@ impl Replacement {
         self.state.counters.code_books += 1;
         self.state.counters.clustering_cycles += cycles;
         let book = Arc::new(lists);
-        self.book = None;
+        *self.state.book = None;
         self.state.gather.book = Some(Arc::clone(&book));
         let latency = cycles + u64::from(self.config.latency);
         Step::after(latency, Some(Flow::Control(Control::CodeBook(book)))).busy(cycles)
@@ -309,7 +283,7 @@ impl Replacement {
             }
             Some(Flow::Control(control)) => self.pass(control),
             None => {
-                self.book = None;
+                *self.state.book = None;
                 match std::mem::take(&mut self.state.gather).ending {
                     Some(control) => self.pass(control),
                     None => self.quiet(),
@@ -319,11 +293,11 @@ impl Replacement {
     }
 
     fn prepare_book(&mut self) {
-        if self.book.is_none()
+        if self.state.book.is_none()
             && let Some(book) = &self.state.gather.book
         {
             let searches = self.state.gather.held.len();
-            self.book = Some(book.iter().map(|list| NearestSearch::new(list, searches)).collect());
+            *self.state.book = Some(book.iter().map(|list| NearestSearch::new(list, searches)).collect());
         }
     }
 }
@@ -354,8 +328,37 @@ impl Unit for Replacement {
     fn is_empty(&self) -> bool {
         self.state.pending.is_none() && self.state.gather.is_empty()
     }
+
+    fn tell(&self, facts: &mut Facts) {
+        let search = self.config.search_cycles(self.config.entries.levels()[0]);
+        let interval = if self.config.pipelined { 1 } else { search };
+        facts.rate(0, u64::from(self.config.latency) + search, interval);
+        let c = &self.state.counters;
+        // Claim 3 and the promise of the patent: only indexes are kept on the surface, so less is moved than with normals.
+        let most = self.config.entries.levels().into_iter().max().unwrap_or(1);
+        let index_bytes = u64::from(most.max(2).next_power_of_two().trailing_zeros()).div_ceil(8);
+        let normal_bytes = u64::from(3 * self.normal_bits).div_ceil(8);
+        facts.figure("searches", c.searches, "searches", "Searches for the nearest reference normal");
+        facts.figure(
+            "reference_normals_used",
+            c.reference_normals_used().map(u64::from).to_vec(),
+            "reference normals",
+            "Reference normals that some search found, by VQ table",
+        );
+        facts.figure("vq_table_loads", c.table_loads, "loads", "Loads of VQ tables");
+        facts.figure("vq_table_load_bytes", c.table_load_bytes, "bytes", "What they moved");
+        facts.figure("code_books", c.code_books, "code books", "Code books made of gathered pseudo-normals");
+        facts.figure("clustering_cycles", c.clustering_cycles, "cycles", "Cycles that making them took");
+        facts.figure("gathered_bytes", c.gathered_bytes, "bytes", "Pseudo-normals gathered for them");
+        facts.figure(
+            "index_bytes",
+            c.searches * index_bytes,
+            "bytes",
+            "What indexes take that are kept on the surface, one per search",
+        );
+        facts.figure("full_normal_bytes", c.searches * normal_bytes, "bytes", "What normals would take in their place");
+    }
 }
 
 #[cfg(test)]
-#[path = "unit_tests.rs"]
 mod tests;

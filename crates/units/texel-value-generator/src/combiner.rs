@@ -4,9 +4,21 @@ use crate::config::{CombineMode, CombinerConfig};
 use crate::log::DisplacementMap;
 use crate::signals::{IlluminancePacket, TexturePacket};
 use crate::twins::{Pair, pair};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, LINE_PIXELS, PACKET_PIXELS, PixelPacket, layout, line_of};
 use serde::{Deserialize, Serialize};
+
+/// What the combiner has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CombinerCounters {
+    /// Frames begun.
+    pub frames: u64,
+    /// Pixels combined.
+    pub pixels: u64,
+    /// Pixels read back.
+    pub read_back: u64,
+}
 
 /// Everything the combiner remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -15,16 +27,12 @@ pub struct CombinerState {
     pub size: [u32; 2],
     /// What it wrote last to each pixel: what it reads back. Empty where it never does.
     pub old: Vec<[u8; 3]>,
-    /// Frames begun.
-    pub frames: u64,
-    /// Pixels combined.
-    pub pixels: u64,
-    /// Pixels read back.
-    pub read_back: u64,
     /// Displacements of the frame, where somebody asked.
     pub map: Option<DisplacementMap>,
     /// Those of frames that are complete and that nobody has fetched.
     pub finished: Vec<DisplacementMap>,
+    /// What it has counted.
+    pub counters: CombinerCounters,
 }
 
 /// Combiner (350): texture value times illuminance, and with the old pixel value from the buffer (360) where the mode asks for
@@ -65,7 +73,7 @@ impl Combiner {
                 }
             }
             Control::FrameEnd => {
-                state.frames += 1;
+                state.counters.frames += 1;
                 if let Some(map) = &mut state.map {
                     state.finished.push(std::mem::take(map));
                 }
@@ -78,9 +86,9 @@ impl Combiner {
     fn read_back(&mut self, packet: &TexturePacket, traffic: &mut Traffic) {
         let line = line_of::<PixelPacket>(self.state.size[0], [u32::from(packet.packet.x), u32::from(packet.packet.y)]);
         let bytes = LINE_PIXELS * self.config.pixel_bytes;
-        let base = layout::COLOR_BUFFERS + self.state.frames % 2 * layout::COLOR_BUFFER_STRIDE;
+        let base = layout::COLOR_BUFFERS + self.state.counters.frames % 2 * layout::COLOR_BUFFER_STRIDE;
         traffic.read(0, base + line * u64::from(bytes), bytes);
-        self.state.read_back += packet.packet.pixels() as u64;
+        self.state.counters.read_back += packet.packet.pixels() as u64;
     }
 
     #[inline(always)]
@@ -102,7 +110,7 @@ impl Combiner {
                 map.note(packet.x + i as u16, packet.y, displacement[i], texture.points & 1 << i != 0);
             }
         }
-        self.state.pixels += packet.pixels() as u64;
+        self.state.counters.pixels += packet.pixels() as u64;
         out
     }
 
@@ -157,6 +165,11 @@ impl Unit for Combiner {
     /// One read of a line.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client == 0 && self.config.mode != CombineMode::Replace)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        facts.figure("pixels_read_back", self.state.counters.read_back, "pixels", "Pixels whose old value was read");
     }
 }
 

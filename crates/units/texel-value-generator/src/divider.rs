@@ -2,13 +2,14 @@
 
 use crate::config::{DividerConfig, Division};
 use crate::signals::{Points, Quotients};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::Flow;
 use serde::{Deserialize, Serialize};
 
-/// Everything the dividers remember.
+/// What the dividers have counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct DividerState {
+pub struct DividerCounters {
     /// Points.
     pub points: u64,
     /// Divisions U / W and V / W.
@@ -17,6 +18,13 @@ pub struct DividerState {
     pub reciprocals: u64,
     /// Multiplications behind these.
     pub multiplications: u64,
+}
+
+/// Everything the dividers remember.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DividerState {
+    /// What they have counted.
+    pub counters: DividerCounters,
 }
 
 /// The dividers of the texel value generator (310): steps 610 and 620, exact values at end points and division points.
@@ -47,14 +55,14 @@ impl Divider {
 
     fn divide(&mut self, points: &Points) -> (Quotients, u64, u64) {
         let count = points.len() as u64;
-        self.state.points += count;
+        self.state.counters.points += count;
         if self.config.division == Division::Two {
-            self.state.divisions += 2 * count;
+            self.state.counters.divisions += 2 * count;
             let (occupancy, latency) = self.cycles(2 * count);
             return (points.iter().map(|[u, v, w]| [u / w, v / w]).collect(), occupancy, latency);
         }
-        self.state.reciprocals += count;
-        self.state.multiplications += 2 * count;
+        self.state.counters.reciprocals += count;
+        self.state.counters.multiplications += 2 * count;
         let (occupancy, latency) = self.cycles(count);
         let quotient = |[u, v, w]: &[f64; 3]| {
             let reciprocal = 1.0 / w;
@@ -85,5 +93,21 @@ impl Unit for Divider {
             Some(Flow::Control(control)) => Step::after(0, Some(Flow::Control(control))),
             None => Step::after(0, None),
         }
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        // Two divisions keep so many dividers.
+        let interval = (2 * self.config.initiation_interval).div_ceil(self.config.count);
+        facts.rate(0, self.config.latency, interval);
+        let c = &self.state.counters;
+        facts.figure("points_divided", c.points, "points", "Points whose u, v were divided");
+        facts.figure("divisions", c.divisions, "divisions", "Divisions");
+        facts.figure("reciprocals", c.reciprocals, "reciprocals", "Reciprocals in their place");
+        facts.figure(
+            "multiplications",
+            c.multiplications,
+            "multiplications",
+            "Multiplications of dividers and approximate calculator",
+        );
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::config::{IlluminanceConfig, IlluminanceMode};
 use crate::signals::{IlluminancePacket, LitSpan, to_16_bits};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{LightVector, brightness, fan_triangle, light_vectors};
 use basrelief_signals::{Control, Flow, Frame, PACKET_PIXELS, Packet, Polygon, Vertex};
@@ -12,9 +13,16 @@ use std::sync::Arc;
 /// 1, in the format of [`IlluminancePacket::rgba`].
 pub const ONE: f32 = (1 << 14) as f32;
 
+/// What the illuminance value generator has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct IlluminanceValueGeneratorCounters {
+    /// Pixels.
+    pub pixels: u64,
+}
+
 /// Everything the illuminance value generator remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct IlluminanceState {
+pub struct IlluminanceValueGeneratorState {
     /// The frame, with its lights.
     pub frame: Option<Arc<Frame>>,
     /// Lights as the object sees them.
@@ -29,8 +37,8 @@ pub struct IlluminanceState {
     pub line: [[f32; 4]; 2],
     /// Pixels of it that are done.
     pub done: u16,
-    /// Pixels.
-    pub pixels: u64,
+    /// What it has counted.
+    pub counters: IlluminanceValueGeneratorCounters,
 }
 
 /// Illuminance value generator (340): spans in; for each packet of their pixels, what the texture is multiplied with: brightness
@@ -42,13 +50,13 @@ pub struct IlluminanceValueGenerator {
     /// Parameters.
     pub config: IlluminanceConfig,
     /// Everything it remembers.
-    pub state: IlluminanceState,
+    pub state: IlluminanceValueGeneratorState,
 }
 
 impl IlluminanceValueGenerator {
     /// An illuminance value generator at power-on.
     pub fn new(config: IlluminanceConfig) -> Self {
-        Self { config, state: IlluminanceState::default() }
+        Self { config, state: IlluminanceValueGeneratorState::default() }
     }
 
     fn take(&mut self, control: &Control) {
@@ -118,7 +126,7 @@ impl IlluminanceValueGenerator {
             let at = |i: usize| (first[i] + f32::from(state.done) * change[i]) * ONE;
             out.rgba[position] = to_16_bits([at(0), at(1), at(2), at(3)]);
             state.done += 1;
-            state.pixels += 1;
+            state.counters.pixels += 1;
         }
         if state.done >= count {
             state.span = None;
@@ -154,5 +162,9 @@ impl Unit for IlluminanceValueGenerator {
 
     fn is_empty(&self) -> bool {
         self.state.span.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
     }
 }

@@ -32,21 +32,23 @@ mod texture_look_up_table;
 mod twins;
 
 pub use approximate_calculator::{
-    ApproximateCalculator, ApproximateCalculatorState, ApproximationCounters, Displacements, displacement,
+    ApproximateCalculator, ApproximateCalculatorCounters, ApproximateCalculatorState, Displacements, displacement,
 };
-pub use combiner::{Combiner, CombinerState};
+pub use combiner::{Combiner, CombinerCounters, CombinerState};
 pub use config::{
     ApproximationConfig, CombineMode, CombinerConfig, DividerConfig, Division, IlluminanceConfig, IlluminanceMode, LookUpConfig,
     March, Method, MipConfig, MipMode, MipPer, ScanConverterConfig, Snap, StepForm, TexelConfig,
 };
-pub use divider::{Divider, DividerState};
-pub use illuminance_value_generator::{IlluminanceState, IlluminanceValueGenerator};
+pub use divider::{Divider, DividerCounters, DividerState};
+pub use illuminance_value_generator::{
+    IlluminanceValueGenerator, IlluminanceValueGeneratorCounters, IlluminanceValueGeneratorState,
+};
 pub use log::{DisplacementMap, FrameLog, SpanRecord};
-pub use mip_map_selector::{MipMapSelector, MipMapSelectorState, level};
-pub use scan_converter::{ScanConverter, ScanConverterState};
+pub use mip_map_selector::{MipMapSelector, MipMapSelectorCounters, MipMapSelectorState, level};
+pub use scan_converter::{ScanConverter, ScanConverterCounters, ScanConverterState};
 pub use step_calculator::{
-    BINS, Reach, RootTable, StepCalculator, StepCalculatorState, StepCounters, StepEquation, Subdivision, bin_of,
+    BINS, Reach, RootTable, StepCalculator, StepCalculatorCounters, StepCalculatorState, StepEquation, Subdivision, bin_of,
     largest_displacement,
 };
 pub use storage_element::StorageElement;
-pub use texture_look_up_table::{TextureLookUpTable, TextureLookUpTableState};
+pub use texture_look_up_table::{TextureLookUpTable, TextureLookUpTableCounters, TextureLookUpTableState};

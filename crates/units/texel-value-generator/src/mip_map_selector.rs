@@ -2,9 +2,17 @@
 
 use crate::config::{MipConfig, MipMode};
 use crate::signals::{GradientPacket, LevelPacket};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, Texture};
 use serde::{Deserialize, Serialize};
+
+/// What the MIP-map selector has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MipMapSelectorCounters {
+    /// Levels selected, one for each run of equal gradients.
+    pub selections: u64,
+}
 
 /// Everything the MIP-map selector remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -13,8 +21,8 @@ pub struct MipMapSelectorState {
     pub size: [f32; 2],
     /// Number of its last level.
     pub last: f32,
-    /// Levels selected, one for each run of equal gradients.
-    pub selections: u64,
+    /// What it has counted.
+    pub counters: MipMapSelectorCounters,
 }
 
 /// MIP-map selector (320): gradients in, map select out (claim 9).
@@ -67,7 +75,7 @@ impl MipMapSelector {
             levels.level[i] = match known {
                 Some((same, level)) if same == gradient => level,
                 _ => {
-                    self.state.selections += 1;
+                    self.state.counters.selections += 1;
                     level(gradient, self.state.size, self.state.last, self.config.mode)
                 }
             };
@@ -100,6 +108,11 @@ impl Unit for MipMapSelector {
             }
             None => Step::after(latency, None),
         }
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        facts.figure("mip_selections", self.state.counters.selections, "pixels", "Pixels for which a level was selected");
     }
 }
 

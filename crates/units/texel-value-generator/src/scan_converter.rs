@@ -2,11 +2,27 @@
 
 use crate::config::{March, ScanConverterConfig, Snap};
 use crate::signals::{LitSpan, Span, Uvw};
+use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{Raster, Spans, fan_triangle, fan_triangles};
 use basrelief_signals::{Control, Flow, Polygon, Vertex};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// What the scan converter has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ScanConverterCounters {
+    /// Polygons scanned.
+    pub polygons: u64,
+    /// Triangles of their fans; one reciprocal of an area each.
+    pub triangles: u64,
+    /// Polygons without a span (step 420: nothing between the snapped ends).
+    pub empty: u64,
+    /// Spans.
+    pub scanned: u64,
+    /// Pixels of these.
+    pub fragments: u64,
+}
 
 /// Everything the scan converter remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -21,16 +37,8 @@ pub struct ScanConverterState {
     pub next: Option<[i32; 3]>,
     /// U, V, W at the vertices of the triangle of this number.
     pub corners: ([Uvw; 3], Option<u16>),
-    /// Polygons scanned.
-    pub polygons: u64,
-    /// Triangles of their fans; one reciprocal of an area each.
-    pub triangles: u64,
-    /// Polygons without a span (step 420: nothing between the snapped ends).
-    pub empty: u64,
-    /// Spans.
-    pub scanned: u64,
-    /// Pixels of these.
-    pub fragments: u64,
+    /// What it has counted.
+    pub counters: ScanConverterCounters,
 }
 
 /// Scan converter: the ends of each scan line of a triangle, with exact U, V, W (Figure 2C) and step 410. Spans go to the
@@ -88,13 +96,13 @@ impl ScanConverter {
             return 1;
         }
         let (state, triangles) = (&mut self.state, fan_triangles(polygon));
-        state.polygons += 1;
-        state.triangles += u64::from(triangles);
+        state.counters.polygons += 1;
+        state.counters.triangles += u64::from(triangles);
         let snapped = snapped(polygon, self.snap.shift(self.config.subpixel_bits));
         let raster = Raster::new(state.screen, self.config.subpixel_bits, self.config.z_bits, 1);
         state.spans = Spans::new(&snapped, raster);
         state.next = state.spans.next(&snapped);
-        state.empty += u64::from(state.next.is_none());
+        state.counters.empty += u64::from(state.next.is_none());
         state.corners.1 = None;
         state.polygon = state.next.is_some().then_some(snapped);
         (u64::from(self.config.setup_cycles) * u64::from(triangles)).max(1)
@@ -130,8 +138,8 @@ impl ScanConverter {
             depth: [depths[0], (depths[1] - depths[0]) * per_pixel],
             weights,
         };
-        state.scanned += 1;
-        state.fragments += u64::from(count);
+        state.counters.scanned += 1;
+        state.counters.fragments += u64::from(count);
         state.next = state.spans.next(polygon);
         if state.next.is_none() {
             state.polygon = None;
@@ -197,5 +205,14 @@ impl Unit for ScanConverter {
 
     fn is_empty(&self) -> bool {
         self.state.next.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, self.config.cycles_per_span);
+        let c = &self.state.counters;
+        facts.figure("triangles_scanned", c.triangles, "triangles", "Triangles scanned");
+        facts.figure("polygons_empty", c.empty, "polygons", "Polygons without a pixel");
+        facts.figure("fragments", c.fragments, "fragments", "Pixels of spans").part(Part::Work);
+        facts.figure("setup_reciprocals", c.triangles, "reciprocals", "Reciprocals at set-up, one per triangle");
     }
 }

@@ -3,6 +3,7 @@
 use crate::config::LookUpConfig;
 use crate::signals::{LevelPacket, TexelPacket, TexturePacket, to_16_bits};
 use crate::twins::{Pair, pair};
+use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{Taps, level_offset, tap_offsets, taps};
 use basrelief_signals::{Control, Filter, Flow, Image, PACKET_PIXELS, Texture};
@@ -12,6 +13,15 @@ use std::sync::Arc;
 /// White, in the format of [`TexturePacket::rgba`].
 const WHITE: [u16; 4] = [255 << 8; 4];
 
+/// What the texture look-up table has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TextureLookUpTableCounters {
+    /// Pixels with a texture.
+    pub pixels: u64,
+    /// Texels read for them.
+    pub texels: u64,
+}
+
 /// Everything the texture look-up table remembers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TextureLookUpTableState {
@@ -19,10 +29,8 @@ pub struct TextureLookUpTableState {
     pub texture: Option<Arc<Texture>>,
     /// Start of each of its levels \[texels from the start of the memory\].
     pub offsets: Vec<u64>,
-    /// Pixels with a texture.
-    pub pixels: u64,
-    /// Texels read for them.
-    pub texels: u64,
+    /// What it has counted.
+    pub counters: TextureLookUpTableCounters,
 }
 
 /// Texture look-up table (330): u, v and map select in, texture value out. Client 0 is the cache in front of its memory.
@@ -81,8 +89,8 @@ impl TextureLookUpTable {
             let [r, g, b, a] = value;
             out.rgba[i] = to_16_bits([256.0 * r, 256.0 * g, 256.0 * b, 256.0 * a]);
         }
-        state.pixels += packet.pixels() as u64;
-        state.texels += port.texels;
+        state.counters.pixels += packet.pixels() as u64;
+        state.counters.texels += port.texels;
         out
     }
 }
@@ -178,5 +186,12 @@ impl Unit for TextureLookUpTable {
         let lines =
             if bytes.is_power_of_two() { bytes.div_ceil(self.line_bytes.max(1)) } else { 2 + bytes / self.line_bytes.max(1) };
         if client == 0 { PACKET_PIXELS as u32 * taps * levels * lines } else { 0 }
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(0, self.config.latency, 1_u64);
+        let c = &self.state.counters;
+        facts.figure("pixels_textured", c.pixels, "pixels", "Pixels with a texture");
+        facts.figure("texels_read", c.texels, "texels", "Texels read for them");
     }
 }

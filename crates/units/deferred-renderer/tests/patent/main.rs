@@ -2,7 +2,7 @@
 //! without them; and the unit contract.
 
 mod acquisition;
-mod contracts;
+mod contract;
 mod layers;
 mod marking;
 mod pixels;

@@ -10,20 +10,20 @@ use basrelief_signals::Control;
 pub struct TwoOutputs(pub TileLists);
 
 /// To the texture-data memory (130), and to the reference buffer (126).
-pub type Told = (Option<Order>, Option<Round>);
+pub type Orders = (Option<Order>, Option<Round>);
 
 impl Unit for TwoOutputs {
     type In = (Option<MarkFlow>, Option<MarkFlow>);
-    type Out = (Option<Request>, Option<Told>);
+    type Out = (Option<Request>, Option<Orders>);
 
     fn demand(&self) -> Demand {
         self.0.demand()
     }
 
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
-        let Step { out: (request, order, round), occupancy, latency, ends_frame } = self.0.step(input, traffic);
-        let told = (order.is_some() || round.is_some()).then_some((order, round));
-        Step { out: (request, told), occupancy, latency, ends_frame }
+        let Step { out: (request, order, round), occupancy, latency, marked } = self.0.step(input, traffic);
+        let orders = (order.is_some() || round.is_some()).then_some((order, round));
+        Step { out: (request, orders), occupancy, latency, marked }
     }
 
     fn is_empty(&self) -> bool {
@@ -78,22 +78,24 @@ impl Unit for TwoInputs {
     }
 }
 
-/// The server with requests and the news of a picture on one wire. Only fresh ones are cloned.
-pub struct FreshServer(Server);
+/// The server with requests and the news of a picture on one wire. Each has a source of tiles of its own.
+pub struct Requested(pub Server);
 
-impl FreshServer {
+impl Requested {
     pub fn new() -> Self {
         Self(Server::new(PathConfig::default(), Box::new(TextureMemory::new(TileEncoding::Raw, 85))))
     }
 }
 
-impl Clone for FreshServer {
+impl Clone for Requested {
     fn clone(&self) -> Self {
-        Self::new()
+        let mut copy = Self::new();
+        copy.0.state = self.0.state.clone();
+        copy
     }
 }
 
-impl Unit for FreshServer {
+impl Unit for Requested {
     type In = (Option<Control>, Option<Either<Request, ()>>);
     type Out = Option<Parcel>;
 

@@ -19,7 +19,7 @@ pub(super) fn are_near(normals: &[Vec3], normal: Vec3, tolerance: f32) -> bool {
 
 /// Normals of the sample points; one that is not finite counts as zero.
 pub(super) fn normals_of(polygon: &Polygon) -> Vec<Vec3> {
-    polygon.vertices.iter().map(|v| crate::setting::normal_of(v.normal)).collect()
+    polygon.vertices.iter().map(|v| crate::illumination::normal_of(v.normal)).collect()
 }
 
 /// Colour of all sample points, if it is the same.

@@ -38,7 +38,7 @@ impl Microcomputer {
         let signal = if let Some(Fragment { x, y, z, .. }) = self.state.dots.next(&figure.polygon) {
             cycles = u64::from(self.config.dot_cycles);
             self.state.counters.dots += 1;
-            self.state.processes[Process::Mean as usize].cycles += cycles;
+            self.state.counters.processes[Process::Mean as usize].cycles += cycles;
             Signal::Dot(Dot { x, y, z, brightness: *brightness })
         } else {
             self.state.phase = Phase::Idle;

@@ -23,5 +23,5 @@ mod transfer;
 mod unit;
 
 pub use memory::Plane;
-pub use state::{Counters, MicrocomputerState, Process, ProcessCounters};
+pub use state::{MicrocomputerCounters, MicrocomputerState, Process, ProcessCounters};
 pub use unit::Microcomputer;

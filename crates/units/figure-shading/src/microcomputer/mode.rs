@@ -2,7 +2,7 @@
 
 use super::Microcomputer;
 use super::state::Process;
-use crate::{ScanConfig, Setting};
+use crate::{Illumination, ScanConfig};
 use basrelief_shading::{Raster, light_vectors};
 use basrelief_signals::{Frame, ObjectInfo, Polygon};
 use std::sync::Arc;
@@ -24,11 +24,11 @@ impl Microcomputer {
         self.state.lights_changed = true;
     }
 
-    /// Brings the setting up to date for this polygon; the cycles that it takes.
+    /// Brings the illumination up to date for this polygon; the cycles that it takes.
     pub(super) fn set(&mut self, polygon: &Polygon) -> u64 {
         let material = &polygon.material;
         let [r, g, b, _] = material.base_color;
-        let old = &self.state.setting;
+        let old = &self.state.illumination;
         if !self.state.lights_changed && old.lighting == material.lighting && old.color == [r, g, b] {
             return 0;
         }
@@ -38,10 +38,10 @@ impl Microcomputer {
         lights.iter_mut().for_each(|light| light.intensity *= self.shading.is);
         let cycles = u64::from(self.config.setting_cycles_per_light) * lights.len() as u64;
         let (mode, ambient) = (self.shading.mode, self.shading.ia);
-        let new = Setting { mode, lighting: material.lighting, color: [r, g, b], ambient, lights };
+        let new = Illumination { mode, lighting: material.lighting, color: [r, g, b], ambient, lights };
         if **old != new {
             self.state.plane = None;
-            self.state.setting = Arc::new(new);
+            self.state.illumination = Arc::new(new);
         }
         self.run(Process::Mode, cycles)
     }

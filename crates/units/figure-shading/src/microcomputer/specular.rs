@@ -2,7 +2,7 @@
 
 use super::Microcomputer;
 use super::state::Process;
-use crate::{Power, Setting};
+use crate::{Illumination, Power};
 use glam::Vec3;
 
 /// Whether the specular term stays below `threshold` on the whole polygon, by a bound on N.H.
@@ -11,14 +11,14 @@ use glam::Vec3;
 /// sum. So N.H <= max(0, max(N_i.H)), divided by min(M.N_i) where normals are brought to length 1: there a highlight may
 /// peak inside although all sample points are dark. Where that minimum is not positive there is no bound. (It is taken as
 /// at most 1, so that the bound holds at the sample points, too.)
-fn is_negligible(normals: &[Vec3], setting: &Setting, renormalise: bool, threshold: f32, power: &Power) -> bool {
+fn is_negligible(normals: &[Vec3], illumination: &Illumination, renormalise: bool, threshold: f32, power: &Power) -> bool {
     let shortest = if renormalise { shortest_sum(normals) } else { 1.0 };
     if shortest <= 0.0 {
         return false;
     }
-    let bound = setting.highlight(|light| {
+    let bound = illumination.highlight(|light| {
         let largest = normals.iter().fold(0.0, |c: f32, n| c.max(n.dot(light.halfway)));
-        power.bound((largest / shortest).min(1.0), setting.lighting.n)
+        power.bound((largest / shortest).min(1.0), illumination.lighting.n)
     });
     bound < threshold
 }
@@ -36,10 +36,11 @@ impl Microcomputer {
         if !config.enabled {
             return (true, 0);
         }
-        let negligible = is_negligible(normals, &self.state.setting, self.shading.renormalise, config.threshold, &self.power);
+        let negligible =
+            is_negligible(normals, &self.state.illumination, self.shading.renormalise, config.threshold, &self.power);
         self.state.counters.specular_negligible += u64::from(negligible);
         let per_light = u64::from(self.config.specular_cycles_per_point) * normals.len() as u64
             + u64::from(self.config.specular_power_cycles);
-        (!negligible, self.run(Process::Specular, per_light * self.state.setting.lights.len() as u64))
+        (!negligible, self.run(Process::Specular, per_light * self.state.illumination.lights.len() as u64))
     }
 }

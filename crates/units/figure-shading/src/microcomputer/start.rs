@@ -27,7 +27,7 @@ impl Microcomputer {
         self.state.counters.starts += 1;
         let load_cycles = u64::from(self.config.load_cycles_per_point) * normals.len() as u64;
         let cycles = self.run(Process::Start, u64::from(self.config.start_cycles) + load_cycles);
-        let (polygon, raster, setting) = (Arc::clone(polygon), self.state.raster, Arc::clone(&self.state.setting));
-        (Some(Arc::new(NormalLoad { polygon, raster, normals, setting, open: registers.specular })), cycles)
+        let (polygon, raster, illumination) = (Arc::clone(polygon), self.state.raster, Arc::clone(&self.state.illumination));
+        (Some(Arc::new(NormalLoad { polygon, raster, normals, illumination, open: registers.specular })), cycles)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Plane;
 use crate::dots::Dots;
-use crate::{Figure, Registers, Setting};
+use crate::{Figure, Illumination, Registers};
 use basrelief_shading::Raster;
 use basrelief_signals::{Frame, ObjectInfo, Polygon};
 use serde::{Deserialize, Serialize};
@@ -85,20 +85,21 @@ pub struct MicrocomputerState {
     pub(crate) raster: Raster,
     /// Frame or object are new: L and H are to be calculated again.
     pub(crate) lights_changed: bool,
-    pub(crate) setting: Arc<Setting>,
+    pub(crate) illumination: Arc<Illumination>,
     pub(crate) phase: Phase,
     /// Where process 24 is in its polygon.
     pub(crate) dots: Dots,
     /// Memory (12), Figure 7; `None` is void.
     pub(crate) plane: Option<Plane>,
-    /// By number of the process.
-    pub(crate) processes: [ProcessCounters; 8],
-    pub(crate) counters: Counters,
+    /// What it has counted.
+    pub counters: MicrocomputerCounters,
 }
 
-/// What the microcomputer counts, beside its processes.
+/// What the microcomputer has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Counters {
+pub struct MicrocomputerCounters {
+    /// Runs and cycles of its processes, by number of the [`Process`].
+    pub processes: [ProcessCounters; 8],
     /// Polygons whose specular term was found negligible.
     pub specular_negligible: u64,
     /// Polygons found flat.

@@ -1,12 +1,13 @@
 //! The unit and its steps: one to decide, one to shade, and one per dot of process 24.
 
 use super::flatness::normals_of;
-use super::state::{Counters, Decided, MicrocomputerState, Phase, Process, ProcessCounters};
+use super::state::{Decided, MicrocomputerState, Phase, Process};
 use crate::dots::Dots;
 use crate::{
-    Figure, MicrocomputerConfig, NormalInterpolationConfig, NormalLoad, Path, Power, Registers, ScanConfig, Selection,
+    Figure, MicrocomputerConfig, NormalInterpolationConfig, NormalLoad, Power, Registers, Route, ScanConfig, Selection,
     ShadingConfig, ShortCutConfigs, Signal,
 };
+use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Polygon};
 use std::sync::Arc;
@@ -21,13 +22,15 @@ use std::sync::Arc;
 /// Outputs: 0 circuit (21), and with it all control; 1 circuit (50); 2 selector (53), 3 selector (28): dots of process 24.
 #[derive(Clone, Debug)]
 pub struct Microcomputer {
-    pub(super) config: MicrocomputerConfig,
+    /// Parameters.
+    pub config: MicrocomputerConfig,
     pub(super) shading: ShadingConfig,
     pub(super) short_cuts: ShortCutConfigs,
     pub(super) scan: ScanConfig,
     /// As circuit (50) has it: process 17 must know its rounding.
     pub(super) power: Power,
-    pub(super) state: MicrocomputerState,
+    /// Everything it remembers.
+    pub state: MicrocomputerState,
 }
 
 /// One token per output.
@@ -56,29 +59,9 @@ impl Microcomputer {
         Self { config, shading, short_cuts, scan, power, state: MicrocomputerState::default() }
     }
 
-    /// State; for checkpoints.
-    pub fn state(&self) -> &MicrocomputerState {
-        &self.state
-    }
-
-    /// Puts a state back; the default resets.
-    pub fn set_state(&mut self, state: MicrocomputerState) {
-        self.state = state;
-    }
-
-    /// Runs and cycles of a process.
-    pub fn process(&self, process: Process) -> ProcessCounters {
-        self.state.processes[process as usize]
-    }
-
-    /// What was counted beside the processes.
-    pub fn counters(&self) -> Counters {
-        self.state.counters
-    }
-
     /// A process runs; its cycles.
     pub(super) fn run(&mut self, process: Process, cycles: u64) -> u64 {
-        let counters = &mut self.state.processes[process as usize];
+        let counters = &mut self.state.counters.processes[process as usize];
         counters.runs += 1;
         counters.cycles += cycles;
         cycles
@@ -128,9 +111,9 @@ impl Microcomputer {
         if mean.is_none() {
             cycles += self.transfer(&brightness);
         }
-        let path = Path::of(registers, reused);
+        let route = Route::of(registers, reused);
         let raster = self.state.raster;
-        let figure = Arc::new(Figure { polygon, raster, registers, path, brightness });
+        let figure = Arc::new(Figure { polygon, raster, registers, route, brightness });
         if let Some(brightness) = mean {
             self.state.dots = Dots::new(&figure.polygon, raster);
             self.state.phase = Phase::Output { figure: Arc::clone(&figure), brightness };
@@ -165,5 +148,29 @@ impl Unit for Microcomputer {
 
     fn is_empty(&self) -> bool {
         matches!(self.state.phase, Phase::Idle)
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let dot = self.config.dot_cycles;
+        // Process 24 draws dots: flat polygons to selector (53), polygons of polyhedron mode to selector (28).
+        facts.rate(2, dot, dot);
+        facts.rate(3, dot, dot);
+        let c = &self.state.counters;
+        facts.figure(
+            "short_cut_specular_negligible",
+            c.specular_negligible,
+            "polygons",
+            "Polygons whose specular term was negligible",
+        );
+        facts.figure("short_cut_flat", c.flat, "polygons", "Polygons found flat");
+        facts.figure("short_cut_same_plane", c.reused, "points", "Sample points whose brightness was reused");
+        for (process, name) in Process::ALL {
+            let process = c.processes[process as usize];
+            let mut part = |what: &str, count, unit, about| {
+                facts.figure(&format!("{name}_{what}"), count, unit, about).part(Part::Process(name.into()))
+            };
+            part("runs", process.runs, "runs", "Runs of the process");
+            part("cycles", process.cycles, "cycles", "Cycles that all runs took");
+        }
     }
 }

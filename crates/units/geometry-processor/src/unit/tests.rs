@@ -1,6 +1,6 @@
 use super::*;
+use crate::DisplayListSource;
 use crate::config::{Arrival, DisplayListConfig};
-use crate::source::DisplayListSource;
 use basrelief_signals::{Camera, Image, Light, LightKind, Material, Mesh, Sampler, Texture};
 use proptest::prelude::*;
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// What the approximate calculator (310a) has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ApproximationCounters {
+pub struct ApproximateCalculatorCounters {
     /// Products of a difference and the reciprocal of a length, two per segment.
     pub multiplications: u64,
     /// Reciprocals 1 / W for derivatives at pixels: `mip.per = pixel`, or segments of one pixel.
@@ -45,8 +45,8 @@ pub struct ApproximateCalculatorState {
     pub repeats: [bool; 2],
     /// Its gradients.
     pub gradient: GradientPacket,
-    /// Counters.
-    pub counters: ApproximationCounters,
+    /// What it has counted.
+    pub counters: ApproximateCalculatorCounters,
 }
 
 impl ApproximateCalculatorState {

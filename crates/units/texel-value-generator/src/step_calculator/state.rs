@@ -19,7 +19,7 @@ pub fn bin_of(length: u16) -> usize {
 
 /// What the step calculator has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct StepCounters {
+pub struct StepCalculatorCounters {
     /// Spans.
     pub spans: u64,
     /// Pixels of these.
@@ -61,8 +61,8 @@ pub struct StepCalculatorState {
     pub from: u16,
     /// The equation of its steps; none where it is not subdivided by it.
     pub equation: Option<StepEquation>,
-    /// Counters.
-    pub counters: StepCounters,
+    /// What it has counted.
+    pub counters: StepCalculatorCounters,
     /// Spans of the frame, where somebody asked.
     pub log: Option<Vec<SpanRecord>>,
     /// Those of frames that are complete and that nobody has fetched.

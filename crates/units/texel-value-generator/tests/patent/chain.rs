@@ -4,7 +4,8 @@ use basrelief_kernel::{Demand, Traffic, Unit};
 use basrelief_signals::{Control, Flow, Image, Material, Polygon, Sampler, Texture, Vertex, Wrap};
 use basrelief_texel_value_generator::signals::{GradientPacket, Segment, Span, TexelPacket};
 use basrelief_texel_value_generator::{
-    ApproximateCalculator, ApproximationConfig, Divider, DividerConfig, MipPer, StepCalculator, StepCounters, TexelConfig,
+    ApproximateCalculator, ApproximationConfig, Divider, DividerConfig, MipPer, StepCalculator, StepCalculatorCounters,
+    TexelConfig,
 };
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -22,7 +23,7 @@ pub struct Walked {
     pub segments: Vec<Segment>,
     pub packets: Vec<TexelPacket>,
     pub gradients: Vec<GradientPacket>,
-    pub counters: StepCounters,
+    pub counters: StepCalculatorCounters,
     pub divider: Divider,
     pub approximate: ApproximateCalculator,
     /// Cycles that each step kept the step calculator, and all kept the approximate calculator.

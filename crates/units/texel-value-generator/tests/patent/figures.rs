@@ -57,7 +57,7 @@ fn figure_4a_step_410_snaps_the_ends_to_integer_pixels() {
 fn figure_4a_step_420_an_empty_span_is_none() {
     let sliver = [[3.6, 0.0, 1.0], [4.4, 0.0, 1.0], [4.4, 9.0, 1.0], [3.6, 9.0, 1.0]];
     let (spans, unit) = scanned(Snap::Ceil, March::LeftToRight, &sliver);
-    assert!(spans.is_empty() && unit.state.empty == 1);
+    assert!(spans.is_empty() && unit.state.counters.empty == 1);
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn figure_1_each_child_polygon_has_exact_ends_on_a_scan_line() {
         assert!(walked.segments.iter().all(|s| s.walk <= 11), "{:?}", span.y);
         assert!(walked.segments.windows(2).all(|s| s[1].from == s[0].to + 1));
         let ends: u64 = walked.segments.iter().map(|s| if s.from == s.to { 1 } else { 2 }).sum();
-        assert_eq!(walked.divider.state.points, ends);
+        assert_eq!(walked.divider.state.counters.points, ends);
     }
 }
 
@@ -184,9 +184,15 @@ fn a_reciprocal_and_two_multiplications_stand_for_two_divisions() {
         (quotients, step.occupancy, step.latency, unit.state)
     };
     let (two, occupancy, latency, state) = of(Division::Two);
-    assert_eq!((occupancy, latency, state.divisions, state.reciprocals, state.multiplications), (32, 32, 4, 0, 0));
+    assert_eq!(
+        (occupancy, latency, state.counters.divisions, state.counters.reciprocals, state.counters.multiplications),
+        (32, 32, 4, 0, 0)
+    );
     let (one, occupancy, latency, state) = of(Division::Reciprocal);
-    assert_eq!((occupancy, latency, state.divisions, state.reciprocals, state.multiplications), (16, 18, 0, 2, 4));
+    assert_eq!(
+        (occupancy, latency, state.counters.divisions, state.counters.reciprocals, state.counters.multiplications),
+        (16, 18, 0, 2, 4)
+    );
     assert!(two.iter().flatten().zip(one.iter().flatten()).all(|(a, b): (&f64, &f64)| (a - b).abs() < 1e-15 * a.abs() * 2.0));
 }
 

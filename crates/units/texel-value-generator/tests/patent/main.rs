@@ -1,7 +1,7 @@
 //! What the patent's page says of the texel value generator (310) and the units around it.
 
 mod chain;
-mod contracts;
+mod contract;
 mod figures;
 mod lines;
 mod mip;

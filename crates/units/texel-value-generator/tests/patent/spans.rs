@@ -107,10 +107,10 @@ proptest! {
         prop_assert_eq!(columns, (first..first + span.count).collect::<Vec<_>>());
         prop_assert_eq!(walked.counters.textured_pixels, u64::from(span.count));
         let points: u32 = walked.packets.iter().map(|s| s.points.count_ones()).sum();
-        prop_assert_eq!(u64::from(points), walked.divider.state.points, "each quotient is of a pixel");
+        prop_assert_eq!(u64::from(points), walked.divider.state.counters.points, "each quotient is of a pixel");
         let ends = if span.count == 1 { 1 } else { 2 };
-        prop_assert_eq!(walked.divider.state.points, walked.counters.division_points + ends);
-        prop_assert_eq!(walked.divider.state.divisions, 2 * walked.divider.state.points);
+        prop_assert_eq!(walked.divider.state.counters.points, walked.counters.division_points + ends);
+        prop_assert_eq!(walked.divider.state.counters.divisions, 2 * walked.divider.state.counters.points);
         if method == Method::Exact {
             prop_assert!(walked.largest_displacement() < 1e-6);
         }

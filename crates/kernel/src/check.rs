@@ -1,0 +1,238 @@
+//! What the laws, and the proof of the timed engine, take for granted of a wiring: checked before the first step.
+
+use crate::place::{Clients, Place};
+use crate::wiring::{MAX_CLIENTS, MAX_LINKS, Machine, Visitor, Wires};
+use crate::{Link, Unit};
+
+/// What is wrong with a machine's wiring.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum WiringError {
+    /// Two units fill one FIFO.
+    #[error("FIFO `{fifo}` is filled by `{first}` and by `{second}`; give each a FIFO of its own")]
+    TwoProducers {
+        /// The FIFO.
+        fifo: String,
+        /// The producer shown first.
+        first: String,
+        /// The other one.
+        second: String,
+    },
+    /// Two units empty one FIFO.
+    #[error("FIFO `{fifo}` is emptied by `{first}` and by `{second}`; give each a FIFO of its own")]
+    TwoConsumers {
+        /// The FIFO.
+        fifo: String,
+        /// The consumer shown first.
+        first: String,
+        /// The other one.
+        second: String,
+    },
+    /// A unit waits for tokens that nobody makes.
+    #[error("no unit fills FIFO `{fifo}`, from which `{unit}` pops")]
+    NoProducer {
+        /// The FIFO.
+        fifo: String,
+        /// Its consumer.
+        unit: String,
+    },
+    /// A unit makes tokens that nobody takes.
+    #[error("no unit pops from FIFO `{fifo}`, which `{unit}` fills")]
+    NoConsumer {
+        /// The FIFO.
+        fifo: String,
+        /// Its producer.
+        unit: String,
+    },
+    /// More FIFOs or clients at a unit than the kernel keeps account of.
+    #[error("`{unit}` has {count} {what}, expected {most} or fewer")]
+    TooMany {
+        /// The unit.
+        unit: String,
+        /// `inputs`, `outputs` or `memory clients`.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// The number of a client that was never added.
+    #[error("`{unit}` is wired to memory client number {client}, but the machine's memories have {count}")]
+    NoSuchClient {
+        /// The unit.
+        unit: String,
+        /// The number.
+        client: usize,
+        /// Clients of the machine.
+        count: usize,
+    },
+    /// Two units use one client, or a unit uses it twice.
+    #[error("memory port `{port}` is used by `{first}` and by `{second}`; add a client for each")]
+    SharedClient {
+        /// The client's port.
+        port: String,
+        /// The unit shown first.
+        first: String,
+        /// The other one.
+        second: String,
+    },
+    /// A unit needs a client that is not wired.
+    #[error("`{unit}` declares a largest step for its memory client {client}, but {wired} are wired")]
+    MissingClient {
+        /// The unit.
+        unit: String,
+        /// The unit's number of the client.
+        client: usize,
+        /// Clients wired.
+        wired: usize,
+    },
+    /// The largest step needs more credits than there are: the unit would never start (law 3).
+    #[error(
+        "memory `{memory}` has {outstanding} requests outstanding per port, but a step of `{unit}` needs {needed} on port `{port}`"
+    )]
+    TooFewCredits {
+        /// The unit.
+        unit: String,
+        /// The memory.
+        memory: String,
+        /// The client's port.
+        port: String,
+        /// Credits that the largest step needs.
+        needed: u32,
+        /// Credits that there are.
+        outstanding: u64,
+    },
+}
+
+/// Checks that every FIFO has one producer and one consumer, that every memory client belongs to one stage, that the clients
+/// a unit uses are wired, and that they have the credits of its largest step.
+///
+/// Engines check it before the first step, where a failure is a fault. A machine whose configuration decides about credits
+/// checks itself when it is built, to name the parameter.
+///
+/// # Errors
+/// The first thing that is wrong, in the order of the wiring.
+pub fn check_wiring(machine: &mut impl Machine) -> Result<(), WiringError> {
+    let mut stages = Stages::default();
+    machine.wire(&mut Forget);
+    machine.wire(&mut stages);
+    let mut loose = LooseEnds(None);
+    machine.wire(&mut loose);
+    let found = stages.error.take().or(loose.0).or_else(|| stages.clients_error(machine));
+    found.map_or(Ok(()), Err)
+}
+
+/// Forgets who is at the ends of each FIFO.
+struct Forget;
+impl Visitor for Forget {
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (_, connections) = place.open();
+        for i in 0..connections.inputs.count() {
+            connections.inputs.link_mut(i).forget_ends();
+        }
+        for i in 0..connections.outputs.count() {
+            connections.outputs.link_mut(i).forget_ends();
+        }
+    }
+}
+
+/// Notes who is at the ends of each FIFO, and who uses which clients.
+#[derive(Default)]
+struct Stages {
+    names: Vec<String>,
+    /// Per stage: its clients, and what its largest step needs of each it could have.
+    clients: Vec<(Vec<usize>, [u32; MAX_CLIENTS])>,
+    error: Option<WiringError>,
+}
+
+impl Visitor for Stages {
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
+        let number = self.names.len();
+        self.names.push(stage.name().into());
+        let ids = connections.clients.ids();
+        self.clients.push((ids.to_vec(), std::array::from_fn(|client| stage.unit.largest_step(client))));
+        let counts = [
+            ("inputs", connections.inputs.count(), MAX_LINKS),
+            ("outputs", connections.outputs.count(), MAX_LINKS),
+            ("memory clients", ids.len(), MAX_CLIENTS),
+        ];
+        for (what, count, most) in counts.into_iter().filter(|&(_, count, most)| count > most) {
+            self.note(WiringError::TooMany { unit: stage.name().into(), what, count, most });
+        }
+        for i in 0..connections.inputs.count() {
+            let link = connections.inputs.link_mut(i);
+            if let Some(first) = link.consumer() {
+                let (fifo, first, second) = self.clash(link, first, number);
+                self.note(WiringError::TwoConsumers { fifo, first, second });
+            }
+            link.set_consumer(number);
+        }
+        for i in 0..connections.outputs.count() {
+            let link = connections.outputs.link_mut(i);
+            if let Some(first) = link.producer() {
+                let (fifo, first, second) = self.clash(link, first, number);
+                self.note(WiringError::TwoProducers { fifo, first, second });
+            }
+            link.set_producer(number);
+        }
+    }
+}
+
+impl Stages {
+    fn note(&mut self, error: WiringError) {
+        self.error.get_or_insert(error);
+    }
+
+    fn clash(&self, link: &Link, first: usize, second: usize) -> (String, String, String) {
+        (link.name().into(), self.names[first].clone(), self.names[second].clone())
+    }
+
+    fn clients_error(&self, machine: &mut impl Machine) -> Option<WiringError> {
+        let memories = machine.memories();
+        let count = memories.clients().len();
+        let mut users: Vec<Option<&String>> = vec![None; count];
+        for (unit, (ids, needs)) in self.names.iter().zip(&self.clients) {
+            for &client in ids {
+                let Some(user) = users.get_mut(client) else {
+                    return Some(WiringError::NoSuchClient { unit: unit.clone(), client, count });
+                };
+                if let Some(first) = user.replace(unit) {
+                    let port = memories.client_name(client).into();
+                    return Some(WiringError::SharedClient { port, first: first.clone(), second: unit.clone() });
+                }
+            }
+            if let Some(client) = (ids.len()..MAX_CLIENTS).find(|&client| needs[client] > 0) {
+                return Some(WiringError::MissingClient { unit: unit.clone(), client, wired: ids.len() });
+            }
+            let needs = ids.iter().zip(needs).map(|(&client, &needed)| (client, needed, memories.outstanding(client)));
+            for (client, needed, outstanding) in needs {
+                if u64::from(needed) > outstanding {
+                    let (memory, port) = (memories.memory_name(client).into(), memories.client_name(client).into());
+                    return Some(WiringError::TooFewCredits { unit: unit.clone(), memory, port, needed, outstanding });
+                }
+            }
+        }
+        None
+    }
+}
+
+/// Finds the first FIFO with one end loose.
+struct LooseEnds(Option<WiringError>);
+impl Visitor for LooseEnds {
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
+        let unit = || stage.name().to_owned();
+        for i in 0..connections.inputs.count() {
+            let link = connections.inputs.link(i);
+            if link.producer().is_none() {
+                self.0.get_or_insert(WiringError::NoProducer { fifo: link.name().into(), unit: unit() });
+            }
+        }
+        for i in 0..connections.outputs.count() {
+            let link = connections.outputs.link(i);
+            if link.consumer().is_none() {
+                self.0.get_or_insert(WiringError::NoConsumer { fifo: link.name().into(), unit: unit() });
+            }
+        }
+    }
+}

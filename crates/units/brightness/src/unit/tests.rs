@@ -1,0 +1,298 @@
+//! The unit at step level.
+
+use super::*;
+use crate::Components;
+use basrelief_kernel::Request;
+use basrelief_shading::{Table, brightness, reference_normals};
+use basrelief_signals::{Camera, Fragment, Frame, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Vertex};
+use glam::Vec3;
+use proptest::prelude::*;
+
+fn tables(entries: u32) -> TableSet {
+    TableSet { entries: [entries; LEVELS], table: Table::Fibonacci, distinct: true, entry_bits: 16 }
+}
+
+fn unit(config: BrightnessConfig) -> BrightnessFetch {
+    BrightnessFetch::new(config, tables(256), 2)
+}
+
+fn frame(kind: LightKind) -> Control {
+    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
+    Control::Frame(Arc::new(Frame {
+        index: 0,
+        width: 6,
+        height: 6,
+        camera,
+        lights: vec![Light { kind, intensity: 1.0 }],
+        textures: Vec::new(),
+    }))
+}
+
+fn sun(x: f32) -> Control {
+    frame(LightKind::Directional { to_light: [x, 0.0, (1.0 - x * x).sqrt()] })
+}
+
+fn lamp() -> Control {
+    frame(LightKind::Point { position: [0.0, 0.0, 10.0] })
+}
+
+fn object(centre: [f32; 3], entries: Option<u32>) -> Control {
+    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre, entries }))
+}
+
+fn polygon(lighting: Lighting) -> Control {
+    Control::Polygon(Arc::new(Polygon {
+        vertices: vec![Vertex::default(); 3],
+        material: Arc::new(Material { lighting, ..Material::default() }),
+        object: 0,
+        lod: 0,
+        bump: true,
+        arrival: 0,
+    }))
+}
+
+fn book(lists: &[&[[i16; 3]]]) -> Control {
+    Control::CodeBook(Arc::new(lists.iter().map(|l| l.to_vec()).collect()))
+}
+
+fn indexes(samples: &[(u8, u16, f32)]) -> Indexes {
+    Indexes {
+        stamp: Stamp::from_iter([Fragment::default()]),
+        samples: samples.iter().map(|&(level, index, weight)| Sample::all(level, weight, index)).collect(),
+    }
+}
+
+/// Feeds control tokens; each but a code book passes.
+fn tell(unit: &mut BrightnessFetch, controls: &[Control]) {
+    for control in controls {
+        let step = unit.step(Some(Flow::Control(control.clone())), &mut Traffic::default());
+        let passes = !matches!(control, Control::CodeBook(_));
+        assert_eq!(step.out, passes.then(|| Flow::Control(control.clone())));
+    }
+}
+
+/// Feeds one fragment and steps until it leaves.
+fn fetch(unit: &mut BrightnessFetch, samples: &[(u8, u16, f32)]) -> (Shaded, Vec<Request>, Out) {
+    let mut requests = Vec::new();
+    let mut input = Some(Flow::Item(indexes(samples)));
+    loop {
+        let mut traffic = Traffic::default();
+        let step = unit.step(input.take(), &mut traffic);
+        assert!(traffic.requests().len() <= unit.largest_step(1) as usize);
+        assert!(traffic.look_ups().len() <= unit.largest_step(0) as usize);
+        requests.extend_from_slice(traffic.requests());
+        requests.extend_from_slice(traffic.look_ups());
+        match &step.out {
+            Some(Flow::Item(shaded)) => return (shaded[0], requests, step),
+            other => assert_eq!((other, unit.demand(), unit.is_empty()), (&None, Demand::Nothing, false)),
+        }
+    }
+}
+
+fn alpha(unit: &mut BrightnessFetch, level: u8, index: u16) -> f32 {
+    fetch(unit, &[(level, index, 1.0)]).0.brightness
+}
+
+#[test]
+fn claims_4_and_8_a_clut_holds_the_brightness_of_each_reference_normal() {
+    let mut unit = unit(BrightnessConfig::default());
+    tell(&mut unit, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
+    let lights = light_vectors(unit.state.frame.as_ref().unwrap(), [0.0; 3]);
+    for level in 0..8 {
+        for (i, n) in reference_normals(level, 256, Table::Fibonacci, true, 16).unwrap().iter().enumerate() {
+            let exact = brightness(Vec3::from(n.map(|c| f32::from(c) / 32_767.0)), &Lighting::default(), &lights);
+            let stored = alpha(&mut unit, level, i as u16);
+            assert!((stored - exact[0] - exact[1]).abs() <= 0.5 * 1.3 / 255.0 + 1e-6);
+        }
+    }
+    assert_eq!(unit.state.counters.rebuilds, 1);
+}
+
+#[test]
+fn figures_5_and_6_the_index_map_becomes_the_brightness_map() {
+    const MAP: [[u16; 6]; 6] =
+        [[2, 1, 2, 3, 2, 7], [1, 5, 1, 5, 1, 5], [3, 1, 3, 1, 3, 1], [1, 6, 1, 6, 1, 6], [7, 8, 7, 7, 4, 7], [8, 4, 2, 4, 8, 4]];
+    let mut unit = BrightnessFetch::new(BrightnessConfig::default(), tables(8), 1);
+    tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
+    // The figure counts indexes from 1.
+    let alphas: Vec<f32> = (0..8).map(|i| alpha(&mut unit, 0, i)).collect();
+    let mut different = alphas.clone();
+    different.dedup();
+    assert!(different.len() > 4, "{alphas:?}");
+    for (y, row) in MAP.iter().enumerate() {
+        for (x, i) in row.iter().enumerate() {
+            assert_eq!(alpha(&mut unit, 0, i - 1), alphas[usize::from(i - 1)], "pixel {x}, {y}");
+        }
+    }
+}
+
+#[test]
+fn claims_5_and_9_lod_3_divides_the_brightness_of_two_levels_3_to_5() {
+    let mut unit = unit(BrightnessConfig::default());
+    tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
+    let set = basrelief_shading::select_levels(3, 2, 8);
+    let (a0, a1) = (alpha(&mut unit, 0, 5), alpha(&mut unit, 1, 90));
+    let (shaded, _, _) = fetch(&mut unit, &[(0, 5, set.weight[0]), (1, 90, set.weight[1])]);
+    assert!(a0 != a1 && (shaded.brightness - (a0 + (a1 - a0) * 3.0 / 8.0)).abs() < 1e-6);
+}
+
+#[test]
+fn a_rebuild_writes_every_entry_of_every_table_and_is_counted_apart() {
+    let mut unit =
+        BrightnessFetch::new(BrightnessConfig::default(), TableSet { entries: [40, 7, 1, 1, 1, 1, 1, 1], ..tables(1) }, 2);
+    tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
+    let (_, requests, step) = fetch(&mut unit, &[(1, 3, 1.0)]);
+    let base = quantization_memory::CLUTS;
+    let mut expected = vec![(base, 32), (base + 32, 8), (base + 64, 7)];
+    expected.extend((2..8).map(|k| (base + 64 * k, 1)));
+    let writes = requests.iter().filter(|r| r.write).map(|r| (r.address, r.bytes));
+    assert_eq!(writes.collect::<Vec<_>>(), expected);
+    let last = requests.last().unwrap();
+    assert_eq!((last.client, last.write, last.address, last.bytes), (0, false, base + 64 + 3, 1));
+    assert_eq!((step.occupancy, step.latency), (1, 4));
+    let counters = unit.state.counters;
+    assert_eq!((counters.rebuilds, counters.rebuild_cycles, counters.rebuild_bytes), (1, 16 * 53, 53));
+}
+
+#[test]
+fn only_a_real_change_is_recalculated() {
+    let mut unit = unit(BrightnessConfig::default());
+    let mut rebuilds = |controls: &[Control]| {
+        let before = unit.state.counters.rebuilds;
+        tell(&mut unit, controls);
+        assert_eq!(unit.state.counters.rebuilds, before, "not before a fragment needs it");
+        alpha(&mut unit, 0, 0);
+        unit.state.counters.rebuilds - before
+    };
+    let (plain, shiny) = (Lighting::default(), Lighting { n: 64.0, ..Lighting::default() });
+    let (here, there) = (object([0.0; 3], None), object([5.0, 0.0, 0.0], None));
+    assert_eq!(rebuilds(&[sun(0.3), here.clone(), polygon(plain)]), 1);
+    assert_eq!(rebuilds(&[Control::FrameEnd, sun(0.3), there.clone(), polygon(plain)]), 0, "a sun shines everywhere alike");
+    assert_eq!(rebuilds(&[sun(0.4)]), 1, "the light moved");
+    assert_eq!(rebuilds(&[polygon(shiny)]), 1, "another material");
+    assert_eq!(rebuilds(&[polygon(plain), polygon(shiny)]), 0, "back before any fragment");
+    assert_eq!(rebuilds(&[lamp(), here.clone()]), 1, "another type of light");
+    assert_eq!(rebuilds(&[there]), 1, "the lamp shines from elsewhere");
+    assert_eq!(rebuilds(&[object([5.0, 0.0, 0.0], Some(64))]), 1, "another number of reference normals");
+    assert_eq!(rebuilds(&[book(&[&[[0, 0, 32_767]]])]), 1);
+    assert_eq!(rebuilds(&[book(&[&[[0, 0, 32_767]]])]), 0, "the same code book");
+}
+
+#[test]
+fn code_books_replace_the_tables_and_end_here() {
+    let mut unit = unit(BrightnessConfig::default());
+    tell(&mut unit, &[sun(0.0), object([0.0; 3], None), polygon(Lighting::default())]);
+    tell(&mut unit, &[book(&[&[[0, 0, -32_767], [0, 0, 32_767]], &[]])]);
+    assert!((alpha(&mut unit, 0, 0) - 0.1).abs() < 0.003);
+    assert!((alpha(&mut unit, 0, 1) - 1.3).abs() < 1e-6);
+    assert_eq!(unit.state.counters.rebuild_bytes, 2);
+}
+
+#[test]
+fn separate_components_keep_the_highlight_apart() {
+    let mut unit = unit(BrightnessConfig { components: Components::Separate, bits: 16, ..BrightnessConfig::default() });
+    tell(&mut unit, &[sun(0.0), object([0.0; 3], None), polygon(Lighting::default()), book(&[&[[0, 0, 32_767]]])]);
+    let (shaded, requests, _) = fetch(&mut unit, &[(0, 0, 1.0)]);
+    assert!((shaded.brightness - 0.9).abs() < 1e-6 && (shaded.highlight - 0.4).abs() < 1e-6);
+    assert_eq!(requests.last().unwrap().bytes, 4);
+}
+
+#[test]
+fn claim_7_direct_brightness_needs_no_clut() {
+    let mut direct = unit(BrightnessConfig { source: BrightnessSource::Direct, ..BrightnessConfig::default() });
+    tell(&mut direct, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
+    let (shaded, requests, step) = fetch(&mut direct, &[(0, 17, 0.25), (1, 40, 0.75)]);
+    let lights = light_vectors(direct.state.frame.as_ref().unwrap(), [0.0; 3]);
+    let exact = |level, i: usize| {
+        let n = reference_normals(level, 256, Table::Fibonacci, true, 16).unwrap()[i];
+        let [d, s] = brightness(Vec3::from(n.map(|c| f32::from(c) / 32_767.0)), &Lighting::default(), &lights);
+        d + s
+    };
+    assert_eq!(shaded.brightness, 0.25 * exact(0, 17) + 0.75 * exact(1, 40));
+    assert!(requests.is_empty());
+    assert_eq!((step.occupancy, step.latency, direct.state.counters.rebuilds), (32, 36, 0));
+}
+
+#[test]
+fn each_fragment_of_a_stamp_gets_the_brightness_of_its_own_samples() {
+    let mut unit = BrightnessFetch::new(BrightnessConfig::default(), tables(256), 4);
+    tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
+    let alphas = [(0, 5), (1, 90), (0, 6), (1, 91)].map(|(level, index)| alpha(&mut unit, level, index));
+    let mut two = indexes(&[(0, 5, 0.25), (1, 90, 0.75)]);
+    two.stamp.push(Fragment { x: 1, ..Fragment::default() });
+    for (sample, index) in two.samples.iter_mut().zip([6, 91]) {
+        (sample.weight[1], sample.value[1]) = (0.5, index);
+    }
+    let step = unit.step(Some(Flow::Item(two)), &mut Traffic::default());
+    let Some(Flow::Item(shaded)) = step.out else { panic!("nothing left") };
+    let expected = [0.25 * alphas[0] + 0.75 * alphas[1], 0.5 * alphas[2] + 0.5 * alphas[3]];
+    assert_eq!(shaded.iter().map(|s| (s.fragment.x, s.brightness)).collect::<Vec<_>>(), [(0, expected[0]), (1, expected[1])]);
+    assert_eq!((step.occupancy, step.latency), (2, 5));
+}
+
+#[test]
+fn an_object_that_fixes_an_impossible_number_is_a_fault() {
+    let mut unit = BrightnessFetch::new(BrightnessConfig::default(), TableSet { table: Table::Tetrahedron, ..tables(256) }, 2);
+    tell(&mut unit, &[sun(0.6), object([0.0; 3], Some(5)), polygon(Lighting::default())]);
+    let mut traffic = Traffic::default();
+    unit.step(Some(Flow::Item(indexes(&[(0, 0, 1.0)]))), &mut traffic);
+    assert!(format!("{traffic:?}").contains("object `ball` fixes its number of reference normals"), "{traffic:?}");
+}
+
+#[test]
+fn the_state_survives_a_checkpoint_in_the_middle_of_a_rebuild() {
+    let mut a = unit(BrightnessConfig::default());
+    tell(&mut a, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
+    a.step(Some(Flow::Item(indexes(&[(0, 9, 1.0)]))), &mut Traffic::default());
+    let mut b = unit(BrightnessConfig::default());
+    b.state = serde_json::from_str(&serde_json::to_string(&a.state).unwrap()).unwrap();
+    assert_eq!(a.state, b.state);
+    while a.demand() == Demand::Nothing {
+        assert_eq!(a.step(None, &mut Traffic::default()), b.step(None, &mut Traffic::default()));
+    }
+    assert_eq!((a.state, b.demand()), (b.state, Demand::All));
+}
+
+proptest! {
+    #[test]
+    fn brightness_is_the_weighted_mean_and_within_full_scale(
+        samples in prop::collection::vec((0u8..8, 0u16..256), 1..=8), bits in 4u32..=16,
+    ) {
+        let mut unit = BrightnessFetch::new(BrightnessConfig { bits, ..BrightnessConfig::default() }, tables(256), 8);
+        tell(&mut unit, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
+        let weight = 1.0 / samples.len() as f32;
+        let weighted: Vec<_> = samples.iter().map(|&(l, i)| (l, i, weight)).collect();
+        let (shaded, _, _) = fetch(&mut unit, &weighted);
+        let mean = samples.iter().map(|&(l, i)| weight * alpha(&mut unit, l, i)).sum::<f32>();
+        prop_assert!((shaded.brightness - mean).abs() < 1e-5);
+        prop_assert!((0.0..=1.3001).contains(&shaded.brightness));
+        prop_assert_eq!(shaded.highlight, 0.0);
+    }
+}
+
+/// Two objects under a lamp: the second one's CLUTs are recalculated.
+fn frame_of_two_objects() -> Vec<Flow<Indexes>> {
+    let mut run = vec![Flow::Control(lamp())];
+    for x in [0.0, 9.0] {
+        run.extend([object([x, 0.0, 0.0], None), polygon(Lighting::default())].map(Flow::Control));
+        run.extend((0..40).map(|i| Flow::Item(indexes(&[(0, i % 40, 0.25), (3, i % 7, 0.75)]))));
+    }
+    run.push(Flow::Control(Control::FrameEnd));
+    run
+}
+
+basrelief_kernel::unit_contract! {
+    name: contract_of_cluts,
+    unit: BrightnessFetch::new(BrightnessConfig::default(), tables(40), 2),
+    inputs: frame_of_two_objects(),
+    clients: [Client::Cache { line_bytes: 64 }, Client::Port],
+    state,
+}
+
+basrelief_kernel::unit_contract! {
+    name: contract_of_direct_brightness,
+    unit: BrightnessFetch::new(BrightnessConfig { source: BrightnessSource::Direct, ..BrightnessConfig::default() }, tables(40), 2),
+    inputs: frame_of_two_objects(),
+    clients: [Client::Cache { line_bytes: 64 }, Client::Port],
+    state,
+}

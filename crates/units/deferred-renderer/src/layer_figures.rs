@@ -1,0 +1,43 @@
+//! What the final rasterization tells of tiles: how many in all, and a table with a row per texture and layer.
+
+use crate::{LayerCounts, PageTexels};
+use basrelief_kernel::facts::{Facts, Part};
+
+/// A layer of a page, and what became of its tiles.
+struct Row<'a> {
+    page: &'a PageTexels,
+    layer: u8,
+    counts: LayerCounts,
+}
+
+pub(crate) fn tell(pages: &[PageTexels], facts: &mut Facts) {
+    let layers = pages.iter().flat_map(|page| (0..=page.page.dmax()).map(move |layer| (page, layer)));
+    let rows: Vec<Row<'_>> = layers.map(|(page, layer)| Row { page, layer, counts: page.counts(layer) }).collect();
+    let tiles = pages.iter().map(|p| u64::from(p.page.tiles())).sum::<u64>();
+    let sum = |of: fn(&LayerCounts) -> u64| rows.iter().map(|row| of(&row.counts)).sum::<u64>();
+    facts.figure("textures", pages.len() as u64, "textures", "Textures that pixels have");
+    facts.figure("tiles", tiles, "tiles", "Their tiles, of all layers");
+    facts.figure(
+        "tiles_reused",
+        sum(|c| c.reused),
+        "tiles",
+        "Tiles of an earlier frame that a frame was coloured from, frame by frame",
+    );
+    facts.figure("tiles_never_needed", sum(|c| c.never_needed), "tiles", "Tiles that no pixel was coloured from");
+    let mut column = |title, unit, about, of: fn(&Row<'_>) -> u64| {
+        let values: Vec<u64> = rows.iter().map(of).collect();
+        facts.figure(&format!("layers_{title}"), values, unit, about).part(Part::Column { table: "layers", title });
+    };
+    column("texture", "", "Number of the texture", |row| row.page.page.texture.into());
+    column("layer", "", "Number of the layer", |row| row.layer.into());
+    column("tiles", "tiles", "Tiles of the layer", |row| {
+        let layer = &row.page.page.layers[usize::from(row.layer)];
+        (layer.pitch * layer.rows).into()
+    });
+    column("loaded", "tiles", "Those loaded", |row| row.counts.loaded);
+    column("synthesized", "tiles", "Those synthesized", |row| row.counts.synthesized);
+    column("reused", "tiles", "Those of an earlier frame that a frame was coloured from, frame by frame", |row| {
+        row.counts.reused
+    });
+    column("never_needed", "tiles", "Those that no pixel was coloured from", |row| row.counts.never_needed);
+}

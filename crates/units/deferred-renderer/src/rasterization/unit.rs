@@ -1,0 +1,252 @@
+//! The unit and its step.
+
+use super::state::{Phase, RasterizationState};
+use crate::cell::CellFormat;
+use crate::colour::{Choice, best, progressive, sample, shaded};
+use crate::config::{EngineConfig, RenderMode};
+use crate::identification::{BlockMarks, centre_of};
+use crate::records::{TileRecord, records_of};
+use crate::server::place_of;
+use crate::texels::PageTexels;
+use crate::tokens::{CellBlock, ExpandedTile, MarkFlow, Order, PassFlow};
+use crate::touched::{MOST_LINES, Touched};
+use crate::{Cell, Page};
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::{PictureFlow, PixelBlock};
+
+/// Client of the texel cache.
+const TEXELS: u32 = 0;
+/// Client that writes tiles.
+const STORE: u32 = 1;
+/// Client that reads tiles to be averaged.
+const SOURCES: u32 = 2;
+
+/// Final rasterization, and the texture-data memory (130) with its pyramids (134): stores and averages tiles as ordered, then
+/// colours the pixels of a pass.
+///
+/// Inputs: passes over the reference buffer (126), orders, tiles. Outputs: tiles that would improve a progressive picture, and
+/// pixels. Client 0 is the texel cache, client 1 writes tiles, client 2 reads those to be averaged.
+#[derive(Clone, Debug)]
+pub struct Rasterization {
+    /// Parameters.
+    pub config: EngineConfig,
+    mode: RenderMode,
+    pictures_per_view: u32,
+    format: CellFormat,
+    /// What became of tiles is kept, frame by frame, for who wants to look at it.
+    pub keep: bool,
+    /// Everything it remembers.
+    pub state: RasterizationState,
+}
+
+type Out = (Option<MarkFlow>, Option<PictureFlow>);
+
+impl Rasterization {
+    /// At power-on; `pictures_per_view` as of the tile load lists.
+    pub fn new(config: EngineConfig, mode: RenderMode, pictures_per_view: u32, format: CellFormat) -> Self {
+        Self { config, mode, pictures_per_view, format, keep: false, state: RasterizationState::default() }
+    }
+
+    /// Pages and what has come of their pyramids.
+    pub fn pages(&self) -> &[PageTexels] {
+        &self.state.pages
+    }
+
+    /// What became of tiles in the frames finished since the last call, where that is kept: number of the frame, from 0, and its
+    /// tiles.
+    pub fn drain_records(&mut self) -> Vec<(u32, Vec<TileRecord>)> {
+        std::mem::take(&mut self.state.records)
+    }
+
+    fn order(&mut self, order: Order, traffic: &mut Traffic) -> Step<Out> {
+        match order {
+            Order::Load { page, tile } => self.state.phase = Phase::Tile(page, tile),
+            Order::Synthesize { page, tile } => return self.synthesize(page, tile, traffic),
+            Order::End => self.state.phase = Phase::Cells,
+        }
+        Step::after(0, (None, None))
+    }
+
+    fn synthesize(&mut self, page: u16, tile: u32, traffic: &mut Traffic) -> Step<Out> {
+        let Some(texels) = self.state.pages.get_mut(usize::from(page)) else { return Step::after(0, (None, None)) };
+        let bytes = texels.page.tile_bytes();
+        let address = |tile: u32| texels.page.address + u64::from(tile) * bytes;
+        for source in texels.page.sources(tile) {
+            traffic.read(SOURCES, address(source), bytes as u32);
+        }
+        traffic.write(STORE, address(tile), bytes as u32);
+        let cycles = area(&texels.page, tile).div_ceil(self.config.average_rate.into());
+        texels.synthesize(tile, self.state.frame);
+        Step::after(0, (None, None)).busy(cycles)
+    }
+
+    fn store(&mut self, arrived: &ExpandedTile, traffic: &mut Traffic) -> Step<Out> {
+        let ExpandedTile { page, tile, texels } = arrived;
+        let Phase::Tile(number, ordered) = std::mem::replace(&mut self.state.phase, Phase::Orders) else {
+            return Step::after(0, (None, None));
+        };
+        if (number, ordered) != (page.number, *tile) {
+            traffic.fault(format!("{}: came where another tile was expected; report this as a defect", place_of(page, *tile)));
+        }
+        if let Some(own) = self.state.pages.get_mut(usize::from(page.number)) {
+            own.store(*tile, texels, self.state.frame);
+        }
+        let bytes = page.tile_bytes();
+        traffic.write(STORE, page.address + u64::from(*tile) * bytes, bytes as u32);
+        let cycles = (texels.len() as u64).div_ceil(self.config.average_rate.into());
+        Step::after(0, (None, None)).busy(cycles.max(1))
+    }
+
+    fn pass(&mut self, token: PassFlow, traffic: &mut Traffic) -> Step<Out> {
+        let latency = u64::from(self.config.latency);
+        match token {
+            PassFlow::Frame(frame) => {
+                self.state.frame += 1;
+                self.state.pictures = 0;
+                self.state.centre = centre_of(&frame);
+                Step::after(latency, (None, Some(PictureFlow::Frame(frame))))
+            }
+            PassFlow::Page(page) => {
+                self.state.pages.push(PageTexels::new(page));
+                Step::after(latency, (None, None))
+            }
+            PassFlow::Begin => {
+                self.state.improvable = false;
+                self.state.phase = Phase::Orders;
+                Step::after(latency, (None, None))
+            }
+            PassFlow::Cells(block) => self.colour(&block, traffic),
+            PassFlow::End => Step::after(latency, self.end_of_picture()),
+        }
+    }
+
+    fn end_of_picture(&mut self) -> Out {
+        self.state.pictures += 1;
+        self.state.counters.pictures += 1;
+        self.state.counters.most_pictures = self.state.counters.most_pictures.max(self.state.pictures.into());
+        let last = !self.state.improvable || self.state.pictures == self.pictures_per_view;
+        if last && self.keep {
+            self.state.records.push((self.state.frame as u32 - 1, records_of(&self.state.pages, self.state.frame)));
+        }
+        let marks = (self.mode == RenderMode::Progressive).then_some(MarkFlow::End);
+        (marks, Some(PictureFlow::Show { last }))
+    }
+
+    /// Colours the drawn pixels of a block.
+    #[inline]
+    fn colour(&mut self, block: &CellBlock, traffic: &mut Traffic) -> Step<Out> {
+        let mut pixels = PixelBlock { at: block.at, mask: block.mask, rgb: [[0; 3]; 16] };
+        let mut marks = BlockMarks::new(block.at, self.state.centre);
+        let mut touched = [Touched::default(); 2];
+        let mut interpolations = 0;
+        for (i, cell) in block.drawn() {
+            pixels.rgb[i] = match cell.page() {
+                None => {
+                    self.state.counters.direct += 1;
+                    cell.rgb()
+                }
+                Some(page) => {
+                    let (rgb, layers) = self.textured(usize::from(page), cell, (&mut marks, &mut touched), traffic);
+                    interpolations += layers;
+                    rgb
+                }
+            };
+        }
+        self.state.counters.interpolations += interpolations as u64;
+        let marks = marks.finish();
+        self.state.improvable |= marks.is_some();
+        let cycles = interpolations.max(block.mask.count_ones() as usize).div_ceil(self.config.interpolation_rate as usize);
+        Step::over(cycles, 1, self.config.latency.into(), (marks, Some(PictureFlow::Pixels(pixels))))
+    }
+
+    /// Colours a textured pixel, and says how many layers that took.
+    #[inline]
+    fn textured(
+        &mut self,
+        page: usize,
+        cell: &Cell,
+        (marks, touched): (&mut BlockMarks, &mut [Touched; 2]),
+        traffic: &mut Traffic,
+    ) -> ([u8; 3], usize) {
+        let Some(texels) = self.state.pages.get_mut(page) else { return ([0; 3], 0) };
+        let placed = texels.page.placed(cell.coordinates);
+        let choice = match self.mode {
+            RenderMode::Progressive => progressive(texels, cell, placed),
+            RenderMode::Best | RenderMode::Conventional => Some(best(texels, cell)),
+        };
+        let Some(choice) = choice else { return ([0; 3], 0) };
+        let Choice { improve, .. } = choice;
+        if let Some(layer) = improve {
+            for tile in texels.page.marked(layer, placed).into_iter().filter(|t| !texels.exists(*t)) {
+                marks.add(texels.page.number, tile);
+            }
+        }
+        let sample = sample(texels, &choice, placed);
+        let mut layers = 0;
+        for (slot, (layer, taps)) in sample.read.into_iter().flatten().enumerate() {
+            layers += 1;
+            if improve.is_none() {
+                texels.need(layer, &taps, self.state.frame);
+            }
+            touched[slot].look_up(&texels.page, layer, &taps, (TEXELS, &mut *traffic));
+        }
+        self.state.counters.textured += 1;
+        self.state.counters.between_layers += u64::from(choice.upper.is_some());
+        (shaded(&self.format, cell, sample.colour), layers)
+    }
+}
+
+/// Texels of a tile.
+fn area(page: &Page, tile: u32) -> u64 {
+    let (first, end) = page.texels_of(tile);
+    u64::from(end[0] - first[0]) * u64::from(end[1] - first[1])
+}
+
+impl Unit for Rasterization {
+    type In = (Option<PassFlow>, Option<Order>, Option<ExpandedTile>);
+    type Out = Out;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        match self.state.phase {
+            Phase::Cells => Demand::Only(0),
+            Phase::Orders => Demand::Only(1),
+            Phase::Tile(..) => Demand::Only(2),
+        }
+    }
+
+    #[inline(always)]
+    fn step(&mut self, (pass, order, tile): Self::In, traffic: &mut Traffic) -> Step<Out> {
+        if let Some(token) = pass {
+            return self.pass(token, traffic);
+        }
+        if let Some(order) = order {
+            return self.order(order, traffic);
+        }
+        match tile {
+            Some(tile) => self.store(&tile, traffic),
+            None => Step::after(0, (None, None)),
+        }
+    }
+
+    /// The lines of a block; one tile; the sources of one tile.
+    fn largest_step(&self, client: usize) -> u32 {
+        [MOST_LINES, 1, 4].get(client).copied().unwrap_or(0)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.state.phase == Phase::Cells
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.rate(1, self.config.latency, 16_u32.div_ceil(self.config.interpolation_rate));
+        let c = &self.state.counters;
+        facts.figure("pixels_textured", c.textured, "pixels", "Pixels coloured by a texture");
+        facts.figure("pixels_direct", c.direct, "pixels", "Pixels coloured by their cell");
+        facts.figure("interpolations_within_layers", c.interpolations, "interpolations", "Bilinear interpolations");
+        facts.figure("interpolations_between_layers", c.between_layers, "interpolations", "Interpolations between two layers");
+        facts.figure("most_pictures_per_frame", c.most_pictures, "pictures", "Most pictures of a frame");
+        crate::layer_figures::tell(self.pages(), facts);
+    }
+}

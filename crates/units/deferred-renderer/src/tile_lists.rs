@@ -1,0 +1,275 @@
+//! Tile load lists (136) of all pages, and the acquisition of tiles (462, 477), Figure 6.
+
+use crate::Page;
+use crate::acquisition::{Acquired, How, TileList};
+use crate::config::{EngineConfig, RenderMode, TileOrder};
+use crate::tokens::{Mark, MarkFlow, Order, Request, Round};
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use serde::{Deserialize, Serialize};
+use std::cmp::Reverse;
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// How much a tile is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Wanted {
+    pixels: u32,
+    distance: u32,
+}
+
+const UNWANTED: Wanted = Wanted { pixels: 0, distance: u32::MAX };
+
+/// A page and its tile load list (136).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Listed {
+    page: Arc<Page>,
+    list: TileList,
+    /// By tile; empty where the order does not ask.
+    wanted: Vec<Wanted>,
+}
+
+/// What the lists do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Phase {
+    /// Take pages and marks of the identification (461), up to its end.
+    #[default]
+    Identified,
+    /// Acquire what is planned.
+    Acquire,
+    /// Take marks of a progressive picture (472), up to its end.
+    Improved,
+}
+
+/// What the lists have counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TileListsCounters {
+    /// Tiles loaded.
+    pub loaded: u64,
+    /// Tiles synthesized.
+    pub synthesized: u64,
+    /// Acquisitions that had anything to do.
+    pub acquisitions: u64,
+}
+
+/// Everything the lists remember.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TileListsState {
+    phase: Phase,
+    pages: Vec<Listed>,
+    /// What is to be acquired, in order: page and tile.
+    pub plan: VecDeque<(u16, Acquired)>,
+    /// Pictures of the current frame whose marks have been taken.
+    pub pictures: u32,
+    /// What they have counted.
+    pub counters: TileListsCounters,
+}
+
+/// Tile load lists (136): marks tiles, and acquires those in state L.
+///
+/// Inputs: marks of the identification and marks of a progressive picture. Outputs: requests to the server (110), orders to the
+/// texture-data memory (130), and whether another round follows. The path keeps the order of requests; so a tile that is
+/// asked for exists for all that is ordered after it.
+///
+/// Two bits per tile: the lists are kept in the unit, and are no traffic of the texture-data memory (assumed).
+#[derive(Clone, Debug)]
+pub struct TileLists {
+    /// Parameters.
+    pub config: EngineConfig,
+    mode: RenderMode,
+    order: TileOrder,
+    pictures_per_view: u32,
+    /// Everything they remember.
+    pub state: TileListsState,
+}
+
+type Out = (Option<Request>, Option<Order>, Option<Round>);
+
+impl TileLists {
+    /// At power-on; `pictures_per_view`: progressive pictures after which the viewpoint is left, 0 for never.
+    pub fn new(config: EngineConfig, mode: RenderMode, order: TileOrder, pictures_per_view: u32) -> Self {
+        Self { config, mode, order, pictures_per_view, state: TileListsState::default() }
+    }
+
+    /// Pages and their lists.
+    pub fn lists(&self) -> impl Iterator<Item = (&Arc<Page>, &TileList)> {
+        self.state.pages.iter().map(|l| (&l.page, &l.list))
+    }
+
+    fn add(&mut self, page: Arc<Page>) {
+        let tiles = page.tiles();
+        let wanted = if self.order == TileOrder::Listed { Vec::new() } else { vec![UNWANTED; tiles as usize] };
+        self.state.pages.push(Listed { page, list: TileList::new(tiles), wanted });
+    }
+
+    #[inline]
+    fn mark(&mut self, mark: &Mark) {
+        let Some(listed) = self.state.pages.get_mut(usize::from(mark.page)) else { return };
+        listed.list.mark(mark.tile);
+        if let Some(wanted) = listed.wanted.get_mut(mark.tile as usize) {
+            wanted.pixels = wanted.pixels.saturating_add(mark.pixels);
+            wanted.distance = wanted.distance.min(mark.distance);
+        }
+    }
+
+    /// A new viewpoint (482): what was to be loaded is not any more. Tiles in flight are E already.
+    fn forget(&mut self) {
+        self.state.pictures = 0;
+        for listed in &mut self.state.pages {
+            listed.list.forget();
+            listed.wanted.fill(UNWANTED);
+        }
+    }
+
+    /// Marks whole layers: all of them (conventional) or the top tiles (471).
+    fn mark_layers(&mut self) {
+        let whole = self.mode == RenderMode::Conventional;
+        for listed in &mut self.state.pages {
+            let end = if whole { listed.page.tiles() } else { listed.page.layers[0].pitch * listed.page.layers[0].rows };
+            (0..end).for_each(|tile| {
+                listed.list.mark(tile);
+            });
+        }
+    }
+
+    /// Figure 6 for every page; cycles that looking at the lists takes.
+    fn acquire(&mut self) -> u64 {
+        let mut looked_at = 0;
+        for listed in &mut self.state.pages {
+            looked_at += u64::from(listed.page.tiles());
+            let number = listed.page.number;
+            self.state.plan.extend(listed.list.acquire(&listed.page).into_iter().map(|a| (number, a)));
+        }
+        if self.order != TileOrder::Listed {
+            self.sort();
+        }
+        if !self.state.plan.is_empty() {
+            self.state.counters.acquisitions += 1;
+        }
+        looked_at.div_ceil(self.config.list_rate.into()).max(1)
+    }
+
+    /// Loads in the order wished for, then what is averaged from them. Those wished for alike stay as listed.
+    fn sort(&mut self) {
+        let pages = &self.state.pages;
+        let order = self.order;
+        self.state.plan.make_contiguous().sort_by_key(|(page, acquired)| {
+            let wanted = pages[usize::from(*page)].wanted.get(acquired.tile as usize).copied().unwrap_or(UNWANTED);
+            match (acquired.how, order) {
+                (How::Synthesized, _) | (_, TileOrder::Listed) => (1, 0, Reverse(0)),
+                (How::Loaded, TileOrder::Centre) => (0, wanted.distance, Reverse(0)),
+                (How::Loaded, TileOrder::Pixels) => (0, 0, Reverse(wanted.pixels)),
+            }
+        });
+    }
+
+    /// What a real server may be told ahead.
+    fn announcement(&self) -> Option<Request> {
+        let loaded = self.state.plan.iter().filter(|(_, a)| a.how == How::Loaded);
+        let tiles: Arc<[_]> = loaded.map(|(page, a)| (Arc::clone(&self.state.pages[usize::from(*page)].page), a.tile)).collect();
+        (!tiles.is_empty()).then_some(Request::Announce(tiles))
+    }
+
+    /// All marks of the identification are taken.
+    fn end_of_identification(&mut self) -> (u64, Out) {
+        if self.mode != RenderMode::Best {
+            self.mark_layers();
+        }
+        let cycles = self.acquire();
+        self.state.phase = Phase::Acquire;
+        (cycles, (self.announcement(), None, None))
+    }
+
+    /// All marks of a progressive picture are taken (476): another round, unless none is marked or the user moves on (475).
+    fn end_of_picture(&mut self) -> (u64, Out) {
+        self.state.pictures += 1;
+        if self.state.pictures == self.pictures_per_view {
+            self.state.phase = Phase::Identified;
+            return (1, (Some(Request::End), None, Some(Round::Done)));
+        }
+        let cycles = self.acquire();
+        if self.state.plan.is_empty() {
+            self.state.phase = Phase::Identified;
+            return (cycles, (Some(Request::End), None, Some(Round::Done)));
+        }
+        self.state.phase = Phase::Acquire;
+        (cycles, (self.announcement(), None, Some(Round::Again)))
+    }
+
+    /// The next tile of the plan.
+    fn next(&mut self) -> Out {
+        let Some((page, Acquired { tile, how })) = self.state.plan.pop_front() else { return self.end_of_acquisition() };
+        match how {
+            How::Loaded => {
+                self.state.counters.loaded += 1;
+                let request = Request::Tile(Arc::clone(&self.state.pages[usize::from(page)].page), tile);
+                (Some(request), Some(Order::Load { page, tile }), None)
+            }
+            How::Synthesized => {
+                self.state.counters.synthesized += 1;
+                (None, Some(Order::Synthesize { page, tile }), None)
+            }
+        }
+    }
+
+    fn end_of_acquisition(&mut self) -> Out {
+        if self.mode == RenderMode::Progressive {
+            self.state.phase = Phase::Improved;
+            (None, Some(Order::End), None)
+        } else {
+            self.state.phase = Phase::Identified;
+            (Some(Request::End), Some(Order::End), Some(Round::Done))
+        }
+    }
+
+    fn take(&mut self, token: MarkFlow) -> (u64, Out) {
+        match token {
+            MarkFlow::Frame => self.forget(),
+            MarkFlow::Page(page) => self.add(page),
+            MarkFlow::Marks(marks) => {
+                marks.iter().for_each(|mark| self.mark(mark));
+                return (marks.len() as u64, (None, None, None));
+            }
+            MarkFlow::End if self.state.phase == Phase::Identified => return self.end_of_identification(),
+            MarkFlow::End => return self.end_of_picture(),
+        }
+        (1, (None, None, None))
+    }
+}
+
+impl Unit for TileLists {
+    type In = (Option<MarkFlow>, Option<MarkFlow>);
+    type Out = Out;
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        match self.state.phase {
+            Phase::Identified => Demand::Only(0),
+            Phase::Acquire => Demand::Nothing,
+            Phase::Improved => Demand::Only(1),
+        }
+    }
+
+    #[inline]
+    fn step(&mut self, (identified, improved): Self::In, _: &mut Traffic) -> Step<Out> {
+        let latency = u64::from(self.config.latency);
+        match identified.or(improved) {
+            Some(token) => {
+                let (cycles, out) = self.take(token);
+                Step::after(latency.max(cycles), out).busy(cycles)
+            }
+            None => Step::after(latency, self.next()),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.state.phase == Phase::Identified
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let c = &self.state.counters;
+        facts.figure("tiles_loaded", c.loaded, "tiles", "Tiles loaded");
+        facts.figure("tiles_synthesized", c.synthesized, "tiles", "Tiles synthesized");
+        facts.figure("acquisitions", c.acquisitions, "acquisitions", "Times that the lists were worked off");
+    }
+}

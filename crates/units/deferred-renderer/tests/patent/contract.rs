@@ -1,0 +1,264 @@
+//! Every unit keeps the unit contract. Their tokens are those of two frames in the mode of best resolution, and of two in the
+//! progressive one.
+
+use crate::texture;
+use crate::two_wires::{Either, Requested, TwoInputs, TwoOutputs};
+use basrelief_deferred_renderer::tokens::{
+    CellFlow, Content, EncodedTile, ExpandedTile, Mark, MarkFlow, Order, Parcel, PassFlow, Request, Round,
+};
+use basrelief_deferred_renderer::{
+    CellConfig, CellFormat, Cells, Cut, EngineConfig, Expander, Identification, Lighting, Path, PathConfig, Rasterization,
+    ReferenceBuffer, RenderMode, TileConfig, TileLists, TileOrder, WrapMode,
+};
+use basrelief_kernel::{Demand, Traffic, Unit, unit_contract};
+use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, Material, Polygon, Stamp, Vertex};
+use std::sync::Arc;
+
+fn polygon(material: Material, repeats: f32) -> Control {
+    let corner = |x, y, q, u, v| Vertex { position: [x, y, 0.5, q], uv: [u, v], ..Vertex::default() };
+    let vertices = [corner(0.0, 0.0, 1.0, 0.0, 0.0), corner(40.0, 0.0, 0.3, repeats, 0.0), corner(0.0, 30.0, 0.5, 0.0, repeats)];
+    let (vertices, material) = (vertices.into_iter().collect(), Arc::new(material));
+    Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: false, arrival: 0 }))
+}
+
+/// Control tokens of two frames.
+fn controls() -> Vec<Control> {
+    let texture = texture([64, 48]);
+    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+    let one = |index: u32, repeats: f32| {
+        let textures = if index == 0 { vec![Arc::clone(&texture)] } else { vec![] };
+        let frame = Frame { index, width: 22, height: 13, camera, lights: Vec::new(), textures };
+        let textured = Material { id: 1, color_texture: Some(Arc::clone(&texture)), ..Material::default() };
+        let plain = Material { id: 2, base_color: [0.2, 0.7, 0.4, 1.0], ..Material::default() };
+        [Control::Frame(Arc::new(frame)), polygon(textured, repeats), polygon(plain, 1.0), Control::FrameEnd]
+    };
+    [one(0, 3.0), one(1, 0.4)].concat()
+}
+
+/// These, with fragments of the polygons: a wide one, and a narrow one over it.
+fn fragments() -> Vec<Flow<Stamp<Fragment>>> {
+    let stamp = |x: u16, y: u16| {
+        let fragment =
+            |x: u16| Fragment { x, y, z: 9, weights: [f32::from(x) / 40.0, f32::from(y) / 30.0], ..Fragment::default() };
+        Flow::Item((x..x + 4).map(fragment).collect())
+    };
+    let mut all = Vec::new();
+    for control in controls() {
+        let columns = match &control {
+            Control::Polygon(polygon) if polygon.material.color_texture.is_some() => 0..20,
+            Control::Polygon(_) => 8..12,
+            _ => 0..0,
+        };
+        all.push(Flow::Control(control));
+        all.extend((0..12).flat_map(|y| columns.clone().step_by(4).map(move |x| stamp(x, y))));
+    }
+    all
+}
+
+/// Steps a unit until an input that it asks for has no more.
+fn drive<U: Unit>(mut unit: U, mut next: impl FnMut(Demand) -> Option<U::In>) -> Vec<U::Out> {
+    let mut out = Vec::new();
+    while let Some(input) = next(unit.demand()) {
+        out.push(unit.step(input, &mut Traffic::default()).out);
+    }
+    out
+}
+
+/// Tokens of one input.
+fn one<A>(tokens: Vec<A>) -> impl FnMut(Demand) -> Option<Option<A>> {
+    let mut tokens = tokens.into_iter();
+    move |demand| if demand == Demand::Nothing { Some(None) } else { tokens.next().map(Some) }
+}
+
+/// Tokens of two inputs, of which one is taken at a time.
+fn two<A, B>(first: Vec<A>, second: Vec<B>) -> impl FnMut(Demand) -> Option<(Option<A>, Option<B>)> {
+    let (mut first, mut second) = (first.into_iter(), second.into_iter());
+    move |demand| match demand {
+        Demand::Nothing => Some((None, None)),
+        Demand::Only(0) => first.next().map(|a| (Some(a), None)),
+        _ => second.next().map(|b| (None, Some(b))),
+    }
+}
+
+/// What travels between the units.
+struct Wires {
+    cells: Vec<CellFlow>,
+    rounds: Vec<Round>,
+    marking: Vec<PassFlow>,
+    colouring: Vec<PassFlow>,
+    marks: Vec<MarkFlow>,
+    improvements: Vec<MarkFlow>,
+    asked: Vec<Either<Request, ()>>,
+    parcels: Vec<Parcel>,
+    encoded: Vec<EncodedTile>,
+    acquired: Vec<Either<Order, ExpandedTile>>,
+}
+
+fn engine() -> EngineConfig {
+    EngineConfig::default()
+}
+
+fn cells() -> Cells {
+    let cut = Cut { tile: [8, 8], ..Cut::default() };
+    Cells::new(engine(), &CellConfig::default(), (Lighting::None, WrapMode::Sampler), cut)
+}
+
+fn reference_buffer(mode: RenderMode) -> ReferenceBuffer {
+    ReferenceBuffer::new(engine(), mode, 16)
+}
+
+fn tile_lists(mode: RenderMode) -> TwoOutputs {
+    TwoOutputs(TileLists::new(engine(), mode, TileOrder::Pixels, 0))
+}
+
+fn expander() -> Expander {
+    Expander::new(TileConfig::default(), 8)
+}
+
+fn path() -> Path {
+    // Few bits a cycle, and not a whole number of cycles a byte.
+    Path::new(&PathConfig { bits_per_second: 777_777_777, latency_us: 1, ..PathConfig::default() }, 200_000_000)
+}
+
+fn rasterization(mode: RenderMode) -> TwoInputs {
+    TwoInputs(Rasterization::new(engine(), mode, 0, CellFormat::new(&CellConfig::default(), 1.0)))
+}
+
+/// What the final rasterization would ask for: in the first frame some tiles, then no more; in the second none.
+fn improvements() -> Vec<MarkFlow> {
+    let mark = |tile| Mark { page: 0, tile, pixels: 3, distance: 40 };
+    vec![MarkFlow::Marks((1..5).map(mark).collect()), MarkFlow::End, MarkFlow::End, MarkFlow::End]
+}
+
+/// Orders, each with its tile.
+fn with_tiles(orders: impl Iterator<Item = Order>, tiles: Vec<ExpandedTile>) -> Vec<Either<Order, ExpandedTile>> {
+    let mut tiles = tiles.into_iter();
+    let with_tile = |order: Order| {
+        let tile = if matches!(order, Order::Load { .. }) { tiles.next() } else { None };
+        [Some(Either::Second(order)), tile.map(Either::Third)].into_iter().flatten()
+    };
+    orders.flat_map(with_tile).collect()
+}
+
+fn wires(mode: RenderMode) -> Wires {
+    let progressive = mode == RenderMode::Progressive;
+    let rounds = if progressive { vec![Round::Again, Round::Done, Round::Done] } else { vec![Round::Done; 2] };
+    let improvements = if progressive { improvements() } else { vec![] };
+    let cell_flow: Vec<CellFlow> = drive(cells(), one(fragments())).into_iter().flatten().collect();
+    let (marking, colouring): (Vec<_>, Vec<_>) =
+        drive(reference_buffer(mode), two(cell_flow.clone(), rounds.clone())).into_iter().unzip();
+    let [marking, colouring] = [marking, colouring].map(|tokens| tokens.into_iter().flatten().collect::<Vec<_>>());
+    let marks: Vec<_> = drive(Identification::new(engine()), one(marking.clone())).into_iter().flatten().collect();
+    let (requests, orders): (Vec<_>, Vec<_>) =
+        drive(tile_lists(mode), two(marks.clone(), improvements.clone())).into_iter().unzip();
+    let asked = |request: Request| {
+        let shown = (request == Request::End).then_some(Either::Third(()));
+        [Some(Either::Second(request)), shown].into_iter().flatten()
+    };
+    let asked: Vec<_> = requests.into_iter().flatten().flat_map(asked).collect();
+    let parcels: Vec<_> = drive(Requested::new(), two(controls(), asked.clone())).into_iter().flatten().collect();
+    let encoded: Vec<_> = drive(path(), one(parcels.clone())).into_iter().filter_map(|(_, tile)| tile).collect();
+    let tiles = drive(expander(), one(encoded.clone())).into_iter().flatten().collect();
+    let acquired = with_tiles(orders.into_iter().flatten().filter_map(|(order, _)| order), tiles);
+    Wires { cells: cell_flow, rounds, marking, colouring, marks, improvements, asked, parcels, encoded, acquired }
+}
+
+#[test]
+fn the_tokens_of_the_contracts_say_something() {
+    for mode in [RenderMode::Best, RenderMode::Progressive] {
+        let wires = wires(mode);
+        let blocks = |tokens: &[PassFlow]| tokens.iter().filter(|t| matches!(t, PassFlow::Cells(_))).count();
+        let passes = if mode == RenderMode::Best { 2 } else { 3 };
+        // 20 x 12 pixels are 15 blocks.
+        assert_eq!(blocks(&wires.colouring), 15 * passes, "{mode:?}");
+        assert_eq!(blocks(&wires.marking), if mode == RenderMode::Best { 30 } else { 0 });
+        let tiles = wires.parcels.iter().filter(|p| matches!(p.content, Content::Tile(_))).count();
+        assert!(tiles == wires.encoded.len() && tiles >= 5, "{mode:?}: {tiles} tiles");
+        let ends = wires.asked.iter().filter(|a| **a == Either::Third(())).count();
+        assert_eq!(ends, 2, "each frame is shown to its last picture");
+        let stored = wires.acquired.iter().filter(|a| matches!(a, Either::Third(_))).count();
+        assert_eq!(stored, tiles);
+        assert!(wires.marks.len() >= 4 && wires.cells.len() > 60);
+    }
+}
+
+unit_contract! {
+    name: server,
+    unit: Requested::new(),
+    inputs: (controls(), wires(RenderMode::Best).asked),
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
+}
+
+unit_contract! {
+    name: path_of_the_tiles,
+    unit: path(),
+    inputs: wires(RenderMode::Best).parcels,
+    state,
+}
+
+unit_contract! {
+    name: expander_of_tiles,
+    unit: expander(),
+    inputs: wires(RenderMode::Best).encoded,
+    stateless,
+}
+
+unit_contract! {
+    name: cells_of_fragments,
+    unit: cells(),
+    inputs: fragments(),
+    state,
+}
+
+unit_contract! {
+    name: reference_buffer_of_best_resolution,
+    unit: reference_buffer(RenderMode::Best),
+    inputs: { let w = wires(RenderMode::Best); (w.cells, w.rounds) },
+    clients: [Client::Port, Client::Port],
+    state,
+}
+
+unit_contract! {
+    name: reference_buffer_of_the_progressive_mode,
+    unit: reference_buffer(RenderMode::Progressive),
+    inputs: { let w = wires(RenderMode::Progressive); (w.cells, w.rounds) },
+    clients: [Client::Port, Client::Port],
+    state,
+}
+
+unit_contract! {
+    name: identification,
+    unit: Identification::new(engine()),
+    inputs: wires(RenderMode::Best).marking,
+    state,
+}
+
+unit_contract! {
+    name: tile_lists_of_best_resolution,
+    unit: tile_lists(RenderMode::Best),
+    inputs: { let w = wires(RenderMode::Best); (w.marks, w.improvements) },
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
+}
+
+unit_contract! {
+    name: tile_lists_of_the_progressive_mode,
+    unit: tile_lists(RenderMode::Progressive),
+    inputs: { let w = wires(RenderMode::Progressive); (w.marks, w.improvements) },
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
+}
+
+unit_contract! {
+    name: final_rasterization_of_best_resolution,
+    unit: rasterization(RenderMode::Best),
+    inputs: { let w = wires(RenderMode::Best); (w.colouring, w.acquired) },
+    clients: [Client::Cache { line_bytes: 64 }, Client::Port, Client::Port],
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
+}
+
+unit_contract! {
+    name: final_rasterization_of_the_progressive_mode,
+    unit: rasterization(RenderMode::Progressive),
+    inputs: { let w = wires(RenderMode::Progressive); (w.colouring, w.acquired) },
+    clients: [Client::Cache { line_bytes: 64 }, Client::Port, Client::Port],
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
+}

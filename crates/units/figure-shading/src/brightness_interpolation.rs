@@ -1,0 +1,127 @@
+//! Brightness interpolation circuit (21).
+
+use crate::dots::{Corners, Dots};
+use crate::{Dot, Figure, InterpolationConfig, Mode, Selection, Signal};
+use basrelief_kernel::facts::{Facts, Part};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_shading::fan_triangles;
+use basrelief_signals::Fragment;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// What circuit (21) has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BrightnessInterpolationCounters {
+    /// Polygons drawn.
+    pub polygons: u64,
+    /// Dots drawn.
+    pub drawn: u64,
+    /// Cycles that polygons kept the circuit.
+    pub started_cycles: u64,
+}
+
+/// Everything circuit (21) remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BrightnessInterpolationState {
+    /// The polygon that is part-way.
+    pub figure: Option<Arc<Figure>>,
+    /// Where in it.
+    pub dots: Dots,
+    /// Brightness at the corners of the current triangle.
+    pub corners: Corners,
+    /// What it has counted.
+    pub counters: BrightnessInterpolationCounters,
+}
+
+/// Brightness interpolation circuit (21): from the brightness at the sample points to brightness and screen address of every
+/// dot, linear on the screen (equation (6)), three components side by side. With depth, which the patent does not have.
+///
+/// Output 0 goes to the adder (52): all control, and the dots in normal-interpolation mode. Output 1 goes straight to
+/// selector (28): dots in brightness-interpolation mode.
+#[derive(Clone, Debug, Default)]
+pub struct BrightnessInterpolation {
+    /// Parameters.
+    pub config: InterpolationConfig,
+    /// Everything it remembers.
+    pub state: BrightnessInterpolationState,
+}
+
+type Out = Step<(Option<Signal>, Option<Signal>)>;
+
+impl BrightnessInterpolation {
+    /// A circuit at power-on.
+    pub fn new(config: InterpolationConfig) -> Self {
+        Self { config, state: BrightnessInterpolationState::default() }
+    }
+
+    /// Takes a polygon; the cycles that it keeps the circuit. None are charged where the dots come from process 24.
+    fn begin(&mut self, figure: &Arc<Figure>) -> u64 {
+        if figure.registers.selection() == Selection::Mean {
+            return 1;
+        }
+        let cycles = (u64::from(self.config.setup_cycles) * u64::from(fan_triangles(&figure.polygon))).max(1);
+        let state = &mut self.state;
+        state.dots = Dots::new(&figure.polygon, figure.raster);
+        state.corners = Corners::default();
+        state.figure = Some(Arc::clone(figure));
+        state.counters.polygons += 1;
+        state.counters.started_cycles += cycles;
+        cycles
+    }
+
+    /// The next dot of the polygon, or its end.
+    #[inline]
+    fn draw(&mut self) -> Out {
+        let state = &mut self.state;
+        let Some(figure) = &state.figure else { return Step::after(0, (None, None)) };
+        let to_adder = figure.registers.mode == Mode::Normal;
+        let (signal, cycles) = match state.dots.next(&figure.polygon) {
+            Some(fragment) => {
+                let brightness = state.corners.at(&fragment, |i| figure.brightness.get(i).copied().unwrap_or_default());
+                let Fragment { x, y, z, .. } = fragment;
+                state.counters.drawn += 1;
+                (Signal::Dot(Dot { x, y, z, brightness }), u64::from(self.config.initiation_interval))
+            }
+            None => {
+                state.figure = None;
+                (Signal::End, 1)
+            }
+        };
+        state.counters.started_cycles += cycles;
+        let out = if to_adder { (Some(signal), None) } else { (None, Some(signal)) };
+        Step::after(u64::from(self.config.latency), out).busy(cycles)
+    }
+}
+
+impl Unit for BrightnessInterpolation {
+    type In = Option<Signal>;
+    type Out = (Option<Signal>, Option<Signal>);
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        if self.state.figure.is_some() { Demand::Nothing } else { Demand::All }
+    }
+
+    #[inline]
+    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Out {
+        let Some(signal) = input else { return self.draw() };
+        let cycles = if let Signal::Figure(figure) = &signal { self.begin(figure) } else { 1 };
+        Step::after(0, (Some(signal), None)).busy(cycles)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.state.figure.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        for output in 0..2 {
+            facts.rate(output, self.config.latency, self.config.initiation_interval);
+        }
+        let c = &self.state.counters;
+        facts.figure("interpolation_polygons", c.polygons, "polygons", "Polygons in the brightness interpolation circuit (21)");
+        facts.figure("interpolation_dots", c.drawn, "dots", "Their dots");
+        facts
+            .figure("interpolation_started_cycles", c.started_cycles, "cycles", "Cycles in which it was started")
+            .part(Part::Started("interpolation".into()));
+    }
+}

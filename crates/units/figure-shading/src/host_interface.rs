@@ -1,0 +1,147 @@
+//! Host interface: transfers from the host computer (100), polygon by polygon.
+
+use crate::{Finished, HostConfig};
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::{Control, Frame, LightKind, Lighting, Polygon};
+use serde::{Deserialize, Serialize};
+
+/// What the host interface has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HostInterfaceCounters {
+    /// Polygons sent.
+    pub polygons: u64,
+    /// Polygons of fewer than three points, not sent.
+    pub dropped: u64,
+    /// Of those sent, polygons with a colour texture, which the device does not have.
+    pub textured: u64,
+    /// Bytes sent.
+    pub bytes: u64,
+}
+
+/// Everything the host interface remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HostInterfaceState {
+    /// Lights at a point: their L is sent anew for each object.
+    pub point_lights: u64,
+    /// Coefficients and colour sent last.
+    pub sent: Option<(Lighting, [f32; 4])>,
+    /// Polygons that the device holds.
+    pub in_flight: u32,
+    /// The end of the frame waits until they are finished.
+    pub frame_ends: bool,
+    /// What it has counted.
+    pub counters: HostInterfaceCounters,
+}
+
+/// Sends, in the words of the patent: once per frame the mode, Ia, Is, L and V; per object L again, where its light is at a
+/// point; Ka, Kd (per component), Ks and n whenever they change; per polygon its points and normals, and colours where they
+/// are not white. A polygon is the unit of transfer: the next one waits until one of the `buffers` is free, which the
+/// feedback of selector (28) tells. The end of the frame waits until all are.
+///
+/// Input 0 is what the front end hands on, input 1 the feedback.
+#[derive(Clone, Debug, Default)]
+pub struct HostInterface {
+    /// Parameters.
+    pub config: HostConfig,
+    /// Everything it remembers.
+    pub state: HostInterfaceState,
+}
+
+type Out = Step<Option<Control>>;
+
+impl HostInterface {
+    /// A host interface at power-on.
+    pub fn new(config: HostConfig) -> Self {
+        Self { config, state: HostInterfaceState::default() }
+    }
+
+    /// Sends so many numbers.
+    fn send(&mut self, numbers: u64, control: Control) -> Out {
+        let bytes = numbers * u64::from(self.config.number_bytes);
+        self.state.counters.bytes += bytes;
+        let cycles = bytes.div_ceil(u64::from(self.config.bytes_per_cycle)).max(1);
+        Step::after(cycles + u64::from(self.config.latency), Some(control)).busy(cycles)
+    }
+
+    /// Mode, Ia, V, and L and Is of each light.
+    fn frame_numbers(&mut self, frame: &Frame) -> u64 {
+        self.state.point_lights = frame.lights.iter().filter(|l| matches!(l.kind, LightKind::Point { .. })).count() as u64;
+        5 + 4 * frame.lights.len() as u64
+    }
+
+    fn polygon_numbers(&mut self, polygon: &Polygon) -> u64 {
+        let material = &polygon.material;
+        let wanted = Some((material.lighting, material.base_color));
+        let is_new = self.state.sent != wanted;
+        self.state.sent = wanted;
+        let coefficients = if is_new { 8 } else { 0 };
+        let is_white = polygon.vertices.iter().all(|v| v.color == [1.0; 4]);
+        coefficients + 1 + polygon.vertices.len() as u64 * if is_white { 6 } else { 9 }
+    }
+
+    fn take(&mut self, control: Control) -> Out {
+        match &control {
+            Control::Frame(frame) => {
+                let numbers = self.frame_numbers(frame);
+                self.send(numbers, control)
+            }
+            Control::Object(_) => self.send(3 * self.state.point_lights, control),
+            Control::Polygon(polygon) if polygon.vertices.len() < 3 => {
+                self.state.counters.dropped += 1;
+                Step::after(0, None)
+            }
+            Control::Polygon(polygon) => {
+                self.state.in_flight += 1;
+                self.state.counters.polygons += 1;
+                self.state.counters.textured += u64::from(polygon.material.color_texture.is_some());
+                let numbers = self.polygon_numbers(polygon);
+                self.send(numbers, control)
+            }
+            Control::CodeBook(_) => Step::after(0, None),
+            Control::FrameEnd => {
+                self.state.frame_ends = true;
+                self.end_frame()
+            }
+        }
+    }
+
+    /// The end of the frame, if it waits for nothing any more.
+    fn end_frame(&mut self) -> Out {
+        if !self.state.frame_ends || self.state.in_flight > 0 {
+            return Step::after(0, None);
+        }
+        self.state.frame_ends = false;
+        self.send(1, Control::FrameEnd)
+    }
+}
+
+impl Unit for HostInterface {
+    type In = (Option<Control>, Option<Finished>);
+    type Out = Option<Control>;
+
+    fn demand(&self) -> Demand {
+        let is_full = self.state.in_flight >= self.config.buffers;
+        Demand::Only(usize::from(is_full || self.state.frame_ends))
+    }
+
+    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Out {
+        if let (Some(control), _) = input {
+            return self.take(control);
+        }
+        self.state.in_flight = self.state.in_flight.saturating_sub(1);
+        self.end_frame()
+    }
+
+    fn is_empty(&self) -> bool {
+        !self.state.frame_ends
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let c = &self.state.counters;
+        facts.figure("host_bytes", c.bytes, "bytes", "What the host computer sent");
+        facts.figure("polygons_sent", c.polygons, "polygons", "Polygons that it sent");
+        facts.figure("polygons_dropped", c.dropped, "polygons", "Polygons of fewer than three points, which were not drawn");
+        facts.figure("polygons_textured", c.textured, "polygons", "Polygons with a colour texture, which took the base colour");
+    }
+}

@@ -1,0 +1,89 @@
+//! What is constant over an object: coefficients and lights, and the brightness formula.
+
+use crate::{Clamp, Mode, power};
+use basrelief_shading::LightVector;
+use basrelief_signals::Lighting;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Mode, Ia, Is, L, H, Ka, Kd, Ks, n: as long as none of it changes, a stored brightness is valid (Figure 7).
+///
+/// The patent has one light; here the terms of several add up, and each further one takes process 22, process 17 and
+/// circuit (50) once more. Light and viewer are at infinity, or a point light is taken at the object's centre: L and H are
+/// constant over an object. Ka and Kd carry the surface's colour; Ks does not, a highlight is white.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Illumination {
+    /// Mode.
+    pub mode: Mode,
+    /// Ka, Kd, Ks, n.
+    pub lighting: Lighting,
+    /// Colour of the surface, without that of its sample points.
+    pub color: [f32; 3],
+    /// Ia.
+    pub ambient: f32,
+    /// L, H and Is of each light.
+    pub lights: Vec<LightVector>,
+}
+
+impl Illumination {
+    /// `Ka*Ia + Kd * sum of Is*(N.L)`, without colour.
+    pub fn ambient_and_diffuse(&self, normal: Vec3, clamp: Clamp) -> f32 {
+        let lit = |light: &LightVector| {
+            let cosine = normal.dot(light.to_light);
+            light.intensity * if clamp == Clamp::Vertex { cosine.max(0.0) } else { cosine }
+        };
+        self.lighting.ka * self.ambient + self.lighting.kd * self.lights.iter().map(lit).sum::<f32>()
+    }
+
+    /// `Ks * sum of Is*(N.H)^n` at a sample point.
+    pub fn specular(&self, normal: Vec3) -> f32 {
+        self.highlight(|light| power(normal.dot(light.halfway).clamp(0.0, 1.0), self.lighting.n))
+    }
+
+    /// `Ks * sum of Is*p` for the power p of each light.
+    #[inline]
+    pub fn highlight(&self, power: impl Fn(&LightVector) -> f32) -> f32 {
+        self.lighting.ks * self.lights.iter().map(|light| light.intensity * power(light)).sum::<f32>()
+    }
+}
+
+/// A normal as the device takes it: of length zero where a component is not finite.
+pub(crate) fn normal_of(stored: [f32; 3]) -> Vec3 {
+    let normal = Vec3::from(stored);
+    if normal.is_finite() { normal } else { Vec3::ZERO }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn illumination(kd: f32, ks: f32) -> Illumination {
+        let lighting = Lighting { ka: 0.25, kd, ks, n: 2.0 };
+        let light = LightVector { to_light: Vec3::Z, halfway: Vec3::new(0.6, 0.0, 0.8), intensity: 0.5 };
+        Illumination { lighting, color: [1.0; 3], ambient: 2.0, lights: vec![light; 2], ..Illumination::default() }
+    }
+
+    #[test]
+    fn section_2_ambient_once_the_other_terms_per_light() {
+        let s = illumination(0.5, 1.0);
+        assert_eq!(s.ambient_and_diffuse(Vec3::Z, Clamp::Vertex), 0.25 * 2.0 + 0.5);
+        assert!((s.specular(Vec3::Z) - 0.64).abs() < 1e-6);
+    }
+
+    #[test]
+    fn section_2_clamp_concerns_the_diffuse_term_and_an_even_power_does_not_light_the_far_side() {
+        let s = illumination(0.5, 1.0);
+        assert_eq!(s.ambient_and_diffuse(-Vec3::Z, Clamp::Vertex), 0.5);
+        assert_eq!(s.ambient_and_diffuse(-Vec3::Z, Clamp::None), 0.0);
+        assert_eq!(s.specular(-Vec3::Z), 0.0);
+        assert_eq!(s.specular(Vec3::new(0.6, 0.0, 0.8) * 1.5), 1.0);
+    }
+
+    #[test]
+    fn degenerate_normals_count_as_zero() {
+        assert_eq!(normal_of([f32::NAN, 0.0, 1.0]), Vec3::ZERO);
+        assert_eq!(normal_of([f32::INFINITY, 0.0, 1.0]), Vec3::ZERO);
+        assert_eq!(normal_of([0.0; 3]), Vec3::ZERO);
+        assert_eq!(illumination(0.5, 1.0).ambient_and_diffuse(Vec3::ZERO, Clamp::None), 0.5);
+    }
+}

@@ -1,0 +1,277 @@
+//! Every unit keeps the unit contract; what the adder does when it is not kept.
+
+use crate::chain::{Config, feed, frame, polygon, sun};
+use basrelief_figure_shading::{
+    Adder, BrightnessInterpolation, CircuitConfig, Dot, Finished, Gate, Highlight, Highlights, HostConfig, HostInterface,
+    InterpolationConfig, Microcomputer, Mode, NormalInterpolationConfig, NormalLoad, PowerMethod, Selector28, Selector53, Signal,
+    SpecularSkip,
+};
+use basrelief_kernel::{Demand, Step, Traffic, Unit, unit_contract};
+use basrelief_signals::{Control, Flow, Lighting, ObjectInfo, Pixel, Stamp};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// Two frames of polygons for every route, and degenerate ones.
+fn display_list() -> Vec<Control> {
+    let shiny = Lighting { n: 30.0, ..Lighting::default() };
+    let triangle = [[1.0, 2.0], [14.0, 3.0], [5.0, 12.0]];
+    let curved = [Vec3::Z, Vec3::new(0.2, 0.0, 1.0).normalize(), Vec3::new(0.0, -0.3, 1.0).normalize()];
+    let dark = curved.map(|n| Vec3::new(n.z, n.y, -n.x));
+    let object = Control::Object(Arc::new(ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None }));
+    let frame = [
+        frame(vec![sun(Vec3::new(0.1, 0.2, 1.0)), sun(Vec3::Z)]),
+        object,
+        polygon(&triangle, &curved, shiny),
+        polygon(&triangle, &[Vec3::Z; 3], shiny),
+        polygon(&[[3.0, 3.0], [9.0, 3.0], [9.0, 8.0], [3.0, 8.0]], &[Vec3::Z; 4], shiny),
+        polygon(&[[1.0, 1.0], [5.0, 5.0], [9.0, 9.0]], &curved, shiny),
+        polygon(&triangle, &dark, Lighting { n: 31.5, ..shiny }),
+        polygon(&[[1.0, 1.0], [1.0, 1.0], [9.0, 9.0]], &[Vec3::Z; 3], shiny),
+        polygon(&[[0.0, 0.0], [9.0, 9.0], [0.0, 9.0], [9.0, 0.0]], &[curved[0], curved[1], curved[2], curved[0]], shiny),
+        Control::FrameEnd,
+    ];
+    [frame.clone(), frame].concat()
+}
+
+fn config(mode: Mode) -> Config {
+    let mut config = Config::default();
+    config.shading.mode = mode;
+    config.shading.specular_skip = SpecularSkip::Gate;
+    config
+}
+
+/// What the microcomputer and the circuits put on each wire.
+struct Wires {
+    figures: Vec<Signal>,
+    normals: Vec<Arc<NormalLoad>>,
+    flat_dots: Vec<Signal>,
+    constant_dots: Vec<Signal>,
+    interpolated: Vec<Signal>,
+    brightness_dots: Vec<Signal>,
+    highlights: Vec<Highlights>,
+    gated: Vec<Highlights>,
+    sums: Vec<Signal>,
+}
+
+/// Steps a unit of two inputs until both are used up.
+fn join<A, B, T>(unit: &mut impl Unit<In = (Option<A>, Option<B>), Out = Option<T>>, a: Vec<A>, b: Vec<B>) -> Vec<T> {
+    let (mut a, mut b, mut out) = (a.into_iter(), b.into_iter(), Vec::new());
+    loop {
+        let demand = unit.demand();
+        let first = if demand.takes(0) { a.next() } else { None };
+        let second = if demand.takes(1) { b.next() } else { None };
+        if first.is_none() && second.is_none() {
+            return out;
+        }
+        out.extend(unit.step((first, second), &mut Traffic::default()).out);
+    }
+}
+
+fn wires(mode: Mode) -> Wires {
+    let config = config(mode);
+    let (mut figures, mut normals, mut flat_dots, mut constant_dots) = (vec![], vec![], vec![], vec![]);
+    for (figure, load, flat, constant) in feed(&mut config.microcomputer(), display_list()) {
+        figures.extend(figure);
+        normals.extend(load);
+        flat_dots.extend(flat);
+        constant_dots.extend(constant);
+    }
+    let linear = feed(&mut BrightnessInterpolation::new(InterpolationConfig::default()), figures.clone());
+    let (interpolated, brightness_dots): (Vec<_>, Vec<_>) = linear.into_iter().unzip();
+    let [interpolated, brightness_dots] = [interpolated, brightness_dots].map(|wire| wire.into_iter().flatten().collect());
+    let highlights: Vec<_> = feed(&mut config.circuit_50(), normals.clone()).into_iter().flatten().collect();
+    let gated: Vec<_> = feed(&mut Gate::default(), highlights.clone()).into_iter().flatten().collect();
+    let interpolated: Vec<Signal> = interpolated;
+    let sums = join(&mut Adder::default(), interpolated.clone(), gated.clone());
+    Wires { figures, normals, flat_dots, constant_dots, interpolated, brightness_dots, highlights, gated, sums }
+}
+
+fn selected(mode: Mode) -> Vec<Signal> {
+    let wires = wires(mode);
+    join(&mut Selector53::default(), wires.sums, wires.flat_dots)
+}
+
+#[test]
+fn the_tokens_of_the_contracts_say_something() {
+    let normal = wires(Mode::Normal);
+    let open = normal.highlights.iter().filter(|h| matches!(h, Highlights::Start { open: true })).count();
+    let closed = normal.highlights.iter().filter(|h| matches!(h, Highlights::Start { open: false })).count();
+    assert!(open > 0 && closed > 0 && normal.flat_dots.len() > 20 && normal.gated.len() > 20);
+    assert!(wires(Mode::Brightness).brightness_dots.len() > 20 && wires(Mode::Polyhedron).constant_dots.len() > 20);
+}
+
+/// The microcomputer with its four outputs on one wire: the contract knows up to two.
+#[derive(Clone)]
+struct OneWire(Microcomputer);
+
+impl Unit for OneWire {
+    type In = Option<Control>;
+    type Out = Option<<Microcomputer as Unit>::Out>;
+
+    fn demand(&self) -> Demand {
+        self.0.demand()
+    }
+
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let Step { out, occupancy, latency, marked } = self.0.step(input, traffic);
+        let is_something = out.0.is_some() || out.1.is_some() || out.2.is_some() || out.3.is_some();
+        Step { out: is_something.then_some(out), occupancy, latency, marked }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+/// Selector (28) with two of its three inputs connected, as a mode uses them.
+#[derive(Clone)]
+struct TwoWays {
+    unit: Selector28,
+    second: usize,
+}
+
+impl Unit for TwoWays {
+    type In = (Option<Signal>, Option<Signal>);
+    type Out = (Option<Flow<Stamp<Pixel>>>, Option<Finished>);
+
+    fn demand(&self) -> Demand {
+        if self.unit.demand() == Demand::Only(0) { Demand::Only(0) } else { Demand::Only(1) }
+    }
+
+    fn step(&mut self, (first, second): Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let input = if self.second == 1 { (first, second, None) } else { (first, None, second) };
+        self.unit.step(input, traffic)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.unit.is_empty()
+    }
+}
+
+unit_contract! {
+    name: contract_of_the_host_interface,
+    unit: HostInterface::new(HostConfig { buffers: 2, ..HostConfig::default() }),
+    inputs: (display_list(), vec![Finished; 14]),
+    state,
+}
+
+unit_contract! {
+    name: contract_of_the_microcomputer,
+    unit: OneWire(config(Mode::Normal).microcomputer()),
+    inputs: display_list(),
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
+}
+
+unit_contract! {
+    name: contract_of_the_microcomputer_in_polyhedron_mode,
+    unit: OneWire(config(Mode::Polyhedron).microcomputer()),
+    inputs: display_list(),
+    state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
+}
+
+unit_contract! {
+    name: contract_of_circuit_21,
+    unit: BrightnessInterpolation::new(InterpolationConfig::default()),
+    inputs: wires(Mode::Normal).figures,
+    state,
+}
+
+unit_contract! {
+    name: contract_of_circuit_21_in_brightness_mode,
+    unit: BrightnessInterpolation::new(InterpolationConfig { initiation_interval: 3, ..InterpolationConfig::default() }),
+    inputs: wires(Mode::Brightness).figures,
+    state,
+}
+
+unit_contract! {
+    name: contract_of_circuit_50,
+    unit: config(Mode::Normal).circuit_50(),
+    inputs: wires(Mode::Normal).normals,
+    state,
+}
+
+unit_contract! {
+    name: contract_of_circuit_50_with_a_table,
+    unit: basrelief_figure_shading::NormalInterpolation::new(
+        NormalInterpolationConfig { power: PowerMethod::Table, table_entries: 64, ..NormalInterpolationConfig::default() }, true,
+    ),
+    inputs: wires(Mode::Normal).normals,
+    state,
+}
+
+unit_contract! {
+    name: contract_of_the_gate,
+    unit: Gate::new(CircuitConfig::default()),
+    inputs: wires(Mode::Normal).highlights,
+    state,
+}
+
+unit_contract! {
+    name: contract_of_the_adder,
+    unit: Adder::new(CircuitConfig { latency: 3, ..CircuitConfig::default() }),
+    inputs: (wires(Mode::Normal).interpolated, wires(Mode::Normal).gated),
+    state,
+}
+
+unit_contract! {
+    name: contract_of_selector_53,
+    unit: Selector53::new(CircuitConfig::default()),
+    inputs: (wires(Mode::Normal).sums, wires(Mode::Normal).flat_dots),
+    state,
+}
+
+unit_contract! {
+    name: contract_of_selector_28_in_brightness_mode,
+    unit: TwoWays { unit: Selector28::new(CircuitConfig::default()), second: 1 },
+    inputs: (selected(Mode::Brightness), wires(Mode::Brightness).brightness_dots),
+    state: |unit| unit.unit.state => |unit, state| unit.unit.state = state,
+}
+
+unit_contract! {
+    name: contract_of_selector_28_in_polyhedron_mode,
+    unit: TwoWays { unit: Selector28::new(CircuitConfig::default()), second: 2 },
+    inputs: (selected(Mode::Polyhedron), wires(Mode::Polyhedron).constant_dots),
+    state: |unit| unit.unit.state => |unit, state| unit.unit.state = state,
+}
+
+unit_contract! {
+    name: contract_of_selector_28_in_normal_mode,
+    unit: TwoWays { unit: Selector28::new(CircuitConfig::default()), second: 1 },
+    inputs: (selected(Mode::Normal), vec![]),
+    state: |unit| unit.unit.state => |unit, state| unit.unit.state = state,
+}
+
+/// What the adder says to a dot and a highlight.
+fn message(signal: Signal, highlight: Highlights) -> String {
+    let mut adder = Adder::default();
+    adder.state.joins = true;
+    let mut traffic = Traffic::default();
+    adder.step((Some(signal), Some(highlight)), &mut traffic);
+    format!("{traffic:?}")
+}
+
+#[test]
+fn section_4_the_adder_asserts_equal_addresses() {
+    let dot = |x, y| Signal::Dot(Dot { x, y, ..Dot::default() });
+    let highlight = |x, y| Highlights::Dot(Highlight { x, y, brightness: 0.5 });
+    assert!(message(dot(3, 4), highlight(3, 4)).contains("fault: None"));
+    assert!(message(dot(3, 4), highlight(4, 4)).contains("circuit (21) is at dot 3, 4 and circuit (50) at 4, 4"));
+    assert!(message(dot(3, 4), highlight(3, 5)).contains("circuit (50) at 3, 5"));
+    assert!(message(dot(3, 4), Highlights::End).contains("fewer dots"));
+    assert!(message(Signal::End, highlight(3, 4)).contains("more dots"));
+    assert!(message(Signal::End, Highlights::End).contains("fault: None"));
+}
+
+#[test]
+fn section_2_the_sum_is_not_saturated_and_the_output_is_once() {
+    let mut adder = Adder::default();
+    adder.state.joins = true;
+    let dot = Signal::Dot(Dot { brightness: [0.9, -0.2, 0.1], ..Dot::default() });
+    let highlight = Highlights::Dot(Highlight { brightness: 0.5, ..Highlight::default() });
+    let sum = adder.step((Some(dot), Some(highlight)), &mut Traffic::default()).out;
+    let Some(Signal::Dot(sum)) = sum else { panic!("{sum:?}") };
+    assert!((sum.brightness[0] - 1.4).abs() < 1e-6 && (sum.brightness[1] - 0.3).abs() < 1e-6);
+    let (pixel, _) = Selector28::default().step((Some(Signal::Dot(sum)), None, None), &mut Traffic::default()).out;
+    let Some(Flow::Item(pixel)) = pixel else { panic!("{pixel:?}") };
+    assert_eq!(pixel[0].rgb, [255, 77, 153]);
+}

@@ -1,0 +1,98 @@
+//! Section 4: what the host sends, and when.
+
+use crate::chain::{frame, polygon, sun};
+use basrelief_figure_shading::{Finished, HostConfig, HostInterface};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::{Control, Light, LightKind, Lighting, ObjectInfo};
+use glam::Vec3;
+use std::sync::Arc;
+
+fn unit(config: HostConfig) -> HostInterface {
+    HostInterface::new(config)
+}
+
+fn send(unit: &mut HostInterface, control: Control) -> Step<Option<Control>> {
+    assert_eq!(unit.demand(), Demand::Only(0));
+    unit.step((Some(control), None), &mut Traffic::default())
+}
+
+fn finish(unit: &mut HostInterface) -> Step<Option<Control>> {
+    assert_eq!(unit.demand(), Demand::Only(1));
+    unit.step((None, Some(Finished)), &mut Traffic::default())
+}
+
+fn square(n: f32) -> Control {
+    polygon(&[[1.0, 1.0], [5.0, 1.0], [5.0, 5.0], [1.0, 5.0]], &[Vec3::Z; 4], Lighting { n, ..Lighting::default() })
+}
+
+fn object() -> Control {
+    Control::Object(Arc::new(ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None }))
+}
+
+#[test]
+fn bytes_are_those_of_the_protocol() {
+    let mut unit = unit(HostConfig { buffers: 2, ..HostConfig::default() });
+    let mut sent = |control| {
+        let before = unit.state.counters.bytes;
+        let step = send(&mut unit, control);
+        let bytes = unit.state.counters.bytes - before;
+        assert_eq!(step.occupancy, bytes.div_ceil(4).max(1));
+        assert_eq!(step.latency, step.occupancy + 2);
+        bytes / 4
+    };
+    assert_eq!(sent(frame(vec![sun(Vec3::Z); 2])), 1 + 1 + 3 + 2 * (3 + 1), "mode, Ia, V; L and Is of each light");
+    assert_eq!(sent(object()), 0, "the light is at infinity");
+    assert_eq!(sent(square(9.0)), 8 + 1 + 4 * 6, "coefficients, count, points and normals");
+    assert_eq!(sent(square(9.0)), 1 + 4 * 6, "coefficients did not change");
+    finish(&mut unit);
+    assert_eq!(unit.state.counters.bytes, 4 * (13 + 33 + 25));
+    send(&mut unit, square(10.0));
+    assert_eq!(unit.state.counters.bytes, 4 * (13 + 33 + 25 + 33));
+}
+
+#[test]
+fn the_l_of_a_light_at_a_point_is_sent_for_each_object() {
+    let mut unit = unit(HostConfig::default());
+    send(&mut unit, frame(vec![Light { kind: LightKind::Point { position: [1.0; 3] }, intensity: 1.0 }, sun(Vec3::Z)]));
+    let before = unit.state.counters.bytes;
+    send(&mut unit, object());
+    assert_eq!(unit.state.counters.bytes - before, 4 * 3);
+}
+
+#[test]
+fn a_polygon_is_finished_before_the_next_is_taken_or_one_is_ahead() {
+    for buffers in [1, 2] {
+        let mut unit = unit(HostConfig { buffers, ..HostConfig::default() });
+        send(&mut unit, frame(vec![sun(Vec3::Z)]));
+        for _ in 0..buffers {
+            send(&mut unit, square(9.0));
+        }
+        for _ in 0..5 {
+            assert_eq!(finish(&mut unit).out, None);
+            send(&mut unit, square(9.0));
+        }
+    }
+}
+
+#[test]
+fn the_frame_ends_when_all_polygons_are_finished() {
+    let mut unit = unit(HostConfig { buffers: 2, ..HostConfig::default() });
+    send(&mut unit, frame(vec![sun(Vec3::Z)]));
+    send(&mut unit, square(9.0));
+    assert_eq!(send(&mut unit, Control::FrameEnd).out, None);
+    assert!(!unit.is_empty());
+    assert_eq!(finish(&mut unit).out, Some(Control::FrameEnd));
+    assert!(unit.is_empty());
+    assert_eq!(send(&mut unit, Control::FrameEnd).out, Some(Control::FrameEnd), "nothing to wait for");
+}
+
+#[test]
+fn fewer_than_three_points_are_dropped_and_counted() {
+    let mut unit = unit(HostConfig::default());
+    send(&mut unit, frame(vec![sun(Vec3::Z)]));
+    let line = polygon(&[[1.0, 1.0], [5.0, 1.0]], &[Vec3::Z; 2], Lighting::default());
+    assert_eq!(send(&mut unit, line).out, None);
+    assert_eq!((unit.state.counters.dropped, unit.state.counters.polygons, unit.state.in_flight), (1, 0, 0));
+    let square = square(9.0);
+    assert_eq!(send(&mut unit, square.clone()).out, Some(square));
+}

@@ -1,0 +1,165 @@
+//! Display-list source: the replay of a recorded display list.
+
+use crate::config::{Arrival, DisplayListConfig};
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::Control;
+use serde::{Deserialize, Serialize};
+use std::fmt::Display;
+
+/// What the display-list source has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DisplayListSourceCounters {
+    /// Commands delivered.
+    pub commands: u64,
+}
+
+/// Everything the display-list source remembers. Its place in the list is how many commands it has delivered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DisplayListSourceState {
+    /// Start of the next step, had nothing ever blocked the source.
+    pub elapsed: u64,
+    /// What it has counted.
+    pub counters: DisplayListSourceCounters,
+}
+
+/// Latest recorded cycle that is believed; a damaged list must not overflow the time of a run.
+const LATEST: u64 = 1 << 62;
+
+/// A command, and the cycle at which it is due.
+type Due = (Control, u64);
+
+/// Replays a display list in place of the geometry processor (102): an iterator of commands, each with the cycle at which
+/// it was delivered unblocked, where the list knows it.
+///
+/// With `arrival = recorded`, commands are delivered at these cycles as long as nothing blocks; what blocks delays all
+/// that follow, as it would delay the geometry processor. A command without a cycle, or with one that is already past,
+/// is due one cycle after the one before it. With `asap`, one command is delivered per cycle. An error in the list ends
+/// the run with its message.
+#[derive(Clone, Debug)]
+pub struct DisplayListSource<I> {
+    /// Parameters.
+    pub config: DisplayListConfig,
+    /// Everything it remembers.
+    pub state: DisplayListSourceState,
+    commands: I,
+    /// Held ahead, since a unit declares its end from its own state and a step's occupancy depends on the next command.
+    next: Option<Result<Due, String>>,
+}
+
+impl<I, E> DisplayListSource<I>
+where
+    I: Iterator<Item = Result<(Control, Option<u64>), E>>,
+    E: Display,
+{
+    /// Replays these.
+    pub fn new(config: DisplayListConfig, commands: I) -> Self {
+        Self::resumed(config, commands, DisplayListSourceState::default())
+    }
+
+    /// Goes on from `state` with the same commands: those that were delivered are skipped.
+    pub fn resumed(config: DisplayListConfig, mut commands: I, state: DisplayListSourceState) -> Self {
+        let delivered = usize::try_from(state.counters.commands).unwrap_or(usize::MAX);
+        let next = commands.by_ref().nth(delivered).map(|command| due(command, state.elapsed));
+        Self { config, state, commands, next }
+    }
+}
+
+fn due<E: Display>(command: Result<(Control, Option<u64>), E>, earliest: u64) -> Result<Due, String> {
+    let (control, arrival) = command.map_err(|e| e.to_string())?;
+    Ok((control, arrival.unwrap_or(0).min(LATEST).max(earliest)))
+}
+
+impl<I, E> Unit for DisplayListSource<I>
+where
+    I: Iterator<Item = Result<(Control, Option<u64>), E>>,
+    E: Display,
+{
+    type In = ();
+    type Out = Option<Control>;
+
+    fn demand(&self) -> Demand {
+        if self.next.is_some() { Demand::Nothing } else { Demand::Finished }
+    }
+
+    fn step(&mut self, (): (), traffic: &mut Traffic) -> Step<Self::Out> {
+        let (control, now) = match self.next.take() {
+            Some(Ok(command)) => command,
+            Some(Err(message)) => {
+                traffic.fault(message);
+                return Step::after(0, None);
+            }
+            None => return Step::after(0, None),
+        };
+        self.next = self.commands.next().map(|command| due(command, now + 1));
+        self.state.counters.commands += 1;
+        if self.config.arrival == Arrival::Asap {
+            return Step::after(0, Some(control));
+        }
+        // Each step starts when its command is due; only the first starts at 0, and makes up for it by latency.
+        let start = self.state.elapsed;
+        let end = if let Some(Ok((_, next))) = &self.next { *next } else { now + 1 };
+        self.state.elapsed = end;
+        Step::after(now - start, Some(control)).busy(end - start)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.next.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        facts.figure("display_list_commands", self.state.counters.commands, "commands", "Commands of the display list");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Unblocked delivery cycles of commands with these recorded ones.
+    fn delivered(arrival: Arrival, recorded: &[Option<u64>]) -> Vec<u64> {
+        let commands = recorded.iter().map(|a| Ok::<_, String>((Control::FrameEnd, *a)));
+        let mut source = DisplayListSource::new(DisplayListConfig { arrival }, commands);
+        let (mut free, mut all) = (0, Vec::new());
+        while source.demand() == Demand::Nothing {
+            let step = source.step((), &mut Traffic::default());
+            assert!(step.out.is_some() && step.occupancy >= 1);
+            all.push(free + step.latency);
+            free += step.occupancy;
+        }
+        all
+    }
+
+    #[test]
+    fn recorded_commands_come_at_their_cycles() {
+        let at = |recorded: &[Option<u64>]| delivered(Arrival::Recorded, recorded);
+        assert_eq!(at(&[Some(32), Some(33), Some(50), Some(1000)]), [32, 33, 50, 1000]);
+        assert_eq!(at(&[None, None, Some(50), None, Some(52)]), [0, 1, 50, 51, 52]);
+        assert_eq!(at(&[Some(9), Some(3), Some(9), Some(20)]), [9, 10, 11, 20]);
+        assert_eq!(at(&[Some(7)]), [7]);
+        assert_eq!(delivered(Arrival::Asap, &[Some(32), None, Some(1000)]), [0, 1, 2]);
+    }
+
+    #[test]
+    fn an_error_in_the_list_ends_the_run_with_its_message() {
+        for good in 0..3 {
+            let list = (0..good).map(|_| Ok((Control::FrameEnd, None))).chain([Err("line 7: truncated")]);
+            let mut source = DisplayListSource::new(DisplayListConfig::default(), list);
+            for _ in 0..good {
+                assert!(source.step((), &mut Traffic::default()).out.is_some());
+            }
+            assert_eq!(source.demand(), Demand::Nothing);
+            let mut traffic = Traffic::default();
+            assert_eq!(source.step((), &mut traffic).out, None);
+            assert!(format!("{traffic:?}").contains("line 7: truncated"));
+            assert_eq!(source.demand(), Demand::Finished);
+            assert!(source.is_empty());
+        }
+    }
+
+    #[test]
+    fn absurd_cycles_do_not_overflow() {
+        let absurd = [Some(u64::MAX), Some(u64::MAX), None];
+        assert_eq!(delivered(Arrival::Recorded, &absurd), [LATEST, LATEST + 1, LATEST + 2]);
+    }
+}

@@ -1,0 +1,371 @@
+//! The unit at step level.
+
+use super::*;
+use crate::{PerLevel, Tables};
+use basrelief_kernel::Request;
+use basrelief_shading::{Table, reference_normals};
+use basrelief_signals::{Fragment, Material, ObjectInfo, Polygon, Stamp, Vertex};
+use proptest::prelude::*;
+
+fn config() -> ReplacementConfig {
+    ReplacementConfig::default()
+}
+
+fn sample(x: u16, samples: &[(u8, [i16; 3])]) -> PseudoNormals {
+    let weight = 1.0 / samples.len() as f32;
+    PseudoNormals {
+        stamp: Stamp::from_iter([Fragment { x, ..Fragment::default() }]),
+        samples: samples.iter().map(|&(level, normal)| Sample::all(level, weight, normal)).collect(),
+    }
+}
+
+fn object(id: u32, entries: Option<u32>) -> Control {
+    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries }))
+}
+
+fn polygon() -> Control {
+    Control::Polygon(Arc::new(Polygon {
+        vertices: vec![Vertex::default(); 3],
+        material: Arc::new(Material::default()),
+        object: 0,
+        lod: 0,
+        bump: true,
+        arrival: 0,
+    }))
+}
+
+/// Runs a list of tokens through the unit; what came out, and all requests.
+fn run(unit: &mut Replacement, input: Vec<Flow<PseudoNormals>>) -> (Vec<Out>, Vec<Request>) {
+    let (mut steps, mut requests) = (Vec::new(), Vec::new());
+    let mut input = input.into_iter();
+    loop {
+        let token = if unit.demand() == Demand::All { input.next() } else { None };
+        if token.is_none() && unit.demand() == Demand::All {
+            break;
+        }
+        let mut traffic = Traffic::default();
+        steps.push(unit.step(token, &mut traffic));
+        for client in 0..2 {
+            let issued = traffic.requests().iter().filter(|r| r.client == client).count();
+            assert!(issued as u32 <= unit.largest_step(client as usize));
+        }
+        requests.extend_from_slice(traffic.requests());
+    }
+    (steps, requests)
+}
+
+fn out(steps: &[Out]) -> Vec<&Flow<Indexes>> {
+    steps.iter().filter_map(|s| s.out.as_ref()).collect()
+}
+
+fn indexes(steps: &[Out]) -> Vec<Indexes> {
+    let item = |f: &&Flow<Indexes>| match f {
+        Flow::Item(i) => Some(i.clone()),
+        Flow::Control(_) => None,
+    };
+    out(steps).iter().filter_map(item).collect()
+}
+
+#[test]
+fn claims_1_and_7_each_level_is_replaced_by_a_member_of_its_own_table() {
+    let n = [12_000, -30_000, 5_000];
+    let mut unit = Replacement::new(config(), 16).unwrap();
+    let (steps, _) = run(&mut unit, vec![Flow::Item(sample(1, &[(0, n), (1, n)]))]);
+    let found = indexes(&steps)[0].samples.clone();
+    assert_eq!([0, 1].map(|i| (found[i].level, found[i].weight[0])), [(0, 0.5), (1, 0.5)]);
+    let chosen = |level: u8, i: u16| reference_normals(level, 256, Table::Fibonacci, true, 16).unwrap()[usize::from(i)];
+    let (a, b) = (chosen(0, found[0].value[0]), chosen(1, found[1].value[0]));
+    assert_ne!(a, b, "the same N' at two levels gives two slightly different vectors");
+    for q in [a, b] {
+        let dot: f64 = (0..3).map(|i| f64::from(q[i]) * f64::from(n[i])).sum();
+        assert!(dot / 32_767.0 / f64::from(n[0]).hypot(f64::from(n[1])).hypot(f64::from(n[2])) > 0.98);
+    }
+}
+
+#[test]
+fn identical_tables_give_the_same_index_at_every_level() {
+    let n = [12_000, -30_000, 5_000];
+    let mut unit = Replacement::new(ReplacementConfig { tables: Tables::Identical, ..config() }, 16).unwrap();
+    let (steps, _) = run(&mut unit, vec![Flow::Item(sample(1, &[(0, n), (1, n), (5, n)]))]);
+    let found: Vec<u16> = indexes(&steps)[0].samples.iter().map(|s| s.value[0]).collect();
+    assert_eq!(found, [found[0]; 3]);
+}
+
+#[test]
+fn claims_2_and_6_the_table_size_depends_on_the_level() {
+    let entries = PerLevel::Levels(vec![256, 128, 64, 32]);
+    let mut unit = Replacement::new(ReplacementConfig { entries, ..config() }, 16).unwrap();
+    let directions = reference_normals(7, 4_000, Table::Fibonacci, true, 16).unwrap();
+    let input = directions.iter().map(|&n| Flow::Item(sample(0, &[(0, n), (1, n), (2, n), (7, n)]))).collect();
+    let (_, requests) = run(&mut unit, input);
+    assert_eq!(unit.state.counters.reference_normals_used(), [256, 128, 64, 0, 0, 0, 0, 32]);
+    assert_eq!(unit.state.counters.table_loads, 4);
+    let bytes = 6 * (256 + 128 + 64 + 32);
+    assert_eq!(unit.state.counters.table_load_bytes, bytes);
+    assert_eq!(requests.iter().map(|r| u64::from(r.bytes)).sum::<u64>(), bytes);
+}
+
+#[test]
+fn a_missing_table_is_loaded_burst_by_burst_before_the_fragment_leaves() {
+    let mut unit = Replacement::new(config(), 16).unwrap();
+    let (steps, requests) =
+        run(&mut unit, vec![Flow::Item(sample(1, &[(2, [1, 2, 3])])), Flow::Item(sample(2, &[(2, [3, 2, 1])]))]);
+    assert_eq!(requests.len(), 24);
+    assert_eq!(requests[0].address, quantization_memory::vq_table(2));
+    assert!(steps[..23].iter().all(|s| s.out.is_none()) && steps[23].out.is_some());
+    assert_eq!(steps.len(), 25, "the second fragment finds the table");
+}
+
+#[test]
+fn the_least_recently_used_table_goes_first() {
+    let mut unit = Replacement::new(ReplacementConfig { resident_tables: 2, ..config() }, 16).unwrap();
+    let at = |level| Flow::Item(sample(0, &[(level, [1, 2, 3])]));
+    run(&mut unit, [0, 1, 0, 2, 0, 1].map(at).to_vec());
+    assert_eq!(unit.state.counters.table_loads, 4, "0, 1, 2 (for 1), 1 (for 2)");
+}
+
+#[test]
+fn an_object_may_fix_the_number_of_entries_and_the_bias_coarsens_the_table() {
+    let mut unit = Replacement::new(ReplacementConfig { vq_bias: 3, ..config() }, 16).unwrap();
+    let n = [0, 0, -32_767];
+    let input = vec![Flow::Control(object(0, Some(16))), Flow::Item(sample(0, &[(1, n), (6, n)]))];
+    let (steps, _) = run(&mut unit, input);
+    let found = indexes(&steps)[0].samples.clone();
+    assert_eq!([found[0].level, found[1].level], [4, 7]);
+    assert!(found[0].value[0] < 16);
+    let expected = NearestSearch::new(&reference_normals(4, 16, Table::Fibonacci, true, 16).unwrap(), 0).nearest(n);
+    assert_eq!(found[0].value[0], expected);
+}
+
+#[test]
+fn impossible_tables_are_refused_with_a_reason() {
+    let tetrahedron = ReplacementConfig { table: Table::Tetrahedron, ..config() };
+    assert!(Replacement::new(ReplacementConfig { entries: PerLevel::One(200), ..tetrahedron.clone() }, 16).is_err());
+    let mut unit = Replacement::new(tetrahedron, 16).unwrap();
+    unit.step(Some(Flow::Control(object(0, Some(5)))), &mut Traffic::default());
+    let mut traffic = Traffic::default();
+    unit.step(Some(Flow::Item(sample(0, &[(0, [1, 0, 0])]))), &mut traffic);
+    assert!(format!("{traffic:?}").contains("object `object 0` fixes"), "{traffic:?}");
+}
+
+#[test]
+fn cycles_follow_lanes_and_pipelining() {
+    let timing = |lanes, pipelined| {
+        let mut unit = Replacement::new(ReplacementConfig { lanes, pipelined, ..config() }, 16).unwrap();
+        let two = sample(0, &[(0, [1, 2, 3]), (1, [1, 2, 3])]);
+        let (steps, _) = run(&mut unit, vec![Flow::Item(two.clone()), Flow::Item(two)]);
+        let last = steps.last().unwrap();
+        (last.occupancy, last.latency)
+    };
+    assert_eq!(timing(64, true), (2, 4 + 5));
+    assert_eq!(timing(64, false), (8, 4 + 8));
+    assert_eq!(timing(1, false), (512, 4 + 512));
+    assert_eq!(timing(256, false), (2, 4 + 2));
+}
+
+#[test]
+fn a_stamp_takes_as_long_as_its_samples_and_leaves_with_the_last() {
+    let timing = |pipelined| {
+        let mut unit = Replacement::new(ReplacementConfig { lanes: 64, pipelined, ..config() }, 16).unwrap();
+        let mut three = sample(0, &[(0, [1, 2, 3]), (1, [1, 2, 3])]);
+        let fragment = three.stamp[0];
+        three.stamp.extend([fragment; 2]);
+        let (steps, _) = run(&mut unit, vec![Flow::Item(three.clone()), Flow::Item(three)]);
+        let last = steps.last().unwrap();
+        assert_eq!((indexes(&steps)[1].stamp.len(), unit.state.counters.searches), (3, 12));
+        (last.occupancy, last.latency)
+    };
+    assert_eq!(timing(true), (6, 4 + 5 + 4));
+    assert_eq!(timing(false), (24, 4 + 24));
+}
+
+fn gathered(mode: CodeBookMode) -> (Replacement, Vec<Out>, Vec<Request>) {
+    let mut unit = Replacement::new(ReplacementConfig { codebook: mode, ..config() }, 16).unwrap();
+    let item = |x: u16| Flow::Item(sample(x, &[(0, [x as i16, 100, 7]), (1, [100, x as i16, 7])]));
+    let input = vec![
+        Flow::Control(object(0, None)),
+        Flow::Control(polygon()),
+        item(1),
+        item(2),
+        Flow::Control(polygon()),
+        Flow::Control(polygon()),
+        item(3),
+        Flow::Control(object(1, None)),
+        Flow::Control(polygon()),
+        Flow::Control(Control::FrameEnd),
+    ];
+    let (steps, requests) = run(&mut unit, input);
+    (unit, steps, requests)
+}
+
+fn shape(steps: &[Out]) -> String {
+    let letter = |f: &&Flow<Indexes>| match f {
+        Flow::Item(i) => char::from(b'0' + i.stamp[0].x as u8),
+        Flow::Control(Control::Object(_)) => 'O',
+        Flow::Control(Control::Polygon(_)) => 'P',
+        Flow::Control(Control::CodeBook(_)) => 'B',
+        Flow::Control(Control::Frame(_)) => 'F',
+        Flow::Control(Control::FrameEnd) => 'E',
+    };
+    out(steps).iter().map(letter).collect()
+}
+
+#[test]
+fn code_books_lead_their_fragments_and_order_is_kept() {
+    let (unit, steps, requests) = gathered(CodeBookMode::PerPolygon);
+    assert_eq!(shape(&steps), "OPB12PPB3OPE");
+    assert!(unit.is_empty());
+    assert_eq!(unit.state.counters.code_books, 2);
+    let (writes, reads): (Vec<&Request>, Vec<&Request>) = requests.iter().partition(|r| r.write);
+    assert_eq!((writes.len(), reads.len()), (3, 3));
+    assert!(requests.iter().all(|r| r.client == 1 && r.bytes == 12));
+    let (_, steps, _) = gathered(CodeBookMode::PerObject);
+    assert_eq!(shape(&steps), "OPB12PP3OPE");
+}
+
+#[test]
+fn variant_b_and_e_indexes_point_into_the_code_book() {
+    for mode in [CodeBookMode::PerPolygon, CodeBookMode::PerObject] {
+        let (_, steps, _) = gathered(mode);
+        let mut book = Arc::new(Vec::new());
+        for flow in out(&steps) {
+            match flow {
+                Flow::Control(Control::CodeBook(b)) => book = Arc::clone(b),
+                Flow::Item(i) => {
+                    let q = book[0][usize::from(i.samples[0].value[0])].map(f64::from);
+                    let n = [f64::from(i.stamp[0].x), 100.0, 7.0];
+                    let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+                    let cosine = (0..3).map(|k| q[k] * n[k]).sum::<f64>() / length(q) / length(n);
+                    assert!(cosine > 0.999_999, "few distinct N': each has an entry of its own");
+                    assert!(book[1].len() > usize::from(i.samples[1].value[0]) && book[2].is_empty());
+                }
+                Flow::Control(_) => {}
+            }
+        }
+    }
+}
+
+#[test]
+fn clustering_takes_passes_times_normals_times_entries_over_lanes() {
+    let config = ReplacementConfig { codebook: CodeBookMode::PerPolygon, entries: PerLevel::One(4), lanes: 8, ..config() };
+    let mut unit = Replacement::new(config, 16).unwrap();
+    let normals = reference_normals(0, 100, Table::Fibonacci, true, 16).unwrap();
+    let mut input: Vec<_> = normals.iter().map(|&n| Flow::Item(sample(0, &[(0, n)]))).collect();
+    input.push(Flow::Control(Control::FrameEnd));
+    let (steps, _) = run(&mut unit, input);
+    let is_book = |s: &&Step<_>| matches!(s.out, Some(Flow::Control(Control::CodeBook(_))));
+    assert_eq!(steps.iter().find(is_book).unwrap().occupancy, 8 * 100 * 4 / 8);
+    assert_eq!(unit.state.counters.clustering_cycles, 400);
+}
+
+#[test]
+fn too_little_room_is_a_fault_that_names_culprit_and_cure() {
+    let config = ReplacementConfig { codebook: CodeBookMode::PerObject, gather_bytes: 20, ..config() };
+    let mut unit = Replacement::new(config, 16).unwrap();
+    unit.step(Some(Flow::Control(object(5, None))), &mut Traffic::default());
+    let mut traffic = Traffic::default();
+    for _ in 0..4 {
+        unit.step(Some(Flow::Item(sample(0, &[(0, [1, 2, 3])]))), &mut traffic);
+    }
+    let text = format!("{traffic:?}");
+    for part in ["object 5 `object 5`", "24 bytes so far", "`replacement.gather_bytes` is 20", "per_polygon"] {
+        assert!(text.contains(part), "{text}");
+    }
+    assert!(!unit.is_empty());
+}
+
+#[test]
+fn the_state_survives_a_checkpoint_in_the_middle_of_a_batch() {
+    let config = ReplacementConfig { codebook: CodeBookMode::PerPolygon, ..config() };
+    let mut a = Replacement::new(config.clone(), 16).unwrap();
+    let item = |x: u16| Some(Flow::Item(sample(x, &[(0, [x as i16, 100, 7])])));
+    for x in 0..9 {
+        a.step(item(x), &mut Traffic::default());
+    }
+    a.step(Some(Flow::Control(Control::FrameEnd)), &mut Traffic::default());
+    a.step(None, &mut Traffic::default());
+    a.step(None, &mut Traffic::default());
+    let mut b = Replacement::new(config, 16).unwrap();
+    b.state = serde_json::from_str(&serde_json::to_string(&a.state).unwrap()).unwrap();
+    assert_eq!(a.state, b.state);
+    while a.demand() == Demand::Nothing {
+        assert_eq!(a.step(None, &mut Traffic::default()), b.step(None, &mut Traffic::default()));
+    }
+    assert_eq!(b.demand(), Demand::All);
+}
+
+proptest! {
+    #[test]
+    fn nothing_is_lost_or_reordered(
+        tokens in prop::collection::vec(0u8..8, 0..60), mode in 0u8..3, resident in 1u32..4,
+    ) {
+        let codebook = [CodeBookMode::Fixed, CodeBookMode::PerPolygon, CodeBookMode::PerObject][usize::from(mode)];
+        let config = ReplacementConfig { codebook, resident_tables: resident, ..config() };
+        let mut unit = Replacement::new(config, 16).unwrap();
+        let token = |(i, kind): (usize, &u8)| match kind {
+            0 => Flow::Control(object(i as u32, None)),
+            1 => Flow::Control(polygon()),
+            _ => Flow::Item(sample(i as u16, &[(*kind, [i as i16, 3, 1])])),
+        };
+        let mut input: Vec<_> = tokens.iter().enumerate().map(token).collect();
+        input.push(Flow::Control(Control::FrameEnd));
+        let (steps, requests) = run(&mut unit, input.clone());
+        prop_assert!(unit.is_empty());
+        let passed: Vec<Flow<u16>> = out(&steps).iter().filter_map(|f| match f {
+            Flow::Control(Control::CodeBook(_)) => None,
+            Flow::Control(c) => Some(Flow::Control(c.clone())),
+            Flow::Item(i) => Some(Flow::Item(i.stamp[0].x)),
+        }).collect();
+        let expected: Vec<Flow<u16>> = input.into_iter().map(|f| match f {
+            Flow::Control(c) => Flow::Control(c),
+            Flow::Item(p) => Flow::Item(p.stamp[0].x),
+        }).collect();
+        prop_assert_eq!(passed, expected);
+        let bytes = |write| requests.iter().filter(|r| r.write == write).map(|r| u64::from(r.bytes)).sum::<u64>();
+        prop_assert_eq!(bytes(true), unit.state.counters.gathered_bytes);
+        prop_assert_eq!(bytes(false), unit.state.counters.gathered_bytes + unit.state.counters.table_load_bytes);
+    }
+}
+
+/// A frame of two objects with two polygons each, one of them empty.
+fn frame_of_two_objects() -> Vec<Flow<PseudoNormals>> {
+    let item = |i: i16| Flow::Item(sample(i as u16, &[(0, [i * 300, 100, 7]), (1, [100, -i, 90])]));
+    let mut run = Vec::new();
+    for id in 0..2 {
+        run.extend([object(id, None), polygon()].map(Flow::Control));
+        run.extend((0..12).map(item));
+        run.extend([polygon(), polygon()].map(Flow::Control));
+        run.extend((12..20).map(item));
+    }
+    run.push(Flow::Control(Control::FrameEnd));
+    run
+}
+
+fn small(codebook: CodeBookMode) -> Replacement {
+    let entries = PerLevel::Levels(vec![64, 32]);
+    Replacement::new(ReplacementConfig { entries, codebook, resident_tables: 1, ..config() }, 16).unwrap()
+}
+
+basrelief_kernel::unit_contract! {
+    name: contract_of_fixed_tables,
+    unit: small(CodeBookMode::Fixed),
+    inputs: frame_of_two_objects(),
+    clients: [Client::Port, Client::Port],
+    state,
+}
+
+basrelief_kernel::unit_contract! {
+    name: contract_of_code_books_per_polygon,
+    unit: small(CodeBookMode::PerPolygon),
+    inputs: frame_of_two_objects(),
+    clients: [Client::Port, Client::Port],
+    state,
+}
+
+basrelief_kernel::unit_contract! {
+    name: contract_of_code_books_per_object,
+    unit: small(CodeBookMode::PerObject),
+    inputs: frame_of_two_objects(),
+    clients: [Client::Port, Client::Port],
+    state,
+}

@@ -1,0 +1,229 @@
+//! The unit and its step.
+
+use super::state::BINS;
+use super::{Reach, RootTable, StepCalculatorState, StepEquation};
+use crate::config::{Method, TexelConfig};
+use crate::log::SpanRecord;
+use crate::signals::{Points, Segment, Span};
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::{Control, Flow};
+use smallvec::smallvec;
+use std::sync::Arc;
+
+/// Step calculator of the texel value generator (310), with its storage element: takes spans, chooses division points, and
+/// sends each segment to the approximate calculator (310a) and its points to the dividers.
+///
+/// A step of this unit is a turn of Figure 4B: from the current point the next one. It takes a square root, or a look-up, and
+/// the next turn waits for it; the first of a span waits for e / |dw|, too. Division points of a span are thus found ahead of
+/// the quotients, and no division waits for the interpolation in front of it.
+#[derive(Clone, Debug, Default)]
+pub struct StepCalculator {
+    /// Parameters.
+    pub config: TexelConfig,
+    /// Everything it remembers.
+    pub state: StepCalculatorState,
+    /// Follows from the parameters.
+    table: Option<RootTable>,
+}
+
+impl StepCalculator {
+    /// A step calculator at power-on; its criterion is selected (step 442) when the first token comes.
+    pub fn new(config: TexelConfig) -> Self {
+        let table = (config.step_table > 0).then(|| RootTable::new(config.step_table));
+        Self { config, state: StepCalculatorState::default(), table }
+    }
+
+    /// The table in place of the square root, if there is one.
+    pub fn table(&self) -> Option<&RootTable> {
+        self.table.as_ref()
+    }
+
+    /// Keeps a record of spans from now on.
+    pub fn keep_log(&mut self) {
+        self.state.log = Some(Vec::new());
+    }
+
+    /// A control token takes effect.
+    fn take(&mut self, control: &Control) {
+        match control {
+            Control::Polygon(polygon) => {
+                self.state.polygon = Some(Arc::clone(polygon));
+                self.state.subdivision.forget();
+            }
+            Control::FrameEnd => {
+                if let Some(log) = &mut self.state.log {
+                    self.state.finished.push(std::mem::take(log));
+                }
+            }
+            Control::Frame(_) | Control::Object(_) | Control::CodeBook(_) => {}
+        }
+    }
+
+    /// Figure 4A from step 420 on; the cycles that e / |dw| takes.
+    fn begin(&mut self, span: Span) -> u64 {
+        let state = &mut self.state;
+        state.from = 0;
+        state.counters.spans += 1;
+        state.counters.pixels += u64::from(span.count);
+        state.counters.single += u64::from(span.count == 1);
+        let mut cycles = 0;
+        if !span.textured {
+            state.counters.untextured += 1;
+        } else if self.config.method == Method::Adaptive {
+            // Step 430, or 440.
+            let short = u32::from(span.count) <= self.config.min_span;
+            state.counters.short += u64::from(short);
+            state.equation = (!short).then(|| StepEquation::new(span.step[2], state.storage.criterion()));
+            if !short && span.step[2] != 0.0 {
+                state.counters.step_divisions += 1;
+                cycles = u64::from(self.config.division_cycles);
+            }
+        } else if self.config.method == Method::Subpolygon {
+            state.subdivision.enter(state.polygon.as_deref(), span.triangle, self.config.interval);
+        }
+        if let Some(log) = state.log.as_mut().filter(|_| span.textured) {
+            log.push(SpanRecord::new(&span));
+        }
+        state.span = Some(span);
+        cycles
+    }
+
+    /// Step 444: the next division point behind `from`, and the cycles that it takes to find it.
+    fn next_point(&mut self, span: &Span, from: u16) -> (u16, u64) {
+        let Some(equation) = self.state.equation else { return (span.last(), 1) };
+        let wl = span.value(from)[2];
+        if equation.is_free(wl) {
+            return (span.last(), 1);
+        }
+        self.state.counters.roots += 1;
+        let reach = equation.reach(wl, self.config.step_form, |x| self.table.as_ref().map_or_else(|| x.sqrt(), |t| t.root(x)));
+        let cycles = if self.table.is_some() { self.config.table_cycles } else { self.config.root_cycles };
+        let rest = span.last() - from;
+        let step = match reach {
+            Reach::End => rest,
+            // The conversion saturates.
+            Reach::Pixels(t) => (t as u16).max(1).min(rest),
+        };
+        (from + step, u64::from(cycles))
+    }
+
+    /// The end of the segment that begins at `from`, and the cycles that it takes to find it.
+    fn end_of(&mut self, span: &Span, from: u16) -> (u16, u64) {
+        let last = span.last();
+        if !span.textured {
+            return (last, 1);
+        }
+        match self.config.method {
+            Method::Adaptive => self.next_point(span, from),
+            Method::Exact => (from + span.in_cell(from) - 1, 1),
+            Method::Subpolygon => (self.state.subdivision.last_with(span, from), 1),
+            Method::Fixed if self.config.points == 0 => {
+                (u32::from(from).saturating_add(self.config.interval).min(u32::from(last)) as u16, 1)
+            }
+            Method::Fixed => (evenly(last, from, self.config.points), 1),
+        }
+    }
+
+    /// The next segment of the span, its points, and the cycles that it takes to find them.
+    fn segment(&mut self) -> Option<(Segment, Points, u64)> {
+        let span = self.state.span?;
+        let from = self.state.from;
+        let (to, cycles) = self.end_of(&span, from);
+        let exact = self.config.method == Method::Exact && span.textured;
+        // Child polygons share no pixel, other segments share their division point.
+        let apart = exact || self.config.method == Method::Subpolygon;
+        let ends = to == span.last();
+        let walk = to - from + u16::from(apart || ends);
+        let fresh = from == 0 || apart;
+        let points: Points = match (span.textured, exact, fresh) {
+            (false, ..) => Points::new(),
+            (_, true, _) => (from..=to).map(|k| span.value(k)).collect(),
+            (_, _, false) => smallvec![span.value(to)],
+            _ if from == to => smallvec![span.value(from)],
+            _ => smallvec![span.value(from), span.value(to)],
+        };
+        let segment = Segment { span, from, to, walk, exact, fresh };
+        self.state.note(&segment, apart);
+        self.state.from = if apart { to.saturating_add(1) } else { to };
+        if ends {
+            self.state.span = None;
+        }
+        Some((segment, points, cycles))
+    }
+}
+
+/// The next of `points` division points that divide 0 ..= last evenly.
+fn evenly(last: u16, from: u16, points: u32) -> u16 {
+    let parts = u64::from(points) + 1;
+    let place = |i: u64| ((2 * i * u64::from(last) + parts) / (2 * parts)) as u16;
+    // The first that is farther on: about where `from` is.
+    let near = u64::from(from) * parts / u64::from(last.max(1));
+    (near..=parts).map(place).find(|&p| p > from).unwrap_or(last)
+}
+
+impl Unit for StepCalculator {
+    type In = Option<Flow<Span>>;
+    type Out = (Option<Flow<Segment>>, Option<Flow<Points>>);
+
+    #[inline]
+    fn demand(&self) -> Demand {
+        if self.state.span.is_some() { Demand::Nothing } else { Demand::All }
+    }
+
+    #[inline(always)]
+    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
+        let latency = u64::from(self.config.latency);
+        if self.state.storage.selected == 0 {
+            self.state.storage.select(self.config.error_bound);
+        }
+        let division = match input {
+            Some(Flow::Control(control)) => {
+                self.take(&control);
+                return Step::after(latency, (Some(Flow::Control(control.clone())), Some(Flow::Control(control))));
+            }
+            Some(Flow::Item(span)) => self.begin(span),
+            None => 0,
+        };
+        let Some((segment, points, cycles)) = self.segment() else { return Step::after(latency, (None, None)) };
+        let cycles = division + cycles;
+        let out = (Some(Flow::Item(segment)), Some(Flow::Item(points)));
+        Step::after(latency + cycles - 1, out).busy(cycles)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.state.span.is_none()
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let root = if self.table.is_some() { self.config.table_cycles } else { self.config.root_cycles };
+        for output in 0..2 {
+            facts.rate(output, self.config.latency + root, root);
+        }
+        let c = &self.state.counters;
+        let (roots, look_ups) = if self.table.is_some() { (0, c.roots) } else { (c.roots, 0) };
+        let bins = c.lengths.iter().rposition(|n| *n > 0).map_or(0, |i| i + 1).min(BINS);
+        facts.figure("textured_fragments", c.textured_pixels, "pixels", "Pixels of spans with a texture");
+        facts.figure("spans", c.spans, "spans", "Spans with a texture");
+        facts.figure("spans_untextured", c.untextured, "spans", "Spans without");
+        facts.figure("spans_of_one_pixel", c.single, "spans", "Spans of one pixel");
+        facts.figure("spans_not_subdivided", c.short, "spans", "Spans that one segment covers");
+        facts.figure("segments", c.segments, "segments", "Segments between division points");
+        facts.figure(
+            "segment_lengths_up_to",
+            (0..bins).map(|i| 1_u64 << i).collect::<Vec<_>>(),
+            "pixels",
+            "Longest segments of each class of `segment_lengths`",
+        );
+        facts.figure("segment_lengths", c.lengths[..bins].to_vec(), "segments", "Segments of each class of lengths");
+        facts.figure("segment_longest", c.longest, "pixels", "The longest segment");
+        facts.figure("division_points", c.division_points, "points", "Division points");
+        facts.figure("square_roots", roots, "roots", "Square roots calculated");
+        facts.figure("step_table_look_ups", look_ups, "look-ups", "Square roots looked up in their place");
+        facts.figure("step_divisions", c.step_divisions, "divisions", "Divisions of the step calculator");
+        facts.figure("displacement_bound", self.config.error_bound, "pixels", "Largest displacement that the criterion allows");
+        if let Some(table) = &self.table {
+            facts.figure("step_table_largest_error", table.largest_error(), "", "Largest relative error of the table of roots");
+        }
+    }
+}
