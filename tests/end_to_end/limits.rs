@@ -62,3 +62,14 @@ fn pictures_have_a_largest_size_and_frames_a_largest_number() {
     let outcome = run(&place, &format!("run {} --size 16x12 --frames 20000 --max-cycles 1000", patch()));
     assert!(outcome.error(1).contains("--max-cycles"), "{}", outcome.err);
 }
+
+#[test]
+fn the_limit_of_cycles_holds_however_much_there_is_to_draw() {
+    let place = Place::new();
+    // A thousand frames of these take minutes; what is drawn before the limit, a moment.
+    for demo in ["coin", "--machine shade", "--machine defer"] {
+        let outcome = run(&place, &format!("demo {demo} --frames 10000 --max-cycles 20000 --size 64x48 --quiet"));
+        assert!(outcome.error(1).contains("--max-cycles"), "{demo}: {}", outcome.err);
+        assert!(outcome.seconds < 20.0, "{demo}: took {} s", outcome.seconds);
+    }
+}

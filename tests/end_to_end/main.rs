@@ -10,6 +10,7 @@ mod interrupt;
 #[cfg(unix)]
 mod limits;
 mod machines;
+mod outputs;
 mod pictures;
 mod remote;
 mod reports;

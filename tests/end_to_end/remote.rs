@@ -228,6 +228,22 @@ fn a_cache_that_is_no_folder_is_refused_before_anything_is_fetched() {
     assert_eq!((between.passed(), place.text("file").as_str()), (0, "mine"));
 }
 
+#[cfg(unix)]
+#[test]
+fn a_pipe_in_the_cache_is_told_and_does_not_hold_up_the_run() {
+    let place = Place::new();
+    let server = serve_triangle(&place, [200, 0, 0]);
+    let line = format!("run --from {} --tile-cache kept --out remote", server.1);
+    place.ok(&format!("{line} --quiet"));
+    let tiles = format!("kept/{}", place.names("kept")[0]);
+    let tile = format!("{tiles}/{}", place.names(&tiles)[0]);
+    fs::remove_file(place.path(&tile)).expect("removed");
+    assert!(std::process::Command::new("mkfifo").arg(place.path(&tile)).status().expect("mkfifo").success());
+    let run = place.ok(&line);
+    assert!(run.err.contains("warning: --tile-cache kept: ") && run.err.contains(&tile), "{}", run.err);
+    assert!(!fs::symlink_metadata(place.path(&tile)).expect("there").is_file(), "left as it was");
+}
+
 #[test]
 fn a_proxy_of_the_environment_is_not_asked() {
     let place = Place::new();

@@ -67,7 +67,7 @@ pub struct Input {
     pub kind: String,
     /// File name or name of the demo, without the path.
     pub name: String,
-    /// SHA-256 of the canonical commands, in hexadecimal.
+    /// SHA-256 of the canonical commands, in hexadecimal; empty where the run ended before the last of them.
     pub sha256: String,
 }
 

@@ -5,17 +5,16 @@ use crate::exact::Exact;
 use crate::machines::{MachineConfig, MachineSpec, for_machine};
 use crate::observer::Observer;
 use crate::outcome::{Run, SessionError};
-use crate::record::hash_of;
+use crate::record::{Drawn, HashedDraws};
 use crate::settings::{Settings, Source};
 use crate::tee::{Seen, Tee};
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles, Resolver};
-use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{self as kernel, NoProbe, Probe, StageTopology};
 use basrelief_machines::{ConfigProblem, SceneFront, TraceFront};
 use basrelief_report::model::Input;
 use basrelief_signals::{Control, Draw, Scene};
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
@@ -98,16 +97,24 @@ fn run_scene<S: MachineSpec, P: Probe>(
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
-    let sha256 = hash_of(scene, spec.front())?.to_string();
-    let commands = Rc::new(Cell::new(0_u64));
-    let counter = Rc::clone(&commands);
-    let draws = SceneDraws::new(Arc::clone(scene)).inspect(move |_: &Draw| counter.set(counter.get() + 1));
+    let drawn = Rc::new(RefCell::new(Drawn::default()));
+    let draws = HashedDraws::new(scene, spec.front(), Rc::clone(&drawn), settings.clock);
     let machine = spec.build(SceneFront::new(draws, spec.front()))?;
     let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
     let exact = if settings.exact { Exact::Scene(Arc::clone(scene), spec.exact_style()) } else { Exact::None };
     let total = Some((per_frame * scene.frames.len()) as u64);
-    let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.get(), total)));
-    let result = session.drive(spec, machine, probe)?;
+    // The first command is drawn when the machine is built, ahead of the simulation.
+    let ahead = drawn.borrow().seconds;
+    let commands = Rc::clone(&drawn);
+    let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.borrow().commands, total)));
+    let result = session.drive(spec, machine, probe);
+    let passed = std::mem::take(&mut *drawn.borrow_mut());
+    if let Some(error) = passed.error {
+        return Err(error.into());
+    }
+    let result = result?;
+    session.simulate_s -= passed.seconds - ahead;
+    let sha256 = passed.digest.map(|d| d.to_string()).unwrap_or_default();
     let input = Input { kind: "scene".into(), name: file_name(&scene.name), sha256 };
     let frame = scene.frames.last().map(|f| &**f);
     Ok(session.finish(spec, input, frame, result, &scene.warnings, vec![]))

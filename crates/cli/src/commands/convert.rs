@@ -5,7 +5,7 @@ use crate::error::{Done, Failure};
 use crate::input::TraceFile;
 use crate::outputs::PartialFile;
 use basrelief_display_list::{self as display_list, Form};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 /// Converts without loss.
@@ -32,11 +32,52 @@ pub fn form_of(path: &Path) -> Done<Form> {
 pub fn to_trace_file(path: &Path, write: impl FnOnce(&mut dyn Write, Form) -> Done) -> Done {
     let form = form_of(path)?;
     if path == Path::new("-") {
-        let mut out = BufWriter::new(io::stdout().lock());
-        write(&mut out, form)?;
-        return out.flush().map_err(Failure::file(path, "write"));
+        let mut out = Remembering { to: BufWriter::new(io::stdout().lock()), failed: None };
+        let done = write(&mut out, form).and_then(|()| out.flush().map_err(Failure::within("standard output")));
+        return match out.failed {
+            // A reader that has gone away has seen what it wanted.
+            Some(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
+            Some(e) => Err(Failure::Bad(format!("standard output: cannot be written: {e}"))),
+            None => done,
+        };
     }
-    let mut file = PartialFile::create(path).map_err(Failure::file(path, "be written"))?;
-    write(&mut file, form)?;
-    file.publish().map_err(Failure::file(path, "be written"))
+    let file = PartialFile::create(path).map_err(Failure::file(path, "be written"))?;
+    let mut file = Remembering { to: file, failed: None };
+    let done = write(&mut file, form);
+    match file.failed {
+        Some(e) => Err(Failure::file(path, "be written")(e)),
+        None => done.and_then(|()| file.to.publish().map_err(Failure::file(path, "be written"))),
+    }
+}
+
+/// Keeps why it cannot be written: who writes into it reports that as a fault of what is read.
+struct Remembering<W> {
+    to: W,
+    failed: Option<io::Error>,
+}
+
+impl<W> Remembering<W> {
+    fn kept<T>(&mut self, done: io::Result<T>) -> io::Result<T> {
+        done.inspect_err(|e| {
+            if e.kind() != ErrorKind::Interrupted {
+                self.failed.get_or_insert_with(|| copy_of(e));
+            }
+        })
+    }
+}
+
+/// Of this kind and with these words.
+fn copy_of(error: &io::Error) -> io::Error {
+    error.raw_os_error().map_or_else(|| io::Error::new(error.kind(), error.to_string()), io::Error::from_raw_os_error)
+}
+
+impl<W: Write> Write for Remembering<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let done = self.to.write(bytes);
+        self.kept(done)
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        let done = self.to.flush();
+        self.kept(done)
+    }
 }

@@ -9,7 +9,8 @@ use basrelief_session::{Content, Exhibit, Form, Observer, Pictures, picture_name
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use std::cell::Cell;
-use std::io::Write;
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::rc::Rc;
 
 /// Files, progress and pictures of a run.
@@ -81,11 +82,13 @@ impl OutputFiles {
     }
 
     fn write(&mut self, name: &str, picture: &Picture) -> Result<(), String> {
-        let failed = |e: &dyn std::fmt::Display| format!("{name}: cannot be written: {e}");
-        let mut file = self.outputs.create(name).map_err(|e| failed(&e))?;
-        PngEncoder::new(&mut file)
+        let failed = |e: &dyn std::fmt::Display| format!("{}: cannot be written: {e}", self.outputs.place(name).display());
+        // In memory: the encoder would wrap what is wrong with the disk in words of its own.
+        let mut png = Vec::new();
+        PngEncoder::new(&mut png)
             .write_image(&picture.to_rgba(), picture.width, picture.height, ExtendedColorType::Rgba8)
             .map_err(|e| failed(&e))?;
-        file.flush().map_err(|e| failed(&e))
+        let write = |mut file: BufWriter<File>| file.write_all(&png).and_then(|()| file.flush());
+        self.outputs.create(name).and_then(write).map_err(|e| failed(&e))
     }
 }

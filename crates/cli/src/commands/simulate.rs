@@ -4,7 +4,7 @@ use super::dump::DumpFiles;
 use super::output_files::OutputFiles;
 use crate::args::{EngineName, SimulationArgs};
 use crate::error::{Done, Failure, print};
-use crate::outputs::{Outputs, PartialFile};
+use crate::outputs::{Outputs, PartialFile, check_distinct};
 use crate::progress::Progress;
 use basrelief_kernel::{Engine, Probe, StageTopology};
 use basrelief_report::model::OutcomeKind;
@@ -56,6 +56,7 @@ pub fn simulate_source(
 ) -> Done {
     // Before the dumps: they may lie in it.
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
+    check_distinct(&simulation.out, &named_outputs(simulation)).map_err(Failure::Usage)?;
     let dumps = DumpFiles::open(&simulation.dump, &settings.config)?;
     let pictures = settings.config.machine().exhibits().into_iter().filter(|e| e.form != Form::Lines);
     settings.exhibits = pictures.filter(|e| settings.exact || !e.judges).chain(dumps.exhibits()).collect();
@@ -74,6 +75,10 @@ pub fn simulate_source(
     let kinds = kinds.concat();
     drop(progress);
     dumps.flush()?;
+    if simulation.json {
+        // In front of what is published: where it cannot be printed, nothing is written.
+        print(&report.to_json().map_err(Failure::bad)?)?;
+    }
     publish(outputs, (frames, &kinds), &report, simulation)?;
     dumps.publish()?;
     if let (Some(file), Some(path)) = (timeline, &simulation.timeline) {
@@ -82,14 +87,23 @@ pub fn simulate_source(
     show(&report, (&kinds, &extra), simulation, quiet)
 }
 
-/// A run whose errors name the input, unless it is the parameters that are wrong.
+/// Options that name a file, and their files.
+fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
+    let timeline = simulation.timeline.iter().map(|path| ("--timeline", &**path));
+    let dumps = simulation.dump.as_chunks::<2>().0.iter().map(|[_, path]| ("--dump", &**path));
+    timeline.chain(dumps).collect()
+}
+
+/// A run whose errors name the input, unless it is the parameters or an output that are wrong.
 pub fn run_named(source: Source, settings: &Settings, observer: &mut dyn Observer, probe: Option<&mut dyn Probe>) -> Done<Run> {
     let name = source.name().to_owned();
     session::run(source, settings, observer, probe).map_err(|e| match e {
-        SessionError::Trace(_) | SessionError::Fault(_) | SessionError::Observer(_) => Failure::within(&name)(e),
-        SessionError::Config(_) | SessionError::NoShortCuts(_) | SessionError::NoMethods(_) | SessionError::Incomplete(_) => {
-            e.into()
-        }
+        SessionError::Trace(_) | SessionError::Fault(_) => Failure::within(&name)(e),
+        SessionError::Observer(_)
+        | SessionError::Config(_)
+        | SessionError::NoShortCuts(_)
+        | SessionError::NoMethods(_)
+        | SessionError::Incomplete(_) => e.into(),
     })
 }
 
@@ -129,9 +143,7 @@ fn publish(outputs: Outputs, (frames, kinds): (usize, &[&str]), report: &Report,
 
 /// Prints the report, and decides whether the run was a success.
 fn show(report: &Report, (kinds, extra): (&[&str], &[String]), simulation: &SimulationArgs, quiet: bool) -> Done {
-    if simulation.json {
-        print(&report.to_json().map_err(Failure::bad)?)?;
-    } else if !quiet {
+    if !quiet && !simulation.json {
         print(&to_text(report, style()))?;
         print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report, kinds, extra)))?;
     }

@@ -56,10 +56,12 @@ fn write_table(
     let mut run = |settings: &Settings, observer: &mut dyn Observer| run_named(source()?, settings, observer, None);
     let table = make(&mut watcher, &mut run)?;
     drop(watcher);
-    publish(outputs, &table, simulation)?;
     if simulation.json {
-        print(&table.json)
-    } else if quiet {
+        // In front of what is published: where it cannot be printed, nothing is written.
+        print(&table.json)?;
+    }
+    publish(outputs, &table, simulation)?;
+    if simulation.json || quiet {
         Ok(())
     } else {
         let (folder, name) = (simulation.out.display(), table.name);

@@ -1,11 +1,10 @@
 //! `basrelief verify`: traces carry what is expected of them; replaying one is a test of itself.
 
-use super::convert::form_of;
+use super::convert::to_trace_file;
 use super::simulate::simulate_quietly;
 use crate::args::VerifyArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::{TraceFile, beside};
-use crate::outputs::PartialFile;
 use basrelief_display_list::{Command, Expectation, Form, Resolver, Writer, open};
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
@@ -23,24 +22,38 @@ pub fn verify(args: &VerifyArgs, quiet: bool) -> Done {
         return Err(Failure::Bad("no display lists there: expected .jsonl or .bdl files, or either with .zst behind".into()));
     }
     let engines = args.engine.map_or(vec![Engine::Timed, Engine::Ticked], |e| vec![e.into()]);
-    let mut failed = 0;
+    let (mut wrong, mut failed) = (0, 0);
     for trace in &traces {
         let result = if args.bless { bless(trace).map(|()| vec![]) } else { check(trace, &engines) };
-        let wrong = result.unwrap_or_else(|failure| vec![failure.to_string()]);
-        failed += usize::from(!wrong.is_empty());
-        if !quiet || !wrong.is_empty() {
-            let verdict = if wrong.is_empty() { if args.bless { "blessed" } else { "ok" } } else { "FAILED" };
+        let (verdict, why) = match result {
+            Ok(why) if why.is_empty() => (if args.bless { "blessed" } else { "ok" }, why),
+            Ok(why) => {
+                wrong += 1;
+                ("FAILED", why)
+            }
+            Err(failure) => {
+                failed += 1;
+                ("FAILED", vec![failure.to_string()])
+            }
+        };
+        if !quiet || !why.is_empty() {
             print(&format!("{verdict:<7} {}\n", trace.display()))?;
-            wrong.iter().try_for_each(|w| print(&format!("        {w}\n")))?;
+            why.iter().try_for_each(|w| print(&format!("        {w}\n")))?;
         }
     }
-    if failed > 0 {
-        return Err(Failure::Bad(format!(
-            "{failed} of {} traces are not as they expect; `basrelief verify --bless` rewrites the expectations, after review",
-            traces.len()
-        )));
-    }
-    Ok(())
+    conclude(wrong, failed, traces.len())
+}
+
+/// New expectations are a cure only for traces that run.
+fn conclude(wrong: usize, failed: usize, of: usize) -> Done {
+    let wrong = (wrong > 0).then(|| {
+        format!(
+            "{wrong} of {of} traces are not as they expect; `basrelief verify --bless` rewrites the expectations, after review"
+        )
+    });
+    let failed = (failed > 0).then(|| format!("{failed} of {of} traces cannot be read, run or written, as said above"));
+    let sentences: Vec<String> = wrong.into_iter().chain(failed).collect();
+    if sentences.is_empty() { Ok(()) } else { Err(Failure::Bad(sentences.join("\n"))) }
 }
 
 /// Traces of a folder, in order of name, or the trace itself.
@@ -114,18 +127,18 @@ fn bless(path: &Path) -> Done {
         new.push(expectation_of(&report, expected.config));
     }
     let input = TraceFile::open(path)?;
-    let mut file = PartialFile::create(path).map_err(Failure::file(path, "be written"))?;
-    let mut writer = Writer::new(&mut file, form_of(path)?).map_err(within(path))?;
-    for command in open(input.reader).map_err(within(path))? {
-        match command.map_err(within(path))? {
-            Command::Expect(_) => {}
-            Command::End(_) => break,
-            other => writer.write(&other).map_err(within(path))?,
+    to_trace_file(path, |file, form| {
+        let mut writer = Writer::new(file, form).map_err(within(path))?;
+        for command in open(input.reader).map_err(within(path))? {
+            match command.map_err(within(path))? {
+                Command::Expect(_) => {}
+                Command::End(_) => break,
+                other => writer.write(&other).map_err(within(path))?,
+            }
         }
-    }
-    for expectation in new {
-        writer.write(&Command::Expect(Box::new(expectation))).map_err(within(path))?;
-    }
-    writer.finish().map_err(within(path))?;
-    file.publish().map_err(Failure::file(path, "be written"))
+        for expectation in new {
+            writer.write(&Command::Expect(Box::new(expectation))).map_err(within(path))?;
+        }
+        writer.finish().map(|_| ()).map_err(within(path))
+    })
 }

@@ -1,7 +1,7 @@
 //! `--tile-cache`: tiles that have come stay, whatever becomes of the run.
 
 use super::{DIGITS, hash_of};
-use crate::outputs::PartialFile;
+use crate::outputs::{PartialFile, remove_remains};
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -17,6 +17,7 @@ impl TileCache {
     pub fn open(folder: &Path, textures: &str) -> io::Result<Self> {
         let folder = folder.join(textures.get(..16).unwrap_or(textures));
         fs::create_dir_all(&folder)?;
+        remove_remains(&folder);
         Ok(Self { folder })
     }
 
@@ -43,9 +44,14 @@ impl TileCache {
         Some(body.to_vec())
     }
 
-    /// Keeps a tile. Written beside its place and renamed: two runs may share a cache, and a run may be interrupted.
+    /// Keeps a tile. Written beside its place and renamed: two runs may share a cache, and a run may be interrupted. What is
+    /// there and no regular file, such as a pipe, is not ours to write to or to replace.
     pub fn put(&self, tile: &str, body: &[u8]) -> io::Result<()> {
-        let mut file = PartialFile::create(&self.path(tile))?;
+        let path = self.path(tile);
+        if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file()) {
+            return Err(io::Error::other(format!("{} is there and no regular file; remove it", path.display())));
+        }
+        let mut file = PartialFile::beside(&path)?;
         file.write_all(hash_of(body).as_bytes())?;
         file.write_all(body)?;
         file.publish()

@@ -25,8 +25,7 @@ impl Default for Patience {
     fn default() -> Self {
         Self {
             stall: Duration::from_secs(10),
-            // A modem's 56 kbit/s are 7,000, and 32 requests may share them.
-            slowest: 100,
+            slowest: SLOWEST,
             attempts: 5,
             pause: Duration::from_millis(100),
             whole: Duration::from_secs(20),
@@ -34,6 +33,8 @@ impl Default for Patience {
     }
 }
 
+/// Slowest path that is waited for, on either side \[bytes/s\]: a modem's 56 kbit/s are 7,000, and 32 requests may share them.
+pub(super) const SLOWEST: u64 = 100;
 /// Most requests in flight.
 pub const MOST_IN_FLIGHT: u32 = 32;
 /// Largest list of polygons that is believed \[bytes\].

@@ -10,6 +10,8 @@
 mod cache;
 mod client;
 mod fetch;
+mod http;
+mod listen;
 mod server;
 #[cfg(test)]
 mod tests;
@@ -17,7 +19,8 @@ mod tests;
 pub use cache::TileCache;
 pub use client::{Kept, RemoteTiles};
 pub use fetch::{Fetcher, Patience};
-pub use server::{Limits, Served};
+pub use listen::Limits;
+pub use server::Served;
 
 use sha2::{Digest as _, Sha256};
 

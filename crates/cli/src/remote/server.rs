@@ -1,31 +1,13 @@
 //! `basrelief serve`: the server (110) as a program.
 
-use super::{HASH, TEXTURES, hash_of};
+use super::hash_of;
+use super::http::Answer;
+use super::listen::{Answers, Limits, ListeningServer, listen};
 use basrelief_deferred_renderer::{Cut, Page, ServedTexture, TileEncoding};
 use basrelief_signals::{Texture, Wrap};
-use oxhttp::model::header::CONNECTION;
-use oxhttp::model::{Body, HeaderValue, Method, Request, Response, StatusCode};
-use oxhttp::{ListeningServer, Server};
 use std::collections::BTreeMap;
-use std::io::Cursor;
-use std::net::{SocketAddr, TcpListener};
+use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
-
-/// What a server grants its clients.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// Longest that a connection may neither send nor take anything.
-    pub idle: Duration,
-    /// Connections at a time; more wait until others are closed.
-    pub connections: usize,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self { idle: Duration::from_secs(10), connections: 256 }
-    }
-}
 
 /// A texture that is offered.
 #[derive(Debug)]
@@ -72,58 +54,28 @@ impl Served {
         encoded.map_err(|e| (500, e))
     }
 
-    fn respond(&self, request: &mut Request<Body>) -> Response<Body> {
-        if request.body().len() != Some(0) {
-            // It is not waited for; what comes of it all the same must not be taken for a request.
-            *request.body_mut() = Body::empty();
-            request.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
-            return self.response(Err((400, "expected a request without a body".into())));
-        }
-        if request.method() != Method::GET {
-            return self.response(Err((405, "expected GET".into())));
-        }
-        if request.uri().path() == "/polygons" {
-            let body = Body::from_read(Cursor::new(Arc::clone(&self.polygons)));
-            return self.with_hashes(200, body, &self.hash_of_polygons);
-        }
-        self.response(self.tile(request.uri().path()))
-    }
-
-    fn response(&self, answer: Result<Vec<u8>, (u16, String)>) -> Response<Body> {
-        let (status, body) = answer.map_or_else(|(status, why)| (status, why.into_bytes()), |body| (200, body));
-        let hash = hash_of(&body);
-        self.with_hashes(status, Body::from(body), &hash)
-    }
-
-    fn with_hashes(&self, status: u16, body: Body, hash: &str) -> Response<Body> {
-        let mut response = Response::new(body);
-        *response.status_mut() = StatusCode::from_u16(status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-        for (name, hash) in [(HASH, hash), (TEXTURES, &self.hash_of_textures)] {
-            if let Ok(value) = HeaderValue::from_str(hash) {
-                response.headers_mut().insert(name, value);
-            }
-        }
-        response
-    }
-
     /// Answers at an address, from now on; port 0 takes any that is free. The address, and what is waited for.
     ///
     /// # Errors
     /// A sentence, where the address cannot be listened at.
     pub fn listen(self, address: SocketAddr, limits: Limits) -> Result<(SocketAddr, ListeningServer), String> {
-        let served = Arc::new(self);
-        let open = || {
-            // The library does not tell which port it was given.
-            let address = if address.port() == 0 { TcpListener::bind(address)?.local_addr()? } else { address };
-            let served = Arc::clone(&served);
-            let server = Server::new(move |request| served.respond(request)).bind(address);
-            let server = server.with_global_timeout(limits.idle).with_max_concurrent_connections(limits.connections);
-            server.spawn().map(|listening| (address, listening))
-        };
-        // Another program may take a free port in between: then another one is found.
-        let tries = if address.port() == 0 { 10 } else { 1 };
-        let opened = (1..tries).map(|_| open()).find(Result::is_ok).unwrap_or_else(open);
-        opened.map_err(|e| format!("{address}: cannot be listened at: {e}"))
+        listen(self, address, limits).map_err(|e| format!("{address}: cannot be listened at: {e}"))
+    }
+}
+
+impl Answers for Served {
+    fn answer(&self, path: &str) -> Answer {
+        if path == "/polygons" {
+            return Answer::found(Arc::clone(&self.polygons), self.hash_of_polygons.clone());
+        }
+        match self.tile(path) {
+            Ok(tile) => Answer::found(tile.as_slice().into(), hash_of(&tile)),
+            Err((status, why)) => Answer::refused(status, why),
+        }
+    }
+
+    fn hash_of_textures(&self) -> &str {
+        &self.hash_of_textures
     }
 }
 

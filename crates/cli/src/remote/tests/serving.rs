@@ -14,7 +14,7 @@ fn serving(at: impl Into<SocketAddr>, limits: Limits) -> SocketAddr {
     address
 }
 
-const LITTLE: Limits = Limits { idle: Duration::from_millis(200), connections: 4 };
+const LITTLE: Limits = Limits { idle: Duration::from_millis(200), slowest: 100, connections: 4 };
 const LOOPBACK: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
 
 fn polygons(address: SocketAddr) -> Vec<u8> {
@@ -98,7 +98,7 @@ fn a_connection_that_the_server_has_let_go_is_no_fault_to_the_client() {
 
 #[test]
 fn who_announces_a_body_gets_an_answer_at_once_and_takes_no_memory() {
-    let address = serving(LOOPBACK, Limits { idle: Duration::from_secs(100), connections: 1 });
+    let address = serving(LOOPBACK, Limits { idle: Duration::from_secs(100), ..LITTLE });
     for announced in ["Content-Length: 99999999999999", "Transfer-Encoding: chunked"] {
         let request = format!("GET /polygons HTTP/1.1\r\nHost: x\r\n{announced}\r\n\r\n");
         assert!(exchange(address, request.as_bytes()).starts_with("HTTP/1.1 400"), "{announced}");
@@ -114,15 +114,81 @@ fn a_wrong_request_ends_its_connection_and_nothing_else() {
         "POST /polygons HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n",
         "GET /polygons HTTP/9.9\r\n\r\n",
         "\0\x01\x02\r\n\r\n",
+        "GET localhost HTTP/1.1\r\nHost: x\r\n\r\n",
+        "CONNECT x:80 HTTP/1.1\r\nHost: x\r\n\r\n",
+        "\x16\x03\x01\x02\0\x01\0\x01",
         &long,
     ] {
         assert!(exchange(address, wrong.as_bytes()).starts_with("HTTP/1.1 4"), "{:.40}", wrong);
     }
-    // More often than connections are served at a time: the library gives up on these without an answer.
-    for wrong in ["GET localhost HTTP/1.1\r\n\r\n", "CONNECT x:80 HTTP/1.1\r\nHost: x\r\n\r\n"].repeat(4) {
-        assert_eq!(exchange(address, wrong.as_bytes()), "", "{wrong}");
-    }
     assert_eq!(polygons(address), b"list");
+}
+
+#[test]
+fn several_requests_on_one_connection_are_answered_in_order() {
+    let address = serving(LOOPBACK, LITTLE);
+    let [first, second] = ["/polygons", "/none"].map(|path| format!("GET {path} HTTP/1.1\r\nHost: x\r\n\r\n"));
+    let answers = exchange(address, format!("{first}{second}GET / HTTP/1.0\r\n\r\n").as_bytes());
+    let statuses: Vec<&str> = answers.split("HTTP/1.1 ").skip(1).map(|a| &a[..3]).collect();
+    assert_eq!(statuses, ["200", "404", "404"], "{answers}");
+}
+
+/// Sends one byte of a head that never ends, again and again, on all of these.
+fn drip(mut clients: Vec<TcpStream>) {
+    thread::spawn(move || {
+        while !clients.is_empty() {
+            clients.retain_mut(|client| client.write_all(b"a").is_ok());
+            thread::sleep(Duration::from_millis(20));
+        }
+    });
+}
+
+/// Longest that a request may wait here; without anybody else it takes milliseconds, and who waits for others waits for 10 s.
+const SOON: Duration = Duration::from_secs(3);
+
+#[test]
+fn idle_and_dripping_clients_many_times_as_many_as_are_served_hold_up_nobody() {
+    let address = serving(LOOPBACK, Limits { connections: 32, ..Limits::default() });
+    let connect = |n: usize| -> Vec<TcpStream> { (0..n).map(|_| TcpStream::connect(address).unwrap()).collect() };
+    // With their other ends fewer than the 1024 files that a process may open by default.
+    let idle = connect(500);
+    let mut dripping = connect(256);
+    dripping.iter_mut().for_each(|client| client.write_all(b"GET /").unwrap_or_default());
+    drip(dripping);
+    // Who asks and does not look at the answer, as many as there may be.
+    let mut taking = connect(32);
+    taking.iter_mut().for_each(|client| client.write_all(b"GET /polygons HTTP/1.1\r\nHost: x\r\n\r\n").unwrap_or_default());
+    for _ in 0..5 {
+        let began = Instant::now();
+        assert_eq!(polygons(address), b"list");
+        assert!(began.elapsed() < SOON, "{:?}", began.elapsed());
+    }
+    drop((idle, taking));
+}
+
+#[test]
+fn as_many_as_there_may_be_that_take_nothing_hold_up_no_other_for_long() {
+    let large = Served::new(vec![0; 32 << 20], [texture()], hash_of(b"textures"));
+    let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 4, ..Limits::default() }).unwrap();
+    let stalled = [(); 4].map(|()| {
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.write_all(b"GET /polygons HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+        stream
+    });
+    let began = Instant::now();
+    let request = b"GET /tile/4/64x64/png/85/0 HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n";
+    assert!(exchange(address, request).starts_with("HTTP/1.1 200"));
+    assert!(began.elapsed() < SOON, "{:?}", began.elapsed());
+    drop(stalled);
+}
+
+#[test]
+fn who_speaks_tls_is_told_at_once() {
+    let address = serving(LOOPBACK, Limits::default());
+    let began = Instant::now();
+    let answer = exchange(address, b"\x16\x03\x01\x02\0\x01\0\x01\xfc\x03\x03");
+    assert!(answer.starts_with("HTTP/1.1 400") && answer.contains("not https://"), "{answer}");
+    assert!(began.elapsed() < SOON, "{:?}", began.elapsed());
 }
 
 #[test]

@@ -1,0 +1,107 @@
+//! The files of one run, in a folder.
+
+use super::partial::{LOCK, make_folder, remove_remains};
+use super::unfinished::{Leftover, Unfinished};
+use std::fs::{self, File};
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
+
+/// How often and how long a run waits for another that puts its files in the same folder: 10 s; it takes milliseconds.
+const TRIES: u32 = 1000;
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// The files of one run, in a folder. Until [`Outputs::publish`] they lie in a hidden folder inside it; dropped before
+/// that, they are gone, and so are the folders that were made for them.
+#[derive(Debug)]
+pub struct Outputs {
+    folder: PathBuf,
+    partial: PathBuf,
+    /// Held as long as the run lives.
+    _lock: File,
+    leftovers: Vec<Leftover>,
+}
+
+impl Outputs {
+    /// Opens `folder`, creating it and those above it where absent.
+    pub fn begin(folder: &Path) -> io::Result<Self> {
+        remove_remains(folder);
+        let mut unfinished = Unfinished::lock();
+        let absent: Vec<&Path> = folder.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()).collect();
+        let mut leftovers: Vec<Leftover> = absent.into_iter().rev().map(|p| Leftover::Made(p.into())).collect();
+        let (partial, lock) = make_folder(folder).inspect_err(|_| leftovers.iter().rev().for_each(Leftover::remove))?;
+        leftovers.push(Leftover::Partial(partial.clone()));
+        leftovers.iter().for_each(|l| unfinished.add(l.clone()));
+        Ok(Self { folder: folder.into(), partial, _lock: lock, leftovers })
+    }
+
+    /// Opens a file that shall be called `name`.
+    pub fn create(&self, name: &str) -> io::Result<BufWriter<File>> {
+        let _lock = Unfinished::lock();
+        File::create(self.partial.join(name)).map(BufWriter::new)
+    }
+
+    /// Where a file of this name shall be.
+    pub fn place(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// Gives a file another name.
+    pub fn rename(&self, name: &str, new_name: &str) -> io::Result<()> {
+        let _lock = Unfinished::lock();
+        fs::rename(self.partial.join(name), self.partial.join(new_name))
+    }
+
+    /// Gives a file a second name.
+    pub fn copy(&self, name: &str, second: &str) -> io::Result<()> {
+        let _lock = Unfinished::lock();
+        fs::copy(self.partial.join(name), self.partial.join(second)).map(|_| ())
+    }
+
+    /// Puts all files in their place, `last` behind all others: who finds it there finds the others too. Of two runs into one
+    /// folder, one does so behind the other.
+    pub fn publish(mut self, last: &str) -> io::Result<()> {
+        let _turn = turn(&self.folder)?;
+        let mut unfinished = Unfinished::lock();
+        let mut others = Vec::new();
+        for entry in fs::read_dir(&self.partial)? {
+            let name = entry?.file_name();
+            if self.folder.join(&name).is_dir() {
+                return Err(io::Error::other(format!("{} is a folder", name.to_string_lossy())));
+            }
+            if name != last && name != LOCK {
+                others.push(name);
+            }
+        }
+        for name in others.iter().map(AsRef::as_ref).chain([Path::new(last)]) {
+            fs::rename(self.partial.join(name), self.folder.join(name))?;
+        }
+        fs::remove_dir_all(&self.partial)?;
+        unfinished.settle(&self.leftovers);
+        self.leftovers.clear();
+        Ok(())
+    }
+}
+
+/// Waits until no other run puts its files there. None where folders cannot be locked (Windows, some network file systems):
+/// there the files of two runs that end in the same moment can mix.
+fn turn(folder: &Path) -> io::Result<Option<File>> {
+    let Ok(open) = File::open(folder) else { return Ok(None) };
+    for _ in 0..TRIES {
+        match open.try_lock() {
+            Ok(()) => return Ok(Some(open)),
+            Err(fs::TryLockError::Error(_)) => return Ok(None),
+            Err(fs::TryLockError::WouldBlock) => thread::sleep(PAUSE),
+        }
+    }
+    Err(io::Error::other("another program keeps the folder locked"))
+}
+
+impl Drop for Outputs {
+    fn drop(&mut self) {
+        let mut unfinished = Unfinished::lock();
+        unfinished.settle(&self.leftovers);
+        self.leftovers.iter().rev().for_each(Leftover::remove);
+    }
+}

@@ -1,0 +1,169 @@
+//! What is published, what is not, and what dies.
+
+use super::*;
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn what_is_not_published_is_gone_and_so_are_the_folders_made_for_it() {
+    let base = tempfile::tempdir().unwrap();
+    let outputs = Outputs::begin(&base.path().join("new/out")).unwrap();
+    outputs.create("a.txt").unwrap().write_all(b"a").unwrap();
+    drop(outputs);
+    PartialFile::create(&base.path().join("b.txt")).unwrap().write_all(b"b").unwrap();
+    assert!(names(base.path()).is_empty());
+}
+
+#[test]
+fn what_is_published_replaces_what_was_there_and_leaves_other_files_alone() {
+    let base = tempfile::tempdir().unwrap();
+    fs::write(base.path().join("mine.txt"), "kept").unwrap();
+    fs::write(base.path().join("a.txt"), "old").unwrap();
+    let outputs = Outputs::begin(base.path()).unwrap();
+    outputs.create("first").unwrap().write_all(b"new").unwrap();
+    outputs.create("report").unwrap();
+    outputs.rename("first", "a.txt").unwrap();
+    outputs.publish("report").unwrap();
+    assert_eq!(names(base.path()), ["a.txt", "mine.txt", "report"]);
+    assert_eq!(fs::read_to_string(base.path().join("a.txt")).unwrap(), "new");
+}
+
+#[test]
+fn where_one_file_cannot_be_placed_none_is() {
+    let base = tempfile::tempdir().unwrap();
+    fs::create_dir(base.path().join("report")).unwrap();
+    let outputs = Outputs::begin(base.path()).unwrap();
+    outputs.create("a").unwrap();
+    outputs.create("report").unwrap();
+    assert!(outputs.publish("report").unwrap_err().to_string().contains("report is a folder"));
+    assert_eq!(names(base.path()), ["report"]);
+}
+
+#[test]
+fn a_device_is_written_to_and_stays_a_device() {
+    let device = Path::new("/dev/null");
+    if !device.exists() {
+        return;
+    }
+    let mut file = PartialFile::create(device).unwrap();
+    file.write_all(b"x").unwrap();
+    file.publish().unwrap();
+    assert!(!fs::metadata(device).unwrap().is_file());
+}
+
+/// Writes files of these names that all say the same.
+fn write_all(outputs: &Outputs, names: &[String], says: &str) {
+    for name in names {
+        outputs.create(name).unwrap().write_all(says.as_bytes()).unwrap();
+    }
+}
+
+#[test]
+fn of_two_runs_of_one_process_number_into_one_folder_each_has_its_own_files() {
+    let base = tempfile::tempdir().unwrap();
+    let all = ["image.png", "report.json"].map(str::to_owned);
+    let says = || all.each_ref().map(|name| fs::read_to_string(base.path().join(name)).unwrap());
+    let (first, second) = (Outputs::begin(base.path()).unwrap(), Outputs::begin(base.path()).unwrap());
+    write_all(&first, &all, "first");
+    write_all(&second, &all[..1], "second");
+    first.publish("report.json").unwrap();
+    assert_eq!(says(), ["first", "first"]);
+    write_all(&second, &all[1..], "second");
+    second.publish("report.json").unwrap();
+    assert_eq!(says(), ["second", "second"]);
+    assert_eq!(names(base.path()), all);
+}
+
+#[cfg(unix)]
+#[test]
+fn of_two_runs_that_end_in_the_same_moment_one_publishes_behind_the_other() {
+    let base = tempfile::tempdir().unwrap();
+    let outputs = Outputs::begin(base.path()).unwrap();
+    write_all(&outputs, &["image.png".into()], "mine");
+    // As another process does while it publishes.
+    let other = fs::File::open(base.path()).unwrap();
+    other.lock().unwrap();
+    let waits = std::thread::spawn(move || outputs.publish("image.png"));
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    assert!(!base.path().join("image.png").exists());
+    drop(other);
+    waits.join().unwrap().unwrap();
+    assert_eq!(names(base.path()), ["image.png"]);
+}
+
+/// What a run that was killed has left: a folder with a picture, a folder that is empty, a file.
+fn remains(folder: &Path) {
+    fs::create_dir(folder.join(".partial-0123456789abcdef")).unwrap();
+    fs::write(folder.join(".partial-0123456789abcdef/lock"), "").unwrap();
+    fs::write(folder.join(".partial-0123456789abcdef/image-0001.png"), "dead").unwrap();
+    fs::create_dir(folder.join(".partial-00000000000000aa")).unwrap();
+    fs::write(folder.join(".partial-ffffffffffffffff"), "dead").unwrap();
+}
+
+#[test]
+fn what_a_dead_run_has_left_is_removed_and_what_a_living_one_holds_is_not() {
+    let base = tempfile::tempdir().unwrap();
+    let place = base.path().join("t.bdl");
+    remains(base.path());
+    let (living, mut file) = (Outputs::begin(base.path()).unwrap(), PartialFile::create(&place).unwrap());
+    file.write_all(b"mine").unwrap();
+    write_all(&living, &["image.png".into()], "mine");
+    assert_eq!(names(base.path()).len(), 2, "{:?}", names(base.path()));
+    remains(base.path());
+    drop(PartialFile::create(&place).unwrap());
+    drop(Outputs::begin(base.path()).unwrap());
+    assert_eq!(names(base.path()).len(), 2, "{:?}", names(base.path()));
+    living.publish("image.png").unwrap();
+    file.publish().unwrap();
+    assert_eq!(names(base.path()), ["image.png", "t.bdl"]);
+}
+
+#[test]
+fn files_of_the_user_are_no_remains() {
+    let base = tempfile::tempdir().unwrap();
+    let mine = [".partial", ".partial-", ".partial-17", ".partial-0123456789abcdeg", ".partial-0123456789abcdef0", "x"];
+    mine.iter().for_each(|name| fs::write(base.path().join(name), "mine").unwrap());
+    remove_remains(base.path());
+    assert_eq!(names(base.path()).len(), mine.len());
+}
+
+#[test]
+fn each_output_has_a_file_of_its_own_under_whichever_name() {
+    let base = tempfile::tempdir().unwrap();
+    let at = |name: &str| base.path().join(name);
+    fs::create_dir_all(at("o/in")).unwrap();
+    let check = |names: [&str; 2]| {
+        let paths = names.map(at);
+        check_distinct(&at("o"), &[("--timeline", &paths[0]), ("--dump", &paths[1])])
+    };
+    for names in [["t", "d"], ["o/t", "o/d.jsonl"], ["report.json", "image.png"], ["o/in/report.json", "o/in/d"]] {
+        assert_eq!(check(names), Ok(()), "{names:?}");
+    }
+    for own in ["o/report.json", "o/./report.csv", "./o/image.png", "o/in/../report.json", "o//tiles.png"] {
+        assert!(check([own, "d"]).unwrap_err().starts_with("--timeline: "), "{own}");
+        assert!(check(["t", own]).unwrap_err().contains("is the run's own"), "{own}");
+    }
+    for twice in [["t", "t"], ["t", "./t"], ["o/x", "o/in/../x"], ["none/x", "none//./x"]] {
+        assert!(check(twice).unwrap_err().contains("is named twice"), "{twice:?}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_folder_is_that_folder() {
+    let base = tempfile::tempdir().unwrap();
+    fs::create_dir(base.path().join("o")).unwrap();
+    std::os::unix::fs::symlink("o", base.path().join("link")).unwrap();
+    let (out, link) = (base.path().join("o"), base.path().join("link"));
+    assert!(check_distinct(&out, &[("--timeline", &link.join("report.json"))]).unwrap_err().contains("the run's own"));
+    assert!(check_distinct(&link, &[("--timeline", &out.join("report.json"))]).unwrap_err().contains("the run's own"));
+    assert!(check_distinct(&out, &[("--timeline", &link.join("x")), ("--dump", &out.join("x"))]).is_err());
+}

@@ -1,0 +1,127 @@
+//! What is written: whole or not at all, each output to a file of its own, and faults named after the file they happen to.
+
+use crate::support::{Outcome, PROGRAM, Place, finish, picture};
+use std::fs;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+const PICTURES: [&str; 4] = ["difference.png", "image.png", "reference.png", "report.json"];
+
+#[test]
+fn what_a_killed_run_has_left_is_not_published_and_goes() {
+    let place = Place::new();
+    let mut killed = place.command("run PATCH --size 64x48 --frames 3000").stdout(Stdio::null()).spawn().expect("starts");
+    let begun = || {
+        let folders = fs::read_dir(place.path("out")).into_iter().flatten().flatten();
+        folders.into_iter().any(|folder| folder.path().join("image-0002.png").exists())
+    };
+    (0..5000).take_while(|_| !begun()).for_each(|_| sleep(Duration::from_millis(2)));
+    assert!(begun());
+    killed.kill().expect("a child");
+    killed.wait().expect("a child");
+    assert_eq!(place.names("out").len(), 1, "remains");
+    place.ok("run PATCH --size 16x12");
+    assert_eq!(place.names("out"), PICTURES);
+}
+
+#[test]
+fn of_two_runs_into_one_folder_one_wins_whole() {
+    let place = Place::new();
+    let sizes = ["64x48", "32x24"];
+    let lines = sizes.map(|size| format!("run PATCH --frames 20 --orbit 90 --quiet --size {size}"));
+    let mut runs = lines.each_ref().map(|line| place.command(line).spawn().expect("starts"));
+    runs.iter_mut().for_each(|run| assert!(run.wait().expect("a child").success()));
+    let width = place.report("out")["size"]["width"].as_u64().expect("a width");
+    assert_eq!(place.names("out").len(), 61, "{:?}", place.names("out"));
+    for name in place.names("out").iter().filter(|name| name.ends_with(".png")) {
+        assert_eq!(u64::from(picture(&place.path("out").join(name)).0), width, "{name}");
+    }
+}
+
+#[test]
+fn two_outputs_are_never_one_file() {
+    let place = Place::new();
+    place.ok("run PATCH --size 16x12 --out o");
+    let before = place.text("o/report.json");
+    fs::create_dir(place.path("d")).expect("created");
+    let mut names = vec!["o/report.json", "./o/report.json", "d/../o/image.png", "o/report.csv"];
+    if cfg!(unix) {
+        let linked = Command::new("ln").args(["-s", "o", "link"]).current_dir(place.path("")).status().expect("ln");
+        assert!(linked.success());
+        names.push("link/report.json");
+    }
+    for name in names {
+        let refused = place.run(&format!("run PATCH --size 16x12 --out o --timeline {name}"));
+        assert!(refused.error(2).contains("--timeline: ") && refused.err.contains("the run's own"), "{name}: {}", refused.err);
+        let refused = place.run(&format!("demo --machine texel --size 16x12 --out o --dump spans {name}"));
+        assert!(refused.error(2).contains("--dump: ") && refused.err.contains("the run's own"), "{name}: {}", refused.err);
+    }
+    let twice = place.run("demo --machine texel --size 16x12 --out o --timeline x --dump spans d/../x");
+    assert!(twice.error(2).contains("is named twice"), "{}", twice.err);
+    assert_eq!(place.text("o/report.json"), before);
+    place.ok("run PATCH --size 16x12 --out o --timeline o/time --quiet");
+    assert!(place.path("o/time").exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn where_the_report_cannot_be_printed_nothing_is_written() {
+    let place = Place::new();
+    for more in ["--json", "--machine shade --ablate --json"] {
+        let full = fs::File::options().write(true).open("/dev/full").expect("a device");
+        let mut child = place.command(&format!("run PATCH --size 16x12 {more}")).stdout(full).spawn().expect("starts");
+        assert_eq!(child.wait().expect("a child").code(), Some(1), "{more}");
+        assert!(place.names("").is_empty(), "{more}: {:?}", place.names(""));
+    }
+    place.ok("record PATCH --out t.jsonl");
+    for line in ["convert t.jsonl -", "record PATCH --out -"] {
+        let full = fs::File::options().write(true).open("/dev/full").expect("a device");
+        let child = place.command(line).stdout(full).stderr(Stdio::piped()).spawn().expect("starts");
+        let said = String::from_utf8_lossy(&child.wait_with_output().expect("a child").stderr).into_owned();
+        assert!(said.starts_with("error: standard output: cannot be written: No space left"), "{line}: {said}");
+    }
+}
+
+/// Runs a command line where no file may have more than 1 KiB: as good as a full disk, and no right is needed.
+#[cfg(unix)]
+fn on_a_full_disk(place: &Place, line: &str) -> Outcome {
+    let limited = place.command(line);
+    let mut shell = Command::new("sh");
+    shell.arg("-c").arg("trap '' XFSZ; ulimit -f 1; \"$0\" \"$@\" >/dev/null").arg(PROGRAM).args(limited.get_args());
+    finish(shell.current_dir(place.path("")).stdin(Stdio::null()))
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_named_after_the_file_that_does_not_fit() {
+    let place = Place::new();
+    place.ok("record PATCH --out t.jsonl");
+    place.ok("record PATCH --out blessed.jsonl");
+    let before = place.text("blessed.jsonl");
+    for (line, file) in [
+        ("convert t.jsonl u.jsonl", "u.jsonl"),
+        ("convert t.jsonl u.bdl.zst", "u.bdl.zst"),
+        ("record PATCH --out u.jsonl", "u.jsonl"),
+        ("run PATCH --size 64x48 --out u", "u/image-0001.png"),
+        ("demo --machine texel --size 64x48 --out u --dump spans u.jsonl --no-exact", "u"),
+        ("run PATCH --size 16x12 --out u --timeline u.pftrace", "u"),
+    ] {
+        let full = on_a_full_disk(&place, line);
+        let error = full.error(1);
+        assert!(error.starts_with(file) && error.contains("cannot be written: ") && !error.contains("ncod"), "{line}: {error}");
+        assert_eq!(place.names(""), ["blessed.jsonl", "t.jsonl"], "{line}");
+    }
+    let full = on_a_full_disk(&place, "verify --bless blessed.jsonl");
+    assert!(!full.error(1).contains("--bless"), "{}", full.err);
+    assert_eq!(place.text("blessed.jsonl"), before);
+}
+
+#[test]
+fn what_cannot_be_read_is_not_to_be_blessed() {
+    let place = Place::new();
+    place.ok("record PATCH --out t.jsonl");
+    assert!(place.run("verify t.jsonl").error(1).contains("`basrelief verify --bless` rewrites"));
+    let missing = place.run("verify missing");
+    assert!(!missing.error(1).contains("--bless"), "{}", missing.err);
+}
