@@ -5,7 +5,7 @@ use crate::error::{Done, Failure};
 use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_parameters::ConfigError;
 use basrelief_scene::{SceneError, ViewOptions, demo, load_path, read_camera};
-use basrelief_session::{MACHINES, MachineConfig, MachineInfo, Source};
+use basrelief_session::{MACHINES, MachineConfig, MachineInfo, RunInput};
 use basrelief_signals::Scene;
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -61,9 +61,9 @@ impl TraceFile {
     }
 
     /// As what a run takes.
-    pub fn into_source(self) -> Source {
+    pub fn into_source(self) -> RunInput {
         let files = Box::new(beside(&self.folder));
-        Source::Trace { reader: self.reader, files, name: self.name }
+        RunInput::Trace { reader: self.reader, files, name: self.name }
     }
 
     /// Whether it is a display list: by its first bytes, and only where these say nothing, as in a file cut short, by

@@ -2,7 +2,7 @@
 
 use crate::observer::{Observer, Pictures};
 use crate::outcome::{Run, SessionError};
-use crate::settings::Settings;
+use crate::settings::RunOptions;
 use basrelief_kernel::Outcome;
 use basrelief_report::Report;
 use basrelief_report::ablation::{Ablation, Variant};
@@ -12,20 +12,20 @@ const MAX_KEPT_BYTES: usize = 1 << 30;
 
 /// Runs the machine as configured, without each of its short cuts in turn, and without any. `run` makes one run to its end,
 /// of the same input under the settings it is given, watched by the observer it is given; that one passes only the progress on
-/// to `observer`. Settings are without the exact picture.
+/// to `observer`. The options are without the exact picture.
 ///
 /// # Errors
 /// A machine without short cuts, a run that does not complete or has no time, whatever `run` says.
 pub fn ablate<E: From<SessionError>>(
-    settings: &Settings,
+    settings: &RunOptions,
     observer: &mut dyn Observer,
-    mut run: impl FnMut(&Settings, &mut dyn Observer) -> Result<Run, E>,
+    mut run: impl FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>,
 ) -> Result<Ablation, E> {
     let no_short_cuts = || SessionError::NoShortCuts(settings.config.machine().name);
     let mut beside = Beside { observer, kept: Vec::new(), bytes: 0, first: true, largest: 0 };
     let mut ablation: Option<Ablation> = None;
     for (variant, config) in settings.config.ablations() {
-        let settings = Settings { config, exact: false, ..settings.clone() };
+        let settings = RunOptions { config, exact: false, ..settings.clone() };
         let report = complete(&variant, run(&settings, &mut beside)?)?;
         let ablation = ablation.get_or_insert_with(|| Ablation::of(&report));
         ablation.variants.push(Variant::of(variant, &report, ablation.variants.first(), beside.largest));

@@ -6,7 +6,7 @@ use crate::exhibits::{ExhibitInfo, Form, show_round};
 use crate::machines::{Logs, MachineSpec, PictureRecord, RunSummary};
 use crate::observer::{Observer, Pictures, picture_name};
 use crate::outcome::{Run, SessionError};
-use crate::settings::Settings;
+use crate::settings::RunOptions;
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
@@ -25,7 +25,7 @@ pub(crate) struct EngineResult {
 
 /// A run under way.
 pub(crate) struct Session<'a> {
-    settings: &'a Settings,
+    settings: &'a RunOptions,
     observer: &'a mut dyn Observer,
     exact: Exact,
     commands: Box<dyn Fn() -> (u64, Option<u64>)>,
@@ -42,7 +42,7 @@ pub(crate) struct Session<'a> {
 
 impl<'a> Session<'a> {
     pub(crate) fn new(
-        settings: &'a Settings,
+        settings: &'a RunOptions,
         observer: &'a mut dyn Observer,
         exact: Exact,
         commands: Box<dyn Fn() -> (u64, Option<u64>)>,
@@ -59,7 +59,7 @@ impl<'a> Session<'a> {
         mut machine: M,
         probe: &mut P,
     ) -> Result<EngineResult, SessionError> {
-        let &Settings { clock, engine, max_cycles, .. } = self.settings;
+        let &RunOptions { clock, engine, max_cycles, .. } = self.settings;
         if !self.settings.exhibits.is_empty() {
             machine.keep_log();
         }

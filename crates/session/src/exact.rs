@@ -1,6 +1,6 @@
 //! The exact pictures that the machine's are held against.
 
-use crate::tee::Seen;
+use crate::tee::TraceNotes;
 use basrelief_reference::{Picture, Style, draw_scene};
 use basrelief_signals::Scene;
 use std::cell::RefCell;
@@ -14,7 +14,7 @@ pub(crate) enum Exact {
     /// The scene itself.
     Scene(Arc<Scene>, Style),
     /// The polygons of a trace, drawn as they passed.
-    Trace(Rc<RefCell<Seen>>),
+    Trace(Rc<RefCell<TraceNotes>>),
 }
 
 impl Exact {

@@ -4,12 +4,12 @@
 //! A program that loads a trace, runs the machine and reads its report:
 //!
 //! ```
-//! use basrelief_session::{Settings, Source, Unobserved, run};
+//! use basrelief_session::{RunOptions, RunInput, Unobserved, run};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let bytes = basrelief_session::doc_trace();
-//! let source = Source::trace(std::io::Cursor::new(bytes), "quad.dl.jsonl");
-//! let run = run(source, &Settings::default(), &mut Unobserved, None)?;
+//! let source = RunInput::trace(std::io::Cursor::new(bytes), "quad.dl.jsonl");
+//! let run = run(source, &RunOptions::default(), &mut Unobserved, None)?;
 //! let report = run.report;
 //! let cycles = report.cycles.as_ref().map_or(0, |c| c.total);
 //! println!("{cycles} cycles, picture {}", report.image[0].sha256);
@@ -42,7 +42,7 @@ pub use observer::{Observer, Pictures, Unobserved, picture_name};
 pub use outcome::{Run, SessionError};
 pub use record::{begin_of, display_list};
 pub use run::{run, stages};
-pub use settings::{Settings, Source};
+pub use settings::{RunOptions, RunInput};
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]

@@ -4,7 +4,7 @@ use crate::ablation::complete;
 use crate::machines::MachineConfig;
 use crate::observer::Observer;
 use crate::outcome::{Run, SessionError};
-use crate::settings::Settings;
+use crate::settings::RunOptions;
 use basrelief_machines::texel::TexelMachineConfig;
 use basrelief_report::methods::{Method, Methods, figure};
 use basrelief_texel_value_generator::Method as Divide;
@@ -17,9 +17,9 @@ use basrelief_texel_value_generator::Method as Divide;
 /// # Errors
 /// A machine without these methods, a run that does not complete or has no time, whatever `run` says.
 pub fn compare_methods<E: From<SessionError>>(
-    settings: &Settings,
+    settings: &RunOptions,
     observer: &mut dyn Observer,
-    run: impl FnMut(&Settings, &mut dyn Observer) -> Result<Run, E>,
+    run: impl FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>,
 ) -> Result<Methods, E> {
     let MachineConfig::Texel(config) = &settings.config else {
         return Err(SessionError::NoMethods(settings.config.machine().name).into());
@@ -71,17 +71,17 @@ const FIXED: [Fixed; 3] = [
 ];
 
 struct Runs<'a, R> {
-    settings: &'a Settings,
+    settings: &'a RunOptions,
     config: &'a TexelMachineConfig,
     observer: &'a mut dyn Observer,
     run: R,
 }
 
-impl<E: From<SessionError>, R: FnMut(&Settings, &mut dyn Observer) -> Result<Run, E>> Runs<'_, R> {
-    fn configured(&self, change: impl FnOnce(&mut TexelMachineConfig)) -> Settings {
+impl<E: From<SessionError>, R: FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>> Runs<'_, R> {
+    fn configured(&self, change: impl FnOnce(&mut TexelMachineConfig)) -> RunOptions {
         let mut config = self.config.clone();
         change(&mut config);
-        Settings { config: config.into(), exhibits: vec![], ..self.settings.clone() }
+        RunOptions { config: config.into(), exhibits: vec![], ..self.settings.clone() }
     }
 
     fn timed(
@@ -100,7 +100,7 @@ impl<E: From<SessionError>, R: FnMut(&Settings, &mut dyn Observer) -> Result<Run
     fn rarest(&mut self, way: Fixed, limit: u32) -> Result<u32, E> {
         let bound = self.config.texel.error_bound;
         let mut keeps = |number: u32| {
-            let settings = Settings { engine: None, exact: false, ..self.configured(|c| (way.set)(c, number)) };
+            let settings = RunOptions { engine: None, exact: false, ..self.configured(|c| (way.set)(c, number)) };
             let run = (self.run)(&settings, self.observer)?;
             Ok(figure(&run.report, "displacement_largest") <= bound)
         };

@@ -31,7 +31,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Something beside the finished pictures, of those that [`Settings::exhibits`](crate::Settings::exhibits) asks for; comes
+    /// Something beside the finished pictures, of those that [`RunOptions::exhibits`](crate::RunOptions::exhibits) asks for; comes
     /// before the frame that it belongs to, but for the last picture of a frame that is shown several times.
     ///
     /// # Errors

@@ -6,8 +6,8 @@ use crate::machines::{MachineConfig, MachineSpec, for_machine};
 use crate::observer::Observer;
 use crate::outcome::{Run, SessionError};
 use crate::record::{Drawn, HashedDraws};
-use crate::settings::{Settings, Source};
-use crate::tee::{Seen, Tee};
+use crate::settings::{RunOptions, RunInput};
+use crate::tee::{TraceNotes, Tee};
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles, Resolver};
 use basrelief_kernel::{self as kernel, NoProbe, Probe, StageTopology};
@@ -24,17 +24,17 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// Parameters that do not fit together.
-pub fn stages(source: &Source, settings: &Settings) -> Result<Vec<StageTopology>, ConfigProblem> {
+pub fn stages(source: &RunInput, settings: &RunOptions) -> Result<Vec<StageTopology>, ConfigProblem> {
     for_machine!(&settings.config, spec => stages_of(spec, source))
 }
 
-fn stages_of<S: MachineSpec>(spec: &S, source: &Source) -> Result<Vec<StageTopology>, ConfigProblem> {
+fn stages_of<S: MachineSpec>(spec: &S, source: &RunInput) -> Result<Vec<StageTopology>, ConfigProblem> {
     match source {
-        Source::Scene(_) => {
+        RunInput::Scene(_) => {
             let front = SceneFront::new(std::iter::empty::<Draw>(), spec.front());
             spec.build(front).map(|mut m| kernel::topology(&mut m))
         }
-        Source::Trace { .. } | Source::Remote { .. } => {
+        RunInput::Trace { .. } | RunInput::Remote { .. } => {
             let front = TraceFront::new(std::iter::empty::<Result<(Control, Option<u64>), String>>(), spec.front());
             spec.build(front).map(|mut m| kernel::topology(&mut m))
         }
@@ -62,8 +62,8 @@ fn fits<S: MachineSpec>(spec: &S) -> Result<(), ConfigProblem> {
 /// # Errors
 /// What keeps a run from giving a report: see [`SessionError`].
 pub fn run(
-    source: Source,
-    settings: &Settings,
+    source: RunInput,
+    settings: &RunOptions,
     observer: &mut dyn Observer,
     probe: Option<&mut dyn Probe>,
 ) -> Result<Run, SessionError> {
@@ -76,15 +76,15 @@ pub fn run(
 }
 
 fn run_probed<P: Probe>(
-    source: Source,
-    settings: &Settings,
+    source: RunInput,
+    settings: &RunOptions,
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
     for_machine!(&settings.config, spec => match source {
-        Source::Scene(scene) => run_scene(&scene, spec, settings, observer, probe),
-        Source::Trace { reader, files, name } => run_trace((reader, files, name), None, spec, settings, observer, probe),
-        Source::Remote { reader, name, tiles } => {
+        RunInput::Scene(scene) => run_scene(&scene, spec, settings, observer, probe),
+        RunInput::Trace { reader, files, name } => run_trace((reader, files, name), None, spec, settings, observer, probe),
+        RunInput::Remote { reader, name, tiles } => {
             run_trace((reader, Box::new(NoFiles), name), Some(tiles), spec, settings, observer, probe)
         }
     })
@@ -93,7 +93,7 @@ fn run_probed<P: Probe>(
 fn run_scene<S: MachineSpec, P: Probe>(
     scene: &Arc<Scene>,
     spec: &S,
-    settings: &Settings,
+    settings: &RunOptions,
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
@@ -124,12 +124,12 @@ fn run_trace<S: MachineSpec, P: Probe>(
     (reader, mut files, name): (Box<dyn Read>, Box<dyn Files>, String),
     tiles: Option<Box<dyn TileSource>>,
     spec: &S,
-    settings: &Settings,
+    settings: &RunOptions,
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
     let resolver = Resolver::new(reader, move |name: &str| files.open(name))?;
-    let seen = Rc::new(RefCell::new(Seen::default()));
+    let seen = Rc::new(RefCell::new(TraceNotes::default()));
     let tee = Tee::new(resolver, settings.exact.then(|| spec.exact_style()), Rc::clone(&seen), settings.clock);
     let front = TraceFront::new(tee, spec.front());
     let machine = match tiles {

@@ -10,7 +10,7 @@ use std::io::Read;
 use std::sync::Arc;
 
 /// What is drawn.
-pub enum Source {
+pub enum RunInput {
     /// A scene: goes through the geometry processor.
     Scene(Arc<Scene>),
     /// A display list in any form, read once, as a stream.
@@ -34,7 +34,7 @@ pub enum Source {
     },
 }
 
-impl Source {
+impl RunInput {
     /// As the user named it.
     pub fn name(&self) -> &str {
         match self {
@@ -51,7 +51,7 @@ impl Source {
 
 /// How to run.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub struct RunOptions {
     /// The machine, with all its parameters.
     pub config: MachineConfig,
     /// The engine; `None` is the functional model, without time.
@@ -68,7 +68,7 @@ pub struct Settings {
     pub clock: fn() -> f64,
 }
 
-impl Default for Settings {
+impl Default for RunOptions {
     /// Default machine, timed engine, exact picture, no clock.
     fn default() -> Self {
         let config = MachineConfig::default();

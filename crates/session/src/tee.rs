@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// What is learnt from a trace as it passes.
 #[derive(Default)]
-pub(crate) struct Seen {
+pub(crate) struct TraceNotes {
     /// Commands passed.
     pub(crate) commands: u64,
     /// Exact pictures whose frames have passed and that nobody has fetched.
@@ -32,12 +32,12 @@ pub(crate) struct Tee<R: Read, F> {
     resolver: Resolver<R, F>,
     hash: Option<CanonicalHash>,
     renderer: Option<PolygonRenderer>,
-    seen: Rc<RefCell<Seen>>,
+    seen: Rc<RefCell<TraceNotes>>,
     clock: fn() -> f64,
 }
 
 impl<R: Read, F: Files> Tee<R, F> {
-    pub(crate) fn new(resolver: Resolver<R, F>, exact: Option<Style>, seen: Rc<RefCell<Seen>>, clock: fn() -> f64) -> Self {
+    pub(crate) fn new(resolver: Resolver<R, F>, exact: Option<Style>, seen: Rc<RefCell<TraceNotes>>, clock: fn() -> f64) -> Self {
         let begin = resolver.begin();
         Self {
             hash: Some(CanonicalHash::new(begin)),
@@ -48,7 +48,7 @@ impl<R: Read, F: Files> Tee<R, F> {
         }
     }
 
-    fn advance(&mut self, seen: &mut Seen) -> Option<Result<(Control, Option<u64>), String>> {
+    fn advance(&mut self, seen: &mut TraceNotes) -> Option<Result<(Control, Option<u64>), String>> {
         let next = match self.resolver.next() {
             Some(Ok((control, arrival))) => self.pass(&control, seen).map(|()| (control, arrival)),
             Some(Err(error)) => Err(error),
@@ -65,7 +65,7 @@ impl<R: Read, F: Files> Tee<R, F> {
         }))
     }
 
-    fn pass(&mut self, control: &Control, seen: &mut Seen) -> Result<(), TraceError> {
+    fn pass(&mut self, control: &Control, seen: &mut TraceNotes) -> Result<(), TraceError> {
         seen.commands += 1;
         if let Some(hash) = &mut self.hash {
             hash.update(control)?;

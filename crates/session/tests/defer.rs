@@ -4,7 +4,7 @@ use basrelief_display_list::{Form, Recorder};
 use basrelief_machines::defer::DeferConfig;
 use basrelief_report::Report;
 use basrelief_scene::{ViewOptions, load_path};
-use basrelief_session::{Settings, Source, Unobserved, begin_of, display_list, run};
+use basrelief_session::{RunOptions, RunInput, Unobserved, begin_of, display_list, run};
 use basrelief_signals::{Control, Material, Object, Scene, Texture, Wrap};
 use std::io::Cursor;
 use std::path::Path;
@@ -37,8 +37,8 @@ fn recorded(scene: &Arc<Scene>, config: &DeferConfig, form: Form) -> Vec<u8> {
     recorder.finish(Vec::new()).unwrap()
 }
 
-fn report(source: Source, config: &DeferConfig) -> Report {
-    let settings = Settings { config: config.clone().into(), exact: false, ..Settings::default() };
+fn report(source: RunInput, config: &DeferConfig) -> Report {
+    let settings = RunOptions { config: config.clone().into(), exact: false, ..RunOptions::default() };
     run(source, &settings, &mut Unobserved, None).unwrap().report
 }
 
@@ -53,9 +53,9 @@ fn a_replay_draws_the_same_pictures_from_the_same_tiles_in_both_encodings_and_ev
     let scene = scene();
     for mode in ["best", "progressive", "conventional"] {
         let config = config(mode);
-        let drawn = report(Source::Scene(Arc::clone(&scene)), &config);
+        let drawn = report(RunInput::Scene(Arc::clone(&scene)), &config);
         for form in Form::ALL.into_iter().filter(|form| !form.compressed) {
-            let replayed = report(Source::trace(Cursor::new(recorded(&scene, &config, form)), "recorded"), &config);
+            let replayed = report(RunInput::trace(Cursor::new(recorded(&scene, &config, form)), "recorded"), &config);
             assert_eq!(drawn.input.sha256, replayed.input.sha256, "the same input");
             assert_eq!(drawn.image, replayed.image, "{mode}, {form:?}: the same pictures to the bit");
             assert_eq!(drawn.image.len(), 2);
@@ -99,8 +99,8 @@ fn section_3_the_exact_picture_goes_on_beyond_the_edges_of_odd_textures_as_the_d
         for centre in ["half", "integer"] {
             let settings = [("tile.width", "4"), ("tile.height", "4"), ("defer.texel_centre", centre)];
             let config: DeferConfig = basrelief_parameters::load("", &settings).unwrap();
-            let settings = Settings { config: config.into(), engine: None, ..Settings::default() };
-            let report = run(Source::Scene(wrapped(wrap)), &settings, &mut Unobserved, None).unwrap().report;
+            let settings = RunOptions { config: config.into(), engine: None, ..RunOptions::default() };
+            let report = run(RunInput::Scene(wrapped(wrap)), &settings, &mut Unobserved, None).unwrap().report;
             let db = report.quality.map_or(0.0, |quality| quality.last.psnr_db);
             assert!(db >= 50.0, "{wrap:?}, {centre}: {db:.2} dB");
         }

@@ -4,7 +4,7 @@
 mod tool;
 
 use basrelief_reference::{Options, Picture, Shading, Style, TextureFilter};
-use basrelief_session::{MachineInfo, Observer, Pictures, Settings, Source, run};
+use basrelief_session::{MachineInfo, Observer, Pictures, RunOptions, RunInput, run};
 use basrelief_signals::Scene;
 use std::sync::Arc;
 use tool::{Mesa, agreement, double_sided, load};
@@ -23,9 +23,9 @@ impl Observer for Kept {
 /// What the machine draws with these settings; times are of no concern.
 fn draw(machine: &str, settings: &[(&str, &str)], scene: &Arc<Scene>) -> Picture {
     let config = MachineInfo::named(machine).expect("a machine").load("", settings).expect("valid parameters");
-    let settings = Settings { config, engine: None, exact: false, ..Settings::default() };
+    let settings = RunOptions { config, engine: None, exact: false, ..RunOptions::default() };
     let mut kept = Kept::default();
-    run(Source::Scene(Arc::clone(scene)), &settings, &mut kept, None).expect("a picture");
+    run(RunInput::Scene(Arc::clone(scene)), &settings, &mut kept, None).expect("a picture");
     kept.0.expect("a picture")
 }
 

@@ -8,7 +8,7 @@ use basrelief_parameters::load;
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_session::{Settings, Source, Unobserved, begin_of, display_list, run};
+use basrelief_session::{RunOptions, RunInput, Unobserved, begin_of, display_list, run};
 use basrelief_signals::{Control, Scene};
 use std::io::{self, Cursor, Read};
 use std::sync::Arc;
@@ -30,15 +30,15 @@ fn recorded(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding
     recorder.finish(Vec::new()).unwrap()
 }
 
-fn report(source: Source, config: &BumpProcessorConfig) -> Report {
-    let settings = Settings { config: config.clone().into(), exact: false, ..Settings::default() };
+fn report(source: RunInput, config: &BumpProcessorConfig) -> Report {
+    let settings = RunOptions { config: config.clone().into(), exact: false, ..RunOptions::default() };
     run(source, &settings, &mut Unobserved, None).unwrap().report
 }
 
 /// The scene's run and the run of its trace.
 fn both(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) -> [Report; 2] {
-    let trace = Source::trace(Cursor::new(recorded(scene, config, encoding)), "recorded");
-    [report(Source::Scene(Arc::clone(scene)), config), report(trace, config)]
+    let trace = RunInput::trace(Cursor::new(recorded(scene, config, encoding)), "recorded");
+    [report(RunInput::Scene(Arc::clone(scene)), config), report(trace, config)]
 }
 
 /// Figures of the units behind the display list.
@@ -133,8 +133,8 @@ fn reading_a_trace_is_no_part_of_the_simulation_not_even_its_first_command() {
     let config = config(&[]);
     let trace = SlowTrace(Cursor::new(recorded(&scene("mixed", 1), &config, Encoding::Binary)));
     let clock = || f64::from(READING.load(Ordering::Relaxed));
-    let settings = Settings { config: config.into(), exact: false, clock, ..Settings::default() };
-    let run = run(Source::trace(trace, "slow"), &settings, &mut Unobserved, None).unwrap();
+    let settings = RunOptions { config: config.into(), exact: false, clock, ..RunOptions::default() };
+    let run = run(RunInput::trace(trace, "slow"), &settings, &mut Unobserved, None).unwrap();
     assert!(clock() > 10.0, "{} readings", clock());
     assert_eq!(run.simulate_s, 0.0);
 }

@@ -7,7 +7,7 @@ use crate::input;
 use crate::interrupt;
 use crate::progress::{Progress, TileProgress};
 use crate::remote::{Fetcher, Kept, Patience, RemoteTiles, TileCache};
-use basrelief_session::{MACHINES, MachineConfig, Source};
+use basrelief_session::{MACHINES, MachineConfig, RunInput};
 use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -43,7 +43,7 @@ pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
     let failed = Arc::new(OnceLock::new());
     let kept = cache.map(|cache| Kept { cache, failed: Arc::clone(&failed) });
     let tiles = Box::new(RemoteTiles::new(fetcher, (fetch.encoding, fetch.jpeg_quality), fetch.requests, kept, shown));
-    let source = Source::Remote { reader: Box::new(Cursor::new(polygons)), name: url.into(), tiles };
+    let source = RunInput::Remote { reader: Box::new(Cursor::new(polygons)), name: url.into(), tiles };
     let mut settings = settings_of(config, &args.simulation);
     settings.exact = false;
     let unshown = Progress::new(None, "commands", true);

@@ -7,7 +7,7 @@ use crate::error::{Done, Failure};
 use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
 use basrelief_display_list::{Begin, Encoding, Expectation, Form, Recorder, Setting};
-use basrelief_session::{MachineConfig, Source, begin_of, display_list, expectation_of};
+use basrelief_session::{MachineConfig, RunInput, begin_of, display_list, expectation_of};
 use basrelief_signals::Scene;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
@@ -52,7 +52,7 @@ fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs) -> Do
     let mut list = Vec::new();
     let form = Form { encoding: Encoding::Binary, compressed: true };
     write_list(scene, config, &mut list, (form, begin_of(scene)), vec![], Progress::new(None, "commands", true))?;
-    let run = simulate_quietly(Source::trace(Cursor::new(list), &scene.name), config, None)?;
+    let run = simulate_quietly(RunInput::trace(Cursor::new(list), &scene.name), config, None)?;
     Ok(expectation_of(&run.report, settings_of(config, &args.machine.settings)?))
 }
 

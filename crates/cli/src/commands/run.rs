@@ -7,7 +7,7 @@ use crate::args::{DemoArgs, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure};
 use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
-use basrelief_session::{MACHINES, MachineConfig, Source};
+use basrelief_session::{MACHINES, MachineConfig, RunInput};
 use std::cell::Cell;
 use std::path::Path;
 use std::rc::Rc;
@@ -47,12 +47,12 @@ fn simulate(began: f64, input: Input, config: MachineConfig, simulation: &Simula
     simulate_source(began, source_of(input, quiet || simulation.json), settings, simulation, quiet)
 }
 
-fn source_of(input: Input, quiet: bool) -> (Source, Progress, Option<Rc<Cell<u64>>>) {
+fn source_of(input: Input, quiet: bool) -> (RunInput, Progress, Option<Rc<Cell<u64>>>) {
     match input {
         Input::Scene(scene) => {
             let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
             let total = (per_frame * scene.frames.len()) as u64;
-            (Source::Scene(scene), Progress::new(Some(total), "draw commands", quiet), None)
+            (RunInput::Scene(scene), Progress::new(Some(total), "draw commands", quiet), None)
         }
         Input::Trace(trace) => {
             let (progress, read) = (Progress::new(trace.bytes, "bytes", quiet), Rc::clone(&trace.read));

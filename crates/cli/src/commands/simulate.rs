@@ -10,7 +10,7 @@ use basrelief_kernel::{Engine, Probe, StageTopology};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, Form, MachineConfig, Observer, Run, SessionError, Settings, Source, Unobserved, picture_name,
+    self as session, Form, MachineConfig, Observer, Run, SessionError, RunOptions, RunInput, Unobserved, picture_name,
 };
 use std::cell::Cell;
 use std::io::{BufWriter, IsTerminal, Write};
@@ -35,8 +35,8 @@ impl From<EngineName> for Engine {
 }
 
 /// As the command line says; nobody has asked for exhibits yet.
-pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs) -> Settings {
-    Settings {
+pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs) -> RunOptions {
+    RunOptions {
         config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
@@ -49,8 +49,8 @@ pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs) -> Settin
 /// Simulates a source; with it comes its progress, and the bytes of a trace read so far.
 pub fn simulate_source(
     began: f64,
-    (source, progress, read): (Source, Progress, Option<Rc<Cell<u64>>>),
-    mut settings: Settings,
+    (source, progress, read): (RunInput, Progress, Option<Rc<Cell<u64>>>),
+    mut settings: RunOptions,
     simulation: &SimulationArgs,
     quiet: bool,
 ) -> Done {
@@ -95,7 +95,7 @@ fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
 }
 
 /// A run whose errors name the input, unless it is the parameters or an output that are wrong.
-pub fn run_named(source: Source, settings: &Settings, observer: &mut dyn Observer, probe: Option<&mut dyn Probe>) -> Done<Run> {
+pub fn run_named(source: RunInput, settings: &RunOptions, observer: &mut dyn Observer, probe: Option<&mut dyn Probe>) -> Done<Run> {
     let name = source.name().to_owned();
     session::run(source, settings, observer, probe).map_err(|e| match e {
         SessionError::Trace(_) | SessionError::Fault(_) => Failure::within(&name)(e),
@@ -107,7 +107,7 @@ pub fn run_named(source: Source, settings: &Settings, observer: &mut dyn Observe
     })
 }
 
-fn with_timeline(path: &Path, source: Source, settings: &Settings, files: &mut OutputFiles) -> Done<(Run, Option<PartialFile>)> {
+fn with_timeline(path: &Path, source: RunInput, settings: &RunOptions, files: &mut OutputFiles) -> Done<(Run, Option<PartialFile>)> {
     let failed = || Failure::file(path, "be written");
     let stages: Vec<StageNames> = session::stages(&source, settings).map_err(Failure::bad)?.into_iter().map(names).collect();
     let mut file = PartialFile::create(path).map_err(failed())?;
@@ -173,9 +173,9 @@ pub fn style() -> Style {
 }
 
 /// A run to its end, without pictures, exact picture or progress.
-pub fn simulate_quietly(source: Source, config: &MachineConfig, engine: Option<Engine>) -> Done<Run> {
+pub fn simulate_quietly(source: RunInput, config: &MachineConfig, engine: Option<Engine>) -> Done<Run> {
     let settings =
-        Settings { config: config.clone(), engine: engine.or(Some(Engine::Timed)), exact: false, ..Settings::default() };
+        RunOptions { config: config.clone(), engine: engine.or(Some(Engine::Timed)), exact: false, ..RunOptions::default() };
     let name = source.name().to_owned();
     let run = run_named(source, &settings, &mut Unobserved, None)?;
     match run.report.outcome.kind {

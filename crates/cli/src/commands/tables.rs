@@ -7,7 +7,7 @@ use crate::error::{Done, Failure, print};
 use crate::input::Input;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
-use basrelief_session::{self as session, Observer, Run, Settings, Source};
+use basrelief_session::{self as session, Observer, Run, RunOptions, RunInput};
 use std::io::Write;
 use std::sync::Arc;
 
@@ -21,10 +21,10 @@ struct Table {
 }
 
 /// Makes one run under the settings it is given, watched by the observer it is given.
-type RunOnce<'a> = &'a mut dyn FnMut(&Settings, &mut dyn Observer) -> Done<Run>;
+type RunOnce<'a> = &'a mut dyn FnMut(&RunOptions, &mut dyn Observer) -> Done<Run>;
 
 /// Runs the input once per variant without short cuts, and writes the table.
-pub fn ablate(input: &Input, settings: &Settings, simulation: &SimulationArgs, quiet: bool) -> Done {
+pub fn ablate(input: &Input, settings: &RunOptions, simulation: &SimulationArgs, quiet: bool) -> Done {
     write_table(input, simulation, quiet, |observer, run| {
         let table = session::ablate(settings, observer, run)?;
         let json = table.to_json().map_err(Failure::bad)?;
@@ -33,7 +33,7 @@ pub fn ablate(input: &Input, settings: &Settings, simulation: &SimulationArgs, q
 }
 
 /// Runs the input by each method, and writes the table.
-pub fn compare_methods(input: &Input, settings: &Settings, simulation: &SimulationArgs, quiet: bool) -> Done {
+pub fn compare_methods(input: &Input, settings: &RunOptions, simulation: &SimulationArgs, quiet: bool) -> Done {
     write_table(input, simulation, quiet, |observer, run| {
         let table = session::compare_methods(settings, observer, run)?;
         let json = table.to_json().map_err(Failure::bad)?;
@@ -48,14 +48,14 @@ fn write_table(
     make: impl FnOnce(&mut dyn Observer, RunOnce<'_>) -> Done<Table>,
 ) -> Done {
     let source = || match input {
-        Input::Scene(scene) => Ok(Source::Scene(Arc::clone(scene))),
+        Input::Scene(scene) => Ok(RunInput::Scene(Arc::clone(scene))),
         Input::Trace(trace) => trace.again().map(|trace| trace.into_source()),
     };
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
-    let mut watcher = Watcher(Progress::new(None, "commands", quiet || simulation.json));
-    let mut run = |settings: &Settings, observer: &mut dyn Observer| run_named(source()?, settings, observer, None);
-    let table = make(&mut watcher, &mut run)?;
-    drop(watcher);
+    let mut observer = ProgressObserver(Progress::new(None, "commands", quiet || simulation.json));
+    let mut run = |settings: &RunOptions, observer: &mut dyn Observer| run_named(source()?, settings, observer, None);
+    let table = make(&mut observer, &mut run)?;
+    drop(observer);
     if simulation.json {
         // In front of what is published: where it cannot be printed, nothing is written.
         print(&table.json)?;
@@ -69,9 +69,9 @@ fn write_table(
     }
 }
 
-struct Watcher(Progress);
+struct ProgressObserver(Progress);
 
-impl Observer for Watcher {
+impl Observer for ProgressObserver {
     fn progress(&mut self, commands: u64, _: Option<u64>) -> bool {
         self.0.at(commands);
         true

@@ -2,7 +2,7 @@
 //! grows with the time that circuit (50) takes.
 
 use crate::support::{Inputs, Set, Table, cycles, grouped, report, settings};
-use basrelief_session::{Source, Unobserved, ablate, run};
+use basrelief_session::{RunInput, Unobserved, ablate, run};
 use basrelief_signals::Scene;
 use std::error::Error;
 use std::sync::Arc;
@@ -81,7 +81,7 @@ pub fn short_cuts(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>
         for multiply in MULTIPLY_CYCLES {
             let settings = settings("shade", &[("normal_interpolation.multiply_cycles", multiply)], true)?;
             let of_short_cuts = ablate(&settings, &mut Unobserved, |settings, observer| {
-                run(Source::Scene(Arc::clone(&scene)), settings, observer, None)
+                run(RunInput::Scene(Arc::clone(&scene)), settings, observer, None)
             })?;
             let variants = &of_short_cuts.variants;
             let mut cells = vec![(*name).to_owned(), multiply.to_owned(), grouped(variants[0].cycles)];

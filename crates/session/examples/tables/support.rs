@@ -3,7 +3,7 @@
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{DEMOS, ViewOptions, demo, load_path};
-use basrelief_session::{MachineInfo, Settings, Source, Unobserved, run};
+use basrelief_session::{MachineInfo, RunOptions, RunInput, Unobserved, run};
 use basrelief_signals::Scene;
 use std::error::Error;
 use std::fmt::Write;
@@ -52,16 +52,16 @@ impl Inputs {
 ///
 /// # Errors
 /// A parameter that is none, or out of its range.
-pub fn settings(machine: &str, set: Set<'_>, exact: bool) -> Result<Settings, Box<dyn Error>> {
-    Ok(Settings { config: MachineInfo::named(machine)?.load("", set)?, exact, ..Settings::default() })
+pub fn settings(machine: &str, set: Set<'_>, exact: bool) -> Result<RunOptions, Box<dyn Error>> {
+    Ok(RunOptions { config: MachineInfo::named(machine)?.load("", set)?, exact, ..RunOptions::default() })
 }
 
 /// The report of a run.
 ///
 /// # Errors
 /// As the run.
-pub fn report(scene: &Arc<Scene>, settings: &Settings) -> Result<Report, Box<dyn Error>> {
-    Ok(run(Source::Scene(Arc::clone(scene)), settings, &mut Unobserved, None)?.report)
+pub fn report(scene: &Arc<Scene>, settings: &RunOptions) -> Result<Report, Box<dyn Error>> {
+    Ok(run(RunInput::Scene(Arc::clone(scene)), settings, &mut Unobserved, None)?.report)
 }
 
 /// Cycles of the whole run.
