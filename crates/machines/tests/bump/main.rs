@@ -5,6 +5,7 @@ mod claims;
 #[path = "../common/mod.rs"]
 mod common;
 mod engines;
+mod memories;
 mod promise;
 mod recipe;
 mod runs;

@@ -1,0 +1,56 @@
+//! The memories: order of ports, address map, and what the machine warns of.
+
+use crate::runs::{config, small_demo, timed};
+use basrelief_machines::bump::warnings;
+use basrelief_signals::{Pixel, Stamp, layout, lines, quantization_memory};
+
+#[test]
+fn ports_are_numbered_from_what_drains_the_machine_to_what_fills_it() {
+    let ran = timed(&small_demo("golf-ball", 1), &[]);
+    let ports = |memory: &str| -> Vec<String> {
+        let memory = ran.report.memories.iter().find(|m| m.name == memory).expect("a memory of this name");
+        memory.ports.iter().map(|p| p.client.clone()).collect()
+    };
+    assert_eq!(ports("normal_map"), ["texels"]);
+    assert_eq!(ports("quantization"), ["clut_read", "clut_write", "tables", "gathered"]);
+    assert_eq!(ports("graphics"), ["pixel_write", "color_texels", "held", "z_read", "z_write", "video_out"]);
+}
+
+#[test]
+fn what_shares_a_memory_does_not_overlap() {
+    for [width, height] in [[4096, 4096], [4097, 4095], [16_384, 1024], [1024, 16_384], [16_384, 1], [1, 16_384]] {
+        assert!(layout::fits(width, height));
+        // Colours and depths have 4 bytes at most, lines have 16 pixels.
+        let bytes = lines::<Stamp<Pixel>>(width, height) * 64;
+        assert!(bytes <= layout::COLOR_BUFFER_STRIDE, "{width} x {height}");
+        assert!(layout::Z_BUFFER + bytes <= layout::COLOR_TEXTURES, "{width} x {height}");
+    }
+    assert!(layout::COLOR_BUFFERS + 2 * layout::COLOR_BUFFER_STRIDE <= layout::Z_BUFFER);
+    const { assert!(layout::COLOR_TEXTURES < layout::HELD_RESULTS) };
+    assert!(quantization_memory::vq_table(8) <= quantization_memory::CLUTS);
+    let cluts = 8 * quantization_memory::clut_stride(65_536, 4);
+    assert!(quantization_memory::CLUTS + cluts <= quantization_memory::GATHERED);
+}
+
+#[test]
+fn colour_and_depth_of_a_pixel_lie_in_different_banks() {
+    let memory = config(&[]).memory.graphics;
+    let bank = |address: u64| address / u64::from(memory.row_bytes) % u64::from(memory.banks);
+    for (line, buffer) in (0..10_000).flat_map(|line| [(line, 0), (line, 1)]) {
+        let color = layout::COLOR_BUFFERS + buffer * layout::COLOR_BUFFER_STRIDE + line * 64;
+        assert_ne!(bank(color), bank(layout::Z_BUFFER + line * 64), "line {line} of buffer {buffer}");
+    }
+}
+
+#[test]
+fn slow_fifos_small_stamps_and_needless_tables_are_warned_of() {
+    let scene = small_demo("golf-ball", 1);
+    let said = |settings: &[(&str, &str)]| warnings(&config(settings), &timed(&scene, settings).facts);
+    assert_eq!(said(&[]), [""; 0], "defaults hold full rate");
+    let slow = said(&[("fifo.shaded.depth", "2")]);
+    assert!(slow.len() == 1 && slow[0].contains("fifo.shaded.depth = 2 allows 2 tokens in"), "{slow:?}");
+    let small = said(&[("memory.graphics.outstanding", "8")]);
+    assert!(small.len() == 1 && small[0].starts_with("stamps of 2 instead of 4 fragments"), "{small:?}");
+    let needless = said(&[("replacement.entries", "65536")]);
+    assert!(needless.len() == 1 && needless[0].contains("claim 3 wants fewer entries"), "{needless:?}");
+}
