@@ -207,6 +207,7 @@ mod account;
 mod cache;
 mod check;
 mod config;
+#[cfg(feature = "contract")]
 pub mod contract;
 mod cycle;
 mod derived;
@@ -220,6 +221,7 @@ mod memory_system;
 mod occupancy;
 mod outcome;
 mod place;
+#[cfg(feature = "plan")]
 pub mod plan;
 mod probe;
 mod report;
