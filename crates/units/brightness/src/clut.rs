@@ -130,7 +130,8 @@ mod tests {
         fn quantization_stays_within_half_a_step(v in 0f32..1.3, bits in 4u32..=16) {
             let steps = ((1 << bits) - 1) as f32;
             let q = quantize(v, 1.3, steps);
-            prop_assert!((q - v).abs() <= 0.5 * 1.3 / steps * 1.001);
+            // Half a step, and what single precision rounds q and v to: at 16 bits a step is only 166 of those.
+            prop_assert!((q - v).abs() <= 0.5 * 1.3 / steps + f32::EPSILON, "{v} became {q}");
             prop_assert!((q / 1.3 * steps - (q / 1.3 * steps).round()).abs() < 0.02);
         }
     }
