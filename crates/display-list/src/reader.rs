@@ -5,6 +5,7 @@ use crate::command::{Begin, Command};
 use crate::error::{ErrorKind, Fault, Place, TraceError};
 use crate::form::{BINARY_MAGIC, Encoding, Source};
 use crate::sequence::Order;
+use basrelief_input::JsonFault;
 use serde::Deserialize;
 use std::io::{self, BufRead, Read};
 
@@ -120,7 +121,7 @@ impl<R: Read> Reader<R> {
         if self.buffer.pop_if(|last| *last == b'\n').is_none() {
             return Err(self.unfinished_line());
         }
-        serde_json::from_slice(&self.buffer).map_err(|_| self.line_error())
+        basrelief_input::from_slice(&self.buffer).map_err(|fault| self.line_error(&fault))
     }
 
     fn line_up_to(&mut self, limit: u64) -> Result<(), TraceError> {
@@ -138,30 +139,20 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Reads the line a second time, slowly, to name the field.
-    fn line_error(&self) -> TraceError {
+    fn line_error(&self, fault: &JsonFault) -> TraceError {
         let place = self.next_place();
         if self.order.count() == 0
             && let Some(fault) = other_version(&self.buffer)
         {
             return fault.at(place, "begin");
         }
-        let mut json = serde_json::Deserializer::from_slice(&self.buffer);
-        let (path, error) = match serde_path_to_error::deserialize::<_, Command>(&mut json) {
-            Err(error) => (error.path().to_string(), error.into_inner()),
-            Ok(_) => match json.end() {
-                Err(error) => (String::new(), error),
-                Ok(()) => return TraceError::new(place, ErrorKind::Malformed, "", "not a command"),
-            },
-        };
-        let text = error.to_string();
-        let text = text.rsplit_once(" at line ").map_or(text.as_str(), |(text, _)| text);
         let at = match place {
-            Place::Line { line, .. } => Place::Line { line, column: Some(error.column()) },
+            Place::Line { line, .. } => Place::Line { line, column: Some(fault.column) },
             other => other,
         };
-        let path = if path == "." { String::new() } else { path };
-        let message = if path.is_empty() { text.replace("unknown variant", "unknown command") } else { text.into() };
+        let path = Some(fault.path.to_string()).filter(|path| path != ".").unwrap_or_default();
+        let message = fault.message.as_str();
+        let message = if path.is_empty() { message.replace("unknown variant", "unknown command") } else { message.into() };
         TraceError::new(at, ErrorKind::Malformed, path, message)
     }
 

@@ -26,20 +26,26 @@ const CASES: &[(&str, &str, u64, &str, &str)] = &[
     // Text that is no command.
     (r#"{"texture":{"id":0"#, r#"{"texure":{"id":0"#, 2, "", "unknown command `texure`, expected one of `begin`"),
     (r#"{"object""#, "[1,2", 6, "", "expected"),
-    (r#"{"frame_end":{}}"#, "", 8, "", "EOF"),
+    (r#"{"frame_end":{}}"#, "", 8, "", "the text ends within a value"),
     (r#"{"frame_end":{}}"#, r#"{"frame_end":{}} x"#, 8, "", "trailing characters"),
     (r#"{"frame_end":{}}"#, r#"{"frame_end":{},"frame_end":{}}"#, 8, "", "expected"),
     (r#"{"frame_end":{}}"#, r#"{"frame_end":{"x":0}}"#, 8, "frame_end", "unknown field `x`"),
-    (r#"{"frame_end":{}}"#, "\u{0}", 8, "", "expected value"),
+    (r#"{"frame_end":{}}"#, "\u{0}", 8, "", "expected a value"),
     // Fields.
     (r#""lod":3,"#, "", 7, "polygon", "missing field `lod`"),
     (r#""lod":3"#, r#""lod":3,"lod":3"#, 7, "polygon", "duplicate field `lod`"),
     (r#""lod":3"#, r#""lod":3,"level":3"#, 7, "polygon", "unknown field `level`"),
-    (r#""lod":3"#, r#""lod":"3""#, 7, "polygon.lod", "invalid type"),
+    (r#""lod":3"#, r#""lod":"3""#, 7, "polygon.lod", "the text \"3\" stands here, expected a whole number 0..=255"),
     (r#""lod":3"#, r#""lod":64"#, 7, "polygon.lod", "is 64, expected 0..=63"),
-    (r#""lod":3"#, r#""lod":-1"#, 7, "polygon.lod", "invalid value"),
-    (r#""bump":true"#, r#""bump":1"#, 7, "polygon.bump", "invalid type"),
-    (r#""wrap":["repeat","clamp"]"#, r#""wrap":["repeat"]"#, 2, "texture.sampler.wrap", "invalid length 1"),
+    (r#""lod":3"#, r#""lod":-1"#, 7, "polygon.lod", "the number -1 stands here"),
+    (r#""bump":true"#, r#""bump":1"#, 7, "polygon.bump", "the number 1 stands here, expected true or false"),
+    (
+        r#""wrap":["repeat","clamp"]"#,
+        r#""wrap":["repeat"]"#,
+        2,
+        "texture.sampler.wrap",
+        "a list of 1 stands here, expected a list of 2",
+    ),
     (r#""clamp"]"#, r#""border"]"#, 2, "texture.sampler.wrap[1]", "unknown variant `border`"),
     (r#""filter":"bilinear""#, r#""filter":"bilinear","bias":1"#, 2, "texture.sampler", "unknown field `bias`"),
     (r#""n":32.0"#, r#""n":32.0,"m":1"#, 4, "material.lighting", "unknown field `m`"),
@@ -50,7 +56,7 @@ const CASES: &[(&str, &str, u64, &str, &str)] = &[
     (r#""width":8"#, r#""width":0"#, 1, "begin.width", "is 0, expected 1..=16384"),
     (r#""height":8"#, r#""height":4294967295"#, 1, "begin.height", "expected 1..=16384"),
     (r#""width":8,"height":8"#, r#""width":16384,"height":16384"#, 1, "begin.height", "16384 x 16384 pixels, expected at most"),
-    (r#""height":8"#, r#""height":1e99"#, 1, "begin.height", "invalid type"),
+    (r#""height":8"#, r#""height":1e99"#, 1, "begin.height", "stands here, expected a whole number"),
     (
         r#"{"frame_end""#,
         "{\"begin\":{\"format\":\"basrelief-display-list\",\"version\":1,\"width\":8,\"height\":8,\"generator\":\"\"}}\n{\"frame_end\"",
@@ -90,9 +96,21 @@ const CASES: &[(&str, &str, u64, &str, &str)] = &[
     (r#""ka":0.1"#, r#""ka":-0.1"#, 4, "material.lighting.ka", "expected 0..=1"),
     // Frames and objects.
     (r#""index":0"#, r#""index":1"#, 5, "frame.index", "is 1, expected 0"),
-    (r#""view_projection":[1.0,"#, r#""view_projection":["#, 5, "frame.camera.view_projection", "invalid length 15"),
-    (r#""view_projection":[1.0"#, r#""view_projection":[NaN"#, 5, "frame.camera.view_projection[0]", "expected value"),
-    (r#""view_projection":[1.0"#, r#""view_projection":[null"#, 5, "frame.camera.view_projection[0]", "invalid type"),
+    (
+        r#""view_projection":[1.0,"#,
+        r#""view_projection":["#,
+        5,
+        "frame.camera.view_projection",
+        "a list of 15 stands here, expected a list of 16",
+    ),
+    (r#""view_projection":[1.0"#, r#""view_projection":[NaN"#, 5, "frame.camera.view_projection[0]", "expected a value"),
+    (
+        r#""view_projection":[1.0"#,
+        r#""view_projection":[null"#,
+        5,
+        "frame.camera.view_projection[0]",
+        "null stands here, expected a number",
+    ),
     (r#""view_projection":[1.0"#, r#""view_projection":[1e400"#, 5, "frame.camera.view_projection[0]", "out of range"),
     (r#""intensity":0.5"#, r#""intensity":1e39"#, 5, "frame.lights[1]", TOO_LARGE),
     (r#""entries":64"#, r#""entries":0"#, 6, "object.entries", "expected 1..=65536"),
@@ -107,18 +125,18 @@ const CASES: &[(&str, &str, u64, &str, &str)] = &[
     ("[8.0,0.0,0.5,1.0]", "[8.0,0.0,2.5,1.0]", 7, "polygon.position[1]", "depth is 2.5"),
     ("[8.0,0.0,0.5,1.0]", "[8.0,0.0,0.5,0]", 7, "polygon.position[1]", "1 / w is 0"),
     ("[8.0,0.0,0.5,1.0]", "[8.0,0.0,0.5,1e39]", 7, "polygon.position[1]", TOO_LARGE),
-    ("[8.0,0.0,0.5,1.0]", "[8.0,0.0,0.5]", 7, "polygon.position[1]", "invalid length 3"),
+    ("[8.0,0.0,0.5,1.0]", "[8.0,0.0,0.5]", 7, "polygon.position[1]", "a list of 3 stands here, expected a list of 4"),
     ("[1.0,0.0,0.0,1.0],", "", 7, "polygon.tangent", "holds 2 vertices, expected 3"),
     (r#""uv_normal":[[0.0"#, r#""uv_normal":[[1e39"#, 7, "polygon.uv_normal[0]", TOO_LARGE),
     // Order.
     (r#"{"frame_end""#, "{\"frame_end\":{}}\n{\"frame_end\"", 9, "frame_end", "outside a frame"),
     ("{\"frame_end\":{}}\n", "", 8, "expect", "inside a frame"),
     (r#"{"object":"#, "{\"frame_end\":{}}\n{\"object\":", 7, "object", "outside a frame"),
-    (r#""cycles":100"#, r#""cycles":-1"#, 9, "expect.cycles", "invalid value"),
+    (r#""cycles":100"#, r#""cycles":-1"#, 9, "expect.cycles", "the number -1 stands here"),
     (r#""replacement.codebook":"fixed""#, r#""replacement.codebook":{}"#, 9, "expect.config", "a switch, a number"),
     // end
     (r#""commands":9"#, r#""commands":8"#, 10, "end.commands", "is 8, but 9 commands"),
-    (r#""commands":9"#, r#""commands":1e18"#, 10, "end.commands", "invalid type"),
+    (r#""commands":9"#, r#""commands":1e18"#, 10, "end.commands", "stands here, expected a whole number"),
     (r#""commands":9"#, r#""commands":1000000000000000000"#, 10, "end.commands", "9 commands stand before it"),
     ("{\"commands\":9}}\n", "{\"commands\":9}}\n\n", 11, "", "after `end`"),
 ];
@@ -137,10 +155,55 @@ fn every_mistake_is_named_by_line_and_field() {
     assert!(missed.is_empty(), "{missed:#?}");
 }
 
+/// serde takes a list for a struct, field by field: of every object of every command, whatever it is nested in.
+#[test]
+fn a_list_is_no_object_in_any_command() {
+    let lists = [
+        (r#"{"frame_end":{}}"#, r#"{"frame_end":[]}"#),
+        (r#"{"end":{"commands":9}}"#, r#"{"end":[9]}"#),
+        (r#"{"wrap":["repeat","clamp"],"filter":"bilinear"}"#, r#"[["repeat","clamp"],"bilinear"]"#),
+    ];
+    for (from, to) in lists {
+        let error = with(from, to).to_string();
+        assert!(error.contains("a list stands here, expected an object"), "{error}");
+    }
+    for (i, line) in SAMPLE.lines().enumerate() {
+        let value: serde_json::Value = serde_json::from_str(line).unwrap();
+        let mut objects = Vec::new();
+        objects_in(&value, String::new(), &mut objects);
+        // A trace whose first line is a list is refused by its first byte.
+        for pointer in objects.into_iter().filter(|pointer| i > 0 || !pointer.is_empty()) {
+            let mut changed = value.clone();
+            let object = changed.pointer_mut(&pointer).unwrap();
+            *object = object.as_object().unwrap().values().cloned().collect();
+            let text: Vec<String> =
+                SAMPLE.lines().enumerate().map(|(k, l)| if k == i { changed.to_string() } else { l.into() }).collect();
+            let error = error_of((text.join("\n") + "\n").as_bytes());
+            assert!(matches!(error.place, Place::Line { line, .. } if line == i as u64 + 1), "{pointer}: {error}");
+        }
+    }
+}
+
+fn objects_in(value: &serde_json::Value, pointer: String, objects: &mut Vec<String>) {
+    match value {
+        serde_json::Value::Object(map) => {
+            map.iter().for_each(|(key, inner)| objects_in(inner, format!("{pointer}/{key}"), objects));
+            objects.push(pointer);
+        }
+        serde_json::Value::Array(list) => {
+            list.iter().enumerate().for_each(|(i, inner)| objects_in(inner, format!("{pointer}/{i}"), objects));
+        }
+        _ => {}
+    }
+}
+
 #[test]
 fn a_mistake_of_syntax_is_named_by_its_column() {
     let error = with(r#""lod":3"#, r#""lod":x"#);
-    assert_eq!(error.to_string(), "line 7, column 43: polygon.lod: expected value");
+    assert_eq!(
+        error.to_string(),
+        "line 7, column 43: polygon.lod: expected a value: a number, a text in quotes, a list, an object, true, false or null"
+    );
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::process::Command;
 /// The floors, lowest first: a crate may use only crates of lower floors. Tests, which ship nothing, may use any crate
 /// that the graph allows. The units have one to themselves, whatever stands in their folder.
 const FLOORS: &[&[&str]] = &[
-    &["parameters"],
+    &["input", "parameters"],
     &["kernel", "signals"],
     &["shading", "display-list"],
     &[UNITS],

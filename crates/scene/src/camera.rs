@@ -1,7 +1,7 @@
 //! Cameras: a model's own, one that frames the model, and camera files.
 
 use crate::SceneError;
-use crate::gltf::parse::{json_error, pointer};
+use crate::gltf::parse::json_error;
 use basrelief_signals::Camera;
 use glam::{DMat4, DVec3, DVec4};
 
@@ -149,11 +149,9 @@ pub(crate) fn rows(matrix: DMat4) -> [f64; 16] {
 /// # Errors
 /// Not JSON, a key missing, unknown or of the wrong type, a matrix that flattens space, a direction of length 0.
 pub fn read_camera(text: &str, file: &str) -> Result<Camera, SceneError> {
-    let mut deserializer = serde_json::Deserializer::from_str(text);
-    let camera: Camera = serde_path_to_error::deserialize(&mut deserializer)
-        .map_err(|e| json_error(&pointer(e.path()), e.inner()))
-        .and_then(|camera| deserializer.end().map(|()| camera).map_err(|e| json_error("", &e)))
-        .map_err(|e| e.in_file(file).expected("{\"view_projection\": [16 numbers], \"to_light\": [3], \"to_viewer\": [3]}"))?;
+    let camera: Camera = basrelief_input::from_str(text).map_err(|e| {
+        json_error(&e).in_file(file).expected("{\"view_projection\": [16 numbers], \"to_light\": [3], \"to_viewer\": [3]}")
+    })?;
     check_camera(&camera).map_err(|e| e.in_file(file))
 }
 
@@ -253,6 +251,7 @@ mod tests {
         says(&file(identity, "1e400,0,0"), "number out of range");
         says("{\"viewproj\": []}", "unknown field `viewproj`");
         says("{}", "missing field `view_projection`");
+        says(&format!("[[{identity}], [1,0,0], [0,0,1]]"), "a list stands here, expected an object");
         says("", "not valid JSON");
         says(&(file(identity, "1,0,0") + "x"), "trailing");
     }

@@ -78,9 +78,16 @@ fn look_alike(bytes: &[u8]) -> &'static str {
 }
 
 fn corrupt(fail: &impl Fn(String) -> SceneError, format: ImageFormat, error: &ImageError) -> SceneError {
-    fail(format!("corrupt or unsupported {}: {error}", if format == ImageFormat::Png { "PNG" } else { "JPEG" }))
-        .expected("a complete picture")
-        .cure("open it in a picture editor and save it again, or fetch it again")
+    let format = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
+    let what = match error {
+        ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => format!("this {format} is cut off"),
+        ImageError::Limits(_) => format!("this {format} takes more memory to decode than its size allows"),
+        ImageError::Unsupported(_) => format!("this {format} is of a kind that is not supported"),
+        // The decoder's own words name its types and steps; what helps is whether bytes were changed.
+        other if other.to_string().contains("CRC") => format!("this {format} is corrupt: a checksum does not match"),
+        _ => format!("this {format} is corrupt"),
+    };
+    fail(what).expected("a complete picture").cure("open it in a picture editor and save it again, or fetch it again")
 }
 
 #[cfg(test)]

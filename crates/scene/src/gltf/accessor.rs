@@ -9,6 +9,7 @@ use super::check::resolve;
 use super::format::{Component, Format, decode, format_of, unsigned_numbers};
 use super::json::{Accessor, Document, Int, Sparse};
 use crate::SceneError;
+use crate::error::Warnings;
 use std::cell::Cell;
 
 /// Most bytes that all accessors together may decode to.
@@ -30,27 +31,93 @@ struct Packed {
     bytes: Vec<u8>,
 }
 
+impl Packed {
+    /// The least or largest of each component.
+    fn extreme(&self, format: Format, choose: fn(f32, f32) -> f32) -> Vec<f32> {
+        let size = format.component.bytes() as usize;
+        let element = |bytes: &[u8]| bytes.chunks_exact(size).map(|raw| decode(raw, format)).collect::<Vec<_>>();
+        let mut elements = self.bytes.chunks_exact(format.used_bytes() as usize);
+        let mut extreme = elements.next().map(element).unwrap_or_default();
+        for bytes in elements {
+            for (value, raw) in extreme.iter_mut().zip(bytes.chunks_exact(size)) {
+                *value = choose(*value, decode(raw, format));
+            }
+        }
+        extreme
+    }
+}
+
 impl<'a> Accessors<'a> {
-    /// Checks that every accessor lies within its buffer view.
-    pub(crate) fn new(document: &'a Document, buffers: &'a Buffers<'a>) -> Result<Self, SceneError> {
+    /// Checks that every accessor lies within its buffer view, and warns of those that are not aligned.
+    pub(crate) fn new(document: &'a Document, buffers: &'a Buffers<'a>, warnings: &mut Warnings) -> Result<Self, SceneError> {
         let accessors = Self { document, buffers, budget: Cell::new(MAX_DECODED) };
         for (i, accessor) in document.accessors.iter().enumerate() {
             let format = format_of(accessor, i)?;
             accessors.source(accessor, i, format)?;
+            let place = format!("/accessors/{i}");
+            if let Some(view) = accessor.buffer_view {
+                accessors.check_alignment(view, accessor.byte_offset, format.component, &place, warnings);
+            }
             if let Some(sparse) = &accessor.sparse {
-                accessors.sparse_sources(sparse, i, format)?;
+                let (component, ..) = accessors.sparse_sources(sparse, i, format)?;
+                let (indices, values) = (&sparse.indices, &sparse.values);
+                let part = |name: &str| format!("{place}/sparse/{name}");
+                accessors.check_alignment(indices.buffer_view, indices.byte_offset, component, &part("indices"), warnings);
+                accessors.check_alignment(values.buffer_view, values.byte_offset, format.component, &part("values"), warnings);
             }
         }
         Ok(accessors)
     }
 
+    /// Warns of elements that do not begin at multiples of their components' size: other readers may not take them.
+    fn check_alignment(&self, view: Int, offset: Int, component: Component, place: &str, warnings: &mut Warnings) {
+        let base = self.document.buffer_views.get(view.index()).map_or(0, |v| v.byte_offset.0);
+        let size = component.bytes();
+        // Both lie within one buffer, so the sum does not overflow.
+        if !offset.0.is_multiple_of(size) || !base.saturating_add(offset.0).is_multiple_of(size) {
+            warnings.add(format!(
+                "{place}/byteOffset: is {} in a buffer view that begins at byte {base}, expected both together and it alone to be \
+                 multiples of {size}, the size of one {}: read as it stands",
+                offset.0,
+                component.name()
+            ));
+        }
+    }
+
+    /// Bytes between the elements of an accessor, where its buffer view says so.
+    pub(crate) fn stride(&self, index: Int) -> Option<(Int, u64)> {
+        let view = self.document.accessors.get(index.index())?.buffer_view?;
+        Some((view, self.document.buffer_views.get(view.index())?.byte_stride?.0))
+    }
+
+    /// Warns where `min` or `max` is not what the data hold. Nothing here relies on them; other readers do.
+    fn check_extremes(&self, index: Int, packed: &Packed, warnings: &mut Warnings) {
+        let Some(accessor) = self.document.accessors.get(index.index()) else { return };
+        let stored = Format { normalized: false, ..packed.format };
+        let extremes: [(&str, &Option<Vec<f64>>, fn(f32, f32) -> f32); 2] =
+            [("min", &accessor.min, f32::min), ("max", &accessor.max, f32::max)];
+        for (name, declared, choose) in extremes {
+            let Some(declared) = declared else { continue };
+            let place = format!("/accessors/{}/{name}", index.0);
+            if declared.len() != stored.rows {
+                let count = declared.len();
+                warnings.add(format!("{place}: holds {count} numbers, expected {}: not used", stored.rows));
+                continue;
+            }
+            let actual = packed.extreme(stored, choose);
+            if let Some((k, (said, is))) = declared.iter().zip(&actual).enumerate().find(|(_, (d, a))| **d as f32 != **a) {
+                warnings.add(format!("{place}/{k}: is {said}, expected {is}, as in the data: not used"));
+            }
+        }
+    }
+
     /// Checks the numbers of every accessor of floats: for files of which nothing is drawn, to find out why.
-    pub(crate) fn check_finite(&self) -> Result<(), SceneError> {
+    pub(crate) fn check_finite(&self, warnings: &mut Warnings) -> Result<(), SceneError> {
         for i in 0..self.document.accessors.len() {
             let index = Int(i as u64);
             let (format, _) = self.describe(index, "")?;
             if format.component == Component::F32 && format.rows <= 4 && format.columns == 1 {
-                self.floats::<4>(index, "nothing that is drawn")?;
+                self.floats::<4>(index, "nothing that is drawn", warnings)?;
             }
         }
         Ok(())
@@ -74,8 +141,15 @@ impl<'a> Accessors<'a> {
     }
 
     /// Elements as floats, of which there are `N` or fewer per element; the rest is 0 (1 for the fourth).
-    pub(crate) fn floats<const N: usize>(&self, index: Int, place: &str) -> Result<Vec<[f32; N]>, SceneError> {
-        let Packed { format, bytes } = self.packed(index, place)?;
+    pub(crate) fn floats<const N: usize>(
+        &self,
+        index: Int,
+        place: &str,
+        warnings: &mut Warnings,
+    ) -> Result<Vec<[f32; N]>, SceneError> {
+        let packed = self.packed(index, place)?;
+        self.check_extremes(index, &packed, warnings);
+        let Packed { format, bytes } = packed;
         self.charge(4 * N as u64 * (bytes.len() as u64 / format.element_bytes()), place)?;
         let step = format.component.bytes() as usize;
         let mut elements = Vec::with_capacity(bytes.len() / format.element_bytes() as usize);
@@ -98,15 +172,18 @@ impl<'a> Accessors<'a> {
     }
 
     /// Elements as indices.
-    pub(crate) fn indices(&self, index: Int, place: &str) -> Result<Vec<u32>, SceneError> {
-        let Packed { format, bytes } = self.packed(index, place)?;
+    pub(crate) fn indices(&self, index: Int, place: &str, warnings: &mut Warnings) -> Result<Vec<u32>, SceneError> {
+        let packed = self.packed(index, place)?;
+        let Packed { format, bytes } = &packed;
         let unsigned = matches!(format.component, Component::U8 | Component::U16 | Component::U32);
         if !format.is_vector(1) || !unsigned || format.normalized {
             return Err(SceneError::at(place, format!("accessor {} is {}", index.0, format.name()))
                 .expected("SCALAR of unsigned byte, unsigned short or unsigned int"));
         }
+        self.check_stride_of_indices(index, format.component, warnings)?;
+        self.check_extremes(index, &packed, warnings);
         self.charge(4 * (bytes.len() as u64 / format.component.bytes()), place)?;
-        let numbers = unsigned_numbers(&bytes, format.component);
+        let numbers = unsigned_numbers(bytes, format.component);
         let restart = u32::MAX >> (32 - 8 * format.component.bytes());
         if let Some(k) = numbers.iter().position(|n| *n == restart) {
             return Err(SceneError::at(place, format!("index {k} of accessor {} is {restart}", index.0))
@@ -114,6 +191,20 @@ impl<'a> Accessors<'a> {
                 .cure("export the model again"));
         }
         Ok(numbers)
+    }
+
+    /// Indices have no stride. One that says no more than that they lie side by side does no harm; with any other, readers
+    /// that look at it draw other triangles than those that do not.
+    fn check_stride_of_indices(&self, index: Int, component: Component, warnings: &mut Warnings) -> Result<(), SceneError> {
+        let Some((view, stride)) = self.stride(index) else { return Ok(()) };
+        let (place, used_by) = (format!("/bufferViews/{}/byteStride", view.0), format!("/accessors/{}", index.0));
+        if stride != component.bytes() {
+            return Err(SceneError::at(place, format!("is {stride}, and {used_by}, which lies in it, holds indices"))
+                .expected("no byteStride: indices lie side by side")
+                .cure("export the model again"));
+        }
+        warnings.add(format!("{place}: is {stride}, expected none, since {used_by}, which lies in it, holds indices"));
+        Ok(())
     }
 
     fn packed(&self, index: Int, place: &str) -> Result<Packed, SceneError> {
@@ -156,7 +247,7 @@ impl<'a> Accessors<'a> {
             return Err(SceneError::at(format!("/bufferViews/{}/byteStride", view.0), format!("is {stride}"))
                 .expected(format!("at least {element}, the size of an element of accessor {i}")));
         }
-        self.span(view, accessor.byte_offset, count, [stride, element], &place).map(Some)
+        self.span(view, accessor.byte_offset, count, [stride, format.used_bytes()], &place).map(Some)
     }
 
     /// The part of a buffer view that holds `count` elements, checked against the view's length.
@@ -192,7 +283,8 @@ impl<'a> Accessors<'a> {
         let (count, at) = (sparse.count.0, &sparse.indices);
         let indices = self.span(at.buffer_view, at.byte_offset, count, [component.bytes(); 2], &place("indices"))?;
         let at = &sparse.values;
-        let values = self.span(at.buffer_view, at.byte_offset, count, [format.element_bytes(); 2], &place("values"))?;
+        let values =
+            self.span(at.buffer_view, at.byte_offset, count, [format.element_bytes(), format.used_bytes()], &place("values"))?;
         Ok((component, indices, values))
     }
 

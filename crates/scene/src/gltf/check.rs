@@ -63,6 +63,7 @@ pub(crate) fn check(document: &Document, warnings: &mut Warnings) -> Result<(), 
     }
     check_textures(document)?;
     check_data(document)?;
+    check_strides(document, warnings);
     if !document.animations.is_empty() {
         warnings.add("animations are ignored: the model is drawn at rest");
     }
@@ -114,6 +115,13 @@ fn check_node(document: &Document, i: usize, node: &Node) -> Result<(), SceneErr
     let place = |field: &str| format!("/nodes/{i}/{field}");
     for (j, child) in node.children.iter().enumerate() {
         resolve(&document.nodes, "nodes", *child, || place(&format!("children/{j}")))?;
+    }
+    let parts =
+        [("translation", node.translation.is_some()), ("rotation", node.rotation.is_some()), ("scale", node.scale.is_some())];
+    if let (Some(_), Some((part, _))) = (&node.matrix, parts.iter().find(|(_, given)| *given)) {
+        return Err(SceneError::at(place("matrix"), format!("stands beside `{part}`, and readers differ in which they take"))
+            .expected("either a matrix, or any of translation, rotation and scale")
+            .cure("remove the one that is not meant"));
     }
     if let Some(mesh) = node.mesh {
         resolve(&document.meshes, "meshes", mesh, || place("mesh"))?;
@@ -178,6 +186,14 @@ fn check_textures(document: &Document) -> Result<(), SceneError> {
         }
     }
     Ok(())
+}
+
+/// A stride that glTF forbids says where the elements lie all the same.
+fn check_strides(document: &Document, warnings: &mut Warnings) {
+    let strides = document.buffer_views.iter().enumerate().filter_map(|(i, view)| Some((i, view.byte_stride?.0)));
+    for (i, stride) in strides.filter(|(_, stride)| !(4..=252).contains(stride) || !stride.is_multiple_of(4)) {
+        warnings.add(format!("/bufferViews/{i}/byteStride: is {stride}, expected a multiple of 4 in 4..=252: read as it stands"));
+    }
 }
 
 fn check_data(document: &Document) -> Result<(), SceneError> {

@@ -81,7 +81,13 @@ impl Format {
         self.columns == 1 && self.rows == width
     }
 
-    /// Bytes of an element; columns of matrices begin at multiples of four bytes.
+    /// Bytes that an element has at least: the last column of a matrix needs no padding.
+    pub(crate) fn used_bytes(self) -> u64 {
+        let column = self.component.bytes() * self.rows as u64;
+        self.element_bytes() - if self.columns == 1 { 0 } else { column.next_multiple_of(4) - column }
+    }
+
+    /// Bytes from one element to the next; columns of matrices begin at multiples of four bytes.
     pub(crate) fn element_bytes(self) -> u64 {
         let column = self.component.bytes() * self.rows as u64;
         if self.columns == 1 { column } else { self.columns as u64 * column.next_multiple_of(4) }

@@ -86,7 +86,7 @@ impl Geometry<'_> {
         if !primitive.targets.is_empty() {
             warnings.add(format!("{place}: morph targets are ignored: drawn at rest"));
         }
-        let Some(positions) = self.attribute::<3>(primitive, "POSITION", None, Semantic::Position, place)? else {
+        let Some(positions) = self.attribute::<3>(primitive, "POSITION", None, Semantic::Position, place, warnings)? else {
             warnings.add(format!("{place} has no POSITION: skipped"));
             return Ok(None);
         };
@@ -112,12 +112,12 @@ impl Geometry<'_> {
         let count = Some(mesh.positions.len());
         mesh.uv = self.uv(primitive, needs.color.as_ref(), mesh.positions.len(), place, warnings)?;
         mesh.uv_normal = self.uv(primitive, needs.normal_map.as_ref(), mesh.positions.len(), place, warnings)?;
-        mesh.colors = self.attribute(primitive, "COLOR_0", count, Semantic::Color, place)?.unwrap_or_default();
+        mesh.colors = self.attribute(primitive, "COLOR_0", count, Semantic::Color, place, warnings)?.unwrap_or_default();
         for color in &mut mesh.colors {
             *color = color.map(|c| c.clamp(0.0, 1.0));
         }
-        let normals = self.attribute::<3>(primitive, "NORMAL", count, Semantic::Direction, place)?;
-        let tangents = self.attribute::<4>(primitive, "TANGENT", count, Semantic::Direction, place)?;
+        let normals = self.attribute::<3>(primitive, "NORMAL", count, Semantic::Direction, place, warnings)?;
+        let tangents = self.attribute::<4>(primitive, "TANGENT", count, Semantic::Direction, place, warnings)?;
         let has_normals = normals.is_some();
         match normals {
             Some(normals) => mesh.normals = unit_normals(normals, mesh, place, warnings),
@@ -152,7 +152,7 @@ impl Geometry<'_> {
     ) -> Result<Vec<[f32; 2]>, SceneError> {
         let Some(request) = request else { return Ok(Vec::new()) };
         let name = format!("TEXCOORD_{}", request.set);
-        let uv = self.attribute::<2>(primitive, &name, Some(count), Semantic::TexCoord, place)?;
+        let uv = self.attribute::<2>(primitive, &name, Some(count), Semantic::TexCoord, place, warnings)?;
         let mut uv = uv.unwrap_or_else(|| {
             warnings.add(format!("{place} has no {name}, which its material asks for: all (0, 0)"));
             vec![[0.0; 2]; count]
@@ -175,6 +175,7 @@ impl Geometry<'_> {
         count: Option<usize>,
         semantic: Semantic,
         place: &str,
+        warnings: &mut Warnings,
     ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
         let Some(index) = primitive.attributes.get(name) else { return Ok(None) };
         let place = format!("{place}/attributes/{name}");
@@ -189,7 +190,11 @@ impl Geometry<'_> {
             return Err(SceneError::at(place, format!("accessor {} has {elements} elements", index.0))
                 .expected(format!("{count}, as many as POSITION")));
         }
-        self.accessors.floats(*index, &place).map(Some)
+        if self.accessors.stride(*index).is_none() && !format.element_bytes().is_multiple_of(4) {
+            let bytes = format.element_bytes();
+            warnings.add(format!("{place}: vertices of accessor {} lie {bytes} bytes apart, expected a multiple of 4", index.0));
+        }
+        self.accessors.floats(*index, &place, warnings).map(Some)
     }
 
     /// Vertex numbers of all triangles, without those that use a vertex twice.
@@ -202,7 +207,7 @@ impl Geometry<'_> {
         warnings: &mut Warnings,
     ) -> Result<Vec<u32>, SceneError> {
         let order = match primitive.indices {
-            Some(index) => self.indices(index, vertices, &format!("{place}/indices"))?,
+            Some(index) => self.indices(index, vertices, &format!("{place}/indices"), warnings)?,
             None => (0..vertices as u32).collect(),
         };
         if mode == TRIANGLES && order.len() % 3 != 0 {
@@ -212,8 +217,8 @@ impl Geometry<'_> {
         Ok(triangulate(&order, mode))
     }
 
-    fn indices(&self, index: Int, vertices: usize, place: &str) -> Result<Vec<u32>, SceneError> {
-        let order = self.accessors.indices(index, place)?;
+    fn indices(&self, index: Int, vertices: usize, place: &str, warnings: &mut Warnings) -> Result<Vec<u32>, SceneError> {
+        let order = self.accessors.indices(index, place, warnings)?;
         match order.iter().enumerate().find(|(_, i)| **i as usize >= vertices) {
             Some((k, i)) => Err(SceneError::at(place, format!("index {k} of accessor {} is {i}", index.0))
                 .expected(format!("indices below {vertices}, the number of vertices"))

@@ -190,6 +190,8 @@ pub(crate) struct Accessor {
     pub count: Int,
     #[serde(rename = "type")]
     pub kind: String,
+    pub min: Option<Vec<f64>>,
+    pub max: Option<Vec<f64>>,
     pub sparse: Option<Box<Sparse>>,
 }
 

@@ -53,7 +53,7 @@ fn import(json: &[u8], container: Container<'_>, files: &dyn Files, warnings: &m
     let document = parse::parse(json)?;
     check::check(&document, warnings)?;
     let buffers = Buffers::load(&document, container, files)?;
-    let accessors = Accessors::new(&document, &buffers)?;
+    let accessors = Accessors::new(&document, &buffers, warnings)?;
     let nodes = nodes::place(&document, warnings)?;
     let camera = scene::camera(&document, &nodes, warnings)?;
     let quantized = document.extensions_used.iter().any(|e| e == "KHR_mesh_quantization");
@@ -70,7 +70,7 @@ fn import(json: &[u8], container: Container<'_>, files: &dyn Files, warnings: &m
     let objects = std::mem::take(&mut importer.objects);
     if objects.is_empty() {
         // The reason may be a fault in what would have been drawn.
-        accessors.check_finite()?;
+        accessors.check_finite(warnings)?;
         importer.materials.check_pictures()?;
         return Err(nothing_to_draw(&document).with_notes(warnings.sentences()));
     }

@@ -23,7 +23,7 @@ pub(crate) fn place(document: &Document, warnings: &mut Warnings) -> Result<Vec<
     let mut placed = Vec::new();
     while let Some(Placed { index, world: parent }) = stack.pop() {
         let Some(node) = document.nodes.get(index).filter(|n| visible(n)) else { continue };
-        let world = parent * local(node, index)?;
+        let world = parent * local(node, index, warnings)?;
         if !world.is_finite() {
             return Err(
                 SceneError::at(format!("/nodes/{index}"), "its world matrix overflows").expected("transforms of ordinary size")
@@ -109,7 +109,10 @@ fn roots(document: &Document, has_parent: &[bool], warnings: &mut Warnings) -> R
     Ok(roots)
 }
 
-fn local(node: &Node, index: usize) -> Result<DMat4, SceneError> {
+/// How far a rotation's length may be from 1 without a word: what four components of 8 bits are off, as in the validator.
+const LENGTH_TOLERANCE: f64 = 0.00769;
+
+fn local(node: &Node, index: usize, warnings: &mut Warnings) -> Result<DMat4, SceneError> {
     let place = |field: &str| format!("/nodes/{index}/{field}");
     if let Some(matrix) = &node.matrix {
         let mut matrix = DMat4::from_cols_array(matrix);
@@ -127,6 +130,9 @@ fn local(node: &Node, index: usize) -> Result<DMat4, SceneError> {
     let length = rotation.length();
     if !(length.is_finite() && length > 0.0) {
         return Err(SceneError::at(place("rotation"), format!("quaternion of length {length}")).expected("length 1"));
+    }
+    if (length - 1.0).abs() > LENGTH_TOLERANCE {
+        warnings.add(format!("{}: quaternion of length {length}, expected 1: drawn with it made unit", place("rotation")));
     }
     let scale = DVec3::from_array(node.scale.unwrap_or([1.0; 3]));
     let translation = DVec3::from_array(node.translation.unwrap_or_default());

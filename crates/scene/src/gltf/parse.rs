@@ -2,6 +2,7 @@
 
 use super::json::Document;
 use crate::SceneError;
+use basrelief_input::JsonFault;
 use serde_path_to_error::{Path, Segment};
 
 /// Most bytes of JSON outside of strings: numbers grow to 4-8 times their text.
@@ -23,34 +24,24 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Document, SceneError> {
             .cure("save the file in UTF-8")
     })?;
     check_size(text)?;
-    let mut deserializer = serde_json::Deserializer::from_str(text);
-    let document: Document = serde_path_to_error::deserialize(&mut deserializer).map_err(|e| {
-        let place = pointer(e.path());
-        json_error(&place, e.inner())
-    })?;
-    deserializer.end().map_err(|e| json_error("", &e))?;
-    Ok(document)
+    basrelief_input::from_str(text).map_err(|fault| json_error(&fault))
 }
 
-/// An error of the JSON reader: a wrong type has a pointer, wrong syntax a line and column.
-pub(crate) fn json_error(place: &str, error: &serde_json::Error) -> SceneError {
-    let (line, column) = (error.line(), error.column());
-    let text = error.to_string();
-    let what = text.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&text).to_owned();
-    let place = if error.is_data() && !place.is_empty() {
-        format!("{place} (line {line}, column {column})")
-    } else {
-        format!("line {line}, column {column}")
-    };
-    if error.is_data() {
-        SceneError::at(place, what)
-    } else {
-        SceneError::at(place, format!("not valid JSON: {what}")).cure("correct the text or export the file again")
+/// A fault of a JSON text: what is wrong in it has a pointer, wrong syntax a line and column.
+pub(crate) fn json_error(fault: &JsonFault) -> SceneError {
+    let JsonFault { line, column, is_data, message, .. } = fault;
+    let pointer = pointer(&fault.path);
+    if !is_data {
+        return SceneError::at(format!("line {line}, column {column}"), format!("not valid JSON: {message}"))
+            .cure("correct the text or export the file again");
     }
+    let at = format!("line {line}, column {column}");
+    let place = if pointer.is_empty() { at } else { format!("{pointer} ({at})") };
+    SceneError::at(place, message.as_str()).cure("correct it or export the file again")
 }
 
 /// The JSON pointer of a place.
-pub(crate) fn pointer(path: &Path) -> String {
+fn pointer(path: &Path) -> String {
     path.iter()
         .map(|segment| match segment {
             Segment::Seq { index } => format!("/{index}"),
@@ -99,7 +90,7 @@ mod tests {
     fn errors_name_the_place() {
         assert_eq!(
             says(r#"{"asset": {"version": "2.0"}, "accessors": [{"type": "VEC3", "componentType": 5126, "count": -1}]}"#),
-            "/accessors/0/count (line 1, column 95): invalid type: integer `-1`, expected a non-negative integer"
+            "/accessors/0/count (line 1, column 95): the number -1 stands here, expected a non-negative integer; correct it or export the file again"
         );
         assert!(says(r#"{"asset": {}}"#).starts_with("/asset (line 1, column 12): missing field `version`"));
         assert!(says("{\n\"asset\" 1}").starts_with("line 2, column 9: not valid JSON: expected `:`"));

@@ -287,6 +287,81 @@ fn numbers_that_are_not_finite_are_refused() {
     refuses(&document, "/accessors/4: element 0 is");
 }
 
+#[test]
+fn a_list_is_no_object() {
+    let list = "a list stands here, expected an object";
+    refuses(&with(square(), "/asset", json!(["2.0", null])), list);
+    refuses(&with(square(), "/nodes/0", json!([])), list);
+    refuses(&with(square(), "/cameras/0/perspective", json!([0.8, 0.1, null])), list);
+    refuses(&with(square(), "/bufferViews/0", json!([0, 0, 48, null])), "/bufferViews/0 (line 1, column");
+}
+
+/// What glTF 2.0 forbids, but says no less clearly what is to be drawn: it is drawn, with a warning that names the place,
+/// what stands there and what was expected.
+#[test]
+fn what_is_invalid_but_can_be_drawn_is_drawn_with_a_warning() {
+    let plain = import(&square()).unwrap();
+    let warns = |document: &Value, sentence: &str| {
+        let scene = import(document).unwrap_or_else(|e| panic!("{e}"));
+        let new: Vec<_> = scene.warnings.iter().filter(|w| !plain.warnings.contains(w)).collect();
+        assert!(new.iter().any(|w| w.starts_with(sentence)), "{new:#?}\nexpected {sentence}");
+        assert_eq!(scene.objects[0].mesh.positions, plain.objects[0].mesh.positions);
+    };
+    let corners = [[0f32, 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
+    let at = |start: usize, stride: usize| {
+        let mut data = vec![0; start + 4 * stride];
+        for (i, corner) in corners.iter().enumerate() {
+            data[start + i * stride..][..12].copy_from_slice(&floats(corner));
+        }
+        data
+    };
+    let accessor = |offset: usize| json!({"componentType": 5126, "type": "VEC3", "byteOffset": offset});
+    let odd = with_attribute("POSITION", &at(2, 12), json!({}), accessor(2));
+    warns(&odd, "/accessors/4/byteOffset: is 2 in a buffer view that begins at byte 0, expected both together and it alone");
+    for stride in [13, 256] {
+        let strided = with_attribute("POSITION", &at(0, stride), json!({"byteStride": stride}), accessor(0));
+        warns(&strided, &format!("/bufferViews/5/byteStride: is {stride}, expected a multiple of 4 in 4..=252"));
+    }
+    let long = with(square(), "/nodes/1/rotation", json!([0, 0, 0, 3]));
+    warns(&long, "/nodes/1/rotation: quaternion of length 3, expected 1");
+    warns(&with(square(), "/accessors/0/max", json!([1, 5, 0])), "/accessors/0/max/1: is 5, expected 1, as in the data");
+    warns(&with(square(), "/accessors/0/min", json!([0, 0])), "/accessors/0/min: holds 2 numbers, expected 3");
+    warns(&with(square(), "/accessors/3/max", json!([7])), "/accessors/3/max/0: is 7, expected 3, as in the data");
+    warns(&with(square(), "/bufferViews/3/byteStride", json!(2)), "/bufferViews/3/byteStride: is 2, expected none");
+    let right = with(with(square(), "/accessors/0/max", json!([1, 1, 0])), "/accessors/0/min", json!([0, 0, 0]));
+    assert_eq!(import(&right).unwrap(), plain, "what is right is passed over in silence");
+}
+
+/// What glTF 2.0 forbids, and readers understand differently.
+#[test]
+fn what_can_be_understood_in_two_ways_is_refused() {
+    let beside = with(square(), "/nodes/0/matrix", json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]));
+    refuses(&beside, "/nodes/0/matrix: stands beside `translation`, and readers differ in which they take; expected either");
+    let indices: Vec<u8> = [0u16, 1, 2, 0, 2, 3].iter().flat_map(|i| [i.to_le_bytes(), [0; 2]].concat()).collect();
+    let accessor = json!({"componentType": 5123, "count": 6, "type": "SCALAR"});
+    let mut document = with_attribute("indices", &indices, json!({"byteStride": 4}), accessor);
+    document["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("indices");
+    document["meshes"][0]["primitives"][0]["indices"] = json!(4);
+    refuses(
+        &document,
+        "/bufferViews/5/byteStride: is 4, and /accessors/4, which lies in it, holds indices; expected no byteStride",
+    );
+}
+
+/// Columns of a matrix of bytes begin at multiples of four; behind the last one nothing need follow.
+#[test]
+fn a_matrix_of_bytes_needs_no_padding_at_its_end() {
+    let matrix = |bytes: &[u8], count: usize| {
+        let accessor = json!({"componentType": 5121, "count": count, "type": "MAT2"});
+        let mut document = with_attribute("_MATRIX", bytes, json!({}), accessor);
+        document["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("_MATRIX");
+        document
+    };
+    assert!(import(&matrix(&[1; 6], 1)).is_ok() && import(&matrix(&[1; 14], 2)).is_ok());
+    refuses(&matrix(&[1; 5], 1), "/accessors/4/count");
+    refuses(&matrix(&[1; 13], 2), "/accessors/4/count");
+}
+
 /// The square as a GLB: its first buffer is the BIN chunk.
 fn square_glb() -> Vec<u8> {
     let mut document = square();

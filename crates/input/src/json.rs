@@ -1,0 +1,145 @@
+//! JSON, with the place and the words of what is wrong.
+
+use crate::strict::Strict;
+use crate::words::plain;
+use serde::de::DeserializeOwned;
+use serde_json::Deserializer;
+use serde_json::de::Read;
+use serde_path_to_error::{Path, Track};
+
+/// What is wrong with a JSON text, and where.
+#[derive(Debug)]
+pub struct JsonFault {
+    /// Where in the document; empty where no place could be made out.
+    pub path: Path,
+    /// Line, from 1; 0 where unknown.
+    pub line: usize,
+    /// Column \[bytes, from 1\]; 0 where unknown.
+    pub column: usize,
+    /// The text is JSON, but does not say what it should.
+    pub is_data: bool,
+    /// What was found, and where known what was expected.
+    pub message: String,
+}
+
+/// Reads a value. A list is no object, and what follows the value is an error.
+///
+/// # Errors
+/// Not JSON, or not the JSON that was expected.
+pub fn from_str<T: DeserializeOwned>(text: &str) -> Result<T, JsonFault> {
+    read(|| Deserializer::from_str(text))
+}
+
+/// As [`from_str`], of bytes that should be UTF-8.
+///
+/// # Errors
+/// As [`from_str`].
+pub fn from_slice<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, JsonFault> {
+    read(|| Deserializer::from_slice(bytes))
+}
+
+/// Keeping track of the place takes time, so it is done only where there is a fault to place, at a second reading.
+fn read<'a, R: Read<'a>, T: DeserializeOwned>(open: impl Fn() -> Deserializer<R>) -> Result<T, JsonFault> {
+    let mut json = open();
+    if let Ok(value) = T::deserialize(Strict(&mut json)) {
+        return json.end().map(|()| value).map_err(|error| fault(Track::new().path(), &error));
+    }
+    let (mut json, mut track) = (open(), Track::new());
+    T::deserialize(serde_path_to_error::Deserializer::new(Strict(&mut json), &mut track))
+        .map_err(|error| fault(track.path(), &error))
+}
+
+fn fault(path: Path, error: &serde_json::Error) -> JsonFault {
+    JsonFault { path, line: error.line(), column: error.column(), is_data: error.is_data(), message: plain(error) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+    use std::collections::BTreeMap;
+
+    #[derive(Debug, Deserialize, PartialEq)]
+    struct Inner {
+        a: u32,
+        #[serde(default)]
+        b: Option<[f32; 2]>,
+    }
+
+    #[derive(Debug, Deserialize, PartialEq)]
+    #[serde(rename_all = "snake_case")]
+    enum Choice {
+        New(Inner),
+        Fields { x: u32 },
+        Empty(Empty),
+    }
+
+    #[derive(Debug, Deserialize, PartialEq)]
+    struct Empty {}
+
+    #[derive(Debug, Deserialize, PartialEq)]
+    struct Outer {
+        one: Option<Inner>,
+        #[serde(default)]
+        many: Vec<Inner>,
+        #[serde(default)]
+        named: BTreeMap<String, Inner>,
+        #[serde(default)]
+        choices: Vec<Choice>,
+    }
+
+    fn says(text: &str) -> (String, String) {
+        let fault = from_str::<Outer>(text).unwrap_err();
+        (fault.path.to_string(), fault.message)
+    }
+
+    /// serde takes a list for a struct, field by field; each place where one can stand is tried.
+    #[test]
+    fn a_list_is_no_object_anywhere() {
+        let expected = "a list stands here, expected an object";
+        for (text, path) in [
+            (r#"[null]"#, "."),
+            (r#"{"one": [1, null]}"#, "one"),
+            (r#"{"many": [{"a": 1}, [1, null]]}"#, "many[1]"),
+            (r#"{"named": {"x": [1, null]}}"#, "named.x"),
+            (r#"{"choices": [{"new": [1, null]}]}"#, "choices[0].new"),
+            (r#"{"choices": [{"fields": [1]}]}"#, "choices[0].fields"),
+            (r#"{"choices": [{"empty": []}]}"#, "choices[0].empty"),
+        ] {
+            assert_eq!(says(text), (path.into(), expected.into()), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_right_is_read() {
+        let text = r#"{"one": {"a": 1, "b": [1, 2]}, "many": [{"a": 2}], "named": {"x": {"a": 3}},
+            "choices": [{"new": {"a": 4}}, {"fields": {"x": 5}}, {"empty": {}}]}"#;
+        let inner = |a| Inner { a, b: None };
+        let expected = Outer {
+            one: Some(Inner { a: 1, b: Some([1.0, 2.0]) }),
+            many: vec![inner(2)],
+            named: [("x".to_owned(), inner(3))].into(),
+            choices: vec![Choice::New(inner(4)), Choice::Fields { x: 5 }, Choice::Empty(Empty {})],
+        };
+        assert_eq!(from_str::<Outer>(text).unwrap(), expected);
+        assert_eq!(from_slice::<Outer>(text.as_bytes()).unwrap(), expected);
+    }
+
+    #[test]
+    fn errors_are_in_plain_words() {
+        let message = |text: &str| says(text).1;
+        assert_eq!(message(r#"{"many": {}}"#), "an object stands here, expected a list");
+        assert_eq!(message(r#"{"many": 3}"#), "the number 3 stands here, expected a list");
+        assert_eq!(message(r#"{"one": {"a": -1}}"#), "the number -1 stands here, expected a whole number 0..=4294967295");
+        assert_eq!(message(r#"{"one": {"a": "x"}}"#), "the text \"x\" stands here, expected a whole number 0..=4294967295");
+        assert_eq!(message(r#"{"one": {"a": 1, "b": [1]}}"#), "a list of 1 stands here, expected a list of 2");
+        assert_eq!(message(r#"{"one": {"a": null}}"#), "null stands here, expected a whole number 0..=4294967295");
+        assert_eq!(message(r#"{"choices": ["new"]}"#), "a name alone stands here, expected a name and what it holds");
+        assert_eq!(message(r#"{"one": {}}"#), "missing field `a`");
+        assert_eq!(message(r#"{"one": "#), "the text ends within a value");
+        assert_eq!(message("{one: 1}"), "expected a key in quotes");
+        assert_eq!(message("{} {}"), "something stands after the end: trailing characters");
+        let long = format!(r#"{{"one": "{}"}}"#, "x".repeat(1000));
+        assert!(message(&long).len() < 200, "{}", message(&long));
+    }
+}
