@@ -206,9 +206,9 @@ mod tests {
     #[test]
     fn counts_of_one_name_add_up() {
         let mut facts = Facts::default();
-        facts.figure("z_tested", 2, "fragments", "tested early");
-        facts.figure("z_tested", 3, "fragments", "tested late");
-        assert_eq!((facts.count("z_tested"), facts.figures().count()), (5, 1));
+        facts.figure("items", 2, "items", "taken early");
+        facts.figure("items", 3, "items", "taken late");
+        assert_eq!((facts.count("items"), facts.figures().count()), (5, 1));
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub use observer::{Observer, Pictures, Unobserved, picture_name};
 pub use outcome::{Run, SessionError};
 pub use record::{begin_of, display_list};
 pub use run::{run, stages};
-pub use settings::{RunOptions, RunInput};
+pub use settings::{RunInput, RunOptions};
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]

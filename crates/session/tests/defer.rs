@@ -4,7 +4,7 @@ use basrelief_display_list::{Form, Recorder};
 use basrelief_machines::defer::DeferConfig;
 use basrelief_report::Report;
 use basrelief_scene::{ViewOptions, load_path};
-use basrelief_session::{RunOptions, RunInput, Unobserved, begin_of, display_list, run};
+use basrelief_session::{RunInput, RunOptions, Unobserved, begin_of, display_list, run};
 use basrelief_signals::{Control, Material, Object, Scene, Texture, Wrap};
 use std::io::Cursor;
 use std::path::Path;

@@ -4,7 +4,7 @@
 mod tool;
 
 use basrelief_reference::{Options, Picture, Shading, Style, TextureFilter};
-use basrelief_session::{MachineInfo, Observer, Pictures, RunOptions, RunInput, run};
+use basrelief_session::{MachineInfo, Observer, Pictures, RunInput, RunOptions, run};
 use basrelief_signals::Scene;
 use std::sync::Arc;
 use tool::{Mesa, agreement, double_sided, load};

@@ -8,7 +8,7 @@ use basrelief_parameters::load;
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_session::{RunOptions, RunInput, Unobserved, begin_of, display_list, run};
+use basrelief_session::{RunInput, RunOptions, Unobserved, begin_of, display_list, run};
 use basrelief_signals::{Control, Scene};
 use std::io::{self, Cursor, Read};
 use std::sync::Arc;

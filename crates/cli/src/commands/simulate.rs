@@ -10,7 +10,7 @@ use basrelief_kernel::{Engine, Probe, StageTopology};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, Form, MachineConfig, Observer, Run, SessionError, RunOptions, RunInput, Unobserved, picture_name,
+    self as session, Form, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved, picture_name,
 };
 use std::cell::Cell;
 use std::io::{BufWriter, IsTerminal, Write};
@@ -95,7 +95,12 @@ fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
 }
 
 /// A run whose errors name the input, unless it is the parameters or an output that are wrong.
-pub fn run_named(source: RunInput, settings: &RunOptions, observer: &mut dyn Observer, probe: Option<&mut dyn Probe>) -> Done<Run> {
+pub fn run_named(
+    source: RunInput,
+    settings: &RunOptions,
+    observer: &mut dyn Observer,
+    probe: Option<&mut dyn Probe>,
+) -> Done<Run> {
     let name = source.name().to_owned();
     session::run(source, settings, observer, probe).map_err(|e| match e {
         SessionError::Trace(_) | SessionError::Fault(_) => Failure::within(&name)(e),
@@ -107,7 +112,12 @@ pub fn run_named(source: RunInput, settings: &RunOptions, observer: &mut dyn Obs
     })
 }
 
-fn with_timeline(path: &Path, source: RunInput, settings: &RunOptions, files: &mut OutputFiles) -> Done<(Run, Option<PartialFile>)> {
+fn with_timeline(
+    path: &Path,
+    source: RunInput,
+    settings: &RunOptions,
+    files: &mut OutputFiles,
+) -> Done<(Run, Option<PartialFile>)> {
     let failed = || Failure::file(path, "be written");
     let stages: Vec<StageNames> = session::stages(&source, settings).map_err(Failure::bad)?.into_iter().map(names).collect();
     let mut file = PartialFile::create(path).map_err(failed())?;

@@ -7,7 +7,7 @@ use crate::error::{Done, Failure, print};
 use crate::input::Input;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
-use basrelief_session::{self as session, Observer, Run, RunOptions, RunInput};
+use basrelief_session::{self as session, Observer, Run, RunInput, RunOptions};
 use std::io::Write;
 use std::sync::Arc;
 

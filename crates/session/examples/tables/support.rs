@@ -3,7 +3,7 @@
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{DEMOS, ViewOptions, demo, load_path};
-use basrelief_session::{MachineInfo, RunOptions, RunInput, Unobserved, run};
+use basrelief_session::{MachineInfo, RunInput, RunOptions, Unobserved, run};
 use basrelief_signals::Scene;
 use std::error::Error;
 use std::fmt::Write;
