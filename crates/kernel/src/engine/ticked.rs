@@ -1,8 +1,9 @@
-//! `ticked`: every unit in every cycle. Each cycle of each unit is charged as it passes, and occupancies are counted
-//! cycle by cycle, so that nothing of the timed engine's interval arithmetic is shared.
+//! `ticked`: every unit in every cycle. It asks for the cause of a wait one cycle at a time, and counts the slots held at the end
+//! of each cycle; `timed` does both by intervals.
 //!
-//! What it does share with `timed`: the making of a step (`Stage::fire`), the steps in flight, the links and the memories.
-//! It is the oracle of the *order* in which things are done, and of the accounting; an error in what both share it cannot
+//! What it shares with `timed`: when a step can start (`Connections::next_start`), the causes of a wait
+//! (`Connections::split_wait`), the making of a step (`Stage::fire`), the steps in flight, the links and the memories. It is the
+//! oracle of the *order* in which things are done, and of what is added up over intervals; an error in what both share it cannot
 //! see. For that there is an executable reading of the laws that shares no code with this crate. Its results stand in
 //! `tests/vectors/laws.jsonl`, one plan and result per line, and `tests/vectors.rs` holds both engines against them. To
 //! repeat it with another reading: give it the `plan` of each line, and compare; `examples/plan.rs` runs one plan, or a
