@@ -1,6 +1,7 @@
 //! What the laws, and the proof of the timed engine, take for granted of a wiring: checked before the first step.
 
-use crate::place::{Clients, Place};
+use crate::connections::Clients;
+use crate::place::Place;
 use crate::wiring::{MAX_CLIENTS, MAX_LINKS, Machine, Visitor, Wires};
 use crate::{Link, Unit};
 

@@ -1,7 +1,7 @@
 //! What a stage has in flight: steps that wait for memory answers, or behind such a step (laws 4 and 5).
 
 use crate::cache::LookUp;
-use crate::place::Clients;
+use crate::connections::Clients;
 use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
 use crate::{Cycle, MemorySystem, Request, Traffic};
 use std::collections::VecDeque;

@@ -1,7 +1,8 @@
 //! What a run came to: accounting, occupancy, traffic.
 
+use crate::connections::{Clients, Connections};
 use crate::outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor, circle};
-use crate::place::{Clients, Connections, Place};
+use crate::place::Place;
 use crate::topology::StageTopology;
 use crate::wiring::{Inputs, Machine, Outputs, Visitor, Wires};
 use crate::{Account, CacheCounts, Cause, Cycle, Demand, Link, PortCounts, Unit};

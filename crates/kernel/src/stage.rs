@@ -1,8 +1,8 @@
 //! A unit in its place: when it is free, what it has in flight, where its cycles went.
 
 use crate::account::{Account, Cause};
+use crate::connections::{Clients, Connections};
 use crate::flight::{Delivery, Flight, Flights, MARKED, objection};
-use crate::place::{Clients, Connections};
 use crate::probe::Probe;
 use crate::wiring::{Inputs, MAX_CLIENTS, Outputs};
 use crate::{Cycle, Demand, Traffic, Unit};

@@ -1,6 +1,7 @@
 //! The block diagram as data: what `wire` shows, without running anything.
 
-use crate::place::{Clients, Connections, Place};
+use crate::connections::{Clients, Connections};
+use crate::place::Place;
 use crate::wiring::{Inputs, Machine, Outputs, Visitor};
 use crate::{Stage, Unit};
 

@@ -2,7 +2,8 @@
 
 use crate::difference::difference;
 use crate::exact::Exact;
-use crate::exhibits::{ExhibitInfo, Form, show_round};
+use crate::exhibits::content::{ExhibitInfo, Form};
+use crate::exhibits::spec::show_round;
 use crate::machines::{Logs, MachineSpec, PictureRecord, RunSummary};
 use crate::observer::{Observer, Pictures, picture_name};
 use crate::outcome::{Run, SessionError};

@@ -34,7 +34,7 @@ mod settings;
 mod tee;
 
 pub use ablation::ablate;
-pub use exhibits::{Content, Exhibit, ExhibitInfo, Form};
+pub use exhibits::content::{Content, Exhibit, ExhibitInfo, Form};
 pub use expectation::{check_expectation, expectation_of};
 pub use machines::{MACHINES, MachineConfig, MachineInfo, TileFetch};
 pub use methods::compare_methods;

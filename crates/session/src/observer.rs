@@ -1,6 +1,6 @@
 //! Watching a run from outside.
 
-use crate::exhibits::Exhibit;
+use crate::exhibits::content::Exhibit;
 use basrelief_reference::{Picture, Quality};
 
 /// A finished frame, as the machine and as the exact renderer drew it.

@@ -1,6 +1,6 @@
 //! What to run, and how.
 
-use crate::exhibits::ExhibitInfo;
+use crate::exhibits::content::ExhibitInfo;
 use crate::machines::MachineConfig;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles};

@@ -1,7 +1,8 @@
 //! The functional model: the same steps, without time; memories answer at once (law 6).
 
 use super::fault_of;
-use crate::place::{Connections, Place};
+use crate::connections::Connections;
+use crate::place::Place;
 use crate::wiring::{Inputs, Machine, Outputs, Visitor, Wires};
 use crate::{Demand, Traffic, Unit};
 

@@ -5,7 +5,8 @@ mod ticked;
 mod timed;
 
 use crate::check::check_wiring;
-use crate::place::{Clients, Place};
+use crate::connections::Clients;
+use crate::place::Place;
 use crate::report::{RunReport, conclude};
 use crate::wiring::{Machine, Visitor};
 use crate::{Cycle, Probe, Traffic};

@@ -10,7 +10,8 @@
 //! folder of such vectors, from the command line.
 
 use super::{Land, Limits, fault_of};
-use crate::place::{Clients, Connections, Place};
+use crate::connections::{Clients, Connections};
+use crate::place::Place;
 use crate::report::Halt;
 use crate::stage::{Clock, Start, Wait, charge};
 use crate::wiring::{Inputs, Machine, Outputs, Visitor, Wires};

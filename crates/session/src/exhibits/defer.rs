@@ -1,8 +1,9 @@
 //! The exhibits of machine `defer`: pictures of rounds, layer depth, tile load lists, the reference buffer, tiles.
 
+use super::content::Form;
+use super::spec::ExhibitSpec;
 use super::tile_lines::{write_reference_buffer, write_tiles};
 use super::tile_pictures::{layer_depth_picture, tile_map_picture};
-use super::{ExhibitSpec, Form};
 use basrelief_deferred_renderer::{FilledBuffer, Page, TileList, TileRecord};
 use basrelief_machines::defer::DeferConfig;
 use std::sync::Arc;
@@ -18,7 +19,7 @@ pub enum DeferLog {
     TileLists(Vec<(Arc<Page>, TileList)>),
 }
 
-pub(crate) const EXHIBITS: &[ExhibitSpec<DeferConfig>] = &[
+pub(crate) const EXHIBITS: &[ExhibitSpec<DeferConfig, DeferLog>] = &[
     ExhibitSpec::rounds("image", "each picture of the progressive mode"),
     ExhibitSpec::picture("layer-depth", Form::NamedPicturePerFrame, "layer of the pyramid by pixel", |_, log| match log {
         DeferLog::ReferenceBuffer(filled) => Some(layer_depth_picture(filled)),

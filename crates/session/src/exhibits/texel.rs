@@ -1,7 +1,8 @@
 //! The exhibits of machine `texel`: spans, displacements, division points.
 
+use super::content::Form;
 use super::heat_map::heat_map;
-use super::{ExhibitSpec, Form};
+use super::spec::ExhibitSpec;
 use basrelief_machines::texel::{DisplacementMap, FrameLog, SpanRecord, TexelMachineConfig};
 use basrelief_reference::Picture;
 use std::io::{self, Write};
@@ -14,7 +15,7 @@ pub struct TexelLog {
     pub(crate) picture: Picture,
 }
 
-pub(crate) const EXHIBITS: &[ExhibitSpec<TexelMachineConfig>] = &[
+pub(crate) const EXHIBITS: &[ExhibitSpec<TexelMachineConfig, TexelLog>] = &[
     ExhibitSpec::lines("spans", "spans with their division points", |frame, log: &TexelLog, out| {
         write_spans(frame, &log.frame.spans, out)
     }),

@@ -1,8 +1,8 @@
 //! The rate-limited renderer as a [`MachineSpec`].
 
 use super::spec::{Logs, MachineSpec, PictureRecord, RunSummary, TileFetch};
-use crate::exhibits::ExhibitSpec;
 use crate::exhibits::defer::{DeferLog, EXHIBITS};
+use crate::exhibits::spec::ExhibitSpec;
 use basrelief_deferred_renderer::{Lighting, RenderMode, TexelCentre, TileSource};
 use basrelief_frame_buffer::{FinishedFrame, ShownPicture};
 use basrelief_kernel::facts::{Part, Value};
@@ -17,7 +17,7 @@ impl MachineSpec for DeferConfig {
     const DIAGRAM: &'static str = defer::DIAGRAM;
     const UNITS: &'static [UnitInfo] = defer::UNITS;
     const DEMOS: &'static [&'static str] = &["gallery"];
-    const EXHIBITS: &'static [ExhibitSpec<Self>] = EXHIBITS;
+    const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = EXHIBITS;
     const FETCHES_TILES: bool = true;
     type Machine<F: FrontEnd> = DeferredRenderer<F>;
     type Log = DeferLog;

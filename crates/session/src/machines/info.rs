@@ -1,7 +1,7 @@
 //! What there is to know of a machine before it runs.
 
 use super::{MACHINES, MachineConfig, MachineSpec};
-use crate::exhibits::ExhibitInfo;
+use crate::exhibits::content::ExhibitInfo;
 use basrelief_machines::UnitInfo;
 use basrelief_parameters::{ConfigError, Parameter};
 use serde_json::Value;

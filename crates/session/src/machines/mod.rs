@@ -121,6 +121,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exhibits::content::{ExhibitInfo, Form};
     use basrelief_scene::DEMOS;
 
     #[test]
@@ -158,5 +159,16 @@ mod tests {
         }
         assert_eq!(MachineConfig::default().machine().name, MACHINES[0].name);
         assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade, texel, defer"));
+    }
+
+    /// Lines are asked for by name alone, and a picture's name is that of its file.
+    #[test]
+    fn no_two_exhibits_of_a_form_have_one_name() {
+        let all: Vec<_> = MACHINES.iter().flat_map(|m| m.exhibits()).collect();
+        let lines = |e: &ExhibitInfo| e.form == Form::Lines;
+        for (n, one) in all.iter().enumerate() {
+            let same = |other: &&ExhibitInfo| other.name == one.name && lines(other) == lines(one);
+            assert_eq!(all[n..].iter().filter(same).count(), 1, "{}", one.name);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! What a run needs to know of a machine, whichever it is.
 
-use crate::exhibits::ExhibitSpec;
+use crate::exhibits::spec::ExhibitSpec;
 use basrelief_deferred_renderer::{TileEncoding, TileSource};
 use basrelief_frame_buffer::{FinishedFrame, ShownPicture};
 use basrelief_kernel::RunReport;
@@ -28,7 +28,7 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
     /// The short cuts that an ablation switches off.
     const SHORT_CUTS: &'static [ShortCut<Self>] = &[];
     /// What it shows beside its finished pictures.
-    const EXHIBITS: &'static [ExhibitSpec<Self>] = &[];
+    const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = &[];
     /// Its textures come over a path, from a server that may be elsewhere.
     const FETCHES_TILES: bool = false;
     /// The machine behind one way in.

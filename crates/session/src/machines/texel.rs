@@ -2,7 +2,7 @@
 
 use super::spec::{Logs, MachineSpec};
 use crate::drive::picture;
-use crate::exhibits::ExhibitSpec;
+use crate::exhibits::spec::ExhibitSpec;
 use crate::exhibits::texel::{EXHIBITS, TexelLog};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::texel::{self, TexelMachineConfig, TextureMappingSystem};
@@ -17,7 +17,7 @@ impl MachineSpec for TexelMachineConfig {
     const DIAGRAM: &'static str = texel::DIAGRAM;
     const UNITS: &'static [UnitInfo] = texel::UNITS;
     const DEMOS: &'static [&'static str] = &["corridor", "turntable"];
-    const EXHIBITS: &'static [ExhibitSpec<Self>] = EXHIBITS;
+    const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = EXHIBITS;
     type Machine<F: FrontEnd> = TextureMappingSystem<F>;
     type Log = TexelLog;
 
