@@ -1,7 +1,7 @@
 //! The commands of a display list, as they stand in a trace: plain data, one type per command.
 
 use crate::data::{Digest, Texels};
-use crate::setting::Setting;
+use crate::parameter_value::ParameterValue;
 use basrelief_signals::{Camera, Light, LightKind, Lighting, Sampler};
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
@@ -342,7 +342,7 @@ fields! {
         /// Machine, such as `bump`.
         machine: Option<String>,
         /// Settings other than the defaults, by dotted name.
-        config: BTreeMap<String, Setting>,
+        config: BTreeMap<String, ParameterValue>,
         /// Total \[cycles\].
         cycles: Option<u64>,
         /// Of each frame \[cycles\].

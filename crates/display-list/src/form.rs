@@ -68,13 +68,13 @@ fn peek<R: Read>(mut reader: R) -> io::Result<(Vec<u8>, Peeked<R>)> {
 }
 
 /// Uncompressed bytes of a trace.
-pub(crate) enum Source<R: Read> {
+pub(crate) enum TraceBytes<R: Read> {
     Plain(BufReader<Peeked<R>>),
     #[cfg(feature = "zstd")]
     Zstd(Box<BufReader<Peeked<Decoder<R>>>>),
 }
 
-impl<R: Read> Source<R> {
+impl<R: Read> TraceBytes<R> {
     /// The source and the first bytes of what it will give.
     pub(crate) fn open(reader: R) -> io::Result<(Vec<u8>, Self)> {
         let (head, reader) = peek(reader)?;
@@ -102,7 +102,7 @@ fn no_compression() -> io::Error {
     io::Error::new(io::ErrorKind::Unsupported, message)
 }
 
-impl<R: Read> Read for Source<R> {
+impl<R: Read> Read for TraceBytes<R> {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         match self {
             Self::Plain(reader) => reader.read(into),
@@ -112,7 +112,7 @@ impl<R: Read> Read for Source<R> {
     }
 }
 
-impl<R: Read> BufRead for Source<R> {
+impl<R: Read> BufRead for TraceBytes<R> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
         match self {
             Self::Plain(reader) => reader.fill_buf(),

@@ -57,12 +57,12 @@ mod command;
 mod data;
 mod error;
 mod form;
+mod parameter_value;
 mod reader;
 mod recorder;
 mod resolver;
 mod schema;
 mod sequence;
-mod setting;
 mod writer;
 
 pub use check::GUARD_BAND;
@@ -73,9 +73,9 @@ pub use command::{
 pub use data::{Digest, Texels};
 pub use error::{ErrorKind, Place, TraceError};
 pub use form::{Encoding, Form, looks_like_trace};
+pub use parameter_value::{ParameterValue, Scalar};
 pub use reader::{Reader, open};
 pub use recorder::{CanonicalHash, Recorder};
 pub use resolver::{Files, NoFiles, Resolver};
 pub use schema::schema;
-pub use setting::{Scalar, Setting};
 pub use writer::{Writer, convert};

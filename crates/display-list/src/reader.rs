@@ -3,7 +3,7 @@
 use crate::check::{check, check_version};
 use crate::command::{Begin, Command};
 use crate::error::{ErrorKind, Fault, Place, TraceError};
-use crate::form::{BINARY_MAGIC, Encoding, Source};
+use crate::form::{BINARY_MAGIC, Encoding, TraceBytes};
 use crate::sequence::Order;
 use basrelief_input::JsonFault;
 use serde::Deserialize;
@@ -22,7 +22,7 @@ const KEEP: usize = 1 << 20;
 ///
 /// One command is in memory at a time; what a file says about sizes drives no allocation, only the bytes that arrive.
 pub struct Reader<R: Read> {
-    source: Source<R>,
+    source: TraceBytes<R>,
     encoding: Encoding,
     order: Order,
     begin: Begin,
@@ -36,7 +36,7 @@ pub struct Reader<R: Read> {
 /// # Errors
 /// If the input cannot be read, is no display list, or has another version.
 pub fn open<R: Read>(reader: R) -> Result<Reader<R>, TraceError> {
-    let (head, source) = Source::open(reader).map_err(|e| open_error(&e))?;
+    let (head, source) = TraceBytes::open(reader).map_err(|e| open_error(&e))?;
     let encoding = if head.starts_with(&BINARY_MAGIC) { Encoding::Binary } else { Encoding::JsonLines };
     if encoding == Encoding::JsonLines && !head.is_empty() && !head.starts_with(b"{") {
         let message = r#"no display list: expected JSON Lines that open with {"begin", their binary twin, or either in zstd"#;

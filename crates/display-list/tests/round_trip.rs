@@ -124,14 +124,17 @@ fn textures_defined_in_a_frame_as_older_traces_have_them_are_declared_with_none(
     assert_eq!(resolved.iter().filter_map(declared).collect::<Vec<_>>(), [[3], [4]]);
 }
 
-fn setting() -> impl Strategy<Value = Setting> {
+fn setting() -> impl Strategy<Value = ParameterValue> {
     let scalar = prop_oneof![
         any::<bool>().prop_map(Scalar::Bool),
         any::<i64>().prop_map(Scalar::Integer),
         any::<f64>().prop_filter("finite", |x| x.is_finite()).prop_map(Scalar::Number),
         any::<String>().prop_map(Scalar::Text),
     ];
-    prop_oneof![scalar.clone().prop_map(Setting::One), proptest::collection::vec(scalar, 0..4).prop_map(Setting::List)]
+    prop_oneof![
+        scalar.clone().prop_map(ParameterValue::One),
+        proptest::collection::vec(scalar, 0..4).prop_map(ParameterValue::List)
+    ]
 }
 
 #[test]

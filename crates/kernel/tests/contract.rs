@@ -1,6 +1,6 @@
 //! The unit contract: units that keep it pass, and each way to break it is caught and named.
 
-use basrelief_kernel::contract::{Client, Contract, Sink, Source};
+use basrelief_kernel::contract::{ClientKind, Contract, Sink, Source};
 use basrelief_kernel::{Demand, Step, Traffic, Unit, unit_contract};
 use std::cell::Cell;
 use std::rc::Rc;
@@ -146,13 +146,13 @@ impl Unit for Triple {
     }
 }
 
-const CLIENTS: [Client; 2] = [Client::Cache { line_bytes: 64 }, Client::Port];
+const CLIENTS: [ClientKind; 2] = [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port];
 
 unit_contract! {
     name: triple,
     unit: Triple::default(),
     inputs: (0..30).collect(),
-    clients: [Client::Cache { line_bytes: 64 }, Client::Port],
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
     state: |unit| unit.held => |unit, held| unit.held = held,
 }
 
@@ -173,9 +173,9 @@ fn a_step_beyond_the_largest_is_named() {
 
 #[test]
 fn a_client_that_is_not_listed_is_named() {
-    let broken = contract(Triple::default()).clients(&[Client::Cache { line_bytes: 64 }]).check_all().unwrap_err();
+    let broken = contract(Triple::default()).clients(&[ClientKind::Cache { line_bytes: 64 }]).check_all().unwrap_err();
     assert!(broken.what.ends_with("a step uses client 1, but the contract gives it 1"), "{broken}");
-    let broken = contract(Triple::default()).clients(&[Client::Port, Client::Port]).check_all().unwrap_err();
+    let broken = contract(Triple::default()).clients(&[ClientKind::Port, ClientKind::Port]).check_all().unwrap_err();
     assert!(broken.what.ends_with("a step looks up a line in client 0, which has no cache"), "{broken}");
 }
 

@@ -27,7 +27,7 @@ use basrelief_signals::Scene;
 use error::Warnings;
 use model::Model;
 use std::path::Path;
-use view::Setting;
+use view::ViewHints;
 
 /// Imports a model: GLB and glTF are told by their content, OBJ by the ending of its name.
 ///
@@ -38,7 +38,7 @@ use view::Setting;
 pub fn load(bytes: &[u8], name: &str, files: &dyn Files, options: &ViewOptions) -> Result<Scene, SceneError> {
     let mut warnings = Warnings::default();
     let model = import(bytes, name, files, &mut warnings).map_err(|e| e.in_file(name))?;
-    let frames = Setting::still(model.bounds, model.camera, model.lamps).frames(options)?;
+    let frames = ViewHints::still(model.bounds, model.camera, model.lamps).frames(options)?;
     Ok(Scene { name: name.into(), objects: model.objects, frames, warnings: warnings.into_vec() })
 }
 

@@ -59,7 +59,7 @@ pub(crate) enum LightOrbit {
 }
 
 /// What a model or a demo says about its view.
-pub(crate) struct Setting {
+pub(crate) struct ViewHints {
     /// Around all vertices, in the world.
     pub bounds: Bounds,
     /// The model's camera.
@@ -74,8 +74,8 @@ pub(crate) struct Setting {
     pub light_orbit: LightOrbit,
 }
 
-impl Setting {
-    /// The setting of a model without animation.
+impl ViewHints {
+    /// The hints of a model without animation.
     pub(crate) fn still(bounds: Bounds, camera: Option<Viewpoint>, lamps: Vec<(Lamp, f64)>) -> Self {
         Self { bounds, camera, lamps, frames: 1, orbit: 0.0, light_orbit: LightOrbit::Degrees(0.0) }
     }
@@ -199,14 +199,14 @@ mod tests {
     use crate::camera::Lens;
     use glam::DVec4;
 
-    fn setting(lamps: Vec<(Lamp, f64)>) -> Setting {
-        Setting::still(Bounds { low: DVec3::new(1., 0., 0.), high: DVec3::new(3., 2., 2.) }, None, lamps)
+    fn hints(lamps: Vec<(Lamp, f64)>) -> ViewHints {
+        ViewHints::still(Bounds { low: DVec3::new(1., 0., 0.), high: DVec3::new(3., 2., 2.) }, None, lamps)
     }
 
     #[test]
     fn frame_k_of_n_turns_by_k_nths_of_the_angle() {
         let options = ViewOptions { orbit_degrees: Some(360.0), frames: Some(4), ..ViewOptions::default() };
-        let frames = setting(vec![]).frames(&options).unwrap();
+        let frames = hints(vec![]).frames(&options).unwrap();
         let azimuth = |f: &Frame| libm::atan2(f.camera.to_viewer[0], f.camera.to_viewer[2]).to_degrees();
         for (k, frame) in frames.iter().enumerate() {
             let expected = [30.0, 120.0, -150.0, -60.0][k];
@@ -227,7 +227,7 @@ mod tests {
             frames: Some(2),
             ..ViewOptions::default()
         };
-        let frames = setting(vec![]).frames(&options).unwrap();
+        let frames = hints(vec![]).frames(&options).unwrap();
         assert_eq!(frames[0].camera.to_light, [0., 0., 1.]);
         let turned = DVec3::from_array(frames[1].camera.to_light);
         assert!((turned - DVec3::X).length() < 1e-12, "{turned:?}");
@@ -236,7 +236,7 @@ mod tests {
 
     #[test]
     fn a_model_that_turns_is_lit_from_where_the_camera_stands() {
-        let turning = Setting { frames: 4, orbit: 360.0, light_orbit: LightOrbit::WithCamera, ..setting(vec![]) };
+        let turning = ViewHints { frames: 4, orbit: 360.0, light_orbit: LightOrbit::WithCamera, ..hints(vec![]) };
         let seen_by_the_camera = |options: ViewOptions| {
             let frames = turning.frames(&options).unwrap();
             let angle = |v: [f64; 3]| libm::atan2(v[0], v[2]).to_degrees();
@@ -253,7 +253,7 @@ mod tests {
     fn the_users_light_goes_before_the_camera_files_and_that_before_the_models() {
         let camera = Camera { view_projection: rows(DMat4::IDENTITY), to_light: [1., 0., 0.], to_viewer: [0., 0., 1.] };
         let lamps = vec![(Lamp::Point(DVec3::new(2., 11., 1.)), 0.5), (Lamp::Directional(DVec3::Z), 1.0)];
-        let first = |options: ViewOptions| setting(lamps.clone()).frames(&options).unwrap()[0].clone();
+        let first = |options: ViewOptions| hints(lamps.clone()).frames(&options).unwrap()[0].clone();
         let own = first(ViewOptions::default());
         assert_eq!((own.lights.len(), own.camera.to_light), (2, [0., 1., 0.]));
         let file = ViewOptions { camera: Some(camera), ..ViewOptions::default() };
@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn absurd_wishes_are_refused() {
-        let refuses = |options: ViewOptions| setting(vec![]).frames(&options).unwrap_err();
+        let refuses = |options: ViewOptions| hints(vec![]).frames(&options).unwrap_err();
         let d = ViewOptions::default;
         refuses(ViewOptions { size: [0, 4], ..d() });
         refuses(ViewOptions { size: [4, 100_000], ..d() });
@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn a_model_camera_is_used_and_an_orthographic_viewer_stands_on_its_axis() {
         let lens = Lens::Orthographic { half_height: 1.0, near: 0.1, far: 10.0 };
-        let mut s = setting(vec![]);
+        let mut s = hints(vec![]);
         s.camera = Viewpoint::placed(DMat4::from_translation(DVec3::new(0., 0., 5.)), lens);
         let frame = &s.frames(&ViewOptions { size: [200, 100], ..ViewOptions::default() }).unwrap()[0];
         assert_eq!(frame.camera.to_viewer, [0., 0., 1.]);

@@ -1,11 +1,11 @@
 //! Expectations: what a trace says a machine makes of it.
 
-use basrelief_display_list::{Expectation, ExpectedTraffic, Setting};
+use basrelief_display_list::{Expectation, ExpectedTraffic, ParameterValue};
 use basrelief_report::Report;
 use std::collections::BTreeMap;
 
 /// What `report` says, as an expectation under these settings (other than the defaults, in TOML).
-pub fn expectation_of(report: &Report, config: BTreeMap<String, Setting>) -> Expectation {
+pub fn expectation_of(report: &Report, config: BTreeMap<String, ParameterValue>) -> Expectation {
     let traffic = |c: &basrelief_report::model::Client| ExpectedTraffic { read_bytes: c.read_bytes, write_bytes: c.write_bytes };
     Expectation {
         machine: Some(report.machine.clone()),

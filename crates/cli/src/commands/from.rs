@@ -6,7 +6,7 @@ use crate::error::{Done, Failure};
 use crate::input;
 use crate::interrupt;
 use crate::progress::{Progress, TileProgress};
-use crate::remote::{Fetcher, Kept, Patience, RemoteTiles, TileCache};
+use crate::remote::{Fetcher, Patience, RemoteTiles, TileCache, TileStore};
 use basrelief_session::{MACHINES, MachineConfig, RunInput};
 use std::io::Cursor;
 use std::path::PathBuf;
@@ -41,7 +41,7 @@ pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
         interrupt::say("interrupted; nothing was written but the tiles in --tile-cache");
     }
     let failed = Arc::new(OnceLock::new());
-    let kept = cache.map(|cache| Kept { cache, failed: Arc::clone(&failed) });
+    let kept = cache.map(|cache| TileStore { cache, failed: Arc::clone(&failed) });
     let tiles = Box::new(RemoteTiles::new(fetcher, (fetch.encoding, fetch.jpeg_quality), fetch.requests, kept, shown));
     let source = RunInput::Remote { reader: Box::new(Cursor::new(polygons)), name: url.into(), tiles };
     let mut settings = settings_of(config, &args.simulation);

@@ -6,7 +6,7 @@ use crate::args::RecordArgs;
 use crate::error::{Done, Failure};
 use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
-use basrelief_display_list::{Begin, Encoding, Expectation, Form, Recorder, Setting};
+use basrelief_display_list::{Begin, Encoding, Expectation, Form, ParameterValue, Recorder};
 use basrelief_session::{MachineConfig, RunInput, begin_of, display_list, expectation_of};
 use basrelief_signals::Scene;
 use std::collections::BTreeMap;
@@ -57,7 +57,7 @@ fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs) -> Do
 }
 
 /// What a replay must be told: parameters that are not at their default, and those that the user named all the same.
-fn settings_of(config: &MachineConfig, named: &[(String, String)]) -> Done<BTreeMap<String, Setting>> {
+fn settings_of(config: &MachineConfig, named: &[(String, String)]) -> Done<BTreeMap<String, ParameterValue>> {
     let whole = config.to_value();
     let mut settings = BTreeMap::new();
     for parameter in config.machine().parameters() {

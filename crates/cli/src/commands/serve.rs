@@ -6,7 +6,7 @@ use crate::error::{Done, Failure, print};
 use crate::input::{self, Input, demo_of};
 use crate::interrupt;
 use crate::progress::Progress;
-use crate::remote::{Limits, Served, hex};
+use crate::remote::{Limits, TileService, hex};
 use basrelief_display_list::{Encoding, Form};
 use basrelief_session::begin_of;
 use basrelief_signals::{Image, Material, Object, Scene, Texture};
@@ -36,7 +36,7 @@ pub fn serve(args: &ServeArgs, quiet: bool) -> Done {
         vec![],
         Progress::new(None, "commands", quiet),
     )?;
-    let served = Served::new(polygons, textures(&scene), hash_of_textures(&scene));
+    let served = TileService::new(polygons, textures(&scene), hash_of_textures(&scene));
     let (address, server) = served.listen(args.listen, Limits::default()).map_err(Failure::Bad)?;
     interrupt::say("stopped serving");
     if !quiet {

@@ -89,7 +89,7 @@ impl Exchange {
 
 /// Where tiles that have come are kept, and why they are not.
 #[derive(Clone, Debug)]
-pub struct Kept {
+pub struct TileStore {
     /// Where.
     pub cache: TileCache,
     /// Set when a tile could not be written: from then on none is.
@@ -103,7 +103,7 @@ struct Worker {
     fetcher: Fetcher,
     encoding: TileEncoding,
     quality: u8,
-    kept: Option<Kept>,
+    kept: Option<TileStore>,
     progress: TileProgress,
 }
 
@@ -164,7 +164,7 @@ impl RemoteTiles {
         fetcher: Fetcher,
         (encoding, quality): (TileEncoding, u8),
         in_flight: u32,
-        kept: Option<Kept>,
+        kept: Option<TileStore>,
         progress: TileProgress,
     ) -> Self {
         let worker = Worker { exchange: Arc::new(Exchange::default()), fetcher, encoding, quality, kept, progress };

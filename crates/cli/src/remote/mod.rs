@@ -17,10 +17,10 @@ mod server;
 mod tests;
 
 pub use cache::TileCache;
-pub use client::{Kept, RemoteTiles};
+pub use client::{RemoteTiles, TileStore};
 pub use fetch::{Fetcher, Patience};
 pub use listen::Limits;
-pub use server::Served;
+pub use server::TileService;
 
 use sha2::{Digest as _, Sha256};
 

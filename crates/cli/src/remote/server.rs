@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// A texture that is offered.
 #[derive(Debug)]
-pub(super) struct Offered {
+pub(super) struct OfferedTexture {
     texture: Arc<Texture>,
     /// Its layers, kept once they are asked for. Tiles are not: there are as many as ways to cut and to encode them.
     pub(super) pyramid: Mutex<ServedTexture>,
@@ -19,19 +19,19 @@ pub(super) struct Offered {
 
 /// What is offered.
 #[derive(Debug)]
-pub struct Served {
+pub struct TileService {
     polygons: Arc<[u8]>,
     hash_of_polygons: String,
     hash_of_textures: String,
-    pub(super) textures: BTreeMap<u32, Offered>,
+    pub(super) textures: BTreeMap<u32, OfferedTexture>,
 }
 
-impl Served {
+impl TileService {
     /// Offers this list of polygons and these textures, which have this hash.
     pub fn new(polygons: Vec<u8>, textures: impl IntoIterator<Item = Arc<Texture>>, hash_of_textures: String) -> Self {
         let offered = |texture: Arc<Texture>| {
             let pyramid = Mutex::new(ServedTexture::new(Arc::clone(&texture)));
-            (texture.id, Offered { texture, pyramid })
+            (texture.id, OfferedTexture { texture, pyramid })
         };
         let textures = textures.into_iter().map(offered).collect();
         Self { hash_of_polygons: hash_of(&polygons), polygons: polygons.into(), hash_of_textures, textures }
@@ -63,7 +63,7 @@ impl Served {
     }
 }
 
-impl Answers for Served {
+impl Answers for TileService {
     fn answer(&self, path: &str) -> Answer {
         if path == "/polygons" {
             return Answer::found(Arc::clone(&self.polygons), self.hash_of_polygons.clone());

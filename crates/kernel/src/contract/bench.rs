@@ -1,6 +1,6 @@
 //! A machine around one unit: a source per input, a sink per output, and the memory behind its clients.
 
-use super::Client;
+use super::ClientKind;
 use super::ends::{Back, Emitted, Front, Popped};
 use super::guard::Guard;
 use crate::wiring::{Machine, Visitor};
@@ -66,7 +66,7 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
         unit: U,
         tokens: <U::In as Popped>::Tokens,
         expected: Option<<U::Out as Emitted>::Tokens>,
-        clients: &[Client],
+        clients: &[ClientKind],
         setting: &Surroundings,
     ) -> Self {
         Self::guarded(Guard::new(unit, clients), tokens, expected, setting)
@@ -80,12 +80,12 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
     ) -> Self {
         let mut memories = MemorySystem::default();
         let memory = memories.add_memory("memory", &setting.memory());
-        let mut add = |(n, client): (usize, &Client)| {
+        let mut add = |(n, client): (usize, &ClientKind)| {
             let credits = guard.largest_step(n).max(1) + if setting.slow_memory { 0 } else { 8 };
             let name = format!("client_{n}");
             match client {
-                Client::Port => memories.add_client(&name, memory, credits),
-                Client::Cache { line_bytes } => {
+                ClientKind::Port => memories.add_client(&name, memory, credits),
+                ClientKind::Cache { line_bytes } => {
                     let cache = setting.cache(*line_bytes);
                     memories.add_cached_client(&name, memory, credits, &format!("cache_{n}"), &cache)
                 }

@@ -1,7 +1,7 @@
 //! The unit contract.
 
 use super::guard::{AfterStep, Guard};
-use super::{Bench, Client, Emitted, Popped, Surroundings};
+use super::{Bench, ClientKind, Emitted, Popped, Surroundings};
 use crate::{Engine, Outcome, RunReport, Unit, run, run_functional};
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Display;
@@ -47,7 +47,7 @@ impl<U: 'static> StateOf<U> {
 pub struct Contract<U: Unit<In: Popped>> {
     fresh: U,
     tokens: <U::In as Popped>::Tokens,
-    clients: Vec<Client>,
+    clients: Vec<ClientKind>,
     state: StateOf<U>,
 }
 
@@ -88,7 +88,7 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
 
     /// What stands behind each memory client of the unit, in the unit's numbering.
     #[must_use]
-    pub fn clients(mut self, clients: &[Client]) -> Self {
+    pub fn clients(mut self, clients: &[ClientKind]) -> Self {
         self.clients = clients.to_vec();
         self
     }

@@ -1,6 +1,6 @@
 //! A unit under watch: every step is held against what the unit declared before it.
 
-use super::Client;
+use super::ClientKind;
 use crate::traffic::Request;
 use crate::{Demand, Step, Traffic, Unit};
 use std::rc::Rc;
@@ -12,12 +12,12 @@ pub(super) type AfterStep<U> = Rc<dyn Fn(&mut U) -> Result<(), String>>;
 #[derive(Clone)]
 pub(super) struct Guard<U> {
     pub(super) unit: U,
-    clients: Vec<Client>,
+    clients: Vec<ClientKind>,
     after_step: Option<AfterStep<U>>,
 }
 
 impl<U: Unit> Guard<U> {
-    pub(super) fn new(unit: U, clients: &[Client]) -> Self {
+    pub(super) fn new(unit: U, clients: &[ClientKind]) -> Self {
         Self { unit, clients: clients.to_vec(), after_step: None }
     }
 
@@ -26,7 +26,7 @@ impl<U: Unit> Guard<U> {
         self
     }
 
-    pub(super) fn clients(&self) -> &[Client] {
+    pub(super) fn clients(&self) -> &[ClientKind] {
         &self.clients
     }
 
@@ -41,11 +41,11 @@ impl<U: Unit> Guard<U> {
             let mut needs = traffic.requests.iter().filter(mine).count();
             let look_ups: Vec<_> = traffic.look_ups.iter().filter(mine).collect();
             match client {
-                Client::Port if !look_ups.is_empty() => {
+                ClientKind::Port if !look_ups.is_empty() => {
                     return Some(format!("a step looks up a line in client {n}, which has no cache"));
                 }
-                Client::Port => {}
-                Client::Cache { line_bytes } => needs += distinct_lines(&look_ups, u64::from((*line_bytes).max(1))),
+                ClientKind::Port => {}
+                ClientKind::Cache { line_bytes } => needs += distinct_lines(&look_ups, u64::from((*line_bytes).max(1))),
             }
             let exceeded = needs > largest as usize;
             exceeded.then(|| format!("a step needs {needs} credits of client {n}, largest_step({n}) declared {largest}"))

@@ -34,15 +34,15 @@
 //!     unit: Sum::default(),
 //!     inputs: (0..100).collect(),
 //!     // One per memory client of the unit, in its numbering; leave the line out where it has none.
-//!     clients: [Client::Port, Client::Cache { line_bytes: 64 }],
+//!     clients: [ClientKind::Port, ClientKind::Cache { line_bytes: 64 }],
 //!     // Its state is its field `state`; `stateless` where it has none.
 //!     state,
 //! }
 //!
 //! // The same, as one call: for units that are built at run time.
-//! # use basrelief_kernel::contract::{Client, Contract};
+//! # use basrelief_kernel::contract::{ClientKind, Contract};
 //! Contract::new(Sum::default(), (0..100).collect(), |unit| unit.state, |unit, state| unit.state = state)
-//!     .clients(&[Client::Port, Client::Cache { line_bytes: 64 }])
+//!     .clients(&[ClientKind::Port, ClientKind::Cache { line_bytes: 64 }])
 //!     .check_all()?;
 //! # Ok::<(), basrelief_kernel::contract::Broken>(())
 //! ```
@@ -103,7 +103,7 @@ pub use source::Source;
 
 /// What is behind a memory client of the unit under test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Client {
+pub enum ClientKind {
     /// A port of the memory.
     Port,
     /// A cache in front of a port.
@@ -138,7 +138,7 @@ macro_rules! unit_contract {
             #[allow(unused_imports, reason = "a contract may need nothing from around it")]
             use super::*;
             #[allow(unused_imports, reason = "a unit may have no memory client")]
-            use $crate::contract::Client;
+            use $crate::contract::ClientKind;
 
             fn contract() -> $crate::contract::Contract<
                 impl $crate::Unit<In: $crate::contract::Popped, Out: $crate::contract::Emitted> + Clone + 'static,

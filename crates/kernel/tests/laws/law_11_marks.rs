@@ -1,6 +1,6 @@
 //! Mark k is passed in the cycle in which the marked step delivers; marks[k] = end(k) - end(k-1); the rest is drain.
 
-use basrelief_kernel::contract::{Bench, Client, Surroundings};
+use basrelief_kernel::contract::{Bench, ClientKind, Surroundings};
 use basrelief_kernel::{Demand, Engine, RunReport, Step, Traffic, Unit, run};
 
 /// Marks every third step; looks up the same line in each.
@@ -29,7 +29,7 @@ impl Unit for Marker {
 
 fn both(clients: bool, gaps: &[u64]) -> RunReport {
     let setting = Surroundings { depth: 16, latency: 1, source_gaps: gaps.to_vec(), ..Surroundings::default() };
-    let clients: &[Client] = if clients { &[Client::Cache { line_bytes: 64 }] } else { &[] };
+    let clients: &[ClientKind] = if clients { &[ClientKind::Cache { line_bytes: 64 }] } else { &[] };
     let unit = Marker { clients: !clients.is_empty() };
     let [timed, ticked] = [Engine::Timed, Engine::Ticked]
         .map(|engine| run(&mut Bench::new(unit.clone(), (0..7).collect(), None, clients, &setting), engine));

@@ -19,7 +19,7 @@ mod turntable;
 
 use crate::camera::{Bounds, Viewpoint};
 use crate::model::bounds;
-use crate::view::{Lamp, Setting};
+use crate::view::{Lamp, ViewHints};
 use crate::{SceneError, ViewOptions};
 use basrelief_signals::Scene;
 use stage::Stage;
@@ -136,7 +136,7 @@ pub fn demo(name: &str, options: &ViewOptions) -> Result<Scene, SceneError> {
         SceneError::at("demo", format!("no demo is called `{title}`")).expected(names.join(", "))
     })?;
     let stage = info.stage(tessellation)?;
-    let setting = Setting {
+    let hints = ViewHints {
         bounds: bounds(&stage.objects),
         camera: Some(stage.camera),
         lamps: vec![(Lamp::Directional(stage.to_light), 1.0)],
@@ -144,7 +144,7 @@ pub fn demo(name: &str, options: &ViewOptions) -> Result<Scene, SceneError> {
         orbit: stage.orbit,
         light_orbit: stage.light_orbit,
     };
-    Ok(Scene { name: name.into(), frames: setting.frames(options)?, objects: stage.objects, warnings: Vec::new() })
+    Ok(Scene { name: name.into(), frames: hints.frames(options)?, objects: stage.objects, warnings: Vec::new() })
 }
 
 /// The camera that frames a box, from this azimuth and elevation \[degrees\], its field of view 30 degrees.

@@ -27,7 +27,7 @@ unit_contract! {
     name: frame_buffer,
     unit: FrameBuffer::new(FrameBufferConfig { pixel_bytes: 3, latency: 4 }),
     inputs: pixels(),
-    clients: [Client::Port],
+    clients: [ClientKind::Port],
     state,
 }
 
@@ -49,7 +49,7 @@ unit_contract! {
     name: pixel_buffer,
     unit: PixelBuffer::new(FrameBufferConfig { pixel_bytes: 3, latency: 4 }, true),
     inputs: blocks(),
-    clients: [Client::Port],
+    clients: [ClientKind::Port],
     state,
 }
 
@@ -69,7 +69,7 @@ unit_contract! {
     name: video_out,
     unit: VideoOut::new(VideoOutConfig { cycles_per_read: 3, ..VideoOutConfig::default() }),
     inputs: finished(),
-    clients: [Client::Port],
+    clients: [ClientKind::Port],
     state,
 }
 
@@ -77,6 +77,6 @@ unit_contract! {
     name: video_out_switched_off,
     unit: VideoOut::new(VideoOutConfig { enabled: false, ..VideoOutConfig::default() }),
     inputs: finished(),
-    clients: [Client::Port],
+    clients: [ClientKind::Port],
     state,
 }

@@ -86,7 +86,7 @@ unit_contract! {
     name: graphics_processor_streamed,
     unit: GraphicsProcessor::new(GraphicsConfig::default(), false, 4, 64),
     inputs: both_ways(),
-    clients: [Client::Cache { line_bytes: 64 }, Client::Port],
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
     state,
 }
 
@@ -94,7 +94,7 @@ unit_contract! {
     name: graphics_processor_after_list,
     unit: GraphicsProcessor::new(GraphicsConfig { draw: DrawOrder::AfterList, blend_cycles: 3, ..GraphicsConfig::default() }, true, 4, 64),
     inputs: both_ways(),
-    clients: [Client::Cache { line_bytes: 64 }, Client::Port],
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
     state,
 }
 
@@ -102,7 +102,7 @@ unit_contract! {
     name: graphics_processor_of_texels_that_straddle_lines,
     unit: GraphicsProcessor::new(GraphicsConfig { texel_bytes: 12, ..GraphicsConfig::default() }, false, 4, 64),
     inputs: both_ways(),
-    clients: [Client::Cache { line_bytes: 64 }, Client::Port],
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
     state,
 }
 
@@ -123,7 +123,7 @@ unit_contract! {
     name: early_depth_test,
     unit: DepthTest::<Stamp<Fragment>>::new(DepthConfig::default(), 24, 64),
     inputs: flow(|fragment| fragment),
-    clients: [Client::Cache { line_bytes: 64 }, Client::Port],
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
     state,
 }
 
@@ -131,6 +131,6 @@ unit_contract! {
     name: late_depth_test,
     unit: DepthTest::<Stamp<Pixel>>::new(DepthConfig { latency: 7 }, 16, 64),
     inputs: flow(|f| Pixel { x: f.x, y: f.y, z: f.z, rgb: [f.x as u8, f.y as u8, 9] }),
-    clients: [Client::Cache { line_bytes: 32 }, Client::Port],
+    clients: [ClientKind::Cache { line_bytes: 32 }, ClientKind::Port],
     state,
 }

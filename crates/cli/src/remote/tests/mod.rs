@@ -4,7 +4,7 @@ mod faults;
 mod keeping;
 mod serving;
 
-use super::{Fetcher, HASH, Kept, Patience, RemoteTiles, Served, TEXTURES, TileCache, hash_of};
+use super::{Fetcher, HASH, Patience, RemoteTiles, TEXTURES, TileCache, TileService, TileStore, hash_of};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource};
 use basrelief_signals::{Image, Sampler, Texture, Wrap};
@@ -55,8 +55,8 @@ fn texture() -> Arc<Texture> {
 }
 
 /// What is served, and the hash of its textures.
-fn served() -> Served {
-    Served::new(b"list".to_vec(), [texture()], hash_of(b"textures"))
+fn served() -> TileService {
+    TileService::new(b"list".to_vec(), [texture()], hash_of(b"textures"))
 }
 
 fn page() -> Arc<Page> {
@@ -64,7 +64,7 @@ fn page() -> Arc<Page> {
 }
 
 /// Answers a request, with a fault.
-fn respond(served: &Served, mut stream: TcpStream, fault: Fault) {
+fn respond(served: &TileService, mut stream: TcpStream, fault: Fault) {
     let mut lines = BufReader::new(stream.try_clone().unwrap()).lines().map_while(Result::ok);
     let Some(first) = lines.next() else { return };
     while lines.next().is_some_and(|line| !line.is_empty()) {}
@@ -122,11 +122,11 @@ fn faulty(answers: u32, fault: impl Fn(u32) -> Fault + Send + 'static) -> (Strin
     (url, count)
 }
 
-fn kept(cache: TileCache) -> Kept {
-    Kept { cache, failed: Arc::default() }
+fn kept(cache: TileCache) -> TileStore {
+    TileStore { cache, failed: Arc::default() }
 }
 
-fn tiles(url: &str, in_flight: u32, kept: Option<Kept>) -> RemoteTiles {
+fn tiles(url: &str, in_flight: u32, kept: Option<TileStore>) -> RemoteTiles {
     RemoteTiles::new(Fetcher::new(url, PATIENCE), (TileEncoding::Png, 85), in_flight, kept, TileProgress::new(true))
 }
 

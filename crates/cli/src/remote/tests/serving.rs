@@ -51,7 +51,7 @@ fn addresses_that_are_none_are_refused() {
 #[test]
 fn a_texture_under_work_holds_up_no_other() {
     let other = Arc::new(Texture { id: 5, ..Texture::clone(&texture()) });
-    let served = Served::new(vec![], [texture(), other], String::new());
+    let served = TileService::new(vec![], [texture(), other], String::new());
     let _under_work = served.textures[&4].pyramid.lock().unwrap();
     assert!(served.tile("/tile/5/64x64/png/85/0").is_ok());
 }
@@ -76,7 +76,7 @@ fn who_sends_nothing_or_half_a_request_is_let_go_and_others_are_answered() {
 #[test]
 fn who_takes_nothing_is_let_go_and_others_are_answered() {
     // More than lies on the way.
-    let large = Served::new(vec![0; 32 << 20], [texture()], hash_of(b"textures"));
+    let large = TileService::new(vec![0; 32 << 20], [texture()], hash_of(b"textures"));
     let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 1, ..LITTLE }).unwrap();
     let mut stalled = TcpStream::connect(address).unwrap();
     stalled.write_all(b"GET /polygons HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
@@ -168,7 +168,7 @@ fn idle_and_dripping_clients_many_times_as_many_as_are_served_hold_up_nobody() {
 
 #[test]
 fn as_many_as_there_may_be_that_take_nothing_hold_up_no_other_for_long() {
-    let large = Served::new(vec![0; 32 << 20], [texture()], hash_of(b"textures"));
+    let large = TileService::new(vec![0; 32 << 20], [texture()], hash_of(b"textures"));
     let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 4, ..Limits::default() }).unwrap();
     let stalled = [(); 4].map(|()| {
         let mut stream = TcpStream::connect(address).unwrap();

@@ -285,7 +285,7 @@ basrelief_kernel::unit_contract! {
     name: contract_of_cluts,
     unit: BrightnessFetch::new(BrightnessConfig::default(), tables(40), 2),
     inputs: frame_of_two_objects(),
-    clients: [Client::Cache { line_bytes: 64 }, Client::Port],
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
     state,
 }
 
@@ -293,6 +293,6 @@ basrelief_kernel::unit_contract! {
     name: contract_of_direct_brightness,
     unit: BrightnessFetch::new(BrightnessConfig { source: BrightnessSource::Direct, ..BrightnessConfig::default() }, tables(40), 2),
     inputs: frame_of_two_objects(),
-    clients: [Client::Cache { line_bytes: 64 }, Client::Port],
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
     state,
 }

@@ -214,7 +214,7 @@ unit_contract! {
     name: reference_buffer_of_best_resolution,
     unit: reference_buffer(RenderMode::Best),
     inputs: { let w = wires(RenderMode::Best); (w.cells, w.rounds) },
-    clients: [Client::Port, Client::Port],
+    clients: [ClientKind::Port, ClientKind::Port],
     state,
 }
 
@@ -222,7 +222,7 @@ unit_contract! {
     name: reference_buffer_of_the_progressive_mode,
     unit: reference_buffer(RenderMode::Progressive),
     inputs: { let w = wires(RenderMode::Progressive); (w.cells, w.rounds) },
-    clients: [Client::Port, Client::Port],
+    clients: [ClientKind::Port, ClientKind::Port],
     state,
 }
 
@@ -251,7 +251,7 @@ unit_contract! {
     name: final_rasterization_of_best_resolution,
     unit: rasterization(RenderMode::Best),
     inputs: { let w = wires(RenderMode::Best); (w.colouring, w.acquired) },
-    clients: [Client::Cache { line_bytes: 64 }, Client::Port, Client::Port],
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port, ClientKind::Port],
     state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
 }
 
@@ -259,6 +259,6 @@ unit_contract! {
     name: final_rasterization_of_the_progressive_mode,
     unit: rasterization(RenderMode::Progressive),
     inputs: { let w = wires(RenderMode::Progressive); (w.colouring, w.acquired) },
-    clients: [Client::Cache { line_bytes: 64 }, Client::Port, Client::Port],
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port, ClientKind::Port],
     state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
 }

@@ -226,7 +226,7 @@ basrelief_kernel::unit_contract! {
     name: contract_of_two_levels,
     unit: NormalMapping::new(NormalMappingConfig::default(), 2, 4, 64),
     inputs: run_of_two(),
-    clients: [Client::Cache { line_bytes: 64 }],
+    clients: [ClientKind::Cache { line_bytes: 64 }],
     state,
 }
 
@@ -236,6 +236,6 @@ basrelief_kernel::unit_contract! {
         NormalMappingConfig { filter_at: FilterAt::Brightness, ..NormalMappingConfig::default() }, 2, 4, 16,
     ),
     inputs: run_of_two(),
-    clients: [Client::Cache { line_bytes: 16 }],
+    clients: [ClientKind::Cache { line_bytes: 16 }],
     state,
 }

@@ -350,7 +350,7 @@ basrelief_kernel::unit_contract! {
     name: contract_of_fixed_tables,
     unit: small(CodeBookMode::Fixed),
     inputs: frame_of_two_objects(),
-    clients: [Client::Port, Client::Port],
+    clients: [ClientKind::Port, ClientKind::Port],
     state,
 }
 
@@ -358,7 +358,7 @@ basrelief_kernel::unit_contract! {
     name: contract_of_code_books_per_polygon,
     unit: small(CodeBookMode::PerPolygon),
     inputs: frame_of_two_objects(),
-    clients: [Client::Port, Client::Port],
+    clients: [ClientKind::Port, ClientKind::Port],
     state,
 }
 
@@ -366,6 +366,6 @@ basrelief_kernel::unit_contract! {
     name: contract_of_code_books_per_object,
     unit: small(CodeBookMode::PerObject),
     inputs: frame_of_two_objects(),
-    clients: [Client::Port, Client::Port],
+    clients: [ClientKind::Port, ClientKind::Port],
     state,
 }

@@ -190,7 +190,7 @@ unit_contract! {
     name: texture_look_up_table,
     unit: look_up(),
     inputs: { let w = wires(Method::Adaptive); (w.texels, w.levels) },
-    clients: [Client::Cache { line_bytes: 64 }],
+    clients: [ClientKind::Cache { line_bytes: 64 }],
     state,
 }
 
@@ -205,6 +205,6 @@ unit_contract! {
     name: combiner,
     unit: blend(),
     inputs: { let w = wires(Method::Adaptive); (w.texture_values, w.illuminances) },
-    clients: [Client::Port],
+    clients: [ClientKind::Port],
     state,
 }

@@ -24,14 +24,14 @@ pub enum Scalar {
 /// Lists hold no lists: no parameter needs it, and a reader of untrusted bytes that recursed could be driven out of
 /// its stack.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Setting {
+pub enum ParameterValue {
     /// One value.
     One(Scalar),
     /// One value per level.
     List(Vec<Scalar>),
 }
 
-impl Setting {
+impl ParameterValue {
     pub(crate) fn is_finite(&self) -> bool {
         let finite = |scalar: &Scalar| !matches!(scalar, Scalar::Number(number) if !number.is_finite());
         match self {
@@ -52,7 +52,7 @@ impl fmt::Display for Scalar {
     }
 }
 
-impl fmt::Display for Setting {
+impl fmt::Display for ParameterValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::One(scalar) => write!(f, "{scalar}"),
@@ -79,7 +79,7 @@ fn write_toml_string(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
     f.write_str("\"")
 }
 
-/// The binary form does not describe itself, so there a scalar is an ordinary enum, and a setting says whether it is
+/// The binary form does not describe itself, so there a scalar is an ordinary enum, and a value says whether it is
 /// a list.
 #[derive(Serialize, Deserialize)]
 enum Tagged<'a> {
@@ -118,7 +118,7 @@ impl<'de> Deserialize<'de> for Scalar {
     }
 }
 
-impl Serialize for Setting {
+impl Serialize for ParameterValue {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match (self, serializer.is_human_readable()) {
             (Self::One(scalar), true) => scalar.serialize(serializer),
@@ -129,10 +129,10 @@ impl Serialize for Setting {
     }
 }
 
-impl<'de> Deserialize<'de> for Setting {
+impl<'de> Deserialize<'de> for ParameterValue {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         if deserializer.is_human_readable() {
-            return deserializer.deserialize_any(SettingVisitor);
+            return deserializer.deserialize_any(ParameterValueVisitor);
         }
         let (is_list, mut items) = <(bool, Vec<Scalar>)>::deserialize(deserializer)?;
         match (is_list, items.len(), items.pop()) {
@@ -177,47 +177,47 @@ impl Visitor<'_> for ScalarVisitor {
     }
 }
 
-struct SettingVisitor;
+struct ParameterValueVisitor;
 
-impl<'de> Visitor<'de> for SettingVisitor {
-    type Value = Setting;
+impl<'de> Visitor<'de> for ParameterValueVisitor {
+    type Value = ParameterValue;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a switch, a number, a text, or a list of these")
     }
 
-    fn visit_bool<E: Error>(self, value: bool) -> Result<Setting, E> {
-        ScalarVisitor.visit_bool(value).map(Setting::One)
+    fn visit_bool<E: Error>(self, value: bool) -> Result<ParameterValue, E> {
+        ScalarVisitor.visit_bool(value).map(ParameterValue::One)
     }
 
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Setting, E> {
-        ScalarVisitor.visit_i64(value).map(Setting::One)
+    fn visit_i64<E: Error>(self, value: i64) -> Result<ParameterValue, E> {
+        ScalarVisitor.visit_i64(value).map(ParameterValue::One)
     }
 
-    fn visit_u64<E: Error>(self, value: u64) -> Result<Setting, E> {
-        ScalarVisitor.visit_u64(value).map(Setting::One)
+    fn visit_u64<E: Error>(self, value: u64) -> Result<ParameterValue, E> {
+        ScalarVisitor.visit_u64(value).map(ParameterValue::One)
     }
 
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Setting, E> {
-        ScalarVisitor.visit_f64(value).map(Setting::One)
+    fn visit_f64<E: Error>(self, value: f64) -> Result<ParameterValue, E> {
+        ScalarVisitor.visit_f64(value).map(ParameterValue::One)
     }
 
-    fn visit_str<E: Error>(self, value: &str) -> Result<Setting, E> {
-        ScalarVisitor.visit_str(value).map(Setting::One)
+    fn visit_str<E: Error>(self, value: &str) -> Result<ParameterValue, E> {
+        ScalarVisitor.visit_str(value).map(ParameterValue::One)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Setting, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<ParameterValue, A::Error> {
         let mut list = Vec::new();
         while let Some(item) = items.next_element()? {
             list.push(item);
         }
-        Ok(Setting::List(list))
+        Ok(ParameterValue::List(list))
     }
 }
 
-impl JsonSchema for Setting {
+impl JsonSchema for ParameterValue {
     fn schema_name() -> Cow<'static, str> {
-        "Setting".into()
+        "ParameterValue".into()
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
@@ -234,15 +234,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_setting_is_written_as_toml() {
-        let setting: Setting = serde_json::from_str(r#"[256, 0.5, "a\"b\n", true]"#).unwrap();
-        assert_eq!(setting.to_string(), r#"[256, 0.5, "a\"b\u000a", true]"#);
+    fn a_value_is_written_as_toml() {
+        let value: ParameterValue = serde_json::from_str(r#"[256, 0.5, "a\"b\n", true]"#).unwrap();
+        assert_eq!(value.to_string(), r#"[256, 0.5, "a\"b\u000a", true]"#);
     }
 
     #[test]
-    fn an_integer_beyond_64_bits_is_no_setting() {
-        assert!(serde_json::from_str::<Setting>("18446744073709551615").is_err());
-        assert!(serde_json::from_str::<Setting>("null").is_err());
-        assert!(serde_json::from_str::<Setting>("[[1]]").is_err());
+    fn an_integer_beyond_64_bits_is_no_value() {
+        assert!(serde_json::from_str::<ParameterValue>("18446744073709551615").is_err());
+        assert!(serde_json::from_str::<ParameterValue>("null").is_err());
+        assert!(serde_json::from_str::<ParameterValue>("[[1]]").is_err());
     }
 }
