@@ -16,7 +16,7 @@ fn count(figure: &Figure) -> u64 {
 }
 
 /// The entry of this name, made if there is none.
-fn entry<'a, T>(list: &'a mut Vec<T>, is: impl Fn(&T) -> bool, new: impl FnOnce() -> T) -> &'a mut T {
+fn entry<T>(list: &mut Vec<T>, is: impl Fn(&T) -> bool, new: impl FnOnce() -> T) -> &mut T {
     let at = list.iter().position(is).unwrap_or(list.len());
     if at == list.len() {
         list.push(new());

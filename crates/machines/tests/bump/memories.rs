@@ -25,7 +25,7 @@ fn what_shares_a_memory_does_not_overlap() {
         assert!(bytes <= layout::COLOR_BUFFER_STRIDE, "{width} x {height}");
         assert!(layout::Z_BUFFER + bytes <= layout::COLOR_TEXTURES, "{width} x {height}");
     }
-    assert!(layout::COLOR_BUFFERS + 2 * layout::COLOR_BUFFER_STRIDE <= layout::Z_BUFFER);
+    const { assert!(layout::COLOR_BUFFERS + 2 * layout::COLOR_BUFFER_STRIDE <= layout::Z_BUFFER) };
     const { assert!(layout::COLOR_TEXTURES < layout::HELD_RESULTS) };
     assert!(quantization_memory::vq_table(8) <= quantization_memory::CLUTS);
     let cluts = 8 * quantization_memory::clut_stride(65_536, 4);
@@ -52,5 +52,5 @@ fn slow_fifos_small_stamps_and_needless_tables_are_warned_of() {
     let small = said(&[("memory.graphics.outstanding", "8")]);
     assert!(small.len() == 1 && small[0].starts_with("stamps of 2 instead of 4 fragments"), "{small:?}");
     let needless = said(&[("replacement.entries", "16384")]);
-    assert!(needless.len() == 1 && needless[0].contains("claim 3 wants fewer entries"), "{needless:?}");
+    assert!(needless.iter().any(|w| w.contains("claim 3 wants fewer entries")), "{needless:?}");
 }

@@ -12,6 +12,9 @@ use crate::SceneError;
 use crate::error::Warnings;
 use std::cell::Cell;
 
+/// Of two numbers, the smaller or the larger.
+type Fold = fn(f32, f32) -> f32;
+
 /// Most bytes that all accessors together may decode to.
 const MAX_DECODED: u64 = 1 << 29;
 
@@ -94,8 +97,7 @@ impl<'a> Accessors<'a> {
     fn check_extremes(&self, index: Int, packed: &Packed, warnings: &mut Warnings) {
         let Some(accessor) = self.document.accessors.get(index.index()) else { return };
         let stored = Format { normalized: false, ..packed.format };
-        let extremes: [(&str, &Option<Vec<f64>>, fn(f32, f32) -> f32); 2] =
-            [("min", &accessor.min, f32::min), ("max", &accessor.max, f32::max)];
+        let extremes: [(&str, &Option<Vec<f64>>, Fold); 2] = [("min", &accessor.min, f32::min), ("max", &accessor.max, f32::max)];
         for (name, declared, choose) in extremes {
             let Some(declared) = declared else { continue };
             let place = format!("/accessors/{}/{name}", index.0);
