@@ -3,7 +3,7 @@
 use crate::wiring::{Machine, Visitor, Wires};
 use crate::{Link, Place, Unit};
 
-/// What the units of a machine tell, each in [`Unit::tell`](crate::Unit::tell), in the order of the wiring. See [`facts`].
+/// What the units of a machine tell, each in [`Unit::tell`], in the order of the wiring. See [`facts`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
     figures: Vec<Figure>,
