@@ -13,22 +13,49 @@ parameters! {
 }
 
 parameters! {
-    /// A memory with banks of open rows and one data bus.
+    /// A memory: channels that share nothing, each with banks of open rows and one data bus (law 4). Names are JEDEC's; times
+    /// are in cycles of the device's clock.
     pub struct MemoryConfig {
+        /// Channels.
+        channels: u32 = 1, unit: "channels", Assumed("the least there can be"), range: 1..=64;
+        /// Consecutive bytes that lie in one channel; the next lie in the next.
+        channel_bytes: u32 = 256, unit: "bytes", Assumed("four bursts: what is read together lies together, what is read next lies elsewhere"), range: 4..=1048576;
+        /// Requests that a channel chooses from: the first of those not served; 1 is order of arrival.
+        window: u32 = 16, unit: "bursts", Assumed("a controller's queue of the usual size"), range: 1..=256;
+        /// How often the oldest in view may be passed over before it is next.
+        cap: u32 = 16, unit: "bursts", Assumed("as many as are in view"), range: 0..=65536;
+        /// CL: from a read command to its first data.
+        cl: u32 = 3, unit: "cycles", Assumed("DDR-400 at 200 MHz: 15 ns"), range: 0..=1024;
+        /// CWL: from a write command to its first data.
+        cwl: u32 = 1, unit: "cycles", Assumed("DDR: one clock (JESD79)"), range: 0..=1024;
+        /// tRCD: from activation to column command.
+        rcd: u32 = 3, unit: "cycles", Assumed("DDR-400 at 200 MHz: 15 ns"), range: 0..=1024;
+        /// tRP: from precharge to activation.
+        rp: u32 = 3, unit: "cycles", Assumed("DDR-400 at 200 MHz: 15 ns"), range: 0..=1024;
+        /// tRAS: from activation to precharge, at least.
+        ras: u32 = 8, unit: "cycles", Assumed("DDR-400 at 200 MHz: 40 ns"), range: 0..=4096;
+        /// tRTP: from read command to precharge.
+        rtp: u32 = 2, unit: "cycles", Assumed("DDR: half a burst of four"), range: 0..=1024;
+        /// tWR: from the end of write data to precharge.
+        wr: u32 = 3, unit: "cycles", Assumed("DDR-400 at 200 MHz: 15 ns"), range: 0..=1024;
+        /// tWTR: from the end of write data to a read command.
+        wtr: u32 = 2, unit: "cycles", Assumed("DDR-400: two clocks (JESD79)"), range: 0..=1024;
+        /// tRRD: from activation to activation of another bank.
+        rrd: u32 = 2, unit: "cycles", Assumed("DDR-400 at 200 MHz: 10 ns"), range: 0..=1024;
+        /// tFAW: in which at most four activations go.
+        faw: u32 = 0, unit: "cycles", Assumed("DDR has no such limit"), range: 0..=4096;
+        /// tREFI: from refresh to refresh; 0 is never. More than `rfc` and `rcd` together.
+        refi: u32 = 1560, unit: "cycles", Assumed("7.8 us at 200 MHz (JESD79)"), range: 0..=16777216;
+        /// tRFC: from refresh to activation.
+        rfc: u32 = 14, unit: "cycles", Assumed("DDR-400, 512 Mbit: 70 ns"), range: 0..=65536;
         /// Bytes of one burst, which begins at a multiple of them.
-        burst_bytes: u32 = 64, unit: "bytes", Assumed("16 transfers of 32 bits"), range: 4..=4096;
-        /// Cycles the data bus is kept by one burst.
-        burst_cycles: u32 = 4, unit: "cycles", Assumed("16 bytes per cycle"), range: 1..=1024;
-        /// Banks.
-        banks: u32 = 8, unit: "banks", Assumed("common for synchronous DRAM"), range: 1..=1024;
+        burst_bytes: u32 = 64, unit: "bytes", Assumed("8 transfers of 64 bits"), range: 4..=4096;
+        /// tCCD: cycles that one burst keeps the data bus.
+        burst_cycles: u32 = 4, unit: "cycles", Assumed("16 bytes per cycle: two transfers of 64 bits"), range: 1..=1024;
+        /// Banks of a channel.
+        banks: u32 = 4, unit: "banks", Assumed("DDR (JESD79)"), range: 1..=1024;
         /// Bytes of one row of one bank.
         row_bytes: u32 = 2048, unit: "bytes", Assumed("common for synchronous DRAM"), range: 4..=1048576;
-        /// Column access: cycles from command to first data on an open row.
-        cas: u32 = 6, unit: "cycles", Assumed("common for synchronous DRAM"), range: 0..=1024;
-        /// Row to column: extra cycles when the bank is closed.
-        rcd: u32 = 6, unit: "cycles", Assumed("common for synchronous DRAM"), range: 0..=1024;
-        /// Precharge: extra cycles when another row is open.
-        rp: u32 = 6, unit: "cycles", Assumed("common for synchronous DRAM"), range: 0..=1024;
         /// Requests in flight per port.
         outstanding: u32 = 8, unit: "requests", Assumed("enough that an idle memory is never waited for at one request every two cycles"), range: 1..=65536;
     }
