@@ -61,6 +61,17 @@ impl Flight {
         }
         self.look_ups == [0; MAX_CLIENTS]
     }
+
+    /// Until when it waits for each client's answers, as far as that is known by now.
+    pub(crate) fn awaited(&self, ids: &[usize], system: &MemorySystem) -> [Cycle; MAX_CLIENTS] {
+        let mut awaited = self.answers;
+        for (i, &client) in ids.iter().enumerate() {
+            let read = self.reads[i].checked_sub(1).map_or(Cycle::ZERO, |number| system.answer(client, number));
+            let look_up = if self.look_ups[i] > 0 { Cycle::UNKNOWN } else { Cycle::ZERO };
+            awaited[i] = awaited[i].max(read).max(look_up);
+        }
+        awaited
+    }
 }
 
 /// Steps in flight, oldest first.
@@ -71,6 +82,8 @@ pub(crate) struct Flights {
     look_ups: [VecDeque<LookUp>; MAX_CLIENTS],
     /// Lines that a client has looked up in the step being made.
     lines: Vec<u64>,
+    /// Answers that were known when the steps were last asked whether they have theirs: until there are more, none has.
+    asked_at: Option<u64>,
 }
 
 impl Flights {
@@ -168,6 +181,7 @@ impl Flights {
                 self.steps.push_back(flight);
             }
         }
+        self.asked_at = None;
         if self.steps.len() == 1 {
             self.keep_answers(ids, system);
         }
@@ -185,6 +199,10 @@ impl Flights {
         (ids, system): (&[usize], &mut MemorySystem),
         mut deliver: impl FnMut(&Flight, u32),
     ) -> bool {
+        let known = ids.iter().map(|&client| system.served(client)).sum();
+        if self.asked_at.replace(known) == Some(known) {
+            return false;
+        }
         let mut moved = false;
         let (mut taken, mut stuck) = (0, 0);
         for flight in &mut self.steps {
@@ -211,6 +229,18 @@ impl Flights {
             self.keep_answers(ids, system);
         }
         moved
+    }
+
+    /// Shows `note`, for each output, the oldest step that delivers there.
+    pub(crate) fn oldest(&self, mut note: impl FnMut(&Flight, u32)) {
+        let mut taken = 0;
+        for flight in &self.steps {
+            let first = flight.delivery.outputs & !taken;
+            if first != 0 {
+                note(flight, first);
+            }
+            taken |= first;
+        }
     }
 
     /// Tells the memories which answers the oldest step in flight, and so any, may still ask for.

@@ -28,8 +28,8 @@
 //!   cache for a line. Both are made through [`Traffic`].
 //! - **Credit**: the right to one more request in flight on a port; there are `outstanding` of them, and each is back in
 //!   the cycle of the answer.
-//! - **Burst**: the unit of transfer, [`MemoryConfig::burst_bytes`] aligned bytes. It finds its bank's row open (*hit*),
-//!   its bank closed, or another row open (*conflict*).
+//! - **Burst**: the unit of transfer, [`MemoryConfig::burst_bytes`] aligned bytes, served by one **column command** of its
+//!   **channel**. It finds its bank's row open (*hit*), its bank closed, or another row open (*conflict*).
 //! - **Starved, memory, blocked**: why a unit does not work: no token, no credit or answer, no slot. See [`Cause`].
 //! - **Place**: a stage with the [FIFOs on its two sides and its clients](Stage::between), as a [visitor](Visitor) is shown it.
 //! - **Mark**: a [marked step](Step::marked) ends a piece of work; cycles are counted from mark to mark.
@@ -126,14 +126,30 @@
 //!
 //!    *Enforced by [`Stage`], from [`Unit::demand`] and [`Unit::largest_step`], whose word is held by [`check_wiring`] and in
 //!    every step; tests `laws/law_3_start`, `wiring`.*
-//! 4. **Memory.** All requests of a step arrive at its start, in order of issue. Service is first come, first served over (arrival cycle, port number, order of issue); port numbers belong to the
-//!    memory's config, so wire order cannot matter. No reordering: an answer's time is known when the request is served. A request is split into aligned bursts, ascending; per burst: command =
-//!    max(arrival + 1, previous command of this memory + 1, bank free); first data = max(command + (hit: cas | closed: rcd + cas | conflict: rp + rcd + cas), bus free); bus and bank are free at
-//!    first data + burst cycles. An answer is
-//!    there at the end of its last burst, not before the answer ahead of it on that port. Writes are posted. Reads and writes hold one of the port's `outstanding` credits (default 8), back in the cycle of
-//!    the answer.
+//! 4. **Memory.** All requests of a step arrive at its start, and are split into aligned bursts, ascending. A memory has
+//!    `channels`, which share nothing: a burst at byte address a belongs to channel (a div `channel_bytes`) mod `channels`. In a
+//!    channel, bursts stand in order of (arrival, port number, order of issue, address); port numbers belong to the memory's
+//!    configuration, so the order of wires cannot matter. The first `window` of those not served are *in view*: a burst comes into
+//!    view in the cycle after its arrival, and not before the cycle after the column command that made the room.
 //!
-//!    *Enforced by [`MemorySystem`]; test `laws/law_4_memory`.*
+//!    *First ready, first come*: of the bursts in view, the one whose column command can go first is served next, the oldest of
+//!    equals. Once the oldest has been passed over `cap` times since it became the oldest, it is next. A `window` of 1 is order of
+//!    arrival.
+//!
+//!    A column command goes when its burst is in view; `burst_cycles` after the channel's last one or, after a change of direction,
+//!    `cwl` + `burst_cycles` + `wtr` (write to read) or max(`burst_cycles`, `cl` + `burst_cycles` + 1 - `cwl`) (read to write);
+//!    and when its row has been open for `rcd`. Row commands go as early as the bank allows and the burst is in view, also while
+//!    others move data: a closed bank is activated; a bank with another row is precharged - from `ras` after its activation,
+//!    `rtp` after its last read command, `cwl` + `burst_cycles` + `wr` after its last write command - and activated `rp` later.
+//!    Activations of a channel, in order of service, are `rrd` apart, and four of them take `faw`. Every `refi` cycles (0: never) all
+//!    rows close, and no activation goes for `rfc`; an activation whose column command would reach the next refresh is made
+//!    after it. Data move for `burst_cycles`, from `cl` (read) or `cwl` (write) after the column command: a bank is *not* busy until its
+//!    data have moved, row hits follow each other at the rate of the bus, and `cl` is latency, which credits hide.
+//!
+//!    An answer is there when the last data of all its bursts have moved, not before the answer ahead of it on that port. Writes
+//!    are posted. Reads and writes hold one of the port's `outstanding` credits, back in the cycle of the answer.
+//!
+//!    *Enforced by [`MemorySystem`]; test `laws/law_4_memory`, and against DRAMsim3's figures `dramsim3`.*
 //! 5. **Cache.** A cache port makes one look-up per cycle. A step's look-ups are its n distinct lines in order of first mention,
 //!    all made at its start, and its occupancy is >= ceil(n / ports). Tags change in order of look-up at the step's start;
 //!    the least recently used goes first. They run ahead of the data (Igehy 1998), so a line in flight may be replaced, while
@@ -173,14 +189,17 @@
 //!     *Marked by [`Step::marked`], kept in [`RunReport::marks`]; test `laws/law_11_marks`.*
 //!
 //! Hence the order in which units are visited cannot change any result. Tests are under `tests/`; `hand` computes four
-//! whole machines by hand, `vectors` holds both engines against 300 results of a reading of these laws that shares no code
+//! whole machines by hand, `vectors` holds both engines against 320 results of a reading of these laws that shares no code
 //! with them, and `properties` tries them on random machines.
 //!
 //! # What the laws leave open
 //!
-//! - **Addresses.** Row number = burst address div `row_bytes`; bank = row number mod `banks`; row within the bank = row
-//!   number div `banks`. At first all banks are closed and free, the bus is free, and no command has been given.
-//! - **Answers.** The end of a request's last burst, in the sense of law 4, is the cycle after its last data. A credit is
+//! - **Addresses.** The burst at byte address a has in its channel the address
+//!   x = (a div (`channel_bytes` * `channels`)) * `channel_bytes` + a mod `channel_bytes`. Row number = x div `row_bytes`;
+//!   bank = row number mod `banks`; row within the bank = row number div `banks`. At first all banks are closed, and no command has
+//!   been given.
+//! - **Refresh.** It waits for nothing, and leaves `rrd` and `faw` as they are. Law 4 needs `rfc` + `rcd` < `refi`.
+//! - **Answers.** The end of a request's bursts, in the sense of law 4, is the cycle after the last data of any. A credit is
 //!   back, and may be used, in the very cycle of the answer.
 //! - **Delivery.** A step delivers at max(start + latency, its answers): those of its reads and of its look-ups. Writes are
 //!   no answers. Steps of one unit deliver in order: law 1 never lets a token overtake.
@@ -205,11 +224,13 @@
 
 mod account;
 mod cache;
+mod channel;
 mod check;
 mod config;
 mod connections;
 #[cfg(feature = "contract")]
 pub mod contract;
+mod counts;
 mod cycle;
 mod derived;
 mod engine;
@@ -238,12 +259,12 @@ pub use cache::CacheCounts;
 pub use check::{WiringError, check_wiring};
 pub use config::{CacheConfig, FifoConfig, MemoryConfig};
 pub use connections::{Clients, Connections, MemoryClients};
+pub use counts::{ChannelCounts, Latencies, PortCounts, RowCounts};
 pub use cycle::Cycle;
 pub use derived::Derived;
 pub use engine::{Engine, Limits, run, run_functional, run_with};
 pub use fifo::Fifo;
 pub use link::Link;
-pub use memory::PortCounts;
 pub use memory_system::MemorySystem;
 pub use outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor};
 pub use place::{Between, ConnectionsOf, Place};

@@ -1,39 +1,28 @@
-//! Memories (law 4): banks of open rows, one data bus, ports served in order of arrival.
+//! Memories (law 4): ports that requests arrive at, and channels that serve their bursts.
 
+use crate::channel::{Burst, Channel};
+use crate::counts::{ChannelCounts, PortCounts};
+use crate::memory_system::Client;
 use crate::{Cycle, MemoryConfig};
-use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
-/// What a port moved and how it was served.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct PortCounts {
-    /// Read requests.
-    pub reads: u64,
-    /// Write requests.
-    pub writes: u64,
-    /// Bytes asked for by reads.
-    pub read_bytes: u64,
-    /// Bytes given by writes.
-    pub write_bytes: u64,
-    /// Bursts moved; a request that is not aligned moves more bytes than it asks for.
-    pub bursts: u64,
-    /// Bursts that found their row open.
-    pub row_hits: u64,
-    /// Bursts that found their bank closed.
-    pub row_closed: u64,
-    /// Bursts that found another row open.
-    pub row_conflicts: u64,
-    /// Cycles that requests waited for the command bus or their bank, beyond the one cycle each needs.
-    pub wait_cycles: u64,
+/// A request that has arrived and is not split into bursts yet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arrived {
+    pub(crate) arrival: Cycle,
+    pub(crate) address: u64,
+    pub(crate) bytes: u32,
+    pub(crate) write: bool,
 }
 
-/// A request that has arrived and is not served yet.
+/// A request some of whose bursts are not served yet, or one ahead of it on its port.
 #[derive(Clone, Copy, Debug)]
-struct Queued {
+struct Open {
     arrival: Cycle,
-    address: u64,
-    bytes: u32,
-    write: bool,
+    /// Bursts not served.
+    left: u64,
+    /// The end of those that are.
+    end: Cycle,
 }
 
 /// One port of a memory.
@@ -51,7 +40,9 @@ pub(crate) struct Port {
     /// No request to come arrives before, as far as its stage has promised.
     pub(crate) none_before: Cycle,
     last_answer: Cycle,
-    queue: VecDeque<Queued>,
+    queue: VecDeque<Arrived>,
+    /// From request `served` on.
+    open: VecDeque<Open>,
     pub(crate) counts: PortCounts,
 }
 
@@ -69,6 +60,7 @@ impl Port {
             none_before: Cycle::ZERO,
             last_answer: Cycle::ZERO,
             queue: VecDeque::new(),
+            open: VecDeque::new(),
             counts: PortCounts::default(),
         }
     }
@@ -105,7 +97,7 @@ impl Port {
         if self.issued.saturating_sub(self.keep_from) >= self.answers.len() as u64 {
             self.grow();
         }
-        self.queue.push_back(Queued { arrival, address, bytes: bytes.max(1), write });
+        self.queue.push_back(Arrived { arrival, address, bytes: bytes.max(1), write });
         self.issued += 1;
         self.issued - 1
     }
@@ -131,13 +123,23 @@ impl Port {
     pub(crate) fn last_answer(&self) -> Cycle {
         self.last_answer
     }
-}
 
-/// One bank: its open row and when it is free.
-#[derive(Clone, Copy, Debug, Default)]
-struct Bank {
-    free: Cycle,
-    row: Option<u64>,
+    /// Takes in that a burst of request `number` has moved its data by `end`; an answer is there when all its bursts have,
+    /// not before the answer ahead of it.
+    #[inline]
+    fn moved(&mut self, number: u64, end: Cycle) {
+        let request = &mut self.open[(number - self.served) as usize];
+        request.left -= 1;
+        request.end = request.end.max(end);
+        while let Some(first) = self.open.front().filter(|first| first.left == 0) {
+            self.last_answer = self.last_answer.max(first.end);
+            self.counts.answered(first.arrival, self.last_answer);
+            self.open.pop_front();
+            let slot = self.served as usize & (self.answers.len() - 1);
+            self.answers[slot] = self.last_answer;
+            self.served += 1;
+        }
+    }
 }
 
 /// Splits a number by a divisor fixed at construction: a shift where the divisor is a power of two, as it nearly
@@ -167,18 +169,21 @@ impl Divisor {
 #[derive(Clone, Debug)]
 pub(crate) struct Memory {
     pub(crate) name: String,
-    config: MemoryConfig,
     /// Its ports, in order of number.
     pub(crate) ports: Vec<usize>,
-    /// Requests that have arrived and are not served yet.
-    pub(crate) queued: u64,
+    /// Requests that are not split into bursts yet.
+    pub(crate) arrived: u64,
+    /// Bursts that are not served yet.
+    bursts: u64,
     burst: Divisor,
+    interleave: Divisor,
+    channels_by: Divisor,
     row: Divisor,
     banks_by: Divisor,
-    banks: Vec<Bank>,
-    command: Option<Cycle>,
-    bus: Cycle,
-    /// End of the last burst: the memory moved data up to the cycle before.
+    channels: Vec<Channel>,
+    /// From a column command to the end of its data, at least.
+    least_latency: u64,
+    /// The end of the last data: the memory moved some up to the cycle before.
     pub(crate) data_end: Cycle,
     /// Whether a single stage uses it, so that nothing need be ordered against others.
     pub(crate) private: bool,
@@ -189,73 +194,88 @@ impl Memory {
         Self {
             name: name.into(),
             ports: Vec::new(),
-            queued: 0,
+            arrived: 0,
+            bursts: 0,
             burst: Divisor::new(config.burst_bytes),
+            interleave: Divisor::new(config.channel_bytes),
+            channels_by: Divisor::new(config.channels),
             row: Divisor::new(config.row_bytes),
             banks_by: Divisor::new(config.banks),
-            banks: vec![Bank::default(); config.banks.max(1) as usize],
-            config: config.clone(),
-            command: None,
-            bus: Cycle::ZERO,
+            channels: vec![Channel::new(config); config.channels.max(1) as usize],
+            least_latency: u64::from(config.burst_cycles) + u64::from(config.cl.min(config.cwl)),
             data_end: Cycle::ZERO,
             private: false,
         }
     }
 
-    /// No answer to come, of requests that arrive at `earliest` or later, is there before: a command takes its cycle, the
-    /// column its access, and the bus must be free for the burst.
-    pub(crate) fn earliest_answer(&self, earliest: Cycle) -> Cycle {
-        (earliest + 1 + u64::from(self.config.cas)).max(self.bus) + u64::from(self.config.burst_cycles)
-    }
-
-    /// Serves the oldest request of `port`.
-    pub(crate) fn serve(&mut self, port: &mut Port) {
-        let Some(q) = port.queue.pop_front() else { return };
-        self.queued -= 1;
-        let (first, _) = self.burst.split(q.address);
-        let (last, _) = self.burst.split(q.address + u64::from(q.bytes) - 1);
-        let mut end = Cycle::ZERO;
-        for burst in first..=last {
-            let (command, burst_end) = self.burst(q.arrival, burst, &mut port.counts);
-            if burst == first {
-                port.counts.wait_cycles += command.since(q.arrival + 1);
-            }
-            end = burst_end;
-        }
-        port.counts.bursts += last - first + 1;
-        let (requests, bytes) = if q.write {
-            (&mut port.counts.writes, &mut port.counts.write_bytes)
-        } else {
-            (&mut port.counts.reads, &mut port.counts.read_bytes)
-        };
-        *requests += 1;
-        *bytes += u64::from(q.bytes);
-        self.data_end = self.data_end.max(end);
-        port.last_answer = port.last_answer.max(end);
-        let slot = port.served as usize & (port.answers.len() - 1);
-        port.answers[slot] = port.last_answer;
-        port.served += 1;
-    }
-
-    /// Moves one burst: its command cycle and its end.
+    /// Whether anything waits here.
     #[inline]
-    fn burst(&mut self, arrival: Cycle, burst: u64, counts: &mut PortCounts) -> (Cycle, Cycle) {
-        let (row_number, _) = self.row.split(burst * self.burst.by);
-        let (row, bank) = self.banks_by.split(row_number);
-        let bank = &mut self.banks[bank as usize];
-        let c = &self.config;
-        let (count, wait) = match bank.row {
-            Some(open) if open == row => (&mut counts.row_hits, c.cas),
-            None => (&mut counts.row_closed, c.rcd + c.cas),
-            Some(_) => (&mut counts.row_conflicts, c.rp + c.rcd + c.cas),
-        };
-        *count += 1;
-        let after_last = self.command.map_or(Cycle::ZERO, |last| last + 1);
-        let command = (arrival + 1).max(after_last).max(bank.free);
-        let end = (command + u64::from(wait)).max(self.bus) + u64::from(c.burst_cycles);
-        self.command = Some(command);
-        self.bus = end;
-        *bank = Bank { free: end, row: Some(row) };
-        (command, end)
+    pub(crate) fn is_idle(&self) -> bool {
+        self.arrived + self.bursts == 0
+    }
+
+    /// Splits a request, the next in order of (arrival, port number, issue), into bursts in their channels.
+    #[inline]
+    fn split(&mut self, client: usize, port: &mut Port) {
+        let Some(r) = port.queue.pop_front() else { return };
+        self.arrived -= 1;
+        port.counts.arrived(r.write, r.bytes);
+        let (first, _) = self.burst.split(r.address);
+        let (last, _) = self.burst.split(r.address + u64::from(r.bytes) - 1);
+        let request = port.served + port.open.len() as u64;
+        port.open.push_back(Open { arrival: r.arrival, left: last - first + 1, end: Cycle::ZERO });
+        self.bursts += last - first + 1;
+        for number in first..=last {
+            let (piece, offset) = self.interleave.split(number * self.burst.by);
+            let (inner, channel) = self.channels_by.split(piece);
+            let (row_number, _) = self.row.split(inner * self.interleave.by + offset);
+            let (row, bank) = self.banks_by.split(row_number);
+            let (bank, client) = (bank as u32, client as u32);
+            let burst = Burst { bank, row, write: r.write, arrival: r.arrival, client, request };
+            self.channels[channel as usize].push(burst);
+        }
+    }
+
+    /// Splits what arrived before `horizon`, in order; the numbers of this memory's ports are those of their clients.
+    fn split_before(&mut self, clients: &mut [Client], horizon: Cycle) {
+        while self.arrived > 0 {
+            let waiting = self.ports.iter().filter_map(|&p| Some((clients[p].port.next_arrival()?, p)));
+            // `min_by_key` returns the first of equals, and ports stand in order of number.
+            match waiting.min_by_key(|&(arrival, _)| arrival) {
+                Some((arrival, client)) if arrival < horizon => self.split(client, &mut clients[client].port),
+                _ => break,
+            }
+        }
+    }
+
+    /// Serves whatever is final when all that is still to come arrives at `horizon` or later; whether there was any.
+    pub(crate) fn serve(&mut self, clients: &mut [Client], horizon: Cycle) -> bool {
+        self.split_before(clients, horizon);
+        let waiting = self.bursts;
+        for channel in &mut self.channels {
+            while let Some((burst, row, column, end)) = channel.serve(horizon) {
+                self.bursts -= 1;
+                self.data_end = self.data_end.max(end);
+                let port = &mut clients[burst.client as usize].port;
+                port.counts.rows.count(row);
+                port.counts.queue_wait += column.since(burst.arrival + 1);
+                port.moved(burst.request, end);
+            }
+        }
+        self.bursts < waiting
+    }
+
+    /// No answer to come is there before; none where nothing waits.
+    pub(crate) fn earliest_answer(&mut self, clients: &[Client]) -> Option<Cycle> {
+        let arrival = self.ports.iter().filter_map(|&p| clients[p].port.next_arrival()).min();
+        let columns = self.channels.iter_mut().filter_map(Channel::next_column);
+        let first = columns.chain(arrival.map(|arrival| arrival + 1)).min()?;
+        Some(first + self.least_latency)
+    }
+
+    /// What each channel moved in a run of `total` cycles.
+    pub(crate) fn channel_counts(&self, total: u64) -> Vec<ChannelCounts> {
+        let of = |channel: &Channel| ChannelCounts { refreshes: channel.refreshes(total), ..channel.counts };
+        self.channels.iter().map(of).collect()
     }
 }

@@ -41,13 +41,9 @@ impl Cached<'_> {
     fn fill(&mut self, line: u64, start: Cycle) -> LookUp {
         let Self { cache, port, memory } = self;
         let bytes = cache.config.line_bytes;
-        memory.queued += 1;
+        memory.arrived += 1;
         let request = port.issue(start, line * u64::from(bytes), bytes, false);
-        // With others, their order would have to be known.
-        if memory.private && memory.ports.len() == 1 {
-            memory.serve(port);
-        }
-        LookUp { start, request, fill: port.answer(request), missed: true }
+        LookUp { start, request, fill: Cycle::UNKNOWN, missed: true }
     }
 }
 
@@ -126,9 +122,9 @@ impl MemorySystem {
         }
     }
 
-    /// Whether several stages use one memory, so that promises are worth their while.
-    pub(crate) fn has_shared(&self) -> bool {
-        self.memories.iter().any(|m| !m.private)
+    /// Whether there are any, so that promises are worth their while.
+    pub(crate) fn has_any(&self) -> bool {
+        !self.memories.is_empty()
     }
 
     /// No request to come of this client arrives before `start`.
@@ -169,7 +165,7 @@ impl MemorySystem {
     #[inline]
     pub(crate) fn issue(&mut self, client: usize, arrival: Cycle, address: u64, bytes: u32, write: bool) -> u64 {
         let port = &mut self.clients[client].port;
-        self.memories[port.memory].queued += 1;
+        self.memories[port.memory].arrived += 1;
         port.issue(arrival, address, bytes, write)
     }
 
@@ -188,68 +184,46 @@ impl MemorySystem {
         if fill.is_known() { Some(cache.as_mut()?.resolve(look_up, fill)) } else { None }
     }
 
-    /// Serves at once what a client's memory has queued, if no other stage uses that memory; whether there was any.
+    /// Serves what is final of a client's memory if no other stage uses it and this one makes no step before `horizon`; whether
+    /// there was any.
     #[inline]
-    pub(crate) fn serve_if_private(&mut self, client: usize) -> bool {
-        let number = self.port(client).memory;
-        let memory = &self.memories[number];
-        let serves = memory.queued > 0 && memory.private;
-        if serves {
-            self.serve_before(number, Cycle::UNKNOWN);
-        }
-        serves
+    pub(crate) fn serve_if_private(&mut self, client: usize, horizon: Cycle) -> bool {
+        let memory = &mut self.memories[self.clients[client].port.memory];
+        memory.private && !memory.is_idle() && memory.serve(&mut self.clients, horizon)
     }
 
-    /// Serves every request that arrived before any that is still to come, by what the stages have promised, and tells whether
-    /// there was any.
+    /// Serves what is final by what the stages have promised, and tells whether there was any.
     pub(crate) fn serve_promised(&mut self) -> bool {
         let mut any = false;
-        for number in 0..self.memories.len() {
-            let memory = &self.memories[number];
-            if memory.queued > 0 {
-                let none_before = memory.ports.iter().map(|&p| self.clients[p].port.none_before).min();
-                any |= self.serve_before(number, none_before.unwrap_or_default());
-            }
+        for memory in self.memories.iter_mut().filter(|memory| !memory.is_idle()) {
+            let none_before = memory.ports.iter().map(|&p| self.clients[p].port.none_before).min();
+            any |= memory.serve(&mut self.clients, none_before.unwrap_or_default());
         }
         any
     }
 
-    /// Serves every request that no request still to come can precede, and tells whether there was any.
+    /// Serves what is final although nothing more has been promised, and tells whether anything waits.
     ///
     /// To be called when no step can start before an answer is known. Then the earliest step still to come waits,
-    /// through whatever chain, for a request that is queued here: it starts no earlier than the earliest answer that any
-    /// memory can still give, and so do its own requests. All that arrive before that are served now.
+    /// through whatever chain, for a request that waits here: it starts no earlier than the earliest answer that any
+    /// memory can still give, and so do its own requests.
     pub(crate) fn serve_safe(&mut self) -> bool {
-        let waiting = self.memories.iter().filter(|m| m.queued > 0);
-        let first_arrival = |m: &Memory| m.ports.iter().filter_map(|&p| self.clients[p].port.next_arrival()).min();
-        let horizon = waiting.filter_map(|m| Some(m.earliest_answer(first_arrival(m)?))).min();
-        let Some(horizon) = horizon else { return false };
-        for memory in 0..self.memories.len() {
-            self.serve_before(memory, horizon);
-        }
+        let answers = self.memories.iter_mut().filter(|m| !m.is_idle()).filter_map(|m| m.earliest_answer(&self.clients));
+        let Some(horizon) = answers.min() else { return false };
+        self.serve_before(horizon);
         true
     }
 
-    /// Serves what arrived at `memory` before `horizon`, in order of (arrival, port number, issue); whether there was any.
-    fn serve_before(&mut self, memory: usize, horizon: Cycle) -> bool {
-        let (memory, clients) = (&mut self.memories[memory], &mut self.clients);
-        let queued = memory.queued;
-        while memory.queued > 0 {
-            let waiting = memory.ports.iter().filter_map(|&p| Some((clients[p].port.next_arrival()?, p)));
-            // `min_by_key` returns the first of equals, and ports stand in order of number.
-            match waiting.min_by_key(|&(arrival, _)| arrival) {
-                Some((arrival, port)) if arrival < horizon => memory.serve(&mut clients[port].port),
-                _ => break,
-            }
+    /// Serves what is final when all that is still to come arrives at `horizon` or later.
+    pub(crate) fn serve_before(&mut self, horizon: Cycle) {
+        for memory in self.memories.iter_mut().filter(|memory| !memory.is_idle()) {
+            memory.serve(&mut self.clients, horizon);
         }
-        memory.queued < queued
     }
 
-    /// Serves all that has arrived; for the ticked engine, at the end of each cycle.
-    pub(crate) fn serve_all(&mut self) {
-        for memory in 0..self.memories.len() {
-            self.serve_before(memory, Cycle::UNKNOWN);
-        }
+    /// Whether any request waits to be served.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.memories.iter().all(Memory::is_idle)
     }
 
     /// The last cycle in which anything moved here or a credit came back, plus one.

@@ -5,7 +5,7 @@ use crate::outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor, circle};
 use crate::place::Place;
 use crate::topology::StageTopology;
 use crate::wiring::{Inputs, Machine, Outputs, Visitor, Wires};
-use crate::{Account, CacheCounts, Cause, Cycle, Demand, Link, PortCounts, Unit};
+use crate::{Account, CacheCounts, Cause, ChannelCounts, Cycle, Demand, Link, PortCounts, Unit};
 
 /// A unit's part of the report. Inputs, outputs and clients stand in the order of the wiring.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,6 +51,8 @@ pub struct MemoryReport {
     pub name: String,
     /// Its ports, in order of number.
     pub ports: Vec<PortReport>,
+    /// Its channels, in order of number.
+    pub channels: Vec<ChannelCounts>,
 }
 
 /// A memory port's part of the report.
@@ -232,7 +234,11 @@ pub(crate) fn conclude<M: Machine>(machine: &mut M, halt: Halt) -> RunReport {
         units: parts.units,
         fifos: parts.fifos,
         memories: (system.memories().iter().enumerate())
-            .map(|(m, memory)| MemoryReport { name: memory.name.clone(), ports: ports_of(m) })
+            .map(|(m, memory)| MemoryReport {
+                name: memory.name.clone(),
+                ports: ports_of(m),
+                channels: memory.channel_counts(total),
+            })
             .collect(),
         caches: (system.clients().iter())
             .filter_map(|c| c.cache.as_ref())

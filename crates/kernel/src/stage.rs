@@ -127,18 +127,24 @@ impl Clock {
             refuse(clients, &self.needs, traffic);
             return 1;
         };
-        let requests = !traffic.requests.is_empty();
         traffic.clear();
         if at_once {
             deliver_answered(&mut self.marks, &flight, delivery.outputs, outputs);
         } else {
             self.flights.push(flight, (ids, memories));
         }
-        // Private memories answer at once, and so the step may land.
-        if (requests || !at_once) && ids.iter().fold(false, |any, &client| memories.serve_if_private(client) | any) {
-            self.land_known(connections);
-        }
         least
+    }
+
+    /// Notes what the oldest slot holders wait for, as far as it is known by now: for who asks in every cycle.
+    pub(crate) fn note_awaits<I, O: Outputs, C: Clients>(&self, connections: &mut Connections<I, O, C>) {
+        let Connections { outputs, clients, .. } = connections;
+        let (Some(memories), ids) = (clients.memories(), clients.ids()) else { return };
+        self.flights.oldest(|flight, to| {
+            for i in (0..outputs.count()).filter(|i| to & 1 << i != 0) {
+                outputs.link_mut(i).set_awaits(flight.awaited(ids, memories));
+            }
+        });
     }
 
     /// Delivers the steps in flight whose answers are known by now, and tells whether there were any. To be called

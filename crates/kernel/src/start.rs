@@ -40,7 +40,7 @@ impl<I: Inputs, O: Outputs, C: Clients> Connections<I, O, C> {
     /// have not come so far yet. Its neighbours build on that in turn, and its memories serve what others asked for until
     /// then.
     #[inline(always)]
-    pub(crate) fn promise(&mut self, demand: Demand, free: Cycle) {
+    pub(crate) fn promise(&mut self, demand: Demand, free: Cycle) -> Cycle {
         let Self { inputs, outputs, clients } = self;
         let mut start = if demand == Demand::Finished { Cycle::UNKNOWN } else { free };
         for i in (0..inputs.count()).filter(|&i| demand.takes(i)) {
@@ -58,6 +58,15 @@ impl<I: Inputs, O: Outputs, C: Clients> Connections<I, O, C> {
         if let Some((ids, memories)) = clients.open() {
             ids.iter().for_each(|&client| memories.promise(client, start));
         }
+        start
+    }
+
+    /// Serves what is final of the memories that no other stage uses, when this one makes no step before `horizon`; whether
+    /// there was any.
+    #[inline(always)]
+    pub(crate) fn serve_private(&mut self, horizon: Cycle) -> bool {
+        let Some((ids, memories)) = self.clients.open() else { return false };
+        ids.iter().fold(false, |any, &client| memories.serve_if_private(client, horizon) | any)
     }
 
     /// Splits the wait from `from` to `to` into its causes (law 9), in order, and hands each to `charge`.

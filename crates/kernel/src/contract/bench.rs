@@ -33,7 +33,7 @@ impl fmt::Display for Surroundings {
 
 impl Surroundings {
     fn memory(&self) -> MemoryConfig {
-        let slow = MemoryConfig { banks: 1, burst_cycles: 7, cas: 40, rcd: 23, rp: 17, ..MemoryConfig::default() };
+        let slow = MemoryConfig { banks: 1, burst_cycles: 7, cl: 40, rcd: 23, rp: 17, ..MemoryConfig::default() };
         if self.slow_memory { slow } else { MemoryConfig::default() }
     }
 

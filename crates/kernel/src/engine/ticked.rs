@@ -92,6 +92,15 @@ impl Visitor for CountHeld {
     }
 }
 
+/// Notes what is known of the answers that slots wait for: `timed` asks when all are known, and this engine in every cycle.
+struct NoteAwaits;
+impl Visitor for NoteAwaits {
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
+        stage.clock.note_awaits(connections);
+    }
+}
+
 /// Whether any stage has a known next start.
 struct AnyStart(bool);
 impl Visitor for AnyStart {
@@ -108,6 +117,9 @@ pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, probe: &mut P, limits: 
         Tick { probe, traffic: Traffic::default(), now: Cycle::ZERO, stage: 0, fired: false, horizon: Cycle::ZERO, fault: None };
     loop {
         if tick.now.0 >= limits.max_cycles {
+            // No request is still to come.
+            machine.memories().serve_before(Cycle::UNKNOWN);
+            machine.wire(&mut Land);
             let mut any = AnyStart(false);
             machine.wire(&mut any);
             if any.0 {
@@ -120,11 +132,12 @@ pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, probe: &mut P, limits: 
         if let Some(fault) = tick.fault {
             return Halt::Fault(fault);
         }
-        machine.memories().serve_all();
+        machine.memories().serve_before(tick.now + 1);
         machine.wire(&mut Land);
+        machine.wire(&mut NoteAwaits);
         machine.wire(&mut CountHeld(tick.now));
         let horizon = tick.horizon.max(machine.memories().last_answer());
-        if !tick.fired && horizon <= tick.now {
+        if !tick.fired && horizon <= tick.now && machine.memories().is_idle() {
             return Halt::Quiet;
         }
         tick.now = tick.now + 1;

@@ -1,5 +1,5 @@
 //! `timed`: every stage runs ahead as far as its inputs, outputs and credits are known; when none can go on, the
-//! memories answer what nothing still to come can precede. Cost is O(tokens x stages), whatever the cycles.
+//! memories make the choices that nothing still to come can change. Cost is O(tokens x stages), whatever the cycles.
 //!
 //! # Why it gives what `ticked` gives
 //!
@@ -21,28 +21,33 @@
 //!    step, beyond which a start would be known too early or never. `check_wiring`; `Stage::fire` refuses other traffic.
 //!    Tests `wiring::a_memory_client_belongs_to_one_stage_and_exists`, `wiring::the_largest_step_finds_credits`,
 //!    `wiring::traffic_to_no_client_is_a_fault`, `wiring::a_step_beyond_the_largest_is_a_fault`.
-//! 5. **A memory that one stage uses serves at once.** By 4 nothing still to come can arrive before what is queued.
-//!    `MemorySystem::find_private`, `MemorySystem::serve_if_private`. Test `laws/law_4_memory`.
+//! 5. **A choice that is served is final.** What arrives at *h* or later comes into view at *h* + 1, and goes there at the
+//!    earliest; so a memory may serve every burst whose column command goes at *h* + 1 or before, all that come while its window
+//!    is full, and its oldest once that has been passed over `cap` times, if nothing unknown arrives before *h*. `Channel::serve`.
+//!    A memory that one stage uses hears of nothing before that stage is free again. `MemorySystem::find_private`,
+//!    `Connections::serve_private`. Tests `laws/law_4_memory`, `vectors`.
 //! 6. **A promise is kept.** A stage that promised *p* makes no step before *p*: every input and output it waits for is not
-//!    there before what the stage at the other end has promised, plus what lies between. So a memory may serve what arrived
-//!    before the least promise of its users. `Connections::promise`, `MemorySystem::serve_promised`. Test
+//!    there before what the stage at the other end has promised, plus what lies between. So the least promise of a memory's
+//!    users is such an *h*. `Connections::promise`, `MemorySystem::serve_promised`. Test
 //!    `properties::both_engines_give_equal_reports`.
 //! 7. **When nothing moves, nothing can arrive before the horizon.** Every stage that will ever step again waits, through
-//!    whatever chain of FIFOs and credits, for an answer to a queued request; the horizon is the earliest that any of those can
-//!    be. For this a delivery must not seem to wait for an answer that it does not wait for: `Flights::land` lets steps pass
-//!    those ahead that emit nothing, or elsewhere. `MemorySystem::serve_safe`. Tests `hidden_deliveries`, `flights`.
-//! 8. **It ends.** An answer takes at least a cycle, so the request that sets the horizon is served: each round makes a step,
-//!    serves a request, or is the last. Test `laws/law_8_end`.
+//!    whatever chain of FIFOs and credits, for an answer to a request that waits; the horizon is the earliest that any of those
+//!    can be: the least latency after the first column command that a memory can still give. For this a delivery must not seem to
+//!    wait for an answer that it does not wait for: `Flights::land` lets steps pass those ahead that emit nothing, or elsewhere.
+//!    `MemorySystem::serve_safe`. Tests `hidden_deliveries`, `flights`.
+//! 8. **It ends.** From a column command to its answer it takes at least a cycle, so the burst that sets the horizon is served,
+//!    or the request split into bursts: each round makes a step, brings a memory on, or is the last. Test `laws/law_8_end`.
 //!
 //! By 1 both engines make the same steps; by 2, 3 and 5 to 7 at the same times, in which all requests are served in the order
 //! of law 4; by 8 both come to rest, where nothing can start: so their reports are equal.
 
 use super::{Land, Limits, fault_of};
+use crate::connections::{Clients, Connections};
 use crate::place::Place;
 use crate::report::Halt;
 use crate::stage::{Clock, charge};
-use crate::wiring::{Machine, Visitor};
-use crate::{Cycle, Probe, Traffic, Unit};
+use crate::wiring::{Inputs, Machine, Outputs, Visitor};
+use crate::{Cycle, Probe, Stage, Traffic, Unit};
 
 /// One walk over all stages.
 struct RunAhead<'p, SomeProbe> {
@@ -57,13 +62,16 @@ struct RunAhead<'p, SomeProbe> {
     promises: bool,
 }
 
-impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
-    #[inline]
-    fn stage<P: Place>(&mut self, mut place: P) {
-        let (stage, connections) = place.open();
-        let number = self.stage;
-        self.stage += 1;
-        self.moved |= stage.clock.land_known(connections);
+impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
+    /// Makes all steps of a stage whose starts are known.
+    #[inline(always)]
+    fn fire_known<U, I, O, C>(&mut self, number: usize, stage: &mut Stage<U>, connections: &mut Connections<I, O, C>)
+    where
+        U: Unit,
+        I: Inputs<Item = U::In>,
+        O: Outputs<Item = U::Out>,
+        C: Clients,
+    {
         while let Some(next) = connections.next_start(&stage.unit, &stage.clock) {
             if next.at >= self.end {
                 self.limited |= next.at.is_known();
@@ -82,18 +90,40 @@ impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
             if self.traffic.fault.is_some() {
                 self.fault = fault_of(&mut self.traffic, stage.name(), Some(next.at));
                 self.end = Cycle::ZERO;
-                return;
+                break;
+            }
+            if connections.serve_private(stage.clock.free) {
+                stage.clock.land_known(connections);
             }
         }
-        if self.promises {
-            connections.promise(stage.unit.demand(), stage.clock.free);
+    }
+}
+
+impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
+    #[inline]
+    fn stage<P: Place>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
+        let number = self.stage;
+        self.stage += 1;
+        self.moved |= stage.clock.land_known(connections);
+        loop {
+            self.fire_known(number, stage, connections);
+            if !self.promises {
+                break;
+            }
+            let start = connections.promise(stage.unit.demand(), stage.clock.free);
+            if !connections.serve_private(start) {
+                break;
+            }
+            self.moved = true;
+            stage.clock.land_known(connections);
         }
     }
 }
 
 pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, probe: &mut P, limits: Limits<'_, M>) -> Halt {
     let end = Cycle(limits.max_cycles);
-    let promises = machine.memories().has_shared();
+    let promises = machine.memories().has_any();
     let (traffic, fault) = (Traffic::default(), None);
     let mut walk = RunAhead { probe, traffic, end, stage: 0, moved: false, limited: false, fault, promises };
     for round in 1_u64.. {

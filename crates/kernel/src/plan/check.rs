@@ -2,6 +2,7 @@
 
 use super::{Kind, Plan, PlannedUnit};
 use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
+use basrelief_parameters::Parameters;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
@@ -62,13 +63,10 @@ pub(super) fn check(plan: &Plan) -> Result<(), PlanError> {
 fn memories(plan: &Plan) -> Result<(), PlanError> {
     for m in &plan.memories {
         let place = format!("memory `{}`", m.name);
-        for (field, value) in
-            [("burst_bytes", m.burst_bytes), ("burst_cycles", m.burst_cycles), ("banks", m.banks), ("row_bytes", m.row_bytes)]
-        {
-            within(&place, field, value.into(), 1..=MOST)?;
-        }
-        for (field, value) in [("cas", m.cas), ("rcd", m.rcd), ("rp", m.rp)] {
-            within(&place, field, value.into(), 0..=MOST)?;
+        m.config.check("").or_else(|error| fail(&place, error.to_string()))?;
+        let (refi, rest) = (m.config.refi, u64::from(m.config.rfc) + u64::from(m.config.rcd));
+        if refi > 0 && u64::from(refi) <= rest {
+            return fail(&place, format!("`refi` is {refi}, expected 0 or more than `rfc` and `rcd` together, {rest}"));
         }
         for p in &m.ports {
             within(&format!("port `{}`", p.name), "outstanding", p.outstanding.into(), 1..=MOST)?;

@@ -2,7 +2,7 @@
 
 use super::check::check;
 use super::{Kind, Plan, PlanError, PlanUnit, PlannedUnit, Token};
-use crate::{CacheConfig, Fifo, Machine, MemoryConfig, MemorySystem, Stage, Visitor};
+use crate::{CacheConfig, Fifo, Machine, MemorySystem, Stage, Visitor};
 use std::collections::BTreeMap;
 
 /// A stage and the numbers of its FIFOs and clients.
@@ -54,17 +54,7 @@ impl PlanMachine {
 fn add_memories<'p>(plan: &'p Plan, memories: &mut MemorySystem) -> BTreeMap<&'p str, usize> {
     let mut ports = BTreeMap::new();
     for m in &plan.memories {
-        let config = MemoryConfig {
-            burst_bytes: m.burst_bytes,
-            burst_cycles: m.burst_cycles,
-            banks: m.banks,
-            row_bytes: m.row_bytes,
-            cas: m.cas,
-            rcd: m.rcd,
-            rp: m.rp,
-            ..MemoryConfig::default()
-        };
-        let memory = memories.add_memory(&m.name, &config);
+        let memory = memories.add_memory(&m.name, &m.config);
         for p in &m.ports {
             let client = match plan.caches.iter().find(|c| c.port == p.name) {
                 None => memories.add_client(&p.name, memory, p.outstanding),

@@ -14,6 +14,7 @@ pub use result::result;
 use unit::PlanUnit;
 pub use unit::Token;
 
+use crate::MemoryConfig;
 use serde::{Deserialize, Serialize};
 
 /// A whole plan.
@@ -42,18 +43,15 @@ pub struct PlanFifo {
     pub latency: u64,
 }
 
-/// A memory of a plan; fields as in [`MemoryConfig`](crate::MemoryConfig).
+/// A memory of a plan. Its `outstanding` says nothing: each port has its own.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-#[allow(missing_docs, reason = "the names are those of MemoryConfig")]
 pub struct PlanMemory {
+    /// Unique name.
     pub name: String,
-    pub burst_bytes: u32,
-    pub burst_cycles: u32,
-    pub banks: u32,
-    pub row_bytes: u32,
-    pub cas: u32,
-    pub rcd: u32,
-    pub rp: u32,
+    /// Its parameters, beside the name.
+    #[serde(flatten)]
+    pub config: MemoryConfig,
+    /// Its ports, in order of number.
     pub ports: Vec<PlanPort>,
 }
 

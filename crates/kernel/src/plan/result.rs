@@ -30,8 +30,8 @@ pub fn result(report: &RunReport) -> Value {
     for m in &report.memories {
         let port = |c: &crate::PortCounts| {
             json!({
-                "requests": c.reads + c.writes, "bursts": c.bursts,
-                "row_hits": c.row_hits, "row_closed": c.row_closed, "row_conflicts": c.row_conflicts,
+                "requests": c.requests(), "bursts": c.rows.bursts(),
+                "row_hits": c.rows.hits, "row_closed": c.rows.closed, "row_conflicts": c.rows.conflicts,
             })
         };
         let ports: Map<_, _> = m.ports.iter().map(|p| (p.client.clone(), port(&p.counts))).collect();
