@@ -245,6 +245,7 @@ mod outcome;
 mod place;
 #[cfg(feature = "plan")]
 pub mod plan;
+mod port;
 mod probe;
 mod report;
 mod stage;
@@ -265,6 +266,7 @@ pub use derived::Derived;
 pub use engine::{Engine, Limits, run, run_functional, run_with};
 pub use fifo::Fifo;
 pub use link::Link;
+pub use memory::MemoryRequest;
 pub use memory_system::MemorySystem;
 pub use outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor};
 pub use place::{Between, ConnectionsOf, Place};

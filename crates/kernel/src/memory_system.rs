@@ -1,7 +1,8 @@
 //! All memories, ports and caches of a machine, and the order in which requests are served.
 
 use crate::cache::{Cache, LookUp};
-use crate::memory::{Memory, Port};
+use crate::memory::{Memory, MemoryRequest};
+use crate::port::Port;
 use crate::{CacheConfig, Cycle, MemoryConfig};
 
 /// A client: a port, with or without a cache in front of it.
@@ -94,6 +95,21 @@ impl MemorySystem {
     /// Name of the cache in front of a client's port, where there is one.
     pub fn cache_name(&self, client: usize) -> Option<&str> {
         self.clients[client].cache.as_ref().map(|c| c.name.as_str())
+    }
+
+    /// Keeps every request from now on, until it is [taken](Self::take_requests).
+    pub fn keep_requests(&mut self) {
+        self.memories.iter_mut().for_each(|memory| memory.log = Some(Vec::new()));
+    }
+
+    /// Takes the requests that were kept, by memory with its name: each in order of (arrival, port number, issue), as law 4 has it.
+    /// To be called between rounds of an engine, so that what is kept does not grow with the run.
+    pub fn take_requests(&mut self) -> impl Iterator<Item = (&str, Vec<MemoryRequest>)> {
+        let taken = |memory: &mut Memory| memory.log.as_mut().map(std::mem::take).unwrap_or_default();
+        self.memories.iter_mut().map(move |memory| {
+            let requests = taken(memory);
+            (memory.name.as_str(), requests)
+        })
     }
 
     pub(crate) fn memories(&self) -> &[Memory] {

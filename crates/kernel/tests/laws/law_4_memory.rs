@@ -4,9 +4,9 @@
 //! The memory: one bank, rows of 64 bytes, bursts of 32 bytes and 2 cycles; from view to column: hit 0, closed 2, conflict
 //! 4 + 2; from column to data 3.
 
-use super::common::{Draw, account, report, small_memory, starts, unit};
+use super::common::{Draw, account, machine, report, small_memory, starts, unit};
 use basrelief_kernel::plan::{Kind, Plan, PlanMemory, PlanRequest};
-use basrelief_kernel::{MemoryConfig, PortCounts, RunReport};
+use basrelief_kernel::{Cycle, Engine, Machine, MemoryConfig, MemoryRequest, PortCounts, RunReport, run};
 
 fn request(port: &str, write: bool, bytes: u32, offset: u64) -> PlanRequest {
     PlanRequest { port: port.into(), write, bytes, stride: 0, offset, span: 1 << 20 }
@@ -163,4 +163,17 @@ fn waiting_for_memory_is_charged_to_the_port() {
     // Steps at 1 and at 9; the second answer, a hit: 9 + 1 + 3 + 2 = 15, visible 16. 17 cycles.
     assert_eq!(unit(&report, "client").steps, 2);
     assert_eq!(account(&report, "client"), "busy 2, done 7, starved in 1, memory p 7");
+}
+
+#[test]
+fn requests_can_be_kept_in_the_order_in_which_the_memory_took_them_in() {
+    for engine in [Engine::Timed, Engine::Ticked] {
+        let mut machine = machine(&two_clients([1, 0]));
+        machine.memories().keep_requests();
+        run(&mut machine, engine);
+        let kept: Vec<_> = machine.memories().take_requests().map(|(name, all)| (name.to_owned(), all)).collect();
+        let request = |client| MemoryRequest { arrival: Cycle(1), client, write: false, address: 64 * client as u64, bytes: 32 };
+        assert_eq!(kept, [("memory".to_owned(), vec![request(0), request(1)])]);
+        assert!(machine.memories().take_requests().all(|(_, all)| all.is_empty()));
+    }
 }
