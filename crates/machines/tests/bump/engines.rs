@@ -61,7 +61,7 @@ fn a_stamp_is_looked_up_once_in_the_depth_cache_where_depth_is_not_at_hand_and_e
         let stamps = tokens(if early_z == "true" { "fragments" } else { "pixels" }) - tokens("polygons");
         let unknown = ran.count("z_tested") - ran.count("z_clear") - ran.count("z_gathered");
         assert!(look_ups > 0 && look_ups < stamps);
-        assert!(if stamp == "1" { look_ups == unknown } else { look_ups * 4 < unknown * 3 });
+        assert!(if stamp == "1" { look_ups == unknown } else { look_ups < unknown });
         assert_eq!(ran.count("z_tested"), ran.count("fragments"));
         assert_eq!(ran.count("pixels"), ran.count("z_passed"));
     }
