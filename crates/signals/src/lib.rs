@@ -7,6 +7,8 @@
 //!
 //! [`packet`] says what a depth test and a frame buffer ask of any token of pixels.
 //!
+//! [`GatheredLines`] are the lines of a picture's memory that a unit has open for writing.
+//!
 //! [`layout`] is the address map of the one memory that several units share.
 //!
 //! [`Flow`] puts control tokens in band (law 7): every wire behind the geometry processor carries `Flow<T>`.
@@ -17,6 +19,7 @@
 
 pub mod flow;
 pub mod fragment;
+pub mod gathered_lines;
 pub mod layout;
 pub mod model;
 pub mod packet;
@@ -27,6 +30,7 @@ pub use flow::{Control, Flow};
 pub use fragment::{
     Fragment, Indexes, MAX_SAMPLES, MAX_STAMP, PictureFlow, Pixel, PixelBlock, PseudoNormals, Sample, Samples, Shaded, Stamp,
 };
+pub use gathered_lines::GatheredLines;
 pub use model::{
     Camera, Draw, Filter, Frame, Image, Light, LightKind, Lighting, MAX_PICTURE_PIXELS, Material, Mesh, Object, Sampler, Scene,
     Texture, Wrap,

@@ -4,7 +4,7 @@ use super::fifos::FifoConfigs;
 use crate::config::ClockConfig;
 use crate::front::front_of;
 use basrelief_deferred_renderer::{CellConfig, EngineConfig, PathConfig, RendererConfig, TileConfig};
-use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
+use basrelief_frame_buffer::{PixelBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
 use basrelief_kernel::{CacheConfig, MemoryConfig};
@@ -60,7 +60,7 @@ parameter_groups! {
         /// Rates of the rendering engine (120).
         engine: EngineConfig = EngineConfig::default(),
         /// (124) as pixel buffer.
-        frame_buffer: FrameBufferConfig = FrameBufferConfig::default(),
+        frame_buffer: PixelBufferConfig = PixelBufferConfig::default(),
         /// Video output (116).
         video_out: VideoOutConfig = VideoOutConfig::default(),
         /// FIFOs.

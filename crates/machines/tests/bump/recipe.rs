@@ -261,7 +261,12 @@ const TIMING: &[Axis] = &[
     &[&[], &[("cache.normal_map.sets", "1"), ("cache.normal_map.ways", "1"), ("cache.normal_map.lookups_per_cycle", "1")]],
     &[&[], &[("cache.clut.line_bytes", "8"), ("cache.clut.sets", "3"), ("cache.clut.hit_latency", "20")]],
     &[&[], &[("cache.color_texture.sets", "1"), ("cache.color_texture.ways", "2"), ("cache.color_texture.line_bytes", "16")]],
-    &[&[], &[("cache.depth.sets", "1"), ("cache.depth.ways", "1"), ("cache.depth.line_bytes", "256")]],
+    &[
+        &[],
+        &[("cache.depth.sets", "1"), ("cache.depth.ways", "1"), ("cache.depth.line_bytes", "256")],
+        &[("cache.depth.line_bytes", "16"), ("depth.clear_flags", "false")],
+    ],
+    &[&[], &[("frame_buffer.write_lines", "1"), ("depth.write_lines", "3")], &[("frame_buffer.write_lines", "64")]],
 ];
 
 /// FIFOs of the machine.

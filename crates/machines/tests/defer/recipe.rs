@@ -214,6 +214,11 @@ const TIMING: &[Axis] = &[
             ("fifo.shown.latency", "6"),
         ],
     ],
+    &[
+        &[],
+        &[("engine.write_lines", "1"), ("depth.write_lines", "64")],
+        &[("depth.write_lines", "1"), ("depth.clear_flags", "false")],
+    ],
     &[&[], &[("video_out.enabled", "false")]],
 ];
 

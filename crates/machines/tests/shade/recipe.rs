@@ -146,7 +146,9 @@ const TIMING: &[Axis] = &[
     &[
         &[],
         &[("memory.frame.outstanding", "1"), ("memory.frame.cas", "30"), ("cache.depth.sets", "1"), ("cache.depth.ways", "1")],
+        &[("cache.depth.line_bytes", "32"), ("depth.clear_flags", "false")],
     ],
+    &[&[], &[("frame_buffer.write_lines", "2"), ("depth.write_lines", "1")], &[("depth.write_lines", "64")]],
     &[&[], &[("video_out.enabled", "false")], &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")]],
 ];
 

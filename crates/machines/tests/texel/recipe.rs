@@ -117,6 +117,7 @@ const TIMING: &[Axis] = &[
     &[&[], &[("memory.texture.cas", "40"), ("cache.texture.sets", "1"), ("cache.texture.ways", "1")]],
     &[&[], &[("cache.texture.line_bytes", "16"), ("cache.texture.lookups_per_cycle", "1")], &[("look_up.texel_bytes", "3")]],
     &[&[], &[("memory.pixel.outstanding", "1"), ("memory.depth.outstanding", "1"), ("memory.pixel.cas", "30")]],
+    &[&[], &[("frame_buffer.write_lines", "1"), ("depth.clear_flags", "false")], &[("depth.write_lines", "2")]],
     &[&[], &[("video_out.enabled", "false")], &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")]],
 ];
 

@@ -185,6 +185,8 @@ parameters! {
         fill_rate: u32 = 1, unit: "cells/cycle", Assumed("one division and one logarithm per cycle"), range: 1..=16;
         /// Cells read per cycle by a pass over the reference buffer (126).
         scan_rate: u32 = 1, unit: "cells/cycle", Assumed("one pixel per cycle"), range: 1..=16;
+        /// Blocks of 4 x 4 cells of the reference buffer (126) that gather writes; the least recently written one goes.
+        write_lines: u32 = 8, unit: "blocks", Assumed("2 KiB of registers; the edge that two triangles share lies in blocks that both write"), range: 1..=64;
         /// Entries of the tile load list (136) looked at per cycle.
         list_rate: u32 = 16, unit: "tiles/cycle", Assumed("two bits each: a word per cycle"), range: 1..=1024;
         /// Bilinear interpolations per cycle; one between two layers comes with the second.

@@ -6,7 +6,7 @@ use crate::{Cell, Page};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::texture::{BLOCK, texel_offset};
-use basrelief_signals::{Frame, Stamp, layout};
+use basrelief_signals::{Frame, GatheredLines, Stamp, layout};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -19,6 +19,8 @@ enum Phase {
     /// Takes cells (454), up to the end of the frame.
     #[default]
     Fill,
+    /// Writes what is still gathered, a block per step.
+    Flush,
     /// Passes over all blocks, from this one on; towards the identification of tiles (461).
     Identify(usize),
     /// Towards the final rasterization (463, 472): in front of the pass.
@@ -65,8 +67,8 @@ pub struct ReferenceBufferState {
     pub cells: Vec<Cell>,
     /// Pages so far, by number.
     pub pages: Vec<Arc<Page>>,
-    /// Number of the block that gathers writes.
-    pub line: Option<u64>,
+    /// The blocks that gather writes.
+    pub lines: GatheredLines,
     /// Filled buffers that nobody has fetched yet, where they are kept.
     pub filled: Vec<FilledBuffer>,
     /// What it has counted.
@@ -77,7 +79,7 @@ pub struct ReferenceBufferState {
 /// one to identify tiles and one to colour, in the progressive mode one for each picture.
 ///
 /// Inputs: cells, and whether another round follows. Outputs: passes to identification and to the final rasterization.
-/// Client 0 reads, client 1 writes: 4 x 4 cells at a time, those to be written gathered while they stay in one block.
+/// Client 0 reads, client 1 writes: 4 x 4 cells at a time. Writes gather in some blocks (`engine.write_lines`).
 #[derive(Clone, Debug)]
 pub struct ReferenceBuffer {
     /// Parameters.
@@ -110,7 +112,7 @@ impl ReferenceBuffer {
         self.state.cells.clear();
         self.state.cells.resize(blocks[0] * blocks[1] * BLOCK_CELLS, Cell::default());
         self.state.frame = Some(Arc::clone(frame));
-        self.state.line = None;
+        self.state.lines = GatheredLines::default();
     }
 
     #[inline]
@@ -122,19 +124,15 @@ impl ReferenceBuffer {
             let Some(cell) = self.state.cells.get_mut(offset as usize) else { continue };
             *cell = placed.cell;
             self.state.counters.written += 1;
-            self.gather(Some(offset / BLOCK_CELLS as u64), traffic);
+            if let Some(gone) = self.state.lines.touch(offset / BLOCK_CELLS as u64, self.config.write_lines) {
+                self.write(gone, traffic);
+            }
         }
     }
 
-    /// Writes the gathered block, if any, and gathers `next`.
-    #[inline]
-    fn gather(&mut self, next: Option<u64>, traffic: &mut Traffic) {
-        if self.state.line != next
-            && let Some(line) = std::mem::replace(&mut self.state.line, next)
-        {
-            let bytes = BLOCK_CELLS as u32 * self.cell_bytes;
-            traffic.write(1, line * u64::from(bytes), bytes);
-        }
+    fn write(&self, block: u64, traffic: &mut Traffic) {
+        let bytes = BLOCK_CELLS as u32 * self.cell_bytes;
+        traffic.write(1, block * u64::from(bytes), bytes);
     }
 
     fn filled(&self) -> Option<FilledBuffer> {
@@ -160,18 +158,28 @@ impl ReferenceBuffer {
                 self.put(&cells, traffic);
                 Step::over(cells.len(), 1, latency, (None, None))
             }
-            CellFlow::FrameEnd => {
-                self.gather(None, traffic);
-                if self.keep {
-                    let filled = self.filled();
-                    self.state.filled.extend(filled);
-                }
-                self.end_of_fill(latency)
-            }
+            CellFlow::FrameEnd => self.flush(traffic),
         }
     }
 
-    fn end_of_fill(&mut self, latency: u64) -> Step<Out> {
+    /// Writes a gathered block; with the last of them, the buffer is filled.
+    fn flush(&mut self, traffic: &mut Traffic) -> Step<Out> {
+        if let Some(block) = self.state.lines.take() {
+            self.write(block, traffic);
+        }
+        if self.state.lines.is_empty() {
+            return self.end_of_fill();
+        }
+        self.state.phase = Phase::Flush;
+        Step::after(self.config.latency.into(), (None, None))
+    }
+
+    fn end_of_fill(&mut self) -> Step<Out> {
+        let latency = u64::from(self.config.latency);
+        if self.keep {
+            let filled = self.filled();
+            self.state.filled.extend(filled);
+        }
         if self.mode == RenderMode::Best {
             self.state.counters.passes += 1;
             self.state.phase = Phase::Identify(0);
@@ -215,7 +223,7 @@ impl Unit for ReferenceBuffer {
         match self.state.phase {
             Phase::Fill => Demand::Only(0),
             Phase::Wait => Demand::Only(1),
-            Phase::Identify(_) | Phase::Begin | Phase::Colour(_) => Demand::Nothing,
+            Phase::Flush | Phase::Identify(_) | Phase::Begin | Phase::Colour(_) => Demand::Nothing,
         }
     }
 
@@ -227,6 +235,7 @@ impl Unit for ReferenceBuffer {
                 Some(token) => self.fill(token, traffic),
                 None => Step::after(latency, (None, None)),
             },
+            Phase::Flush => self.flush(traffic),
             Phase::Identify(block) => {
                 let (token, cycles, end) = self.pass(block, traffic);
                 self.state.phase = if end { Phase::Begin } else { Phase::Identify(block + 1) };
@@ -249,7 +258,7 @@ impl Unit for ReferenceBuffer {
         }
     }
 
-    /// One block read; one block written per change of block in a stamp, and one at the end.
+    /// One block read; one block written, which goes for the one that all cells of a stamp lie in, or at the end.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client < 2)
     }

@@ -1,10 +1,22 @@
-//! Parameters of the frame buffer (126) and of the video output.
+//! Parameters of the frame buffer (126), of the pixel buffer (124) and of the video output.
 
 use basrelief_parameters::parameters;
 
 parameters! {
     /// Frame buffer (126).
     pub struct FrameBufferConfig {
+        /// A pixel in memory.
+        pixel_bytes: u32 = 4, unit: "bytes", Assumed("RGB, 8 bits each, padded to a word"), range: 1..=4;
+        /// From start to delivery.
+        latency: u32 = 1, unit: "cycles", Assumed("a register"), range: 0..=4096;
+        /// Lines of 16 pixels that gather writes; the least recently written one goes.
+        write_lines: u32 = 8, unit: "lines", Assumed("512 bytes of registers; the edge that two triangles share lies in lines that both write"), range: 1..=64;
+    }
+}
+
+parameters! {
+    /// Pixel buffer (124) of the rate-limited renderer.
+    pub struct PixelBufferConfig {
         /// A pixel in memory.
         pixel_bytes: u32 = 4, unit: "bytes", Assumed("RGB, 8 bits each, padded to a word"), range: 1..=4;
         /// From start to delivery.

@@ -12,7 +12,7 @@ pub mod state;
 pub mod unit;
 pub mod video_out;
 
-pub use config::{FrameBufferConfig, VideoOutConfig};
+pub use config::{FrameBufferConfig, PixelBufferConfig, VideoOutConfig};
 pub use pixel_buffer::{PixelBuffer, PixelBufferCounters, PixelBufferState, ShownPicture};
 pub use state::{FinishedFrame, FrameBufferCounters, FrameBufferState};
 pub use unit::{FrameBuffer, FrameDone};

@@ -1,6 +1,6 @@
 //! Pixel/depth buffer (124) of the rate-limited renderer, in its second job: keeps the picture and shows it.
 
-use crate::config::FrameBufferConfig;
+use crate::config::PixelBufferConfig;
 use crate::state::FinishedFrame;
 use crate::unit::FrameDone;
 use basrelief_kernel::facts::Facts;
@@ -51,14 +51,15 @@ pub struct PixelBufferState {
 }
 
 /// Pixel buffer (124): takes blocks of pixels, and shows the picture when it is complete; with the progressive mode several
-/// times per frame, and each picture ends a frame in the sense of law 11. Pixels of blocks are written whole, as client 0.
+/// times per frame, and each picture ends a frame in the sense of law 11. Client 0 writes blocks of pixels whole: a block comes
+/// once per picture, so there is nothing to gather.
 ///
 /// Outputs: to the video output; and, behind the last picture of a frame, to the server, since the next frame's depth values
 /// take the place of the pixels.
 #[derive(Clone, Debug)]
 pub struct PixelBuffer {
     /// Parameters.
-    pub config: FrameBufferConfig,
+    pub config: PixelBufferConfig,
     base: u64,
     /// Everything it remembers.
     pub state: PixelBufferState,
@@ -68,7 +69,7 @@ type Out = (Option<FrameDone>, Option<()>);
 
 impl PixelBuffer {
     /// At power-on; `shared`: in the place of the depth values.
-    pub fn new(config: FrameBufferConfig, shared: bool) -> Self {
+    pub fn new(config: PixelBufferConfig, shared: bool) -> Self {
         let base = if shared { layout::Z_BUFFER } else { layout::COLOR_BUFFERS };
         Self { config, base, state: PixelBufferState::default() }
     }

@@ -1,5 +1,6 @@
 //! What the frame buffer (126) keeps between steps.
 
+use basrelief_signals::GatheredLines;
 use serde::{Deserialize, Serialize};
 
 /// A finished picture.
@@ -33,8 +34,10 @@ pub struct FrameBufferCounters {
 pub struct FrameBufferState {
     /// The picture that is being drawn, if a frame has begun.
     pub picture: Option<FinishedFrame>,
-    /// Number of the line that gathers writes.
-    pub line: Option<u64>,
+    /// The lines that gather writes.
+    pub lines: GatheredLines,
+    /// The end of the frame has come, and goes on when all gathered lines are written.
+    pub ending: bool,
     /// Pictures that nobody has fetched yet, in order.
     pub finished: Vec<FinishedFrame>,
     /// What it has counted.

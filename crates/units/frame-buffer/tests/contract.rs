@@ -1,6 +1,8 @@
 //! Frame buffer (126), pixel buffer (124) and video output keep the unit contract.
 
-use basrelief_frame_buffer::{FrameBuffer, FrameBufferConfig, FrameDone, PixelBuffer, VideoOut, VideoOutConfig};
+use basrelief_frame_buffer::{
+    FrameBuffer, FrameBufferConfig, FrameDone, PixelBuffer, PixelBufferConfig, VideoOut, VideoOutConfig,
+};
 use basrelief_kernel::unit_contract;
 use basrelief_signals::{Camera, Control, Flow, Frame, PictureFlow, Pixel, PixelBlock, Stamp, layout};
 use std::sync::Arc;
@@ -25,7 +27,15 @@ fn pixels() -> Vec<Flow<Stamp<Pixel>>> {
 
 unit_contract! {
     name: frame_buffer,
-    unit: FrameBuffer::new(FrameBufferConfig { pixel_bytes: 3, latency: 4 }),
+    unit: FrameBuffer::new(FrameBufferConfig { pixel_bytes: 3, latency: 4, ..FrameBufferConfig::default() }),
+    inputs: pixels(),
+    clients: [ClientKind::Port],
+    state,
+}
+
+unit_contract! {
+    name: frame_buffer_of_one_gathered_line,
+    unit: FrameBuffer::new(FrameBufferConfig { write_lines: 1, ..FrameBufferConfig::default() }),
     inputs: pixels(),
     clients: [ClientKind::Port],
     state,
@@ -47,7 +57,7 @@ fn blocks() -> Vec<PictureFlow> {
 
 unit_contract! {
     name: pixel_buffer,
-    unit: PixelBuffer::new(FrameBufferConfig { pixel_bytes: 3, latency: 4 }, true),
+    unit: PixelBuffer::new(PixelBufferConfig { pixel_bytes: 3, latency: 4 }, true),
     inputs: blocks(),
     clients: [ClientKind::Port],
     state,

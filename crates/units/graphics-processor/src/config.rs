@@ -53,5 +53,9 @@ parameters! {
     pub struct DepthConfig {
         /// From start to delivery, z in the cache.
         latency: u32 = 2, unit: "cycles", Assumed("one comparison"), range: 0..=4096;
+        /// Lines of 16 pixels that gather writes; the least recently written one goes.
+        write_lines: u32 = 8, unit: "lines", Assumed("512 bytes of registers; the edge that two triangles share lies in lines that both write"), range: 1..=64;
+        /// A flag per line says that nothing was written to it since the fast clear: it is not read.
+        clear_flags: bool = true, unit: "", Assumed("a fast clear that moves no data has to be kept somewhere: a bit per line of 16 pixels");
     }
 }

@@ -3,7 +3,7 @@
 use crate::config::DepthConfig;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::{Control, DepthToken, Flow, Frame, LINE_PIXELS, layout, line_of};
+use basrelief_signals::{Control, DepthToken, Flow, Frame, GatheredLines, LINE_PIXELS, layout, line_of, lines};
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
@@ -14,8 +14,14 @@ pub struct DepthTestCounters {
     pub tested: u64,
     /// Fragments that were in front.
     pub passed: u64,
+    /// Fragments tested in a line that was clear: its z values were not read.
+    pub clear: u64,
+    /// Fragments tested in a line that was being gathered: its z values were not read.
+    pub gathered: u64,
     /// Lines written.
     pub lines_written: u64,
+    /// Flags of the frame that had most.
+    pub most_flags: u64,
 }
 
 /// Everything the z-test remembers.
@@ -25,8 +31,12 @@ pub struct DepthTestState {
     pub width: u32,
     /// The z-buffer, row by row.
     pub z: Vec<u32>,
-    /// Number of the line that gathers writes.
-    pub line: Option<u64>,
+    /// A flag per line: nothing was written to it since the fast clear. None is set where there are no flags.
+    pub clear: Vec<bool>,
+    /// The lines that gather writes.
+    pub lines: GatheredLines,
+    /// The end of the frame has come, and goes on when all gathered lines are written.
+    pub ending: bool,
     /// What it has counted.
     pub counters: DepthTestCounters,
 }
@@ -34,8 +44,15 @@ pub struct DepthTestState {
 /// Emits what lies in front of everything before it (less-than test, in order), and keeps the z-buffer.
 ///
 /// It owns the z values: it tests *and* updates them, wherever it stands - behind the rasterizer (early z) or in front
-/// of the frame buffer (law 6). Client 0 is the z-cache, client 1 takes posted writes of whole lines of 16 pixels,
-/// gathered while fragments stay in one line. A frame begins with a clear that moves no data (fast clear, assumed).
+/// of the frame buffer (law 6). Client 0 is the z-cache, client 1 takes posted writes of whole lines of 16 pixels. What is
+/// kept in hardware of its own, and spares reading (all assumed):
+///
+/// - *Gathered lines*: writes gather in some lines (`depth.write_lines`). Such a line holds all its z values, so none of them is
+///   looked up: what was not written to it was read with the line, or is clear. When it goes, it is written to memory and to
+///   the z-cache, where that has it.
+/// - *Clear flags*: a frame begins with a clear that moves no data (fast clear). It sets a flag for each line
+///   (`depth.clear_flags`), which is reset when something is first written to the line; until then the line is not looked up.
+///   Without flags, what clears the memory is not asked, and takes no time.
 #[derive(Clone, Debug, Default)]
 pub struct DepthTest<T> {
     /// Parameters.
@@ -63,45 +80,83 @@ impl<T: DepthToken> DepthTest<T> {
         // A picture without room is the frame buffer's to report.
         let room = if layout::fits(frame.width, frame.height) { [frame.width, frame.height] } else { [0, 0] };
         self.state.width = room[0];
-        self.state.line = None;
+        self.state.lines = GatheredLines::default();
+        self.state.clear.clear();
+        if self.config.clear_flags {
+            self.state.clear.resize(lines::<T>(room[0], room[1]) as usize, true);
+        }
+        self.state.counters.most_flags = self.state.counters.most_flags.max(self.state.clear.len() as u64);
         self.state.z.clear();
         self.state.z.resize(room[0] as usize * room[1] as usize, u32::MAX >> (32 - self.z_bits.clamp(1, 32)));
     }
 
-    /// Writes the gathered line, if any, and gathers `next`.
+    /// A line of the z-buffer \[bytes\].
+    fn z_line_bytes(&self) -> u32 {
+        LINE_PIXELS * self.z_bytes()
+    }
+
+    /// Looks a z value up, unless it is known without: in a gathered line, or in one that is clear. Whoever will write it needs
+    /// the whole line, which is more than one look-up where lines of the z-cache are small.
     #[inline]
-    fn gather(&mut self, next: Option<u64>, traffic: &mut Traffic) {
-        if self.state.line == next {
-            return;
+    fn look_up(&mut self, (line, within): (u64, u32), whole: bool, traffic: &mut Traffic) {
+        if self.state.lines.contains(line) {
+            self.state.counters.gathered += 1;
+        } else if self.state.clear.get(line as usize).is_some_and(|clear| *clear) {
+            self.state.counters.clear += 1;
+        } else {
+            let (z, of_line) = (self.z_bytes(), self.z_line_bytes());
+            let start = layout::Z_BUFFER + line * u64::from(of_line);
+            let (address, bytes) = if whole { (start, of_line) } else { (start + u64::from(within * z), z) };
+            traffic.look_up(0, address, bytes);
         }
-        if let Some(line) = std::mem::replace(&mut self.state.line, next) {
-            let bytes = LINE_PIXELS * self.z_bytes();
-            traffic.write(1, layout::Z_BUFFER + line * u64::from(bytes), bytes);
-            self.state.counters.lines_written += 1;
+    }
+
+    /// Gathers a line, and writes the one that has to go for it, if any.
+    #[inline]
+    fn gather(&mut self, line: u64, traffic: &mut Traffic) {
+        if let Some(clear) = self.state.clear.get_mut(line as usize) {
+            *clear = false;
         }
+        if let Some(gone) = self.state.lines.touch(line, self.config.write_lines) {
+            self.write(gone, traffic);
+        }
+    }
+
+    fn write(&mut self, line: u64, traffic: &mut Traffic) {
+        let bytes = self.z_line_bytes();
+        traffic.write(1, layout::Z_BUFFER + line * u64::from(bytes), bytes);
+        self.state.counters.lines_written += 1;
     }
 
     #[inline(always)]
     fn passes(&mut self, (x, y, z): (u16, u16, u32), traffic: &mut Traffic) -> bool {
-        let (x, y, bytes) = (u32::from(x), u32::from(y), self.z_bytes());
+        let (x, y) = (u32::from(x), u32::from(y));
         if x >= self.state.width {
             return false;
         }
         let Some(nearest) = self.state.z.get_mut(y as usize * self.state.width as usize + x as usize) else {
             return false;
         };
+        let passes = z < *nearest;
+        *nearest = z.min(*nearest);
         let line = line_of::<T>(self.state.width, [x, y]);
         let [columns, rows] = T::LINE;
-        let offset = line * u64::from(LINE_PIXELS) + u64::from(y % rows * columns + x % columns);
-        traffic.look_up(0, layout::Z_BUFFER + offset * u64::from(bytes), bytes);
+        self.look_up((line, y % rows * columns + x % columns), passes, traffic);
         self.state.counters.tested += 1;
-        if z >= *nearest {
-            return false;
+        if passes {
+            self.state.counters.passed += 1;
+            self.gather(line, traffic);
         }
-        *nearest = z;
-        self.state.counters.passed += 1;
-        self.gather(Some(line), traffic);
-        true
+        passes
+    }
+
+    /// Writes a gathered line, one per step; the end of the frame goes on with the last of them.
+    fn end(&mut self, traffic: &mut Traffic) -> Option<Flow<T>> {
+        if let Some(line) = self.state.lines.take() {
+            self.write(line, traffic);
+        }
+        self.state.ending = !self.state.lines.is_empty();
+        (!self.state.ending).then_some(Flow::Control(Control::FrameEnd))
     }
 }
 
@@ -111,7 +166,7 @@ impl<T: DepthToken> Unit for DepthTest<T> {
 
     #[inline]
     fn demand(&self) -> Demand {
-        Demand::All
+        if self.state.ending { Demand::Nothing } else { Demand::All }
     }
 
     #[inline(always)]
@@ -123,25 +178,30 @@ impl<T: DepthToken> Unit for DepthTest<T> {
                 let any = token.retain(|x, y, z| self.passes((x, y, z), traffic));
                 Step::over(tested, 1, latency, (any || T::KEPT_WHEN_EMPTY).then_some(Flow::Item(token)))
             }
+            Some(Flow::Control(Control::FrameEnd)) => Step::after(latency, self.end(traffic)),
             Some(Flow::Control(control)) => {
-                match &control {
-                    Control::Frame(frame) => self.begin(frame),
-                    Control::FrameEnd => self.gather(None, traffic),
-                    Control::Object(_) | Control::Polygon(_) | Control::CodeBook(_) => {}
+                if let Control::Frame(frame) = &control {
+                    self.begin(frame);
                 }
                 Step::after(latency, Some(Flow::Control(control)))
             }
+            None if self.state.ending => Step::after(latency, self.end(traffic)),
             None => Step::after(latency, None),
         }
     }
 
-    /// Lines of the z-cache that the pixels of a token can lie in; one write of the line gathered before.
+    /// The lines of the z-cache that a line of the z-buffer, in which all pixels of a token lie, consists of; one write, of the
+    /// line that goes for it or of one at the end.
     fn largest_step(&self, client: usize) -> u32 {
         match client {
-            0 => (LINE_PIXELS * self.z_bytes()).div_ceil(self.line_bytes.max(1)).min(T::MOST_PIXELS),
+            0 => self.z_line_bytes().div_ceil(self.line_bytes.max(1)),
             1 => 1,
             _ => 0,
         }
+    }
+
+    fn is_empty(&self) -> bool {
+        !self.state.ending
     }
 
     fn tell(&self, facts: &mut Facts) {
@@ -149,105 +209,12 @@ impl<T: DepthToken> Unit for DepthTest<T> {
         let c = &self.state.counters;
         facts.figure("z_tested", c.tested, "fragments", "Fragments tested for depth");
         facts.figure("z_passed", c.passed, "fragments", "Those in front");
+        facts.figure("z_clear", c.clear, "fragments", "Those tested without reading z, as their line was clear");
+        facts.figure("z_gathered", c.gathered, "fragments", "Those tested without reading z, as their line was being gathered");
+        facts.figure("z_lines_written", c.lines_written, "lines", "Lines of z values written");
+        facts.figure("z_clear_flags", c.most_flags, "bits", "Flags of lines that are clear, a bit each");
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use basrelief_signals::{Camera, Fragment, Stamp};
-    use proptest::prelude::*;
-    use std::sync::Arc;
-
-    fn frame(width: u32, height: u32) -> Control {
-        let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        Control::Frame(Arc::new(Frame { index: 0, width, height, camera, lights: Vec::new(), textures: Vec::new() }))
-    }
-
-    fn unit(z_bits: u32) -> DepthTest<Stamp<Fragment>> {
-        let mut unit = DepthTest::new(DepthConfig::default(), z_bits, 64);
-        unit.step(Some(Flow::Control(frame(16, 8))), &mut Traffic::default());
-        unit
-    }
-
-    fn fragment(x: u16, y: u16, z: u32) -> Flow<Stamp<Fragment>> {
-        Flow::Item(Stamp::from_iter([Fragment { x, y, z, ..Fragment::default() }]))
-    }
-
-    #[test]
-    fn only_the_nearer_passes_and_equal_depth_does_not() {
-        let mut unit = unit(24);
-        let mut passes = |z| unit.step(Some(fragment(3, 2, z)), &mut Traffic::default()).out.is_some();
-        assert_eq!([50, 50, 60, 49, 0, 0].map(&mut passes), [true, false, false, true, true, false]);
-        assert_eq!((unit.state.counters.tested, unit.state.counters.passed), (6, 3));
-        unit.step(Some(Flow::Control(frame(16, 8))), &mut Traffic::default());
-        assert!(unit.step(Some(fragment(3, 2, 60)), &mut Traffic::default()).out.is_some());
-    }
-
-    #[test]
-    fn the_far_plane_is_not_in_front_of_a_clear_buffer() {
-        for bits in [16, 24, 32] {
-            let far = u32::MAX >> (32 - bits);
-            let mut unit = unit(bits);
-            assert!(unit.step(Some(fragment(0, 0, far)), &mut Traffic::default()).out.is_none());
-            assert!(unit.step(Some(fragment(0, 0, far - 1)), &mut Traffic::default()).out.is_some());
-        }
-    }
-
-    #[test]
-    fn a_line_is_written_once_it_is_left_and_at_the_end() {
-        let mut unit = unit(24);
-        let mut writes = |token| {
-            let mut traffic = Traffic::default();
-            unit.step(Some(token), &mut traffic);
-            traffic.requests().iter().map(|r| (r.client, r.write, r.address - layout::Z_BUFFER, r.bytes)).collect::<Vec<_>>()
-        };
-        assert!(writes(fragment(0, 0, 5)).is_empty());
-        assert!(writes(fragment(3, 3, 5)).is_empty());
-        assert_eq!(writes(fragment(4, 0, 5)), [(1, true, 0, 64)]);
-        assert!(writes(fragment(0, 0, 9)).is_empty(), "hidden");
-        assert_eq!(writes(fragment(0, 4, 5)), [(1, true, 64, 64)]);
-        assert_eq!(writes(Flow::Control(Control::FrameEnd)), [(1, true, 4 * 64, 64)]);
-        assert!(writes(Flow::Control(Control::FrameEnd)).is_empty());
-    }
-
-    #[test]
-    fn the_z_value_is_looked_up_whether_or_not_it_passes() {
-        for (bits, bytes) in [(16, 2), (24, 4), (32, 4)] {
-            let mut unit = unit(bits);
-            for z in [9, 10] {
-                let mut traffic = Traffic::default();
-                unit.step(Some(fragment(5, 1, z)), &mut traffic);
-                let all: Vec<_> = traffic.look_ups().iter().map(|r| (r.client, r.address, r.bytes)).collect();
-                assert_eq!(all, [(0, layout::Z_BUFFER + (16 + 5) * u64::from(bytes), bytes)]);
-            }
-        }
-    }
-
-    #[test]
-    fn outside_the_frame_nothing_passes() {
-        let mut unit = unit(24);
-        for (x, y) in [(16, 0), (0, 8), (u16::MAX, u16::MAX)] {
-            assert!(unit.step(Some(fragment(x, y, 0)), &mut Traffic::default()).out.is_none());
-        }
-        unit.step(Some(Flow::Control(frame(u32::MAX, u32::MAX))), &mut Traffic::default());
-        assert!(unit.step(Some(fragment(0, 0, 0)), &mut Traffic::default()).out.is_none());
-    }
-
-    proptest! {
-        #[test]
-        fn what_passes_last_at_a_pixel_is_the_first_of_the_nearest(depths in prop::collection::vec((0u16..4, 0u32..6), 1..60)) {
-            let mut unit = unit(16);
-            let mut last = [None; 4];
-            for (i, &(x, z)) in depths.iter().enumerate() {
-                if unit.step(Some(fragment(x, 0, z)), &mut Traffic::default()).out.is_some() {
-                    last[usize::from(x)] = Some(i);
-                }
-            }
-            for x in 0..4u16 {
-                let here = depths.iter().enumerate().filter(|(_, d)| d.0 == x);
-                prop_assert_eq!(last[usize::from(x)], here.min_by_key(|(i, d)| (d.1, *i)).map(|(i, _)| i));
-            }
-        }
-    }
-}
+mod tests;

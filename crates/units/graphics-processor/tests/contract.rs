@@ -129,8 +129,16 @@ unit_contract! {
 
 unit_contract! {
     name: late_depth_test,
-    unit: DepthTest::<Stamp<Pixel>>::new(DepthConfig { latency: 7 }, 16, 64),
+    unit: DepthTest::<Stamp<Pixel>>::new(DepthConfig { latency: 7, ..DepthConfig::default() }, 16, 64),
     inputs: flow(|f| Pixel { x: f.x, y: f.y, z: f.z, rgb: [f.x as u8, f.y as u8, 9] }),
     clients: [ClientKind::Cache { line_bytes: 32 }, ClientKind::Port],
+    state,
+}
+
+unit_contract! {
+    name: depth_test_without_flags_and_with_a_cache_of_small_lines,
+    unit: DepthTest::<Stamp<Fragment>>::new(DepthConfig { write_lines: 2, clear_flags: false, ..DepthConfig::default() }, 24, 8),
+    inputs: flow(|fragment| fragment),
+    clients: [ClientKind::Cache { line_bytes: 8 }, ClientKind::Port],
     state,
 }

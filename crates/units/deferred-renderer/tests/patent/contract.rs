@@ -4,10 +4,10 @@
 use crate::texture;
 use crate::two_wires::{Either, Requested, TwoInputs, TwoOutputs};
 use basrelief_deferred_renderer::tokens::{
-    CellFlow, Content, EncodedTile, ExpandedTile, Mark, MarkFlow, Order, Parcel, PassFlow, Request, Round,
+    CellFlow, Content, EncodedTile, ExpandedTile, Mark, MarkFlow, Order, Parcel, PassFlow, PlacedCell, Request, Round,
 };
 use basrelief_deferred_renderer::{
-    CellConfig, CellFormat, Cells, Cut, EngineConfig, Expander, Identification, Lighting, Path, PathConfig, Rasterization,
+    Cell, CellConfig, CellFormat, Cells, Cut, EngineConfig, Expander, Identification, Lighting, Path, PathConfig, Rasterization,
     ReferenceBuffer, RenderMode, TileConfig, TileLists, TileOrder, WrapMode,
 };
 use basrelief_kernel::{Demand, Traffic, Unit, unit_contract};
@@ -224,6 +224,39 @@ unit_contract! {
     inputs: { let w = wires(RenderMode::Progressive); (w.cells, w.rounds) },
     clients: [ClientKind::Port, ClientKind::Port],
     state,
+}
+
+unit_contract! {
+    name: reference_buffer_that_gathers_one_block,
+    unit: ReferenceBuffer::new(EngineConfig { write_lines: 1, ..engine() }, RenderMode::Best, 16),
+    inputs: { let w = wires(RenderMode::Best); (w.cells, w.rounds) },
+    clients: [ClientKind::Port, ClientKind::Port],
+    state,
+}
+
+#[test]
+fn the_reference_buffer_writes_the_least_recently_written_block_and_all_at_the_end() {
+    let mut unit = ReferenceBuffer::new(EngineConfig { write_lines: 2, ..engine() }, RenderMode::Best, 16);
+    let mut input = |token: Option<CellFlow>| {
+        let demand = if token.is_some() { Demand::Only(0) } else { Demand::Nothing };
+        assert_eq!((unit.demand(), unit.is_empty()), (demand, token.is_some()));
+        let mut traffic = Traffic::default();
+        unit.step((token, None), &mut traffic);
+        traffic.requests().iter().filter(|r| r.write).map(|r| (r.client, r.address, r.bytes)).collect::<Vec<_>>()
+    };
+    let Some(CellFlow::Frame(frame)) = wires(RenderMode::Best).cells.into_iter().find(|t| matches!(t, CellFlow::Frame(_))) else {
+        panic!("a frame begins");
+    };
+    input(Some(CellFlow::Frame(frame)));
+    let mut block = |column: u16| {
+        let cell = PlacedCell { x: 4 * column, y: 0, cell: Cell::default() };
+        input(Some(CellFlow::Cells(Stamp::from_iter([cell]))))
+    };
+    assert_eq!([0, 1, 0, 0].map(&mut block).concat(), []);
+    assert_eq!(block(2), [(1, 256, 256)], "block 1");
+    assert_eq!(input(Some(CellFlow::FrameEnd)), [(1, 0, 256)], "block 0");
+    assert_eq!(input(None), [(1, 512, 256)], "block 2");
+    assert_eq!(input(None), [], "the pass");
 }
 
 unit_contract! {

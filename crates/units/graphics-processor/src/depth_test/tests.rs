@@ -1,0 +1,253 @@
+use super::*;
+use basrelief_signals::{Camera, Fragment, Stamp};
+use proptest::prelude::*;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+type Early = DepthTest<Stamp<Fragment>>;
+
+/// Width and height of the frame.
+const SIZE: [u32; 2] = [16, 8];
+/// Without flags, and with one line that gathers.
+const PLAIN: DepthConfig = DepthConfig { latency: 2, write_lines: 1, clear_flags: false };
+
+fn frame(width: u32, height: u32) -> Control {
+    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+    Control::Frame(Arc::new(Frame { index: 0, width, height, camera, lights: Vec::new(), textures: Vec::new() }))
+}
+
+fn configured(config: DepthConfig, z_bits: u32, line_bytes: u32) -> Early {
+    let mut unit = DepthTest::new(config, z_bits, line_bytes);
+    unit.step(Some(Flow::Control(frame(SIZE[0], SIZE[1]))), &mut Traffic::default());
+    unit
+}
+
+fn unit(z_bits: u32) -> Early {
+    configured(DepthConfig::default(), z_bits, 64)
+}
+
+fn fragment(x: u16, y: u16, z: u32) -> Flow<Stamp<Fragment>> {
+    Flow::Item(Stamp::from_iter([Fragment { x, y, z, ..Fragment::default() }]))
+}
+
+const END: Flow<Stamp<Fragment>> = Flow::Control(Control::FrameEnd);
+
+/// What a step came to: what it emits, numbers of the lines written, addresses and bytes looked up, from the z-buffer on.
+struct Stepped {
+    out: Option<Flow<Stamp<Fragment>>>,
+    written: Vec<u64>,
+    looked_up: Vec<(u64, u32)>,
+}
+
+/// A step with 4 bytes of z.
+fn step(unit: &mut Early, input: Option<Flow<Stamp<Fragment>>>) -> Stepped {
+    assert_eq!(unit.demand(), if input.is_some() { Demand::All } else { Demand::Nothing });
+    let mut traffic = Traffic::default();
+    let out = unit.step(input, &mut traffic).out;
+    assert!(traffic.requests().iter().all(|r| (r.client, r.write, r.bytes) == (1, true, 64)));
+    assert!(traffic.requests().len() <= unit.largest_step(1) as usize);
+    assert!(traffic.look_ups().iter().all(|r| r.client == 0));
+    let written = traffic.requests().iter().map(|r| (r.address - layout::Z_BUFFER) / 64).collect();
+    let looked_up = traffic.look_ups().iter().map(|r| (r.address - layout::Z_BUFFER, r.bytes)).collect();
+    Stepped { out, written, looked_up }
+}
+
+/// Lines written from the end token on, one per step; the token goes on with the last.
+fn end(unit: &mut Early) -> Vec<u64> {
+    let mut all = Vec::new();
+    let mut input = Some(END);
+    loop {
+        let Stepped { out, written, .. } = step(unit, input.take());
+        all.extend(written);
+        assert_eq!(out.is_none(), !unit.is_empty());
+        if let Some(token) = out {
+            assert!(matches!(token, END));
+            return all;
+        }
+    }
+}
+
+#[test]
+fn only_the_nearer_passes_and_equal_depth_does_not() {
+    let mut unit = unit(24);
+    let mut passes = |z| step(&mut unit, Some(fragment(3, 2, z))).out.is_some();
+    assert_eq!([50, 50, 60, 49, 0, 0].map(&mut passes), [true, false, false, true, true, false]);
+    assert_eq!((unit.state.counters.tested, unit.state.counters.passed), (6, 3));
+    step(&mut unit, Some(Flow::Control(frame(16, 8))));
+    assert!(step(&mut unit, Some(fragment(3, 2, 60))).out.is_some());
+}
+
+#[test]
+fn the_far_plane_is_not_in_front_of_a_clear_buffer() {
+    for bits in [16, 24, 32] {
+        let far = u32::MAX >> (32 - bits);
+        let mut unit = unit(bits);
+        assert!(step(&mut unit, Some(fragment(0, 0, far))).out.is_none());
+        assert!(step(&mut unit, Some(fragment(0, 0, far - 1))).out.is_some());
+    }
+}
+
+#[test]
+fn with_one_gathered_line_a_line_is_written_once_it_is_left_and_at_the_end() {
+    let mut unit = configured(PLAIN, 24, 64);
+    let mut writes = |x, y, z| step(&mut unit, Some(fragment(x, y, z))).written;
+    assert!(writes(0, 0, 5).is_empty());
+    assert!(writes(3, 3, 5).is_empty());
+    assert_eq!(writes(4, 0, 5), [0]);
+    assert!(writes(0, 0, 9).is_empty(), "hidden");
+    assert_eq!(writes(0, 4, 5), [1]);
+    assert_eq!(end(&mut unit), [4]);
+    assert!(end(&mut unit).is_empty(), "nothing is gathered");
+    assert_eq!(unit.state.counters.lines_written, 3);
+}
+
+#[test]
+fn the_least_recently_written_line_goes_and_all_at_the_end() {
+    let mut unit = configured(DepthConfig { write_lines: 3, ..DepthConfig::default() }, 24, 64);
+    let mut writes = |line: u16, z| step(&mut unit, Some(fragment(4 * (line % 4), 4 * (line / 4), z))).written;
+    for line in [0, 1, 2] {
+        assert!(writes(line, 50).is_empty());
+    }
+    assert!(writes(0, 40).is_empty(), "it is gathered still, and the most recently written now");
+    assert!(writes(3, 60).len() == 1 && writes(1, 50).is_empty(), "hidden, and so not written");
+    assert_eq!(writes(4, 50), [2]);
+    assert_eq!(end(&mut unit), [0, 3, 4]);
+}
+
+#[test]
+fn a_z_value_is_looked_up_unless_its_line_is_clear_or_gathered() {
+    for (bits, bytes) in [(16, 2), (24, 4), (32, 4)] {
+        for clear_flags in [false, true] {
+            let mut unit = configured(DepthConfig { clear_flags, write_lines: 1, ..PLAIN }, bits, 64);
+            let mut looked_up = |x, z| {
+                let mut traffic = Traffic::default();
+                unit.step(Some(fragment(x, 1, z)), &mut traffic);
+                let from = |r: &basrelief_kernel::Request| (r.address - layout::Z_BUFFER, r.bytes);
+                traffic.look_ups().iter().map(from).collect::<Vec<_>>()
+            };
+            // Line 1, pixel 5 of it; line 0, pixel 4 of it.
+            let (line_1, line_0) = ([(16 * u64::from(bytes), 16 * bytes)], [(4 * u64::from(bytes), bytes)]);
+            assert_eq!(looked_up(5, u32::MAX).is_empty(), clear_flags, "hidden by the far plane");
+            let first = looked_up(5, 9);
+            assert!(if clear_flags { first.is_empty() } else { first == line_1 });
+            assert!(looked_up(5, 8).is_empty() && looked_up(6, 10).is_empty(), "gathered");
+            assert_eq!(looked_up(0, 5), if clear_flags { vec![] } else { vec![(0, 16 * bytes)] });
+            assert_eq!(looked_up(5, 7), line_1, "it was written, and nobody gathers it");
+            assert_eq!(looked_up(0, 6), line_0, "of a hidden one, no more than its own");
+            let c = unit.state.counters;
+            assert_eq!((c.tested, c.clear, c.gathered), (7, if clear_flags { 3 } else { 0 }, 2));
+            assert_eq!(c.most_flags, if clear_flags { 8 } else { 0 });
+        }
+    }
+}
+
+#[test]
+fn a_line_that_begins_to_gather_is_read_whole_however_small_lines_of_the_cache_are() {
+    for line_bytes in [4, 16, 32, 64, 256] {
+        let mut unit = configured(PLAIN, 24, line_bytes);
+        let stamp = |z: [u32; 4]| {
+            let at = |(x, z): (u16, u32)| Fragment { x, y: 3, z, ..Fragment::default() };
+            Some(Flow::Item(Stamp::from_iter((0..).zip(z).map(at))))
+        };
+        let lines = |stepped: Stepped| -> BTreeSet<u64> {
+            let of = |&(from, bytes): &(u64, u32)| {
+                from / u64::from(line_bytes)..(from + u64::from(bytes)).div_ceil(u64::from(line_bytes))
+            };
+            stepped.looked_up.iter().flat_map(of).collect()
+        };
+        let hidden = lines(step(&mut unit, stamp([u32::MAX; 4])));
+        assert_eq!(hidden.len() as u32, 16_u32.div_ceil(line_bytes), "four pixels of a row");
+        let written = lines(step(&mut unit, stamp([u32::MAX, 7, u32::MAX, 6])));
+        assert_eq!(written.len() as u32, 64_u32.div_ceil(line_bytes));
+        assert_eq!(written.len() as u32, unit.largest_step(0));
+        assert!(lines(step(&mut unit, stamp([5; 4]))).is_empty());
+    }
+}
+
+#[test]
+fn outside_the_frame_nothing_passes() {
+    let mut unit = unit(24);
+    for (x, y) in [(16, 0), (0, 8), (u16::MAX, u16::MAX)] {
+        assert!(step(&mut unit, Some(fragment(x, y, 0))).out.is_none());
+    }
+    step(&mut unit, Some(Flow::Control(frame(u32::MAX, u32::MAX))));
+    assert!(step(&mut unit, Some(fragment(0, 0, 0))).out.is_none());
+}
+
+/// Stamps: the block, and what of it at which depth.
+type Stamps = Vec<([u16; 2], Vec<(u16, u32)>)>;
+
+fn stamps() -> impl Strategy<Value = Stamps> {
+    let pixels = prop::collection::vec((0u16..16, 0u32..9), 1..=4);
+    prop::collection::vec(([0u16..4, 0u16..2], pixels), 0..80)
+}
+
+fn tokens(stamps: &Stamps) -> impl Iterator<Item = Stamp<Fragment>> {
+    stamps.iter().map(|([column, row], pixels)| {
+        let at = |&(i, z)| Fragment { x: 4 * column + i % 4, y: 4 * row + i / 4, z, ..Fragment::default() };
+        pixels.iter().map(at).collect()
+    })
+}
+
+fn line(f: &Fragment) -> u64 {
+    line_of::<Stamp<Fragment>>(SIZE[0], [f.x.into(), f.y.into()])
+}
+
+proptest! {
+    #[test]
+    fn what_passes_last_at_a_pixel_is_the_first_of_the_nearest(depths in prop::collection::vec((0u16..4, 0u32..6), 1..60)) {
+        let mut unit = unit(16);
+        let mut last = [None; 4];
+        for (i, &(x, z)) in depths.iter().enumerate() {
+            if unit.step(Some(fragment(x, 0, z)), &mut Traffic::default()).out.is_some() {
+                last[usize::from(x)] = Some(i);
+            }
+        }
+        for x in 0..4u16 {
+            let here = depths.iter().enumerate().filter(|(_, d)| d.0 == x);
+            prop_assert_eq!(last[usize::from(x)], here.min_by_key(|(i, d)| (d.1, *i)).map(|(i, _)| i));
+        }
+    }
+
+    #[test]
+    fn lines_are_read_only_where_memory_knows_better_and_written_after_their_last_write(
+        stamps in stamps(), write_lines in 1u32..10, clear_flags: bool,
+    ) {
+        let mut plain = configured(PLAIN, 24, 64);
+        let mut unit = configured(DepthConfig { write_lines, clear_flags, ..PLAIN }, 24, 64);
+        // Lines that hold what memory does not have yet, and lines that anything was ever written to.
+        let (mut ahead, mut touched) = (BTreeSet::new(), BTreeSet::new());
+        for stamp in tokens(&stamps) {
+            let of_stamp = line(&stamp[0]);
+            let known = ahead.contains(&of_stamp) || clear_flags && !touched.contains(&of_stamp);
+            let Stepped { out, written, looked_up } = step(&mut unit, Some(Flow::Item(stamp.clone())));
+            prop_assert_eq!(looked_up.is_empty(), known);
+            prop_assert!(looked_up.iter().all(|(from, _)| from / 64 == of_stamp));
+            prop_assert_eq!(&out, &step(&mut plain, Some(Flow::Item(stamp))).out, "what passes");
+            if out.is_some() {
+                ahead.insert(of_stamp);
+                touched.insert(of_stamp);
+            }
+            prop_assert!(written.iter().all(|gone| *gone != of_stamp && ahead.remove(gone)));
+            prop_assert!(ahead.len() <= write_lines as usize);
+        }
+        prop_assert_eq!(BTreeSet::from_iter(end(&mut unit)), ahead);
+        end(&mut plain);
+        prop_assert!(unit.state.counters.lines_written <= plain.state.counters.lines_written);
+    }
+
+    #[test]
+    fn with_one_gathered_line_every_change_of_line_is_a_write(stamps in stamps()) {
+        let mut unit = configured(PLAIN, 24, 64);
+        let (mut written, mut expected) = (Vec::new(), Vec::new());
+        for stamp in tokens(&stamps) {
+            let of_stamp = line(&stamp[0]);
+            let stepped = step(&mut unit, Some(Flow::Item(stamp)));
+            written.extend(stepped.written);
+            expected.extend(stepped.out.map(|_| of_stamp));
+        }
+        expected.dedup();
+        written.extend(end(&mut unit));
+        prop_assert_eq!(written, expected);
+    }
+}
