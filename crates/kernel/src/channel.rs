@@ -26,12 +26,22 @@ pub(crate) struct Burst {
     pub(crate) request: u64,
 }
 
-/// A burst in the queue.
+/// A burst in view.
 #[derive(Clone, Copy, Debug)]
-struct Queued {
+struct InView {
     burst: Burst,
-    /// When it comes into view; unknown while `window` others are ahead of it.
-    view: Cycle,
+    /// Since when.
+    from: Cycle,
+    /// A bit for its bank and direction, with a free one beside it; none where there are too many banks.
+    class: u64,
+}
+
+impl InView {
+    #[inline]
+    fn new(burst: Burst, from: Cycle) -> Self {
+        let class = if burst.bank < 16 { 1 << (burst.bank * 4 + u32::from(burst.write) * 2) } else { 0 };
+        Self { burst, from, class }
+    }
 }
 
 /// Row of a closed bank: more than any row can be, as rows have 4 bytes and more.
@@ -112,7 +122,10 @@ pub(crate) struct Channel {
     timing: Timing,
     window: usize,
     cap: u64,
-    queue: VecDeque<Queued>,
+    /// The first of those not served, oldest first.
+    in_view: VecDeque<InView>,
+    /// Those behind.
+    behind: VecDeque<Burst>,
     /// How often the oldest has been passed over.
     passed: u64,
     banks: Box<[Bank]>,
@@ -141,7 +154,8 @@ impl Channel {
             timing,
             window,
             cap: config.cap.into(),
-            queue: VecDeque::new(),
+            in_view: VecDeque::with_capacity(window),
+            behind: VecDeque::new(),
             passed: 0,
             banks: vec![bank; config.banks.max(1) as usize].into(),
             next: [Cycle::ZERO; 2],
@@ -159,14 +173,14 @@ impl Channel {
     /// Takes in a burst; to be called in order of (arrival, port number, issue, address).
     #[inline]
     pub(crate) fn push(&mut self, burst: Burst) {
-        let place = self.queue.len();
-        let view = if place < self.window { self.view(burst.arrival, place) } else { Cycle::UNKNOWN };
-        self.queue.push_back(Queued { burst, view });
-        if place >= self.window || (place > 0 && self.passed >= self.cap) {
-            return;
+        let place = self.in_view.len();
+        if place == self.window {
+            return self.behind.push_back(burst);
         }
-        if let Some((_, best)) = self.choice {
-            let column = self.column(&self.queue[place]);
+        let new = InView::new(burst, self.view(burst.arrival, place));
+        self.in_view.push_back(new);
+        if let Some((_, best)) = self.choice.filter(|_| self.passed < self.cap) {
+            let column = self.column(&new);
             if column.at < best.at {
                 self.choice = Some((place, column));
             }
@@ -184,27 +198,35 @@ impl Channel {
         }
     }
 
-    /// When the column command of `queued` can go, were it the next.
+    /// When the column command of a burst can go, were it the next.
     #[inline]
-    fn column(&self, queued: &Queued) -> Column {
-        let bus = queued.view.max(self.next[usize::from(queued.burst.write)]);
-        let mut bank = self.banks[queued.burst.bank as usize];
+    fn column(&self, InView { burst, from, .. }: &InView) -> Column {
+        let bus = self.next[usize::from(burst.write)].max(*from);
+        let bank = &self.banks[burst.bank as usize];
+        let column = self.column_in(bank, burst.row, *from, bus);
+        if column.at < bank.until { column } else { self.column_refreshed(column.at, burst.row, *from, bus) }
+    }
+
+    /// The same where a refresh comes first, or has come since the bank was last used.
+    #[cold]
+    fn column_refreshed(&self, mut at: Cycle, row: u64, from: Cycle, bus: Cycle) -> Column {
         loop {
-            let column = self.column_in(bank, queued, bus);
+            let bank = self.timing.refreshed(at);
+            let column = self.column_in(&bank, row, from, bus);
             if column.at < bank.until {
                 return column;
             }
-            bank = self.timing.refreshed(column.at);
+            at = column.at;
         }
     }
 
-    #[inline]
-    fn column_in(&self, bank: Bank, queued: &Queued, bus: Cycle) -> Column {
+    #[inline(always)]
+    fn column_in(&self, bank: &Bank, row: u64, from: Cycle, bus: Cycle) -> Column {
         let until = bank.until;
-        if bank.row == queued.burst.row {
+        if bank.row == row {
             return Column { at: bus.max(bank.ready), row: Row::Hit, activation: Cycle::ZERO, until };
         }
-        let free = bank.free.max(queued.view);
+        let free = bank.free.max(from);
         let (row, free) = if bank.row == CLOSED { (Row::Closed, free) } else { (Row::Conflict, free + self.timing.rp) };
         let activation = free.max(self.activation).max(self.four[self.activations % 4]);
         Column { at: bus.max(activation + self.timing.rcd), row, activation, until }
@@ -219,24 +241,39 @@ impl Channel {
         self.choice
     }
 
-    /// First ready, first come.
+    /// First ready, first come. Of bursts of one bank and direction that find their rows open, or do not, only the oldest can be
+    /// first: the rest is the same for all, and views only grow.
     fn first_ready(&self) -> Option<(usize, Column)> {
-        let mut best = (0, self.column(self.queue.front()?));
+        let mut others = self.in_view.iter();
+        let oldest = others.next()?;
+        let mut best = (0, self.column(oldest));
         if self.passed >= self.cap {
             return Some(best);
         }
+        let mut asked = self.class(oldest);
         let soonest = self.next[0].min(self.next[1]);
-        for (place, queued) in self.queue.iter().enumerate().take(self.window).skip(1) {
-            // Nothing from here on can go before: views only grow, and column commands keep their distance.
-            if best.1.at <= queued.view.max(soonest) {
+        for (place, candidate) in (1..).zip(others) {
+            // Nothing from here on can go before.
+            if best.1.at <= candidate.from.max(soonest) {
                 break;
             }
-            let column = self.column(queued);
+            let class = self.class(candidate);
+            if asked & class != 0 {
+                continue;
+            }
+            asked |= class;
+            let column = self.column(candidate);
             if column.at < best.1.at {
                 best = (place, column);
             }
         }
         Some(best)
+    }
+
+    /// A bit for its bank, its direction, and whether its row is open.
+    #[inline(always)]
+    fn class(&self, InView { burst, class, .. }: &InView) -> u64 {
+        class << u32::from(self.banks[burst.bank as usize].row == burst.row)
     }
 
     /// The column command of the next choice; none where nothing waits.
@@ -246,21 +283,22 @@ impl Channel {
 
     /// Serves the next choice if it is final when every request that is still to come arrives at `horizon` or later: its burst,
     /// the cycle of its column command, and the cycle after its last data.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn serve(&mut self, horizon: Cycle) -> Option<(Burst, Row, Cycle, Cycle)> {
         let (place, column) = self.choose()?;
-        let is_final = column.at <= horizon + 1 || self.queue.len() >= self.window || self.passed >= self.cap;
-        if !is_final {
+        let is_full = self.in_view.len() == self.window;
+        if column.at > horizon + 1 && !is_full && self.passed < self.cap {
             return None;
         }
-        let Queued { burst, .. } = self.queue.remove(place)?;
+        let first = if place == 0 { self.in_view.pop_front() } else { self.in_view.remove(place) };
+        let InView { burst, .. } = first?;
+        if let Some(next) = self.behind.pop_front() {
+            self.in_view.push_back(InView::new(next, next.arrival.max(column.at) + 1));
+        }
         self.choice = None;
         self.passed = if place == 0 { 0 } else { self.passed + 1 };
         self.columns[self.served & (self.columns.len() - 1)] = column.at;
         self.served += 1;
-        if let Some(next) = self.queue.get_mut(self.window - 1) {
-            next.view = next.burst.arrival.max(column.at) + 1;
-        }
         self.command(&burst, &column);
         Some((burst, column.row, column.at, column.at + self.timing.data[usize::from(burst.write)]))
     }

@@ -113,18 +113,35 @@ impl Memory {
         let request = port.open(r.arrival, last - first + 1);
         self.bursts += last - first + 1;
         for number in first..=last {
-            let (piece, offset) = self.interleave.split(number * self.burst.by);
-            let (inner, channel) = self.channels_by.split(piece);
-            let (row_number, _) = self.row.split(inner * self.interleave.by + offset);
+            let (channel, address) = self.place(number * self.burst.by);
+            let (row_number, _) = self.row.split(address);
             let (row, bank) = self.banks_by.split(row_number);
             let (bank, client) = (bank as u32, client as u32);
             let burst = Burst { bank, row, write: r.write, arrival: r.arrival, client, request };
-            self.channels[channel as usize].push(burst);
+            self.channels[channel].push(burst);
         }
+    }
+
+    /// The channel of an address, and the address there.
+    #[inline]
+    fn place(&self, address: u64) -> (usize, u64) {
+        if self.channels.len() == 1 {
+            return (0, address);
+        }
+        let (piece, offset) = self.interleave.split(address);
+        let (inner, channel) = self.channels_by.split(piece);
+        (channel as usize, inner * self.interleave.by + offset)
     }
 
     /// Splits what arrived before `horizon`, in order; the numbers of this memory's ports are those of their clients.
     fn split_before(&mut self, clients: &mut [Client], horizon: Cycle) {
+        if let [client] = self.ports[..] {
+            let port = &mut clients[client].port;
+            while port.next_arrival().is_some_and(|arrival| arrival < horizon) {
+                self.split(client, port);
+            }
+            return;
+        }
         while self.arrived > 0 {
             let waiting = self.ports.iter().filter_map(|&p| Some((clients[p].port.next_arrival()?, p)));
             // `min_by_key` returns the first of equals, and ports stand in order of number.
@@ -137,7 +154,9 @@ impl Memory {
 
     /// Serves whatever is final when all that is still to come arrives at `horizon` or later; whether there was any.
     pub(crate) fn serve(&mut self, clients: &mut [Client], horizon: Cycle) -> bool {
-        self.split_before(clients, horizon);
+        if self.arrived > 0 {
+            self.split_before(clients, horizon);
+        }
         let waiting = self.bursts;
         for channel in &mut self.channels {
             while let Some((burst, row, column, end)) = channel.serve(horizon) {
