@@ -103,7 +103,7 @@ impl<'a> Session<'a> {
 
     /// Called by the engine between its rounds; what is done here counts as no simulation.
     fn look<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M, aside: &mut f64) -> bool {
-        if machine.has_finished() {
+        if !machine.finished().is_empty() {
             let began = (self.settings.clock)();
             self.take_frames(spec, machine);
             *aside += (self.settings.clock)() - began;
@@ -115,8 +115,8 @@ impl<'a> Session<'a> {
     fn take_frames<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M) {
         let rounds = self.wanted::<S>(Form::PicturePerRound).filter(|_| spec.shows_rounds());
         for shown in machine.drain_rounds() {
-            let (frame, number) = (shown.picture.index, shown.round);
-            let picture = picture(shown.picture);
+            let (frame, number) = (shown.index, shown.round);
+            let picture = picture(shown);
             self.attempt(|session| rounds.map_or(Ok(()), |info| show_round(info, [frame, number], &picture, session.observer)));
             self.rounds.push((frame, picture));
         }

@@ -90,12 +90,8 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
 }
 
 impl<F: FrontEnd> Draws for TextureMappingSystem<F> {
-    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        self.buffer.unit.drain_finished()
-    }
-
-    fn has_finished(&self) -> bool {
-        !self.buffer.unit.state.finished.is_empty()
+    fn finished(&mut self) -> &mut Vec<FinishedFrame> {
+        &mut self.buffer.unit.state.finished
     }
 
     /// The price of the division points, per pixel.

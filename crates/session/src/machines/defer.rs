@@ -4,7 +4,7 @@ use super::spec::{Logs, MachineSpec, PictureRecord, RunSummary, TileFetch};
 use crate::exhibits::defer::{DeferLog, EXHIBITS};
 use crate::exhibits::spec::ExhibitSpec;
 use basrelief_deferred_renderer::{Lighting, RenderMode, TexelCentre, TileSource};
-use basrelief_frame_buffer::{FinishedFrame, ShownPicture};
+use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::facts::{Part, Value};
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
 use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, UnitInfo};
@@ -97,7 +97,7 @@ fn milliseconds(cycles: u64, hz: u64) -> f64 {
 }
 
 impl<F: FrontEnd> Logs<DeferLog> for DeferredRenderer<F> {
-    fn drain_rounds(&mut self) -> Vec<ShownPicture> {
+    fn drain_rounds(&mut self) -> Vec<FinishedFrame> {
         DeferredRenderer::drain_rounds(self)
     }
 

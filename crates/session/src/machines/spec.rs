@@ -2,7 +2,7 @@
 
 use crate::exhibits::spec::ExhibitSpec;
 use basrelief_deferred_renderer::{TileEncoding, TileSource};
-use basrelief_frame_buffer::{FinishedFrame, ShownPicture};
+use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::RunReport;
 use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, UnitInfo};
 use basrelief_parameters::Parameters;
@@ -119,7 +119,7 @@ impl RunSummary<'_> {
 /// A machine that tells more than finished pictures and counts; by itself it tells nothing. `L` is an entry of its log.
 pub trait Logs<L>: Draws {
     /// Pictures shown since the last call that a better one follows, in order.
-    fn drain_rounds(&mut self) -> Vec<ShownPicture> {
+    fn drain_rounds(&mut self) -> Vec<FinishedFrame> {
         vec![]
     }
     /// Keeps a log from now on. Called before the first step, where exhibits are wanted.

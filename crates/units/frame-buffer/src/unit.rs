@@ -46,12 +46,6 @@ impl<T: ColorToken> FrameBuffer<T> {
         Self { config, state: FrameBufferState::default(), token: PhantomData }
     }
 
-    /// Hands over the pictures finished since the last call, in order; to be called between batches of steps, so that
-    /// memory does not grow with the number of frames.
-    pub fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        std::mem::take(&mut self.state.finished)
-    }
-
     fn begin(&mut self, frame: &Frame, traffic: &mut Traffic) {
         let (index, width, height) = (frame.index, frame.width, frame.height);
         self.state.line = None;
@@ -65,7 +59,7 @@ impl<T: ColorToken> FrameBuffer<T> {
         }
         let pixels = width as usize * height as usize;
         let (rgb, covered) = (vec![[0; 3]; pixels], vec![false; pixels]);
-        self.state.picture = Some(FinishedFrame { index, width, height, rgb, covered });
+        self.state.picture = Some(FinishedFrame { index, round: 0, width, height, rgb, covered });
     }
 
     /// Frames take the two buffers in turn.
@@ -191,11 +185,10 @@ mod tests {
         }
         let (_, done) = step(&mut unit, END);
         assert_eq!(done, Some(FrameDone { index: 3, width: 5, height: 2, address: 0, bytes: 2 * 64 }));
-        let finished = unit.drain_finished();
+        let finished = &unit.state.finished;
         assert_eq!(finished.len(), 1);
         assert_eq!(finished[0].rgb.iter().filter(|c| **c != [0; 3]).collect::<Vec<_>>(), [&[7, 8, 9]]);
         assert_eq!(finished[0].covered.iter().position(|c| *c), Some(9));
-        assert!(unit.drain_finished().is_empty());
         assert_eq!(step(&mut unit, END), (vec![], None), "no frame has begun");
     }
 
