@@ -11,7 +11,7 @@ use crate::settings::RunOptions;
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
-use basrelief_machines::Facts;
+use basrelief_machines::{Facts, drawn_units};
 use basrelief_reference::{Picture, Quality, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_report::{Context, Report};
@@ -193,13 +193,14 @@ impl<'a> Session<'a> {
         let summary = RunSummary { run: result.report.as_ref(), pictures: &self.shown };
         let mut facts = result.facts;
         spec.figures(&summary, &mut facts);
+        let drawn = drawn_units(S::DIAGRAM).into_iter();
         let context = Context {
             machine: S::NAME.into(),
             input,
             config: serde_json::to_value(spec).unwrap_or_default(),
             camera: frame.map_or(no_view, |f| f.camera),
             size: frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
-            numerals: S::UNITS.iter().filter_map(|u| Some((u.name.to_owned(), u.numeral.parse().ok()?))).collect(),
+            numerals: drawn.filter_map(|(name, numeral)| Some((name.to_owned(), numeral.parse().ok()?))).collect(),
             device: facts.figures().map(|f| (f.name.clone(), (&f.value).into())).collect(),
             legend: facts.figures().map(|f| (f.name.clone(), f.into())).collect(),
             quality: self.quality.last().map(|&last| PictureQuality {

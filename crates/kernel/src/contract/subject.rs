@@ -1,6 +1,6 @@
 //! The unit under test. What its steps ask of memories is the kernel's to watch, here as in any machine.
 
-use crate::{Demand, Step, Traffic, Unit};
+use crate::{Demand, Role, Step, Traffic, Unit};
 use std::rc::Rc;
 
 /// What is done to the unit after each step; an error is a fault.
@@ -14,6 +14,7 @@ pub(super) struct Subject<U> {
 }
 
 impl<U: Unit> Unit for Subject<U> {
+    const ROLE: Role = U::ROLE;
     type In = U::In;
     type Out = U::Out;
 

@@ -1,6 +1,6 @@
 //! The machine: fields and wiring.
 
-use super::fifos::Fifos;
+use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
 use super::{BumpProcessorConfig, ConfigProblem, check};
 use crate::Draws;

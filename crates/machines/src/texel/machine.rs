@@ -2,7 +2,7 @@
 
 use super::TexelMachineConfig;
 use super::check::check;
-use super::fifos::Fifos;
+use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
 use crate::Draws;
 use crate::front::FrontEnd;

@@ -7,7 +7,7 @@ use basrelief_deferred_renderer::{Lighting, RenderMode, TexelCentre, TileSource}
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::facts::{Part, Value};
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
-use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
 use basrelief_reference::{self as reference, Options, Pyramid, Shading, Style, TextureFilter};
 use std::sync::Arc;
 
@@ -15,7 +15,6 @@ impl MachineSpec for DeferConfig {
     const NAME: &'static str = defer::NAME;
     const ABOUT: &'static str = "HP's renderer for a rate-limited path";
     const DIAGRAM: &'static str = defer::DIAGRAM;
-    const UNITS: &'static [UnitInfo] = defer::UNITS;
     const DEMOS: &'static [&'static str] = &["gallery"];
     const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = EXHIBITS;
     const FETCHES_TILES: bool = true;

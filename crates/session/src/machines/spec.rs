@@ -4,10 +4,11 @@ use crate::exhibits::spec::ExhibitSpec;
 use basrelief_deferred_renderer::{TileEncoding, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::RunReport;
-use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, SceneFront, TraceFront, UnitInfo, units};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
 use schemars::JsonSchema;
+use basrelief_signals::Control;
 use std::fmt::Debug;
 
 /// A short cut: its name, and what switches it off.
@@ -21,8 +22,6 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
     const ABOUT: &'static str;
     /// The patent's block diagram in characters.
     const DIAGRAM: &'static str;
-    /// The boxes of the block diagram.
-    const UNITS: &'static [UnitInfo];
     /// The demo scenes that are made for it; the first is drawn where none is named.
     const DEMOS: &'static [&'static str];
     /// The short cuts that an ablation switches off.
@@ -52,6 +51,15 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
     /// How it asks for tiles, where it fetches any.
     fn tile_fetch(&self) -> Option<TileFetch> {
         None
+    /// The boxes of the block diagram.
+    fn units() -> Vec<UnitInfo> {
+        let spec = Self::default();
+        let scene = spec.build(SceneFront::new(std::iter::empty(), spec.front()));
+        let nothing = std::iter::empty::<Result<(Control, Option<u64>), String>>();
+        let trace = spec.build(TraceFront::new(nothing, spec.front()));
+        // What is built as its defaults have it has no problems.
+        scene.ok().zip(trace.ok()).map_or(vec![], |(mut scene, mut trace)| units(Self::DIAGRAM, &mut scene, &mut trace))
+    }
     }
     /// What its way in needs.
     fn front(&self) -> FrontConfig;

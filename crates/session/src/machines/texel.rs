@@ -6,7 +6,7 @@ use crate::exhibits::spec::ExhibitSpec;
 use crate::exhibits::texel::{EXHIBITS, TexelLog};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::texel::{self, TexelMachineConfig, TextureMappingSystem};
-use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
 use basrelief_reference::{LevelRule, Options, Shading, Style, TextureFilter};
 use basrelief_signals::Filter;
 use basrelief_texel_value_generator::{IlluminanceMode, MipMode};
@@ -15,7 +15,6 @@ impl MachineSpec for TexelMachineConfig {
     const NAME: &'static str = texel::NAME;
     const ABOUT: &'static str = "Sun's texture mapping system with its texel value generator";
     const DIAGRAM: &'static str = texel::DIAGRAM;
-    const UNITS: &'static [UnitInfo] = texel::UNITS;
     const DEMOS: &'static [&'static str] = &["corridor", "turntable"];
     const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = EXHIBITS;
     type Machine<F: FrontEnd> = TextureMappingSystem<F>;

@@ -120,6 +120,7 @@ impl PixelBuffer {
 }
 
 impl Unit for PixelBuffer {
+    basrelief_kernel::role!("keeps the picture where the depth values were, and shows it");
     type In = Option<PictureFlow>;
     type Out = Out;
 

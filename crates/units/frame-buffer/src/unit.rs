@@ -109,6 +109,7 @@ impl<T: ColorToken> FrameBuffer<T> {
 }
 
 impl<T: ColorToken> Unit for FrameBuffer<T> {
+    basrelief_kernel::role!("keeps the picture");
     type In = Option<Flow<T>>;
     type Out = Option<FrameDone>;
 
