@@ -19,6 +19,8 @@ pub struct MachineInfo {
     pub demos: &'static [&'static str],
     /// Its textures come over a path, from a server that may be elsewhere.
     pub fetches_tiles: bool,
+    /// It has methods to compare at the same error.
+    pub has_methods: bool,
     units: fn() -> Vec<UnitInfo>,
     exhibits: fn() -> Vec<ExhibitInfo>,
     table: fn() -> Vec<Parameter>,
@@ -41,6 +43,7 @@ impl MachineInfo {
             units: S::units,
             demos: S::DEMOS,
             fetches_tiles: S::FETCHES_TILES,
+            has_methods: S::METHODS.is_some(),
             exhibits: || S::EXHIBITS.iter().map(|e| e.info).collect(),
             table: S::table,
             schema: || schemars::schema_for!(S).to_value(),

@@ -1,14 +1,15 @@
 //! What a run needs to know of a machine, whichever it is.
 
 use crate::exhibits::spec::ExhibitSpec;
+use crate::methods::MethodSpecs;
 use basrelief_deferred_renderer::{TileEncoding, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::RunReport;
 use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, SceneFront, TraceFront, UnitInfo, units};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
-use schemars::JsonSchema;
 use basrelief_signals::Control;
+use schemars::JsonSchema;
 use std::fmt::Debug;
 
 /// A short cut: its name, and what switches it off.
@@ -28,6 +29,8 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
     const SHORT_CUTS: &'static [ShortCut<Self>] = &[];
     /// What it shows beside its finished pictures.
     const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = &[];
+    /// How it can do the same work to the same error.
+    const METHODS: Option<MethodSpecs<Self>> = None;
     /// Its textures come over a path, from a server that may be elsewhere.
     const FETCHES_TILES: bool = false;
     /// The machine behind one way in.
@@ -48,9 +51,6 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
         drop(tiles);
         self.build(front)
     }
-    /// How it asks for tiles, where it fetches any.
-    fn tile_fetch(&self) -> Option<TileFetch> {
-        None
     /// The boxes of the block diagram.
     fn units() -> Vec<UnitInfo> {
         let spec = Self::default();
@@ -60,6 +60,9 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
         // What is built as its defaults have it has no problems.
         scene.ok().zip(trace.ok()).map_or(vec![], |(mut scene, mut trace)| units(Self::DIAGRAM, &mut scene, &mut trace))
     }
+    /// How it asks for tiles, where it fetches any.
+    fn tile_fetch(&self) -> Option<TileFetch> {
+        None
     }
     /// What its way in needs.
     fn front(&self) -> FrontConfig;
