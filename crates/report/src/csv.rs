@@ -11,7 +11,7 @@
 //! | `fifos` | FIFO | `depth`, `tokens`, `high_water`, `mean_occupancy`, `full_cycles`, `histogram` | slots held |
 //! | `memories` | memory | `reads` ... `wait_cycles` | client |
 //! | `caches` | cache | `look_ups`, `hits`, `misses`, `merged` | |
-//! | `device` | figure | `value` | place in a list, from 0 |
+//! | `figures` | figure | `value` | place in a list, from 0 |
 //! | `quality` | | `psnr_db`, `ssim`, `flip`; of the final picture `mean_difference`, `largest_difference` | frame, from 0; empty: the final picture |
 //! | `image` | file | `sha256` | |
 //! | `derived` | figure | `value` | unit of measure |

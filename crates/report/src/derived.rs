@@ -35,10 +35,10 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     let formula = format!("cycles.total / {}", work.formula);
     figures.ratio(format!("cycles_per_{}", work.one), (total, fragments), "cycles", formula);
     let polygons = routes(report).iter().map(|r| r.polygons as f64).sum::<f64>();
-    figures.ratio("cycles_per_polygon", (total, polygons), "cycles", "cycles.total / sum(device.polygons_ROUTE)");
+    figures.ratio("cycles_per_polygon", (total, polygons), "cycles", "cycles.total / sum(figures.polygons_ROUTE)");
     for circuit in circuits(report) {
         let (name, idle) = (circuit.name, total - circuit.started as f64);
-        let formula = format!("cycles.total - device.{}", circuit.figure);
+        let formula = format!("cycles.total - figures.{}", circuit.figure);
         figures.ratio(format!("{name}.idle"), (idle, 1.0), "cycles", formula);
     }
     figures.ratio("time_ms", (1e3 * total, hz), "ms", "1000 * cycles.total / config.clock.hz");
@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn nothing_is_divided_by_zero() {
         let mut report = samples::balanced();
-        report.device.clear();
+        report.figures.clear();
         report.config = serde_json::json!({});
         let derived = derive(&report);
         assert!(!derived.contains_key("cycles_per_fragment") && !derived.contains_key("time_ms"));

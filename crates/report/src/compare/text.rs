@@ -35,7 +35,7 @@ impl Section {
             "fifos" => "FIFO",
             "memories" => "Memory",
             "caches" => "Cache",
-            "device" => "Device",
+            "figures" => "Figure",
             "quality" => "Quality",
             _ => "Picture",
         };
