@@ -29,7 +29,7 @@ fn the_table_holds_what_runs_with_these_settings_take() {
         let (report, found) = (place.report("run"), &ablation["variants"][i]);
         assert_eq!(found["variant"], name);
         assert_eq!(found["cycles"], report["cycles"]["total"], "{name}");
-        assert_eq!(found["dots"], report["device"]["fragments"], "{name}");
+        assert_eq!(found["dots"], report["figures"]["fragments"], "{name}");
         assert_eq!(found["cycles_per_dot"], report["derived"]["cycles_per_dot"]["value"], "{name}");
         let change = 100.0 * (found["cycles"].as_f64().expect("cycles") / base - 1.0);
         assert!((found["change_percent"].as_f64().expect("a change") - change).abs() < 1e-5, "{name}");

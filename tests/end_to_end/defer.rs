@@ -22,7 +22,7 @@ fn it_writes_pictures_of_each_round_the_layer_depth_the_tile_map_and_both_dumps(
     place.ok(&format!("demo gallery {SMALL} --set defer.mode=progressive {dumps} --out p"));
     let report = place.report("p");
     is_valid(&report, &place);
-    let rounds = report["device"]["picture_round"].as_array().expect("rounds").len();
+    let rounds = report["figures"]["picture_round"].as_array().expect("rounds").len();
     assert!(rounds >= 2, "{rounds}");
     let names = place.names("p");
     let expected = (0..rounds).map(|n| format!("image-round-{n}.png"));
@@ -30,12 +30,12 @@ fn it_writes_pictures_of_each_round_the_layer_depth_the_tile_map_and_both_dumps(
     let last = picture(&place.path(&format!("p/image-round-{}.png", rounds - 1)));
     assert_eq!(last, picture(&place.path("p/image.png")));
     let pixels = lines(&place, "buffer.jsonl");
-    assert_eq!(pixels.len() as u64, report["device"]["pixels_textured"].as_u64().unwrap_or(0) / rounds as u64);
+    assert_eq!(pixels.len() as u64, report["figures"]["pixels_textured"].as_u64().unwrap_or(0) / rounds as u64);
     let keys = |value: &Value| value.as_object().expect("an object").keys().cloned().collect::<Vec<_>>();
     assert_eq!(keys(&pixels[0]).len(), 6);
     let tiles = lines(&place, "tiles.jsonl");
     let loaded = tiles.iter().filter(|t| t["state"] == "loaded").count() as u64;
-    assert_eq!(Some(loaded), report["device"]["tiles_loaded"].as_u64());
+    assert_eq!(Some(loaded), report["figures"]["tiles_loaded"].as_u64());
     assert_eq!(keys(&tiles[0]).len(), 6);
     place.ok(&format!("demo gallery {SMALL} --out b"));
     assert_eq!(image(&place, "p"), image(&place, "b"), "progressive ends with the picture of best resolution");
@@ -45,7 +45,7 @@ fn it_writes_pictures_of_each_round_the_layer_depth_the_tile_map_and_both_dumps(
 fn a_progressive_picture_that_is_the_best_at_once_is_a_round_too() {
     let place = Place::new();
     place.ok("demo gallery --size 64x48 --quiet --set defer.mode=progressive --out p");
-    assert_eq!(place.report("p")["device"]["picture_round"], serde_json::json!([0]));
+    assert_eq!(place.report("p")["figures"]["picture_round"], serde_json::json!([0]));
     assert_eq!(picture(&place.path("p/image-round-0.png")), picture(&place.path("p/image.png")));
 }
 
@@ -89,8 +89,8 @@ fn a_local_disk_is_a_path_too_0025_and_every_preset_says_what_its_path_is() {
         ["bits_per_second", "latency_us", "requests"].map(|key| path[key].as_u64().unwrap_or(0))
     });
     assert_eq!(paths, [[80_000_000, 14_556, 1], [56_000, 100_000, 8]]);
-    let tiles = |r: &Value| r["device"]["tiles_loaded"].as_u64().unwrap_or(0);
-    let ms = |r: &Value| r["device"]["final_picture_ms"].as_f64().unwrap_or(0.0);
+    let tiles = |r: &Value| r["figures"]["tiles_loaded"].as_u64().unwrap_or(0);
+    let ms = |r: &Value| r["figures"]["final_picture_ms"].as_f64().unwrap_or(0.0);
     assert!(tiles(&reports[0]) > 1 && tiles(&reports[0]) == tiles(&reports[1]));
     // One command at a time: each tile waits for a seek of its own.
     let seeks = tiles(&reports[0]) as f64 * 14.556;
@@ -119,7 +119,7 @@ fn a_recorded_list_draws_the_same_pictures_in_every_form_and_mode() {
             {
                 assert_eq!(a["sha256"], b["sha256"], "{mode}, {form}");
             }
-            assert_eq!(replayed["device"]["tiles_loaded"], of_scene["device"]["tiles_loaded"], "{mode}, {form}");
+            assert_eq!(replayed["figures"]["tiles_loaded"], of_scene["figures"]["tiles_loaded"], "{mode}, {form}");
         }
     }
 }

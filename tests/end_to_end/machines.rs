@@ -48,7 +48,7 @@ fn the_report_of_the_figure_shading_device_tells_paths_circuits_and_errors() {
     let said = place.ok("demo cut-plane@2 --size 64x48 --csv --timeline t.pftrace").out;
     let report = place.report("out");
     is_valid(&report, &place);
-    let count = |name: &str| report["device"][name].as_u64().unwrap_or_else(|| panic!("{name}"));
+    let count = |name: &str| report["figures"][name].as_u64().unwrap_or_else(|| panic!("{name}"));
     let paths = ["polyhedron", "brightness", "normal", "gate_closed", "flat", "reused"];
     let [dots, polygons] = ["dots", "polygons"].map(|what| paths.map(|p| count(&format!("{what}_{p}"))).iter().sum::<u64>());
     assert_eq!(dots, count("fragments"));

@@ -47,6 +47,6 @@ fn an_obj_with_its_pictures_beside_it_is_drawn() {
     let model = crate::support::workspace().join("tests/models/patch.obj");
     place.ok(&format!("run {} --size 64x48", model.display()));
     let report = place.report("out");
-    assert!(report["device"]["bump_fragments"]["value"].as_u64().or(report["device"]["bump_fragments"].as_u64()) > Some(100));
+    assert!(report["figures"]["bump_fragments"]["value"].as_u64().or(report["figures"]["bump_fragments"].as_u64()) > Some(100));
     assert_eq!(picture(&place.path("out/image.png")).2, image(&report));
 }

@@ -19,8 +19,8 @@ fn images(place: &Place, out: &str) -> Vec<String> {
     images.iter().map(|i| i["sha256"].as_str().expect("a hash").to_owned()).collect()
 }
 
-fn device(place: &Place, out: &str, figure: &str) -> u64 {
-    place.report(out)["device"][figure].as_u64().unwrap_or_else(|| panic!("{figure}"))
+fn figure(place: &Place, out: &str, name: &str) -> u64 {
+    place.report(out)["figures"][name].as_u64().unwrap_or_else(|| panic!("{name}"))
 }
 
 /// A server, ended with the test.
@@ -122,12 +122,12 @@ fn a_server_lost_in_the_middle_costs_nothing_that_has_come() {
         place.run(&format!("run --from {from} {CUT} --quiet --set defer.mode=progressive {more}"))
     };
     assert_eq!(run(&server.1, "--out whole").code(), 0);
-    let pictures = place.report("whole")["device"]["picture_round"].as_array().expect("rounds").len();
+    let pictures = place.report("whole")["figures"]["picture_round"].as_array().expect("rounds").len();
     assert!(pictures >= 3, "{pictures}");
     // As many tiles as two pictures need, and five more.
     assert_eq!(run(&server.1, "--set defer.pictures_per_view=2 --out two").code(), 0);
-    let most = device(&place, "two", "tiles_loaded") + 5;
-    assert!(most < device(&place, "whole", "tiles_loaded"));
+    let most = figure(&place, "two", "tiles_loaded") + 5;
+    assert!(most < figure(&place, "whole", "tiles_loaded"));
     let dying = Between::new(&server.1, most);
     let lost = run(&dying.url, "--tile-cache kept --out lost");
     let error = lost.error(1);
@@ -142,7 +142,7 @@ fn a_server_lost_in_the_middle_costs_nothing_that_has_come() {
     assert_eq!(place.bytes("lost/image.png"), place.bytes("lost/image-round-1.png"), "the best one is the picture");
     let again = Between::new(&server.1, u64::MAX);
     assert_eq!(run(&again.url, "--tile-cache kept --out again").code(), 0);
-    assert_eq!(again.passed(), device(&place, "whole", "tiles_loaded") - most, "only the rest");
+    assert_eq!(again.passed(), figure(&place, "whole", "tiles_loaded") - most, "only the rest");
     assert_eq!(images(&place, "again"), images(&place, "whole"));
 }
 
@@ -156,13 +156,13 @@ fn the_frames_of_the_server_share_their_tiles_and_so_do_other_views_of_the_same_
     place.ok(&format!("run --from {} {CUT} --quiet --tile-cache kept --out remote", counted.url));
     assert_eq!(images(&place, "remote"), images(&place, "file"));
     assert_eq!(images(&place, "remote").len(), 3);
-    assert!(device(&place, "remote", "tiles_reused") > 0);
-    assert_eq!(counted.passed(), device(&place, "remote", "tiles_loaded"), "none is fetched twice");
+    assert!(figure(&place, "remote", "tiles_reused") > 0);
+    assert_eq!(counted.passed(), figure(&place, "remote", "tiles_loaded"), "none is fetched twice");
     // The same beginning, and then the other way round.
     let other = Server::start(&place, &format!("serve demo:gallery {SMALL} --frames 2 --orbit -50 --listen 127.0.0.1:0"));
     let counted = Between::new(&other.1, u64::MAX);
     place.ok(&format!("run --from {} {CUT} --quiet --tile-cache kept --out other", counted.url));
-    assert!((1..device(&place, "other", "tiles_loaded")).contains(&counted.passed()), "{}", counted.passed());
+    assert!((1..figure(&place, "other", "tiles_loaded")).contains(&counted.passed()), "{}", counted.passed());
 }
 
 /// A triangle with a texture of one colour, served; quicker to make than a gallery.

@@ -14,7 +14,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 }
 
 fn figure(report: &Value, name: &str) -> f64 {
-    report["device"][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", report["device"]))
+    report["figures"][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", report["figures"]))
 }
 
 /// Spans that a dump has a line for.

@@ -277,7 +277,7 @@ fn issue_requests(
 
 /// What is wrong with traffic that could not be issued: not what the unit declared, or not what the machine wired.
 #[cold]
-pub(crate) fn objection(clients: &impl Clients, largest: &[u32; MAX_CLIENTS], traffic: &Traffic) -> String {
+pub(crate) fn objection(clients: &mut impl Clients, largest: &[u32; MAX_CLIENTS], traffic: &Traffic) -> String {
     let wired = clients.ids().len();
     if let Some(r) = traffic.requests.iter().chain(&traffic.look_ups).find(|r| r.client as usize >= wired) {
         return format!("a step uses memory client {}, but the wiring gives it {wired}", r.client);
@@ -286,8 +286,24 @@ pub(crate) fn objection(clients: &impl Clients, largest: &[u32; MAX_CLIENTS], tr
     if let Some(r) = traffic.look_ups.iter().find(|r| !is_cached(r)) {
         return format!("a step looks up a line in memory client {}, which has no cache", r.client);
     }
-    let declared: Vec<String> = largest[..wired].iter().map(u32::to_string).collect();
-    format!("a step needs more credits of a memory client than largest_step declared ({})", declared.join(", "))
+    let Some((ids, system)) = clients.open() else { return String::new() };
+    let needs = ids.iter().enumerate().map(|(own, &client)| credits_needed(traffic, own, client, system));
+    let beyond = (0..).zip(needs).zip(largest).find(|((_, needs), declared)| needs > *declared);
+    beyond.map_or_else(String::new, |((own, needs), declared)| {
+        format!("a step needs {needs} credits of memory client {own}, but largest_step({own}) declares {declared}")
+    })
+}
+
+/// Credits that a step needs of the client that its unit numbers `own`: its requests, and the lines that it looks up.
+fn credits_needed(traffic: &Traffic, own: usize, client: usize, system: &mut MemorySystem) -> u32 {
+    let mine = |r: &&Request| r.client as usize == own;
+    let requests = traffic.requests.iter().filter(mine).count();
+    let Some(cached) = system.cached(client) else { return requests as u32 };
+    let lines_of = |r: &Request| cached.cache.lines(r.address, r.bytes);
+    let mut lines: Vec<u64> = traffic.look_ups.iter().filter(mine).map(lines_of).flat_map(|(first, last)| first..=last).collect();
+    lines.sort_unstable();
+    lines.dedup();
+    (requests + lines.len()) as u32
 }
 
 /// Takes in the answers to a step's look-ups, unless one ahead of it on the same client is `stuck` (a bit each).

@@ -275,5 +275,5 @@ pub use report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, U
 pub use stage::Stage;
 pub use topology::{StageTopology, topology};
 pub use traffic::{Request, Traffic};
-pub use unit::{Demand, Step, Unit};
+pub use unit::{Demand, Role, Step, Unit};
 pub use wiring::{Inputs, MAX_CLIENTS, MAX_LINKS, Machine, Outputs, Visitor, Wires};

@@ -159,7 +159,7 @@ impl Visitor for Conclude {
             }
         }
         self.waits.push(waits);
-        let StageTopology { name, inputs, outputs: names, clients } = StageTopology::of(stage, connections);
+        let StageTopology { name, inputs, outputs: names, clients, .. } = StageTopology::of(stage, connections);
         let wires = &mut connections.outputs;
         self.units.push(UnitReport { name, steps: stage.clock.steps, account, inputs, outputs: names, clients });
         for i in 0..wires.count() {

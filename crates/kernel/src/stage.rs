@@ -51,7 +51,7 @@ impl<U: Unit> Stage<U> {
         let delivery = Delivery { base: at + step.latency, outputs: outputs_and_mark };
         let mut occupancy = step.occupancy;
         if !C::HAS_MEMORY && !traffic.is_empty() {
-            refuse(&connections.clients, &clock.needs, traffic);
+            refuse(&mut connections.clients, &clock.needs, traffic);
         }
         if !C::HAS_MEMORY || (traffic.is_empty() && clock.flights.is_empty()) {
             deliver(&mut clock.marks, delivery.outputs, delivery.base, &mut connections.outputs);
@@ -167,7 +167,7 @@ impl Clock {
 
 /// Faults on traffic that the unit did not declare, or for which nothing is wired: the next stage must not issue it.
 #[cold]
-fn refuse(clients: &impl Clients, needs: &Needs, traffic: &mut Traffic) {
+fn refuse(clients: &mut impl Clients, needs: &Needs, traffic: &mut Traffic) {
     let text = objection(clients, &needs.credits, traffic);
     traffic.clear();
     traffic.fault(text);

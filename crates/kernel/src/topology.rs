@@ -3,13 +3,15 @@
 use crate::connections::{Clients, Connections};
 use crate::place::Place;
 use crate::wiring::{Inputs, Machine, Outputs, Visitor};
-use crate::{Stage, Unit};
+use crate::{Role, Stage, Unit};
 
 /// A stage and its wires, by name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StageTopology {
     /// Name of the stage.
     pub name: String,
+    /// What its unit is for.
+    pub role: Role,
     /// Names of its input FIFOs.
     pub inputs: Vec<String>,
     /// Names of its output FIFOs.
@@ -28,6 +30,7 @@ impl StageTopology {
         let client = |&c: &usize| clients.memories().map_or("", |s| s.client_name(c)).to_owned();
         Self {
             name: stage.name().into(),
+            role: U::ROLE,
             inputs: (0..inputs.count()).map(|i| inputs.link(i).name().to_owned()).collect(),
             outputs: (0..outputs.count()).map(|i| outputs.link(i).name().to_owned()).collect(),
             clients: clients.ids().iter().map(client).collect(),

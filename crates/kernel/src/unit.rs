@@ -73,6 +73,45 @@ impl<O> Step<O> {
     }
 }
 
+/// What a unit is for, and where its code is; a unit states it with [`role!`](crate::role).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Role {
+    /// What it does, in a sentence without its full stop; empty where it does not say.
+    pub does: &'static str,
+    /// Path of the module that states it, as `module_path!` gives it.
+    pub module: &'static str,
+}
+
+/// States the [`Role`] of a unit: the first line of its `impl Unit`.
+///
+/// ```
+/// use basrelief_kernel::{Demand, Role, Step, Traffic, Unit};
+///
+/// struct Adder;
+///
+/// impl Unit for Adder {
+///     basrelief_kernel::role!("adds what both inputs bring");
+///     type In = (Option<u32>, Option<u32>);
+///     type Out = Option<u32>;
+///
+///     fn demand(&self) -> Demand {
+///         Demand::All
+///     }
+///
+///     fn step(&mut self, (a, b): Self::In, _: &mut Traffic) -> Step<Option<u32>> {
+///         Step::after(1, a.zip(b).map(|(a, b)| a + b))
+///     }
+/// }
+///
+/// assert_eq!(Adder::ROLE, Role { does: "adds what both inputs bring", module: module_path!() });
+/// ```
+#[macro_export]
+macro_rules! role {
+    ($does:literal) => {
+        const ROLE: $crate::Role = $crate::Role { does: $does, module: module_path!() };
+    };
+}
+
 /// A hardware unit.
 ///
 /// `In` is `()` for a source, `Option<T>` for one input, a tuple of options for several; `step` finds `Some` exactly
@@ -81,6 +120,9 @@ impl<O> Step<O> {
 /// A unit must be a function of its state and its inputs: no clock, no randomness, no shared state, no I/O. Memories
 /// give time, never data (law 6): a step issues requests through [`Traffic`] and computes with what it holds.
 pub trait Unit {
+    /// What it is for, and where its code is: what a block diagram says of it.
+    const ROLE: Role = Role { does: "", module: "" };
+
     /// What a step pops.
     type In;
     /// What a step emits.

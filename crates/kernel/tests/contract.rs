@@ -138,8 +138,8 @@ impl Unit for Triple {
         };
         Step::after(1, Some(out)).busy(1 + token % 2)
     }
-    fn largest_step(&self, _: usize) -> u32 {
-        2
+    fn largest_step(&self, client: usize) -> u32 {
+        if client < 2 { 2 } else { 0 }
     }
     fn is_empty(&self) -> bool {
         self.held.1 == 0 && !self.hoards
@@ -168,15 +168,15 @@ fn contract_of(unit: Triple, tokens: Vec<u64>) -> Contract<Triple> {
 fn a_step_beyond_the_largest_is_named() {
     let broken = contract(Triple { greedy: true, ..Triple::default() }).steps_keep_within_largest_step().unwrap_err();
     assert!(broken.what.starts_with("unit, cycle "), "{broken}");
-    assert!(broken.what.ends_with("a step needs 3 credits of client 1, largest_step(1) declared 2"), "{broken}");
+    assert!(broken.what.ends_with("a step needs 3 credits of memory client 1, but largest_step(1) declares 2"), "{broken}");
 }
 
 #[test]
 fn a_client_that_is_not_listed_is_named() {
     let broken = contract(Triple::default()).clients(&[ClientKind::Cache { line_bytes: 64 }]).check_all().unwrap_err();
-    assert!(broken.what.ends_with("a step uses client 1, but the contract gives it 1"), "{broken}");
+    assert!(broken.what.ends_with("`unit` declares a largest step for its memory client 1, but 1 are wired"), "{broken}");
     let broken = contract(Triple::default()).clients(&[ClientKind::Port, ClientKind::Port]).check_all().unwrap_err();
-    assert!(broken.what.ends_with("a step looks up a line in client 0, which has no cache"), "{broken}");
+    assert!(broken.what.ends_with("a step looks up a line in memory client 0, which has no cache"), "{broken}");
 }
 
 #[test]

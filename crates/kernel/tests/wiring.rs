@@ -219,10 +219,12 @@ fn a_look_up_without_a_cache_is_a_fault() {
 
 #[test]
 fn a_step_beyond_the_largest_is_a_fault() {
-    let beyond = "talker, cycle 1: a step needs more credits of a memory client than largest_step declared (2, 2)";
+    let beyond = |client| {
+        format!("talker, cycle 1: a step needs 3 credits of memory client {client}, but largest_step({client}) declares 2")
+    };
     let talker = Talker { largest: [2, 2, 0, 0], ..Talker::default() };
-    assert_eq!(fault(Talker { reads: Some((0, 3)), ..talker }, Some(&[0, 1])), beyond);
-    assert_eq!(fault(Talker { lines: Some((1, 3)), ..talker }, Some(&[0, 1])), beyond);
+    assert_eq!(fault(Talker { reads: Some((0, 3)), ..talker }, Some(&[0, 1])), beyond(0));
+    assert_eq!(fault(Talker { lines: Some((1, 3)), ..talker }, Some(&[0, 1])), beyond(1));
     // Lines and requests of one client share its credits.
-    assert_eq!(fault(Talker { reads: Some((1, 1)), lines: Some((1, 2)), ..talker }, Some(&[0, 1])), beyond);
+    assert_eq!(fault(Talker { reads: Some((1, 1)), lines: Some((1, 2)), ..talker }, Some(&[0, 1])), beyond(1));
 }

@@ -5,13 +5,14 @@
 //! name in the line or one space right of it. Lines cross without touching. `==z_read, z_write==` between a unit and a
 //! `{memory}` names the unit's clients there. All other text is free.
 
+use crate::unit_info::drawn_units;
 use std::collections::BTreeSet;
 
 /// What a drawing shows.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Drawing {
-    /// Units as drawn, with their numerals.
-    pub(crate) units: BTreeSet<String>,
+    /// Units and their numerals.
+    pub(crate) units: BTreeSet<(String, String)>,
     /// Producer, FIFO, consumer.
     pub(crate) fifos: BTreeSet<[String; 3]>,
     /// Unit, client, memory.
@@ -25,10 +26,9 @@ impl Drawing {
     /// Lines that lead nowhere, with their row and column, from 0.
     pub(crate) fn read(text: &str) -> Result<Self, String> {
         let grid = Grid(text.lines().map(|line| line.chars().collect()).collect());
-        let mut drawing = Self::default();
+        let units = drawn_units(text).into_iter().map(|(name, numeral)| (name.to_owned(), numeral.to_owned()));
+        let mut drawing = Self { units: units.collect(), ..Self::default() };
         for (row, line) in text.lines().enumerate() {
-            let boxes = line.split('[').skip(1).filter_map(|rest| rest.split_once(']'));
-            drawing.units.extend(boxes.map(|(unit, _)| unit.trim().to_owned()));
             drawing.read_clients(line).ok_or(format!("row {row}: expected `[unit] ==client== {{memory}}`: {line}"))?;
             for column in 0..line.chars().count() {
                 let Some((way, consumer)) = grid.head((row, column))? else { continue };
@@ -167,7 +167,8 @@ mod tests {
         let drawing = Drawing::read(" [a (1)] ==x, y== {m (2)}   [b] ==z== {m (2)}").unwrap();
         let clients: Vec<String> = drawing.clients.iter().map(|c| c.join(" ")).collect();
         assert_eq!(clients, ["a x m", "a y m", "b z m"]);
-        assert_eq!(drawing.units.into_iter().collect::<Vec<_>>(), ["a (1)", "b"]);
+        let units = [("a", "1"), ("b", "")].map(|(name, numeral)| (name.to_owned(), numeral.to_owned()));
+        assert_eq!(drawing.units, units.into());
     }
 
     #[test]

@@ -6,13 +6,17 @@ use basrelief_kernel::facts::{Facts, facts};
 
 /// A machine that finishes pictures.
 pub trait Draws: Machine {
-    /// Pictures finished since the last call, in order.
-    fn drain_finished(&mut self) -> Vec<FinishedFrame>;
-    /// Whether [`Draws::drain_finished`] would give any.
-    fn has_finished(&self) -> bool;
+    /// Where its frame buffer puts the pictures that it has finished.
+    fn finished(&mut self) -> &mut Vec<FinishedFrame>;
     /// Tells figures that follow from those of several units, or from the configuration: no unit knows them alone.
     fn derive(&self, facts: &mut Facts) {
         let _ = facts;
+    }
+
+    /// Pictures finished since the last call, in order; to be called between batches of steps, so that memory does not grow
+    /// with the number of frames.
+    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
+        std::mem::take(self.finished())
     }
 
     /// What its units tell, in the order of the wiring, then what follows from it. To be called after a run.

@@ -25,4 +25,4 @@ pub use config::{ClockConfig, ReferenceConfig, ReferenceFilter};
 pub use draws::Draws;
 pub use front::{FrontConfig, FrontEnd, SceneFront, TraceFront};
 pub use problem::{ConfigProblem, slow_fifos};
-pub use unit_info::UnitInfo;
+pub use unit_info::{UnitInfo, drawn_units, units};

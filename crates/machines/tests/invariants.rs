@@ -326,6 +326,31 @@ fn snake(name: &str) -> String {
     out
 }
 
+/// The units of a crate's file: what has an `impl` of `Unit`.
+fn units_in(text: &str) -> impl Iterator<Item = &str> {
+    let impls = text.lines().filter(|line| line.starts_with("impl")).filter_map(|line| line.split_once(" Unit for "));
+    impls.filter_map(|(_, after)| after.split(['<', ' ']).next())
+}
+
+#[test]
+fn every_unit_states_its_contract_where_all_others_do() {
+    for name in units() {
+        let places = ["contract.rs", "patent/contract.rs"].map(|file| folder(&name).join("tests").join(file));
+        assert!(places.iter().any(|place| place.exists()), "`{name}`: expected one of {places:?}");
+        let (mut tests, mut sources) = (Vec::new(), Vec::new());
+        rust_files(&folder(&name).join("tests"), &mut tests);
+        rust_files(&folder(&name).join("src"), &mut sources);
+        // All of them: a wrapper that a contract is stated of may stand beside it.
+        let tests: String = tests.iter().map(|file| read(file)).collect();
+        for file in sources {
+            let text = read(&file);
+            assert!(!text.contains("unit_contract!"), "{}: its place is `tests/`", file.display());
+            let forgotten = units_in(&text).find(|unit| !tests.contains(unit));
+            assert_eq!(forgotten, None, "`{name}`: a unit without contract");
+        }
+    }
+}
+
 /// Units that remember nothing.
 const STATELESS: [&str; 1] = ["Expander"];
 
@@ -338,8 +363,7 @@ fn every_unit_has_the_same_shape() {
         let all: String = files.iter().map(|file| read(file)).collect();
         for file in &files {
             let text = read(file);
-            for (_, after) in text.lines().filter(|l| l.starts_with("impl")).filter_map(|l| l.split_once(" Unit for ")) {
-                let unit = after.split(['<', ' ']).next().unwrap();
+            for unit in units_in(&text) {
                 found += 1;
                 let place = file.with_extension("");
                 let in_place = place.ends_with("src/unit")

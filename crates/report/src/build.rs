@@ -27,8 +27,8 @@ pub struct Context {
     pub size: Size,
     /// The patent's reference numerals, by name of unit.
     pub numerals: IndexMap<String, u32>,
-    /// Figures of the device; cycles and bytes are divided by its [`work`].
-    pub device: IndexMap<String, Figure>,
+    /// Figures of the machine; cycles and bytes are divided by its [`work`].
+    pub figures: IndexMap<String, Figure>,
     /// What they mean.
     pub legend: IndexMap<String, Legend>,
     /// Against the exact pictures.
@@ -69,7 +69,7 @@ impl Report {
             fifos: None,
             memories: None,
             caches: None,
-            device: context.device,
+            figures: context.figures,
             legend: context.legend,
             quality: context.quality,
             image: context.image,

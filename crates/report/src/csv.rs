@@ -12,7 +12,7 @@
 //! | `memories` | memory | `reads` ... `queue_wait`, `latency` | client |
 //! | `channels` | memory | `row_hits` ... `queued` | channel, from 0 |
 //! | `caches` | cache | `look_ups`, `hits`, `misses`, `merged` | |
-//! | `device` | figure | `value` | place in a list, from 0 |
+//! | `figures` | figure | `value` | place in a list, from 0 |
 //! | `quality` | | `psnr_db`, `ssim`, `flip`; of the final picture `mean_difference`, `largest_difference` | frame, from 0; empty: the final picture |
 //! | `image` | file | `sha256` | |
 //! | `derived` | figure | `value` | unit of measure |

@@ -37,11 +37,11 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     let formula = format!("(cycles.total - cycles.drain) / {}", work.formula);
     figures.ratio(format!("cycles_per_{}", work.one), (drawing, fragments), "cycles", formula);
     let polygons = routes(report).iter().map(|r| r.polygons as f64).sum::<f64>();
-    let formula = "(cycles.total - cycles.drain) / sum(device.polygons_ROUTE)";
+    let formula = "(cycles.total - cycles.drain) / sum(figures.polygons_ROUTE)";
     figures.ratio("cycles_per_polygon", (drawing, polygons), "cycles", formula);
     for circuit in circuits(report) {
         let (name, idle) = (circuit.name, total - circuit.started as f64);
-        let formula = format!("cycles.total - device.{}", circuit.figure);
+        let formula = format!("cycles.total - figures.{}", circuit.figure);
         figures.ratio(format!("{name}.idle"), (idle, 1.0), "cycles", formula);
     }
     figures.ratio("time_ms", (1e3 * total, hz), "ms", "1000 * cycles.total / config.clock.hz");
@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn nothing_is_divided_by_zero() {
         let mut report = samples::balanced();
-        report.device.clear();
+        report.figures.clear();
         report.config = serde_json::json!({});
         let derived = derive(&report);
         assert!(!derived.contains_key("cycles_per_fragment") && !derived.contains_key("time_ms"));

@@ -9,7 +9,7 @@
 //! | [`compare`](mod@compare) | what changed between two runs, and which unit and cause explain it |
 //! | [`ablation`] | what each short cut of a machine saves, and what it costs |
 //! | [`methods`] | what each method of choosing division points costs at the same error |
-//! | [`work`] | what a device draws, in its own words |
+//! | [`work`] | what a machine draws, in its own words |
 //! | [`csv`] | the same figures, one per line |
 //! | [`timeline`] | what every unit did when, as a Perfetto trace |
 //!

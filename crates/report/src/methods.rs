@@ -138,9 +138,9 @@ impl Method {
     }
 }
 
-/// A figure of the device; 0 where it has none of this name.
+/// A figure of the machine; 0 where it has none of this name.
 pub fn figure(report: &Report, name: &str) -> f64 {
-    match report.device.get(name) {
+    match report.figures.get(name) {
         Some(Figure::Count(n)) => *n as f64,
         Some(Figure::Real(x)) => *x,
         _ => 0.0,
@@ -155,8 +155,8 @@ mod tests {
     fn methods() -> Methods {
         let (mut slow, mut fast) = samples::before_and_after();
         for (report, share, largest) in [(&mut fast, 0.0625, 0.498), (&mut slow, 2.0, 0.0)] {
-            report.device.insert("divisions_per_pixel".into(), Figure::Real(share));
-            report.device.insert("displacement_largest".into(), Figure::Real(largest));
+            report.figures.insert("divisions_per_pixel".into(), Figure::Real(share));
+            report.figures.insert("displacement_largest".into(), Figure::Real(largest));
         }
         let mut methods = Methods::of(&fast, 0.5);
         methods.methods.push(Method::of("adaptive".into(), vec!["texel.method=adaptive".into()], &fast));

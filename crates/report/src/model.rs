@@ -41,9 +41,9 @@ pub struct Report {
     /// What each cache's look-ups found, by name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caches: Option<IndexMap<String, Cache>>,
-    /// Figures of the device, as the machine names them: fragments, searches, table look-ups ...
-    pub device: IndexMap<String, Figure>,
-    /// What the figures of `device` mean, by the same names.
+    /// What the machine counts, as its units name it: fragments, searches, table look-ups ...
+    pub figures: IndexMap<String, Figure>,
+    /// What `figures` mean, by the same names.
     #[serde(default)]
     pub legend: IndexMap<String, Legend>,
     /// The machine's pictures against the exact ones; absent where none were drawn.
@@ -243,7 +243,7 @@ pub struct Cache {
     pub merged: u64,
 }
 
-/// One figure of a device.
+/// One figure of a machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Figure {
@@ -292,7 +292,7 @@ impl Figure {
     }
 }
 
-/// What a figure of a device means.
+/// What a figure of a machine means.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Legend {
     /// Unit of measure, in the plural; absent for a ratio.
@@ -412,8 +412,8 @@ pub struct Host {
 }
 
 impl Report {
-    /// Number of figure `name` of the device.
+    /// Number of figure `name` of the machine.
     pub fn device_number(&self, name: &str) -> Option<f64> {
-        self.device.get(name).and_then(Figure::number)
+        self.figures.get(name).and_then(Figure::number)
     }
 }

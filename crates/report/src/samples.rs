@@ -32,7 +32,7 @@ pub fn context() -> Context {
         camera: Camera { view_projection, to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] },
         size: Size { width: 640, height: 480 },
         numerals: [("normal-mapping".to_owned(), 108), ("replacement".to_owned(), 110)].into_iter().collect(),
-        device: [
+        figures: [
             figure("fragments", 200_000.into()),
             figure("bump_fragments", 180_000.into()),
             figure("reference_normals_used", vec![250_u64, 121].into()),
@@ -160,7 +160,7 @@ pub fn balanced() -> Report {
     ])
 }
 
-/// [`balanced`], of a device that counts dots on two routes, runs of a process, and the cycles of two circuits.
+/// [`balanced`], of a machine that counts dots on two routes, runs of a process, and the cycles of two circuits.
 pub fn with_routes() -> Report {
     let mut report = balanced();
     report.machine = "shade".into();
@@ -177,7 +177,7 @@ pub fn with_routes() -> Report {
         ("circuit_50_started_cycles", 600_000, "cycles", Part::Started("circuit_50".into())),
         ("circuit_50_needed_cycles", 450_000, "cycles", Part::Needed("circuit_50".into())),
     ];
-    report.device = figures.iter().map(|(name, n, ..)| ((*name).to_owned(), Figure::Count(*n))).collect();
+    report.figures = figures.iter().map(|(name, n, ..)| ((*name).to_owned(), Figure::Count(*n))).collect();
     report.legend = figures.into_iter().map(|(name, _, unit, part)| (name.to_owned(), legend(unit, part))).collect();
     report.derived = derive(&report);
     report

@@ -67,8 +67,8 @@ pub fn rows(report: &Report) -> Vec<Row> {
             rows.add(("caches", name), field, "", n);
         }
     }
-    for (name, value) in &report.device {
-        rows.add(("device", name), "value", "", value.clone());
+    for (name, value) in &report.figures {
+        rows.add(("figures", name), "value", "", value.clone());
     }
     pictures(report, &mut rows);
     for (name, d) in &report.derived {

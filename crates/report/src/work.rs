@@ -1,11 +1,11 @@
-//! What a device draws and does, as the legend of its figures says: its work, routes, circuits, processes and tables.
+//! What a machine draws and does, as the legend of its figures says: its work, routes, circuits, processes and tables.
 
 use crate::model::{Figure, Legend, Part, Report};
 
-/// The figures of a device that are a part of something, in its order: their names, what they count, their units of measure, and
+/// The figures of a machine that are a part of something, in its order: their names, what they count, their units of measure, and
 /// the part.
 fn parts(report: &Report) -> impl Iterator<Item = (&str, &Figure, &str, &Part)> {
-    report.device.iter().filter_map(|(name, figure)| {
+    report.figures.iter().filter_map(|(name, figure)| {
         let Legend { unit, part, .. } = report.legend.get(name)?;
         Some((name.as_str(), figure, unit.as_str(), part.as_ref()?))
     })
@@ -35,14 +35,14 @@ pub struct Work {
     pub formula: String,
 }
 
-/// The work of a device; no fragments where it names none.
+/// The work of a machine; no fragments where it names none.
 pub fn work(report: &Report) -> Work {
     let named = parts(report).find(|(.., part)| **part == Part::Work);
     let (name, count, unit) = named.map_or(("fragments", 0, "fragments"), |(name, figure, unit, _)| (name, count(figure), unit));
-    Work { one: unit.strip_suffix('s').unwrap_or(unit).into(), count, formula: format!("device.{name}") }
+    Work { one: unit.strip_suffix('s').unwrap_or(unit).into(), count, formula: format!("figures.{name}") }
 }
 
-/// A way through a device on which it counts polygons and dots.
+/// A way through a machine on which it counts polygons and dots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Route<'a> {
     /// Name.
@@ -53,7 +53,7 @@ pub struct Route<'a> {
     pub dots: u64,
 }
 
-/// The routes of a device, in its order; none where it has only one.
+/// The routes of a machine, in its order; none where it has only one.
 pub fn routes(report: &Report) -> Vec<Route<'_>> {
     let mut routes = vec![];
     for (_, figure, unit, part) in parts(report) {
@@ -64,20 +64,20 @@ pub fn routes(report: &Report) -> Vec<Route<'_>> {
     routes
 }
 
-/// A circuit of which a device counts the cycles in which it was started.
+/// A circuit of which a machine counts the cycles in which it was started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Circuit<'a> {
     /// Name.
     pub name: &'a str,
-    /// Cycles of work whose result the picture needs, where the device tells them apart.
+    /// Cycles of work whose result the picture needs, where the machine tells them apart.
     pub needed: Option<u64>,
     /// Cycles of work.
     pub started: u64,
-    /// Figure of the device that says so.
+    /// Figure of the machine that says so.
     pub figure: &'a str,
 }
 
-/// The circuits of a device, in its order.
+/// The circuits of a machine, in its order.
 pub fn circuits(report: &Report) -> Vec<Circuit<'_>> {
     let mut circuits = vec![];
     for (figure, started, _, part) in parts(report) {
@@ -89,7 +89,7 @@ pub fn circuits(report: &Report) -> Vec<Circuit<'_>> {
     circuits
 }
 
-/// A process of which a device counts runs and cycles.
+/// A process of which a machine counts runs and cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Process<'a> {
     /// Name.
@@ -100,7 +100,7 @@ pub struct Process<'a> {
     pub cycles: u64,
 }
 
-/// The processes of a device, in its order.
+/// The processes of a machine, in its order.
 pub fn processes(report: &Report) -> Vec<Process<'_>> {
     let mut processes = vec![];
     for (_, figure, unit, part) in parts(report) {
@@ -111,7 +111,7 @@ pub fn processes(report: &Report) -> Vec<Process<'_>> {
     processes
 }
 
-/// A table of a device: titles and values of its columns.
+/// A table of a machine: titles and values of its columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Columns<'a> {
     /// Name.
@@ -120,7 +120,7 @@ pub struct Columns<'a> {
     pub columns: Vec<(&'a str, &'a [Figure])>,
 }
 
-/// The tables of a device, in its order.
+/// The tables of a machine, in its order.
 pub fn tables(report: &Report) -> Vec<Columns<'_>> {
     let mut tables = vec![];
     for (_, figure, _, part) in parts(report) {

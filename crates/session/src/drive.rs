@@ -11,7 +11,7 @@ use crate::settings::RunOptions;
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
-use basrelief_machines::Facts;
+use basrelief_machines::{Facts, drawn_units};
 use basrelief_reference::{Picture, Quality, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_report::{Context, Report};
@@ -103,7 +103,7 @@ impl<'a> Session<'a> {
 
     /// Called by the engine between its rounds; what is done here counts as no simulation.
     fn look<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M, aside: &mut f64) -> bool {
-        if machine.has_finished() {
+        if !machine.finished().is_empty() {
             let began = (self.settings.clock)();
             self.take_frames(spec, machine);
             *aside += (self.settings.clock)() - began;
@@ -115,8 +115,8 @@ impl<'a> Session<'a> {
     fn take_frames<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M) {
         let rounds = self.wanted::<S>(Form::PicturePerRound).filter(|_| spec.shows_rounds());
         for shown in machine.drain_rounds() {
-            let (frame, number) = (shown.picture.index, shown.round);
-            let picture = picture(shown.picture);
+            let (frame, number) = (shown.index, shown.round);
+            let picture = picture(shown);
             self.attempt(|session| rounds.map_or(Ok(()), |info| show_round(info, [frame, number], &picture, session.observer)));
             self.rounds.push((frame, picture));
         }
@@ -193,14 +193,15 @@ impl<'a> Session<'a> {
         let summary = RunSummary { run: result.report.as_ref(), pictures: &self.shown };
         let mut facts = result.facts;
         spec.figures(&summary, &mut facts);
+        let drawn = drawn_units(S::DIAGRAM).into_iter();
         let context = Context {
             machine: S::NAME.into(),
             input,
             config: serde_json::to_value(spec).unwrap_or_default(),
             camera: frame.map_or(no_view, |f| f.camera),
             size: frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
-            numerals: S::UNITS.iter().filter_map(|u| Some((u.name.to_owned(), u.numeral.parse().ok()?))).collect(),
-            device: facts.figures().map(|f| (f.name.clone(), (&f.value).into())).collect(),
+            numerals: drawn.filter_map(|(name, numeral)| Some((name.to_owned(), numeral.parse().ok()?))).collect(),
+            figures: facts.figures().map(|f| (f.name.clone(), (&f.value).into())).collect(),
             legend: facts.figures().map(|f| (f.name.clone(), f.into())).collect(),
             quality: self.quality.last().map(|&last| PictureQuality {
                 last,

@@ -1,113 +1,117 @@
-//! What each method of choosing division points costs where all keep the same error.
+//! What each method of a machine costs where all keep the same error.
 
 use crate::ablation::complete;
-use crate::machines::MachineConfig;
+use crate::machines::{MACHINES, MachineConfig, MachineSpec, for_machine};
 use crate::observer::Observer;
 use crate::outcome::{Run, SessionError};
 use crate::settings::RunOptions;
-use basrelief_machines::texel::TexelMachineConfig;
+use basrelief_report::Report;
 use basrelief_report::methods::{Method, Methods, figure};
-use basrelief_texel_value_generator::Method as Divide;
 
-/// Runs the machine by each of its methods: adaptive with the configured error bound, exact, and those that divide at fixed
-/// places as seldom as the measured largest displacement stays within that bound. How seldom is found by bisection, without
-/// time; a rarer division that happens to keep the bound again is not looked for. `run` makes one run to its end, of the same
-/// input under the settings it is given, watched by `observer`.
+/// How a machine can do the same work to the same error. `S` configures it.
+#[derive(Clone, Copy, Debug)]
+pub struct MethodSpecs<S: 'static> {
+    /// The error that every method is to keep within.
+    pub bound: fn(&S) -> f64,
+    /// The figure that says how large the error of a run was.
+    pub error: &'static str,
+    /// The methods, in the order of the table; the first has no number.
+    pub methods: &'static [MethodSpec<S>],
+}
+
+/// A method; one that has a number to choose is given it.
+#[derive(Clone, Copy, Debug)]
+pub struct MethodSpec<S: 'static> {
+    /// In words.
+    pub name: fn(u32) -> String,
+    /// What makes the machine run like this, as `KEY=VALUE`.
+    pub settings: fn(u32) -> Vec<String>,
+    /// Does the same to a configuration.
+    pub set: fn(&mut S, u32),
+    /// Which number it is given.
+    pub number: Number,
+}
+
+/// The number that a method is given: of those that keep the error within the bound, the one that makes least work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Number {
+    /// None: the method has no choice.
+    Absent,
+    /// The largest: a larger one makes less work and errs more.
+    Largest,
+    /// The smallest: a smaller one makes less work and errs more.
+    Smallest,
+}
+
+/// Runs the machine by each of its methods, those with a number by the one that makes least work while the measured error stays
+/// within the configured bound. That is found by bisection, without time; a number beyond it that happens to keep the bound
+/// again is not looked for. `run` makes one run to its end, of the same input under the settings it is given, watched by
+/// `observer`.
 ///
 /// # Errors
-/// A machine without these methods, a run that does not complete or has no time, whatever `run` says.
+/// A machine without methods, a run that does not complete or has no time, whatever `run` says.
 pub fn compare_methods<E: From<SessionError>>(
     settings: &RunOptions,
     observer: &mut dyn Observer,
     run: impl FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>,
 ) -> Result<Methods, E> {
-    let MachineConfig::Texel(config) = &settings.config else {
-        return Err(SessionError::NoMethods(settings.config.machine().name).into());
-    };
-    let mut runs = Runs { settings, config, observer, run };
-    let adaptive = runs.timed("adaptive", |c| c.texel.method = Divide::Adaptive, vec!["texel.method=adaptive".into()])?;
-    let limit = adaptive.0.size.width.clamp(1, 16_384);
-    let mut methods = Methods::of(&adaptive.0, config.texel.error_bound);
-    methods.methods.push(adaptive.1);
-    for way in FIXED {
-        let number = runs.rarest(way, limit)?;
-        let settings = (way.settings)(number);
-        methods.methods.push(runs.timed(&(way.name)(number), |c| (way.set)(c, number), settings)?.1);
-    }
-    let exact = runs.timed("exact", |c| c.texel.method = Divide::Exact, vec!["texel.method=exact".into()])?;
-    methods.methods.push(exact.1);
-    Ok(methods)
+    for_machine!(&settings.config, config => Runs { settings, config, observer, run }.compare())
 }
 
-/// A method that divides at fixed places, by a number.
-#[derive(Clone, Copy)]
-struct Fixed {
-    name: fn(u32) -> String,
-    settings: fn(u32) -> Vec<String>,
-    set: fn(&mut TexelMachineConfig, u32),
-    /// A larger number divides more often.
-    more: bool,
-}
-
-const FIXED: [Fixed; 3] = [
-    Fixed {
-        name: |n| if n == 1 { "fixed, every pixel".into() } else { format!("fixed, every {n} pixels") },
-        settings: |n| vec!["texel.method=fixed".into(), "texel.points=0".into(), format!("texel.interval={n}")],
-        set: |c, n| (c.texel.method, c.texel.points, c.texel.interval) = (Divide::Fixed, 0, n),
-        more: false,
-    },
-    Fixed {
-        name: |n| format!("fixed, {n} point{} per line", if n == 1 { "" } else { "s" }),
-        settings: |n| vec!["texel.method=fixed".into(), format!("texel.points={n}")],
-        set: |c, n| (c.texel.method, c.texel.points) = (Divide::Fixed, n),
-        more: true,
-    },
-    Fixed {
-        name: |n| format!("subpolygons of {n} pixels"),
-        settings: |n| vec!["texel.method=subpolygon".into(), format!("texel.interval={n}")],
-        set: |c, n| (c.texel.method, c.texel.interval) = (Divide::Subpolygon, n),
-        more: false,
-    },
-];
-
-struct Runs<'a, R> {
+struct Runs<'a, S, R> {
     settings: &'a RunOptions,
-    config: &'a TexelMachineConfig,
+    config: &'a S,
     observer: &'a mut dyn Observer,
     run: R,
 }
 
-impl<E: From<SessionError>, R: FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>> Runs<'_, R> {
-    fn configured(&self, change: impl FnOnce(&mut TexelMachineConfig)) -> RunOptions {
+impl<S: MachineSpec, E: From<SessionError>, R: FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>> Runs<'_, S, R>
+where
+    MachineConfig: From<S>,
+{
+    fn compare(mut self) -> Result<Methods, E> {
+        let no_methods = || {
+            let others: Vec<&str> = MACHINES.iter().filter(|m| m.has_methods).map(|m| m.name).collect();
+            SessionError::NoMethods(S::NAME, others.join(" or "))
+        };
+        let specs = S::METHODS.ok_or_else(no_methods)?;
+        let mut table: Option<Methods> = None;
+        for method in specs.methods {
+            // No place of a line is farther from another than the picture is wide.
+            let limit = table.as_ref().map_or(1, |table| table.size.width).clamp(1, 16_384);
+            let number = self.number(&specs, method, limit)?;
+            let (report, method) = self.timed(method, number)?;
+            table.get_or_insert_with(|| Methods::of(&report, (specs.bound)(self.config))).methods.push(method);
+        }
+        table.ok_or_else(|| no_methods().into())
+    }
+
+    fn configured(&self, method: &MethodSpec<S>, number: u32) -> RunOptions {
         let mut config = self.config.clone();
-        change(&mut config);
+        (method.set)(&mut config, number);
         RunOptions { config: config.into(), exhibits: vec![], ..self.settings.clone() }
     }
 
-    fn timed(
-        &mut self,
-        name: &str,
-        change: impl FnOnce(&mut TexelMachineConfig),
-        set: Vec<String>,
-    ) -> Result<(basrelief_report::Report, Method), E> {
-        let settings = self.configured(change);
-        let report = complete(name, (self.run)(&settings, self.observer)?)?;
-        let method = Method::of(name.into(), set, &report);
+    fn timed(&mut self, method: &MethodSpec<S>, number: u32) -> Result<(Report, Method), E> {
+        let name = (method.name)(number);
+        let settings = self.configured(method, number);
+        let report = complete(&name, (self.run)(&settings, self.observer)?)?;
+        let method = Method::of(name, (method.settings)(number), &report);
         Ok((report, method))
     }
 
-    /// The number, 1 to `limit`, that divides most seldom and keeps the bound.
-    fn rarest(&mut self, way: Fixed, limit: u32) -> Result<u32, E> {
-        let bound = self.config.texel.error_bound;
+    /// The number that the method is given, 1 to `limit`; 0 where it has none.
+    fn number(&mut self, specs: &MethodSpecs<S>, method: &MethodSpec<S>, limit: u32) -> Result<u32, E> {
+        let bound = (specs.bound)(self.config);
         let mut keeps = |number: u32| {
-            let settings = RunOptions { engine: None, exact: false, ..self.configured(|c| (way.set)(c, number)) };
+            let settings = RunOptions { engine: None, exact: false, ..self.configured(method, number) };
             let run = (self.run)(&settings, self.observer)?;
-            Ok(figure(&run.report, "displacement_largest") <= bound)
+            Ok(figure(&run.report, specs.error) <= bound)
         };
-        if way.more {
-            last(0, limit - 1, |number| keeps(number).map(|keeps| !keeps)).map(|number| number + 1)
-        } else {
-            last(1, limit, keeps)
+        match method.number {
+            Number::Absent => Ok(0),
+            Number::Largest => last(1, limit, keeps),
+            Number::Smallest => last(0, limit - 1, |number| keeps(number).map(|keeps| !keeps)).map(|number| number + 1),
         }
     }
 }

@@ -24,8 +24,8 @@ pub enum SessionError {
     #[error("machine `{0}` has no short cuts that could be switched off")]
     NoShortCuts(&'static str),
     /// No methods to compare.
-    #[error("machine `{0}` has no methods to compare; --machine texel has")]
-    NoMethods(&'static str),
+    #[error("machine `{0}` has no methods to compare; --machine {1} has")]
+    NoMethods(&'static str, String),
     /// A run of a table of runs whose cycles mean nothing.
     #[error("{0}")]
     Incomplete(String),

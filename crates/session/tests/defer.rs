@@ -42,10 +42,10 @@ fn report(source: RunInput, config: &DeferConfig) -> Report {
     run(source, &settings, &mut Unobserved, None).unwrap().report
 }
 
-/// What the device counted of tiles, bytes and pixels.
+/// What the machine counted of tiles, bytes and pixels.
 fn counted(report: &Report) -> String {
     let of_tiles = |name: &str| ["tile", "path", "layer", "pixel", "texture", "conventional"].iter().any(|n| name.contains(n));
-    format!("{:?}", report.device.iter().filter(|(name, _)| of_tiles(name)).collect::<Vec<_>>())
+    format!("{:?}", report.figures.iter().filter(|(name, _)| of_tiles(name)).collect::<Vec<_>>())
 }
 
 #[test]

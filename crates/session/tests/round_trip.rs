@@ -45,7 +45,7 @@ fn both(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) ->
 fn behind_the_list(report: &Report) -> Vec<(&String, &Figure)> {
     let front = ["triangles", "polygons", "bump_polygons", "vertices", "vertex_cache_hits", "display_list_commands"];
     let in_front = |name: &str| front.contains(&name) || name.starts_with("triangles_") || name.starts_with("vertices_");
-    report.device.iter().filter(|(name, _)| !in_front(name) && *name != "polygons_clipped").collect()
+    report.figures.iter().filter(|(name, _)| !in_front(name) && *name != "polygons_clipped").collect()
 }
 
 fn bytes(report: &Report) -> Vec<(&String, &String, u64, u64)> {

@@ -1,7 +1,7 @@
 //! Arguments that several commands have.
 
 use super::values::{direction, finite, key_value, machine, size};
-use crate::commands::dump;
+use crate::commands::{dump, tables};
 use basrelief_session::MachineInfo;
 use clap::{ArgAction, Args, ValueEnum};
 use std::path::PathBuf;
@@ -87,9 +87,7 @@ pub struct SimulationArgs {
     /// changes as ablation.json and ablation.csv, and nothing else.
     #[arg(long, conflicts_with_all = ["functional", "timeline", "csv", "dump"])]
     pub ablate: bool,
-    /// Run the same input by each method of the machine at the same error, and write the table of divisions, cycles,
-    /// displacements and PSNR as methods.json and methods.csv, and nothing else. Of machine texel.
-    #[arg(long, conflicts_with_all = ["functional", "timeline", "csv", "dump", "ablate"])]
+    #[arg(long, help = tables::methods_help(), conflicts_with_all = ["functional", "timeline", "csv", "dump", "ablate"])]
     pub compare_methods: bool,
     #[arg(long, help = dump::help(), num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
     pub dump: Vec<PathBuf>,

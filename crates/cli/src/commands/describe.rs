@@ -17,8 +17,9 @@ pub fn describe(args: &DescribeArgs) -> Done {
         return print(&format!("{:#}\n", Value::Array(list)));
     }
     let mut text = format!("{} - {}\n\n{}\nUnits\n", machine.name, machine.about, machine.diagram);
-    let width = machine.units.iter().map(|u| u.name.len()).max().unwrap_or(0);
-    for u in machine.units {
+    let units = machine.units();
+    let width = units.iter().map(|u| u.name.len()).max().unwrap_or(0);
+    for u in units {
         let numeral = if u.numeral.is_empty() { String::new() } else { format!("({})", u.numeral) };
         let _ = writeln!(text, "  {:<width$} {numeral:<6} {}", u.name, u.role);
         let _ = writeln!(text, "{:indent$}{}", "", u.code, indent = 2 + width + 1 + 6 + 1);

@@ -11,7 +11,7 @@ mod run;
 mod schema;
 mod serve;
 mod simulate;
-mod tables;
+pub mod tables;
 mod verify;
 
 use crate::args::{Cli, Command};

@@ -107,7 +107,7 @@ pub fn run_named(
         SessionError::Observer(_)
         | SessionError::Config(_)
         | SessionError::NoShortCuts(_)
-        | SessionError::NoMethods(_)
+        | SessionError::NoMethods(..)
         | SessionError::Incomplete(_) => e.into(),
     })
 }

@@ -7,7 +7,7 @@ use crate::error::{Done, Failure, print};
 use crate::input::Input;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
-use basrelief_session::{self as session, Observer, Run, RunInput, RunOptions};
+use basrelief_session::{self as session, MACHINES, Observer, Run, RunInput, RunOptions};
 use std::io::Write;
 use std::sync::Arc;
 
@@ -39,6 +39,15 @@ pub fn compare_methods(input: &Input, settings: &RunOptions, simulation: &Simula
         let json = table.to_json().map_err(Failure::bad)?;
         Ok(Table { name: "methods", text: table.to_text(style()), csv: table.to_csv(), json })
     })
+}
+
+/// What `--help` says of `--compare-methods`.
+pub fn methods_help() -> String {
+    let with: Vec<&str> = MACHINES.iter().filter(|m| m.has_methods).map(|m| m.name).collect();
+    format!(
+        "Run the same input by each method of the machine at the same error, and write the table of divisions, cycles, displacements and PSNR as methods.json and methods.csv, and nothing else. Of machine {}",
+        with.join(", ")
+    )
 }
 
 fn write_table(

@@ -2,7 +2,7 @@
 
 use super::ClientKind;
 use super::ends::{Back, Emitted, Front, Popped};
-use super::guard::Guard;
+use super::subject::{AfterStep, Subject};
 use crate::wiring::{Machine, Visitor};
 use crate::{CacheConfig, MemoryConfig, MemorySystem, Stage, Unit};
 use std::fmt;
@@ -54,7 +54,7 @@ impl Surroundings {
 /// ```
 pub struct Bench<U: Unit<In: Popped, Out: Emitted>> {
     front: <U::In as Popped>::Front,
-    unit: Stage<Guard<U>>,
+    unit: Stage<Subject<U>>,
     back: <U::Out as Emitted>::Back,
     memories: MemorySystem,
     clients: Vec<usize>,
@@ -69,19 +69,21 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
         clients: &[ClientKind],
         setting: &Surroundings,
     ) -> Self {
-        Self::guarded(Guard::new(unit, clients), tokens, expected, setting)
+        Self::with_hook((unit, None), tokens, expected, clients, setting)
     }
 
-    pub(super) fn guarded(
-        guard: Guard<U>,
+    /// The same, with something to be done after each step of the unit.
+    pub(super) fn with_hook(
+        (unit, after_step): (U, Option<AfterStep<U>>),
         tokens: <U::In as Popped>::Tokens,
         expected: Option<<U::Out as Emitted>::Tokens>,
+        clients: &[ClientKind],
         setting: &Surroundings,
     ) -> Self {
         let mut memories = MemorySystem::default();
         let memory = memories.add_memory("memory", &setting.memory());
         let mut add = |(n, client): (usize, &ClientKind)| {
-            let credits = guard.largest_step(n).max(1) + if setting.slow_memory { 0 } else { 8 };
+            let credits = unit.largest_step(n).max(1) + if setting.slow_memory { 0 } else { 8 };
             let name = format!("client_{n}");
             match client {
                 ClientKind::Port => memories.add_client(&name, memory, credits),
@@ -91,10 +93,11 @@ impl<U: Unit<In: Popped, Out: Emitted>> Bench<U> {
                 }
             }
         };
-        let clients = guard.clients().iter().enumerate().map(&mut add).collect();
+        let clients = clients.iter().enumerate().map(&mut add).collect();
         let front = U::In::front(tokens, setting);
         let back = U::Out::back(expected, setting);
-        Self { front, unit: Stage::new("unit", guard), back, memories, clients }
+        let unit = Stage::new("unit", Subject { unit, after_step });
+        Self { front, unit, back, memories, clients }
     }
 
     /// The unit.

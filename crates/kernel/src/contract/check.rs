@@ -1,6 +1,6 @@
 //! The unit contract.
 
-use super::guard::{AfterStep, Guard};
+use super::subject::AfterStep;
 use super::{Bench, ClientKind, Emitted, Popped, Surroundings};
 use crate::{Engine, Outcome, RunReport, Unit, run, run_functional};
 use serde::{Serialize, de::DeserializeOwned};
@@ -162,8 +162,8 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
         Ok(())
     }
 
-    /// No step asks for more credits of a client than [`Unit::largest_step`] said before it, nor for a client that the
-    /// contract does not list. (Every run of the contract watches this; here, nothing else can fail.)
+    /// No step asks for more credits of a client than [`Unit::largest_step`] said, nor for a client that the contract does not
+    /// list. (The kernel watches this in every run; here, nothing else can fail.)
     ///
     /// # Errors
     /// Names the client, what was needed and what was declared.
@@ -192,10 +192,10 @@ impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
             let after = write(unit)?;
             if after == before { Ok(()) } else { Err(format!("the state was {before}, and is {after} after a round trip")) }
         });
-        let guard = Guard::new(self.fresh.clone(), &self.clients).after_step(trip);
+        let unit = (self.fresh.clone(), Some(trip));
         let setting = Surroundings { depth: 2, ..plain() };
         let expected = self.functional()?.tokens();
-        let mut bench = Bench::guarded(guard, self.tokens.clone(), Some(expected), &setting);
+        let mut bench = Bench::with_hook(unit, self.tokens.clone(), Some(expected), &self.clients, &setting);
         place("state through JSON after every step", completed(&run(&mut bench, Engine::Timed)))
     }
 

@@ -24,8 +24,8 @@
 //!         self.state += token;
 //!         Step::after(2, Some(self.state)).busy(1 + token % 3)
 //!     }
-//!     fn largest_step(&self, _client: usize) -> u32 {
-//!         1
+//!     fn largest_step(&self, client: usize) -> u32 {
+//!         u32::from(client < 2)
 //!     }
 //! }
 //!
@@ -91,9 +91,9 @@
 mod bench;
 mod check;
 mod ends;
-mod guard;
 mod sink;
 mod source;
+mod subject;
 
 pub use bench::{Bench, Surroundings};
 pub use check::{Broken, Contract};

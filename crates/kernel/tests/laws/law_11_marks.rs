@@ -22,8 +22,8 @@ impl Unit for Marker {
         let step = Step::after(2, input);
         if input.is_some_and(|n| n % 3 == 2) { step.marked() } else { step }
     }
-    fn largest_step(&self, _: usize) -> u32 {
-        u32::from(self.clients)
+    fn largest_step(&self, client: usize) -> u32 {
+        u32::from(self.clients && client == 0)
     }
 }
 

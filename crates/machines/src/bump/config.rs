@@ -1,10 +1,10 @@
-//! All parameters of the bump-mapping processor, in the order of its block diagram.
+//! All parameters of the bump-mapping processor, in the order of its block diagram, and its FIFOs.
 
-use super::fifos::FifoConfigs;
 use crate::config::{ClockConfig, ReferenceConfig};
+use crate::fifos::fifos;
 use crate::front::front_of;
 use basrelief_brightness::BrightnessConfig;
-use basrelief_frame_buffer::{FrameBufferConfig, VideoOutConfig};
+use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::{DepthConfig, GraphicsConfig};
 use basrelief_kernel::{CacheConfig, MemoryConfig};
@@ -12,6 +12,7 @@ use basrelief_normal_mapping::NormalMappingConfig;
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
 use basrelief_replacement::ReplacementConfig;
+use basrelief_signals::{Control, Draw, Flow, Fragment, Indexes, Pixel, PseudoNormals, Shaded, Stamp};
 
 parameter_groups! {
     /// The three memories.
@@ -37,6 +38,37 @@ parameter_groups! {
         color_texture: CacheConfig = CacheConfig::default(),
         /// Z values, for the z-test.
         depth: CacheConfig = CacheConfig { sets: 32, lookups_per_cycle: 1, ..CacheConfig::default() },
+    }
+}
+
+fifos! {
+    /// FIFOs of the bump-mapping processor, by name. Defaults hold full rate (law 2): latency of the producer + FIFO
+    /// latency + 1, and on the way out of a unit that waits for memory its loaded latency too.
+    pub struct FifoConfigs, Fifos {
+        /// Host to geometry processor: triangles.
+        draws: Draw = 16,
+        /// Geometry processor to rasterizer: the display list.
+        polygons: Control = 16,
+        /// Rasterizer to z-test or distributor: fragments.
+        fragments: Flow<Stamp<Fragment>> = 32,
+        /// Z-test to distributor, with early z.
+        tested_fragments: Flow<Stamp<Fragment>> = 64,
+        /// Distributor to normal-vector mapping unit: fragments of bump targets.
+        bump_fragments: Flow<Stamp<Fragment>> = 16,
+        /// Distributor to graphics processor: other fragments.
+        plain_fragments: Flow<Stamp<Fragment>> = 64,
+        /// Mapping unit to replacement unit: pseudo-normals N'.
+        pseudo_normals: Flow<PseudoNormals> = 64,
+        /// Replacement unit to brightness fetch unit: indexes.
+        indexes: Flow<Indexes> = 32,
+        /// Brightness fetch unit to graphics processor: brightness.
+        shaded: Flow<Stamp<Shaded>> = 64,
+        /// Graphics processor to frame buffer, or to the z-test without early z: pixels.
+        pixels: Flow<Stamp<Pixel>> = 64,
+        /// Z-test to frame buffer, without early z.
+        tested_pixels: Flow<Stamp<Pixel>> = 64,
+        /// Frame buffer to video output: finished frames.
+        finished_frames: FrameDone = 2,
     }
 }
 

@@ -1,6 +1,6 @@
 //! The machine: fields and wiring.
 
-use super::fifos::Fifos;
+use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
 use super::{BumpProcessorConfig, ConfigProblem, check};
 use crate::Draws;
@@ -77,12 +77,8 @@ impl<F: FrontEnd> BumpProcessor<F> {
 }
 
 impl<F: FrontEnd> Draws for BumpProcessor<F> {
-    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        self.frame_buffer.unit.drain_finished()
-    }
-
-    fn has_finished(&self) -> bool {
-        !self.frame_buffer.unit.state.finished.is_empty()
+    fn finished(&mut self) -> &mut Vec<FinishedFrame> {
+        &mut self.frame_buffer.unit.state.finished
     }
 }
 

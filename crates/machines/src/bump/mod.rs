@@ -8,20 +8,31 @@
 
 mod check;
 mod config;
-mod fifos;
 mod machine;
 mod memories;
-mod units;
 
 pub use crate::config::{ClockConfig, ReferenceConfig, ReferenceFilter};
 pub use crate::front::{FrontEnd, SceneFront, TraceFront};
 pub use crate::problem::ConfigProblem;
-pub use crate::unit_info::UnitInfo;
 pub use check::warnings;
-pub use config::{BumpProcessorConfig, CacheConfigs, MemoryConfigs};
-pub use fifos::FifoConfigs;
+pub use config::{BumpProcessorConfig, CacheConfigs, FifoConfigs, MemoryConfigs};
 pub use machine::BumpProcessor;
-pub use units::UNITS;
+
+/// Name of the machine.
+pub const NAME: &str = "bump";
 
 /// Figure 1 in characters.
 pub const DIAGRAM: &str = include_str!("diagram.txt");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn late_z() -> BumpProcessorConfig {
+        let mut config = BumpProcessorConfig::default();
+        config.rasterizer.early_z = false;
+        config
+    }
+
+    crate::unit_info::checks_the_drawing!(BumpProcessor, [BumpProcessorConfig::default(), late_z()]);
+}

@@ -2,7 +2,7 @@
 
 use super::DeferConfig;
 use super::check::check;
-use super::fifos::Fifos;
+use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
 use crate::Draws;
 use crate::fifos::{fifo, slots};
@@ -13,7 +13,7 @@ use basrelief_deferred_renderer::{
     CellFormat, Cells, Cut, DepthPixel, Expander, FilledBuffer, Identification, Page, Path, Rasterization, ReferenceBuffer,
     Server, TextureMemory, TileList, TileLists, TileRecord, TileSource, brightness_range,
 };
-use basrelief_frame_buffer::{FinishedFrame, PixelBuffer, ShownPicture, VideoOut};
+use basrelief_frame_buffer::{FinishedFrame, PixelBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Fifo, Machine, MemorySystem, Stage, Visitor};
@@ -104,13 +104,8 @@ impl<F: FrontEnd> DeferredRenderer<F> {
     }
 
     /// Progressive pictures shown since the last call that a better one follows, in order.
-    pub fn drain_rounds(&mut self) -> Vec<ShownPicture> {
-        self.pixel_buffer.unit.drain_rounds()
-    }
-
-    /// Last pictures of frames shown since the last call, in order.
-    pub fn drain_shown(&mut self) -> Vec<ShownPicture> {
-        self.pixel_buffer.unit.drain_finished()
+    pub fn drain_rounds(&mut self) -> Vec<FinishedFrame> {
+        std::mem::take(&mut self.pixel_buffer.unit.state.rounds)
     }
 
     /// Reference buffers (126) filled since the last call, in order, where they are kept.
@@ -140,12 +135,8 @@ fn cut(config: &DeferConfig) -> Cut {
 }
 
 impl<F: FrontEnd> Draws for DeferredRenderer<F> {
-    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        self.drain_shown().into_iter().map(|shown| shown.picture).collect()
-    }
-
-    fn has_finished(&self) -> bool {
-        self.pixel_buffer.unit.has_finished()
+    fn finished(&mut self) -> &mut Vec<FinishedFrame> {
+        &mut self.pixel_buffer.unit.state.finished
     }
 
     /// The size of a cell; and what a renderer would take that loads all textures whole, which only the cut into tiles tells.

@@ -2,7 +2,7 @@
 
 use super::ShadeConfig;
 use super::check::check;
-use super::fifos::Fifos;
+use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
 use crate::Draws;
 use crate::front::FrontEnd;
@@ -69,12 +69,8 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
 }
 
 impl<F: FrontEnd> Draws for FigureShadingDevice<F> {
-    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        self.frame_memory.unit.drain_finished()
-    }
-
-    fn has_finished(&self) -> bool {
-        !self.frame_memory.unit.state.finished.is_empty()
+    fn finished(&mut self) -> &mut Vec<FinishedFrame> {
+        &mut self.frame_memory.unit.state.finished
     }
 }
 

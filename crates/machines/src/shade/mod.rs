@@ -8,23 +8,31 @@
 
 mod check;
 mod config;
-mod fifos;
 mod machine;
 mod memories;
-mod units;
 
 pub use crate::config::ClockConfig;
 pub use crate::front::{FrontEnd, SceneFront, TraceFront};
 pub use crate::problem::ConfigProblem;
-pub use crate::unit_info::UnitInfo;
 pub use check::warnings;
-pub use config::{CacheConfigs, FrameMemoryConfig, MemoryConfigs, ShadeConfig};
-pub use fifos::FifoConfigs;
+pub use config::{CacheConfigs, FifoConfigs, FrameMemoryConfig, MemoryConfigs, ShadeConfig};
 pub use machine::FigureShadingDevice;
-pub use units::UNITS;
 
 /// Name of the machine.
 pub const NAME: &str = "shade";
 
 /// Figure 1 in characters.
 pub const DIAGRAM: &str = include_str!("diagram.txt");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn without_depth_test() -> ShadeConfig {
+        let mut config = ShadeConfig::default();
+        config.frame_memory.depth_test = false;
+        config
+    }
+
+    crate::unit_info::checks_the_drawing!(FigureShadingDevice, [ShadeConfig::default(), without_depth_test()]);
+}

@@ -2,7 +2,7 @@
 
 use super::TexelMachineConfig;
 use super::check::check;
-use super::fifos::Fifos;
+use super::config::Fifos;
 use super::memories::{ClientNumbers, build};
 use crate::Draws;
 use crate::front::FrontEnd;
@@ -90,12 +90,8 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
 }
 
 impl<F: FrontEnd> Draws for TextureMappingSystem<F> {
-    fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        self.buffer.unit.drain_finished()
-    }
-
-    fn has_finished(&self) -> bool {
-        !self.buffer.unit.state.finished.is_empty()
+    fn finished(&mut self) -> &mut Vec<FinishedFrame> {
+        &mut self.buffer.unit.state.finished
     }
 
     /// The price of the division points, per pixel.

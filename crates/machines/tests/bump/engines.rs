@@ -5,7 +5,7 @@ use crate::common::settings::borrowed;
 use crate::recipe::{meanings, scenes, timings};
 use crate::runs::{Ran, config, functional, machine, small_demo, timed};
 use basrelief_kernel::RunReport;
-use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig, DIAGRAM, SceneFront, UNITS};
+use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig, SceneFront};
 use basrelief_scene::DEMOS;
 use basrelief_signals::Scene;
 use proptest::prelude::*;
@@ -102,23 +102,6 @@ fn stamps_change_neither_picture_nor_count() {
     }
     let few = timed(&scene, &[("memory.normal_map.outstanding", "9"), ("memory.graphics.outstanding", "4")]);
     assert_eq!((few.frames, few.facts), (single.frames, single.facts), "few credits, smaller stamps");
-}
-
-#[test]
-fn the_units_and_fifos_are_those_of_the_block_diagram() {
-    let names =
-        |r: &RunReport| (r.units.iter().map(|u| u.name.clone()).collect(), r.fifos.iter().map(|f| f.name.clone()).collect());
-    let scene = small_demo("mixed", 1);
-    let (units, fifos): (Vec<_>, Vec<_>) = names(&timed(&scene, &[]).report);
-    for unit in &units {
-        assert!(UNITS.iter().any(|u| u.name == unit), "{unit} is missing in UNITS");
-    }
-    assert_eq!(units.len(), UNITS.len() - 1, "all but the display-list source");
-    for fifo in fifos.iter().filter(|f| f.as_str() != "draws") {
-        assert!(DIAGRAM.contains(fifo.as_str()), "{fifo} is missing in the diagram");
-    }
-    let (_, late): (Vec<_>, Vec<String>) = names(&timed(&scene, &[("rasterizer.early_z", "false")]).report);
-    assert!(fifos.contains(&"tested_fragments".into()) && late.contains(&"tested_pixels".into()));
 }
 
 #[test]

@@ -34,7 +34,7 @@ fn embodiments_1_and_11_rasterize_without_pattern_data_then_fetch_then_finish() 
     // What is rasterized and fetched does not depend on pattern data; what is finished does.
     let other = timed(&repainted(&views(&[0.0])), &[FAST, SMALL].concat()).seen;
     assert_eq!((&seen.filled, seen.acquired(0)), (&other.filled, other.acquired(0)));
-    assert_ne!(seen.finished[0].picture.rgb, other.finished[0].picture.rgb);
+    assert_ne!(seen.finished[0].rgb, other.finished[0].rgb);
     assert_eq!(seen.filled.len(), 1);
     assert!(
         seen.filled[0].cells.iter().any(|c| c.page().is_some())
@@ -67,7 +67,7 @@ fn embodiments_3_and_13_brightness_coefficients_stand_in_the_cell_and_multiply_t
     };
     let (full, half) = (picture(&textured(&base)), picture(&half));
     assert_eq!(half.filled[0].cells[0].coefficients(), [128, 255, 0]);
-    for (full, half) in full.finished[0].picture.rgb.iter().zip(&half.finished[0].picture.rgb) {
+    for (full, half) in full.finished[0].rgb.iter().zip(&half.finished[0].rgb) {
         assert!((f32::from(full[0]) * 128.0 / 255.0 - f32::from(half[0])).abs() <= 1.0);
         assert_eq!((half[1], half[2]), (full[1], 0));
     }
@@ -107,12 +107,12 @@ fn embodiments_7_8_17_and_18_progressive_pictures_until_the_best() {
     let best = seen(&views(&[0.0]), &[]);
     assert!(progressive.rounds.len() >= 3);
     let error = |rgb: &[[u8; 3]]| -> u64 {
-        let pairs = rgb.as_flattened().iter().zip(best.finished[0].picture.rgb.as_flattened());
+        let pairs = rgb.as_flattened().iter().zip(best.finished[0].rgb.as_flattened());
         pairs.map(|(a, b)| u64::from(a.abs_diff(*b)).pow(2)).sum()
     };
-    let errors: Vec<u64> = progressive.rounds.iter().map(|r| error(&r.picture.rgb)).collect();
+    let errors: Vec<u64> = progressive.rounds.iter().map(|r| error(&r.rgb)).collect();
     assert!(errors[0] > 0 && errors.last() < errors.first(), "{errors:?}");
-    assert_eq!(error(&progressive.finished[0].picture.rgb), 0);
+    assert_eq!(error(&progressive.finished[0].rgb), 0);
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn engines_agree_on_the_hall_in_every_mode() {
     for mode in ["best", "progressive", "conventional"] {
         let config = config(&[FAST, SMALL, &[("defer.mode", mode)]].concat());
         let ran = agree(&views(&[0.0, 6.0]), &config);
-        assert!(ran.seen.finished.iter().all(|f| f.picture.covered.iter().any(|c| *c)));
+        assert!(ran.seen.finished.iter().all(|f| f.covered.iter().any(|c| *c)));
     }
 }
 

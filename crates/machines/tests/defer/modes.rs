@@ -22,7 +22,7 @@ fn modes(list: &[Control], more: &[(&str, &str)]) -> [Ran; 3] {
 
 /// Last pictures, without the number of their round.
 fn pictures(seen: &Seen) -> Vec<&[[u8; 3]]> {
-    seen.finished.iter().map(|f| f.picture.rgb.as_slice()).collect()
+    seen.finished.iter().map(|f| f.rgb.as_slice()).collect()
 }
 
 /// Tiles that the pixels of a filled reference buffer read, from its cells.
@@ -127,9 +127,9 @@ fn progresses(ran: &Ran) {
     let most = ran.seen.lists.iter().map(|(page, _)| u32::from(page.dmax()) + 1).max().unwrap_or(1);
     for last in &ran.seen.finished {
         assert!(last.round < most, "{} pictures, at most Dmax + 1 = {most}", last.round + 1);
-        let rounds = ran.seen.rounds.iter().filter(|r| r.picture.index == last.picture.index);
+        let rounds = ran.seen.rounds.iter().filter(|r| r.index == last.index);
         assert!(rounds.clone().map(|r| r.round).eq(0..last.round));
-        assert!(rounds.clone().all(|r| r.picture.covered == last.picture.covered), "every picture is whole");
+        assert!(rounds.clone().all(|r| r.covered == last.covered), "every picture is whole");
     }
 }
 
@@ -171,8 +171,8 @@ fn leaving_early_forgets_what_was_to_be_loaded_and_the_next_view_goes_on() {
     let ran = timed(&views(&[0.0, 0.0, 0.0, 0.0]), &mode("progressive", &early));
     let full = timed(&views(&[0.0]), &mode("best", &[]));
     assert!(ran.seen.finished.iter().all(|f| f.round <= 1));
-    assert_ne!(ran.seen.finished[0].picture.rgb, full.seen.finished[0].picture.rgb);
-    assert_eq!(ran.seen.finished[3].picture.rgb, full.seen.finished[0].picture.rgb);
+    assert_ne!(ran.seen.finished[0].rgb, full.seen.finished[0].rgb);
+    assert_eq!(ran.seen.finished[3].rgb, full.seen.finished[0].rgb);
     assert!(ran.seen.lists.iter().any(|(_, list)| list.states().contains(&basrelief_deferred_renderer::TileState::NotPresent)));
 }
 
@@ -186,10 +186,10 @@ fn a_new_viewpoint_fetches_only_missing_tiles() {
         assert!(first.is_disjoint(&new), "nothing comes twice");
         assert!(reused.is_subset(&first));
         assert!(wanted(&both, 1).is_subset(&(&new | &reused)) && wanted(&both, 1) == wanted(&second, 0));
-        assert_eq!(both.finished[1].picture.rgb, second.finished[0].picture.rgb);
+        assert_eq!(both.finished[1].rgb, second.finished[0].rgb);
         let same = timed(&views(&[3.0, 3.0]), &mode(m, &[])).seen;
         assert!(same.acquired(1).is_empty(), "the same view again loads nothing");
-        assert_eq!(same.finished[0].picture.rgb, same.finished[1].picture.rgb);
+        assert_eq!(same.finished[0].rgb, same.finished[1].rgb);
         assert_eq!(same.count("tiles_reused"), wanted(&same, 1).len() as u64);
     }
 }

@@ -6,6 +6,7 @@ use basrelief_deferred_renderer::identification::layers_of;
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{Cell, Cut, FilledBuffer, Page, TextureMemory, TileEncoding, TileSource};
 use basrelief_kernel::{Engine, Outcome, run, run_functional};
+use basrelief_machines::Draws;
 use basrelief_machines::defer::DeferredRenderer;
 use basrelief_signals::Texture;
 use std::cell::RefCell;
@@ -105,8 +106,8 @@ fn a_lost_tile_leaves_every_picture_that_has_its_tiles_whatever_the_engine() {
     let loaded = whole.count("tiles_loaded") as u32;
     let pictures_of = |mut machine: DeferredRenderer<_>| {
         assert!(machine.lost().is_some_and(|lost| lost.contains("the server is gone")));
-        let pictures = machine.drain_rounds().into_iter().chain(machine.drain_shown());
-        pictures.map(|shown| shown.picture.rgb).collect::<Vec<_>>()
+        let pictures = machine.drain_rounds().into_iter().chain(machine.drain_finished());
+        pictures.map(|shown| shown.rgb).collect::<Vec<_>>()
     };
     let mut counts = vec![];
     for left in [loaded / 3, 2 * loaded / 3, loaded - 1] {

@@ -3,7 +3,7 @@
 use crate::common;
 pub use crate::common::replay;
 use basrelief_deferred_renderer::{FilledBuffer, How, Page, TileList, TileRecord};
-use basrelief_frame_buffer::ShownPicture;
+use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{Engine, Limits, NoProbe, Outcome, RunReport, run_functional, run_with};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer, FrontEnd};
 use basrelief_machines::{Draws, Facts};
@@ -15,9 +15,9 @@ use std::sync::Arc;
 #[derive(Debug, PartialEq)]
 pub struct Seen {
     /// Last pictures of their frames.
-    pub finished: Vec<ShownPicture>,
+    pub finished: Vec<FinishedFrame>,
     /// Those before them.
-    pub rounds: Vec<ShownPicture>,
+    pub rounds: Vec<FinishedFrame>,
     pub filled: Vec<FilledBuffer>,
     /// What became of tiles, by frame.
     pub tiles: Vec<Vec<TileRecord>>,
@@ -58,7 +58,7 @@ pub fn config(settings: &[(&str, &str)]) -> DeferConfig {
 
 fn seen<F: FrontEnd>(mut machine: DeferredRenderer<F>) -> Seen {
     Seen {
-        finished: machine.drain_shown(),
+        finished: machine.drain_finished(),
         rounds: machine.drain_rounds(),
         filled: machine.drain_filled(),
         tiles: machine.drain_records().into_iter().map(|(_, tiles)| tiles).collect(),

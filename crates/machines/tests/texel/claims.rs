@@ -90,11 +90,10 @@ fn claims_5_and_6_the_step_calculator_works_by_the_criterion_in_its_storage_elem
 
 #[test]
 fn claim_8_a_system_of_step_calculator_approximate_calculator_combiner_and_storage_element() {
-    let names: Vec<&str> = basrelief_machines::texel::UNITS.iter().map(|u| u.name).collect();
-    for unit in ["step-calculator", "approximate-calculator", "combiner"] {
-        assert!(names.contains(&unit));
-    }
     let ran = timed(&floor([64, 8], [1.0, 0.1], 2.0), &[]);
+    for unit in ["step-calculator", "approximate-calculator", "combiner"] {
+        assert!(ran.report.units.iter().any(|u| u.name == unit));
+    }
     let tokens = |name: &str| ran.report.fifos.iter().find(|f| f.name == name).map_or(0, |f| f.tokens);
     assert!(tokens("segments") > 0 && tokens("texture_values") > 0 && tokens("pixels") > 0);
 }

@@ -45,7 +45,7 @@ pub struct Change {
 /// What differs in one part of the reports, the largest change first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Section {
-    /// `run`, `config`, `cycles`, `units`, `fifos`, `memories`, `channels`, `caches`, `device`, `quality` or `image`.
+    /// `run`, `config`, `cycles`, `units`, `fifos`, `memories`, `channels`, `caches`, `figures`, `quality` or `image`.
     pub table: &'static str,
     /// At least one.
     pub changes: Vec<Change>,
@@ -115,7 +115,7 @@ fn sections(a: &Report, b: &Report) -> Vec<Section> {
     for (place, b) in in_b {
         add(place, None, Some(b));
     }
-    let order = ["run", "config", "cycles", "units", "fifos", "memories", "channels", "caches", "device", "quality", "image"];
+    let order = ["run", "config", "cycles", "units", "fifos", "memories", "channels", "caches", "figures", "quality", "image"];
     let parts = order.into_iter().filter_map(|table| changes.swap_remove(table).map(|changes| (table, changes)));
     parts.map(|(table, changes)| Section { table, changes: sorted(table, changes) }).collect()
 }
@@ -171,10 +171,10 @@ mod tests {
     fn a_figure_that_only_one_report_has_is_a_change() {
         let a = samples::balanced();
         let mut b = a.clone();
-        b.device.insert("new".into(), 7.into());
-        b.device.shift_remove("codebook");
-        let device = &compare(&a, &b).sections[0].changes;
-        let view: Vec<_> = device.iter().map(|c| (c.name.as_str(), c.a.is_some(), c.b.is_some(), c.delta)).collect();
+        b.figures.insert("new".into(), 7.into());
+        b.figures.shift_remove("codebook");
+        let figures = &compare(&a, &b).sections[0].changes;
+        let view: Vec<_> = figures.iter().map(|c| (c.name.as_str(), c.a.is_some(), c.b.is_some(), c.delta)).collect();
         assert_eq!(view, [("new", false, true, Some(7.0)), ("codebook", true, false, None)]);
     }
 

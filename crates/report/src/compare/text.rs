@@ -36,7 +36,7 @@ impl Section {
             "memories" => "Memory",
             "channels" => "Channel",
             "caches" => "Cache",
-            "device" => "Device",
+            "figures" => "Figure",
             "quality" => "Quality",
             _ => "Picture",
         };

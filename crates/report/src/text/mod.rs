@@ -71,7 +71,7 @@ pub fn to_text(report: &Report, style: Style) -> String {
         sections::processes(report),
     ];
     tables.extend(work::tables(report).iter().map(sections::columns));
-    tables.extend([sections::device(report), sections::quality(report), sections::derived(report)]);
+    tables.extend([sections::figures(report), sections::quality(report), sections::derived(report)]);
     parts.extend(tables.iter().filter(|t| !t.is_empty()).map(|t| t.render(style)));
     parts.extend(sections::host(report));
     parts.extend(warnings(report, style));
@@ -151,7 +151,7 @@ mod tests {
         let list = |n: u64| crate::model::Figure::List((0..n).map(Into::into).collect());
         for column in ["texture", "layer", "loaded"] {
             let name = format!("layers_{column}");
-            report.device.insert(name.clone(), list(43));
+            report.figures.insert(name.clone(), list(43));
             let part = Part::Column { table: "layers".into(), title: column.into() };
             report.legend.insert(name, samples::legend("", part));
         }

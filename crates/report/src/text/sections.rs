@@ -213,10 +213,10 @@ pub(super) fn processes(report: &Report) -> Table {
     table
 }
 
-/// Most rows of a table of the device.
+/// Most rows of a table of figures.
 const ROWS: usize = 40;
 
-/// A table of the device; a long one is cut short.
+/// A table of figures; a long one is cut short.
 pub(super) fn columns(work::Columns { columns, .. }: &work::Columns<'_>) -> Table {
     let titles: Vec<_> = columns.iter().map(|(title, _)| (*title, Right, 0)).collect();
     let mut rows = Table::new(&titles);
@@ -230,15 +230,15 @@ pub(super) fn columns(work::Columns { columns, .. }: &work::Columns<'_>) -> Tabl
     rows
 }
 
-/// Figures of the device, but for those of routes, circuits, processes and tables, which stand there.
-pub(super) fn device(report: &Report) -> Table {
-    let mut table = Table::new(&[("Device", Left, 0), ("", Right, 0)]);
+/// Figures of the machine, but for those of routes, circuits, processes and tables, which stand there.
+pub(super) fn figures(report: &Report) -> Table {
+    let mut table = Table::new(&[("Figure", Left, 0), ("", Right, 0)]);
     let elsewhere = |name: &str| match report.legend.get(name).and_then(|legend| legend.part.as_ref()) {
         None | Some(Part::Work) => false,
         Some(Part::Started(_) | Part::Needed(_)) => report.cycles.is_some(),
         Some(Part::Route(_) | Part::Process(_) | Part::Column { .. }) => true,
     };
-    for (name, value) in report.device.iter().filter(|(name, _)| !elsewhere(name)) {
+    for (name, value) in report.figures.iter().filter(|(name, _)| !elsewhere(name)) {
         table.row([name.clone(), figure(value)]);
     }
     table

@@ -1,4 +1,4 @@
-//! The tables of README.md and docs/, measured again where they stand.
+//! The tables of README.md and docs/, made again where they stand.
 //!
 //! ```text
 //! cargo run --release -p basrelief-session --example tables -- [--models FOLDER] [FILE.md ...]
@@ -7,11 +7,13 @@
 //!
 //! A table stands between `<!-- measured: NAME INPUT ... -->` and `<!-- end -->`: the first line says what makes it, and what
 //! stands between is replaced. Without files, all are. An input is a demo scene or a model, looked up in the folder; a table
-//! with a model that is not there stays as it is, and says so on standard error.
+//! with a model that is not there stays as it is, and says so on standard error. `described:` in place of `measured:` says that
+//! what stands there follows from the machine itself, without a run; a test holds that.
 
 mod bump;
 mod defer;
 mod document;
+mod machine;
 mod shade;
 mod support;
 mod texel;
@@ -34,10 +36,12 @@ const TABLES: &[(&str, Make)] = &[
     ("dividers", texel::dividers),
     ("tiles", defer::tiles),
     ("dmax", defer::dmax),
+    ("machine", machine::machine),
 ];
 
 /// Files that hold tables.
-const FILES: [&str; 5] = ["README.md", "docs/quality.md", "docs/shading.md", "docs/texel.md", "docs/defer.md"];
+const FILES: [&str; 6] =
+    ["README.md", "docs/architecture.md", "docs/quality.md", "docs/shading.md", "docs/texel.md", "docs/defer.md"];
 
 /// What `NAME INPUT ...` comes to.
 fn make(inputs: &Inputs, command: &str) -> Result<String, Box<dyn Error>> {

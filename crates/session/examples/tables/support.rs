@@ -76,9 +76,9 @@ pub fn bytes(report: &Report, counts: impl Fn(&str, &str) -> bool) -> u64 {
     clients.filter(|(memory, client, _)| counts(memory, client)).map(|(.., c)| c.bytes()).sum()
 }
 
-/// A figure of the device; 0 where it has none of this name.
+/// A figure of the machine; 0 where it has none of this name.
 pub fn figure(report: &Report, name: &str) -> f64 {
-    match report.device.get(name) {
+    match report.figures.get(name) {
         Some(Figure::Count(n)) => *n as f64,
         Some(Figure::Real(x)) => *x,
         _ => 0.0,

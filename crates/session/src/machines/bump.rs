@@ -3,14 +3,13 @@
 use super::spec::{Logs, MachineSpec};
 use basrelief_brightness::Components;
 use basrelief_machines::bump::{self, BumpProcessor, BumpProcessorConfig};
-use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, ReferenceFilter, UnitInfo};
+use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, ReferenceFilter};
 use basrelief_reference::{self as reference, Options, Style, TextureFilter};
 
 impl MachineSpec for BumpProcessorConfig {
-    const NAME: &'static str = "bump";
+    const NAME: &'static str = bump::NAME;
     const ABOUT: &'static str = "Sony's quantized bump-mapping processor";
     const DIAGRAM: &'static str = bump::DIAGRAM;
-    const UNITS: &'static [UnitInfo] = bump::UNITS;
     const DEMOS: &'static [&'static str] = &["golf-ball", "coin", "brick", "mixed", "sphere"];
     type Machine<F: FrontEnd> = BumpProcessor<F>;
     type Log = ();

@@ -4,10 +4,10 @@ use super::spec::{Logs, MachineSpec, PictureRecord, RunSummary, TileFetch};
 use crate::exhibits::defer::{DeferLog, EXHIBITS};
 use crate::exhibits::spec::ExhibitSpec;
 use basrelief_deferred_renderer::{Lighting, RenderMode, TexelCentre, TileSource};
-use basrelief_frame_buffer::{FinishedFrame, ShownPicture};
+use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::facts::{Part, Value};
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
-use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
 use basrelief_reference::{self as reference, Options, Pyramid, Shading, Style, TextureFilter};
 use std::sync::Arc;
 
@@ -15,7 +15,6 @@ impl MachineSpec for DeferConfig {
     const NAME: &'static str = defer::NAME;
     const ABOUT: &'static str = "HP's renderer for a rate-limited path";
     const DIAGRAM: &'static str = defer::DIAGRAM;
-    const UNITS: &'static [UnitInfo] = defer::UNITS;
     const DEMOS: &'static [&'static str] = &["gallery"];
     const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = EXHIBITS;
     const FETCHES_TILES: bool = true;
@@ -97,7 +96,7 @@ fn milliseconds(cycles: u64, hz: u64) -> f64 {
 }
 
 impl<F: FrontEnd> Logs<DeferLog> for DeferredRenderer<F> {
-    fn drain_rounds(&mut self) -> Vec<ShownPicture> {
+    fn drain_rounds(&mut self) -> Vec<FinishedFrame> {
         DeferredRenderer::drain_rounds(self)
     }
 

@@ -15,12 +15,13 @@ pub struct MachineInfo {
     pub about: &'static str,
     /// The patent's block diagram in characters.
     pub diagram: &'static str,
-    /// The boxes of the block diagram.
-    pub units: &'static [UnitInfo],
     /// The demo scenes that are made for it; the first is drawn where none is named.
     pub demos: &'static [&'static str],
     /// Its textures come over a path, from a server that may be elsewhere.
     pub fetches_tiles: bool,
+    /// It has methods to compare at the same error.
+    pub has_methods: bool,
+    units: fn() -> Vec<UnitInfo>,
     exhibits: fn() -> Vec<ExhibitInfo>,
     table: fn() -> Vec<Parameter>,
     schema: fn() -> Value,
@@ -39,9 +40,10 @@ impl MachineInfo {
             name: S::NAME,
             about: S::ABOUT,
             diagram: S::DIAGRAM,
-            units: S::UNITS,
+            units: S::units,
             demos: S::DEMOS,
             fetches_tiles: S::FETCHES_TILES,
+            has_methods: S::METHODS.is_some(),
             exhibits: || S::EXHIBITS.iter().map(|e| e.info).collect(),
             table: S::table,
             schema: || schemars::schema_for!(S).to_value(),
@@ -64,6 +66,11 @@ impl MachineInfo {
     pub fn of_demo(demo: &str) -> &'static Self {
         let name = demo.split('@').next().unwrap_or(demo);
         MACHINES.iter().find(|m| m.demos.contains(&name)).unwrap_or(&MACHINES[0])
+    }
+
+    /// The boxes of the block diagram.
+    pub fn units(&self) -> Vec<UnitInfo> {
+        (self.units)()
     }
 
     /// What it shows beside its finished pictures.

@@ -2,14 +2,13 @@
 
 use super::spec::{Logs, MachineSpec, ShortCut};
 use basrelief_machines::shade::{self, FigureShadingDevice, ShadeConfig};
-use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
 use basrelief_reference::{Components, Options, Shading, Style, TextureFilter};
 
 impl MachineSpec for ShadeConfig {
     const NAME: &'static str = shade::NAME;
     const ABOUT: &'static str = "Hitachi's figure shading device";
     const DIAGRAM: &'static str = shade::DIAGRAM;
-    const UNITS: &'static [UnitInfo] = shade::UNITS;
     const DEMOS: &'static [&'static str] = &["ellipsoid", "cut-plane", "goblet"];
     const SHORT_CUTS: &'static [ShortCut<Self>] = &[
         ("specular-negligible", |c| c.shortcut.specular_negligible.enabled = false),

@@ -1,12 +1,14 @@
 //! What a run needs to know of a machine, whichever it is.
 
 use crate::exhibits::spec::ExhibitSpec;
+use crate::methods::MethodSpecs;
 use basrelief_deferred_renderer::{TileEncoding, TileSource};
-use basrelief_frame_buffer::{FinishedFrame, ShownPicture};
+use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::RunReport;
-use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, SceneFront, TraceFront, UnitInfo, units};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
+use basrelief_signals::Control;
 use schemars::JsonSchema;
 use std::fmt::Debug;
 
@@ -21,14 +23,14 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
     const ABOUT: &'static str;
     /// The patent's block diagram in characters.
     const DIAGRAM: &'static str;
-    /// The boxes of the block diagram.
-    const UNITS: &'static [UnitInfo];
     /// The demo scenes that are made for it; the first is drawn where none is named.
     const DEMOS: &'static [&'static str];
     /// The short cuts that an ablation switches off.
     const SHORT_CUTS: &'static [ShortCut<Self>] = &[];
     /// What it shows beside its finished pictures.
     const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = &[];
+    /// How it can do the same work to the same error.
+    const METHODS: Option<MethodSpecs<Self>> = None;
     /// Its textures come over a path, from a server that may be elsewhere.
     const FETCHES_TILES: bool = false;
     /// The machine behind one way in.
@@ -48,6 +50,15 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
     fn build_remote<F: FrontEnd>(&self, front: F, tiles: Box<dyn TileSource>) -> Result<Self::Machine<F>, ConfigProblem> {
         drop(tiles);
         self.build(front)
+    }
+    /// The boxes of the block diagram.
+    fn units() -> Vec<UnitInfo> {
+        let spec = Self::default();
+        let scene = spec.build(SceneFront::new(std::iter::empty(), spec.front()));
+        let nothing = std::iter::empty::<Result<(Control, Option<u64>), String>>();
+        let trace = spec.build(TraceFront::new(nothing, spec.front()));
+        // What is built as its defaults have it has no problems.
+        scene.ok().zip(trace.ok()).map_or(vec![], |(mut scene, mut trace)| units(Self::DIAGRAM, &mut scene, &mut trace))
     }
     /// How it asks for tiles, where it fetches any.
     fn tile_fetch(&self) -> Option<TileFetch> {
@@ -119,7 +130,7 @@ impl RunSummary<'_> {
 /// A machine that tells more than finished pictures and counts; by itself it tells nothing. `L` is an entry of its log.
 pub trait Logs<L>: Draws {
     /// Pictures shown since the last call that a better one follows, in order.
-    fn drain_rounds(&mut self) -> Vec<ShownPicture> {
+    fn drain_rounds(&mut self) -> Vec<FinishedFrame> {
         vec![]
     }
     /// Keeps a log from now on. Called before the first step, where exhibits are wanted.

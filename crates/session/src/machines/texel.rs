@@ -4,20 +4,22 @@ use super::spec::{Logs, MachineSpec};
 use crate::drive::picture;
 use crate::exhibits::spec::ExhibitSpec;
 use crate::exhibits::texel::{EXHIBITS, TexelLog};
+use crate::methods::{MethodSpec, MethodSpecs, Number};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::texel::{self, TexelMachineConfig, TextureMappingSystem};
-use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, UnitInfo};
+use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
 use basrelief_reference::{LevelRule, Options, Shading, Style, TextureFilter};
 use basrelief_signals::Filter;
-use basrelief_texel_value_generator::{IlluminanceMode, MipMode};
+use basrelief_texel_value_generator::{IlluminanceMode, Method, MipMode};
 
 impl MachineSpec for TexelMachineConfig {
     const NAME: &'static str = texel::NAME;
     const ABOUT: &'static str = "Sun's texture mapping system with its texel value generator";
     const DIAGRAM: &'static str = texel::DIAGRAM;
-    const UNITS: &'static [UnitInfo] = texel::UNITS;
     const DEMOS: &'static [&'static str] = &["corridor", "turntable"];
     const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = EXHIBITS;
+    const METHODS: Option<MethodSpecs<Self>> =
+        Some(MethodSpecs { bound: |c| c.texel.error_bound, error: "displacement_largest", methods: &METHODS });
     type Machine<F: FrontEnd> = TextureMappingSystem<F>;
     type Log = TexelLog;
 
@@ -56,6 +58,40 @@ impl MachineSpec for TexelMachineConfig {
         texel::warnings(facts)
     }
 }
+
+/// The ways to choose division points. Those at fixed places divide as seldom as the bound allows.
+const METHODS: [MethodSpec<TexelMachineConfig>; 5] = [
+    MethodSpec {
+        name: |_| "adaptive".into(),
+        settings: |_| vec!["texel.method=adaptive".into()],
+        set: |c, _| c.texel.method = Method::Adaptive,
+        number: Number::Absent,
+    },
+    MethodSpec {
+        name: |n| if n == 1 { "fixed, every pixel".into() } else { format!("fixed, every {n} pixels") },
+        settings: |n| vec!["texel.method=fixed".into(), "texel.points=0".into(), format!("texel.interval={n}")],
+        set: |c, n| (c.texel.method, c.texel.points, c.texel.interval) = (Method::Fixed, 0, n),
+        number: Number::Largest,
+    },
+    MethodSpec {
+        name: |n| format!("fixed, {n} point{} per line", if n == 1 { "" } else { "s" }),
+        settings: |n| vec!["texel.method=fixed".into(), format!("texel.points={n}")],
+        set: |c, n| (c.texel.method, c.texel.points) = (Method::Fixed, n),
+        number: Number::Smallest,
+    },
+    MethodSpec {
+        name: |n| format!("subpolygons of {n} pixels"),
+        settings: |n| vec!["texel.method=subpolygon".into(), format!("texel.interval={n}")],
+        set: |c, n| (c.texel.method, c.texel.interval) = (Method::Subpolygon, n),
+        number: Number::Largest,
+    },
+    MethodSpec {
+        name: |_| "exact".into(),
+        settings: |_| vec!["texel.method=exact".into()],
+        set: |c, _| c.texel.method = Method::Exact,
+        number: Number::Absent,
+    },
+];
 
 impl<F: FrontEnd> Logs<TexelLog> for TextureMappingSystem<F> {
     fn keep_log(&mut self) {

@@ -161,6 +161,7 @@ impl BrightnessFetch {
 }
 
 impl Unit for BrightnessFetch {
+    basrelief_kernel::role!("looks brightness up by index, interpolates between levels");
     type In = Option<Flow<Indexes>>;
     type Out = Option<Flow<Stamp<Shaded>>>;
 

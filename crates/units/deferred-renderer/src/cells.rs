@@ -242,6 +242,7 @@ fn slopes(polygon: &Polygon, page: Option<&Page>, number: u16, lighting: Lightin
 }
 
 impl Unit for Cells {
+    basrelief_kernel::role!("texture, coordinates, layer depth, brightness of a pixel; sets pages (132) up");
     type In = Option<Flow<Stamp<Fragment>>>;
     type Out = Option<CellFlow>;
 

@@ -22,6 +22,7 @@ impl Expander {
 }
 
 impl Unit for Expander {
+    basrelief_kernel::role!("expands compressed tiles");
     type In = Option<EncodedTile>;
     type Out = Option<ExpandedTile>;
 

@@ -108,6 +108,7 @@ impl Identification {
 }
 
 impl Unit for Identification {
+    basrelief_kernel::role!("marks the tiles that pixels need (Figures 5A, 5B)");
     type In = Option<PassFlow>;
     type Out = Option<MarkFlow>;
 

@@ -56,6 +56,7 @@ impl Path {
 }
 
 impl Unit for Path {
+    basrelief_kernel::role!("network (106), I/O port (104), bus (108): rate, latency");
     type In = Option<Parcel>;
     type Out = (Option<Control>, Option<EncodedTile>);
 

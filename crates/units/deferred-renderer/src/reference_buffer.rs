@@ -215,6 +215,7 @@ impl ReferenceBuffer {
 }
 
 impl Unit for ReferenceBuffer {
+    basrelief_kernel::role!("one cell per pixel: filled, then passed over");
     type In = (Option<CellFlow>, Option<Round>);
     type Out = Out;
 

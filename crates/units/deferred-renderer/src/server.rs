@@ -223,6 +223,7 @@ impl Server {
 }
 
 impl Unit for Server {
+    basrelief_kernel::role!("has polygons (112) and textures (114); sends tiles on request");
     type In = (Option<Control>, Option<Request>, Option<()>);
     type Out = Option<Parcel>;
 

@@ -238,6 +238,7 @@ impl TileLists {
 }
 
 impl Unit for TileLists {
+    basrelief_kernel::role!("N, L or E per tile; loads or synthesizes (Figure 6)");
     type In = (Option<MarkFlow>, Option<MarkFlow>);
     type Out = Out;
 

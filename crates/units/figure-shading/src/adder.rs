@@ -53,6 +53,7 @@ impl Adder {
 }
 
 impl Unit for Adder {
+    basrelief_kernel::role!("adds the specular term");
     type In = (Option<Signal>, Option<Highlights>);
     type Out = Option<Signal>;
 

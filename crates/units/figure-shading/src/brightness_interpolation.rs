@@ -94,6 +94,7 @@ impl BrightnessInterpolation {
 }
 
 impl Unit for BrightnessInterpolation {
+    basrelief_kernel::role!("interpolates brightness: all terms but the specular");
     type In = Option<Signal>;
     type Out = (Option<Signal>, Option<Signal>);
 

@@ -41,6 +41,7 @@ impl Gate {
 }
 
 impl Unit for Gate {
+    basrelief_kernel::role!("holds the specular term back where it is negligible");
     type In = Option<Highlights>;
     type Out = Option<Highlights>;
 

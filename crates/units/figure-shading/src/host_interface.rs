@@ -117,6 +117,7 @@ impl HostInterface {
 }
 
 impl Unit for HostInterface {
+    basrelief_kernel::role!("transfers polygons, one or two at a time");
     type In = (Option<Control>, Option<Finished>);
     type Out = Option<Control>;
 

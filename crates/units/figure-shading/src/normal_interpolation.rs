@@ -140,6 +140,7 @@ impl NormalInterpolation {
 const LARGEST_EXPONENT: f32 = 200.0;
 
 impl Unit for NormalInterpolation {
+    basrelief_kernel::role!("interpolates normals: the specular term");
     type In = Option<Arc<NormalLoad>>;
     type Out = Option<Highlights>;
 

@@ -71,6 +71,7 @@ impl Selector28 {
 }
 
 impl Unit for Selector28 {
+    basrelief_kernel::role!("by the mode: (53), (21) or process 24; saturates");
     type In = (Option<Signal>, Option<Signal>, Option<Signal>);
     type Out = (Option<Flow<Stamp<Pixel>>>, Option<Finished>);
 

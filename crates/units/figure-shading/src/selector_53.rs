@@ -30,6 +30,7 @@ impl Selector53 {
 }
 
 impl Unit for Selector53 {
+    basrelief_kernel::role!("flat or not: process 24 or the adder");
     type In = (Option<Signal>, Option<Signal>);
     type Out = Option<Signal>;
 

@@ -13,7 +13,7 @@ pub mod unit;
 pub mod video_out;
 
 pub use config::{FrameBufferConfig, PixelBufferConfig, VideoOutConfig};
-pub use pixel_buffer::{PixelBuffer, PixelBufferCounters, PixelBufferState, ShownPicture};
+pub use pixel_buffer::{PixelBuffer, PixelBufferCounters, PixelBufferState};
 pub use state::{FinishedFrame, FrameBufferCounters, FrameBufferState};
 pub use unit::{FrameBuffer, FrameDone};
 pub use video_out::{VideoOut, VideoOutCounters, VideoOutState};

@@ -24,15 +24,6 @@ pub struct PixelBufferCounters {
     pub pixels: u64,
 }
 
-/// A picture that was shown.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ShownPicture {
-    /// The picture.
-    pub picture: FinishedFrame,
-    /// Its number within its frame, from 0.
-    pub round: u32,
-}
-
 /// Everything the pixel buffer remembers.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PixelBufferState {
@@ -43,9 +34,9 @@ pub struct PixelBufferState {
     /// What the last picture takes in memory \[bytes\].
     pub bytes: u64,
     /// Pictures that a better one of the same frame follows and that nobody has fetched yet, in order.
-    pub rounds: Vec<ShownPicture>,
+    pub rounds: Vec<FinishedFrame>,
     /// Last pictures of their frames that nobody has fetched yet, in order.
-    pub finished: Vec<ShownPicture>,
+    pub finished: Vec<FinishedFrame>,
     /// What it has counted.
     pub counters: PixelBufferCounters,
 }
@@ -79,21 +70,6 @@ impl PixelBuffer {
         self.state.bytes
     }
 
-    /// Pictures shown since the last call that a better one of the same frame follows, in order.
-    pub fn drain_rounds(&mut self) -> Vec<ShownPicture> {
-        std::mem::take(&mut self.state.rounds)
-    }
-
-    /// Last pictures of their frames shown since the last call, in order.
-    pub fn drain_finished(&mut self) -> Vec<ShownPicture> {
-        std::mem::take(&mut self.state.finished)
-    }
-
-    /// Whether [`PixelBuffer::drain_finished`] would give any.
-    pub fn has_finished(&self) -> bool {
-        !self.state.finished.is_empty()
-    }
-
     fn begin(&mut self, frame: &Frame, traffic: &mut Traffic) {
         let (index, width, height) = (frame.index, frame.width, frame.height);
         self.state.picture = None;
@@ -107,7 +83,7 @@ impl PixelBuffer {
         }
         let pixels = width as usize * height as usize;
         self.state.picture =
-            Some(FinishedFrame { index, width, height, rgb: vec![[0; 3]; pixels], covered: vec![false; pixels] });
+            Some(FinishedFrame { index, round: 0, width, height, rgb: vec![[0; 3]; pixels], covered: vec![false; pixels] });
     }
 
     #[inline]
@@ -132,9 +108,9 @@ impl PixelBuffer {
     fn show(&mut self, last: bool) -> Out {
         let picture = if last { self.state.picture.take() } else { self.state.picture.clone() };
         let Some(picture) = picture else { return (None, None) };
-        let shown = ShownPicture { picture, round: self.state.round };
-        let FinishedFrame { index, width, height, .. } = shown.picture;
-        if last { &mut self.state.finished } else { &mut self.state.rounds }.push(shown);
+        let picture = FinishedFrame { round: self.state.round, ..picture };
+        let FinishedFrame { index, width, height, .. } = picture;
+        if last { &mut self.state.finished } else { &mut self.state.rounds }.push(picture);
         let blocks = u64::from(width.div_ceil(BLOCK)) * u64::from(height.div_ceil(BLOCK));
         self.state.bytes = blocks * u64::from(BLOCK_PIXELS * self.config.pixel_bytes);
         self.state.round += 1;
@@ -145,6 +121,7 @@ impl PixelBuffer {
 }
 
 impl Unit for PixelBuffer {
+    basrelief_kernel::role!("keeps the picture where the depth values were, and shows it");
     type In = Option<PictureFlow>;
     type Out = Out;
 

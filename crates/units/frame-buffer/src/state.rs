@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 pub struct FinishedFrame {
     /// Number of the frame.
     pub index: u32,
+    /// Its number within the frame, from 0: a frame may be shown in several pictures, each better than the one before.
+    pub round: u32,
     /// Width \[pixels\].
     pub width: u32,
     /// Height \[pixels\].

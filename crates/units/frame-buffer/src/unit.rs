@@ -51,12 +51,6 @@ impl<T: ColorToken> FrameBuffer<T> {
         Self { config, state: FrameBufferState::default(), token: PhantomData }
     }
 
-    /// Hands over the pictures finished since the last call, in order; to be called between batches of steps, so that
-    /// memory does not grow with the number of frames.
-    pub fn drain_finished(&mut self) -> Vec<FinishedFrame> {
-        std::mem::take(&mut self.state.finished)
-    }
-
     fn begin(&mut self, frame: &Frame, traffic: &mut Traffic) {
         let (index, width, height) = (frame.index, frame.width, frame.height);
         self.state.lines = GatheredLines::default();
@@ -70,7 +64,7 @@ impl<T: ColorToken> FrameBuffer<T> {
         }
         let pixels = width as usize * height as usize;
         let (rgb, covered) = (vec![[0; 3]; pixels], vec![false; pixels]);
-        self.state.picture = Some(FinishedFrame { index, width, height, rgb, covered });
+        self.state.picture = Some(FinishedFrame { index, round: 0, width, height, rgb, covered });
     }
 
     /// Frames take the two buffers in turn.
@@ -125,6 +119,7 @@ impl<T: ColorToken> FrameBuffer<T> {
 }
 
 impl<T: ColorToken> Unit for FrameBuffer<T> {
+    basrelief_kernel::role!("keeps the picture");
     type In = Option<Flow<T>>;
     type Out = Option<FrameDone>;
 

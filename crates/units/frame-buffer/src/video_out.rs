@@ -43,6 +43,7 @@ impl VideoOut {
 }
 
 impl Unit for VideoOut {
+    basrelief_kernel::role!("reads every finished picture once, for the display");
     type In = Option<FrameDone>;
     type Out = ();
 

@@ -75,6 +75,7 @@ where
     I: Iterator<Item = Result<(Control, Option<u64>), E>>,
     E: Display,
 {
+    basrelief_kernel::role!("replays a recorded display list in place of host and geometry processor");
     type In = ();
     type Out = Option<Control>;
 

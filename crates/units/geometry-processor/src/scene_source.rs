@@ -99,6 +99,7 @@ impl<I: Iterator<Item = Draw>> SceneSource<I> {
 }
 
 impl<I: Iterator<Item = Draw>> Unit for SceneSource<I> {
+    basrelief_kernel::role!("feeds the scene, one draw command per cycle");
     type In = ();
     type Out = Option<Draw>;
 

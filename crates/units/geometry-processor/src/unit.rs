@@ -192,6 +192,7 @@ fn turn_round(vertices: &mut [Vertex]) {
 }
 
 impl Unit for GeometryProcessor {
+    basrelief_kernel::role!("transforms, clips, culls, projects; LOD; marks bump targets");
     type In = Option<Draw>;
     type Out = Option<Control>;
 

@@ -161,6 +161,7 @@ impl<T: DepthToken> DepthTest<T> {
 }
 
 impl<T: DepthToken> Unit for DepthTest<T> {
+    basrelief_kernel::role!("z-test: removes hidden surfaces; owns the depth values");
     type In = Option<Flow<T>>;
     type Out = Option<Flow<T>>;
 

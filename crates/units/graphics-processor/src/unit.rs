@@ -252,6 +252,7 @@ fn twins(a: &Control, b: &Control) -> bool {
 }
 
 impl Unit for GraphicsProcessor {
+    basrelief_kernel::role!("texture RGB times brightness");
     type In = (Option<Flow<Stamp<Shaded>>>, Option<Flow<Stamp<Fragment>>>);
     type Out = Option<Flow<Stamp<Pixel>>>;
 

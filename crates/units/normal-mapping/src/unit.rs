@@ -152,6 +152,7 @@ fn side_by_side(texel: impl Fn(usize) -> f32x4) -> [f32x4; 3] {
 }
 
 impl Unit for NormalMapping {
+    basrelief_kernel::role!("maps the normals of the selected MIP levels: pseudo-normals N'");
     type In = Option<Flow<Stamp<Fragment>>>;
     type Out = Option<Flow<PseudoNormals>>;
 

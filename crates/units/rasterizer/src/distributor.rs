@@ -25,6 +25,7 @@ pub struct Distributor {
 }
 
 impl Unit for Distributor {
+    basrelief_kernel::role!("sends what is no bump target straight on to (104)");
     type In = Option<Flow<Stamp<Fragment>>>;
     type Out = (Option<Flow<Stamp<Fragment>>>, Option<Flow<Stamp<Fragment>>>);
 

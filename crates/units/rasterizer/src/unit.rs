@@ -81,6 +81,7 @@ impl Rasterizer {
 }
 
 impl Unit for Rasterizer {
+    basrelief_kernel::role!("polygons to fragments: exact coverage, top-left rule");
     type In = Option<Control>;
     type Out = Option<Flow<Stamp<Fragment>>>;
 

@@ -303,6 +303,7 @@ impl Replacement {
 }
 
 impl Unit for Replacement {
+    basrelief_kernel::role!("replaces N' by the index of the nearest reference normal");
     type In = Option<Flow<PseudoNormals>>;
     type Out = Option<Flow<Indexes>>;
 

@@ -135,6 +135,7 @@ fn product(texture: u16, illuminance: u16) -> u8 {
 }
 
 impl Unit for Combiner {
+    basrelief_kernel::role!("texture times illuminance, with the old value where asked");
     type In = (Option<Flow<TexturePacket>>, Option<Flow<IlluminancePacket>>);
     type Out = Option<Flow<PixelPacket>>;
 

@@ -73,6 +73,7 @@ impl Divider {
 }
 
 impl Unit for Divider {
+    basrelief_kernel::role!("exact u, v at ends and division points");
     type In = Option<Flow<Points>>;
     type Out = Option<Flow<Quotients>>;
 

@@ -136,6 +136,7 @@ impl IlluminanceValueGenerator {
 }
 
 impl Unit for IlluminanceValueGenerator {
+    basrelief_kernel::role!("interpolates brightness and colour");
     type In = Option<Flow<LitSpan>>;
     type Out = Option<Flow<IlluminancePacket>>;
 

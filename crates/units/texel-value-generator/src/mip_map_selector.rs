@@ -86,6 +86,7 @@ impl MipMapSelector {
 }
 
 impl Unit for MipMapSelector {
+    basrelief_kernel::role!("selects a level by du, dv");
     type In = Option<Flow<GradientPacket>>;
     type Out = Option<Flow<LevelPacket>>;
 

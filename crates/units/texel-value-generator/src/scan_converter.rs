@@ -181,6 +181,7 @@ fn mixed(corners: &[Uvw; 3], share: [f64; 3], inverse_area: f64) -> Uvw {
 }
 
 impl Unit for ScanConverter {
+    basrelief_kernel::role!("finds spans with exact U, V, W at both ends");
     type In = Option<Control>;
     type Out = (Option<Flow<Span>>, Option<Flow<LitSpan>>);
 

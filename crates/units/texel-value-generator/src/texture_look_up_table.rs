@@ -153,6 +153,7 @@ fn filtered(image: &Image, taps: &Taps) -> [f32; 4] {
 }
 
 impl Unit for TextureLookUpTable {
+    basrelief_kernel::role!("looks texels up and filters them");
     type In = (Option<Flow<TexelPacket>>, Option<Flow<LevelPacket>>);
     type Out = Option<Flow<TexturePacket>>;
 

@@ -269,30 +269,3 @@ proptest! {
         prop_assert_eq!(shaded.highlight, 0.0);
     }
 }
-
-/// Two objects under a lamp: the second one's CLUTs are recalculated.
-fn frame_of_two_objects() -> Vec<Flow<Indexes>> {
-    let mut run = vec![Flow::Control(lamp())];
-    for x in [0.0, 9.0] {
-        run.extend([object([x, 0.0, 0.0], None), polygon(Lighting::default())].map(Flow::Control));
-        run.extend((0..40).map(|i| Flow::Item(indexes(&[(0, i % 40, 0.25), (3, i % 7, 0.75)]))));
-    }
-    run.push(Flow::Control(Control::FrameEnd));
-    run
-}
-
-basrelief_kernel::unit_contract! {
-    name: contract_of_cluts,
-    unit: BrightnessFetch::new(BrightnessConfig::default(), tables(40), 2),
-    inputs: frame_of_two_objects(),
-    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
-    state,
-}
-
-basrelief_kernel::unit_contract! {
-    name: contract_of_direct_brightness,
-    unit: BrightnessFetch::new(BrightnessConfig { source: BrightnessSource::Direct, ..BrightnessConfig::default() }, tables(40), 2),
-    inputs: frame_of_two_objects(),
-    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
-    state,
-}

@@ -204,6 +204,7 @@ fn area(page: &Page, tile: u32) -> u64 {
 }
 
 impl Unit for Rasterization {
+    basrelief_kernel::role!("keeps pyramids (134) in (130), interpolates in and between layers (Figures 7A, 7B)");
     type In = (Option<PassFlow>, Option<Order>, Option<ExpandedTile>);
     type Out = Out;
 

@@ -123,6 +123,7 @@ impl Microcomputer {
 }
 
 impl Unit for Microcomputer {
+    basrelief_kernel::role!("decides, shades sample points, draws flat polygons");
     type In = Option<Control>;
     type Out = Outs;
 

@@ -208,34 +208,3 @@ proptest! {
         prop_assert!(lines.len() <= unit.largest_step(0) as usize);
     }
 }
-
-/// A run of two polygons, with and without a map.
-fn run_of_two() -> Vec<Flow<Stamp<Fragment>>> {
-    let bumps = map(16, 5, |k, x, y| [(x * 29 + k) as u8, (y * 31) as u8, 200]);
-    let at = |i: u16| fragment(f32::from(i) / 40.0, f32::from(i % 7) / 280.0);
-    let item = |i: u16| Flow::Item((0..=i % 4).map(|k| at(i + k)).collect());
-    let mut run = vec![Flow::Control(Control::Polygon(square(11, Some(bumps))))];
-    run.extend((0..40).map(item));
-    run.push(Flow::Control(Control::Polygon(square(3, None))));
-    run.extend((0..10).map(item));
-    run.push(Flow::Control(Control::FrameEnd));
-    run
-}
-
-basrelief_kernel::unit_contract! {
-    name: contract_of_two_levels,
-    unit: NormalMapping::new(NormalMappingConfig::default(), 2, 4, 64),
-    inputs: run_of_two(),
-    clients: [ClientKind::Cache { line_bytes: 64 }],
-    state,
-}
-
-basrelief_kernel::unit_contract! {
-    name: contract_of_filtered_brightness,
-    unit: NormalMapping::new(
-        NormalMappingConfig { filter_at: FilterAt::Brightness, ..NormalMappingConfig::default() }, 2, 4, 16,
-    ),
-    inputs: run_of_two(),
-    clients: [ClientKind::Cache { line_bytes: 16 }],
-    state,
-}

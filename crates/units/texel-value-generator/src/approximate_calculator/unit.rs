@@ -145,6 +145,7 @@ impl ApproximateCalculator {
 }
 
 impl Unit for ApproximateCalculator {
+    basrelief_kernel::role!("interpolates u, v between division points");
     type In = (Option<Flow<Segment>>, Option<Flow<Quotients>>);
     type Out = (Option<Flow<TexelPacket>>, Option<Flow<GradientPacket>>);
 

@@ -163,6 +163,7 @@ fn evenly(last: u16, from: u16, points: u32) -> u16 {
 }
 
 impl Unit for StepCalculator {
+    basrelief_kernel::role!("chooses division points by the criterion in its storage element");
     type In = Option<Flow<Span>>;
     type Out = (Option<Flow<Segment>>, Option<Flow<Points>>);
 

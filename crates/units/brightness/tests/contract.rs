@@ -1,0 +1,63 @@
+//! The brightness fetch unit (112) keeps the unit contract, with CLUTs and without.
+
+use basrelief_brightness::{BrightnessConfig, BrightnessFetch, BrightnessSource};
+use basrelief_kernel::unit_contract;
+use basrelief_shading::{LEVELS, Table, TableSet};
+use basrelief_signals::{
+    Camera, Control, Flow, Fragment, Frame, Indexes, Light, LightKind, ObjectInfo, Polygon, Sample, Stamp, Vertex,
+};
+use std::sync::Arc;
+
+fn unit(config: BrightnessConfig) -> BrightnessFetch {
+    let tables = TableSet { entries: [40; LEVELS], table: Table::Fibonacci, distinct: true, entry_bits: 16 };
+    BrightnessFetch::new(config, tables, 2)
+}
+
+/// A frame under a lamp.
+fn frame() -> Control {
+    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
+    let lamp = Light { kind: LightKind::Point { position: [0.0, 0.0, 10.0] }, intensity: 1.0 };
+    Control::Frame(Arc::new(Frame { index: 0, width: 6, height: 6, camera, lights: vec![lamp], textures: Vec::new() }))
+}
+
+fn object(x: f32) -> Control {
+    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre: [x, 0.0, 0.0], entries: None }))
+}
+
+fn polygon() -> Control {
+    let (vertices, material) = (vec![Vertex::default(); 3], Arc::default());
+    Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: true, arrival: 0 }))
+}
+
+fn indexes(i: u16) -> Flow<Indexes> {
+    let samples = [(0, i % 40, 0.25), (3, i % 7, 0.75)];
+    let samples = samples.map(|(level, index, weight)| Sample::all(level, weight, index)).into_iter().collect();
+    Flow::Item(Indexes { stamp: Stamp::from_iter([Fragment::default()]), samples })
+}
+
+/// Two objects: the second one's CLUTs are recalculated.
+fn two_objects() -> Vec<Flow<Indexes>> {
+    let mut run = vec![Flow::Control(frame())];
+    for x in [0.0, 9.0] {
+        run.extend([object(x), polygon()].map(Flow::Control));
+        run.extend((0..40).map(indexes));
+    }
+    run.push(Flow::Control(Control::FrameEnd));
+    run
+}
+
+unit_contract! {
+    name: cluts,
+    unit: unit(BrightnessConfig::default()),
+    inputs: two_objects(),
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
+    state,
+}
+
+unit_contract! {
+    name: direct_brightness,
+    unit: unit(BrightnessConfig { source: BrightnessSource::Direct, ..BrightnessConfig::default() }),
+    inputs: two_objects(),
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
+    state,
+}
