@@ -122,16 +122,19 @@ pub(crate) struct Channel {
     timing: Timing,
     window: usize,
     cap: u64,
-    /// The first of those not served, oldest first.
-    in_view: VecDeque<InView>,
-    /// Those behind.
+    /// The first of those not served, oldest first, from `first` on. (What was served is left in front, and cleared away now and
+    /// then: neither the oldest nor one near it moves the others, and they lie in one piece.)
+    queue: Vec<InView>,
+    first: usize,
+    /// Those behind the window.
     behind: VecDeque<Burst>,
     /// How often the oldest has been passed over.
     passed: u64,
     banks: Box<[Bank]>,
     /// The next column command may go, by direction.
     next: [Cycle; 2],
-    last_was_write: bool,
+    /// Whether the last one was a write; none before the first.
+    last: Option<bool>,
     /// The next activation may go: after the last one, and after each of the last four.
     activation: Cycle,
     four: [Cycle; 4],
@@ -141,7 +144,8 @@ pub(crate) struct Channel {
     columns: Box<[Cycle]>,
     /// The next choice and its place in the queue, once asked for.
     choice: Option<(usize, Column)>,
-    pub(crate) counts: ChannelCounts,
+    /// All but what follows from the rest.
+    counts: ChannelCounts,
 }
 
 impl Channel {
@@ -154,12 +158,13 @@ impl Channel {
             timing,
             window,
             cap: config.cap.into(),
-            in_view: VecDeque::with_capacity(window),
+            queue: Vec::with_capacity(4 * window),
+            first: 0,
             behind: VecDeque::new(),
             passed: 0,
             banks: vec![bank; config.banks.max(1) as usize].into(),
             next: [Cycle::ZERO; 2],
-            last_was_write: false,
+            last: None,
             activation: Cycle::ZERO,
             four: [Cycle::ZERO; 4],
             activations: 0,
@@ -173,18 +178,32 @@ impl Channel {
     /// Takes in a burst; to be called in order of (arrival, port number, issue, address).
     #[inline]
     pub(crate) fn push(&mut self, burst: Burst) {
-        let place = self.in_view.len();
+        let place = self.in_view().len();
         if place == self.window {
             return self.behind.push_back(burst);
         }
         let new = InView::new(burst, self.view(burst.arrival, place));
-        self.in_view.push_back(new);
-        if let Some((_, best)) = self.choice.filter(|_| self.passed < self.cap) {
+        self.come_into_view(new);
+        if let Some((_, best)) = self.choice.filter(|(_, best)| self.passed < self.cap && best.at > self.soonest(&new)) {
             let column = self.column(&new);
             if column.at < best.at {
                 self.choice = Some((place, column));
             }
         }
+    }
+
+    #[inline]
+    fn in_view(&self) -> &[InView] {
+        &self.queue[self.first..]
+    }
+
+    #[inline]
+    fn come_into_view(&mut self, burst: InView) {
+        if self.queue.len() == self.queue.capacity() {
+            self.queue.drain(..self.first);
+            self.first = 0;
+        }
+        self.queue.push(burst);
     }
 
     /// When a burst with `place` others ahead of it comes into view: after its arrival, and after the column command that made
@@ -244,17 +263,14 @@ impl Channel {
     /// First ready, first come. Of bursts of one bank and direction that find their rows open, or do not, only the oldest can be
     /// first: the rest is the same for all, and views only grow.
     fn first_ready(&self) -> Option<(usize, Column)> {
-        let mut others = self.in_view.iter();
-        let oldest = others.next()?;
+        let (oldest, others) = self.in_view().split_first()?;
         let mut best = (0, self.column(oldest));
         if self.passed >= self.cap {
             return Some(best);
         }
         let mut asked = self.class(oldest);
-        let soonest = self.next[0].min(self.next[1]);
         for (place, candidate) in (1..).zip(others) {
-            // Nothing from here on can go before.
-            if best.1.at <= candidate.from.max(soonest) {
+            if best.1.at <= self.soonest(candidate) {
                 break;
             }
             let class = self.class(candidate);
@@ -268,6 +284,12 @@ impl Channel {
             }
         }
         Some(best)
+    }
+
+    /// Neither it nor any behind it can go before: column commands keep their distance, and views only grow.
+    #[inline(always)]
+    fn soonest(&self, candidate: &InView) -> Cycle {
+        candidate.from.max(self.next[0].min(self.next[1]))
     }
 
     /// A bit for its bank, its direction, and whether its row is open.
@@ -286,14 +308,15 @@ impl Channel {
     #[inline(always)]
     pub(crate) fn serve(&mut self, horizon: Cycle) -> Option<(Burst, Row, Cycle, Cycle)> {
         let (place, column) = self.choose()?;
-        let is_full = self.in_view.len() == self.window;
+        let is_full = self.in_view().len() == self.window;
         if column.at > horizon + 1 && !is_full && self.passed < self.cap {
             return None;
         }
-        let first = if place == 0 { self.in_view.pop_front() } else { self.in_view.remove(place) };
-        let InView { burst, .. } = first?;
+        let InView { burst, .. } = self.queue[self.first + place];
+        self.queue.copy_within(self.first..self.first + place, self.first + 1);
+        self.first += 1;
         if let Some(next) = self.behind.pop_front() {
-            self.in_view.push_back(InView::new(next, next.arrival.max(column.at) + 1));
+            self.come_into_view(InView::new(next, next.arrival.max(column.at) + 1));
         }
         self.choice = None;
         self.passed = if place == 0 { 0 } else { self.passed + 1 };
@@ -319,16 +342,17 @@ impl Channel {
         bank.free = bank.free.max(column.at + timing.recovery[direction]);
         self.next = timing.gaps[direction].map(|gap| column.at + gap);
         let counts = &mut self.counts;
-        counts.turn_arounds += u64::from(counts.bus_busy > 0 && self.last_was_write != burst.write);
-        self.last_was_write = burst.write;
+        counts.turn_arounds += u64::from(self.last == Some(!burst.write));
+        self.last = Some(burst.write);
         counts.rows.count(column.row);
-        counts.bus_busy += timing.burst_cycles;
         counts.queued += column.at.since(burst.arrival);
     }
 
-    /// Refreshes in a run of `total` cycles.
-    pub(crate) fn refreshes(&self, total: u64) -> u64 {
-        total.saturating_sub(1).checked_div(self.timing.refi).unwrap_or(0)
+    /// What it moved in a run of `total` cycles.
+    pub(crate) fn counts(&self, total: u64) -> ChannelCounts {
+        let bus_busy = self.counts.rows.bursts() * self.timing.burst_cycles;
+        let refreshes = total.saturating_sub(1).checked_div(self.timing.refi).unwrap_or(0);
+        ChannelCounts { bus_busy, refreshes, ..self.counts }
     }
 }
 

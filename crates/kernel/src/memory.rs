@@ -3,7 +3,7 @@
 use crate::channel::{Burst, Channel};
 use crate::counts::{Bus, ChannelCounts};
 use crate::memory_system::Client;
-use crate::port::Port;
+use crate::port::{Arrived, Port};
 use crate::{Cycle, MemoryConfig};
 
 /// A request, as the memory took it in.
@@ -103,14 +103,18 @@ impl Memory {
     /// Splits a request, the next in order of (arrival, port number, issue), into bursts in their channels.
     #[inline]
     fn split(&mut self, client: usize, port: &mut Port) {
-        let Some(r) = port.arrived() else { return };
+        let burst = self.burst;
+        let touched = |r: &Arrived| (burst.split(r.address).0, burst.split(r.address + u64::from(r.bytes) - 1).0);
+        let bursts = |r: &Arrived| {
+            let (first, last) = touched(r);
+            last - first + 1
+        };
+        let Some((request, r)) = port.split(bursts) else { return };
         self.arrived -= 1;
         if let Some(log) = &mut self.log {
             log.push(MemoryRequest { arrival: r.arrival, client, write: r.write, address: r.address, bytes: r.bytes });
         }
-        let (first, _) = self.burst.split(r.address);
-        let (last, _) = self.burst.split(r.address + u64::from(r.bytes) - 1);
-        let request = port.open(r.arrival, last - first + 1);
+        let (first, last) = touched(&r);
         self.bursts += last - first + 1;
         for number in first..=last {
             let (channel, address) = self.place(number * self.burst.by);
@@ -182,7 +186,6 @@ impl Memory {
 
     /// What each channel moved in a run of `total` cycles.
     pub(crate) fn channel_counts(&self, total: u64) -> Vec<ChannelCounts> {
-        let of = |channel: &Channel| ChannelCounts { refreshes: channel.refreshes(total), ..channel.counts };
-        self.channels.iter().map(of).collect()
+        self.channels.iter().map(|channel| channel.counts(total)).collect()
     }
 }

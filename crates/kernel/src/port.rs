@@ -2,10 +2,9 @@
 
 use crate::Cycle;
 use crate::counts::PortCounts;
-use std::collections::VecDeque;
 
-/// A request that has arrived and is not split into bursts yet.
-#[derive(Clone, Copy, Debug)]
+/// A request that has arrived.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Arrived {
     pub(crate) arrival: Cycle,
     pub(crate) address: u64,
@@ -13,34 +12,34 @@ pub(crate) struct Arrived {
     pub(crate) write: bool,
 }
 
-/// A request some of whose bursts are not served yet, or one ahead of it on its port.
-#[derive(Clone, Copy, Debug)]
-struct Open {
-    arrival: Cycle,
+/// A request from its issue until nobody asks for its answer any more.
+#[derive(Clone, Copy, Debug, Default)]
+struct Request {
+    arrived: Arrived,
     /// Bursts not served.
     left: u64,
-    /// The end of those that are.
+    /// The end of those that are; once it is served, its answer.
     end: Cycle,
 }
 
 /// One port of a memory.
+///
+/// Its requests stand in one ring, by number of issue: those from `split` to `issued` have arrived, of those from `served` to `split`
+/// some bursts are in their channels, and those before have their answers.
 #[derive(Clone, Debug)]
 pub(crate) struct Port {
     pub(crate) name: String,
     pub(crate) memory: usize,
     outstanding: u64,
-    /// Answer times of the last requests, by number of issue; never decreasing.
-    answers: Box<[Cycle]>,
+    requests: Box<[Request]>,
     pub(crate) issued: u64,
+    split: u64,
     pub(crate) served: u64,
     /// The oldest request whose answer a step in flight may still ask for.
     pub(crate) keep_from: u64,
     /// No request to come arrives before, as far as its stage has promised.
     pub(crate) none_before: Cycle,
     last_answer: Cycle,
-    queue: VecDeque<Arrived>,
-    /// From request `served` on.
-    open: VecDeque<Open>,
     pub(crate) counts: PortCounts,
 }
 
@@ -51,14 +50,13 @@ impl Port {
             name: name.into(),
             memory,
             outstanding: u64::from(outstanding),
-            answers: vec![Cycle::ZERO; ring].into(),
+            requests: vec![Request::default(); ring].into(),
             issued: 0,
+            split: 0,
             served: 0,
             keep_from: u64::MAX,
             none_before: Cycle::ZERO,
             last_answer: Cycle::ZERO,
-            queue: VecDeque::new(),
-            open: VecDeque::new(),
             counts: PortCounts::default(),
         }
     }
@@ -66,6 +64,11 @@ impl Port {
     /// Credits in all.
     pub(crate) fn outstanding(&self) -> u64 {
         self.outstanding
+    }
+
+    #[inline(always)]
+    fn slot(&self, number: u64) -> usize {
+        number as usize & (self.requests.len() - 1)
     }
 
     /// The first cycle with at least `credits` free credits; unknown while that depends on an answer not known yet.
@@ -83,21 +86,24 @@ impl Port {
     pub(crate) fn answer(&self, number: u64) -> Cycle {
         if number >= self.served {
             Cycle::UNKNOWN
-        } else if number + (self.answers.len() as u64) < self.issued {
+        } else if number + (self.requests.len() as u64) < self.issued {
             Cycle::ZERO
         } else {
-            self.answers[number as usize & (self.answers.len() - 1)]
+            self.requests[self.slot(number)].end
         }
     }
 
     #[inline]
     pub(crate) fn issue(&mut self, arrival: Cycle, address: u64, bytes: u32, write: bool) -> u64 {
-        if self.issued.saturating_sub(self.keep_from) >= self.answers.len() as u64 {
+        let number = self.issued;
+        if number - self.keep_from.min(self.served) >= self.requests.len() as u64 {
             self.grow();
         }
-        self.queue.push_back(Arrived { arrival, address, bytes: bytes.max(1), write });
+        let arrived = Arrived { arrival, address, bytes: bytes.max(1), write };
+        let slot = self.slot(number);
+        self.requests[slot] = Request { arrived, left: 0, end: Cycle::ZERO };
         self.issued += 1;
-        self.issued - 1
+        number
     }
 
     /// Doubles the ring. A step that waits for one client may hold back others that have long been answered by
@@ -105,51 +111,64 @@ impl Port {
     /// bound what may be asked for.
     #[cold]
     fn grow(&mut self) {
-        let mut ring = vec![Cycle::ZERO; 2 * self.answers.len()];
-        for number in self.issued.saturating_sub(self.answers.len() as u64)..self.served {
+        let mut ring = vec![Request::default(); 2 * self.requests.len()];
+        for number in self.issued.saturating_sub(self.requests.len() as u64)..self.issued {
             let slot = number as usize & (ring.len() - 1);
-            ring[slot] = self.answers[number as usize & (self.answers.len() - 1)];
+            ring[slot] = self.requests[self.slot(number)];
         }
-        self.answers = ring.into();
+        self.requests = ring.into();
     }
 
+    /// When the oldest request arrived that is not split into bursts yet.
     #[inline]
     pub(crate) fn next_arrival(&self) -> Option<Cycle> {
-        self.queue.front().map(|q| q.arrival)
+        (self.split < self.issued).then(|| self.requests[self.slot(self.split)].arrived.arrival)
     }
 
     pub(crate) fn last_answer(&self) -> Cycle {
         self.last_answer
     }
 
-    /// Takes out the oldest request that is not split yet, and counts it.
+    /// The oldest request that is not split yet, and its number; it is counted, and waits for as many bursts as `bursts` says.
     #[inline]
-    pub(crate) fn arrived(&mut self) -> Option<Arrived> {
-        let request = self.queue.pop_front()?;
-        self.counts.arrived(request.write, request.bytes);
-        Some(request)
-    }
-
-    /// Waits for the bursts of the request just taken out; its number.
-    #[inline]
-    pub(crate) fn open(&mut self, arrival: Cycle, bursts: u64) -> u64 {
-        self.open.push_back(Open { arrival, left: bursts, end: Cycle::ZERO });
-        self.served + self.open.len() as u64 - 1
+    pub(crate) fn split(&mut self, bursts: impl FnOnce(&Arrived) -> u64) -> Option<(u64, Arrived)> {
+        if self.split == self.issued {
+            return None;
+        }
+        let number = self.split;
+        let slot = self.slot(number);
+        let request = &mut self.requests[slot];
+        request.left = bursts(&request.arrived);
+        self.counts.arrived(request.arrived.write, request.arrived.bytes);
+        self.split += 1;
+        Some((number, request.arrived))
     }
 
     /// Takes in that a burst of request `number` has moved its data by `end`; an answer is there when all its bursts have,
     /// not before the answer ahead of it.
     #[inline]
     pub(crate) fn moved(&mut self, number: u64, end: Cycle) {
-        let request = &mut self.open[(number - self.served) as usize];
+        let slot = self.slot(number);
+        let request = &mut self.requests[slot];
         request.left -= 1;
         request.end = request.end.max(end);
-        while let Some(first) = self.open.front().filter(|first| first.left == 0) {
-            self.last_answer = self.last_answer.max(first.end);
-            self.counts.answered(first.arrival, self.last_answer);
-            self.open.pop_front();
-            let slot = self.served as usize & (self.answers.len() - 1);
-            self.answers[slot] = self.last_answer;
+        if number == self.served && request.left == 0 {
+            self.answer_served();
+        }
+    }
+
+    /// Answers the oldest request, and those behind it that waited for that only.
+    #[inline]
+    fn answer_served(&mut self) {
+        while self.served < self.split {
+            let slot = self.slot(self.served);
+            let request = &mut self.requests[slot];
+            if request.left > 0 {
+                break;
+            }
+            self.last_answer = self.last_answer.max(request.end);
+            request.end = self.last_answer;
+            self.counts.answered(request.arrived.arrival, self.last_answer);
             self.served += 1;
         }
     }

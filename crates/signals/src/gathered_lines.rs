@@ -12,10 +12,16 @@ pub struct GatheredLines {
 }
 
 impl GatheredLines {
+    /// Whether this line is the most recently written one.
+    #[inline(always)]
+    pub fn is_newest(&self, line: u64) -> bool {
+        self.lines.last() == Some(&line)
+    }
+
     /// Whether this line is being gathered.
     #[inline]
     pub fn contains(&self, line: u64) -> bool {
-        self.lines.last() == Some(&line) || self.lines.contains(&line)
+        self.is_newest(line) || self.lines.contains(&line)
     }
 
     /// Whether none is.
@@ -28,7 +34,7 @@ impl GatheredLines {
     /// are gathered already.
     #[inline]
     pub fn touch(&mut self, line: u64, room: u32) -> Option<u64> {
-        if self.lines.last() == Some(&line) { None } else { self.touch_another(line, room) }
+        if self.is_newest(line) { None } else { self.touch_another(line, room) }
     }
 
     fn touch_another(&mut self, line: u64, room: u32) -> Option<u64> {

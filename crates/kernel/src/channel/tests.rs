@@ -62,7 +62,7 @@ fn a_closed_bank_is_activated_and_another_row_precharged() {
             channel.push(Burst { bank, row, write, arrival: Cycle(at), client: 0, request: 0 });
         });
         while channel.serve(Cycle::UNKNOWN).is_some() {}
-        channel.counts.rows
+        channel.counts(0).rows
     };
     let counts = rows(&[(0, 0, READ, 0), (0, 0, READ, 0), (0, 1, READ, 0), (1, 0, READ, 0)]);
     assert_eq!((counts.closed, counts.hits, counts.conflicts), (2, 1, 1));
@@ -143,9 +143,9 @@ fn a_refresh_closes_all_rows_and_activations_wait_for_it() {
     // Activated at 17 its column would be at 20: after the refresh. At 16 it is before.
     assert_eq!(columns(&config, &[(0, 0, READ, 16)]), [(0, 31)]);
     assert_eq!(columns(&config, &[(0, 0, READ, 15)]), [(0, 19)]);
-    assert_eq!(Channel::new(&config).refreshes(20), 0);
-    assert_eq!(Channel::new(&config).refreshes(61), 3);
-    assert_eq!(Channel::new(&quick()).refreshes(u64::MAX), 0);
+    assert_eq!(Channel::new(&config).counts(20).refreshes, 0);
+    assert_eq!(Channel::new(&config).counts(61).refreshes, 3);
+    assert_eq!(Channel::new(&quick()).counts(u64::MAX).refreshes, 0);
 }
 
 #[test]
