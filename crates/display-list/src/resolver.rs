@@ -125,6 +125,15 @@ impl<R: Read, F: Files> Resolver<R, F> {
         &self.expectations
     }
 
+    /// All expectations, and what they take of the budget.
+    pub fn into_expectations(self) -> (Vec<Expectation>, Held) {
+        let bytes = self.expectations.iter().map(|expectation| 2 * expectation.bytes()).sum();
+        let Self { mut held, expectations, .. } = self;
+        // They were counted when they were read.
+        held.shrink_to(bytes);
+        (expectations, held)
+    }
+
     fn take(&mut self, command: Command) -> Result<Option<Control>, Fault> {
         self.nesting.accept(&command)?;
         let control = match command {

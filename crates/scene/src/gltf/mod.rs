@@ -151,7 +151,8 @@ impl Importer<'_> {
             let own = node.map(|n| n.extras).unwrap_or_default();
             self.objects.push(Arc::new(Object {
                 id: self.objects.len() as u32,
-                name: if definition.primitives.len() > 1 { format!("{base} / {i}") } else { base.clone() },
+                // Not formatted, which would take twice the room for a long one.
+                name: if definition.primitives.len() > 1 { [&base, " / ", &i.to_string()].concat() } else { base.clone() },
                 mesh: built,
                 world: rows(world),
                 material,

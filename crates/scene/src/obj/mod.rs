@@ -12,10 +12,10 @@ use crate::SceneError;
 use crate::error::Warnings;
 use crate::files::shorten;
 use crate::model::{Model, bounds};
-use crate::outside::{Outside, mesh_bytes};
+use crate::outside::{Outside, mesh_bytes, over_budget};
 use crate::textures::{Content, TextureStore};
 use crate::{normals, tangents};
-use basrelief_input::Held;
+use basrelief_input::{Held, OverBudget};
 use basrelief_signals::{Filter, Material, Mesh, Object, Sampler, Texture, Wrap};
 use glam::DVec3;
 use mtl::{Map, MtlMaterial};
@@ -23,8 +23,14 @@ use parse::{Corner, Group, NONE, Obj};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What a corner takes while a mesh is made: lists that grow by doubling, and a place in a table \[bytes\].
-const CORNER: u64 = 240;
+/// What a corner takes while a mesh is made: its index, in a list that grows by doubling \[bytes\].
+const CORNER: u64 = 8;
+/// What a vertex takes: its places in lists that grow by doubling, and in a table \[bytes\].
+const VERTEX: u64 = 200;
+/// Vertices that are counted at a time.
+const VERTICES: u32 = 256;
+/// What is counted.
+const TRIANGLES: &str = "vertices and triangles";
 
 /// What an object or a material takes beside its name and its mesh \[bytes\].
 const OBJECT: u64 = 512;
@@ -54,11 +60,10 @@ pub(crate) fn import(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warning
             None => materials.build(by_name.len() as u32, &group.material, &library, warnings)?,
         };
         by_name.insert(&group.material, material.clone());
-        // A corner of its own each, in a table too, and tangents.
         let corners = 3 * group.triangles.len() as u64;
         let tangents = if material.normal_map.is_some() { tangents::BYTES_PER_CORNER } else { 0 };
-        let mut held = outside.take((CORNER + tangents) * corners, "", "vertices and triangles")?;
-        let mesh = build_mesh(&obj, group, &smooth, &material, warnings);
+        let mut held = outside.take((CORNER + tangents) * corners, "", TRIANGLES)?;
+        let mesh = build_mesh(&obj, group, &smooth, &material, &mut held, warnings).map_err(|e| over_budget("", &e))?;
         let name = object_name(group);
         held.shrink_to(mesh_bytes(&mesh));
         outside.keep(held);
@@ -95,7 +100,14 @@ fn smooth_normals(obj: &Obj, outside: &Outside<'_>) -> Result<(Vec<[f32; 3]>, He
 }
 
 /// The mesh of a group: one vertex for each different corner.
-fn build_mesh(obj: &Obj, group: &Group, smooth: &[[f32; 3]], material: &Material, warnings: &mut Warnings) -> Mesh {
+fn build_mesh(
+    obj: &Obj,
+    group: &Group,
+    smooth: &[[f32; 3]],
+    material: &Material,
+    held: &mut Held,
+    warnings: &mut Warnings,
+) -> Result<Mesh, OverBudget> {
     let mut mesh = Mesh::default();
     let textured = material.color_texture.is_some() || material.normal_map.is_some();
     let mut vertices: BTreeMap<Corner, u32> = BTreeMap::new();
@@ -105,6 +117,9 @@ fn build_mesh(obj: &Obj, group: &Group, smooth: &[[f32; 3]], material: &Material
         mesh.indices.push(vertex);
         if vertex < next {
             continue;
+        }
+        if next.is_multiple_of(VERTICES) {
+            held.grow(VERTEX * u64::from(VERTICES), TRIANGLES)?;
         }
         let [position, uv, normal] = corner.map(|i| i as usize);
         mesh.positions.push(obj.positions.get(position).copied().unwrap_or_default());
@@ -129,7 +144,7 @@ fn build_mesh(obj: &Obj, group: &Group, smooth: &[[f32; 3]], material: &Material
     if material.color_texture.is_none() {
         mesh.uv.clear();
     }
-    mesh
+    Ok(mesh)
 }
 
 /// Builds materials and loads their pictures.
