@@ -10,6 +10,8 @@ mod interrupt;
 #[cfg(unix)]
 mod limits;
 mod machines;
+#[cfg(unix)]
+mod memory;
 mod outputs;
 mod pictures;
 mod remote;

@@ -3,8 +3,9 @@
 use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use basrelief_display_list::{Form, looks_like_trace};
+use basrelief_input::{Budget, Held, OverBudget, json_weight, read_to_end};
 use basrelief_parameters::ConfigError;
-use basrelief_scene::{SceneError, ViewOptions, demo, load_path, read_camera};
+use basrelief_scene::{SceneError, ViewOptions, demo, load_path_within, read_camera};
 use basrelief_session::{MACHINES, MachineConfig, MachineInfo, RunInput};
 use basrelief_signals::Scene;
 use std::cell::Cell;
@@ -106,9 +107,9 @@ pub fn beside(folder: &Path) -> impl FnMut(&str) -> io::Result<Box<dyn Read>> + 
 }
 
 /// Opens a model, a demo (`demo:NAME`) or a display list.
-pub fn open(path: &Path, view: &ViewArgs) -> Done<Input> {
+pub fn open(path: &Path, view: &ViewArgs, budget: &Budget) -> Done<Input> {
     if let Some(name) = demo_of(path) {
-        return demo_scene(name, view).map(Input::Scene);
+        return demo_scene(name, view, budget).map(Input::Scene);
     }
     let mut trace = TraceFile::open(path)?;
     if path == Path::new("-") || trace.is_one()? {
@@ -120,34 +121,42 @@ pub fn open(path: &Path, view: &ViewArgs) -> Done<Input> {
     let shown = path.display().to_string();
     // What is wrong may lie in a file that the model refers to; the model is named all the same.
     let failed = |e: SceneError| if e.file == shown { Failure::bad(e) } else { Failure::within(&shown)(e) };
-    let scene = load_path(path, &view_options(view)?).map_err(failed)?;
+    let (scene, held) = load_path_within(path, &view_options(view, budget)?, budget).map_err(failed)?;
+    // It is there to the end of the program.
+    held.keep();
     Ok(Input::Scene(Arc::new(scene)))
 }
 
 /// An embedded scene.
-pub fn demo_scene(name: &str, view: &ViewArgs) -> Done<Arc<Scene>> {
-    demo(name, &view_options(view)?).map(Arc::new).map_err(|e| Failure::Usage(e.to_string()))
+pub fn demo_scene(name: &str, view: &ViewArgs, budget: &Budget) -> Done<Arc<Scene>> {
+    demo(name, &view_options(view, budget)?).map(Arc::new).map_err(|e| Failure::Usage(e.to_string()))
 }
 
-/// Longest text that is read as a whole \[bytes\]: a report of a million frames has less.
-const MAX_TEXT_BYTES: u64 = 1 << 29;
+/// What a TOML text takes when it is read, at most: short keys with short values do \[times its length\].
+const TOML_GROWTH: u64 = 200;
 
-/// A text file; a device that never ends is an error, not all of the memory.
-pub fn read_text(path: &Path) -> Done<String> {
-    let failed = || Failure::file(path, "be read");
-    let mut text = String::new();
-    File::open(path).map_err(failed())?.take(MAX_TEXT_BYTES + 1).read_to_string(&mut text).map_err(failed())?;
-    if text.len() as u64 > MAX_TEXT_BYTES {
-        return Err(Failure::Bad(format!("{}: is larger than {MAX_TEXT_BYTES} bytes", path.display())));
-    }
-    Ok(text)
+/// A text file, and what it takes; a device that never ends is an error, not all of the memory.
+pub fn read_text(path: &Path, budget: &Budget) -> Done<(String, Held)> {
+    let mut file = File::open(path).map_err(Failure::file(path, "be read"))?;
+    let read = read_to_end(&mut file, 0, budget, "a text");
+    let (bytes, held) = read.map_err(|e| match OverBudget::within(&e) {
+        Some(error) => Failure::within(&path.display().to_string())(error),
+        None => Failure::file(path, "be read")(e),
+    })?;
+    let text = String::from_utf8(bytes).map_err(|_| Failure::file(path, "be read")(io::ErrorKind::InvalidData.into()))?;
+    Ok((text, held))
 }
 
 /// The view as the importer takes it.
-pub fn view_options(view: &ViewArgs) -> Done<ViewOptions> {
+pub fn view_options(view: &ViewArgs, budget: &Budget) -> Done<ViewOptions> {
     let camera = match &view.camera {
         None => None,
-        Some(path) => Some(read_camera(&read_text(path)?, &path.display().to_string()).map_err(Failure::bad)?),
+        Some(path) => {
+            let name = path.display().to_string();
+            let (text, _held) = read_text(path, budget)?;
+            let _held = budget.take(json_weight(text.as_bytes()), "what a camera says").map_err(Failure::within(&name))?;
+            Some(read_camera(&text, &name).map_err(Failure::bad)?)
+        }
     };
     let default = ViewOptions::default();
     Ok(ViewOptions {
@@ -166,13 +175,15 @@ pub fn demo_of(path: &Path) -> Option<&str> {
 }
 
 /// The machine's parameters: defaults, then the file, then single settings. A demo knows which machine it is made for.
-pub fn config(args: &MachineArgs, demo: Option<&str>) -> Done<MachineConfig> {
+pub fn config(args: &MachineArgs, demo: Option<&str>, budget: &Budget) -> Done<MachineConfig> {
     let machine = args.machine.unwrap_or_else(|| MachineInfo::of_demo(demo.unwrap_or_default()));
-    let text = match &args.config {
-        None => String::new(),
-        Some(path) => read_text(path)?,
+    let (text, _held) = match &args.config {
+        None => (String::new(), budget.nothing()),
+        Some(path) => read_text(path, budget)?,
     };
     let file = args.config.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
+    let growth = TOML_GROWTH * text.len() as u64;
+    let _growth = budget.take(growth, "what a configuration says").map_err(Failure::within(&file))?;
     let in_file = |e: String| Failure::Bad(format!("{file}: {e}"));
     let of_file = machine.load(&text, &[]).map_err(|e| in_file(explained(&e, machine)))?;
     let settings: Vec<(&str, &str)> = args.settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();

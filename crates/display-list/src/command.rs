@@ -368,6 +368,21 @@ impl Default for Expectation {
     }
 }
 
+impl Expectation {
+    /// What it takes in memory, about \[bytes\]: a place in a map takes what its node has of it, a text what is allocated.
+    pub(crate) fn bytes(&self) -> u64 {
+        const PLACE: usize = 160;
+        let settings = self.config.iter().map(|(name, value)| PLACE + name.len() + value.bytes());
+        let clients = |(name, clients): (&String, &BTreeMap<String, _>)| {
+            let own = clients.keys().map(|client| PLACE + client.len());
+            4 * PLACE + name.len() + own.sum::<usize>()
+        };
+        let lists = size_of_val(&*self.frames) + size_of_val(&*self.images) + self.machine.as_ref().map_or(0, String::len);
+        let maps = settings.sum::<usize>() + self.memories.iter().map(clients).sum::<usize>();
+        (size_of::<Self>() + 2 * lists + maps) as u64
+    }
+}
+
 /// Last command: without it a trace is truncated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -1,5 +1,6 @@
 //! What is wrong with a trace, where, and what to do.
 
+use basrelief_input::OverBudget;
 use std::fmt;
 use std::io;
 
@@ -44,6 +45,8 @@ pub enum ErrorKind {
     Malformed,
     /// The trace may be in order, but this build cannot read or write it.
     Unsupported,
+    /// The trace may be in order, but holds more than the budget allows.
+    OverBudget,
 }
 
 /// An error in a trace. Its text names place, command and field, what was expected and what to do; who knows the name
@@ -82,7 +85,14 @@ impl TraceError {
         if error.kind() == io::ErrorKind::UnexpectedEof {
             return Self::truncated(place, &format!("the input ends early ({error})"));
         }
+        if let Some(error) = OverBudget::within(error) {
+            return Self::over_budget(place, error);
+        }
         Self::new(place, ErrorKind::Io, "", format!("cannot read: {error}"))
+    }
+
+    pub(crate) fn over_budget(place: Place, error: &OverBudget) -> Self {
+        Self::new(place, ErrorKind::OverBudget, "", error.to_string())
     }
 
     pub(crate) fn write(place: Place, error: &io::Error) -> Self {
@@ -110,6 +120,11 @@ impl Fault {
     pub(crate) fn of_kind(mut self, kind: ErrorKind) -> Self {
         self.kind = kind;
         self
+    }
+
+    /// A field, or the command as a whole, that would hold too much.
+    pub(crate) fn over_budget(field: &'static str) -> impl Fn(OverBudget) -> Self {
+        move |error| Self::new(field, error.to_string()).of_kind(ErrorKind::OverBudget)
     }
 
     /// The error of command `name` at `place`.

@@ -1,5 +1,6 @@
 //! The four forms of a trace and the layer that undoes or does the compression.
 
+use basrelief_input::{Budget, Held};
 use std::io::{self, BufRead, BufReader, BufWriter, Chain, Cursor, Read, Write};
 
 /// First bytes of the binary form. As in PNG, a first byte above 127 and both kinds of line end show up a transfer
@@ -55,15 +56,18 @@ pub fn looks_like_trace(start: &[u8]) -> bool {
     start.starts_with(&BINARY_MAGIC) || start.starts_with(&ZSTD_MAGIC) || json.is_some_and(|rest| rest.starts_with(b"\"begin\""))
 }
 
+/// Longest beginning of a compressed trace that says how large a window it takes \[bytes\].
+const ZSTD_HEAD: u64 = 18;
+
 /// A reader whose first bytes were looked at and put back.
 type Peeked<R> = Chain<Cursor<Vec<u8>>, R>;
 
 #[cfg(feature = "zstd")]
 type Decoder<R> = zstd::Decoder<'static, BufReader<Peeked<R>>>;
 
-fn peek<R: Read>(mut reader: R) -> io::Result<(Vec<u8>, Peeked<R>)> {
+fn peek<R: Read>(mut reader: R, bytes: u64) -> io::Result<(Vec<u8>, Peeked<R>)> {
     let mut head = Vec::new();
-    reader.by_ref().take(BINARY_MAGIC.len() as u64).read_to_end(&mut head)?;
+    reader.by_ref().take(bytes).read_to_end(&mut head)?;
     Ok((head.clone(), Cursor::new(head).chain(reader)))
 }
 
@@ -75,25 +79,54 @@ pub(crate) enum TraceBytes<R: Read> {
 }
 
 impl<R: Read> TraceBytes<R> {
-    /// The source and the first bytes of what it will give.
-    pub(crate) fn open(reader: R) -> io::Result<(Vec<u8>, Self)> {
-        let (head, reader) = peek(reader)?;
+    /// The first bytes of what it will give, the source, and what it takes itself.
+    pub(crate) fn open(reader: R, budget: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
+        let (mut head, reader) = peek(reader, ZSTD_HEAD)?;
         if head.starts_with(&ZSTD_MAGIC) {
-            return Self::decompress(reader);
+            return Self::decompress(&head, reader, budget);
         }
-        Ok((head, Self::Plain(BufReader::new(reader))))
+        head.truncate(BINARY_MAGIC.len());
+        Ok((head, Self::Plain(BufReader::new(reader)), budget.nothing()))
     }
 
     #[cfg(feature = "zstd")]
-    fn decompress(reader: Peeked<R>) -> io::Result<(Vec<u8>, Self)> {
-        let (head, reader) = peek(zstd::Decoder::new(reader)?)?;
-        Ok((head, Self::Zstd(Box::new(BufReader::with_capacity(1 << 16, reader)))))
+    fn decompress(head: &[u8], reader: Peeked<R>, budget: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
+        let mut decoder = zstd::Decoder::new(reader)?;
+        let bits = window_bits(head);
+        decoder.window_log_max(bits.max(COMMON_WINDOW))?;
+        let window = budget.take(1 << bits, "the window that its compression looks back into")?;
+        let (head, reader) = peek(decoder, BINARY_MAGIC.len() as u64)?;
+        Ok((head, Self::Zstd(Box::new(BufReader::with_capacity(1 << 16, reader))), window))
     }
 
     #[cfg(not(feature = "zstd"))]
-    fn decompress(_: Peeked<R>) -> io::Result<(Vec<u8>, Self)> {
+    fn decompress(_: &[u8], _: Peeked<R>, _: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
         Err(no_compression())
     }
+}
+
+/// Bits of the largest window that compressors take unless they are told to \[bytes, binary logarithm\]: 8 MiB.
+#[cfg(feature = "zstd")]
+const COMMON_WINDOW: u32 = 23;
+
+/// Bits of the window that a compressed trace asks for, by its first frame (RFC 8878, 3.1.1.1); later ones may ask for no
+/// larger one, but the common one. More than 2^27 bytes are refused, as by everybody else.
+#[cfg(feature = "zstd")]
+fn window_bits(head: &[u8]) -> u32 {
+    const LEAST: u32 = 10;
+    const MOST: u32 = 27;
+    let rest = head.get(ZSTD_MAGIC.len()..).unwrap_or_default();
+    let Some((&descriptor, rest)) = rest.split_first() else { return LEAST };
+    if descriptor & 0x20 == 0 {
+        // Its mantissa, in the low three bits, adds up to seven eighths.
+        return rest.first().map_or(LEAST, |window| 10 + u32::from(window >> 3) + u32::from(window & 7 != 0)).clamp(LEAST, MOST);
+    }
+    // No window of its own: as large as the content.
+    let identity = [0, 1, 2, 4][usize::from(descriptor & 3)];
+    let size = [1, 2, 4, 8][usize::from(descriptor >> 6)];
+    let bytes = rest.get(identity..).unwrap_or_default().iter().take(size).rev();
+    let content = bytes.fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte));
+    content.saturating_add(1 << 8).checked_next_power_of_two().map_or(MOST, u64::ilog2).clamp(LEAST, MOST)
 }
 
 #[cfg(not(feature = "zstd"))]

@@ -32,6 +32,15 @@ pub enum ParameterValue {
 }
 
 impl ParameterValue {
+    /// What it takes beside itself \[bytes\], twice as much for lists, which grow by doubling.
+    pub(crate) fn bytes(&self) -> usize {
+        let text = |scalar: &Scalar| if let Scalar::Text(text) = scalar { 32 + text.len() } else { 0 };
+        match self {
+            Self::One(scalar) => text(scalar),
+            Self::List(list) => 2 * size_of_val(&**list) + list.iter().map(text).sum::<usize>(),
+        }
+    }
+
     pub(crate) fn is_finite(&self) -> bool {
         let finite = |scalar: &Scalar| !matches!(scalar, Scalar::Number(number) if !number.is_finite());
         match self {

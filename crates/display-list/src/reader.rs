@@ -5,7 +5,7 @@ use crate::command::{Begin, Command};
 use crate::error::{ErrorKind, Fault, Place, TraceError};
 use crate::form::{BINARY_MAGIC, Encoding, TraceBytes};
 use crate::sequence::Order;
-use basrelief_input::JsonFault;
+use basrelief_input::{Budget, Held, JsonFault, OverBudget, json_weight};
 use serde::Deserialize;
 use std::io::{self, BufRead, Read};
 
@@ -13,14 +13,17 @@ use std::io::{self, BufRead, Read};
 const LIMIT: u64 = 16 << 20;
 /// Longest line or record of a texture \[bytes\].
 const TEXTURE_LIMIT: u64 = 512 << 20;
-/// Buffers larger than this are given back after use \[bytes\].
-const KEEP: usize = 1 << 20;
+/// Lines and records up to this length \[bytes\] are not counted, nor is what is made of them: of these there is one at a time.
+const SMALL: usize = 1 << 16;
+/// What a record grows to in memory, at most: a list of switches in an expectation does \[times\].
+const GROWTH: u64 = 32;
 
 /// A stream of commands, `begin` and `end` included. Each passed the checks of a command by itself (finite numbers,
 /// ranges, lengths), and `begin` stands first, `end` last with the right count. A trace that stops without `end` is
 /// an error. After an error the iterator ends.
 ///
-/// One command is in memory at a time; what a file says about sizes drives no allocation, only the bytes that arrive.
+/// One command is in memory at a time; what a file says about sizes drives no allocation, only the bytes that arrive. These,
+/// and what is made of them, are counted against a budget until the next command is asked for.
 pub struct Reader<R: Read> {
     source: TraceBytes<R>,
     encoding: Encoding,
@@ -29,6 +32,10 @@ pub struct Reader<R: Read> {
     given_begin: bool,
     failed: bool,
     buffer: Vec<u8>,
+    /// What the buffer and the last command take.
+    held: Held,
+    /// What the decompressor takes.
+    _window: Held,
 }
 
 /// Opens a trace of any form, told apart by its first bytes, and reads its `begin`.
@@ -36,7 +43,15 @@ pub struct Reader<R: Read> {
 /// # Errors
 /// If the input cannot be read, is no display list, or has another version.
 pub fn open<R: Read>(reader: R) -> Result<Reader<R>, TraceError> {
-    let (head, source) = TraceBytes::open(reader).map_err(|e| open_error(&e))?;
+    open_within(reader, &Budget::default())
+}
+
+/// As [`open`], within a budget.
+///
+/// # Errors
+/// As [`open`], and what is over the budget.
+pub fn open_within<R: Read>(reader: R, budget: &Budget) -> Result<Reader<R>, TraceError> {
+    let (head, source, window) = TraceBytes::open(reader, budget).map_err(|e| open_error(&e))?;
     let encoding = if head.starts_with(&BINARY_MAGIC) { Encoding::Binary } else { Encoding::JsonLines };
     if encoding == Encoding::JsonLines && !head.is_empty() && !head.starts_with(b"{") {
         let message = r#"no display list: expected JSON Lines that open with {"begin", their binary twin, or either in zstd"#;
@@ -50,6 +65,8 @@ pub fn open<R: Read>(reader: R) -> Result<Reader<R>, TraceError> {
         given_begin: false,
         failed: false,
         buffer: Vec::new(),
+        held: budget.nothing(),
+        _window: window,
     };
     if encoding == Encoding::Binary {
         reader.read_header()?;
@@ -79,6 +96,16 @@ impl<R: Read> Reader<R> {
         self.place_of(self.order.count().max(1))
     }
 
+    /// Bytes that the last command takes, where they are counted.
+    pub(crate) fn held(&self) -> u64 {
+        self.held.bytes()
+    }
+
+    /// The error, at the last command, of something that is over the budget.
+    pub(crate) fn over_budget(&self, error: &OverBudget) -> TraceError {
+        TraceError::over_budget(self.place(), error)
+    }
+
     fn next_place(&self) -> Place {
         self.place_of(self.order.count() + 1)
     }
@@ -97,11 +124,13 @@ impl<R: Read> Reader<R> {
     }
 
     fn command(&mut self) -> Result<Command, TraceError> {
+        self.held.shrink_to(0);
         let command = match self.encoding {
             Encoding::JsonLines => self.line()?,
             Encoding::Binary => self.record()?,
         };
-        if self.buffer.capacity() > KEEP {
+        if self.buffer.capacity() > SMALL {
+            self.held.give_back(self.buffer.capacity() as u64);
             self.buffer = Vec::new();
         }
         let place = self.next_place();
@@ -114,20 +143,46 @@ impl<R: Read> Reader<R> {
 
     fn line(&mut self) -> Result<Command, TraceError> {
         self.buffer.clear();
-        self.line_up_to(LIMIT)?;
-        if self.buffer.len() as u64 == LIMIT && self.buffer.starts_with(br#"{"texture""#) {
-            self.line_up_to(TEXTURE_LIMIT - LIMIT)?;
+        let mut most = SMALL as u64;
+        loop {
+            self.line_up_to(most)?;
+            let texture = self.buffer.starts_with(br#"{"texture""#);
+            if self.buffer.ends_with(b"\n") || (self.buffer.len() as u64) < most || most == limit(texture) {
+                break;
+            }
+            most = (2 * most).min(limit(texture));
         }
         if self.buffer.pop_if(|last| *last == b'\n').is_none() {
             return Err(self.unfinished_line());
         }
+        if self.buffer.len() > SMALL {
+            self.hold(json_weight(&self.buffer), "what a line says")?;
+        }
         basrelief_input::from_slice(&self.buffer).map_err(|fault| self.line_error(&fault))
     }
 
-    fn line_up_to(&mut self, limit: u64) -> Result<(), TraceError> {
+    /// Fills the buffer up to this length, or to the end of the line.
+    fn line_up_to(&mut self, length: u64) -> Result<(), TraceError> {
         let place = self.next_place();
-        let mut source = self.source.by_ref().take(limit);
+        self.room(length)?;
+        let mut source = self.source.by_ref().take(length - self.buffer.len() as u64);
         source.read_until(b'\n', &mut self.buffer).map_err(|e| TraceError::read(place, &e)).map(drop)
+    }
+
+    /// Makes room in the buffer, which is counted from [`SMALL`] on.
+    fn room(&mut self, length: u64) -> Result<(), TraceError> {
+        let more = length.saturating_sub(self.buffer.capacity().max(SMALL) as u64);
+        if more > 0 {
+            let whole = if self.buffer.capacity() <= SMALL { length } else { more };
+            self.hold(whole, "a line or record")?;
+            self.buffer.reserve_exact(length as usize - self.buffer.len());
+        }
+        Ok(())
+    }
+
+    fn hold(&mut self, bytes: u64, what: &str) -> Result<(), TraceError> {
+        let place = self.next_place();
+        self.held.grow(bytes, what).map_err(|error| TraceError::over_budget(place, &error))
     }
 
     fn unfinished_line(&self) -> TraceError {
@@ -166,6 +221,10 @@ impl<R: Read> Reader<R> {
             return Err(too_long(place, u64::from(length)));
         }
         self.fill(u64::from(length))?;
+        if self.buffer.len() > SMALL {
+            let growth = if name == Some(&"texture") { 1 } else { GROWTH };
+            self.hold(growth * u64::from(length), "what a record says")?;
+        }
         let malformed = |what: String| {
             let message = format!("not a valid record ({what}): the file is damaged, or not of this version");
             TraceError::new(place, ErrorKind::Malformed, name.copied().unwrap_or("unknown command"), message)
@@ -181,9 +240,17 @@ impl<R: Read> Reader<R> {
     fn fill(&mut self, bytes: u64) -> Result<(), TraceError> {
         let place = self.next_place();
         self.buffer.clear();
-        let mut source = self.source.by_ref().take(bytes);
-        let got = source.read_to_end(&mut self.buffer).map_err(|e| TraceError::read(place, &e))?;
-        match got as u64 {
+        let (mut most, mut got) = (bytes.min(SMALL as u64), 0);
+        loop {
+            self.room(most)?;
+            let mut source = self.source.by_ref().take(most - got);
+            got += source.read_to_end(&mut self.buffer).map_err(|e| TraceError::read(place, &e))? as u64;
+            if got < most || most == bytes {
+                break;
+            }
+            most = (2 * most).min(bytes);
+        }
+        match got {
             got if got == bytes => Ok(()),
             0 => Err(TraceError::truncated(place, "expected a command, at the latest `end`")),
             got => Err(TraceError::truncated(place, &format!("{got} of {bytes} bytes are there"))),

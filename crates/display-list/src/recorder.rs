@@ -9,7 +9,7 @@ use crate::writer::{Writer, write_line};
 use basrelief_signals::{Control, Frame, Material, ObjectInfo, Polygon, Texture, Vertex};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::io::{self, BufWriter, Write};
 use std::sync::Arc;
 
 /// Records control tokens as a trace. [Reading](crate::Resolver) it gives equal tokens.
@@ -61,17 +61,16 @@ impl<W: Write> Recorder<W> {
 /// inline. A scene and its recorded trace have the same one; for a recorded trace in JSON Lines it is what
 /// `grep -vE '^\{"(expect|end)"' | sha256sum` says.
 pub struct CanonicalHash {
-    hash: Sha256,
+    hash: BufWriter<Hashing>,
     describer: Describer,
-    line: Vec<u8>,
 }
 
 impl CanonicalHash {
     /// Of an input that opens so.
     pub fn new(begin: &Begin) -> Self {
-        let mut hash = Self { hash: Sha256::new(), describer: Describer::new(begin), line: Vec::new() };
-        feed(&mut hash.hash, &mut hash.line, &Command::Begin(begin.clone()));
-        hash
+        let mut hash = BufWriter::new(Hashing(Sha256::new()));
+        feed(&mut hash, &Command::Begin(begin.clone()));
+        Self { hash, describer: Describer::new(begin) }
     }
 
     /// Takes the next token.
@@ -79,25 +78,38 @@ impl CanonicalHash {
     /// # Errors
     /// As [`Recorder::record`], but for what only writing checks.
     pub fn update(&mut self, control: &Control) -> Result<(), TraceError> {
-        let Self { hash, describer, line } = self;
+        let Self { hash, describer } = self;
         describer.describe(control, &mut |command| {
-            feed(hash, line, command);
+            feed(hash, command);
             Ok(())
         })
     }
 
     /// The hash of all tokens taken.
-    pub fn finish(self) -> Digest {
-        Digest(self.hash.finalize().into())
+    pub fn finish(mut self) -> Digest {
+        let _ = self.hash.flush();
+        Digest(self.hash.get_ref().0.clone().finalize().into())
     }
 }
 
-fn feed(hash: &mut Sha256, line: &mut Vec<u8>, command: &Command) {
-    line.clear();
-    // Writing into memory cannot fail, nor can a command: it has no keys but names.
-    if write_line(command, line).is_ok() {
-        hash.update(&line);
+/// Hashes what is written.
+struct Hashing(Sha256);
+
+impl Write for Hashing {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
     }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// As it is written, not as a line of its own: with its texels, that may be long.
+fn feed(hash: &mut BufWriter<Hashing>, command: &Command) {
+    // Hashing cannot fail, nor can a command: it has no keys but names.
+    let _ = write_line(command, hash);
 }
 
 /// Says control tokens as commands, and defines what they use at its first use.
@@ -249,11 +261,16 @@ fn texture_definition(kind: TextureKind, texture: &Texture) -> Result<TextureDef
 }
 
 fn texel_bytes(kind: TextureKind, texture: &Texture) -> Vec<u8> {
-    let texels = texture.levels.iter().flat_map(|level| &level.texels);
-    match kind {
-        TextureKind::Color => texels.flatten().copied().collect(),
-        TextureKind::Normal => texels.flat_map(|&[r, g, b, _]| [r, g, b]).collect(),
+    // Exactly as much as it takes: grown by doubling, it would take up to twice that.
+    let count: usize = texture.levels.iter().map(|level| level.texels.len()).sum();
+    let mut bytes = Vec::with_capacity(count * kind.texel_bytes() as usize);
+    for level in &texture.levels {
+        match kind {
+            TextureKind::Color => bytes.extend_from_slice(level.texels.as_flattened()),
+            TextureKind::Normal => bytes.extend(level.texels.iter().flat_map(|&[r, g, b, _]| [r, g, b])),
+        }
     }
+    bytes
 }
 
 fn material_definition(material: &Material) -> MaterialDefinition {

@@ -4,17 +4,19 @@ use crate::check::check_length;
 use crate::command::*;
 use crate::data::Digest;
 use crate::error::{ErrorKind, Fault, TraceError};
-use crate::reader::{Reader, open};
+use crate::lent::Lent;
+use crate::reader::{Reader, open_within};
 use crate::sequence::Nesting;
+use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_signals::{Control, Frame, Image, Light, Material, ObjectInfo, Polygon, Texture, Vertex};
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 use std::sync::Arc;
 
-/// Most texels of all textures together \[bytes, 4 per texel\].
-const TEXTURE_MEMORY: u64 = 1 << 30;
-/// Most materials: far above what scenes have, and a bound on what a small compressed file can make us hold.
-const MAX_MATERIALS: usize = 1 << 16;
+/// What a texture or a material takes beside its name and its texels, with its places in tables \[bytes\].
+const DEFINITION: u64 = 1 << 10;
+/// Bytes of a texel.
+const TEXEL: u64 = 4;
 
 /// Opens the files beside a trace that hold texels. Names are relative, have `/` between their parts and no `..`.
 pub trait Files {
@@ -44,18 +46,25 @@ impl Files for NoFiles {
 /// Checks a trace and turns its commands into control tokens, each with the cycle of its arrival (polygons only).
 ///
 /// Iterate to the end: only then is it known that the trace is whole, and are all [expectations](Self::expectations)
-/// there. Textures and materials are kept, and shared by the polygons that use them; polygons are not.
+/// there. Textures and materials are kept, and shared by the polygons that use them; polygons are not. All that is kept
+/// is counted against a budget, and so are tokens, as long as anybody has them.
 pub struct Resolver<R: Read, F> {
     reader: Reader<R>,
     files: F,
     nesting: Nesting,
     textures: BTreeMap<u32, (TextureKind, Arc<Texture>)>,
-    texture_memory: u64,
     /// Colour textures defined ahead of the next frame: it declares them.
     declared: Vec<Arc<Texture>>,
     materials: BTreeMap<u32, Arc<Material>>,
     expectations: Vec<Expectation>,
     failed: bool,
+    budget: Budget,
+    /// What is kept.
+    held: Held,
+    /// Texels of the largest texture, which are copied where it is hashed or recorded.
+    copied: Held,
+    texture_copies: u64,
+    lent: Lent,
 }
 
 impl<R: Read, F: Files> Resolver<R, F> {
@@ -64,17 +73,46 @@ impl<R: Read, F: Files> Resolver<R, F> {
     /// # Errors
     /// As [`open`].
     pub fn new(reader: R, files: F) -> Result<Self, TraceError> {
+        Self::within(reader, files, &Budget::default())
+    }
+
+    /// As [`Resolver::new`], within a budget.
+    ///
+    /// # Errors
+    /// As [`open`](crate::open), and what is over the budget.
+    pub fn within(reader: R, files: F, budget: &Budget) -> Result<Self, TraceError> {
+        let reader = open_within(reader, budget)?;
+        let begin = reader.begin();
+        // It is copied where the trace is hashed.
+        let generator = budget.take(4 * begin.generator.len() as u64, "the name of what made the trace");
+        let held = generator.map_err(|e| Fault::over_budget("generator")(e).at(reader.place(), "begin"))?;
         Ok(Self {
-            reader: open(reader)?,
+            reader,
             files,
             nesting: Nesting::default(),
             textures: BTreeMap::new(),
-            texture_memory: 0,
             declared: Vec::new(),
             materials: BTreeMap::new(),
             expectations: Vec::new(),
             failed: false,
+            budget: budget.clone(),
+            held,
+            copied: budget.nothing(),
+            texture_copies: 0,
+            lent: Lent::new(budget),
         })
+    }
+
+    /// Counts the texels of each texture so many times more: copies that the machine behind it makes.
+    #[must_use]
+    pub fn with_texture_copies(mut self, copies: u64) -> Self {
+        self.texture_copies = copies;
+        self
+    }
+
+    /// The error, at the last command, of something that it makes necessary and that is over the budget.
+    pub fn over_budget(&self, error: &OverBudget) -> TraceError {
+        self.reader.over_budget(error)
     }
 
     /// Size of the pictures, and what made the trace.
@@ -85,6 +123,15 @@ impl<R: Read, F: Files> Resolver<R, F> {
     /// Expectations read so far; all of them once the iteration has ended.
     pub fn expectations(&self) -> &[Expectation] {
         &self.expectations
+    }
+
+    /// All expectations, and what they take of the budget.
+    pub fn into_expectations(self) -> (Vec<Expectation>, Held) {
+        let bytes = self.expectations.iter().map(|expectation| 2 * expectation.bytes()).sum();
+        let Self { mut held, expectations, .. } = self;
+        // They were counted when they were read.
+        held.shrink_to(bytes);
+        (expectations, held)
     }
 
     fn take(&mut self, command: Command) -> Result<Option<Control>, Fault> {
@@ -98,6 +145,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
             Command::FrameEnd(_) => Control::FrameEnd,
             other => return self.keep(other).map(|()| None),
         };
+        self.lent.lend(&control)?;
         Ok(Some(control))
     }
 
@@ -106,7 +154,11 @@ impl<R: Read, F: Files> Resolver<R, F> {
         match command {
             Command::Texture(texture) => return self.define_texture(texture),
             Command::Material(material) => return self.define_material(material),
-            Command::Expect(expectation) => self.expectations.push(*expectation),
+            Command::Expect(expectation) => {
+                // Twice: they are given to whoever runs the trace.
+                self.held.grow(2 * expectation.bytes(), "expectations").map_err(Fault::over_budget(""))?;
+                self.expectations.push(*expectation);
+            }
             _ => {}
         }
         Ok(())
@@ -128,9 +180,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
         if self.materials.contains_key(&definition.id) {
             return Err(twice(definition.id));
         }
-        if self.materials.len() >= MAX_MATERIALS {
-            return Err(Fault::new("id", format!("is the number of one more than {MAX_MATERIALS} materials")));
-        }
+        self.held.grow(DEFINITION + definition.name.len() as u64, "materials").map_err(Fault::over_budget("name"))?;
         let color_texture = self.texture("color_texture", definition.color_texture, TextureKind::Color)?;
         let normal_map = self.texture("normal_map", definition.normal_map, TextureKind::Normal)?;
         let MaterialDefinition { id, name, base_color, normal_scale, lighting, double_sided, .. } = definition;
@@ -154,12 +204,10 @@ impl<R: Read, F: Files> Resolver<R, F> {
         if self.textures.contains_key(&definition.id) {
             return Err(twice(definition.id));
         }
-        self.texture_memory += definition.texel_count() * 4;
-        if self.texture_memory > TEXTURE_MEMORY {
-            let limit = TEXTURE_MEMORY >> 20;
-            return Err(Fault::new("width", format!("makes all textures larger than {limit} MiB together: use smaller ones")));
-        }
-        let bytes = self.texels(&mut definition)?;
+        self.held.grow(DEFINITION + definition.name.len() as u64, "textures").map_err(Fault::over_budget("name"))?;
+        let texels = TEXEL * definition.texel_count();
+        self.held.grow(texels * (1 + self.texture_copies), "texels").map_err(Fault::over_budget("width"))?;
+        let (bytes, _held) = self.texels(&mut definition)?;
         if Digest::of(&bytes) != definition.sha256 {
             let message = format!(
                 "is {}, but the texels have {}: they are damaged or not the ones meant",
@@ -169,6 +217,9 @@ impl<R: Read, F: Files> Resolver<R, F> {
             return Err(Fault::new("sha256", message));
         }
         let levels = levels(&definition, &bytes);
+        drop((bytes, _held));
+        let more = texels.saturating_sub(self.copied.bytes());
+        self.copied.grow(more, "a copy of texels").map_err(Fault::over_budget("width"))?;
         let TextureDefinition { id, name, kind, sampler, offset, .. } = definition;
         let texture = Arc::new(Texture { id, name, sampler, levels, offset });
         if kind == TextureKind::Color && !self.nesting.in_frame() {
@@ -178,18 +229,19 @@ impl<R: Read, F: Files> Resolver<R, F> {
         Ok(())
     }
 
-    /// The texels' bytes, as many as the levels need.
-    fn texels(&mut self, definition: &mut TextureDefinition) -> Result<Vec<u8>, Fault> {
+    /// The texels' bytes, as many as the levels need, and what they take. Those of the command itself the reader counts.
+    fn texels(&mut self, definition: &mut TextureDefinition) -> Result<(Vec<u8>, Held), Fault> {
         if let Some(data) = definition.data.take() {
-            return Ok(data.0);
+            return Ok((data.0, self.budget.nothing()));
         }
         let name = definition.file.as_deref().unwrap_or_default();
-        let mut bytes = Vec::new();
         let expected = definition.texel_count() * definition.kind.texel_bytes();
+        let held = self.budget.take(expected + 1, "a file of texels").map_err(Fault::over_budget("file"))?;
+        let mut bytes = Vec::with_capacity(expected as usize + 1);
         let read = self.files.open(name).and_then(|file| file.take(expected + 1).read_to_end(&mut bytes));
         read.map_err(|e| Fault::new("file", format!("cannot read {name:?}: {e}")).of_kind(ErrorKind::Io))?;
         check_length(definition, bytes.len() as u64, "file")?;
-        Ok(bytes)
+        Ok((bytes, held))
     }
 }
 

@@ -4,8 +4,9 @@ use crate::check::check;
 use crate::command::{Command, End, VERSION};
 use crate::error::{ErrorKind, Place, TraceError};
 use crate::form::{BINARY_MAGIC, Encoding, Form, Sink};
-use crate::reader::{limit, open, too_long};
+use crate::reader::{limit, open_within, too_long};
 use crate::sequence::Order;
+use basrelief_input::Budget;
 use std::io::{self, Read, Write};
 
 /// Writes commands. Each passes the same checks as on reading, so that what was written can be read.
@@ -84,10 +85,9 @@ impl<W: Write> Writer<W> {
 }
 
 /// The canonical line of a command, with its line end.
-pub(crate) fn write_line(command: &Command, line: &mut Vec<u8>) -> io::Result<()> {
-    serde_json::to_writer(&mut *line, command)?;
-    line.push(b'\n');
-    Ok(())
+pub(crate) fn write_line(command: &Command, mut line: impl Write) -> io::Result<()> {
+    serde_json::to_writer(&mut line, command)?;
+    line.write_all(b"\n")
 }
 
 /// Turns a trace of any form into another form without loss; JSON Lines come out canonical: no spaces, fields in a
@@ -96,9 +96,22 @@ pub(crate) fn write_line(command: &Command, line: &mut Vec<u8>) -> io::Result<()
 /// # Errors
 /// If the trace is malformed or truncated, or reading or writing fails.
 pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: Form) -> Result<u64, TraceError> {
+    convert_within(reader, writer, form, &Budget::default())
+}
+
+/// As [`convert`], within a budget.
+///
+/// # Errors
+/// As [`convert`], and what is over the budget.
+pub fn convert_within<R: Read, W: Write>(reader: R, writer: W, form: Form, budget: &Budget) -> Result<u64, TraceError> {
     let mut out = Writer::new(writer, form)?;
-    for command in open(reader)? {
-        out.write(&command?)?;
+    let mut commands = open_within(reader, budget)?;
+    // What a command takes as a line or record, once more: it is written from memory.
+    let mut written = budget.nothing();
+    while let Some(command) = commands.next().transpose()? {
+        written.shrink_to(0);
+        written.grow(commands.held(), "a command to be written").map_err(|e| commands.over_budget(&e))?;
+        out.write(&command)?;
     }
     let count = out.count();
     out.finish().map(|_| count)

@@ -17,6 +17,8 @@ pub struct SceneError {
     pub expected: String,
     /// What the user can do; may be empty.
     pub cure: String,
+    /// The input may be in order, but holds more than the budget allows.
+    pub over_budget: bool,
 }
 
 impl Display for SceneError {
@@ -86,10 +88,17 @@ pub(crate) struct Warnings {
 /// More than this many different sentences help nobody.
 const MOST_WARNINGS: usize = 100;
 
+/// Longest sentence \[characters\]: it may name what has a name as long as the file.
+const LONGEST_WARNING: usize = 1000;
+
 impl Warnings {
     /// Adds a sentence, unless it was said before.
     pub(crate) fn add(&mut self, sentence: impl Into<String>) {
-        let sentence = sentence.into();
+        let mut sentence = sentence.into();
+        if let Some((end, _)) = sentence.char_indices().nth(LONGEST_WARNING) {
+            sentence.truncate(end);
+            sentence.push_str("...");
+        }
         if self.sentences.contains(&sentence) {
             return;
         }

@@ -1,20 +1,18 @@
 //! Access to the files that a model refers to.
 
-use crate::SceneError;
+use basrelief_input::{Budget, Held, read_to_end};
 use std::collections::BTreeMap;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
-
-/// Largest file that is read \[bytes\].
-pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// Where a model's other files come from: buffers, pictures, material libraries.
 pub trait Files {
-    /// The bytes of a file, named relative to the model, `/` between folders.
+    /// The bytes of a file, named relative to the model, `/` between folders, and what they take of the budget.
     ///
     /// # Errors
-    /// Whatever kept the file from being read; `NotFound` where there is none.
-    fn read(&self, relative: &str) -> io::Result<Vec<u8>>;
+    /// Whatever kept the file from being read; `NotFound` where there is none,
+    /// [`OverBudget`](basrelief_input::OverBudget) where it is larger than the budget allows.
+    fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)>;
 }
 
 /// The files of a folder, read with `std::fs`.
@@ -31,8 +29,8 @@ impl Directory {
 }
 
 impl Files for Directory {
-    fn read(&self, relative: &str) -> io::Result<Vec<u8>> {
-        read_regular(&self.folder.join(relative))
+    fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
+        read_regular(&self.folder.join(relative), budget)
     }
 }
 
@@ -52,23 +50,24 @@ impl Memory {
 }
 
 impl Files for Memory {
-    fn read(&self, relative: &str) -> io::Result<Vec<u8>> {
-        self.files.get(relative).cloned().ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))
+    fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
+        let bytes = self.files.get(relative).ok_or_else(|| io::Error::from(io::ErrorKind::NotFound))?;
+        let held = budget.take(bytes.len() as u64, FILE)?;
+        Ok((bytes.clone(), held))
     }
 }
 
+/// What is counted when a file is read.
+const FILE: &str = "a file";
+
 /// Reads a regular file; pipes and devices are refused, since reading them may never end.
-pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+pub(crate) fn read_regular(path: &Path, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
     let mut file = std::fs::File::open(path)?;
-    if !file.metadata()?.is_file() {
+    let facts = file.metadata()?;
+    if !facts.is_file() {
         return Err(io::Error::other("not a regular file"));
     }
-    let mut bytes = Vec::new();
-    file.by_ref().take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(io::Error::other(format!("larger than {MAX_FILE_BYTES} bytes")));
-    }
-    Ok(bytes)
+    read_to_end(&mut file, facts.len(), budget, FILE)
 }
 
 /// Turns a reference in a model into a name for [`Files::read`]: relative paths only. `..` is allowed, since models
@@ -90,20 +89,6 @@ pub(crate) fn relative_name(reference: &str) -> Result<&str, &'static str> {
     Ok(reference)
 }
 
-/// Reads a referenced file, with an error that names it and the place that refers to it.
-pub(crate) fn read_reference(files: &dyn Files, reference: &str, place: &str) -> Result<Vec<u8>, SceneError> {
-    let name = relative_name(reference).map_err(|why| {
-        SceneError::at(place, format!("`{}` {why}", shorten(reference)))
-            .expected("a path relative to the model")
-            .cure("copy the file next to the model and refer to it by its name")
-    })?;
-    files.read(name).map_err(|e| {
-        SceneError::at(place, format!("cannot read `{}`: {e}", shorten(name)))
-            .expected("a file at this path, relative to the model")
-            .cure("put the file there or correct the reference")
-    })
-}
-
 /// The beginning of a text that may be very long.
 pub(crate) fn shorten(text: &str) -> String {
     const LONGEST: usize = 80;
@@ -116,6 +101,7 @@ pub(crate) fn shorten(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::outside::Outside;
 
     #[test]
     fn only_relative_names_are_read() {
@@ -132,14 +118,17 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a"), b"xyz").unwrap();
         let files = Directory::new(folder.path());
-        assert_eq!(files.read("a").unwrap(), b"xyz");
-        assert!(files.read(".").is_err());
-        assert_eq!(files.read("b").unwrap_err().kind(), io::ErrorKind::NotFound);
+        let budget = Budget::default();
+        assert_eq!(files.read("a", &budget).unwrap().0, b"xyz");
+        assert!(files.read(".", &budget).is_err());
+        assert_eq!(files.read("b", &budget).unwrap_err().kind(), io::ErrorKind::NotFound);
     }
 
     #[test]
     fn a_missing_file_is_named_with_its_place() {
-        let e = read_reference(&Memory::default(), "a.bin", "/buffers/0/uri").unwrap_err().in_file("m.gltf");
+        let files = Memory::default();
+        let outside = Outside::new(&files, &Budget::default());
+        let e = outside.read("a.bin", "/buffers/0/uri").unwrap_err().in_file("m.gltf");
         let text = e.to_string();
         assert!(text.starts_with("m.gltf: /buffers/0/uri: cannot read `a.bin`"), "{text}");
     }

@@ -11,6 +11,7 @@ mod gltf;
 mod model;
 mod normals;
 mod obj;
+mod outside;
 mod picture;
 pub mod pyramid;
 mod tangents;
@@ -20,12 +21,15 @@ mod view;
 pub use camera::{read_camera, write_camera};
 pub use demo::{DEMOS, DemoInfo, demo};
 pub use error::SceneError;
-pub use files::{Directory, Files, MAX_FILE_BYTES, Memory};
+pub use files::{Directory, Files, Memory};
 pub use view::ViewOptions;
 
-use basrelief_signals::Scene;
+use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_signals::{Frame, Light, Scene};
 use error::Warnings;
 use model::Model;
+use outside::{Outside, over_budget};
+use std::io;
 use std::path::Path;
 use view::ViewHints;
 
@@ -36,10 +40,31 @@ use view::ViewHints;
 /// # Errors
 /// Neither of the formats, corrupt, a required extension that is not supported, over a limit, or nothing to draw.
 pub fn load(bytes: &[u8], name: &str, files: &dyn Files, options: &ViewOptions) -> Result<Scene, SceneError> {
+    load_within(bytes, name, files, options, &Budget::default()).map(|(scene, _)| scene)
+}
+
+/// As [`load`], within a budget: the scene, and what it takes of it.
+///
+/// # Errors
+/// As [`load`], and what is over the budget.
+pub fn load_within(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ViewOptions,
+    budget: &Budget,
+) -> Result<(Scene, Held), SceneError> {
     let mut warnings = Warnings::default();
-    let model = import(bytes, name, files, &mut warnings).map_err(|e| e.in_file(name))?;
-    let frames = ViewHints::still(model.bounds, model.camera, model.lamps).frames(options)?;
-    Ok(Scene { name: name.into(), objects: model.objects, frames, warnings: warnings.into_vec() })
+    let outside = Outside::new(files, budget);
+    let model = import(bytes, name, &outside, &mut warnings).map_err(|e| e.in_file(name))?;
+    let hints = ViewHints::still(model.bounds, model.camera, model.lamps);
+    let frame = (size_of::<Frame>() + 64 + hints.lamps.len() * size_of::<Light>()) as u64;
+    outside
+        .hold(frame * u64::from(options.frames.unwrap_or(hints.frames)), "", "frames and their lights")
+        .map_err(|e| e.in_file(name))?;
+    let frames = hints.frames(options)?;
+    let scene = Scene { name: name.into(), objects: model.objects, frames, warnings: warnings.into_vec() };
+    Ok((scene, outside.into_kept()))
 }
 
 /// Imports a model from the file system; what it refers to is looked for in its folder.
@@ -47,22 +72,33 @@ pub fn load(bytes: &[u8], name: &str, files: &dyn Files, options: &ViewOptions) 
 /// # Errors
 /// As [`load`], and where the file cannot be read.
 pub fn load_path(path: &Path, options: &ViewOptions) -> Result<Scene, SceneError> {
-    let shown = path.display().to_string();
-    let bytes = files::read_regular(path)
-        .map_err(|e| SceneError::at("", format!("cannot be read: {e}")).expected("a .glb, .gltf or .obj file").in_file(&shown))?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    load(&bytes, &shown, &Directory::new(folder), options)
+    load_path_within(path, options, &Budget::default()).map(|(scene, _)| scene)
 }
 
-fn import(bytes: &[u8], name: &str, files: &dyn Files, warnings: &mut Warnings) -> Result<Model, SceneError> {
+/// As [`load_path`], within a budget: the scene, and what it takes of it.
+///
+/// # Errors
+/// As [`load_path`], and what is over the budget.
+pub fn load_path_within(path: &Path, options: &ViewOptions, budget: &Budget) -> Result<(Scene, Held), SceneError> {
+    let shown = path.display().to_string();
+    let cannot = |e: io::Error| match OverBudget::within(&e) {
+        Some(error) => over_budget("", error),
+        None => SceneError::at("", format!("cannot be read: {e}")).expected("a .glb, .gltf or .obj file"),
+    };
+    let (bytes, _held) = files::read_regular(path, budget).map_err(|e| cannot(e).in_file(&shown))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    load_within(&bytes, &shown, &Directory::new(folder), options, budget)
+}
+
+fn import(bytes: &[u8], name: &str, outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {
     let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
     let first = bytes.iter().find(|b| !b.is_ascii_whitespace());
     if bytes.starts_with(gltf::glb::MAGIC) || ending == "glb" {
-        gltf::import_glb(bytes, files, warnings)
+        gltf::import_glb(bytes, outside, warnings)
     } else if ending == "gltf" || (ending != "obj" && first == Some(&b'{')) {
-        gltf::import_json(bytes, files, warnings)
+        gltf::import_json(bytes, outside, warnings)
     } else if ending == "obj" {
-        obj::import(bytes, files, warnings)
+        obj::import(bytes, outside, warnings)
     } else {
         Err(SceneError::at("", "no known model format")
             .expected("a .glb, .gltf or .obj file")

@@ -1,55 +1,63 @@
 //! PNG and JPEG decoding within limits.
 
 use crate::SceneError;
+use crate::outside::Outside;
+use basrelief_input::Held;
 use basrelief_signals::Image;
-use image::{ImageError, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 
 /// Most texels per side.
 pub(crate) const MAX_SIDE: u32 = 16_384;
 
-/// Most texels of one picture: decoding takes up to 8 bytes for each, beside what is already there.
-const MAX_PICTURE: u64 = 1 << 26;
+/// Bytes of a texel.
+const TEXEL: u64 = 4;
 
 /// Memory that a decoder may take beyond its result \[bytes\].
 const SCRATCH: u64 = 1 << 26;
 
-/// Decodes a PNG or JPEG file, told apart by content, into RGBA with 8 bits each (16-bit files are rounded).
+/// What a JPEG decoder takes beside its result: the file once more and, of a progressive one, all coefficients \[bytes per
+/// texel\].
+const COEFFICIENTS: u64 = 6;
+
+/// Decodes a PNG or JPEG file, told apart by content, into RGBA with 8 bits each (16-bit files are rounded). With it comes
+/// what it takes: 4 bytes per texel.
 ///
 /// # Errors
-/// Neither PNG nor JPEG, corrupt, over [`MAX_SIDE`], or more than `most_texels`.
-pub(crate) fn decode(bytes: &[u8], name: &str, most_texels: u64) -> Result<Image, SceneError> {
-    let most_texels = most_texels.min(MAX_PICTURE);
+/// Neither PNG nor JPEG, corrupt, over [`MAX_SIDE`], or over the budget.
+pub(crate) fn decode(bytes: &[u8], name: &str, outside: &Outside<'_>) -> Result<(Image, Held), SceneError> {
     let fail = |what: String| SceneError { file: name.into(), ..SceneError::at("", what) };
     let format = sniff(bytes).ok_or_else(|| {
         fail(format!("neither PNG nor JPEG{}", look_alike(bytes)))
             .expected("a PNG or JPEG picture, whatever its file name says")
             .cure("convert it")
     })?;
-    // Texts and colour profiles are expanded ahead of the dimensions, so the limits hold for both readers.
-    let reader = || {
-        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-        let mut limits = Limits::default();
-        limits.max_image_width = Some(MAX_SIDE);
-        limits.max_image_height = Some(MAX_SIDE);
-        limits.max_alloc = Some(4 * most_texels + SCRATCH);
-        reader.limits(limits);
-        reader
-    };
-    let (width, height) = reader().into_dimensions().map_err(|e| corrupt(&fail, format, &e))?;
+    // Texts and colour profiles are expanded ahead of the dimensions: a file of a known length, by a thousand times.
+    let most = SCRATCH.min(1024 * bytes.len() as u64).min(outside.left() / 4);
+    let scratch = outside.take(most, "", "what stands beside texels")?;
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(scratch.bytes());
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(|e| corrupt(&fail, format, &e))?;
+    let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
         return Err(fail(format!("picture is {width} x {height} texels"))
             .expected(format!("1..={MAX_SIDE} per side"))
             .cure("scale it down"));
     }
-    if u64::from(width) * u64::from(height) > most_texels {
-        return Err(fail(format!("picture of {width} x {height} texels is too much: room for {most_texels} is left"))
-            .expected("at most 2^26 texels per picture and 2^27 in all textures of a scene")
-            .cure("scale the textures down"));
-    }
-    let pixels = reader().decode().map_err(|e| corrupt(&fail, format, &e))?.into_rgba8();
-    let texels = pixels.pixels().map(|p| p.0).collect();
-    Ok(Image { width: pixels.width(), height: pixels.height(), texels })
+    let what = || format!("texels of {name}, a picture of {width} x {height}");
+    let (texels, raw) = (u64::from(width) * u64::from(height), decoder.total_bytes());
+    let rgba = TEXEL * texels;
+    let coefficients = if format == ImageFormat::Jpeg { COEFFICIENTS * texels + bytes.len() as u64 } else { 0 };
+    // As it is stored and as RGBA, and that again as it is kept.
+    let mut held = outside.take((raw + rgba.max(coefficients)).max(2 * rgba), "", what()).map_err(|e| e.in_file(name))?;
+    let pixels = DynamicImage::from_decoder(decoder).map_err(|e| corrupt(&fail, format, &e))?.into_rgba8();
+    let image = Image { width, height, texels: pixels.as_raw().as_chunks().0.to_vec() };
+    held.shrink_to(rgba);
+    Ok((image, held))
 }
 
 /// The format that the first bytes announce.
@@ -93,7 +101,14 @@ fn corrupt(fail: &impl Fn(String) -> SceneError, format: ImageFormat, error: &Im
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use image::{DynamicImage, ImageBuffer, Luma, Rgba};
+    use crate::Memory;
+    use basrelief_input::Budget;
+    use image::{ImageBuffer, Luma, Rgba};
+
+    fn decoded(bytes: &[u8], name: &str, limit: u64) -> Result<Image, SceneError> {
+        let files = Memory::default();
+        decode(bytes, name, &Outside::new(&files, &Budget::new(limit))).map(|(image, _)| image)
+    }
 
     /// A PNG file of this picture.
     pub(crate) fn png(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
@@ -105,7 +120,7 @@ pub(crate) mod tests {
 
     #[test]
     fn texels_come_top_row_first() {
-        let image = decode(&png(2, 2, |x, y| [x as u8, y as u8, 7, 9]), "a.jpg", 4).unwrap();
+        let image = decoded(&png(2, 2, |x, y| [x as u8, y as u8, 7, 9]), "a.jpg", 1 << 20).unwrap();
         assert_eq!(image.texels, [[0, 0, 7, 9], [1, 0, 7, 9], [0, 1, 7, 9], [1, 1, 7, 9]]);
     }
 
@@ -114,14 +129,16 @@ pub(crate) mod tests {
         let picture = ImageBuffer::from_fn(2, 1, |x, _| Luma([if x == 0 { 65535u16 } else { 257 * 20 }]));
         let mut bytes = Cursor::new(Vec::new());
         DynamicImage::ImageLuma16(picture).write_to(&mut bytes, ImageFormat::Png).unwrap();
-        let image = decode(&bytes.into_inner(), "a.png", 2).unwrap();
+        let image = decoded(&bytes.into_inner(), "a.png", 1 << 20).unwrap();
         assert_eq!(image.texels, [[255, 255, 255, 255], [20, 20, 20, 255]]);
     }
 
     #[test]
     fn a_picture_over_the_limit_is_not_decoded() {
-        let error = decode(&png(3, 3, |_, _| [0; 4]), "big.png", 8).unwrap_err().to_string();
-        assert!(error.starts_with("big.png: picture of 3 x 3 texels is too much"), "{error}");
+        let error = decoded(&png(512, 512, |_, _| [0; 4]), "big.png", 2 << 20).unwrap_err();
+        let text = error.to_string();
+        assert!(text.starts_with("big.png: would hold 2 MiB of texels of big.png, a picture of 512 x 512, with"), "{text}");
+        assert!(text.contains("over the limit of 2 MiB; give more with --memory-limit") && error.over_budget, "{text}");
     }
 
     #[test]
@@ -129,7 +146,7 @@ pub(crate) mod tests {
         let whole = png(4, 4, |x, y| [(x * 60) as u8, (y * 60) as u8, 5, 255]);
         // The checksum of the end chunk is not needed to have all texels.
         for end in 0..whole.len() - 12 {
-            let error = decode(&whole[..end], "cut.png", 16).unwrap_err();
+            let error = decoded(&whole[..end], "cut.png", 1 << 20).unwrap_err();
             assert!(error.to_string().starts_with("cut.png: "), "{error}");
         }
     }

@@ -9,6 +9,11 @@ use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 
+/// What [`generate`] takes, at most \[bytes per corner\]: its lists of corners, faces and groups, tables of vertices to be
+/// split, and the lists of the mesh with a vertex for each corner. Measured: 167 where all corners are one, 250 where none is
+/// another's.
+pub(crate) const BYTES_PER_CORNER: u64 = 320;
+
 /// Gives the mesh tangents from its positions, normals and normal-map coordinates. Vertices whose faces disagree, as
 /// along a mirrored seam, are split: the mesh may end with more of them.
 pub(crate) fn generate(mesh: &mut Mesh) {

@@ -1,13 +1,14 @@
-//! Textures of one scene: numbering, places in memory, and the limit on what untrusted files may decode to.
+//! Textures of one scene: numbering, and places in memory.
 
 use crate::SceneError;
+use crate::outside::Outside;
 use crate::picture::decode;
 use crate::pyramid::{color_levels, height_levels, heights_of, normal_levels};
 use basrelief_signals::{Image, Sampler, Texture};
 use std::sync::Arc;
 
-/// Most texels of all finest levels together: 512 MiB, 683 MiB with their pyramids.
-const MAX_TEXELS: u64 = 1 << 27;
+/// What a texture takes beside its name and its texels \[bytes\].
+const TEXTURE: u64 = 1 << 10;
 
 /// What a texture holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,18 +22,11 @@ pub(crate) enum Content {
 }
 
 /// Numbers textures and places them in memory one after the other, colour textures and normal maps apart.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct TextureStore {
     next_id: u32,
     color_end: u64,
     normal_end: u64,
-    texels_left: u64,
-}
-
-impl Default for TextureStore {
-    fn default() -> Self {
-        Self { next_id: 0, color_end: 0, normal_end: 0, texels_left: MAX_TEXELS }
-    }
 }
 
 impl TextureStore {
@@ -43,14 +37,25 @@ impl TextureStore {
         name: &str,
         sampler: Sampler,
         content: Content,
+        outside: &Outside<'_>,
     ) -> Result<Arc<Texture>, SceneError> {
-        let image = decode(bytes, name, self.texels_left)?;
-        self.texels_left -= image.texels.len() as u64;
+        let (image, mut held) = decode(bytes, name, outside)?;
+        // The levels take as much again where the picture is a single row, a third of it elsewhere; heights have 8 bytes each.
+        let finest = held.bytes();
+        let beside = if let Content::Heights(_) = content { 4 * finest } else { finest };
+        let what = format!("levels of {name}, a picture of {} x {}", image.width, image.height);
+        held.join(outside.take(beside + TEXTURE + name.len() as u64, "", what).map_err(|e| e.in_file(name))?);
         let levels = match content {
             Content::Color => color_levels(image),
             Content::Normals => normal_levels(image),
-            Content::Heights(strength) => height_levels(heights_of(&image), strength, sampler.wrap),
+            Content::Heights(strength) => {
+                let heights = heights_of(&image);
+                drop(image);
+                height_levels(heights, strength, sampler.wrap)
+            }
         };
+        held.shrink_to(TEXTURE + name.len() as u64 + levels.iter().map(|l| size_of_val(&*l.texels) as u64).sum::<u64>());
+        outside.keep(held);
         Ok(self.add(name, sampler, content, levels))
     }
 

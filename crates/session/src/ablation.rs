@@ -3,12 +3,10 @@
 use crate::observer::{Observer, Pictures};
 use crate::outcome::{Run, SessionError};
 use crate::settings::RunOptions;
+use basrelief_input::Held;
 use basrelief_kernel::Outcome;
 use basrelief_report::Report;
 use basrelief_report::ablation::{Ablation, Variant};
-
-/// Most bytes of the pictures that are kept to hold the others against.
-const MAX_KEPT_BYTES: usize = 1 << 30;
 
 /// Runs the machine as configured, without each of its short cuts in turn, and without any. `run` makes one run to its end,
 /// of the same input under the settings it is given, watched by the observer it is given; that one passes only the progress on
@@ -22,7 +20,7 @@ pub fn ablate<E: From<SessionError>>(
     mut run: impl FnMut(&RunOptions, &mut dyn Observer) -> Result<Run, E>,
 ) -> Result<Ablation, E> {
     let no_short_cuts = || SessionError::NoShortCuts(settings.config.machine().name);
-    let mut beside = Beside { observer, kept: Vec::new(), bytes: 0, first: true, largest: 0 };
+    let mut beside = Beside { observer, kept: Vec::new(), held: settings.budget.nothing(), first: true, largest: 0 };
     let mut ablation: Option<Ablation> = None;
     for (variant, config) in settings.config.ablations() {
         let settings = RunOptions { config, exact: false, ..settings.clone() };
@@ -49,7 +47,7 @@ pub(crate) fn complete(variant: &str, run: Run) -> Result<Report, SessionError> 
 struct Beside<'a> {
     observer: &'a mut dyn Observer,
     kept: Vec<Vec<[u8; 3]>>,
-    bytes: usize,
+    held: Held,
     first: bool,
     largest: u8,
 }
@@ -62,12 +60,8 @@ impl Observer for Beside<'_> {
     fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
         let rgb = &pictures.machine.rgb;
         if self.first {
-            self.bytes += size_of_val(rgb.as_slice());
-            if self.bytes > MAX_KEPT_BYTES {
-                return Err(format!(
-                    "an ablation keeps the pictures of its first run, at most {MAX_KEPT_BYTES} bytes; take fewer frames or a smaller picture"
-                ));
-            }
+            let held = self.held.grow(size_of_val(rgb.as_slice()) as u64, "the pictures of the first run of an ablation");
+            held.map_err(|error| format!("{error}, or take fewer frames or a smaller picture"))?;
             self.kept.push(rgb.clone());
             return Ok(());
         }
@@ -82,6 +76,7 @@ impl Observer for Beside<'_> {
 mod tests {
     use super::*;
     use crate::observer::Unobserved;
+    use basrelief_input::Budget;
     use basrelief_reference::Picture;
 
     fn picture(grey: u8) -> Picture {
@@ -96,7 +91,8 @@ mod tests {
 
     #[test]
     fn the_largest_change_of_any_picture_counts() {
-        let mut beside = Beside { observer: &mut Unobserved, kept: vec![], bytes: 0, first: true, largest: 0 };
+        let held = Budget::default().nothing();
+        let mut beside = Beside { observer: &mut Unobserved, kept: vec![], held, first: true, largest: 0 };
         show(&mut beside, 0, &picture(100)).unwrap();
         show(&mut beside, 1, &picture(50)).unwrap();
         beside.first = false;
@@ -108,7 +104,8 @@ mod tests {
 
     #[test]
     fn pictures_beyond_the_limit_are_an_error_that_says_what_to_do() {
-        let mut beside = Beside { observer: &mut Unobserved, kept: vec![], bytes: MAX_KEPT_BYTES - 6, first: true, largest: 0 };
+        let held = Budget::new(6).nothing();
+        let mut beside = Beside { observer: &mut Unobserved, kept: vec![], held, first: true, largest: 0 };
         show(&mut beside, 0, &picture(0)).unwrap();
         assert!(show(&mut beside, 1, &picture(0)).unwrap_err().contains("take fewer frames"));
     }

@@ -4,12 +4,14 @@ use crate::difference::difference;
 use crate::exact::Exact;
 use crate::exhibits::content::{ExhibitInfo, Form};
 use crate::exhibits::spec::show_round;
+use crate::held;
 use crate::machines::{Logs, MachineSpec, PictureRecord, RunSummary};
 use crate::observer::{Observer, Pictures, picture_name};
 use crate::outcome::{Run, SessionError};
 use crate::settings::RunOptions;
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
+use basrelief_input::{Held, OverBudget};
 use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
 use basrelief_machines::{Facts, drawn_units};
 use basrelief_reference::{Picture, Quality, metrics};
@@ -37,6 +39,9 @@ pub(crate) struct Session<'a> {
     rounds: Vec<(u32, Picture)>,
     shown: Vec<PictureRecord>,
     failed: Option<String>,
+    /// What is remembered of frames, and their pictures that better ones follow.
+    held: [Held; 2],
+    over_budget: Option<OverBudget>,
     /// Seconds of simulation.
     pub(crate) simulate_s: f64,
 }
@@ -50,7 +55,23 @@ impl<'a> Session<'a> {
     ) -> Self {
         let (images, quality, difference) = (Vec::new(), Vec::new(), None);
         let (rounds, shown) = (Vec::new(), Vec::new());
-        Self { settings, observer, exact, commands, images, quality, difference, rounds, shown, failed: None, simulate_s: 0.0 }
+        let held = [settings.budget.nothing(), settings.budget.nothing()];
+        let (failed, over_budget) = (None, None);
+        Self {
+            settings,
+            observer,
+            exact,
+            commands,
+            images,
+            quality,
+            difference,
+            rounds,
+            shown,
+            failed,
+            held,
+            over_budget,
+            simulate_s: 0.0,
+        }
     }
 
     /// Simulates to the end.
@@ -85,6 +106,9 @@ impl<'a> Session<'a> {
             let last = machine.last_log().map(|log| (0, log));
             self.show(spec, last.as_slice());
         }
+        if let Some(over_budget) = self.over_budget.take() {
+            return Err(over_budget.into());
+        }
         if let Some(RunReport { outcome: Outcome::Fault(fault), .. }) = &report {
             return Err(self.fault(fault.clone()));
         }
@@ -109,7 +133,7 @@ impl<'a> Session<'a> {
             *aside += (self.settings.clock)() - began;
         }
         let (commands, total) = (self.commands)();
-        self.failed.is_none() && self.observer.progress(commands, total)
+        self.failed.is_none() && self.over_budget.is_none() && self.observer.progress(commands, total)
     }
 
     fn take_frames<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M) {
@@ -118,13 +142,22 @@ impl<'a> Session<'a> {
             let (frame, number) = (shown.index, shown.round);
             let picture = picture(shown);
             self.attempt(|session| rounds.map_or(Ok(()), |info| show_round(info, [frame, number], &picture, session.observer)));
-            self.rounds.push((frame, picture));
+            let bytes = held::WAITING_PIXEL * picture.rgb.len() as u64;
+            if self.hold(1, bytes, "pictures that better ones follow") {
+                self.rounds.push((frame, picture));
+            }
         }
         let frames = machine.drain_finished();
         self.show(spec, &machine.drain_log(&frames));
         for frame in frames {
             self.attempt(|session| session.take_frame(frame, rounds));
         }
+    }
+
+    /// Takes bytes for what is remembered; the run ends where there are none left.
+    fn hold(&mut self, which: usize, bytes: u64, what: &str) -> bool {
+        self.over_budget = self.over_budget.take().or_else(|| self.held[which].grow(bytes, what).err());
+        self.over_budget.is_none()
     }
 
     /// The exhibit of this form, if the machine has one and it is wanted.
@@ -149,6 +182,9 @@ impl<'a> Session<'a> {
     }
 
     fn take_frame(&mut self, frame: FinishedFrame, rounds: Option<ExhibitInfo>) -> Result<(), String> {
+        if !self.hold(0, held::FRAME, "figures of frames") {
+            return Ok(());
+        }
         let index = self.images.len();
         let number = frame.index;
         let machine = picture(frame);
@@ -169,6 +205,8 @@ impl<'a> Session<'a> {
         let (own, others) = std::mem::take(&mut self.rounds).into_iter().partition(|(of, _)| *of == frame);
         self.rounds = others;
         let own: Vec<(u32, Picture)> = own;
+        let rest: usize = self.rounds.iter().map(|(_, picture)| picture.rgb.len()).sum();
+        self.held[1].shrink_to(held::WAITING_PIXEL * rest as u64);
         for (round, (_, picture)) in (0..).zip(&own) {
             let psnr_db = basrelief_report::derived::round6(metrics::psnr(last, picture)?);
             self.shown.push(PictureRecord { frame, round, psnr_db, last: false });

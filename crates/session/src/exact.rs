@@ -23,7 +23,7 @@ impl Exact {
         match self {
             Self::None => None,
             Self::Scene(scene, style) => scene.frames.get(index).map(|frame| draw_scene(scene, frame, style)),
-            Self::Trace(seen) => seen.borrow_mut().exact.pop_front(),
+            Self::Trace(seen) => seen.borrow_mut().exact.pop_front().map(|(picture, _)| picture),
         }
     }
 }

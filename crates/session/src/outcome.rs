@@ -1,6 +1,7 @@
 //! What a run comes to.
 
 use basrelief_display_list::{Expectation, TraceError};
+use basrelief_input::OverBudget;
 use basrelief_kernel::RunReport;
 use basrelief_machines::ConfigProblem;
 use basrelief_report::Report;
@@ -14,6 +15,9 @@ pub enum SessionError {
     /// Parameters that do not fit together.
     #[error(transparent)]
     Config(#[from] ConfigProblem),
+    /// More than may be held, of a scene or of what a run remembers.
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
     /// A unit could not go on.
     #[error("{0}")]
     Fault(String),

@@ -2,6 +2,7 @@
 
 use crate::drive::Session;
 use crate::exact::Exact;
+use crate::held;
 use crate::machines::{MachineConfig, MachineSpec, for_machine};
 use crate::observer::Observer;
 use crate::outcome::{Run, SessionError};
@@ -97,6 +98,7 @@ fn run_scene<S: MachineSpec, P: Probe>(
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
+    let _textures = held::textures(scene, S::TEXTURE_COPIES, &settings.budget)?;
     let drawn = Rc::new(RefCell::new(Drawn::default()));
     let draws = HashedDraws::new(scene, spec.front(), Rc::clone(&drawn), settings.clock);
     let machine = spec.build(SceneFront::new(draws, spec.front()))?;
@@ -128,9 +130,12 @@ fn run_trace<S: MachineSpec, P: Probe>(
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
-    let resolver = Resolver::new(reader, move |name: &str| files.open(name))?;
+    let resolver = Resolver::within(reader, move |name: &str| files.open(name), &settings.budget)?;
+    let resolver = resolver.with_texture_copies(S::TEXTURE_COPIES);
+    let pictures = held::pictures(settings, resolver.begin());
+    let _pictures = pictures.map_err(|error| resolver.over_budget(&error))?;
     let seen = Rc::new(RefCell::new(TraceNotes::default()));
-    let tee = Tee::new(resolver, settings.exact.then(|| spec.exact_style()), Rc::clone(&seen), settings.clock);
+    let tee = Tee::new(resolver, settings.exact.then(|| spec.exact_style()), Rc::clone(&seen), settings);
     let front = TraceFront::new(tee, spec.front());
     let machine = match tiles {
         Some(tiles) => spec.build_remote(front, tiles)?,

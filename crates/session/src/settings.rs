@@ -4,6 +4,7 @@ use crate::exhibits::content::ExhibitInfo;
 use crate::machines::MachineConfig;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles};
+use basrelief_input::Budget;
 use basrelief_kernel::Engine;
 use basrelief_signals::Scene;
 use std::io::Read;
@@ -66,12 +67,22 @@ pub struct RunOptions {
     /// Seconds on a clock that does not run backwards, for the host figures; libraries read none themselves. It must
     /// not influence anything else, and does not.
     pub clock: fn() -> f64,
+    /// For what a trace makes the run hold, and for the copies that a machine makes of textures.
+    pub budget: Budget,
 }
 
 impl Default for RunOptions {
-    /// Default machine, timed engine, exact picture, no clock.
+    /// Default machine, timed engine, exact picture, no clock, a budget of its own.
     fn default() -> Self {
         let config = MachineConfig::default();
-        Self { config, engine: Some(Engine::Timed), max_cycles: u64::MAX, exact: true, exhibits: vec![], clock: || 0.0 }
+        Self {
+            config,
+            engine: Some(Engine::Timed),
+            max_cycles: u64::MAX,
+            exact: true,
+            exhibits: vec![],
+            clock: || 0.0,
+            budget: Budget::default(),
+        }
     }
 }

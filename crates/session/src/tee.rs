@@ -1,6 +1,9 @@
 //! A trace on its way into the machine: hashed and drawn exactly as it passes, since it can be read only once.
 
-use basrelief_display_list::{CanonicalHash, Digest, Expectation, Files, Resolver, TraceError};
+use crate::held;
+use crate::settings::RunOptions;
+use basrelief_display_list::{Begin, CanonicalHash, Digest, Expectation, Files, Resolver, TraceError};
+use basrelief_input::{Budget, Held};
 use basrelief_reference::{Picture, PolygonRenderer, Style};
 use basrelief_signals::{Control, Frame};
 use std::cell::RefCell;
@@ -15,7 +18,7 @@ pub(crate) struct TraceNotes {
     /// Commands passed.
     pub(crate) commands: u64,
     /// Exact pictures whose frames have passed and that nobody has fetched.
-    pub(crate) exact: VecDeque<Picture>,
+    pub(crate) exact: VecDeque<(Picture, Held)>,
     /// The frame that passed last.
     pub(crate) frame: Option<Arc<Frame>>,
     /// Hash of the commands, once all have passed.
@@ -34,17 +37,24 @@ pub(crate) struct Tee<R: Read, F> {
     renderer: Option<PolygonRenderer>,
     seen: Rc<RefCell<TraceNotes>>,
     clock: fn() -> f64,
+    budget: Budget,
 }
 
 impl<R: Read, F: Files> Tee<R, F> {
-    pub(crate) fn new(resolver: Resolver<R, F>, exact: Option<Style>, seen: Rc<RefCell<TraceNotes>>, clock: fn() -> f64) -> Self {
+    pub(crate) fn new(
+        resolver: Resolver<R, F>,
+        exact: Option<Style>,
+        seen: Rc<RefCell<TraceNotes>>,
+        settings: &RunOptions,
+    ) -> Self {
         let begin = resolver.begin();
         Self {
             hash: Some(CanonicalHash::new(begin)),
             renderer: exact.map(|style| PolygonRenderer::new(begin.width, begin.height, style)),
             resolver,
             seen,
-            clock,
+            clock: settings.clock,
+            budget: settings.budget.clone(),
         }
     }
 
@@ -78,7 +88,13 @@ impl<R: Read, F: Files> Tee<R, F> {
             Control::Frame(frame) => renderer.frame(frame),
             Control::Object(object) => renderer.object(object),
             Control::Polygon(polygon) => renderer.polygon(polygon),
-            Control::FrameEnd => seen.exact.push_back(renderer.finish()),
+            Control::FrameEnd => {
+                let &Begin { width, height, .. } = self.resolver.begin();
+                let bytes = held::WAITING_PIXEL * u64::from(width) * u64::from(height);
+                let held = self.budget.take(bytes, "exact pictures that wait for the machine's");
+                let held = held.map_err(|error| self.resolver.over_budget(&error))?;
+                seen.exact.push_back((renderer.finish(), held));
+            }
             Control::CodeBook(_) => {}
         }
         Ok(())

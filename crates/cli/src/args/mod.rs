@@ -11,6 +11,7 @@ pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
 pub use run::{DemoArgs, RunArgs, ServeArgs};
 
+use basrelief_input::{Budget, Size};
 use clap::{Parser, Subcommand};
 
 /// Cycle-level simulator of patented shading devices: what does this pipeline cost, why, and what picture do I get?
@@ -23,6 +24,10 @@ pub struct Cli {
     /// Print errors only.
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Most memory that all that is read from files and servers may take, and what is made of it [bytes, or with KiB, MiB or
+    /// GiB behind]. More is an error.
+    #[arg(long, global = true, value_name = "BYTES", default_value_t = Size(Budget::DEFAULT))]
+    pub memory_limit: Size,
 }
 
 /// The commands.

@@ -5,14 +5,17 @@ use crate::error::{Done, Failure};
 use crate::input::TraceFile;
 use crate::outputs::PartialFile;
 use basrelief_display_list::{self as display_list, Form};
+use basrelief_input::Budget;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 /// Converts without loss.
-pub fn convert(args: &ConvertArgs) -> Done {
+pub fn convert(args: &ConvertArgs, budget: &Budget) -> Done {
     let input = TraceFile::open(&args.input)?;
     let failed = Failure::within(&input.name);
-    to_trace_file(&args.output, |writer, form| display_list::convert(input.reader, writer, form).map(|_| ()).map_err(failed))
+    to_trace_file(&args.output, |writer, form| {
+        display_list::convert_within(input.reader, writer, form, budget).map(|_| ()).map_err(failed)
+    })
 }
 
 /// The form that a file's name asks for.

@@ -7,13 +7,14 @@ use crate::input;
 use crate::interrupt;
 use crate::progress::{Progress, TileProgress};
 use crate::remote::{Fetcher, Patience, RemoteTiles, TileCache, TileStore};
+use basrelief_input::Budget;
 use basrelief_session::{MACHINES, MachineConfig, RunInput};
 use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 /// The configuration of the machine; other machines, and a view, are refused.
-fn config_of(args: &RunArgs) -> Done<MachineConfig> {
+fn config_of(args: &RunArgs, budget: &Budget) -> Done<MachineConfig> {
     let fetching = || MACHINES.iter().filter(|m| m.fetches_tiles);
     let Some(machine) = args.machine.machine.or_else(|| fetching().next()).filter(|m| m.fetches_tiles) else {
         let names: Vec<String> = fetching().map(|m| format!("`{}`", m.name)).collect();
@@ -24,16 +25,16 @@ fn config_of(args: &RunArgs) -> Done<MachineConfig> {
             "--from: the server has the view; give --size, --camera, --frames and --orbit to serve".into(),
         ));
     }
-    input::config(&MachineArgs { machine: Some(machine), ..args.machine.clone() }, None)
+    input::config(&MachineArgs { machine: Some(machine), ..args.machine.clone() }, None, budget)
 }
 
 /// Renders from the server at `url`.
-pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
+pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
-    let config = config_of(args)?;
+    let config = config_of(args, budget)?;
     let fetch = config.tile_fetch().ok_or_else(|| Failure::Usage("--from: this machine fetches no tiles".into()))?;
     let shown = TileProgress::new(quiet || args.simulation.json);
-    let mut fetcher = Fetcher::new(url, Patience::default());
+    let mut fetcher = Fetcher::within(url, Patience::default(), budget);
     let (polygons, textures) = fetcher.polygons(|bytes| shown.polygons(bytes)).map_err(Failure::Bad)?;
     let open = |folder: &PathBuf| TileCache::open(folder, &textures).map_err(Failure::file(folder, "be written"));
     let cache = args.tile_cache.as_ref().map(open).transpose()?;
@@ -44,7 +45,7 @@ pub fn run_from(url: &str, args: &RunArgs, quiet: bool) -> Done {
     let kept = cache.map(|cache| TileStore { cache, failed: Arc::clone(&failed) });
     let tiles = Box::new(RemoteTiles::new(fetcher, (fetch.encoding, fetch.jpeg_quality), fetch.requests, kept, shown));
     let source = RunInput::Remote { reader: Box::new(Cursor::new(polygons)), name: url.into(), tiles };
-    let mut settings = settings_of(config, &args.simulation);
+    let mut settings = settings_of(config, &args.simulation, budget);
     settings.exact = false;
     let unshown = Progress::new(None, "commands", true);
     let done = simulate_source(began, (source, unshown, None), settings, &args.simulation, quiet);

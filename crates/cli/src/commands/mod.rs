@@ -16,18 +16,20 @@ mod verify;
 
 use crate::args::{Cli, Command};
 use crate::error::Done;
+use basrelief_input::Budget;
 
 /// Runs the command.
 pub fn dispatch(cli: Cli) -> Done {
+    let budget = &Budget::new(cli.memory_limit.0);
     match cli.command {
-        Command::Demo(args) => run::demo(&args, cli.quiet),
-        Command::Run(args) => run::run(&args, cli.quiet),
-        Command::Record(args) => record::record(&args, cli.quiet),
-        Command::Convert(args) => convert::convert(&args),
-        Command::Verify(args) => verify::verify(&args, cli.quiet),
+        Command::Demo(args) => run::demo(&args, budget, cli.quiet),
+        Command::Run(args) => run::run(&args, budget, cli.quiet),
+        Command::Record(args) => record::record(&args, budget, cli.quiet),
+        Command::Convert(args) => convert::convert(&args, budget),
+        Command::Verify(args) => verify::verify(&args, budget, cli.quiet),
         Command::Describe(args) => describe::describe(&args),
-        Command::Compare(args) => compare::compare(&args),
+        Command::Compare(args) => compare::compare(&args, budget),
         Command::Schema(args) => schema::schema(&args),
-        Command::Serve(args) => serve::serve(&args, cli.quiet),
+        Command::Serve(args) => serve::serve(&args, budget, cli.quiet),
     }
 }

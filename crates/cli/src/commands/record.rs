@@ -7,25 +7,26 @@ use crate::error::{Done, Failure};
 use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
 use basrelief_display_list::{Begin, Encoding, Expectation, Form, ParameterValue, Recorder};
-use basrelief_session::{MachineConfig, RunInput, begin_of, display_list, expectation_of};
+use basrelief_input::{Budget, Growing};
+use basrelief_session::{MachineConfig, RunInput, begin_of, display_list, expectation_of, hold_textures};
 use basrelief_signals::Scene;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
 use std::sync::Arc;
 
 /// Records a scene.
-pub fn record(args: &RecordArgs, quiet: bool) -> Done {
-    let Input::Scene(scene) = input::open(&args.input, &args.view)? else {
+pub fn record(args: &RecordArgs, budget: &Budget, quiet: bool) -> Done {
+    let Input::Scene(scene) = input::open(&args.input, &args.view, budget)? else {
         return Err(Failure::Usage(format!(
             "{}: is a display list already; `basrelief convert` changes its form",
             args.input.display()
         )));
     };
-    let config = input::config(&args.machine, demo_of(&args.input))?;
-    let expectations = if args.expect { vec![expected(&scene, &config, args)?] } else { vec![] };
+    let config = input::config(&args.machine, demo_of(&args.input), budget)?;
+    let expectations = if args.expect { vec![expected(&scene, &config, args, budget)?] } else { vec![] };
     to_trace_file(&args.out, |writer, form| {
         let progress = Progress::new(None, "commands", quiet);
-        write_list(&scene, &config, writer, (form, begin_of(&scene)), expectations, progress)
+        write_list(&scene, &config, writer, (form, begin_of(&scene)), expectations, (progress, budget))
     })
 }
 
@@ -36,8 +37,11 @@ pub fn write_list(
     writer: impl Write,
     (form, begin): (Form, Begin),
     expectations: Vec<Expectation>,
-    mut progress: Progress,
+    (mut progress, budget): (Progress, &Budget),
 ) -> Done {
+    // Texels as they are recorded, in base64 and in a line that grows by doubling.
+    let copies = || (0..4).map(|_| hold_textures(scene, 0, budget)).collect::<Result<Vec<_>, _>>();
+    let _copies = copies().map_err(Failure::within(&scene.name))?;
     let mut recorder = Recorder::new(writer, form, begin).map_err(Failure::bad)?;
     for (n, control) in (1..).zip(display_list(scene, config)) {
         recorder.record(&control).map_err(Failure::bad)?;
@@ -48,11 +52,13 @@ pub fn write_list(
 
 /// What the machine makes of the list now. Not of the scene: there the geometry processor can be held up by what lies
 /// behind it, in a replay its polygons come when they would have come unblocked, and the cycles differ.
-fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs) -> Done<Expectation> {
-    let mut list = Vec::new();
+fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs, budget: &Budget) -> Done<Expectation> {
+    let mut list = Growing::new(budget, "a display list");
     let form = Form { encoding: Encoding::Binary, compressed: true };
-    write_list(scene, config, &mut list, (form, begin_of(scene)), vec![], Progress::new(None, "commands", true))?;
-    let run = simulate_quietly(RunInput::trace(Cursor::new(list), &scene.name), config, None)?;
+    let progress = Progress::new(None, "commands", true);
+    write_list(scene, config, &mut list, (form, begin_of(scene)), vec![], (progress, budget))?;
+    let (list, _held) = list.into_parts();
+    let run = simulate_quietly(RunInput::trace(Cursor::new(list), &scene.name), config, None, budget)?;
     Ok(expectation_of(&run.report, settings_of(config, &args.machine.settings)?))
 }
 

@@ -7,37 +7,39 @@ use crate::args::{DemoArgs, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure};
 use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
-use basrelief_session::{MACHINES, MachineConfig, RunInput};
+use basrelief_input::Budget;
+use basrelief_session::{MACHINES, RunInput, RunOptions};
 use std::cell::Cell;
 use std::path::Path;
 use std::rc::Rc;
 
 /// Draws an embedded scene.
-pub fn demo(args: &DemoArgs, quiet: bool) -> Done {
+pub fn demo(args: &DemoArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
     let machine = args.machine.machine.unwrap_or(&MACHINES[0]);
     let name = args.name.as_deref().unwrap_or(machine.demos[0]);
-    let scene = input::demo_scene(name, &args.view)?;
-    simulate(began, Input::Scene(scene), input::config(&args.machine, Some(name))?, &args.simulation, quiet)
+    let scene = input::demo_scene(name, &args.view, budget)?;
+    let settings = settings_of(input::config(&args.machine, Some(name), budget)?, &args.simulation, budget);
+    simulate(began, Input::Scene(scene), settings, &args.simulation, quiet)
 }
 
 /// Draws a model or replays a display list.
-pub fn run(args: &RunArgs, quiet: bool) -> Done {
+pub fn run(args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
     if let Some(url) = &args.from {
-        return run_from(url, args, quiet);
+        return run_from(url, args, budget, quiet);
     }
     // (The parser does not ask for --from where INPUT excludes it.)
     if args.tile_cache.is_some() {
         return Err(Failure::Usage("--tile-cache: keeps tiles of a server; it needs --from".into()));
     }
     let path = args.input.as_deref().unwrap_or(Path::new("-"));
-    let input = input::open(path, &args.view)?;
-    simulate(began, input, input::config(&args.machine, demo_of(path))?, &args.simulation, quiet)
+    let input = input::open(path, &args.view, budget)?;
+    let settings = settings_of(input::config(&args.machine, demo_of(path), budget)?, &args.simulation, budget);
+    simulate(began, input, settings, &args.simulation, quiet)
 }
 
-fn simulate(began: f64, input: Input, config: MachineConfig, simulation: &SimulationArgs, quiet: bool) -> Done {
-    let settings = settings_of(config, simulation);
+fn simulate(began: f64, input: Input, settings: RunOptions, simulation: &SimulationArgs, quiet: bool) -> Done {
     if simulation.ablate {
         return ablate(&input, &settings, simulation, quiet);
     }

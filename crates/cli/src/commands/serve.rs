@@ -8,25 +8,28 @@ use crate::interrupt;
 use crate::progress::Progress;
 use crate::remote::{Limits, TileService, hex};
 use basrelief_display_list::{Encoding, Form};
-use basrelief_session::begin_of;
+use basrelief_input::{Budget, Growing};
+use basrelief_session::{begin_of, hold_textures};
 use basrelief_signals::{Image, Material, Object, Scene, Texture};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Serves until it is interrupted.
-pub fn serve(args: &ServeArgs, quiet: bool) -> Done {
+pub fn serve(args: &ServeArgs, budget: &Budget, quiet: bool) -> Done {
     if !args.listen.ip().is_loopback() && !args.public {
         return Err(Failure::Usage(format!(
             "--listen {}: others could read the scene there; say --public if they may",
             args.listen
         )));
     }
-    let Input::Scene(scene) = input::open(&args.input, &args.view)? else {
+    let Input::Scene(scene) = input::open(&args.input, &args.view, budget)? else {
         return Err(Failure::Usage(format!("{}: is a display list; serve takes a model or demo:NAME", args.input.display())));
     };
-    let config = input::config(&args.machine, demo_of(&args.input))?;
-    let mut polygons = Vec::new();
+    let config = input::config(&args.machine, demo_of(&args.input), budget)?;
+    // Black ones, and the layers that are asked for: kept to the end of the program.
+    hold_textures(&scene, 2, budget).map_err(Failure::within(&scene.name))?.keep();
+    let mut polygons = Growing::new(budget, "a display list");
     let form = Form { encoding: Encoding::Binary, compressed: true };
     write_list(
         &without_texels(&scene),
@@ -34,8 +37,12 @@ pub fn serve(args: &ServeArgs, quiet: bool) -> Done {
         &mut polygons,
         (form, begin_of(&scene)),
         vec![],
-        Progress::new(None, "commands", quiet),
+        (Progress::new(None, "commands", quiet), budget),
     )?;
+    let (polygons, held) = polygons.into_parts();
+    // Once more as it is served.
+    budget.take(polygons.len() as u64, "a display list").map_err(Failure::within(&scene.name))?.keep();
+    held.keep();
     let served = TileService::new(polygons, textures(&scene), hash_of_textures(&scene));
     let (address, server) = served.listen(args.listen, Limits::default()).map_err(Failure::Bad)?;
     interrupt::say("stopped serving");

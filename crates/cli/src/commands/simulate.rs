@@ -6,6 +6,7 @@ use crate::args::{EngineName, SimulationArgs};
 use crate::error::{Done, Failure, print};
 use crate::outputs::{Outputs, PartialFile, check_distinct};
 use crate::progress::Progress;
+use basrelief_input::Budget;
 use basrelief_kernel::{Engine, Probe, StageTopology};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
@@ -35,7 +36,7 @@ impl From<EngineName> for Engine {
 }
 
 /// As the command line says; nobody has asked for exhibits yet.
-pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs) -> RunOptions {
+pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs, budget: &Budget) -> RunOptions {
     RunOptions {
         config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
@@ -43,6 +44,7 @@ pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs) -> RunOpt
         exact: !simulation.no_exact,
         exhibits: vec![],
         clock: seconds,
+        budget: budget.clone(),
     }
 }
 
@@ -103,7 +105,7 @@ pub fn run_named(
 ) -> Done<Run> {
     let name = source.name().to_owned();
     session::run(source, settings, observer, probe).map_err(|e| match e {
-        SessionError::Trace(_) | SessionError::Fault(_) => Failure::within(&name)(e),
+        SessionError::Trace(_) | SessionError::OverBudget(_) | SessionError::Fault(_) => Failure::within(&name)(e),
         SessionError::Observer(_)
         | SessionError::Config(_)
         | SessionError::NoShortCuts(_)
@@ -183,9 +185,14 @@ pub fn style() -> Style {
 }
 
 /// A run to its end, without pictures, exact picture or progress.
-pub fn simulate_quietly(source: RunInput, config: &MachineConfig, engine: Option<Engine>) -> Done<Run> {
-    let settings =
-        RunOptions { config: config.clone(), engine: engine.or(Some(Engine::Timed)), exact: false, ..RunOptions::default() };
+pub fn simulate_quietly(source: RunInput, config: &MachineConfig, engine: Option<Engine>, budget: &Budget) -> Done<Run> {
+    let settings = RunOptions {
+        config: config.clone(),
+        engine: engine.or(Some(Engine::Timed)),
+        exact: false,
+        budget: budget.clone(),
+        ..RunOptions::default()
+    };
     let name = source.name().to_owned();
     let run = run_named(source, &settings, &mut Unobserved, None)?;
     match run.report.outcome.kind {

@@ -5,7 +5,8 @@ use super::simulate::simulate_quietly;
 use crate::args::VerifyArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::{TraceFile, beside};
-use basrelief_display_list::{Command, Expectation, Form, Resolver, Writer, open};
+use basrelief_display_list::{Command, Expectation, Form, Resolver, Writer, open_within};
+use basrelief_input::{Budget, Held};
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
 use basrelief_session::{MACHINES, MachineInfo, check_expectation, expectation_of};
@@ -13,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Checks, or blesses, every trace.
-pub fn verify(args: &VerifyArgs, quiet: bool) -> Done {
+pub fn verify(args: &VerifyArgs, budget: &Budget, quiet: bool) -> Done {
     let mut traces = Vec::new();
     for path in &args.paths {
         collect(path, &mut traces)?;
@@ -24,7 +25,7 @@ pub fn verify(args: &VerifyArgs, quiet: bool) -> Done {
     let engines = args.engine.map_or(vec![Engine::Timed, Engine::Ticked], |e| vec![e.into()]);
     let (mut wrong, mut failed) = (0, 0);
     for trace in &traces {
-        let result = if args.bless { bless(trace).map(|()| vec![]) } else { check(trace, &engines) };
+        let result = if args.bless { bless(trace, budget).map(|()| vec![]) } else { check(trace, &engines, budget) };
         let (verdict, why) = match result {
             Ok(why) if why.is_empty() => (if args.bless { "blessed" } else { "ok" }, why),
             Ok(why) => {
@@ -83,32 +84,32 @@ fn within<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure + use<E> {
     Failure::within(&path.display().to_string())
 }
 
-/// Reads a trace to its end for what it expects.
-fn expectations(path: &Path) -> Done<Vec<Expectation>> {
+/// Reads a trace to its end for what it expects, and what that takes.
+fn expectations(path: &Path, budget: &Budget) -> Done<(Vec<Expectation>, Held)> {
     let file = TraceFile::open(path)?;
-    let mut resolver = Resolver::new(file.reader, beside(&file.folder)).map_err(within(path))?;
+    let mut resolver = Resolver::within(file.reader, beside(&file.folder), budget).map_err(within(path))?;
     resolver.by_ref().try_for_each(|c| c.map(|_| ())).map_err(within(path))?;
-    Ok(resolver.expectations().to_vec())
+    Ok(resolver.into_expectations())
 }
 
-fn replay(path: &Path, expected: &Expectation, engine: Engine) -> Done<Report> {
+fn replay(path: &Path, expected: &Expectation, engine: Engine, budget: &Budget) -> Done<Report> {
     let settings: Vec<(String, String)> = expected.config.iter().map(|(k, v)| (k.clone(), v.to_string())).collect();
     let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
     let machine = expected.machine.as_deref().map_or(Ok(&MACHINES[0]), MachineInfo::named).map_err(within(path))?;
     let config = machine.load("", &borrowed).map_err(within(path))?;
     let file = TraceFile::open(path)?;
-    simulate_quietly(file.into_source(), &config, Some(engine)).map(|run| run.report)
+    simulate_quietly(file.into_source(), &config, Some(engine), budget).map(|run| run.report)
 }
 
-fn check(path: &Path, engines: &[Engine]) -> Done<Vec<String>> {
-    let expectations = expectations(path)?;
+fn check(path: &Path, engines: &[Engine], budget: &Budget) -> Done<Vec<String>> {
+    let (expectations, _held) = expectations(path, budget)?;
     if expectations.is_empty() {
         return Ok(vec!["carries no expectations; `basrelief record --expect` or `basrelief verify --bless` adds them".into()]);
     }
     let mut wrong = Vec::new();
     for expected in &expectations {
         for &engine in engines {
-            let report = replay(path, expected, engine)?;
+            let report = replay(path, expected, engine, budget)?;
             wrong.extend(check_expectation(expected, &report).into_iter().map(|w| format!("{engine:?}: {w}").to_lowercase()));
         }
     }
@@ -116,20 +117,20 @@ fn check(path: &Path, engines: &[Engine]) -> Done<Vec<String>> {
 }
 
 /// Writes what the machine does now in place of what was expected.
-fn bless(path: &Path) -> Done {
-    let mut old = expectations(path)?;
+fn bless(path: &Path, budget: &Budget) -> Done {
+    let (mut old, _held) = expectations(path, budget)?;
     if old.is_empty() {
         old.push(Expectation::default());
     }
     let mut new = Vec::new();
     for expected in old {
-        let report = replay(path, &expected, Engine::Timed)?;
+        let report = replay(path, &expected, Engine::Timed, budget)?;
         new.push(expectation_of(&report, expected.config));
     }
     let input = TraceFile::open(path)?;
     to_trace_file(path, |file, form| {
         let mut writer = Writer::new(file, form).map_err(within(path))?;
-        for command in open(input.reader).map_err(within(path))? {
+        for command in open_within(input.reader, budget).map_err(within(path))? {
             match command.map_err(within(path))? {
                 Command::Expect(_) => {}
                 Command::End(_) => break,

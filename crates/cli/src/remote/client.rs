@@ -5,6 +5,7 @@ use super::{Fetcher, TileCache};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{Cut, Page, TileEncoding, TileSource};
+use basrelief_input::Held;
 use basrelief_signals::Texture;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -25,8 +26,8 @@ type Key = (u32, u32);
 struct Shared {
     /// Tiles to fetch, in order.
     queue: VecDeque<(Arc<Page>, u32)>,
-    /// Those that are there, or have failed for good.
-    done: BTreeMap<Key, Result<Arc<[u8]>, String>>,
+    /// Those that are there, with what they take, or have failed for good.
+    done: BTreeMap<Key, Result<(Arc<[u8]>, Held), String>>,
     /// Somebody waits for a tile that is not there.
     missed: bool,
     closed: bool,
@@ -73,7 +74,7 @@ impl Exchange {
             shared.missed = done.is_none();
             self.changed.notify_all();
             if let Some(done) = done {
-                return done;
+                return done.map(|(tile, _)| tile);
             }
             shared = self.changed.wait(shared).unwrap_or_else(PoisonError::into_inner);
         }
@@ -111,11 +112,17 @@ impl Worker {
     /// Fetches tiles until all is over.
     fn work(&self) {
         while let Some((page, number)) = self.exchange.take() {
-            let tile = self.obtain(&page, number).map(Arc::from);
+            let tile = self.obtain(&page, number).and_then(|tile| self.counted(tile));
             self.exchange.change(|shared| {
                 shared.done.insert((page.texture, number), tile);
             });
         }
+    }
+
+    /// A tile that waits to be taken.
+    fn counted(&self, tile: Vec<u8>) -> Result<(Arc<[u8]>, Held), String> {
+        let held = self.fetcher.budget().take(tile.len() as u64, "tiles that nobody has taken yet");
+        held.map(|held| (Arc::from(tile), held)).map_err(|e| e.to_string())
     }
 
     /// A tile that can be decoded, from the cache or from the server.

@@ -1,7 +1,8 @@
 //! Requests that are made again where they fail.
 
 use super::{DIGITS, HASH, TEXTURES, hash_of};
-use std::io::{self, Read};
+use basrelief_input::{Budget, Growing, Held, OverBudget};
+use std::io::{self, Read, Write};
 use std::thread;
 use std::time::{Duration, Instant};
 use ureq::Agent;
@@ -37,8 +38,6 @@ impl Default for Patience {
 pub(super) const SLOWEST: u64 = 100;
 /// Most requests in flight.
 pub const MOST_IN_FLIGHT: u32 = 32;
-/// Largest list of polygons that is believed \[bytes\].
-const LARGEST_LIST: u64 = 1 << 30;
 
 /// Gets what a server has. Clones share their connections.
 #[derive(Clone, Debug)]
@@ -48,14 +47,34 @@ pub struct Fetcher {
     patience: Patience,
     /// Hash of the server's textures, where it has told one with the polygons.
     textures: Option<String>,
+    budget: Budget,
 }
 
-/// What a server has sent, and what it says its textures are.
-type Answer = (Vec<u8>, Option<String>);
+/// What a server has sent, what that takes, and what it says its textures are.
+type Answer = (Vec<u8>, Held, Option<String>);
+
+/// Why a request has failed.
+struct Fault {
+    sentence: String,
+    /// Another attempt would come to the same.
+    last: bool,
+}
+
+impl From<String> for Fault {
+    fn from(sentence: String) -> Self {
+        Self { sentence, last: false }
+    }
+}
 
 impl Fetcher {
-    /// Of the server at `base`.
+    /// Of the server at `base`; what it sends is counted against a budget of its own.
+    #[cfg(test)]
     pub fn new(base: &str, patience: Patience) -> Self {
+        Self::within(base, patience, &Budget::default())
+    }
+
+    /// Of the server at `base`, within a budget.
+    pub fn within(base: &str, patience: Patience, budget: &Budget) -> Self {
         let stall = Some(patience.stall);
         let config = Agent::config_builder()
             .timeout_resolve(stall)
@@ -69,7 +88,8 @@ impl Fetcher {
             // What stands elsewhere is not what the user has named.
             .max_redirects(0)
             .proxy(None);
-        Self { agent: config.build().into(), base: base.trim_end_matches('/').to_owned(), patience, textures: None }
+        let base = base.trim_end_matches('/').to_owned();
+        Self { agent: config.build().into(), base, patience, textures: None, budget: budget.clone() }
     }
 
     /// Fetches the polygons, and the hash of the textures: that of the list, where the server tells none. From then on an
@@ -83,9 +103,13 @@ impl Fetcher {
             thread::sleep(pause);
             true
         };
-        let (list, textures) = self
-            .retry(pause, || self.once(&url, LARGEST_LIST, &came))
-            .map_err(|e| format!("{url}: {e}; is `basrelief serve` running there?"))?;
+        let (list, held, textures) =
+            self.retry(pause, || self.once(&url, u64::MAX, &came)).map_err(|Fault { sentence, last }| {
+                let hint = if last { "" } else { "; is `basrelief serve` running there?" };
+                format!("{url}: {sentence}{hint}")
+            })?;
+        // It is there to the end of the program.
+        held.keep();
         self.textures = textures.filter(|hash| hash.len() == DIGITS && hash.bytes().all(|b| b.is_ascii_hexdigit()));
         let known = self.textures.clone().unwrap_or_else(|| hash_of(&list));
         Ok((list, known))
@@ -104,13 +128,18 @@ impl Fetcher {
     ) -> Result<Vec<u8>, String> {
         let url = format!("{}/{tile}", self.base);
         let checked = || {
-            let (body, textures) = self.once(&url, largest, &|_| ())?;
+            let (body, _, textures) = self.once(&url, largest, &|_| ())?;
             if self.textures.is_some() && textures != self.textures {
-                return Err("the server has other textures than when it sent the polygons; begin again".into());
+                return Err("the server has other textures than when it sent the polygons; begin again".to_owned().into());
             }
-            check(&body).map(|()| body)
+            Ok(check(&body).map(|()| body)?)
         };
-        self.retry(pause, checked).map_err(|e| format!("{url}: {e}"))
+        self.retry(pause, checked).map_err(|fault| format!("{url}: {}", fault.sentence))
+    }
+
+    /// What is sent is counted against it.
+    pub fn budget(&self) -> &Budget {
+        &self.budget
     }
 
     /// Ends what is under way, in clones too.
@@ -118,34 +147,42 @@ impl Fetcher {
         self.agent.clone().shutdown();
     }
 
-    fn retry<T>(&self, wait: impl Fn(Duration) -> bool, once: impl Fn() -> Result<T, String>) -> Result<T, String> {
+    fn retry<T>(&self, wait: impl Fn(Duration) -> bool, once: impl Fn() -> Result<T, Fault>) -> Result<T, Fault> {
         let Patience { attempts, whole, mut pause, .. } = self.patience;
         let (began, mut attempt) = (Instant::now(), 1);
         loop {
             let error = match once() {
                 Ok(done) => return Ok(done),
-                Err(error) => error,
+                Err(fault) if fault.last => return Err(fault),
+                Err(Fault { sentence, .. }) => sentence,
             };
             if attempt == attempts || began.elapsed() + pause > whole || !wait(pause) {
                 let whole = whole.as_secs_f64();
-                return Err(format!("{error} (attempt {attempt}; at most {attempts} are made, none {whole} s after the first)"));
+                let tried = format!("attempt {attempt}; at most {attempts} are made, none {whole} s after the first");
+                return Err(format!("{error} ({tried})").into());
             }
             pause *= 2;
             attempt += 1;
         }
     }
 
-    fn once(&self, url: &str, largest: u64, came: &dyn Fn(u64)) -> Result<Answer, String> {
+    fn once(&self, url: &str, largest: u64, came: &dyn Fn(u64)) -> Result<Answer, Fault> {
         let mut response = self.agent.get(url).call().map_err(|e| self.told(&e))?;
         if response.status() != 200 {
-            return Err(format!("http status: {}", response.status().as_u16()));
+            return Err(format!("http status: {}", response.status().as_u16()).into());
         }
         let header = |name| response.headers().get(name).and_then(|h| h.to_str().ok()).map(str::to_owned);
         let (hash, textures) = (header(HASH), header(TEXTURES));
         let hash = hash.ok_or_else(|| format!("no header {HASH}: not a server of tiles"))?;
         let read = self.read(response.body_mut().as_reader(), largest, came);
-        let body = read.map_err(|e| e.downcast::<ureq::Error>().map_or_else(|e| e.to_string(), |e| self.told(&e)))?;
-        if hash != hash_of(&body) { Err("corrupt: the content does not have its hash".into()) } else { Ok((body, textures)) }
+        let (body, held) = read.map_err(|e| match OverBudget::within(&e) {
+            Some(error) => Fault { sentence: error.to_string(), last: true },
+            None => e.downcast::<ureq::Error>().map_or_else(|e| e.to_string(), |e| self.told(&e)).into(),
+        })?;
+        if hash != hash_of(&body) {
+            return Err("corrupt: the content does not have its hash".to_owned().into());
+        }
+        Ok((body, held, textures))
     }
 
     fn told(&self, error: &ureq::Error) -> String {
@@ -155,16 +192,16 @@ impl Fetcher {
         }
     }
 
-    fn read(&self, mut reader: impl Read, largest: u64, came: &dyn Fn(u64)) -> io::Result<Vec<u8>> {
+    fn read(&self, mut reader: impl Read, largest: u64, came: &dyn Fn(u64)) -> io::Result<(Vec<u8>, Held)> {
         let Patience { stall, slowest, .. } = self.patience;
         let began = Instant::now();
-        let (mut body, mut chunk) = (Vec::new(), vec![0; 1 << 14]);
+        let (mut body, mut chunk) = (Growing::new(&self.budget, "what a server sends"), vec![0; 1 << 14]);
         loop {
             let n = reader.read(&mut chunk)?;
-            body.extend_from_slice(&chunk[..n]);
+            body.write_all(&chunk[..n])?;
             came(body.len() as u64);
             if n == 0 {
-                return Ok(body);
+                return Ok(body.into_parts());
             }
             if body.len() as u64 > largest {
                 return Err(io::Error::other(format!("too long: more than {largest} bytes")));

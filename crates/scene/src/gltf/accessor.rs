@@ -1,7 +1,7 @@
 //! Accessors: typed vertex data out of bytes that may claim anything.
 //!
 //! Every number in the file is untrusted. Offsets are added with overflow checks, nothing is allocated before it is known
-//! that the bytes for it are there, and all that is decoded is counted against one budget (a small buffer that a million
+//! that the bytes for it are there, and all that is decoded is counted against the budget (a small buffer that a million
 //! primitives refer to would otherwise grow without bounds).
 
 use super::buffers::Buffers;
@@ -10,13 +10,12 @@ use super::format::{Component, Format, decode, format_of, unsigned_numbers};
 use super::json::{Accessor, Document, Int, Sparse};
 use crate::SceneError;
 use crate::error::Warnings;
-use std::cell::Cell;
+use crate::outside::{Outside, over_budget};
+use basrelief_input::Held;
+use std::cell::RefCell;
 
 /// Of two numbers, the smaller or the larger.
 type Fold = fn(f32, f32) -> f32;
-
-/// Most bytes that all accessors together may decode to.
-const MAX_DECODED: u64 = 1 << 29;
 
 /// Most elements of an accessor without a buffer view, which nothing in the file backs.
 const MAX_ZEROS: u64 = 1 << 20;
@@ -25,13 +24,16 @@ const MAX_ZEROS: u64 = 1 << 20;
 pub(crate) struct Accessors<'a> {
     document: &'a Document,
     buffers: &'a Buffers<'a>,
-    budget: Cell<u64>,
+    outside: &'a Outside<'a>,
+    /// What the mesh takes that is being built.
+    building: RefCell<Held>,
 }
 
 /// Elements of an accessor without gaps, sparse replacements done.
 struct Packed {
     format: Format,
     bytes: Vec<u8>,
+    _held: Held,
 }
 
 impl Packed {
@@ -52,8 +54,13 @@ impl Packed {
 
 impl<'a> Accessors<'a> {
     /// Checks that every accessor lies within its buffer view, and warns of those that are not aligned.
-    pub(crate) fn new(document: &'a Document, buffers: &'a Buffers<'a>, warnings: &mut Warnings) -> Result<Self, SceneError> {
-        let accessors = Self { document, buffers, budget: Cell::new(MAX_DECODED) };
+    pub(crate) fn new(
+        document: &'a Document,
+        buffers: &'a Buffers<'a>,
+        outside: &'a Outside<'a>,
+        warnings: &mut Warnings,
+    ) -> Result<Self, SceneError> {
+        let accessors = Self { document, buffers, outside, building: RefCell::new(outside.nothing()) };
         for (i, accessor) in document.accessors.iter().enumerate() {
             let format = format_of(accessor, i)?;
             accessors.source(accessor, i, format)?;
@@ -120,6 +127,7 @@ impl<'a> Accessors<'a> {
             let (format, _) = self.describe(index, "")?;
             if format.component == Component::F32 && format.rows <= 4 && format.columns == 1 {
                 self.floats::<4>(index, "nothing that is drawn", warnings)?;
+                self.built(0);
             }
         }
         Ok(())
@@ -131,15 +139,16 @@ impl<'a> Accessors<'a> {
         Ok((format_of(accessor, index.index())?, accessor.count.0))
     }
 
-    /// Counts bytes that are about to be allocated for decoded data.
+    /// Counts bytes that are about to be allocated for the mesh that is being built.
     pub(crate) fn charge(&self, bytes: u64, place: &str) -> Result<(), SceneError> {
-        let left = self.budget.get().checked_sub(bytes).ok_or_else(|| {
-            SceneError::at(place, "the geometry of this file decodes to too much data")
-                .expected(format!("at most {} MiB", MAX_DECODED >> 20))
-                .cure("decimate or split the model")
-        })?;
-        self.budget.set(left);
-        Ok(())
+        self.building.borrow_mut().grow(bytes, "vertices and triangles").map_err(|error| over_budget(place, &error))
+    }
+
+    /// The mesh is built: so many bytes stay, the rest was needed on the way.
+    pub(crate) fn built(&self, bytes: u64) {
+        let mut held = self.building.replace(self.outside.nothing());
+        held.shrink_to(bytes);
+        self.outside.keep(held);
     }
 
     /// Elements as floats, of which there are `N` or fewer per element; the rest is 0 (1 for the fourth).
@@ -151,7 +160,7 @@ impl<'a> Accessors<'a> {
     ) -> Result<Vec<[f32; N]>, SceneError> {
         let packed = self.packed(index, place)?;
         self.check_extremes(index, &packed, warnings);
-        let Packed { format, bytes } = packed;
+        let Packed { format, bytes, _held } = packed;
         self.charge(4 * N as u64 * (bytes.len() as u64 / format.element_bytes()), place)?;
         let step = format.component.bytes() as usize;
         let mut elements = Vec::with_capacity(bytes.len() / format.element_bytes() as usize);
@@ -176,7 +185,7 @@ impl<'a> Accessors<'a> {
     /// Elements as indices.
     pub(crate) fn indices(&self, index: Int, place: &str, warnings: &mut Warnings) -> Result<Vec<u32>, SceneError> {
         let packed = self.packed(index, place)?;
-        let Packed { format, bytes } = &packed;
+        let Packed { format, bytes, .. } = &packed;
         let unsigned = matches!(format.component, Component::U8 | Component::U16 | Component::U32);
         if !format.is_vector(1) || !unsigned || format.normalized {
             return Err(SceneError::at(place, format!("accessor {} is {}", index.0, format.name()))
@@ -213,7 +222,7 @@ impl<'a> Accessors<'a> {
         let accessor = resolve(&self.document.accessors, "accessors", index, || place.into())?;
         let format = format_of(accessor, index.index())?;
         let total = accessor.count.0.saturating_mul(format.element_bytes());
-        self.charge(total, place)?;
+        let held = self.outside.take(total, place, format!("elements of accessor {}", index.0))?;
         let mut bytes = match self.source(accessor, index.index(), format)? {
             Some(span) => {
                 let elements = self.elements(&span)?;
@@ -226,7 +235,7 @@ impl<'a> Accessors<'a> {
         if let Some(sparse) = &accessor.sparse {
             self.replace(sparse, index.index(), format, &mut bytes)?;
         }
-        Ok(Packed { format, bytes })
+        Ok(Packed { format, bytes, _held: held })
     }
 
     /// Where the elements lie; `None` for an accessor of zeros.

@@ -3,23 +3,25 @@
 use super::check::resolve;
 use super::json::{Buffer, BufferView, Document, Int};
 use crate::SceneError;
-use crate::files::{Files, read_reference, shorten};
+use crate::files::shorten;
+use crate::outside::Outside;
 use base64::Engine;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
+use basrelief_input::Held;
 use std::borrow::Cow;
 
 /// All buffers of a document. One without data is legal as long as nothing reads it: some exporters leave such
 /// placeholders for extensions.
 pub(crate) struct Buffers<'a> {
-    data: Vec<Option<Cow<'a, [u8]>>>,
+    data: Vec<Option<(Cow<'a, [u8]>, Held)>>,
 }
 
 impl<'a> Buffers<'a> {
     /// Loads every buffer: from the GLB's BIN chunk (`bin`, where `container` says the file is a GLB), a data URI or a
     /// file.
-    pub(crate) fn load(document: &Document, container: Container<'a>, files: &dyn Files) -> Result<Self, SceneError> {
-        let load = |(i, buffer)| load_buffer(i, buffer, container, files);
+    pub(crate) fn load(document: &Document, container: Container<'a>, outside: &Outside<'_>) -> Result<Self, SceneError> {
+        let load = |(i, buffer)| load_buffer(i, buffer, container, outside);
         let data = document.buffers.iter().enumerate().map(load).collect::<Result<_, _>>()?;
         for (i, view) in document.buffer_views.iter().enumerate() {
             check_view(document, i, view)?;
@@ -30,14 +32,14 @@ impl<'a> Buffers<'a> {
     /// The bytes of a buffer view.
     pub(crate) fn view(&self, document: &Document, index: Int, place: impl FnOnce() -> String) -> Result<&[u8], SceneError> {
         let view = resolve(&document.buffer_views, "bufferViews", index, place)?;
-        let data = self.data.get(view.buffer.index()).and_then(|d| d.as_deref()).ok_or_else(|| {
+        let data = self.data.get(view.buffer.index()).and_then(|d| d.as_ref()).ok_or_else(|| {
             SceneError::at(format!("/buffers/{}", view.buffer.0), "has no data: neither a uri nor a BIN chunk")
                 .expected(format!("data, since /bufferViews/{} is read", index.0))
                 .cure("export the model again")
         })?;
         let start = view.byte_offset.index();
         // The views are checked against lengths that the data are known to have.
-        Ok(data.get(start..start.saturating_add(view.byte_length.index())).unwrap_or_default())
+        Ok(data.0.get(start..start.saturating_add(view.byte_length.index())).unwrap_or_default())
     }
 }
 
@@ -70,15 +72,18 @@ fn load_buffer<'a>(
     i: usize,
     buffer: &Buffer,
     container: Container<'a>,
-    files: &dyn Files,
-) -> Result<Option<Cow<'a, [u8]>>, SceneError> {
+    outside: &Outside<'_>,
+) -> Result<Option<(Cow<'a, [u8]>, Held)>, SceneError> {
     let place = format!("/buffers/{i}");
     if buffer.byte_length.0 == 0 {
         return Err(SceneError::at(format!("{place}/byteLength"), "is 0").expected("at least 1"));
     }
-    let data = match (&buffer.uri, container) {
-        (Some(uri), _) => Cow::Owned(read_uri(uri, files, &format!("{place}/uri"))?),
-        (None, Container::Glb(Some(bin))) if i == 0 => Cow::Borrowed(bin),
+    let (data, held) = match (&buffer.uri, container) {
+        (Some(uri), _) => {
+            let (data, held) = read_uri(uri, outside, &format!("{place}/uri"))?;
+            (Cow::Owned(data), held)
+        }
+        (None, Container::Glb(Some(bin))) if i == 0 => (Cow::Borrowed(bin), outside.nothing()),
         (None, Container::Glb(None)) if i == 0 => {
             return Err(SceneError::at(place, "the GLB file has no BIN chunk")
                 .expected("one, since this buffer has no uri")
@@ -92,13 +97,14 @@ fn load_buffer<'a>(
             .expected("no more than there is")
             .cure("the data are cut off: export or download them again"));
     }
-    Ok(Some(data))
+    Ok(Some((data, held)))
 }
 
-/// The bytes that a URI stands for: a data URI, or a file relative to the model.
-pub(crate) fn read_uri(uri: &str, files: &dyn Files, place: &str) -> Result<Vec<u8>, SceneError> {
+/// The bytes that a URI stands for, a data URI or a file relative to the model, and what they take.
+pub(crate) fn read_uri(uri: &str, outside: &Outside<'_>, place: &str) -> Result<(Vec<u8>, Held), SceneError> {
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
-        return decode_data_uri(uri).ok_or_else(|| {
+        let held = outside.take(uri.len() as u64, place, "a data URI")?;
+        return decode_data_uri(uri).map(|bytes| (bytes, held)).ok_or_else(|| {
             SceneError::at(place, format!("invalid data URI `{}`", shorten(uri)))
                 .expected("`data:[type];base64,` and base64 text, or `data:[type],` and percent-encoded bytes")
                 .cure("export the model again")
@@ -107,7 +113,7 @@ pub(crate) fn read_uri(uri: &str, files: &dyn Files, place: &str) -> Result<Vec<
     let name = percent_decode(uri).ok_or_else(|| {
         SceneError::at(place, format!("`{}` has a wrong percent escape", shorten(uri))).expected("%XX, in UTF-8")
     })?;
-    read_reference(files, &name, place)
+    outside.read(&name, place)
 }
 
 /// Readers differ on padding and on bits beyond the end; exporters do, too.
@@ -143,16 +149,19 @@ fn percent_bytes(text: &str) -> Option<Vec<u8>> {
 mod tests {
     use super::*;
     use crate::files::Memory;
+    use basrelief_input::Budget;
 
     #[test]
     fn uris_are_decoded() {
         let files = Memory::default().with("a b.bin", *b"xyz");
-        assert_eq!(read_uri("a%20b.bin", &files, "").unwrap(), b"xyz");
-        assert_eq!(read_uri("data:application/octet-stream;base64,AAEC", &files, "").unwrap(), [0, 1, 2]);
-        assert_eq!(read_uri("data:;base64,AA", &files, "").unwrap(), [0]);
-        assert_eq!(read_uri("data:text/plain,x%00", &files, "").unwrap(), [b'x', 0]);
+        let outside = Outside::new(&files, &Budget::default());
+        let read = |uri: &str| read_uri(uri, &outside, "").map(|(bytes, _)| bytes);
+        assert_eq!(read("a%20b.bin").unwrap(), b"xyz");
+        assert_eq!(read("data:application/octet-stream;base64,AAEC").unwrap(), [0, 1, 2]);
+        assert_eq!(read("data:;base64,AA").unwrap(), [0]);
+        assert_eq!(read("data:text/plain,x%00").unwrap(), [b'x', 0]);
         for bad in ["data:", "data:;base64,A*", "a%2", "a%zz", "%ff", "http://a/b", "/a", "é"] {
-            assert!(read_uri(bad, &files, "").is_err(), "{bad}");
+            assert!(read(bad).is_err(), "{bad}");
         }
     }
 }

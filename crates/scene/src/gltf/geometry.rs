@@ -120,10 +120,12 @@ impl Geometry<'_> {
         let tangents = self.attribute::<4>(primitive, "TANGENT", count, Semantic::Direction, place, warnings)?;
         let has_normals = normals.is_some();
         match normals {
-            Some(normals) => mesh.normals = unit_normals(normals, mesh, place, warnings),
+            Some(normals) => {
+                self.accessors.charge(SMOOTHING * normals.len() as u64, place)?;
+                mesh.normals = unit_normals(normals, mesh, place, warnings);
+            }
             None => {
-                // Room for the split vertices: 72 bytes each.
-                self.accessors.charge(72 * mesh.indices.len() as u64, place)?;
+                self.accessors.charge(FLATTENING * mesh.indices.len() as u64, place)?;
                 flatten(mesh);
             }
         }
@@ -132,10 +134,11 @@ impl Geometry<'_> {
         }
         match tangents.filter(|_| has_normals) {
             Some(given) => {
+                self.accessors.charge(size_of::<[f32; 4]>() as u64 * given.len() as u64, place)?;
                 mesh.tangents = given.iter().zip(&mesh.normals).map(|(t, n)| tangents::repair(*t, *n)).collect();
             }
             None => {
-                self.accessors.charge(72 * mesh.indices.len() as u64, place)?;
+                self.accessors.charge(tangents::BYTES_PER_CORNER * mesh.indices.len() as u64, place)?;
                 tangents::generate(mesh);
             }
         }
@@ -153,6 +156,9 @@ impl Geometry<'_> {
         let Some(request) = request else { return Ok(Vec::new()) };
         let name = format!("TEXCOORD_{}", request.set);
         let uv = self.attribute::<2>(primitive, &name, Some(count), Semantic::TexCoord, place, warnings)?;
+        if uv.is_none() {
+            self.accessors.charge(size_of::<[f32; 2]>() as u64 * count as u64, place)?;
+        }
         let mut uv = uv.unwrap_or_else(|| {
             warnings.add(format!("{place} has no {name}, which its material asks for: all (0, 0)"));
             vec![[0.0; 2]; count]
@@ -208,12 +214,16 @@ impl Geometry<'_> {
     ) -> Result<Vec<u32>, SceneError> {
         let order = match primitive.indices {
             Some(index) => self.indices(index, vertices, &format!("{place}/indices"), warnings)?,
-            None => (0..vertices as u32).collect(),
+            None => {
+                self.accessors.charge(size_of::<u32>() as u64 * vertices as u64, place)?;
+                (0..vertices as u32).collect()
+            }
         };
         if mode == TRIANGLES && order.len() % 3 != 0 {
             warnings.add(format!("{place}: {} vertices are no whole number of triangles: the rest is left out", order.len()));
         }
-        self.accessors.charge(12 * order.len() as u64, place)?;
+        // Up to three for each in a strip, in a list that grows by doubling.
+        self.accessors.charge(6 * size_of::<u32>() as u64 * order.len() as u64, place)?;
         Ok(triangulate(&order, mode))
     }
 
@@ -227,6 +237,11 @@ impl Geometry<'_> {
         }
     }
 }
+
+/// What it takes to make normals unit: sums of those of faces, and two lists \[bytes per vertex\].
+const SMOOTHING: u64 = 48;
+/// What it takes to give each corner a vertex of its own: all lists but tangents, and normals of faces \[bytes per corner\].
+const FLATTENING: u64 = 80;
 
 const TRIANGLES: u64 = 4;
 const TRIANGLE_STRIP: u64 = 5;

@@ -6,12 +6,17 @@ use super::geometry::{Needs, UvRequest};
 use super::json::{Document, Int, MaterialDef, TextureInfo};
 use crate::SceneError;
 use crate::error::Warnings;
-use crate::files::{Files, shorten};
+use crate::files::shorten;
+use crate::outside::Outside;
 use crate::picture;
 use crate::textures::{Content, TextureStore};
+use basrelief_input::Held;
 use basrelief_signals::{Filter, Material, Sampler, Texture, Wrap};
 use std::borrow::Cow;
 use std::sync::Arc;
+
+/// What a material takes beside its name \[bytes\].
+const MATERIAL: u64 = 512;
 
 /// A material and what it asks of the primitives that use it.
 #[derive(Clone)]
@@ -24,7 +29,7 @@ pub(crate) struct Surface {
 pub(crate) struct Materials<'a> {
     pub document: &'a Document,
     pub buffers: &'a Buffers<'a>,
-    pub files: &'a dyn Files,
+    outside: &'a Outside<'a>,
     pub store: TextureStore,
     /// Textures made so far, by picture, sampler and use.
     shared: Vec<(usize, Sampler, Content, Arc<Texture>)>,
@@ -33,9 +38,9 @@ pub(crate) struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
-    pub(crate) fn new(document: &'a Document, buffers: &'a Buffers<'a>, files: &'a dyn Files) -> Self {
+    pub(crate) fn new(document: &'a Document, buffers: &'a Buffers<'a>, outside: &'a Outside<'a>) -> Self {
         let surfaces = vec![None; document.materials.len() + 1];
-        Self { document, buffers, files, store: TextureStore::default(), shared: Vec::new(), surfaces }
+        Self { document, buffers, outside, store: TextureStore::default(), shared: Vec::new(), surfaces }
     }
 
     /// The material of a primitive; built at its first use, so that textures of unused ones are not decoded.
@@ -77,6 +82,8 @@ impl<'a> Materials<'a> {
                 SceneError::at(format!("{place}/normalTexture/scale"), "is out of range").expected("a single-precision number")
             );
         }
+        let name = def.name.as_ref().map_or(0, String::len) as u64;
+        self.outside.hold(MATERIAL + name, place, "materials and their names")?;
         let needs = Needs {
             color: color_info.filter(|_| color.is_some()).map(request),
             normal_map: normal_info.filter(|_| normal_map.is_some()).map(request),
@@ -117,8 +124,8 @@ impl<'a> Materials<'a> {
         if let Some((_, _, _, shared)) = self.shared.iter().find(same) {
             return Ok(Some(shared.clone()));
         }
-        let (bytes, name) = self.image(source)?;
-        let texture = self.store.decode(&bytes, &name, sampler, content).map_err(|e| named(e, source))?;
+        let (bytes, name, _held) = self.image(source)?;
+        let texture = self.store.decode(&bytes, &name, sampler, content, self.outside).map_err(|e| named(e, source))?;
         self.shared.push((source.index(), sampler, content, texture.clone()));
         Ok(Some(texture))
     }
@@ -145,29 +152,36 @@ impl<'a> Materials<'a> {
         Ok(Sampler { wrap: [wrap(definition.wrap_s, "wrapS")?, wrap(definition.wrap_t, "wrapT")?], filter })
     }
 
-    /// Bytes and name of a picture file.
-    fn image(&self, index: Int) -> Result<(Cow<'a, [u8]>, String), SceneError> {
+    /// Bytes and name of a picture file, and what they take.
+    fn image(&self, index: Int) -> Result<(Cow<'a, [u8]>, String, Held), SceneError> {
         let place = format!("/images/{}", index.0);
         let image = resolve(&self.document.images, "images", index, || place.clone())?;
         let buffers: &'a Buffers<'a> = self.buffers;
-        let bytes = match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => Cow::Owned(read_uri(uri, self.files, &format!("{place}/uri"))?),
-            (None, Some(view)) => Cow::Borrowed(buffers.view(self.document, view, || format!("{place}/bufferView"))?),
+        let (bytes, held) = match (&image.uri, image.buffer_view) {
+            (Some(uri), _) => {
+                let (bytes, held) = read_uri(uri, self.outside, &format!("{place}/uri"))?;
+                (Cow::Owned(bytes), held)
+            }
+            (None, Some(view)) => {
+                let bytes = buffers.view(self.document, view, || format!("{place}/bufferView"))?;
+                (Cow::Borrowed(bytes), self.outside.nothing())
+            }
             (None, None) => {
                 return Err(SceneError::at(place, "has neither a uri nor a bufferView").expected("one of them"));
             }
         };
         let from_uri = image.uri.as_deref().filter(|u| !u.starts_with("data:")).map(shorten);
         let name = image.name.clone().or(from_uri).unwrap_or_else(|| format!("image {}", index.0));
-        Ok((bytes, name))
+        Ok((bytes, name, held))
     }
 
     /// Decodes every picture: for files of which nothing is drawn, to find out why.
     pub(crate) fn check_pictures(&mut self) -> Result<(), SceneError> {
         for i in 0..self.document.images.len() {
             let index = Int(i as u64);
-            let (bytes, name) = self.image(index)?;
-            self.store.decode(&bytes, &name, Sampler::default(), Content::Color).map_err(|e| named(e, index))?;
+            let (bytes, name, _held) = self.image(index)?;
+            let (sampler, outside) = (Sampler::default(), self.outside);
+            self.store.decode(&bytes, &name, sampler, Content::Color, outside).map_err(|e| named(e, index))?;
         }
         Ok(())
     }
@@ -179,7 +193,7 @@ impl<'a> Materials<'a> {
                 continue;
             }
             match self.image(Int(i as u64)) {
-                Ok((bytes, name)) if picture::sniff(&bytes).is_none() => {
+                Ok((bytes, name, _)) if picture::sniff(&bytes).is_none() => {
                     warnings.add(format!("/images/{i}: `{name}` is neither PNG nor JPEG (nothing drawn uses it)"));
                 }
                 Ok(_) => {}

@@ -21,8 +21,8 @@ mod tests;
 use crate::SceneError;
 use crate::camera::rows;
 use crate::error::Warnings;
-use crate::files::Files;
 use crate::model::{Model, bounds};
+use crate::outside::{Outside, mesh_bytes};
 use accessor::Accessors;
 use basrelief_signals::{Material, Mesh, Object};
 use buffers::{Buffers, Container};
@@ -38,29 +38,36 @@ use std::sync::Arc;
 /// Most vertices of all objects together: a mesh may be placed many times.
 const MAX_PLACED_VERTICES: usize = 1 << 27;
 
+/// What a placed object takes beside its name and its mesh \[bytes\].
+const OBJECT: u64 = 512;
+
 /// Imports a `.glb` file.
-pub(crate) fn import_glb(bytes: &[u8], files: &dyn Files, warnings: &mut Warnings) -> Result<Model, SceneError> {
+pub(crate) fn import_glb(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {
     let glb = glb::parse(bytes, warnings)?;
-    import(glb.json, Container::Glb(glb.bin), files, warnings)
+    import(glb.json, Container::Glb(glb.bin), outside, warnings)
 }
 
 /// Imports a `.gltf` file.
-pub(crate) fn import_json(bytes: &[u8], files: &dyn Files, warnings: &mut Warnings) -> Result<Model, SceneError> {
-    import(bytes, Container::Json, files, warnings)
+pub(crate) fn import_json(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {
+    import(bytes, Container::Json, outside, warnings)
 }
 
-fn import(json: &[u8], container: Container<'_>, files: &dyn Files, warnings: &mut Warnings) -> Result<Model, SceneError> {
-    let document = parse::parse(json)?;
+fn import(json: &[u8], container: Container<'_>, outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {
+    let (document, _held) = parse::parse(json, outside)?;
     check::check(&document, warnings)?;
-    let buffers = Buffers::load(&document, container, files)?;
-    let accessors = Accessors::new(&document, &buffers, warnings)?;
+    let buffers = Buffers::load(&document, container, outside)?;
+    let accessors = Accessors::new(&document, &buffers, outside, warnings)?;
+    // Nodes in the world, those that are still to be placed, and who has a parent; lists that grow by doubling.
+    let placed = document.nodes.len() as u64 * 4 * size_of::<Placed>() as u64;
+    let _placed = outside.take(placed, "/nodes", "nodes in the world")?;
     let nodes = nodes::place(&document, warnings)?;
     let camera = scene::camera(&document, &nodes, warnings)?;
     let quantized = document.extensions_used.iter().any(|e| e == "KHR_mesh_quantization");
     let mut importer = Importer {
         document: &document,
+        outside,
         geometry: Geometry { accessors: &accessors, quantized },
-        materials: Materials::new(&document, &buffers, files),
+        materials: Materials::new(&document, &buffers, outside),
         primitives: BTreeMap::new(),
         objects: Vec::new(),
         vertices: 0,
@@ -94,6 +101,7 @@ type Built = (Arc<Mesh>, Arc<Material>, Extras);
 /// Collects objects; meshes that several nodes use are shared.
 struct Importer<'a> {
     document: &'a Document,
+    outside: &'a Outside<'a>,
     geometry: Geometry<'a>,
     materials: Materials<'a>,
     primitives: BTreeMap<(usize, usize), Option<Built>>,
@@ -138,10 +146,13 @@ impl Importer<'_> {
                 return Err(SceneError::at(format!("/meshes/{mesh}"), "is placed so often that there is too much to draw")
                     .expected(format!("at most {MAX_PLACED_VERTICES} vertices in all places")));
             }
+            let object = OBJECT + base.len() as u64;
+            self.outside.hold(object, format!("/meshes/{mesh}/primitives/{i}"), "objects and their names")?;
             let own = node.map(|n| n.extras).unwrap_or_default();
             self.objects.push(Arc::new(Object {
                 id: self.objects.len() as u32,
-                name: if definition.primitives.len() > 1 { format!("{base} / {i}") } else { base.clone() },
+                // Not formatted, which would take twice the room for a long one.
+                name: if definition.primitives.len() > 1 { [&base, " / ", &i.to_string()].concat() } else { base.clone() },
                 mesh: built,
                 world: rows(world),
                 material,
@@ -165,6 +176,7 @@ impl Importer<'_> {
         let place = format!("/meshes/{}/primitives/{}", key.0, key.1);
         let surface = self.materials.surface(primitive.material, warnings)?;
         let mesh = self.geometry.mesh(primitive, &surface.needs, &place, warnings)?;
+        self.geometry.accessors.built(mesh.as_ref().map_or(0, mesh_bytes));
         let extras = primitive.material.and_then(|m| self.document.materials.get(m.index())).map(|m| m.extras);
         let built = mesh.map(|mesh| (Arc::new(mesh), surface.material, extras.unwrap_or_default()));
         self.primitives.insert(key, built.clone());

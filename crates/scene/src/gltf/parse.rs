@@ -1,18 +1,13 @@
-//! From text to a [`Document`], with limits on what untrusted text may grow to.
+//! From text to a [`Document`].
 
 use super::json::Document;
 use crate::SceneError;
-use basrelief_input::JsonFault;
+use crate::outside::Outside;
+use basrelief_input::{Held, JsonFault, json_weight};
 use serde_path_to_error::{Path, Segment};
 
-/// Most bytes of JSON outside of strings: numbers grow to 4-8 times their text.
-const MAX_STRUCTURE_BYTES: usize = 1 << 26;
-
-/// Most objects: each grows to some 200 bytes.
-const MAX_OBJECTS: usize = 1 << 20;
-
-/// Parses the JSON of a glTF file.
-pub(crate) fn parse(bytes: &[u8]) -> Result<Document, SceneError> {
+/// Parses the JSON of a glTF file. With it comes what it takes.
+pub(crate) fn parse(bytes: &[u8], outside: &Outside<'_>) -> Result<(Document, Held), SceneError> {
     if bytes.starts_with(b"\xef\xbb\xbf") {
         return Err(SceneError::at("byte 0", "begins with a byte order mark")
             .expected("JSON text in UTF-8 without one, as glTF demands")
@@ -23,8 +18,9 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Document, SceneError> {
             .expected("JSON text in UTF-8")
             .cure("save the file in UTF-8")
     })?;
-    check_size(text)?;
-    basrelief_input::from_str(text).map_err(|fault| json_error(&fault))
+    let held = outside.take(json_weight(bytes), "", "what its JSON says")?;
+    let document = basrelief_input::from_str(text).map_err(|fault| json_error(&fault))?;
+    Ok((document, held))
 }
 
 /// A fault of a JSON text: what is wrong in it has a pointer, wrong syntax a line and column.
@@ -57,33 +53,19 @@ pub(crate) fn escape(name: &str) -> String {
     name.replace('~', "~0").replace('/', "~1")
 }
 
-fn check_size(text: &str) -> Result<(), SceneError> {
-    let (mut objects, mut structure) = (0usize, 0usize);
-    let (mut in_string, mut escaped) = (false, false);
-    for byte in text.bytes() {
-        if in_string {
-            in_string = escaped || byte != b'"';
-            escaped = byte == b'\\' && !escaped;
-        } else {
-            in_string = byte == b'"';
-            objects += usize::from(byte == b'{');
-            structure += usize::from(!byte.is_ascii_whitespace());
-        }
-    }
-    if objects > MAX_OBJECTS || structure > MAX_STRUCTURE_BYTES {
-        return Err(SceneError::at("", format!("JSON of {objects} objects and {structure} bytes outside of strings"))
-            .expected(format!("at most {MAX_OBJECTS} objects and {MAX_STRUCTURE_BYTES} bytes"))
-            .cure("split the model, or keep vertex data in a buffer"));
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Memory;
+    use basrelief_input::Budget;
 
     fn says(text: &str) -> String {
-        parse(text.as_bytes()).err().map(|e| e.to_string()).unwrap_or_default()
+        parsed(text.as_bytes(), 1 << 20).err().map(|e| e.to_string()).unwrap_or_default()
+    }
+
+    fn parsed(bytes: &[u8], limit: u64) -> Result<Document, SceneError> {
+        let files = Memory::default();
+        parse(bytes, &Outside::new(&files, &Budget::new(limit))).map(|(document, _)| document)
     }
 
     #[test]
@@ -95,19 +77,19 @@ mod tests {
         assert!(says(r#"{"asset": {}}"#).starts_with("/asset (line 1, column 12): missing field `version`"));
         assert!(says("{\n\"asset\" 1}").starts_with("line 2, column 9: not valid JSON: expected `:`"));
         assert!(says("{\"asset\": {\"version\": \"2.0\"}} x").contains("trailing characters"));
-        assert!(parse(b"\xff").err().unwrap().to_string().starts_with("byte 0: not UTF-8"));
+        assert!(parsed(b"\xff", 1 << 20).err().unwrap().to_string().starts_with("byte 0: not UTF-8"));
         assert!(says("\u{feff}{}").contains("byte order mark"));
     }
 
     #[test]
     fn braces_in_strings_are_no_objects() {
-        let text = format!("{{\"asset\": {{\"version\": \"2.0\", \"x\": \"\\\"{}\"}}}}", "{".repeat(MAX_OBJECTS + 1));
+        let text = format!("{{\"asset\": {{\"version\": \"2.0\", \"x\": \"\\\"{}\"}}}}", "{".repeat(100_000));
         assert_eq!(says(&text), "");
     }
 
     #[test]
     fn a_flood_of_objects_is_refused() {
-        let text = format!("[{}{{}}]", "{},".repeat(MAX_OBJECTS));
-        assert!(says(&text).contains("at most 1048576 objects"));
+        let text = format!("[{}{{}}]", "{},".repeat(10_000));
+        assert!(says(&text).starts_with("would hold 6.8 MiB of what its JSON says"), "{}", says(&text));
     }
 }

@@ -10,10 +10,12 @@ mod tests;
 
 use crate::SceneError;
 use crate::error::Warnings;
-use crate::files::{Files, read_reference, shorten};
+use crate::files::shorten;
 use crate::model::{Model, bounds};
+use crate::outside::{Outside, mesh_bytes, over_budget};
 use crate::textures::{Content, TextureStore};
 use crate::{normals, tangents};
+use basrelief_input::{Held, OverBudget};
 use basrelief_signals::{Filter, Material, Mesh, Object, Sampler, Texture, Wrap};
 use glam::DVec3;
 use mtl::{Map, MtlMaterial};
@@ -21,23 +23,35 @@ use parse::{Corner, Group, NONE, Obj};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// What a corner takes while a mesh is made: its index, in a list that grows by doubling \[bytes\].
+const CORNER: u64 = 8;
+/// What a vertex takes: its places in lists that grow by doubling, and in a table \[bytes\].
+const VERTEX: u64 = 200;
+/// Vertices that are counted at a time.
+const VERTICES: u32 = 256;
+/// What is counted.
+const TRIANGLES: &str = "vertices and triangles";
+
+/// What an object or a material takes beside its name and its mesh \[bytes\].
+const OBJECT: u64 = 512;
+
 /// Height of white over black \[texels\] where a bump map says `-bm 1` (assumed: the format does not say).
 const BUMP_HEIGHT: f64 = 4.0;
 
 const IDENTITY: [f64; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
 
 /// Imports an OBJ file.
-pub(crate) fn import(bytes: &[u8], files: &dyn Files, warnings: &mut Warnings) -> Result<Model, SceneError> {
-    let obj = parse::parse(bytes, warnings)?;
+pub(crate) fn import(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {
+    let (obj, _held) = parse::parse(bytes, outside, warnings)?;
     if obj.groups.is_empty() {
         return Err(SceneError::at("", "nothing to draw")
             .expected("at least one face (`f`)")
             .cure("export the model with its faces")
             .with_notes(warnings.sentences()));
     }
-    let mut materials = Materials { files, store: TextureStore::default(), shared: Vec::new() };
+    let mut materials = Materials { outside, store: TextureStore::default(), shared: Vec::new() };
     let library = materials.libraries(&obj.libraries, warnings)?;
-    let smooth = smooth_normals(&obj);
+    let (smooth, _smooth) = smooth_normals(&obj, outside)?;
     let mut by_name: BTreeMap<&str, Arc<Material>> = BTreeMap::new();
     let mut objects = Vec::new();
     for group in &obj.groups {
@@ -46,10 +60,17 @@ pub(crate) fn import(bytes: &[u8], files: &dyn Files, warnings: &mut Warnings) -
             None => materials.build(by_name.len() as u32, &group.material, &library, warnings)?,
         };
         by_name.insert(&group.material, material.clone());
-        let mesh = build_mesh(&obj, group, &smooth, &material, warnings);
+        let corners = 3 * group.triangles.len() as u64;
+        let tangents = if material.normal_map.is_some() { tangents::BYTES_PER_CORNER } else { 0 };
+        let mut held = outside.take((CORNER + tangents) * corners, "", TRIANGLES)?;
+        let mesh = build_mesh(&obj, group, &smooth, &material, &mut held, warnings).map_err(|e| over_budget("", &e))?;
+        let name = object_name(group);
+        held.shrink_to(mesh_bytes(&mesh));
+        outside.keep(held);
+        outside.hold(OBJECT + name.len() as u64, "", "objects and their names")?;
         objects.push(Arc::new(Object {
             id: objects.len() as u32,
-            name: object_name(group),
+            name,
             mesh: Arc::new(mesh),
             world: IDENTITY,
             material,
@@ -66,17 +87,27 @@ fn object_name(group: &Group) -> String {
 }
 
 /// Smooth normals per position, over the whole file; empty where every corner has its own.
-fn smooth_normals(obj: &Obj) -> Vec<[f32; 3]> {
+fn smooth_normals(obj: &Obj, outside: &Outside<'_>) -> Result<(Vec<[f32; 3]>, Held), SceneError> {
     let triangles = || obj.groups.iter().flat_map(|g| &g.triangles).flatten();
     if triangles().all(|corner| corner[2] != NONE) {
-        return Vec::new();
+        return Ok((Vec::new(), outside.nothing()));
     }
+    let corners = triangles().count();
+    let (sums, indices) = (36 * obj.positions.len(), 8 * corners);
+    let held = outside.take((sums + indices) as u64, "", "normals of vertices")?;
     let indices: Vec<u32> = triangles().map(|corner| corner[0]).collect();
-    normals::smooth(&obj.positions, &indices)
+    Ok((normals::smooth(&obj.positions, &indices), held))
 }
 
 /// The mesh of a group: one vertex for each different corner.
-fn build_mesh(obj: &Obj, group: &Group, smooth: &[[f32; 3]], material: &Material, warnings: &mut Warnings) -> Mesh {
+fn build_mesh(
+    obj: &Obj,
+    group: &Group,
+    smooth: &[[f32; 3]],
+    material: &Material,
+    held: &mut Held,
+    warnings: &mut Warnings,
+) -> Result<Mesh, OverBudget> {
     let mut mesh = Mesh::default();
     let textured = material.color_texture.is_some() || material.normal_map.is_some();
     let mut vertices: BTreeMap<Corner, u32> = BTreeMap::new();
@@ -86,6 +117,9 @@ fn build_mesh(obj: &Obj, group: &Group, smooth: &[[f32; 3]], material: &Material
         mesh.indices.push(vertex);
         if vertex < next {
             continue;
+        }
+        if next.is_multiple_of(VERTICES) {
+            held.grow(VERTEX * u64::from(VERTICES), TRIANGLES)?;
         }
         let [position, uv, normal] = corner.map(|i| i as usize);
         mesh.positions.push(obj.positions.get(position).copied().unwrap_or_default());
@@ -110,12 +144,12 @@ fn build_mesh(obj: &Obj, group: &Group, smooth: &[[f32; 3]], material: &Material
     if material.color_texture.is_none() {
         mesh.uv.clear();
     }
-    mesh
+    Ok(mesh)
 }
 
 /// Builds materials and loads their pictures.
 struct Materials<'a> {
-    files: &'a dyn Files,
+    outside: &'a Outside<'a>,
     store: TextureStore,
     /// Textures made so far; `None` for a picture that is missing.
     shared: Vec<(Map, Content, Option<Arc<Texture>>)>,
@@ -127,15 +161,16 @@ impl Materials<'_> {
         let mut all = Vec::new();
         for name in names {
             let name = name.replace('\\', "/");
-            match read_reference(self.files, &name, "mtllib") {
-                Ok(bytes) => {
-                    let mut materials = mtl::parse(&bytes, warnings).map_err(|e| e.in_file(&name))?;
+            match self.outside.read(&name, "mtllib") {
+                Ok((bytes, _held)) => {
+                    let mut materials = mtl::parse(&bytes, self.outside, warnings).map_err(|e| e.in_file(&name))?;
                     let folder = name.rfind('/').map_or("", |end| &name[..=end]);
                     for map in materials.iter_mut().flat_map(|m| [&mut m.color, &mut m.bump, &mut m.normal]).flatten() {
                         map.file.insert_str(0, folder);
                     }
                     all.extend(materials);
                 }
+                Err(e) if e.over_budget => return Err(e),
                 Err(e) => warnings.add(format!("{e}; drawn without its materials")),
             }
         }
@@ -149,6 +184,7 @@ impl Materials<'_> {
         library: &[MtlMaterial],
         warnings: &mut Warnings,
     ) -> Result<Arc<Material>, SceneError> {
+        self.outside.hold(OBJECT + 2 * name.len() as u64, "", "materials and their names")?;
         // Without culling: OBJ does not say which side of a face is meant.
         let plain = Material { id, name: name.into(), double_sided: true, ..Material::default() };
         let Some(definition) = library.iter().find(|m| m.name == name) else {
@@ -181,8 +217,9 @@ impl Materials<'_> {
         }
         let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
         let sampler = Sampler { wrap: [wrap; 2], filter: Filter::Bilinear };
-        let texture = match read_reference(self.files, &map.file, "MTL") {
-            Ok(bytes) => Some(self.store.decode(&bytes, &map.file, sampler, content)?),
+        let texture = match self.outside.read(&map.file, "MTL") {
+            Ok((bytes, _held)) => Some(self.store.decode(&bytes, &map.file, sampler, content, self.outside)?),
+            Err(e) if e.over_budget => return Err(e),
             Err(e) => {
                 warnings.add(format!("{e}; drawn without it"));
                 None

@@ -3,6 +3,7 @@
 use super::parse::numbers;
 use crate::SceneError;
 use crate::error::Warnings;
+use crate::outside::Outside;
 
 /// A material as written.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,8 +30,15 @@ pub(crate) struct Map {
     pub multiplier: f64,
 }
 
+/// Begins a material.
+const KEYWORD: &str = "newmtl";
+
 /// Parses a material library.
-pub(crate) fn parse(bytes: &[u8], warnings: &mut Warnings) -> Result<Vec<MtlMaterial>, SceneError> {
+pub(crate) fn parse(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Vec<MtlMaterial>, SceneError> {
+    // It stays as long as the scene is read, and so it is counted as if it stayed for good.
+    let materials = bytes.windows(KEYWORD.len()).filter(|window| *window == KEYWORD.as_bytes()).count();
+    let structs = 2 * size_of::<MtlMaterial>() * materials;
+    outside.hold((structs + 3 * bytes.len()) as u64, "", "materials of a library")?;
     let text = String::from_utf8_lossy(bytes);
     let mut materials: Vec<MtlMaterial> = Vec::new();
     for (i, line) in text.lines().enumerate() {
@@ -42,7 +50,7 @@ pub(crate) fn parse(bytes: &[u8], warnings: &mut Warnings) -> Result<Vec<MtlMate
 fn statement(line: &str, materials: &mut Vec<MtlMaterial>, warnings: &mut Warnings) -> Result<(), SceneError> {
     let line = line.trim();
     let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-    if keyword == "newmtl" {
+    if keyword == KEYWORD {
         let name = rest.trim().to_owned();
         materials.push(MtlMaterial { name, diffuse: [1.0; 3], color: None, bump: None, normal: None });
         return Ok(());
@@ -113,9 +121,12 @@ fn next_word(text: &str) -> (&str, &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Memory;
+    use basrelief_input::Budget;
 
     fn read(text: &str) -> Result<Vec<MtlMaterial>, SceneError> {
-        parse(text.as_bytes(), &mut Warnings::default())
+        let files = Memory::default();
+        parse(text.as_bytes(), &Outside::new(&files, &Budget::default()), &mut Warnings::default())
     }
 
     #[test]

@@ -3,9 +3,12 @@
 use crate::SceneError;
 use crate::error::Warnings;
 use crate::files::shorten;
+use crate::outside::{Outside, over_budget};
+use basrelief_input::{Held, OverBudget};
+use std::collections::BTreeMap;
 
-/// Most bytes of OBJ text; it grows to some five times as much.
-const MAX_TEXT: usize = 1 << 28;
+/// What a group takes beside its names and triangles \[bytes\].
+const GROUP: u64 = 256;
 
 /// No texture coordinate, or no normal.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -34,18 +37,25 @@ pub(crate) struct Obj {
     pub libraries: Vec<String>,
 }
 
-/// Parses OBJ text. Polygons become fans; elements other than faces are left out with a warning.
-pub(crate) fn parse(bytes: &[u8], warnings: &mut Warnings) -> Result<Obj, SceneError> {
-    if bytes.len() > MAX_TEXT {
-        return Err(SceneError::at("", format!("OBJ text of {} bytes", bytes.len()))
-            .expected(format!("at most {MAX_TEXT}"))
-            .cure("convert the model to GLB, or decimate it"));
-    }
+/// Parses OBJ text. Polygons become fans; elements other than faces are left out with a warning. With it comes what it takes.
+pub(crate) fn parse(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warnings) -> Result<(Obj, Held), SceneError> {
     if let Some(at) = bytes.iter().position(|b| *b == 0) {
         return Err(SceneError::at(format!("byte {at}"), "binary data").expected("OBJ text"));
     }
+    // A line may be the whole text. What is no UTF-8 is replaced by three bytes, in a text of its own.
+    let copies = if std::str::from_utf8(bytes).is_ok() { 1 } else { 2 * 3 };
+    let _lines = outside.take(copies * bytes.len() as u64, "", "lines of OBJ text")?;
     let text = String::from_utf8_lossy(bytes);
-    let mut parser = Parser { warnings, obj: Obj::default(), current: None, names: Default::default(), largest: [(0, 0); 3] };
+    let mut parser = Parser {
+        warnings,
+        obj: Obj::default(),
+        held: outside.nothing(),
+        corners: Vec::new(),
+        current: None,
+        groups: BTreeMap::new(),
+        names: Default::default(),
+        largest: [(0, 0); 3],
+    };
     for (number, line) in logical_lines(&text) {
         parser.statement(&line, number).map_err(|e| SceneError { place: format!("line {number}"), ..e })?;
     }
@@ -71,6 +81,12 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, String)> + '_ {
 struct Parser<'a> {
     warnings: &'a mut Warnings,
     obj: Obj,
+    /// What all of it takes.
+    held: Held,
+    /// Of the face that is being read.
+    corners: Vec<Corner>,
+    /// Groups by object and material.
+    groups: BTreeMap<[String; 2], usize>,
     /// Group that faces go to; `None` after a change of object or material.
     current: Option<usize>,
     /// Current object and material.
@@ -88,13 +104,20 @@ impl Parser<'_> {
             "v" => self.vertex(rest)?,
             "vt" => {
                 let [u, v] = numbers(rest, 1)?.1;
+                self.held.room(&mut self.obj.uv, 1, "texture coordinates").map_err(over)?;
                 self.obj.uv.push([u, v]);
             }
-            "vn" => self.obj.normals.push(numbers(rest, 3)?.1),
+            "vn" => {
+                self.held.room(&mut self.obj.normals, 1, "normals").map_err(over)?;
+                self.obj.normals.push(numbers(rest, 3)?.1);
+            }
             "f" => self.face(rest, number)?,
             "o" => self.rename(0, rest),
             "usemtl" => self.rename(1, rest),
-            "mtllib" => self.obj.libraries.push(rest.trim().into()),
+            "mtllib" => {
+                self.held.grow(64 + rest.len() as u64, "names of material libraries").map_err(over)?;
+                self.obj.libraries.push(rest.trim().into());
+            }
             "l" | "p" => self.warnings.add("lines and points are skipped"),
             other => self.warnings.add(format!("OBJ statement `{}` is skipped", shorten(other))),
         }
@@ -103,8 +126,11 @@ impl Parser<'_> {
 
     fn vertex(&mut self, rest: &str) -> Result<(), SceneError> {
         let (count, [x, y, z, r, g, b]) = numbers(rest, 3)?;
+        self.held.room(&mut self.obj.positions, 1, "positions").map_err(over)?;
         self.obj.positions.push([x, y, z]);
         if count >= 6 {
+            let missing = self.obj.positions.len() - self.obj.colors.len();
+            self.held.room(&mut self.obj.colors, missing, "colours").map_err(over)?;
             // Vertices before the first coloured one are white.
             self.obj.colors.resize(self.obj.positions.len() - 1, [1.0; 4]);
             self.obj.colors.push([r.clamp(0.0, 1.0), g.clamp(0.0, 1.0), b.clamp(0.0, 1.0), 1.0]);
@@ -120,26 +146,40 @@ impl Parser<'_> {
     }
 
     fn face(&mut self, rest: &str, line: usize) -> Result<(), SceneError> {
-        let corners = rest.split_whitespace().map(|t| self.corner(t, line)).collect::<Result<Vec<_>, _>>()?;
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.clear();
+        for token in rest.split_whitespace() {
+            self.held.room(&mut corners, 1, "corners of a face").map_err(over)?;
+            corners.push(self.corner(token, line)?);
+        }
         let (Some(hub), true) = (corners.first().copied(), corners.len() >= 3) else {
             return Err(SceneError::at("", format!("face of {} vertices", corners.len())).expected("at least 3"));
         };
-        let group = self.group();
+        let group = self.group()?;
+        let Self { obj, held, .. } = self;
+        let Some(Group { triangles, .. }) = obj.groups.get_mut(group) else { return Ok(()) };
+        held.room(triangles, corners.len() - 2, "triangles").map_err(over)?;
         let fan = corners.get(1..).unwrap_or_default().windows(2);
-        group.triangles.extend(fan.filter_map(|w| w.first_chunk().map(|[a, b]| [hub, *a, *b])));
+        triangles.extend(fan.filter_map(|w| w.first_chunk().map(|[a, b]| [hub, *a, *b])));
+        self.corners = corners;
         Ok(())
     }
 
-    fn group(&mut self) -> &mut Group {
+    /// Number of the group that faces go to.
+    fn group(&mut self) -> Result<usize, SceneError> {
+        if let Some(current) = self.current.or_else(|| self.groups.get(&self.names).copied()) {
+            self.current = Some(current);
+            return Ok(current);
+        }
         let [object, material] = &self.names;
-        let groups = &mut self.obj.groups;
-        let same = |g: &Group| g.object == *object && g.material == *material;
-        let index = self.current.or_else(|| groups.iter().position(same)).unwrap_or_else(|| {
-            groups.push(Group { object: object.clone(), material: material.clone(), triangles: Vec::new() });
-            groups.len() - 1
-        });
+        // The names stand in the group and in the table of groups.
+        let names = 2 * (object.len() + material.len()) as u64;
+        self.held.grow(GROUP + names, "groups and their names").map_err(over)?;
+        let index = self.obj.groups.len();
+        self.obj.groups.push(Group { object: object.clone(), material: material.clone(), triangles: Vec::new() });
+        self.groups.insert(self.names.clone(), index);
         self.current = Some(index);
-        &mut groups[index]
+        Ok(index)
     }
 
     /// `position`, `position/uv`, `position//normal` or `position/uv/normal`; negative numbers count from the end.
@@ -166,7 +206,7 @@ impl Parser<'_> {
         if parts.next().is_some() { Err(wrong()) } else { Ok(corner) }
     }
 
-    fn finish(mut self) -> Result<Obj, SceneError> {
+    fn finish(mut self) -> Result<(Obj, Held), SceneError> {
         let lists =
             [("vertex", self.obj.positions.len()), ("texture coordinate", self.obj.uv.len()), ("normal", self.obj.normals.len())];
         for ((name, count), (index, line)) in lists.into_iter().zip(self.largest) {
@@ -177,10 +217,16 @@ impl Parser<'_> {
             }
         }
         if !self.obj.colors.is_empty() {
+            let missing = self.obj.positions.len() - self.obj.colors.len();
+            self.held.room(&mut self.obj.colors, missing, "colours").map_err(over)?;
             self.obj.colors.resize(self.obj.positions.len(), [1.0; 4]);
         }
-        Ok(self.obj)
+        Ok((self.obj, self.held))
     }
+}
+
+fn over(error: OverBudget) -> SceneError {
+    over_budget("", &error)
 }
 
 /// Up to `N` finite numbers, at least `least` of them; the rest is 0. Also how many there were.
@@ -204,9 +250,13 @@ pub(crate) fn numbers<const N: usize>(text: &str, least: usize) -> Result<(usize
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Memory;
+    use basrelief_input::Budget;
 
     fn read(text: &str) -> Result<Obj, SceneError> {
-        parse(text.as_bytes(), &mut Warnings::default())
+        let files = Memory::default();
+        let outside = Outside::new(&files, &Budget::default());
+        parse(text.as_bytes(), &outside, &mut Warnings::default()).map(|(obj, _)| obj)
     }
 
     #[test]

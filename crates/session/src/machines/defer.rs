@@ -18,6 +18,9 @@ impl MachineSpec for DeferConfig {
     const DEMOS: &'static [&'static str] = &["gallery"];
     const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = EXHIBITS;
     const FETCHES_TILES: bool = true;
+    /// Layers at the server, the pyramid (134) with what is known of its tiles, tile lists, and the pyramid of the exact
+    /// picture: 3.3 times a texture of a single level.
+    const TEXTURE_COPIES: u64 = 4;
     type Machine<F: FrontEnd> = DeferredRenderer<F>;
     type Log = DeferLog;
 

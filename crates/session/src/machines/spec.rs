@@ -33,6 +33,8 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
     const METHODS: Option<MethodSpecs<Self>> = None;
     /// Its textures come over a path, from a server that may be elsewhere.
     const FETCHES_TILES: bool = false;
+    /// Copies that it and its exact picture make of the texels of each texture.
+    const TEXTURE_COPIES: u64 = 0;
     /// The machine behind one way in.
     type Machine<F: FrontEnd>: Logs<Self::Log>;
     /// An entry of its log, of which exhibits are made; `()` where there are none.

@@ -1,0 +1,62 @@
+//! Tokens that are counted as long as anybody has them.
+
+use crate::error::Fault;
+use basrelief_input::{Budget, Held};
+use basrelief_signals::{Control, Frame, ObjectInfo, Polygon};
+use std::collections::VecDeque;
+use std::sync::{Arc, Weak};
+
+/// What a token takes beside what it holds: counters, places in lists, its part here \[bytes\].
+const TOKEN: usize = 128;
+
+/// Tokens that were given out. How many a machine has at a time is its own business: most hold what their FIFOs have room
+/// for, but some keep the list of a whole frame.
+pub(crate) struct Lent {
+    frames: Kind<Frame>,
+    objects: Kind<ObjectInfo>,
+    polygons: Kind<Polygon>,
+}
+
+impl Lent {
+    pub(crate) fn new(budget: &Budget) -> Self {
+        Self { frames: Kind::new(budget), objects: Kind::new(budget), polygons: Kind::new(budget) }
+    }
+
+    /// Counts a token.
+    pub(crate) fn lend(&mut self, control: &Control) -> Result<(), Fault> {
+        match control {
+            Control::Frame(frame) => self.frames.lend(frame, size_of_val(&*frame.lights), "frames under way", "lights"),
+            Control::Object(object) => self.objects.lend(object, object.name.len(), "objects under way", "name"),
+            Control::Polygon(polygon) => {
+                self.polygons.lend(polygon, size_of_val(&*polygon.vertices), "polygons under way", "position")
+            }
+            Control::FrameEnd | Control::CodeBook(_) => Ok(()),
+        }
+    }
+}
+
+/// Tokens of one kind, in order.
+struct Kind<T> {
+    out: VecDeque<(Weak<T>, u64)>,
+    held: Held,
+}
+
+impl<T> Kind<T> {
+    fn new(budget: &Budget) -> Self {
+        Self { out: VecDeque::new(), held: budget.nothing() }
+    }
+
+    fn lend(&mut self, token: &Arc<T>, bytes: usize, what: &str, field: &'static str) -> Result<(), Fault> {
+        // They come back in the order in which they went, one or two apart.
+        while let Some((first, bytes)) = self.out.front()
+            && first.strong_count() == 0
+        {
+            self.held.give_back(*bytes);
+            self.out.pop_front();
+        }
+        let bytes = (TOKEN + size_of::<T>() + bytes) as u64;
+        self.held.grow(bytes, what).map_err(Fault::over_budget(field))?;
+        self.out.push_back((Arc::downgrade(token), bytes));
+        Ok(())
+    }
+}

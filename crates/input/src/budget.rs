@@ -1,0 +1,312 @@
+//! What may be held of what strangers send, counted before it is allocated.
+
+use std::fmt::{self, Display, Formatter};
+use std::io::{self, Read, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+/// Memory for all that is read from outside; clones draw on the same.
+///
+/// Who is about to hold something takes as much from it first: [`Budget::take`]. What is counted is what is held, so a small
+/// file that unfolds into much counts as much. What a program takes by itself is not counted.
+#[derive(Clone, Debug)]
+pub struct Budget(Arc<Account>);
+
+#[derive(Debug)]
+struct Account {
+    limit: u64,
+    /// Atomic, since tiles of a server are fetched by several threads.
+    held: AtomicU64,
+}
+
+impl Default for Budget {
+    fn default() -> Self {
+        Self::new(Self::DEFAULT)
+    }
+}
+
+impl Budget {
+    /// What may be held where nobody says otherwise \[bytes\].
+    pub const DEFAULT: u64 = 1 << 30;
+
+    /// So many bytes may be held at a time.
+    pub fn new(limit: u64) -> Self {
+        Self(Arc::new(Account { limit, held: AtomicU64::new(0) }))
+    }
+
+    /// What may still be taken \[bytes\].
+    pub fn left(&self) -> u64 {
+        self.0.limit.saturating_sub(self.0.held.load(Relaxed))
+    }
+
+    /// Takes `bytes` for `what`: a noun, such as `texels`. Given back when the result is dropped.
+    ///
+    /// # Errors
+    /// More than is left; then nothing is taken.
+    pub fn take(&self, bytes: u64, what: impl Display) -> Result<Held, OverBudget> {
+        let mut held = self.nothing();
+        held.grow(bytes, what)?;
+        Ok(held)
+    }
+
+    /// Nothing yet, to grow.
+    pub fn nothing(&self) -> Held {
+        Held { budget: self.clone(), bytes: 0 }
+    }
+}
+
+/// Bytes taken from a [`Budget`], given back when this is dropped.
+#[derive(Debug)]
+pub struct Held {
+    budget: Budget,
+    bytes: u64,
+}
+
+impl Held {
+    /// Takes more.
+    ///
+    /// # Errors
+    /// More than is left; then nothing is taken.
+    pub fn grow(&mut self, bytes: u64, what: impl Display) -> Result<(), OverBudget> {
+        let Account { limit, held } = &*self.budget.0;
+        let more = |before: u64| before.checked_add(bytes).filter(|sum| sum <= limit);
+        let taken = held.fetch_update(Relaxed, Relaxed, more);
+        taken.map_err(|held| OverBudget { what: what.to_string(), bytes, held, limit: *limit })?;
+        self.bytes += bytes;
+        Ok(())
+    }
+
+    /// Makes room in a list for `more` items, as it would grow by itself: by as much as it has.
+    ///
+    /// # Errors
+    /// As [`Held::grow`].
+    pub fn room<T>(&mut self, list: &mut Vec<T>, more: usize, what: impl Display) -> Result<(), OverBudget> {
+        if list.capacity() - list.len() < more {
+            let larger = list.capacity().max(more).max(16);
+            self.grow(size_of::<T>() as u64 * larger as u64, what)?;
+            list.reserve_exact(larger + list.capacity() - list.len());
+        }
+        Ok(())
+    }
+
+    /// Gives back all but so many bytes.
+    pub fn shrink_to(&mut self, bytes: u64) {
+        self.give_back(self.bytes.saturating_sub(bytes));
+    }
+
+    /// Gives back so many bytes, at most all.
+    pub fn give_back(&mut self, bytes: u64) {
+        let bytes = bytes.min(self.bytes);
+        self.bytes -= bytes;
+        self.budget.0.held.fetch_sub(bytes, Relaxed);
+    }
+
+    /// Bytes taken.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// What another has taken is this one's from now on.
+    pub fn join(&mut self, mut other: Self) {
+        self.bytes += std::mem::take(&mut other.bytes);
+    }
+
+    /// Never given back: what was taken for stays to the end of the program.
+    pub fn keep(mut self) {
+        self.bytes = 0;
+    }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        self.shrink_to(0);
+    }
+}
+
+/// More than may be held.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OverBudget {
+    /// For what.
+    what: String,
+    bytes: u64,
+    /// Before.
+    held: u64,
+    limit: u64,
+}
+
+impl Display for OverBudget {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let [bytes, held, limit] = [self.bytes, self.held, self.limit].map(Size);
+        write!(f, "would hold {bytes} of {}, with {held} held already: over the limit of {limit}; ", self.what)?;
+        f.write_str("give more with --memory-limit, if this input is to be trusted")
+    }
+}
+
+impl std::error::Error for OverBudget {}
+
+impl From<OverBudget> for io::Error {
+    fn from(error: OverBudget) -> Self {
+        Self::new(io::ErrorKind::OutOfMemory, error)
+    }
+}
+
+impl OverBudget {
+    /// The error that a reader or writer hands through, where it is one of these.
+    pub fn within(error: &io::Error) -> Option<&Self> {
+        error.get_ref()?.downcast_ref()
+    }
+}
+
+/// Bytes in words: `1 GiB`, `1.5 MiB`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub u64);
+
+impl Display for Size {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let unit = [("GiB", 30), ("MiB", 20), ("KiB", 10)].into_iter().find(|(_, bits)| self.0 >> bits > 0);
+        let Some((unit, bits)) = unit else { return write!(f, "{} bytes", self.0) };
+        // Tenths, rounded up: what is over a limit does not look like it.
+        match (u128::from(self.0) * 10).div_ceil(1 << bits) {
+            tenths if tenths.is_multiple_of(10) => write!(f, "{} {unit}", tenths / 10),
+            tenths => write!(f, "{}.{} {unit}", tenths / 10, tenths % 10),
+        }
+    }
+}
+
+impl std::str::FromStr for Size {
+    type Err = String;
+
+    /// A whole number of bytes, or of `KiB`, `MiB` or `GiB`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let units = [("KiB", 10), ("MiB", 20), ("GiB", 30)];
+        let unit = units.into_iter().find_map(|(unit, bits)| Some((text.strip_suffix(unit)?, bits)));
+        let (number, bits) = unit.unwrap_or((text, 0));
+        let bytes = number.trim_end().parse::<u64>().ok().and_then(|n| n.checked_mul(1 << bits)).filter(|n| *n > 0);
+        bytes.map(Self).ok_or_else(|| "expected bytes, or a number with KiB, MiB or GiB behind it, such as 4GiB".into())
+    }
+}
+
+/// Bytes that are written to memory, counted as they come.
+#[derive(Debug)]
+pub struct Growing {
+    bytes: Vec<u8>,
+    held: Held,
+    what: &'static str,
+}
+
+impl Growing {
+    /// Nothing yet.
+    pub fn new(budget: &Budget, what: &'static str) -> Self {
+        Self { bytes: Vec::new(), held: budget.nothing(), what }
+    }
+
+    /// What was written, and what it holds.
+    pub fn into_parts(self) -> (Vec<u8>, Held) {
+        (self.bytes, self.held)
+    }
+
+    /// Bytes so far.
+    pub fn len(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+}
+
+impl Write for Growing {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.held.room(&mut self.bytes, bytes.len(), self.what)?;
+        self.bytes.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Reads to the end, counted as it comes. `expected`: bytes there should be, where known.
+///
+/// # Errors
+/// Whatever keeps it from being read, and [`OverBudget`].
+pub fn read_to_end(reader: &mut dyn Read, expected: u64, budget: &Budget, what: &'static str) -> io::Result<(Vec<u8>, Held)> {
+    let mut all = Growing::new(budget, what);
+    all.held.room(&mut all.bytes, usize::try_from(expected).unwrap_or(usize::MAX), what)?;
+    io::copy(reader, &mut all)?;
+    Ok(all.into_parts())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_dropped_is_given_back() {
+        let budget = Budget::new(100);
+        let mut a = budget.take(60, "texels").unwrap();
+        assert_eq!(budget.clone().left(), 40);
+        assert!(budget.take(41, "names").is_err());
+        assert!(a.grow(u64::MAX, "names").is_err(), "no overflow");
+        assert_eq!(budget.left(), 40, "what is refused is not taken");
+        a.join(budget.take(40, "names").unwrap());
+        a.give_back(30);
+        assert_eq!((a.bytes(), budget.left()), (70, 30));
+        drop(a);
+        assert_eq!(budget.left(), 100);
+        budget.take(7, "a scene").unwrap().keep();
+        assert_eq!(budget.left(), 93);
+    }
+
+    #[test]
+    fn the_error_says_what_of_how_much_and_what_to_do() {
+        let budget = Budget::new(1 << 20);
+        let _held = budget.take(1 << 19, "texels").unwrap();
+        assert_eq!(
+            budget.take(3 << 19, "names").unwrap_err().to_string(),
+            "would hold 1.5 MiB of names, with 512 KiB held already: over the limit of 1 MiB; give more with --memory-limit, if \
+             this input is to be trusted"
+        );
+    }
+
+    #[test]
+    fn a_list_grows_within_the_budget() {
+        let budget = Budget::new(1000);
+        let (mut held, mut list) = (budget.nothing(), Vec::<u32>::new());
+        for i in 0.. {
+            if held.room(&mut list, 1, "numbers").is_err() {
+                break;
+            }
+            list.push(i);
+            assert!(list.capacity() as u64 * 4 <= held.bytes());
+        }
+        assert_eq!(list.len(), 128, "512 bytes, and no room for 1024");
+    }
+
+    #[test]
+    fn a_reader_is_read_no_further_than_the_budget_goes() {
+        let budget = Budget::new(1 << 16);
+        let error = read_to_end(&mut io::repeat(0), 0, &budget, "a file").unwrap_err();
+        assert!(OverBudget::within(&error).is_some(), "{error}");
+        assert_eq!(budget.left(), 1 << 16);
+        assert!(read_to_end(&mut io::empty(), u64::MAX, &budget, "a file").is_err(), "nor is what is announced believed");
+        assert_eq!(read_to_end(&mut &b"abc"[..], 3, &budget, "a file").unwrap().0, b"abc");
+    }
+
+    #[test]
+    fn sizes_are_told_and_read_in_words() {
+        let told = [(7, "7 bytes"), (1024, "1 KiB"), (1025, "1.1 KiB"), (3 << 29, "1.5 GiB"), (u64::MAX, "17179869184 GiB")];
+        for (bytes, text) in told {
+            assert_eq!(Size(bytes).to_string(), text);
+        }
+        let read = [("7", 7), ("2KiB", 2048), ("3 MiB", 3 << 20), ("4GiB", 1 << 32)];
+        for (text, bytes) in read {
+            assert_eq!(text.parse(), Ok(Size(bytes)), "{text}");
+        }
+        for wrong in ["", "0", "-1", "1.5GiB", "1GB", "99999999999GiB", "GiB"] {
+            assert!(wrong.parse::<Size>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! A small model unfolds into much: whatever it makes us hold is counted, and refused over the budget.
+
+use basrelief_input::Budget;
+use basrelief_scene::{Memory, SceneError, ViewOptions, load_within};
+use image::{DynamicImage, ImageFormat};
+use serde_json::{Value, json};
+use std::io::Cursor;
+
+const LIMIT: u64 = 1 << 20;
+
+/// The error of a model that must not be held.
+fn error_of(bytes: &[u8], name: &str, files: &Memory, view: &ViewOptions) -> SceneError {
+    let budget = Budget::new(LIMIT);
+    let error = load_within(bytes, name, files, view, &budget).map(|_| ()).expect_err("more than the budget allows");
+    assert_eq!(budget.left(), LIMIT, "what was refused is not held");
+    error
+}
+
+fn says_so(error: &SceneError, what: &str, part: &str) {
+    let text = error.to_string();
+    assert!(error.over_budget && !error.file.is_empty(), "{what}: {text}");
+    assert!(text.contains("over the limit of 1 MiB; give more with --memory-limit"), "{what}: {text}");
+    assert!(text.contains(part), "{what}: {text}, expected {part:?} in it");
+}
+
+/// A grey picture: a few kilobytes.
+fn picture(side: u32) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    DynamicImage::new_luma8(side, side).write_to(&mut bytes, ImageFormat::Png).expect("in memory");
+    bytes.into_inner()
+}
+
+fn files() -> Memory {
+    let corners: Vec<u8> = [0., 0., 0., 1., 0., 0., 0., 1., 0.].into_iter().flat_map(f32::to_le_bytes).collect();
+    Memory::default()
+        .with("corners.bin", corners)
+        .with("large.bin", vec![0; 4 << 20])
+        .with("wide.bin", vec![0; 1 << 18])
+        .with("small.png", picture(4))
+        .with("large.png", picture(1024))
+        .with("large.mtl", "newmtl a\n".repeat(100_000))
+        .with("picture.mtl", "newmtl a\nmap_Kd large.png\n")
+        .with("bump.mtl", "newmtl a\nbump large.png\n")
+}
+
+/// One triangle.
+fn triangle() -> Value {
+    json!({
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"uri": "corners.bin", "byteLength": 36}]
+    })
+}
+
+fn with(changes: &[(&str, Value)]) -> Value {
+    let mut document = triangle();
+    for (pointer, value) in changes {
+        let (parent, key) = pointer.rsplit_once('/').expect("a pointer");
+        let parent = document.pointer_mut(parent).expect("it is there");
+        match (parent, key.parse::<usize>()) {
+            (Value::Array(list), Ok(i)) if i < list.len() => list[i] = value.clone(),
+            (Value::Array(list), _) => list.push(value.clone()),
+            (parent, _) => parent[key] = value.clone(),
+        }
+    }
+    document
+}
+
+/// Elements that no data back.
+fn zeros(count: u64, kind: &str) -> Value {
+    json!({"componentType": 5126, "count": count, "type": kind})
+}
+
+#[test]
+fn every_property_of_a_gltf_file_that_sizes_something_is_held_within_the_budget() {
+    let many = |item: Value, count: usize| Value::Array(vec![item; count]);
+    let primitive = |material: usize| json!({"attributes": {"POSITION": 0}, "material": material});
+    let textured = |picture: &str, of: &str| {
+        let material =
+            if of == "normalTexture" { json!({of: {"index": 0}}) } else { json!({"pbrMetallicRoughness": {of: {"index": 0}}}) };
+        with(&[
+            ("/images", json!([{"uri": picture}])),
+            ("/textures", json!([{"source": 0}])),
+            ("/materials", json!([material])),
+            ("/meshes/0/primitives/0", primitive(0)),
+        ])
+    };
+    let uri = format!("data:;base64,{}", "A".repeat(600_000));
+    let names = |place: &str| {
+        vec![("/meshes/0/primitives", many(json!({"attributes": {"POSITION": 0}}), 400))]
+            .into_iter()
+            .chain([(if place == "node" { "/nodes/0/name" } else { "/meshes/0/name" }, Value::from("n".repeat(10_000)))])
+            .collect::<Vec<_>>()
+    };
+    let repeated = with(&[
+        ("/meshes/0/primitives", many(primitive(0), 900)),
+        ("/accessors/0", zeros(200, "VEC3")),
+        ("/materials", json!([{}])),
+    ]);
+    let cases: Vec<(&str, &str, Value)> = vec![
+        (
+            "/buffers/uri, a file",
+            "large.bin: /buffers/0/uri: would hold 4 MiB of a file",
+            with(&[("/buffers/0", json!({"uri": "large.bin", "byteLength": 36}))]),
+        ),
+        ("/buffers/uri, data", "/buffers/0/uri: would hold", with(&[("/buffers/0", json!({"uri": uri, "byteLength": 36}))])),
+        (
+            "/images/uri, data",
+            "m.gltf: ",
+            with(&[
+                ("/images", json!([{"uri": uri}])),
+                ("/textures", json!([{"source": 0}])),
+                ("/materials", json!([{"normalTexture": {"index": 0}}])),
+                ("/meshes/0/primitives/0", primitive(0)),
+            ]),
+        ),
+        ("/images, its texels", "large.png: /images/0: would hold", textured("large.png", "baseColorTexture")),
+        ("/images, its normals", "large.png: /images/0: would hold", textured("large.png", "normalTexture")),
+        ("/accessors/count", "of elements of accessor 0", with(&[("/accessors/0", zeros(200_000, "VEC3"))])),
+        (
+            "/accessors/count, decoded",
+            "of vertices and triangles",
+            with(&[
+                ("/buffers/0", json!({"uri": "wide.bin", "byteLength": 1 << 18})),
+                ("/bufferViews/0/byteLength", (1 << 18).into()),
+                ("/accessors/0", json!({"bufferView": 0, "componentType": 5120, "count": 80_000, "type": "VEC3"})),
+                ("/extensionsUsed", json!(["KHR_mesh_quantization"])),
+            ]),
+        ),
+        (
+            "/accessors/sparse",
+            "of elements of accessor 0",
+            with(&[(
+                "/accessors/0",
+                json!({"componentType": 5126, "count": 200_000, "type": "VEC3", "sparse": {"count": 1, "indices": {"bufferView": 0, "componentType": 5121}, "values": {"bufferView": 0}}}),
+            )]),
+        ),
+        (
+            "/meshes/primitives/indices",
+            "of vertices and triangles",
+            with(&[
+                ("/bufferViews/1", json!({"buffer": 1, "byteLength": 1 << 16})),
+                ("/buffers/1", json!({"uri": "wide.bin", "byteLength": 1 << 18})),
+                ("/accessors/1", json!({"bufferView": 1, "componentType": 5121, "count": 60_000, "type": "SCALAR"})),
+                ("/meshes/0/primitives/0", json!({"attributes": {"POSITION": 0}, "indices": 1, "mode": 5})),
+            ]),
+        ),
+        ("/meshes/primitives, without normals", "of vertices and triangles", with(&[("/accessors/0", zeros(9_000, "VEC3"))])),
+        (
+            "/meshes/primitives, without tangents",
+            "of vertices and triangles",
+            with(&[
+                ("/accessors/0", zeros(3_000, "VEC3")),
+                ("/accessors/1", zeros(3_000, "VEC2")),
+                ("/images", json!([{"uri": "small.png"}])),
+                ("/textures", json!([{"source": 0}])),
+                ("/materials", json!([{"normalTexture": {"index": 0}}])),
+                ("/meshes/0/primitives/0", json!({"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0})),
+            ]),
+        ),
+        ("/meshes/primitives, many", "", repeated),
+        ("/meshes/name", "of objects and their names", with(&names("mesh"))),
+        ("/nodes/name", "of objects and their names", with(&names("node"))),
+        ("/nodes", "of what its JSON says", with(&[("/nodes", many(json!({}), 5_000))])),
+        ("/nodes/children", "of what its JSON says", with(&[("/nodes/0/children", many(1.into(), 50_000))])),
+        ("/scenes/nodes", "of what its JSON says", with(&[("/scenes/0/nodes", many(0.into(), 50_000))])),
+        ("/materials", "of what its JSON says", with(&[("/materials", many(json!({}), 5_000))])),
+        ("/extensionsUsed", "of what its JSON says", with(&[("/extensionsUsed", many("X".into(), 50_000))])),
+        ("/accessors/min", "of what its JSON says", with(&[("/accessors/0/min", many(0.into(), 50_000))])),
+        ("/asset/generator", "of what its JSON says", with(&[("/asset/generator", "x".repeat(2 << 20).into())])),
+    ];
+    for (what, part, document) in cases {
+        says_so(&error_of(document.to_string().as_bytes(), "m.gltf", &files(), &ViewOptions::default()), what, part);
+    }
+}
+
+#[test]
+fn lights_are_counted_in_every_frame() {
+    let light = json!({"extensions": {"KHR_lights_punctual": {"light": 0}}});
+    let mut document = with(&[("/extensions", json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}}))]);
+    document["nodes"] = Value::Array([vec![json!({"mesh": 0})], vec![light; 100]].concat());
+    document["scenes"] = json!([{"nodes": (0..101).collect::<Vec<_>>()}]);
+    let view = ViewOptions { frames: Some(1_000), ..ViewOptions::default() };
+    let error = error_of(document.to_string().as_bytes(), "m.gltf", &files(), &view);
+    says_so(&error, "/nodes/extensions/KHR_lights_punctual", "of frames and their lights");
+}
+
+#[test]
+fn every_statement_of_an_obj_file_is_held_within_the_budget() {
+    let start = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n";
+    let face = "f 1/1 2/1 3/1\n";
+    let cases = [
+        ("v", "of positions", "v 0 0 0\n".repeat(60_000)),
+        ("v with colours", "", "v 0 0 0 1 1 1\n".repeat(25_000)),
+        ("vt", "of texture coordinates", "vt 0 0\n".repeat(80_000)),
+        ("vn", "of normals", "vn 0 0 1\n".repeat(50_000)),
+        ("f", "of triangles", "f 1 2 3\n".repeat(20_000)),
+        ("f, one", "line 5: would hold", format!("f{}\n", " 1 2 3".repeat(20_000))),
+        (
+            "f, each with a vertex of its own",
+            "of vertices and triangles",
+            (0..3_000).map(|i| format!("vt 0 0\nf 1/{} 2/1 3/1\n", i + 2)).collect(),
+        ),
+        (
+            "o",
+            "of groups and their names",
+            (0..200).map(|i| format!("usemtl {i}\n{face}")).fold(format!("o {}\n", "n".repeat(9_000)), |a, b| a + &b),
+        ),
+        ("usemtl", "of groups and their names", (0..4_000).map(|i| format!("usemtl {i}\n{face}")).collect()),
+        ("mtllib", "of names of material libraries", "mtllib x\n".repeat(20_000)),
+        ("a line", "of lines of OBJ text", "#".repeat(2 << 20)),
+        ("newmtl", "large.mtl: mtllib: would hold", format!("mtllib large.mtl\n{face}")),
+        ("map_Kd", "large.png: would hold", format!("mtllib picture.mtl\nusemtl a\n{face}")),
+        ("bump", "large.png: would hold", format!("mtllib bump.mtl\nusemtl a\n{face}")),
+    ];
+    for (what, part, text) in cases {
+        let text = format!("{start}{text}{face}");
+        says_so(&error_of(text.as_bytes(), "m.obj", &files(), &ViewOptions::default()), what, part);
+    }
+}
+
+/// What stays of a scene is what it holds, not what it took to make it.
+#[test]
+fn what_is_needed_on_the_way_is_given_back() {
+    let budget = Budget::new(64 << 20);
+    let document = with(&[
+        ("/accessors/0", zeros(3_000, "VEC3")),
+        ("/images", json!([{"uri": "large.png"}])),
+        ("/textures", json!([{"source": 0}])),
+        ("/materials", json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])),
+        ("/meshes/0/primitives/0", json!({"attributes": {"POSITION": 0}, "material": 0})),
+    ]);
+    let loaded = load_within(document.to_string().as_bytes(), "m.gltf", &files(), &ViewOptions::default(), &budget);
+    let (scene, held) = loaded.expect("within the budget");
+    let texels = 4 * (1024 * 1024 * 4) / 3;
+    let mesh = &scene.objects[0].mesh;
+    let lists = 12 * mesh.positions.len() + 12 * mesh.normals.len() + 8 * mesh.uv.len() + 4 * mesh.indices.len();
+    let beside = held.bytes() - (texels + lists) as u64;
+    assert!(beside < 4096, "{beside} bytes beside texels and vertices");
+    drop(held);
+    assert_eq!(budget.left(), 64 << 20);
+}

@@ -1,0 +1,139 @@
+//! Small inputs that unfold into much: refused with the limit in the error, never ended by a signal, however little address
+//! space there is.
+
+use crate::support::{Outcome, PROGRAM, Place, finish};
+use basrelief_display_list::{Begin, Command as Line, Form, MaterialDefinition, Writer};
+use basrelief_signals::Lighting;
+use image::{DynamicImage, ImageFormat};
+use std::fs::{self, File};
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::process::{Command, Stdio};
+use std::thread;
+
+/// Runs a command line with so much address space \[MiB\] and no more: whoever asks for more is ended by a signal.
+fn run(place: &Place, megabytes: u32, line: &str) -> Outcome {
+    let limited = place.command(line);
+    let mut shell = Command::new("sh");
+    let limit = format!("ulimit -v {} && exec \"$0\" \"$@\"", megabytes << 10);
+    shell.arg("-c").arg(limit).arg(PROGRAM).args(limited.get_args());
+    finish(shell.current_dir(place.path("")).stdin(Stdio::null()))
+}
+
+/// A trace of materials with names of 15 MiB, in a few kilobytes.
+fn write_names(place: &Place, name: &str, materials: u32) {
+    let form = Form::for_file_name(name).expect("a display list");
+    let mut writer = Writer::new(File::create(place.path(name)).expect("created"), form).expect("a writer");
+    writer.write(&Line::Begin(Begin::new(8, 8))).expect("written");
+    for id in 0..materials {
+        writer
+            .write(&Line::Material(MaterialDefinition {
+                id,
+                name: "n".repeat(15 << 20),
+                base_color: [1.0; 4],
+                normal_scale: 1.0,
+                lighting: Lighting::default(),
+                color_texture: None,
+                normal_map: None,
+                double_sided: false,
+            }))
+            .expect("written");
+    }
+    writer.finish().expect("written");
+    assert!(fs::metadata(place.path(name)).expect("there").len() < 100_000);
+}
+
+#[test]
+fn names_of_a_trace_are_held_within_the_limit() {
+    let place = Place::new();
+    write_names(&place, "t.bdl.zst", 90);
+    for command in ["run t.bdl.zst", "verify t.bdl.zst", "run t.bdl.zst --functional --no-exact"] {
+        let outcome = run(&place, 2048, &format!("{command} --quiet"));
+        assert_eq!(outcome.code(), 1, "{command}: {}", outcome.err);
+        let said = format!("{}{}", outcome.out, outcome.err);
+        for part in ["t.bdl.zst: record ", "material", "over the limit of 1 GiB; give more with --memory-limit"] {
+            assert!(said.contains(part), "{command}: {said}");
+        }
+        let outcome = run(&place, 400, &format!("{command} --quiet --memory-limit 100MiB"));
+        assert_eq!(outcome.code(), 1, "{command}: {}", outcome.err);
+        assert!(format!("{}{}", outcome.out, outcome.err).contains("over the limit of 100 MiB"), "{command}");
+    }
+    // Nothing of them is kept.
+    let converted = run(&place, 400, "convert t.bdl.zst t.jsonl.zst --memory-limit 100MiB");
+    assert_eq!(converted.code(), 0, "{}", converted.err);
+}
+
+#[test]
+fn a_picture_is_decoded_within_the_limit() {
+    let place = Place::new();
+    DynamicImage::new_luma8(8192, 8192).save_with_format(place.path("large.png"), ImageFormat::Png).expect("written");
+    fs::write(place.path("m.mtl"), "newmtl a\nbump large.png\n").expect("written");
+    let face = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+    fs::write(place.path("m.obj"), format!("mtllib m.mtl\nusemtl a\n{face}")).expect("written");
+    for (limit, words) in [("", "1 GiB"), (" --memory-limit 256MiB", "256 MiB"), (" --memory-limit 1000", "1000 bytes")] {
+        for command in ["run m.obj", "record m.obj --out t.bdl", "serve m.obj"] {
+            let outcome = run(&place, 2048, &format!("{command} --quiet{limit}"));
+            let error = outcome.error(1);
+            assert!(error.contains("m.obj") && error.contains(&format!("over the limit of {words}")), "{command}: {error}");
+        }
+    }
+}
+
+#[test]
+fn what_a_server_sends_is_held_within_the_limit() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("an address");
+    let endless = |mut stream: TcpStream| {
+        let _ = stream.read(&mut [0; 4096]);
+        let _ = write!(stream, "HTTP/1.1 200 OK\r\nx-content-sha256: {}\r\nconnection: close\r\n\r\n", "0".repeat(64));
+        while stream.write_all(&[0; 1 << 16]).is_ok() {}
+    };
+    thread::spawn(move || listener.incoming().flatten().for_each(|stream| drop(thread::spawn(move || endless(stream)))));
+    let place = Place::new();
+    let outcome = run(&place, 1024, &format!("run --from http://{address}/ --quiet --memory-limit 64MiB"));
+    let error = outcome.error(1);
+    assert!(error.contains("/polygons: would hold") && error.contains("over the limit of 64 MiB"), "{error}");
+    assert!(!error.contains("attempt"), "asked for once: {error}");
+}
+
+#[test]
+fn other_files_are_read_within_the_limit() {
+    let place = Place::new();
+    fs::write(place.path("c.toml"), "a=1\n".repeat(1 << 18)).expect("written");
+    fs::write(place.path("c.json"), format!("[{}1]", "1,".repeat(1 << 20))).expect("written");
+    for line in [
+        "demo --config c.toml",
+        "demo --camera c.json",
+        "compare c.json c.json",
+        "demo --config /dev/zero",
+        "compare /dev/zero c.json",
+        "run c.json",
+    ] {
+        let outcome = run(&place, 1024, &format!("{line} --memory-limit 20MiB"));
+        let error = outcome.error(1);
+        if line != "run c.json" {
+            assert!(error.contains("over the limit of 20 MiB; give more with --memory-limit"), "{line}: {error}");
+        }
+    }
+}
+
+#[test]
+fn pictures_that_a_trace_asks_for_are_counted() {
+    let place = Place::new();
+    let mut writer = Writer::new(File::create(place.path("t.jsonl")).expect("created"), Form::default()).expect("a writer");
+    writer.write(&Line::Begin(Begin::new(4096, 2048))).expect("written");
+    writer.finish().expect("written");
+    let error = place.run("run t.jsonl --memory-limit 100MiB --quiet");
+    let error = error.error(1);
+    assert!(error.contains("t.jsonl: line 1: would hold 896 MiB of pictures of 4096 x 2048 pixels"), "{error}");
+}
+
+#[test]
+fn the_limit_is_a_number_of_bytes() {
+    let place = Place::new();
+    for wrong in ["0", "many", "1GB", "-1"] {
+        let outcome = place.run(&format!("demo --memory-limit={wrong}"));
+        assert_eq!(outcome.code(), 2, "{wrong}");
+        assert!(outcome.err.contains("such as 4GiB"), "{wrong}: {}", outcome.err);
+    }
+}
