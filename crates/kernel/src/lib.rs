@@ -242,6 +242,7 @@ mod memory;
 mod memory_system;
 mod occupancy;
 mod outcome;
+pub mod parts;
 mod place;
 #[cfg(feature = "plan")]
 pub mod plan;
@@ -267,6 +268,7 @@ pub use fifo::Fifo;
 pub use link::Link;
 pub use memory_system::MemorySystem;
 pub use outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor};
+pub use parts::Part;
 pub use place::{Between, ConnectionsOf, Place};
 pub use probe::{Interval, NoProbe, Probe, Recorder};
 pub use report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
