@@ -69,7 +69,7 @@ pub fn text() -> String {
     let fifos = ["a", "b"].map(|name| Fifo::new(name, 4, 1));
     let report = run(&mut Shared { numbers, fifos, users, memories, clients }, Engine::Timed);
     let ports = report.memories[0].ports.iter().map(|p| (&p.client, p.counts));
-    let lines = ports.map(|(name, c)| format!("{name}: {} reads, {} writes, {} bursts\n", c.reads, c.writes, c.bursts));
+    let lines = ports.map(|(name, c)| format!("{name}: {} reads, {} writes, {} bursts\n", c.reads, c.writes, c.rows.bursts()));
     let c = report.caches[0].counts;
     lines.collect::<String>() + &format!("cache: {} hits, {} misses, {} merged\n", c.hits, c.misses, c.merged)
 }

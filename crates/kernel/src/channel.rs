@@ -293,3 +293,6 @@ impl Channel {
         total.saturating_sub(1).checked_div(self.timing.refi).unwrap_or(0)
     }
 }
+
+#[cfg(test)]
+mod tests;

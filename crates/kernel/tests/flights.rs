@@ -79,9 +79,9 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(depth: usize, cas: u32, outstanding: u32) -> Self {
+    fn new(depth: usize, cl: u32, outstanding: u32) -> Self {
         let mut memories = MemorySystem::default();
-        let memory = memories.add_memory("memory", &MemoryConfig { cas, ..MemoryConfig::default() });
+        let memory = memories.add_memory("memory", &MemoryConfig { cl, ..MemoryConfig::default() });
         let cache = CacheConfig { sets: 2, ways: 2, ..CacheConfig::default() };
         let right = memories.add_client("right", memory, outstanding);
         let cached = memories.add_cached_client("cached", memory, outstanding, "cache", &cache);
@@ -117,11 +117,11 @@ impl Machine for Bench {
 #[test]
 fn both_engines_agree_where_steps_overtake_each_other() {
     for depth in [1, 3, 16, 64] {
-        for cas in [0, 6, 60] {
+        for cl in [0, 6, 60] {
             for outstanding in [1, 2, 8, 32] {
                 let [timed, ticked] =
-                    [Engine::Timed, Engine::Ticked].map(|engine| run(&mut Bench::new(depth, cas, outstanding), engine));
-                assert_eq!(timed, ticked, "depth {depth}, cas {cas}, outstanding {outstanding}");
+                    [Engine::Timed, Engine::Ticked].map(|engine| run(&mut Bench::new(depth, cl, outstanding), engine));
+                assert_eq!(timed, ticked, "depth {depth}, cl {cl}, outstanding {outstanding}");
             }
         }
     }

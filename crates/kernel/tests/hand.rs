@@ -3,7 +3,7 @@
 mod common;
 
 use basrelief_kernel::plan::{Kind, PlanCache, PlanLookUp, PlanRequest};
-use basrelief_kernel::{CacheCounts, PortCounts, RunReport};
+use basrelief_kernel::{CacheCounts, Latencies, PortCounts, RowCounts, RunReport};
 use common::{Draw, account, histogram, report, small_memory, starts};
 
 /// Accounts of some units and histograms of some FIFOs.
@@ -82,14 +82,14 @@ fn fork_and_join() {
 
 /// A reader with one credit and a writer with two share one bank. Hit 3, closed 5, conflict 9; then 2 on the bus.
 ///
-/// | arrival | request | command | data | ends |
+/// | arrival | request | column command | data | ends |
 /// |---|---|---|---|---|
-/// | 1 | read 0, row 0 (port 0 first) | 2 | closed: 7 | 9 |
-/// | 1 | write 0, row 1 | 9, bank free | conflict: 18 | 20 |
-/// | 2 | write 1, row 1 | 20 | hit: 23 | 25 |
-/// | 9, credit back | read 1, row 0 | 25 | conflict: 34 | 36 |
+/// | 1 | read 0, row 0 (port 0 first) | closed: 4 | 7 | 9 |
+/// | 1 | write 0, row 1 | conflict, precharged at 4: 10 | 13 | 15 |
+/// | 2 | write 1, row 1 | hit: 12 | 15 | 17 |
+/// | 9, credit back | read 1, row 0 | conflict, precharged at 17: 23 | 26 | 28 |
 ///
-/// Reads are visible, and popped, at 10 and 37.
+/// Reads are visible, and popped, at 10 and 29.
 #[test]
 fn two_clients_of_one_memory() {
     let request = |port: &str, write, offset| PlanRequest { port: port.into(), write, bytes: 32, stride: 0, offset, span: 128 };
@@ -110,19 +110,22 @@ fn two_clients_of_one_memory() {
     let report = report(&draw.0);
     check(
         &report,
-        38,
+        30,
         &[
-            ("reader", "busy 2, done 28, starved a 1, memory r 7"),
-            ("writer", "busy 2, done 35, starved b 1"),
-            ("sink", "busy 2, starved out 36"),
+            ("reader", "busy 2, done 20, starved a 1, memory r 7"),
+            ("writer", "busy 2, done 27, starved b 1"),
+            ("sink", "busy 2, starved out 28"),
         ],
-        // a: 0..=1 and 1..=9. out: 1..=10 and 9..=37.
-        &[("a", &[28, 9, 1]), ("out", &[1, 35, 2])],
+        // a: 0..=1 and 1..=9. out: 1..=10 and 9..=29.
+        &[("a", &[20, 9, 1]), ("out", &[1, 27, 2])],
     );
-    let common = PortCounts { bursts: 2, row_conflicts: 1, ..PortCounts::default() };
-    // Waited beyond arrival + 1: 0 and 25 - 10; 9 - 2 and 20 - 3.
-    let read = PortCounts { reads: 2, read_bytes: 64, row_closed: 1, wait_cycles: 15, ..common };
-    let written = PortCounts { writes: 2, write_bytes: 64, row_hits: 1, wait_cycles: 24, ..common };
+    // Waited beyond arrival + 1: 4 - 2 and 23 - 10; 10 - 2 and 12 - 3. Answered after 8 and 19, 14 and 15 cycles.
+    let rows = RowCounts { closed: 1, conflicts: 1, hits: 0 };
+    let latencies = latencies(&[8, 19]);
+    let read = PortCounts { reads: 2, read_bytes: 64, rows, queue_wait: 15, latencies, ..PortCounts::default() };
+    let rows = RowCounts { closed: 0, conflicts: 1, hits: 1 };
+    let latencies = self::latencies(&[14, 15]);
+    let written = PortCounts { writes: 2, write_bytes: 64, rows, queue_wait: 17, latencies, ..PortCounts::default() };
     assert_eq!(report.memories[0].ports.iter().map(|p| p.counts).collect::<Vec<_>>(), [read, written]);
 }
 
@@ -130,10 +133,10 @@ fn two_clients_of_one_memory() {
 ///
 /// | step | line | look-up | memory | answer | visible |
 /// |---|---|---|---|---|---|
-/// | 1 | 0 | miss | command 2, closed: 7 .. 9 | 11 | 12 |
-/// | 2 | 1 | miss under miss | command 9, hit: 12 .. 14 | 16 | 17 |
-/// | 3 | 0 | merged with the first | | 11, in order: 16 | 18 |
-/// | 4 | 1 | merged with the second | | 16 | 19 |
+/// | 1 | 0 | miss | closed, column 4: 7 .. 9 | 11 | 12 |
+/// | 2 | 1 | miss under miss | hit, column 6: 9 .. 11 | 13 | 14 |
+/// | 3 | 0 | merged with the first | | 11, in order: 13 | 15 |
+/// | 4 | 1 | merged with the second | | 13 | 16 |
 #[test]
 fn cache_miss_under_miss() {
     let (name, port) = ("cache".into(), "p".into());
@@ -147,17 +150,24 @@ fn cache_miss_under_miss() {
         .unit("cached", Kind::Cached { cache: "cache".into(), lookups }, ["in", "out"], &[1], &[0])
         .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
     assert_eq!(starts(&draw.0, "cached"), [1, 2, 3, 4]);
-    assert_eq!(starts(&draw.0, "sink"), [12, 17, 18, 19]);
+    assert_eq!(starts(&draw.0, "sink"), [12, 14, 15, 16]);
     let report = report(&draw.0);
     check(
         &report,
-        20,
-        &[("cached", "busy 4, done 15, starved in 1"), ("sink", "busy 4, starved out 16")],
-        // out: reserved at 1, 2, 3, 4, popped at 12, 17, 18, 19.
-        &[("out", &[1, 2, 2, 6, 9])],
+        17,
+        &[("cached", "busy 4, done 12, starved in 1"), ("sink", "busy 4, starved out 13")],
+        // out: reserved at 1, 2, 3, 4, popped at 12, 14, 15, 16.
+        &[("out", &[1, 2, 2, 3, 9])],
     );
     assert_eq!(report.caches[0].counts, CacheCounts { hits: 0, misses: 2, merged: 2 });
-    let counts =
-        PortCounts { reads: 2, read_bytes: 64, bursts: 2, row_closed: 1, row_hits: 1, wait_cycles: 6, ..PortCounts::default() };
+    let (rows, latencies) = (RowCounts { hits: 1, closed: 1, conflicts: 0 }, latencies(&[8, 9]));
+    let counts = PortCounts { reads: 2, read_bytes: 64, rows, queue_wait: 5, latencies, ..PortCounts::default() };
     assert_eq!(report.memories[0].ports[0].counts, counts);
+}
+
+/// A histogram of these cycles from arrival to answer.
+fn latencies(cycles: &[u64]) -> Latencies {
+    let mut latencies = Latencies::default();
+    cycles.iter().for_each(|n| latencies.at_least[n.ilog2() as usize] += 1);
+    latencies
 }

@@ -35,7 +35,8 @@ fn each_fault_is_named() {
     let cases: &[(Break, &str)] = &[
         (|p| p.fifos[1].name = "a".into(), "FIFO `a`: there are two of this name, expected one"),
         (|p| p.units[1].name = "sink".into(), "unit `sink`: there are two of this name, expected one"),
-        (|p| p.memories[0].banks = 0, "memory `memory`: `banks` is 0, expected 1..=1048576"),
+        (|p| p.memories[0].config.banks = 0, "memory `memory`: `banks` is 0, expected 1..=1024 banks"),
+        (|p| p.memories[0].config.refi = 2, "memory `memory`: `refi` is 2, expected 0 or more than `rfc` and `rcd` together, 2"),
         (|p| p.memories[0].ports[0].outstanding = 0, "port `p`: `outstanding` is 0, expected 1..=1048576"),
         (|p| p.caches[0].ways = u32::MAX, "cache `cache`: `ways` is 4294967295, expected 1..=1048576"),
         (|p| p.units[0].occupancy = vec![1, 0], "unit `source`: `occupancy` is 0, expected 1..=1099511627776"),

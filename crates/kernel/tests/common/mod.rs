@@ -4,7 +4,9 @@
 pub mod random;
 
 use basrelief_kernel::plan::{Kind, Plan, PlanCache, PlanFifo, PlanMachine, PlanMemory, PlanPort, PlannedUnit, Token};
-use basrelief_kernel::{Cause, Cycle, Engine, Limits, Probe, Recorder, RunReport, UnitReport, run, run_functional, run_with};
+use basrelief_kernel::{
+    Cause, Cycle, Engine, Limits, MemoryConfig, Probe, Recorder, RunReport, UnitReport, run, run_functional, run_with,
+};
 
 /// Adds to a plan, one line per box or wire.
 #[derive(Clone, Debug, Default)]
@@ -36,20 +38,33 @@ impl Draw {
     }
 }
 
-/// A memory of one bank with rows of 64 bytes and bursts of 32 bytes that keep the bus for 2 cycles; closed 3 + 2,
-/// hit 3, conflict 4 + 3 + 2 cycles from command to data. All differ, so that a mix-up shows.
+/// A memory of one bank with rows of 64 bytes and bursts of 32 bytes that keep the bus for 2 cycles, first of four come; from
+/// view to column: hit 0, closed 2, conflict 4 + 2 cycles; 3 more to the data. All differ, so that a mix-up shows.
 pub fn small_memory() -> PlanMemory {
-    PlanMemory {
-        name: "memory".into(),
+    let config = MemoryConfig {
+        channels: 1,
+        channel_bytes: 64,
+        window: 4,
+        cap: 4,
+        cl: 3,
+        cwl: 3,
+        rcd: 2,
+        rp: 4,
+        ras: 0,
+        rtp: 0,
+        wr: 0,
+        wtr: 0,
+        rrd: 0,
+        faw: 0,
+        refi: 0,
+        rfc: 0,
         burst_bytes: 32,
         burst_cycles: 2,
         banks: 1,
         row_bytes: 64,
-        cas: 3,
-        rcd: 2,
-        rp: 4,
-        ports: vec![],
-    }
+        outstanding: 1,
+    };
+    PlanMemory { name: "memory".into(), config, ports: vec![] }
 }
 
 pub fn machine(plan: &Plan) -> PlanMachine {

@@ -1,6 +1,7 @@
 //! Random plans, from recipes that shrink well.
 
 use super::Draw;
+use basrelief_kernel::MemoryConfig;
 use basrelief_kernel::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -58,20 +59,40 @@ pub struct Recipe {
 }
 
 fn memory() -> impl Strategy<Value = PlanMemory> {
-    let rows = select(vec![64, 256]);
-    (1..=4_u32, select(vec![1_u32, 2, 3, 4]), rows, 0..=4_u32, 0..=4_u32, 0..=4_u32).prop_map(
-        |(burst_cycles, banks, row_bytes, cas, rcd, rp)| PlanMemory {
-            name: String::new(),
-            burst_bytes: 32,
+    let shape =
+        (select(vec![1_u32, 2, 3]), select(vec![32_u32, 64, 256]), select(vec![1_u32, 2, 3, 4]), select(vec![64_u32, 256]));
+    let choice = (1..=16_u32, 0..=16_u32);
+    let times = (vec(0..=4_u32, 8), 1..=4_u32, 0..=9_u32, 0..=12_u32);
+    let refresh = prop_oneof![Just((0, 0)), (40..=100_u32, 0..=20_u32)];
+    (shape, choice, times, refresh).prop_map(|(shape, (window, cap), (times, burst_cycles, ras, faw), (refi, rfc))| {
+        let (channels, channel_bytes, banks, row_bytes) = shape;
+        let [cl, cwl, rcd, rp, rtp, wr, wtr, rrd] = std::array::from_fn(|i| times[i]);
+        let (burst_bytes, outstanding) = (32, 1);
+        let config = MemoryConfig {
+            channels,
+            channel_bytes,
+            window,
+            cap,
+            cl,
+            cwl,
+            rcd,
+            rp,
+            ras,
+            rtp,
+            wr,
+            wtr,
+            rrd,
+            faw,
+            refi,
+            rfc,
+            burst_bytes,
             burst_cycles,
             banks,
             row_bytes,
-            cas,
-            rcd,
-            rp,
-            ports: vec![],
-        },
-    )
+            outstanding,
+        };
+        PlanMemory { name: String::new(), config, ports: vec![] }
+    })
 }
 
 fn part() -> impl Strategy<Value = Part> {

@@ -47,10 +47,10 @@ fn a_mark_is_passed_when_its_step_delivers() {
 
 #[test]
 fn waiting_for_memory_comes_before_the_mark() {
-    // The first look-up misses: step at 1, command 2, closed 6 + 6, data 14 .. 18, hit latency 2: 20. The others are
-    // merged and come with it: marked tokens leave at 20. Visible one after the other: the seventh at 27.
+    // The first look-up misses: step at 1, in view 2, closed 3, data from 5 + 3 to 12, hit latency 2: 14. The others are
+    // merged and come with it: marked tokens leave at 14. Visible one after the other: the seventh at 21.
     let report = both(true, &[]);
-    assert_eq!((report.marks.as_slice(), report.total), ([20, 0].as_slice(), 28));
+    assert_eq!((report.marks.as_slice(), report.total), ([14, 0].as_slice(), 22));
     assert_eq!(report.caches[0].counts.merged, 6);
 }
 

@@ -30,7 +30,7 @@ fn counts(plan: &Plan) -> CacheCounts {
 
 #[test]
 fn a_miss_goes_to_memory_and_a_line_in_flight_is_merged() {
-    // Three steps, at 1, 2, 3, all of line 0. Miss: command 2, closed, data 7 .. 9, + 2: delivered 11, visible 12. The
+    // Three steps, at 1, 2, 3, all of line 0. Miss: closed, column 4, data 7 .. 9, + 2: delivered 11, visible 12. The
     // others find the line in flight: max(9, their start) + 2 = 11 as well, visible one after the other.
     let plan = client(3, (4, 1, 1), vec![look_up(0, 0)]);
     assert_eq!(starts(&plan, "sink"), [12, 13, 14]);
@@ -56,7 +56,7 @@ fn a_hit_behind_a_miss_waits() {
     // Token 0 misses line 0, token 1 line 1, long after; token 2, at 32, hits line 0 but answers behind line 1.
     let mut plan = client(3, (4, 1, 1), vec![PlanLookUp { span: 64, ..look_up(32, 0) }]);
     plan.units[0].occupancy = vec![30, 1, 1];
-    // Line 1: step at 31, command 32, hit, data 35 .. 37, delivered 39, visible 40. Line 0: 32 + 2 = 34, but in order:
+    // Line 1: step at 31, hit, column 32, data 35 .. 37, delivered 39, visible 40. Line 0: 32 + 2 = 34, but in order:
     // 39, visible 41.
     assert_eq!(starts(&plan, "client"), [1, 31, 32]);
     assert_eq!(starts(&plan, "sink"), [12, 40, 41]);
@@ -79,8 +79,8 @@ fn least_recently_used_goes_first() {
 fn a_line_replaced_in_flight_is_a_new_miss() {
     // One line in all: 0, 1, 0. The first fill of line 0 is under way when line 1 takes its place.
     let plan = client(3, (1, 1, 1), vec![PlanLookUp { span: 64, ..look_up(32, 0) }]);
-    // Commands 2, 9, 14: data 7 .. 9, hit 12 .. 14, hit 17 .. 19; + 2, visible one later.
-    assert_eq!(starts(&plan, "sink"), [12, 17, 22]);
+    // Columns 4, 6, 8: data 7 .. 9, 9 .. 11, 11 .. 13; + 2, visible one later.
+    assert_eq!(starts(&plan, "sink"), [12, 14, 16]);
     assert_eq!(counts(&plan), CacheCounts { hits: 0, misses: 3, merged: 0 });
 }
 

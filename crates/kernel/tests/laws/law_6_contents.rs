@@ -4,7 +4,7 @@
 use super::common::{Draw, report, small_memory, swallowed};
 use basrelief_kernel::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest};
 use basrelief_kernel::traffic::Request;
-use basrelief_kernel::{Outcome, Traffic};
+use basrelief_kernel::{MemoryConfig, Outcome, Traffic};
 
 /// A reader and a cached client of one memory, before and behind a router and a merge.
 fn plan(memory: PlanMemory, outstanding: u32) -> Plan {
@@ -28,8 +28,11 @@ fn plan(memory: PlanMemory, outstanding: u32) -> Plan {
 
 #[test]
 fn tokens_do_not_depend_on_the_memory() {
-    let quick = plan(PlanMemory { cas: 0, rcd: 0, rp: 0, burst_cycles: 1, banks: 4, ..small_memory() }, 8);
-    let slow = plan(PlanMemory { cas: 50, rcd: 31, rp: 17, ..small_memory() }, 1);
+    let small = small_memory().config;
+    let quick = MemoryConfig { cl: 0, rcd: 0, rp: 0, burst_cycles: 1, banks: 4, channels: 2, ..small.clone() };
+    let slow = MemoryConfig { cl: 50, rcd: 31, rp: 17, ..small };
+    let [quick, slow] =
+        [(quick, 8), (slow, 1)].map(|(config, outstanding)| plan(PlanMemory { config, ..small_memory() }, outstanding));
     assert_ne!(report(&quick).total, report(&slow).total);
     let [quick_tokens, functional] = swallowed(&quick);
     assert_eq!(quick_tokens[0].1.len(), 40);

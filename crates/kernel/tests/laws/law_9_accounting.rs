@@ -34,8 +34,8 @@ fn busy_starved_blocked_done() {
 
 #[test]
 fn too_few_credits_is_memory() {
-    // One credit. Step 0 at 1: command 2, closed, data 7 .. 9. The credit is back at 9: step 1. 2 .. 8 memory.
-    // Command 10, hit, data 13 .. 15, visible and popped 16: 17 cycles.
+    // One credit. Step 0 at 1: closed, column 4, data 7 .. 9. The credit is back at 9: step 1. 2 .. 8 memory.
+    // Hit, column 10, data 13 .. 15, visible and popped 16: 17 cycles.
     let report = report(&around(request(false), 2, 1, 8, 1));
     assert_eq!(report.total, 17);
     assert_eq!(account(&report, "unit"), "busy 2, done 7, starved in 1, memory p 7");
@@ -44,7 +44,7 @@ fn too_few_credits_is_memory() {
 #[test]
 fn a_full_output_whose_oldest_token_awaits_an_answer_is_memory_until_then() {
     // Credits enough, one slot. Step 0 at 1, data 7 .. 9, visible and popped 10, slot free 11: step 1. Of 2 .. 10, up to
-    // the answer at 9 it is the memory that holds it; 9 and 10 are the FIFO's. Command 12, hit, data 15 .. 17, popped 18.
+    // the answer at 9 it is the memory that holds it; 9 and 10 are the FIFO's. Hit, column 12, data 15 .. 17, popped 18.
     let report = report(&around(request(false), 2, 8, 1, 1));
     assert_eq!(report.total, 19);
     assert_eq!(account(&report, "unit"), "busy 2, done 7, starved in 1, memory p 7, blocked out 2");
@@ -53,10 +53,10 @@ fn a_full_output_whose_oldest_token_awaits_an_answer_is_memory_until_then() {
 #[test]
 fn a_posted_write_holds_no_token() {
     // As before with a write: visible and popped 2, slot free 3, step 1 there. 2 is the FIFO's. Popped 4. The memory
-    // moves data 7 .. 9 and, command 9, a hit, 12 .. 14.
+    // moves data 7 .. 9 and, a hit with its column command at 6, 9 .. 11.
     let report = report(&around(request(true), 2, 8, 1, 1));
-    assert_eq!(report.total, 14);
-    assert_eq!(account(&report, "unit"), "busy 2, done 10, starved in 1, blocked out 1");
+    assert_eq!(report.total, 11);
+    assert_eq!(account(&report, "unit"), "busy 2, done 7, starved in 1, blocked out 1");
 }
 
 #[test]
