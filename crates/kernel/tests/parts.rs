@@ -44,7 +44,7 @@ fn ddr_400_at_its_own_clock_is_its_sheet_in_clocks() {
     let m = at(Part::Ddr400, 200_000_000);
     assert_eq!([m.cl, m.cwl, m.rcd, m.rp, m.ras], [3, 1, 3, 3, 8]);
     assert_eq!([m.rtp, m.wr, m.wtr, m.rrd, m.faw], [4, 3, 2, 2, 0]);
-    assert_eq!([m.refi, m.rfc, m.burst_bytes, m.burst_cycles, m.banks, m.row_bytes], [1560, 14, 64, 4, 4, 4096]);
+    assert_eq!([m.refi, m.rfc, m.burst_bytes, m.burst_cycles, m.banks, m.row_bytes], [1560, 14, 64, 4, 4, 2048]);
     // Rates that are no round number of bytes per cycle: bursts that are none of the part's own.
     let burst = |part| at(part, 200_000_000).burst_bytes / at(part, 200_000_000).burst_cycles;
     assert_eq!([Part::Ddr2At667, Part::Gddr3At1400, Part::Xdr3200].map(burst), [28, 28, 32]);
@@ -97,6 +97,9 @@ fn a_clock_that_a_part_does_not_fit_says_which_one_does_and_which_parts_fit_it()
     for part in ["ddr-400 does not fit a clock of 1 MHz", "3.2 GB/s", "11.9 MHz or more", "fpm-80, edo-60", "ideal"] {
         assert!(error.contains(part), "`{part}` is not in: {error}");
     }
+    let mut edram = MemoryConfig { part: Part::EdramPs2, ..MemoryConfig::default() };
+    let error = edram.take_part(77, |_| false).unwrap_err().to_string();
+    assert!(error.contains("a refresh every 0 cycles leaves no time"), "{error}");
     let error = m.take_part(100_000_000_000, |_| false).unwrap_err().to_string();
     assert!(error.contains("`cl` is 1500, expected 0..=1024 cycles"), "{error}");
 }

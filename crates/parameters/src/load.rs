@@ -254,7 +254,9 @@ mod tests {
     #[test]
     fn the_resolved_table_has_the_values_of_the_configuration_and_their_provenance() {
         let table = crate::resolved(&load::<Following>("", &[("wide.lanes", "64")]).unwrap());
-        assert_eq!((table[0].default.clone(), table[0].provenance.text()), (serde_json::json!(64), "claim 1"));
+        let set = "set; the default is 8 (stated: claim 1)";
+        assert_eq!((table[0].default.clone(), table[0].provenance.text()), (serde_json::json!(64), set));
+        assert_eq!(crate::resolved(&Following::default())[0].provenance, crate::Provenance::Stated("claim 1".into()));
         assert_eq!((table[2].default.clone(), table[2].provenance.text()), (serde_json::json!(32), "half"));
         assert_eq!(table[1].provenance.text(), "test");
     }

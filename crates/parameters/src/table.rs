@@ -85,12 +85,16 @@ pub trait Parameters: Serialize + DeserializeOwned + Default {
     }
 }
 
-/// All parameters of this configuration: its values in place of the defaults, and where these come from.
+/// All parameters of this configuration: its values in place of the defaults, and where they come from.
 pub fn resolved<C: Parameters>(config: &C) -> Vec<Parameter> {
     let mut table = C::table();
     let values = serde_json::to_value(config).unwrap_or_default();
     for parameter in &mut table {
-        if let Some(value) = values.pointer(&format!("/{}", parameter.key.replace('.', "/"))) {
+        if let Some(value) = values.pointer(&format!("/{}", parameter.key.replace('.', "/"))).filter(|v| **v != parameter.default)
+        {
+            let Parameter { default, provenance, .. } = &*parameter;
+            let set = format!("set; the default is {default} ({}: {})", provenance.kind(), provenance.text());
+            parameter.provenance = Provenance::Assumed(set.into());
             parameter.default = value.clone();
         }
     }

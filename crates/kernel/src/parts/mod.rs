@@ -306,17 +306,21 @@ impl Part {
         let numbers = fixed.map(|(name, value, text)| Number { name, value, provenance: sheet.from(text, false) });
         let times = sheet.times().into_iter().map(|(name, time)| sheet.time(name, time, hz, cycles));
         let numbers: Vec<Number> = times.chain(numbers).collect();
-        in_range(&numbers).map(|()| numbers)
+        can_be(&numbers).map(|()| numbers)
     }
 }
 
 /// Whether a memory can have these numbers.
-fn in_range(numbers: &[Number]) -> Result<(), String> {
+fn can_be(numbers: &[Number]) -> Result<(), String> {
     let mut memory = MemoryConfig::default();
-    for number in numbers {
-        memory.set(number);
+    numbers.iter().for_each(|number| memory.set(number));
+    memory.check("").map_err(|e| e.to_string())?;
+    let MemoryConfig { refi, rfc, rcd, .. } = memory;
+    let ever = rfc > 0;
+    if ever && refi <= rfc + rcd {
+        return Err(format!("a refresh every {refi} cycles leaves no time for rfc = {rfc} and rcd = {rcd}"));
     }
-    memory.check("").map_err(|e| e.to_string())
+    Ok(())
 }
 
 impl MemoryConfig {

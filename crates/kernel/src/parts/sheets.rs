@@ -9,7 +9,7 @@ use super::{Sheet, Time, clocks, cycles, ns, ps};
 const NONE: Time = cycles(0, "none");
 
 pub(super) const FPM_80: Sheet = Sheet {
-    about: "fast page mode, 80 ns: a 32-bit bank of eight chips of 256K x 4",
+    about: "fast page mode, 80 ns: two banks of 32 bits on one bus, each of eight chips of 256K x 4",
     source: "Texas Instruments SMJ44C256-80, data sheet SGMS034, May 1989",
     rate: Own { bytes: 4, hz: (20_000_000, 1), of: "32 bits per page cycle, tPC 50 ns" },
     burst_bytes: 16,
@@ -21,17 +21,17 @@ pub(super) const FPM_80: Sheet = Sheet {
     rtp: ns(0, "the last page cycle ends it; beyond the burst"),
     wr: ns(0, "the last page cycle holds tRWL"),
     wtr: ns(0, "the last page cycle holds it"),
-    rrd: cycles(0, "one bank"),
-    faw: cycles(0, "one bank"),
+    rrd: cycles(0, "each bank has a RAS of its own"),
+    faw: cycles(0, "each bank has a RAS of its own"),
     refi: ps(15_625_000, "512 rows in 8 ms"),
     rfc: ns(150, "tRC: a refresh is a row cycle"),
-    banks: 1,
+    banks: 2,
     row_bytes: 2048,
     board: &[],
 };
 
 pub(super) const EDO_60: Sheet = Sheet {
-    about: "extended data out, 60 ns: a 32-bit bank of two chips of 256K x 16",
+    about: "extended data out, 60 ns: two banks of 32 bits on one bus, each of two chips of 256K x 16",
     source: "Micron EDO DRAM, grade -6 (MT4LC4M16R6 and kin)",
     rate: Own { bytes: 4, hz: (40_000_000, 1), of: "32 bits per page cycle, tPC 25 ns" },
     burst_bytes: 16,
@@ -43,11 +43,11 @@ pub(super) const EDO_60: Sheet = Sheet {
     rtp: ns(0, "the last page cycle ends it; beyond the burst"),
     wr: ns(0, "the last page cycle holds tRWL"),
     wtr: ns(0, "the last page cycle holds it"),
-    rrd: cycles(0, "one bank"),
-    faw: cycles(0, "one bank"),
+    rrd: cycles(0, "each bank has a RAS of its own"),
+    faw: cycles(0, "each bank has a RAS of its own"),
     refi: ps(15_625_000, "512 rows in 8 ms"),
     rfc: ns(104, "tRC: a refresh is a row cycle"),
-    banks: 1,
+    banks: 2,
     row_bytes: 2048,
     board: &[],
 };
@@ -97,8 +97,8 @@ pub(super) const SDR_133: Sheet = Sheet {
 };
 
 pub(super) const DDR_400: Sheet = Sheet {
-    about: "DDR-400 3-3-3: a 64-bit channel of four chips of 16M x 16",
-    source: "Samsung K4H560838E and kin, grade CC; JEDEC JESD79, DDR400B",
+    about: "DDR-400 3-3-3: a 64-bit channel of two chips of 4M x 32",
+    source: "Samsung K4H560838E and kin, grade CC; JEDEC JESD79, DDR400B; rows of K4D263238: 256 columns",
     rate: Own { bytes: 16, hz: (200_000_000, 1), of: "64 bits twice per clock" },
     burst_bytes: 64,
     cl: clocks(3, "CL"),
@@ -114,7 +114,7 @@ pub(super) const DDR_400: Sheet = Sheet {
     refi: ps(7_800_000, "tREFI"),
     rfc: ns(70, "tRFC"),
     banks: 4,
-    row_bytes: 4096,
+    row_bytes: 2048,
     board: &[],
 };
 

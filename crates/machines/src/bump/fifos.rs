@@ -30,7 +30,8 @@ fifos! {
         pixels: Flow<Stamp<Pixel>> = 64,
         /// Z-test to frame buffer, without early z.
         tested_pixels: Flow<Stamp<Pixel>> = 64,
-        /// Frame buffer to video output: finished frames.
-        finished_frames: FrameDone = 2,
+        /// Frame buffer to video output: finished frames, as many as wait for the display
+        /// while drawing goes on.
+        finished_frames: FrameDone = 256,
     }
 }

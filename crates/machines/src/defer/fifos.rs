@@ -44,7 +44,8 @@ fifos! {
         pixels: PictureFlow = 16,
         /// Pixel buffer (124) to server (110): the last picture of a frame is shown.
         shown: () = 2,
-        /// Pixel buffer (124) to video output: finished pictures.
-        finished_frames: FrameDone = 2,
+        /// Pixel buffer (124) to video output: finished pictures, as many as wait for the display
+        /// while drawing goes on.
+        finished_frames: FrameDone = 256,
     }
 }

@@ -42,7 +42,8 @@ fifos! {
         tested_pixels: Flow<Stamp<Pixel>> = 64,
         /// Selector (28) back to the host interface: polygons that are finished.
         finished: Finished = 2,
-        /// Frame memory (300) to video output: finished frames.
-        finished_frames: FrameDone = 2,
+        /// Frame memory (300) to video output: finished frames, as many as wait for the display
+        /// while drawing goes on.
+        finished_frames: FrameDone = 256,
     }
 }

@@ -40,7 +40,8 @@ fifos! {
         illuminances: Flow<IlluminancePacket> = 64,
         /// Combiner (350) to pixel value buffer (360).
         pixels: Flow<PixelPacket> = 64,
-        /// Pixel value buffer (360) to DACs (370): finished frames.
-        finished_frames: FrameDone = 2,
+        /// Pixel value buffer (360) to DACs (370): finished frames, as many as wait for the display
+        /// while drawing goes on.
+        finished_frames: FrameDone = 256,
     }
 }

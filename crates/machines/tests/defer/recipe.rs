@@ -179,7 +179,7 @@ const TIMING: &[Axis] = &[
     &[&[], &[("tile.expand_rate", "5")]],
     &[
         &[],
-        &[("memory.texture.outstanding", "128"), ("memory.texture.cas", "40")],
+        &[("memory.texture.outstanding", "128"), ("memory.texture.cl", "40")],
         &[("cache.texel.sets", "1"), ("cache.texel.ways", "1")],
     ],
     &[
