@@ -120,3 +120,80 @@ pub struct ChannelCounts {
     /// Refreshes within the run.
     pub refreshes: u64,
 }
+
+/// Most intervals that a run is divided into.
+const INTERVALS: usize = 256;
+
+/// When the buses of a memory moved data: how many cycles, added up over its channels, in each of at most 256 intervals of
+/// equal length. That is a power of two, doubled as the run goes on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bus {
+    shift: u32,
+    busy: Box<[u64; INTERVALS]>,
+}
+
+impl Default for Bus {
+    fn default() -> Self {
+        Self { shift: 0, busy: Box::new([0; INTERVALS]) }
+    }
+}
+
+impl Bus {
+    /// Length of an interval \[cycles\].
+    pub fn interval(&self) -> u64 {
+        1 << self.shift
+    }
+
+    /// Cycles in which a bus moved data, by interval from cycle 0, up to the last in which any did.
+    pub fn busy(&self) -> &[u64] {
+        let used = self.busy.iter().rposition(|&n| n > 0).map_or(0, |last| last + 1);
+        &self.busy[..used]
+    }
+
+    /// Counts data that move from one cycle to the one before another, later one.
+    #[inline]
+    pub(crate) fn moved(&mut self, from: Cycle, to: Cycle) {
+        while (to.0 - 1) >> self.shift >= INTERVALS as u64 {
+            self.double();
+        }
+        let mut at = from.0;
+        while at < to.0 {
+            let interval = at >> self.shift;
+            let end = to.0.min((interval + 1) << self.shift);
+            self.busy[interval as usize] += end - at;
+            at = end;
+        }
+    }
+
+    #[cold]
+    fn double(&mut self) {
+        let halves = std::array::from_fn(|i| if i < INTERVALS / 2 { self.busy[2 * i] + self.busy[2 * i + 1] } else { 0 });
+        *self.busy = halves;
+        self.shift += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bus_counts_every_cycle_once_in_intervals_that_double() {
+        let mut bus = Bus::default();
+        bus.moved(Cycle(3), Cycle(7));
+        assert_eq!((bus.interval(), bus.busy()), (1, [0, 0, 0, 1, 1, 1, 1].as_slice()));
+        bus.moved(Cycle(254), Cycle(258));
+        assert_eq!((bus.interval(), &bus.busy()[..4]), (2, [0, 1, 2, 1].as_slice()));
+        assert_eq!(bus.busy()[127..], [2, 2]);
+        bus.moved(Cycle(1 << 20), Cycle((1 << 20) + 10));
+        assert_eq!((bus.interval(), bus.busy().iter().sum::<u64>()), (8192, 18));
+    }
+
+    #[test]
+    fn latencies_are_classed_by_their_power_of_two() {
+        let mut latencies = Latencies::default();
+        [1, 2, 3, 4, 1023, u64::MAX].into_iter().for_each(|n| latencies.count(n));
+        assert_eq!(latencies.used()[..10], [1, 2, 1, 0, 0, 0, 0, 0, 0, 1]);
+        assert_eq!(latencies.used()[CLASSES - 1], 1);
+    }
+}

@@ -260,7 +260,7 @@ pub use cache::CacheCounts;
 pub use check::{WiringError, check_wiring};
 pub use config::{CacheConfig, FifoConfig, MemoryConfig};
 pub use connections::{Clients, Connections, MemoryClients};
-pub use counts::{ChannelCounts, Latencies, PortCounts, RowCounts};
+pub use counts::{Bus, ChannelCounts, Latencies, PortCounts, RowCounts};
 pub use cycle::Cycle;
 pub use derived::Derived;
 pub use engine::{Engine, Limits, run, run_functional, run_with};

@@ -1,7 +1,7 @@
 //! Memories (law 4): ports that requests arrive at, and channels that serve their bursts.
 
 use crate::channel::{Burst, Channel};
-use crate::counts::{ChannelCounts, PortCounts};
+use crate::counts::{Bus, ChannelCounts, PortCounts};
 use crate::memory_system::Client;
 use crate::{Cycle, MemoryConfig};
 use std::collections::VecDeque;
@@ -181,6 +181,8 @@ pub(crate) struct Memory {
     row: Divisor,
     banks_by: Divisor,
     channels: Vec<Channel>,
+    burst_cycles: u64,
+    pub(crate) bus: Bus,
     /// From a column command to the end of its data, at least.
     least_latency: u64,
     /// The end of the last data: the memory moved some up to the cycle before.
@@ -202,6 +204,8 @@ impl Memory {
             row: Divisor::new(config.row_bytes),
             banks_by: Divisor::new(config.banks),
             channels: vec![Channel::new(config); config.channels.max(1) as usize],
+            burst_cycles: config.burst_cycles.into(),
+            bus: Bus::default(),
             least_latency: u64::from(config.burst_cycles) + u64::from(config.cl.min(config.cwl)),
             data_end: Cycle::ZERO,
             private: false,
@@ -256,6 +260,7 @@ impl Memory {
             while let Some((burst, row, column, end)) = channel.serve(horizon) {
                 self.bursts -= 1;
                 self.data_end = self.data_end.max(end);
+                self.bus.moved(Cycle(end.0 - self.burst_cycles), end);
                 let port = &mut clients[burst.client as usize].port;
                 port.counts.rows.count(row);
                 port.counts.queue_wait += column.since(burst.arrival + 1);

@@ -5,7 +5,7 @@ use crate::outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor, circle};
 use crate::place::Place;
 use crate::topology::StageTopology;
 use crate::wiring::{Inputs, Machine, Outputs, Visitor, Wires};
-use crate::{Account, CacheCounts, Cause, ChannelCounts, Cycle, Demand, Link, PortCounts, Unit};
+use crate::{Account, Bus, CacheCounts, Cause, ChannelCounts, Cycle, Demand, Link, PortCounts, Unit};
 
 /// A unit's part of the report. Inputs, outputs and clients stand in the order of the wiring.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,6 +53,8 @@ pub struct MemoryReport {
     pub ports: Vec<PortReport>,
     /// Its channels, in order of number.
     pub channels: Vec<ChannelCounts>,
+    /// When its buses moved data.
+    pub bus: Bus,
 }
 
 /// A memory port's part of the report.
@@ -238,6 +240,7 @@ pub(crate) fn conclude<M: Machine>(machine: &mut M, halt: Halt) -> RunReport {
                 name: memory.name.clone(),
                 ports: ports_of(m),
                 channels: memory.channel_counts(total),
+                bus: memory.bus.clone(),
             })
             .collect(),
         caches: (system.clients().iter())

@@ -3,7 +3,8 @@
 use crate::derived::derive;
 use crate::json::SCHEMA;
 use crate::model::{
-    Cache, Client, Cycles, Fifo, Figure, Input, Legend, Memory, Outcome, OutcomeKind, Picture, PictureQuality, Report, Size, Unit,
+    Bus, Cache, Channel, Client, Cycles, Fifo, Figure, Input, Legend, Memory, Outcome, OutcomeKind, Picture, PictureQuality,
+    Report, Size, Unit,
 };
 use crate::work::work;
 use basrelief_kernel as kernel;
@@ -135,7 +136,23 @@ fn fifo(fifo: &kernel::FifoReport) -> Fifo {
 }
 
 fn memory(memory: &kernel::MemoryReport) -> Memory {
-    Memory { clients: memory.ports.iter().map(|p| (p.client.clone(), client(&p.counts))).collect() }
+    Memory {
+        clients: memory.ports.iter().map(|p| (p.client.clone(), client(&p.counts))).collect(),
+        channels: memory.channels.iter().map(channel).collect(),
+        bus: Bus { interval: memory.bus.interval(), busy: memory.bus.busy().to_vec() },
+    }
+}
+
+fn channel(counts: &kernel::ChannelCounts) -> Channel {
+    Channel {
+        row_hits: counts.rows.hits,
+        row_closed: counts.rows.closed,
+        row_conflicts: counts.rows.conflicts,
+        turn_arounds: counts.turn_arounds,
+        refreshes: counts.refreshes,
+        bus_busy: counts.bus_busy,
+        queued: counts.queued,
+    }
 }
 
 fn client(counts: &kernel::PortCounts) -> Client {
@@ -144,11 +161,12 @@ fn client(counts: &kernel::PortCounts) -> Client {
         writes: counts.writes,
         read_bytes: counts.read_bytes,
         write_bytes: counts.write_bytes,
-        bursts: counts.bursts,
-        row_hits: counts.row_hits,
-        row_misses: counts.row_closed + counts.row_conflicts,
-        row_conflicts: counts.row_conflicts,
-        wait_cycles: counts.wait_cycles,
+        bursts: counts.rows.bursts(),
+        row_hits: counts.rows.hits,
+        row_closed: counts.rows.closed,
+        row_conflicts: counts.rows.conflicts,
+        queue_wait: counts.queue_wait,
+        latency: counts.latencies.used().to_vec(),
     }
 }
 

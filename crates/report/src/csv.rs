@@ -9,7 +9,8 @@
 //! | `config` | parameter, as in `--set` | `value` | |
 //! | `units` | unit | `steps`, `tokens`, `busy`, `starved`, `blocked`, `memory`, `done` | FIFO or client waited for |
 //! | `fifos` | FIFO | `depth`, `tokens`, `high_water`, `mean_occupancy`, `full_cycles`, `histogram` | slots held |
-//! | `memories` | memory | `reads` ... `wait_cycles` | client |
+//! | `memories` | memory | `reads` ... `queue_wait`, `latency` | client |
+//! | `channels` | memory | `row_hits` ... `queued` | channel, from 0 |
 //! | `caches` | cache | `look_ups`, `hits`, `misses`, `merged` | |
 //! | `device` | figure | `value` | place in a list, from 0 |
 //! | `quality` | | `psnr_db`, `ssim`, `flip`; of the final picture `mean_difference`, `largest_difference` | frame, from 0; empty: the final picture |

@@ -1,7 +1,7 @@
 //! Figures that follow from others, each with its unit and its formula, rounded to 6 decimals so that the text of a
 //! report is the same on every host. A figure whose divisor is 0 or unknown is left out.
 
-use crate::model::{Client, Derived, Report};
+use crate::model::{Bus, Client, Cycles, Derived, Memory, Report};
 use crate::work::{Work, circuits, routes, work};
 use indexmap::IndexMap;
 
@@ -32,10 +32,13 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     let work = work(report);
     let fragments = work.count as f64;
 
-    let formula = format!("cycles.total / {}", work.formula);
-    figures.ratio(format!("cycles_per_{}", work.one), (total, fragments), "cycles", formula);
+    // Drain is the display's; where no frame was finished, everything is a frame's.
+    let drawing = cycles.drawing() as f64;
+    let formula = format!("(cycles.total - cycles.drain) / {}", work.formula);
+    figures.ratio(format!("cycles_per_{}", work.one), (drawing, fragments), "cycles", formula);
     let polygons = routes(report).iter().map(|r| r.polygons as f64).sum::<f64>();
-    figures.ratio("cycles_per_polygon", (total, polygons), "cycles", "cycles.total / sum(device.polygons_ROUTE)");
+    let formula = "(cycles.total - cycles.drain) / sum(device.polygons_ROUTE)";
+    figures.ratio("cycles_per_polygon", (drawing, polygons), "cycles", formula);
     for circuit in circuits(report) {
         let (name, idle) = (circuit.name, total - circuit.started as f64);
         let formula = format!("cycles.total - device.{}", circuit.figure);
@@ -43,15 +46,14 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     }
     figures.ratio("time_ms", (1e3 * total, hz), "ms", "1000 * cycles.total / config.clock.hz");
     let frames = cycles.frames.len() as f64;
-    let drawing = total - cycles.drain as f64;
     if frames > 0.0 {
         let formula = "1000 * sum(cycles.frames) / (count(cycles.frames) * config.clock.hz)";
         figures.ratio("frame_ms", (1e3 * drawing, frames * hz), "ms", formula);
         let formula = "config.clock.hz * count(cycles.frames) / sum(cycles.frames)";
         figures.ratio("frames_per_s", (hz * frames, drawing), "1/s", formula);
     }
-    let formula = format!("{} * config.clock.hz / cycles.total / 1e6", work.formula);
-    figures.ratio("fill_rate", (fragments * hz / 1e6, total), &format!("M {}s/s", work.one), formula);
+    let formula = format!("{} * config.clock.hz / (cycles.total - cycles.drain) / 1e6", work.formula);
+    figures.ratio("fill_rate", (fragments * hz / 1e6, drawing), &format!("M {}s/s", work.one), formula);
     memories(report, &mut figures, (total, hz), &work);
     for (name, c) in report.caches.iter().flatten() {
         let formula = format!("caches.{name}.hits / caches.{name}.look_ups");
@@ -76,15 +78,22 @@ fn memories(report: &Report, figures: &mut Figures, (total, hz): (f64, f64), wor
         let (hits, bursts) = (sum(|c| c.row_hits), sum(|c| c.bursts));
         let formula = format!("sum(memories.{name}.clients.*.row_hits) / sum(memories.{name}.clients.*.bursts)");
         figures.ratio(format!("{name}.row_hit_rate"), (hits, bursts), "1", formula);
-        if let Some(burst_cycles) = burst_cycles(report, name) {
-            let formula = format!("sum(memories.{name}.clients.*.bursts) * config.memory.{name}.burst_cycles / cycles.total");
-            figures.ratio(format!("{name}.bus_utilisation"), (bursts * burst_cycles, total), "1", formula);
-        }
+        let (busy, cycles) = within_frames(report, memory);
+        let formula = format!(
+            "sum(memories.{name}.bus.busy[0..n]) / (n * memories.{name}.bus.interval * count(memories.{name}.channels)), n = sum(cycles.frames) div memories.{name}.bus.interval"
+        );
+        figures.ratio(format!("{name}.bus_utilisation"), (busy, cycles), "1", formula);
     }
 }
 
-fn burst_cycles(report: &Report, memory: &str) -> Option<f64> {
-    report.config.get("memory")?.get(memory)?.get("burst_cycles")?.as_f64()
+/// Cycles in which the buses of a memory moved data, and in which they could have, in the intervals that lie in frames as a
+/// whole.
+fn within_frames(report: &Report, memory: &Memory) -> (f64, f64) {
+    let Bus { interval, ref busy } = memory.bus;
+    let cycles = report.cycles.as_ref().map_or(0, Cycles::drawing);
+    let whole = cycles.checked_div(interval).unwrap_or(0);
+    let moved: u64 = busy.iter().take(usize::try_from(whole).unwrap_or(usize::MAX)).sum();
+    (moved as f64, whole as f64 * interval as f64 * memory.channels.len() as f64)
 }
 
 #[cfg(test)]

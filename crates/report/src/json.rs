@@ -4,7 +4,7 @@ use crate::model::Report;
 use std::io::{self, Write};
 
 /// Format and version of a report.
-pub const SCHEMA: &str = "basrelief-report/1";
+pub const SCHEMA: &str = "basrelief-report/2";
 
 /// A text that is no report.
 #[derive(Debug, thiserror::Error)]
@@ -114,7 +114,7 @@ mod tests {
         };
         says("", "line 1");
         let good = samples::balanced().to_json().unwrap();
-        says(&good.replace("basrelief-report/1", "basrelief-report/9"), "`basrelief-report/9`");
+        says(&good.replace("basrelief-report/2", "basrelief-report/9"), "`basrelief-report/9`");
         says(&good.replacen("\"total\": 1", "\"total\": -1", 1), "cycles.total");
         says(&format!("{good} x"), "trailing");
     }

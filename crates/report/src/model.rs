@@ -117,6 +117,13 @@ pub struct Cycles {
     pub drain: u64,
 }
 
+impl Cycles {
+    /// Cycles of the frames; of the whole run where none was finished.
+    pub fn drawing(&self) -> u64 {
+        if self.frames.is_empty() { self.total } else { self.total.saturating_sub(self.drain) }
+    }
+}
+
 /// Where a unit's cycles went. busy + starved + blocked + memory + done = `cycles.total`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Unit {
@@ -157,10 +164,42 @@ pub struct Fifo {
 pub struct Memory {
     /// By name, in order of port number.
     pub clients: IndexMap<String, Client>,
+    /// In order of number.
+    pub channels: Vec<Channel>,
+    /// When its buses moved data.
+    pub bus: Bus,
+}
+
+/// When the buses of a memory moved data: one number per interval of equal length.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Bus {
+    /// Length of an interval \[cycles\].
+    pub interval: u64,
+    /// Cycles in which a bus moved data, added up over all channels, by interval from cycle 0; what is left out is 0.
+    pub busy: Vec<u64>,
+}
+
+/// What one channel of a memory moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Channel {
+    /// Bursts that found their row open.
+    pub row_hits: u64,
+    /// Bursts that found their bank closed.
+    pub row_closed: u64,
+    /// Bursts that found another row open.
+    pub row_conflicts: u64,
+    /// Changes between reading and writing.
+    pub turn_arounds: u64,
+    /// Refreshes.
+    pub refreshes: u64,
+    /// Cycles in which its bus moved data.
+    pub bus_busy: u64,
+    /// Sum over all cycles of the bursts that waited in its queue: divided by the cycles, the mean length of the queue.
+    pub queued: u64,
 }
 
 /// What one client of a memory moved and how it was served.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Client {
     /// Read requests.
     pub reads: u64,
@@ -174,12 +213,14 @@ pub struct Client {
     pub bursts: u64,
     /// Bursts that found their row open.
     pub row_hits: u64,
-    /// Bursts that did not: bank closed, or another row open.
-    pub row_misses: u64,
-    /// Those of `row_misses` that found another row open.
+    /// Bursts that found their bank closed.
+    pub row_closed: u64,
+    /// Bursts that found another row open.
     pub row_conflicts: u64,
-    /// Cycles that requests waited for the command bus or their bank.
-    pub wait_cycles: u64,
+    /// Cycles that its bursts waited in the queues of their channels, in view or not, beyond the one that each needs.
+    pub queue_wait: u64,
+    /// `latency[k]` = requests answered after 2^k cycles or more and less than twice that; what is left out is 0.
+    pub latency: Vec<u64>,
 }
 
 impl Client {

@@ -3,8 +3,8 @@
 use crate::build::Context;
 use crate::derived::derive;
 use crate::model::{
-    Cache, Client, Cycles, Difference, Fifo, Figure, Input, Legend, Memory, OutcomeKind, Part, Picture, PictureQuality, Report,
-    Size, Unit,
+    Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, Input, Legend, Memory, OutcomeKind, Part, Picture,
+    PictureQuality, Report, Size, Unit,
 };
 use basrelief_kernel::plan::{Plan, PlanMachine};
 use basrelief_kernel::{Engine, Outcome, RunReport};
@@ -98,19 +98,37 @@ pub fn with_units(rows: &[(&str, &[(&str, u64)])]) -> Report {
         write_bytes: 4 * writes,
         bursts: (reads + writes) * 15 / 100,
         row_hits: (reads + writes) / 10,
-        row_misses: (reads + writes) / 20,
+        row_closed: (reads + writes) / 40,
         row_conflicts: (reads + writes) / 40,
-        wait_cycles: reads / 2,
+        queue_wait: (reads + writes) * 45 / 100,
+        latency: vec![0, 0, 0, reads, writes],
     };
     let named = |list: [(&str, Client); 2]| list.into_iter().map(|(n, c)| (n.to_owned(), c)).collect();
     let normal_map = named([("normals-fine", client(90_000, 0)), ("normals-coarse", client(30_000, 0))]);
     let graphics = named([("z", client(120_000, 80_000)), ("color", client(0, 200_000))]);
     let memories = [("normal_map", normal_map), ("graphics", graphics)];
-    report.memories = Some(memories.into_iter().map(|(n, clients)| (n.to_owned(), Memory { clients })).collect());
+    report.memories = Some(memories.into_iter().map(|(n, clients)| (n.to_owned(), memory(clients))).collect());
     let cache = Cache { look_ups: 720_000, hits: 600_000, misses: 120_000, merged: 0 };
     report.caches = Some([("normal-texels".to_owned(), cache)].into_iter().collect());
     report.derived = derive(&report);
     report
+}
+
+/// A memory of one channel that served these clients evenly.
+fn memory(clients: indexmap::IndexMap<String, Client>) -> Memory {
+    let sum = |f: fn(&Client) -> u64| clients.values().map(f).sum::<u64>();
+    let bus_busy = 4 * sum(|c| c.bursts);
+    let channel = Channel {
+        row_hits: sum(|c| c.row_hits),
+        row_closed: sum(|c| c.row_closed),
+        row_conflicts: sum(|c| c.row_conflicts),
+        turn_arounds: sum(|c| c.bursts) / 10,
+        refreshes: TOTAL / 1560,
+        bus_busy,
+        queued: sum(|c| c.queue_wait + c.bursts),
+    };
+    let bus = Bus { interval: TOTAL / 250, busy: vec![bus_busy / 250; 250] };
+    Memory { clients, channels: vec![channel], bus }
 }
 
 fn fifos() -> Vec<Fifo> {

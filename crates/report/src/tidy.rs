@@ -1,6 +1,6 @@
 //! A report as one long table, one figure per row: what CSV writes and what a comparison compares.
 
-use crate::model::{Client, Figure, Report, Unit};
+use crate::model::{Channel, Client, Figure, Report, Unit};
 use crate::text::{full_cycles, mean_occupancy};
 use serde_json::Value;
 
@@ -57,6 +57,9 @@ pub fn rows(report: &Report) -> Vec<Row> {
     for (name, memory) in report.memories.iter().flatten() {
         for (key, c) in &memory.clients {
             client(("memories", name), key, c, &mut rows);
+        }
+        for (number, c) in memory.channels.iter().enumerate() {
+            channel(("channels", name), &number.to_string(), c, &mut rows);
         }
     }
     for (name, c) in report.caches.iter().flatten() {
@@ -136,9 +139,25 @@ fn client(at: (&'static str, &str), key: &str, client: &Client, rows: &mut Rows)
         ("write_bytes", client.write_bytes),
         ("bursts", client.bursts),
         ("row_hits", client.row_hits),
-        ("row_misses", client.row_misses),
+        ("row_closed", client.row_closed),
         ("row_conflicts", client.row_conflicts),
-        ("wait_cycles", client.wait_cycles),
+        ("queue_wait", client.queue_wait),
+    ];
+    for (field, n) in counts {
+        rows.add(at, field, key, n);
+    }
+    rows.add(at, "latency", key, client.latency.clone());
+}
+
+fn channel(at: (&'static str, &str), key: &str, channel: &Channel, rows: &mut Rows) {
+    let counts = [
+        ("row_hits", channel.row_hits),
+        ("row_closed", channel.row_closed),
+        ("row_conflicts", channel.row_conflicts),
+        ("turn_arounds", channel.turn_arounds),
+        ("refreshes", channel.refreshes),
+        ("bus_busy", channel.bus_busy),
+        ("queued", channel.queued),
     ];
     for (field, n) in counts {
         rows.add(at, field, key, n);

@@ -67,7 +67,7 @@ fn where_a_step_emits_nothing_it_reserves_no_slot() {
 
 #[test]
 fn a_step_starts_only_with_credits_for_the_largest_step() {
-    // Two reads of 32 bytes per step, 3 credits. Memory: closed 2 + 3, hit 3, 2 cycles per burst.
+    // Two reads of 32 bytes per step, 3 credits. Memory: closed 2, and 3 to the data, of 2 cycles per burst.
     let mut draw = Draw::default();
     let read = |offset| PlanRequest { port: "p".into(), write: false, bytes: 32, stride: 0, offset, span: 64 };
     draw.fifo("in", 8, 1)
@@ -76,7 +76,7 @@ fn a_step_starts_only_with_credits_for_the_largest_step() {
         .unit("source", Kind::Source { tokens: 2 }, ["", "in"], &[1], &[0])
         .unit("reader", Kind::Access { requests: vec![read(0), read(32)] }, ["in", "out"], &[1], &[0])
         .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
-    // Step 1 at 1: command 2, data 2 + 5 = 7 .. 9; command 9 (bank free), data 12 .. 14. One credit is left, two are
+    // Step 1 at 1: column 4, data 7 .. 9; column 6, a hit, data 9 .. 11. One credit is left, two are
     // needed: the next step waits for the first answer, at 9.
     assert_eq!(starts(&draw.0, "reader"), [1, 9]);
 }

@@ -37,9 +37,10 @@ fn conserved(ran: &Ran, config: &BumpProcessorConfig, frames: usize) {
         let port = ports().find(|p| p.client == client).map(|p| p.counts).unwrap();
         assert_eq!((port.reads, port.read_bytes), (misses, misses * u64::from(line_bytes)), "a miss is a request: {name}");
     }
-    for port in ports() {
-        let c = &port.counts;
-        assert_eq!(c.row_hits + c.row_closed + c.row_conflicts, c.bursts, "bursts of {}", port.client);
+    for memory in memories {
+        let by_port: u64 = memory.ports.iter().map(|p| p.counts.rows.bursts()).sum();
+        let by_channel: u64 = memory.channels.iter().map(|c| c.rows.bursts()).sum();
+        assert_eq!(by_port, by_channel, "bursts of {}", memory.name);
     }
 }
 

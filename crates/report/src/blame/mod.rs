@@ -3,7 +3,8 @@
 //! The rule, in order:
 //!
 //! 1. A run that ended in a deadlock or a fault is limited by that; its message says where.
-//! 2. Take the unit with the most busy cycles, the first in the block diagram among equals. If it was busy for at least
+//! 2. Take the cycles of the frames: what is shown behind the last limits nothing. Of the units that have finished by then, take
+//!    the one with the most busy cycles, the first in the block diagram among equals. If it was busy for at least
 //!    [`BOTTLENECK`] of the cycles up to its last step, it is the bottleneck: whatever else waits, waits for it.
 //!    Cycles after its last step are left out, since what is behind it drains then.
 //! 3. Otherwise follow the waits from there. At each unit take the largest of its busy cycles and its waits:
@@ -92,7 +93,7 @@ pub fn blame(report: &Report) -> Blame {
         let sentence = "A functional run has no time: nothing limits it.".into();
         return Blame { limit: Limit::NoTime, sentence };
     };
-    let plan = Plan { report, units, total: cycles.total };
+    let plan = Plan { report, units, total: cycles.drawing(), drain: cycles.total - cycles.drawing() };
     let (limit, sentence) = plan.limit();
     Blame { limit, sentence: prefix + &sentence }
 }
@@ -106,14 +107,18 @@ fn capital(text: &str) -> String {
 struct Plan<'a> {
     report: &'a Report,
     units: &'a IndexMap<String, Unit>,
+    /// Cycles of the frames.
     total: u64,
+    /// Those behind the last, when what was drawn is shown.
+    drain: u64,
 }
 
 type Named<'a> = (&'a str, &'a Unit);
 
 impl<'a> Plan<'a> {
     fn limit(&self) -> (Limit, String) {
-        let by_work = self.named().reduce(|best, u| if u.1.busy > best.1.busy { u } else { best });
+        let by_work =
+            self.named().filter(|(_, u)| u.done >= self.drain).reduce(|best, u| if u.1.busy > best.1.busy { u } else { best });
         let Some(busiest) = by_work.filter(|(_, u)| u.busy > 0) else {
             return (Limit::Ended, "no unit made a step.".into());
         };
@@ -150,8 +155,13 @@ impl<'a> Plan<'a> {
     }
 
     fn busy_share(&self, unit: &Unit) -> f64 {
-        let active = self.total.saturating_sub(unit.done);
+        let active = self.total.saturating_sub(self.done(unit));
         if active == 0 { 0.0 } else { unit.busy as f64 / active as f64 }
+    }
+
+    /// Cycles of the frames after its last step.
+    fn done(&self, unit: &Unit) -> u64 {
+        unit.done.saturating_sub(self.drain)
     }
 
     fn of_total(&self, cycles: u64) -> String {
@@ -160,7 +170,7 @@ impl<'a> Plan<'a> {
 
     /// Whether the cycles after its last step are worth a word.
     fn drains(&self, unit: &Unit) -> bool {
-        unit.done as f64 >= LONG_DRAIN * self.total as f64
+        self.done(unit) as f64 >= LONG_DRAIN * self.total as f64
     }
 
     fn bottleneck(&self, (name, unit): Named<'a>) -> (Limit, String) {
@@ -170,7 +180,7 @@ impl<'a> Plan<'a> {
         let mut sentence =
             format!("{} limits this run: busy {busy} of the cycles{up_to}{}", label(name, unit), self.victim(name));
         if drains {
-            sentence += &format!("; the last {} of the run drain what is behind it", self.of_total(unit.done));
+            sentence += &format!("; the last {} of the run drain what is behind it", self.of_total(self.done(unit)));
         }
         (Limit::Unit(name.into()), sentence + ".")
     }

@@ -45,7 +45,7 @@ pub struct Change {
 /// What differs in one part of the reports, the largest change first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Section {
-    /// `run`, `config`, `cycles`, `units`, `fifos`, `memories`, `caches`, `device`, `quality` or `image`.
+    /// `run`, `config`, `cycles`, `units`, `fifos`, `memories`, `channels`, `caches`, `device`, `quality` or `image`.
     pub table: &'static str,
     /// At least one.
     pub changes: Vec<Change>,
@@ -115,7 +115,7 @@ fn sections(a: &Report, b: &Report) -> Vec<Section> {
     for (place, b) in in_b {
         add(place, None, Some(b));
     }
-    let order = ["run", "config", "cycles", "units", "fifos", "memories", "caches", "device", "quality", "image"];
+    let order = ["run", "config", "cycles", "units", "fifos", "memories", "channels", "caches", "device", "quality", "image"];
     let parts = order.into_iter().filter_map(|table| changes.swap_remove(table).map(|changes| (table, changes)));
     parts.map(|(table, changes)| Section { table, changes: sorted(table, changes) }).collect()
 }

@@ -34,6 +34,7 @@ impl Section {
             "units" => "Unit",
             "fifos" => "FIFO",
             "memories" => "Memory",
+            "channels" => "Channel",
             "caches" => "Cache",
             "device" => "Device",
             "quality" => "Quality",

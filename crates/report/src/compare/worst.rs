@@ -89,7 +89,7 @@ mod tests {
     fn traffic_out_of_nothing_is_a_hundred_percent() {
         let new = |b: &mut Report| {
             let clients = &mut b.memories.as_mut().unwrap()["graphics"].clients;
-            let like = clients["z"];
+            let like = clients["z"].clone();
             clients.insert("new".into(), like);
         };
         assert_eq!(worse(new), (100.0, "bytes of memories.graphics.clients.new".into()));

@@ -64,6 +64,7 @@ pub fn to_text(report: &Report, style: Style) -> String {
         sections::units(report),
         sections::fifos(report),
         sections::memories(report),
+        sections::channels(report),
         sections::caches(report),
         sections::routes(report),
         sections::circuits(report),

@@ -113,11 +113,10 @@ pub(super) fn memories(report: &Report) -> Table {
         ("bytes", Right, 0),
         ("row hits %", Right, 1),
         ("conflicts %", Right, 3),
-        ("wait/request", Right, 1),
+        ("queue wait", Right, 1),
     ]);
     for (name, memory) in report.memories.iter().flatten() {
         for (at, (client, c)) in memory.clients.iter().enumerate() {
-            let requests = c.reads.saturating_add(c.writes);
             table.row([
                 if at == 0 { name.clone() } else { String::new() },
                 client.clone(),
@@ -126,7 +125,44 @@ pub(super) fn memories(report: &Report) -> Table {
                 thousands(c.bytes()),
                 percent(c.row_hits, c.bursts),
                 percent(c.row_conflicts, c.bursts),
-                if requests == 0 { String::new() } else { format!("{:.1}", c.wait_cycles as f64 / requests as f64) },
+                per(c.queue_wait, c.bursts),
+            ]);
+        }
+    }
+    table
+}
+
+/// With one decimal; nothing where there is nothing to divide by.
+fn per(above: u64, below: u64) -> String {
+    if below == 0 { String::new() } else { format!("{:.1}", above as f64 / below as f64) }
+}
+
+pub(super) fn channels(report: &Report) -> Table {
+    let mut table = Table::new(&[
+        ("Channel", Left, 0),
+        ("no.", Right, 0),
+        ("bus busy %", Right, 0),
+        ("over time", Left, 2),
+        ("row hits %", Right, 1),
+        ("conflicts %", Right, 3),
+        ("turn-arounds", Right, 4),
+        ("refreshes", Right, 5),
+        ("mean queue", Right, 1),
+    ]);
+    let total = report.cycles.as_ref().map_or(0, |cycles| cycles.total);
+    for (name, memory) in report.memories.iter().flatten() {
+        for (number, c) in memory.channels.iter().enumerate().filter(|(_, c)| c.bus_busy > 0) {
+            let bursts = c.row_hits + c.row_closed + c.row_conflicts;
+            table.row([
+                name.clone(),
+                number.to_string(),
+                percent(c.bus_busy, total),
+                if number == 0 { sparkline(&memory.bus.busy) } else { String::new() },
+                percent(c.row_hits, bursts),
+                percent(c.row_conflicts, bursts),
+                thousands(c.turn_arounds),
+                thousands(c.refreshes),
+                per(c.queued, total),
             ]);
         }
     }
