@@ -80,6 +80,10 @@ fn what_is_given_beside_a_part_stays_and_the_rest_goes_by_it() {
     m.take_part(200_000_000, |name| ["cl", "burst_bytes"].contains(&name)).unwrap();
     // 32 bytes are four clocks of 7.5 ns; a bank may be precharged when they are over.
     assert_eq!([m.cl, m.burst_bytes, m.burst_cycles, m.rtp, m.rcd], [9, 32, 6, 6, 4]);
+    // Where no whole number of cycles is near, it is the next one.
+    let mut m = MemoryConfig { part: Part::Gddr3At1400, burst_bytes: 64, ..MemoryConfig::default() };
+    m.take_part(200_000_000, |name| name == "burst_bytes").unwrap();
+    assert_eq!([m.burst_bytes, m.burst_cycles, m.rtp], [64, 3, 3]);
     let mut m = MemoryConfig { part: Part::Sdr100, burst_bytes: 64, burst_cycles: 4, ..MemoryConfig::default() };
     m.take_part(200_000_000, |name| name.starts_with("burst")).unwrap();
     assert_eq!([m.burst_bytes, m.burst_cycles, m.rtp], [64, 4, 4]);

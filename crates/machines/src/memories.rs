@@ -104,6 +104,9 @@ fn provenance(field: &str, parameter: &Parameter, memory: &MemoryConfig, hz: u64
         let chosen = parameter.provenance.text();
         return part.about().map(|about| Provenance::Assumed(format!("{chosen}. {}: {about}", part.name()).into()));
     }
+    if field == "channel_bytes" && part != Part::Custom && parameter.default == memory.burst_bytes {
+        return Some(Provenance::Derived("a burst, which lies in one channel".into()));
+    }
     let named = |part: Part, burst| part.numbers(hz, burst).ok()?.into_iter().find(|number| number.name == field);
     let own = part.numbers(hz, [None; 2]).ok()?;
     let beside = |name: &str, value: u32| own.iter().any(|n| n.name == name && n.value != value).then_some(value);

@@ -75,6 +75,16 @@ fn a_part_that_does_not_fit_the_clock_or_is_none_is_named_with_what_fits() {
     assert_eq!(graphics("", &set).part, Part::Fpm80);
 }
 
+#[test]
+fn a_part_with_larger_bursts_than_the_board_interleaves_interleaves_by_bursts() {
+    let frame = |set: &[(&str, &str)]| load::<ShadeConfig>("", set).unwrap().memory.frame;
+    assert_eq!([frame(&[]).channel_bytes, frame(&[]).burst_bytes], [16, 16]);
+    let sdr = frame(&[("memory.frame.part", "sdr-100")]);
+    assert_eq!([sdr.channel_bytes, sdr.burst_bytes, sdr.burst_cycles], [64, 64, 2]);
+    let given = frame(&[("memory.frame.part", "sdr-100"), ("memory.frame.channel_bytes", "32")]);
+    assert_eq!(given.channel_bytes, 32, "refused when the machine is built");
+}
+
 fn no_draws<C: Into<basrelief_machines::FrontConfig>>(config: C) -> SceneFront<std::iter::Empty<Draw>> {
     SceneFront::new(std::iter::empty(), config)
 }

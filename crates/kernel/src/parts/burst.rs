@@ -31,30 +31,27 @@ impl BytesPerCycle {
 }
 
 impl Sheet {
-    /// Bytes and cycles of a burst at a clock of `hz`: of so many bytes, where they are given.
+    /// Bytes and cycles of a burst at a clock of `hz`. Where its bytes are given, its cycles are those that they take, rounded up
+    /// if no whole number is within 5 %.
     pub(super) fn burst(&self, hz: u64, bytes: Option<u32>) -> Result<[u32; 2], String> {
         let (bytes_per_second, per) = self.bytes_per_second(hz);
         let rate = BytesPerCycle(bytes_per_second, u128::from(hz) * per);
-        let others = (4..=MOST_BURST_BYTES).step_by(4);
-        let found = match bytes {
-            Some(bytes) => rate.burst(bytes),
-            None => rate.burst(self.burst_bytes).or_else(|| {
-                others.filter_map(|bytes| rate.burst(bytes)).min_by(|a, b| {
-                    let ([cycles, lines], [other_cycles, other_lines]) = (line_cycles(*a), line_cycles(*b));
-                    (cycles * other_lines).cmp(&(other_cycles * lines))
-                })
-            }),
+        if let Some(bytes) = bytes {
+            return Ok(rate.burst(bytes).unwrap_or([bytes, rate.cycles(bytes)[1]]));
+        }
+        let others = (4..=MOST_BURST_BYTES).step_by(4).filter_map(|bytes| rate.burst(bytes));
+        let best = || {
+            others.min_by(|a, b| {
+                let ([cycles, lines], [other_cycles, other_lines]) = (line_cycles(*a), line_cycles(*b));
+                (cycles * other_lines).cmp(&(other_cycles * lines))
+            })
         };
-        found.ok_or_else(|| {
+        rate.burst(self.burst_bytes).or_else(best).ok_or_else(|| {
             let gigabytes = rounded(bytes_per_second as f64 / per as f64 / 1e9);
             // 5 % below the rate, in a cycle.
             let least = (20 * bytes_per_second).div_ceil(21 * u128::from(MOST_BURST_BYTES) * per);
             let least = Hertz(u64::try_from(least).unwrap_or(u64::MAX));
-            let which = match bytes {
-                Some(bytes) => format!("no whole number of cycles for a burst of {bytes} bytes"),
-                None => format!("no burst of {MOST_BURST_BYTES} bytes or fewer in whole cycles"),
-            };
-            format!("{which} comes within 5 % of its {gigabytes} GB/s per channel, which takes {least} or more")
+            format!("no burst of {MOST_BURST_BYTES} bytes or fewer in whole cycles comes within 5 % of its {gigabytes} GB/s per channel, which takes {least} or more")
         })
     }
 }

@@ -1,7 +1,8 @@
 //! Memory parts: what a data sheet says of a memory, in cycles of the device's clock.
 //!
 //! A part fills the numbers of law 4 that belong to the chips: times, burst, banks, rows. What belongs to the board and its
-//! controller - `channels`, `channel_bytes`, `window`, `cap`, `outstanding` - stays as it is, but for [`Part::Ideal`].
+//! controller - `channels`, `channel_bytes`, `window`, `cap`, `outstanding` - stays as it is, but for [`Part::Ideal`]; only
+//! `channel_bytes` grow where a burst is larger.
 //!
 //! Minimum times are rounded up to whole cycles, the time between refreshes down. The burst is the part's own where that takes a
 //! whole number of cycles within 5 %. Otherwise, of all multiples of four bytes up to [`MOST_BURST_BYTES`] that come within
@@ -324,7 +325,8 @@ fn can_be(numbers: &[Number]) -> Result<(), String> {
 }
 
 impl MemoryConfig {
-    /// Takes what its part fills at a clock of `hz`, but for numbers that are `given`, by name.
+    /// Takes what its part fills at a clock of `hz`, but for numbers that are `given`, by name. A burst lies in one channel:
+    /// where it is larger than `channel_bytes`, these grow with it.
     ///
     /// # Errors
     /// Where its part does not fit the clock; nothing is taken then.
@@ -332,6 +334,9 @@ impl MemoryConfig {
         let burst = [("burst_bytes", self.burst_bytes), ("burst_cycles", self.burst_cycles)];
         let numbers = self.part.numbers(hz, burst.map(|(name, value)| given(name).then_some(value)))?;
         numbers.iter().filter(|number| !given(number.name)).for_each(|number| self.set(number));
+        if self.part != Part::Custom && !given("channel_bytes") {
+            self.channel_bytes = self.channel_bytes.max(self.burst_bytes);
+        }
         Ok(())
     }
 

@@ -143,8 +143,19 @@ const TIMING: &[Axis] = &[
     &[&[], &[("normal_interpolation.pipelined", "true")], &[("normal_interpolation.multiply_cycles", "9")]],
     &[&[], &[("gate.latency", "7"), ("adder.latency", "0"), ("selector_53.latency", "3"), ("selector_28.latency", "0")]],
     &[&[], &[("gate.initiation_interval", "3"), ("adder.initiation_interval", "2"), ("selector_28.initiation_interval", "4")]],
+    &[
+        &[],
+        &[("memory.frame.part", "ideal")],
+        &[("memory.frame.part", "edram-ps2"), ("memory.frame.channels", "3"), ("memory.frame.window", "2")],
+        &[("memory.frame.part", "gddr3-1400"), ("memory.frame.cap", "0"), ("memory.frame.refi", "200")],
+    ],
     &[&[], &[("memory.frame.outstanding", "1"), ("memory.frame.cl", "30"), ("cache.depth.sets", "1"), ("cache.depth.ways", "1")]],
-    &[&[], &[("video_out.enabled", "false")], &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")]],
+    &[
+        &[],
+        &[("video_out.enabled", "false")],
+        &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")],
+        &[("video_out.pixel_hz", "0")],
+    ],
 ];
 
 /// FIFOs of the machine, but `draws` and the feedback, which holds `host.buffers`.
