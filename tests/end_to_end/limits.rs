@@ -35,6 +35,8 @@ fn absurd_settings_run_or_are_refused_within_a_gibibyte() {
         "--set replacement.lanes=1 --set replacement.pipelined=false --set replacement.latency=1024",
         "--set geometry.cycles_per_vertex=65536 --set geometry.cycles_per_polygon=65536 --set geometry.latency=65536",
         "--set clock.hz=1 --set video_out.cycles_per_read=1000000",
+        "--set clock.hz=1 --set memory.graphics.part=custom --set memory.normal_map.part=custom --set video_out.pixel_hz=1",
+        "--set memory.graphics.channels=64 --set memory.graphics.window=256 --set memory.graphics.cap=65536",
         "--light 1e300,1e300,-1e300 --orbit 1e300 --frames 2",
     ] {
         let outcome = run(&place, &format!("run {} --size 24x18 --quiet {settings}", patch()));

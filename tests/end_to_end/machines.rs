@@ -197,3 +197,34 @@ fn reports_do_not_differ_between_folders() {
         assert_eq!(here["input"]["name"].as_str(), name.split(' ').next());
     }
 }
+
+#[test]
+fn describe_shows_what_a_part_comes_to_and_why() {
+    let place = Place::new();
+    let said = place.ok("describe bump --set memory.graphics.part=sdr-133 --set memory.graphics.cl=2").out;
+    let entry = |key: &str| {
+        let begin = said.find(&format!("\n  memory.graphics.{key} = ")).unwrap_or_else(|| panic!("no {key}"));
+        said[begin + 1..].split("\n\n").next().unwrap_or_default().to_owned()
+    };
+    assert!(entry("part").contains("= sdr-133") && entry("part").contains("HB52F649E1"), "{}", entry("part"));
+    assert!(entry("rcd").contains("= 4 cycles") && entry("rcd").contains("derived: tRCD: 20 ns, rounded up at 200 MHz"));
+    assert!(entry("cl").contains("= 2 cycles") && entry("cl").contains("set beside the part, which has 5"));
+    assert!(entry("channels").contains("= 4 channels") && entry("channels").contains("assumed: 256 bits"));
+    fs::write(place.path("slow.toml"), "[clock]\nhz = 100_000_000\n").expect("written");
+    let table = place.ok("describe bump --config slow.toml --json").out;
+    let table: Value = serde_json::from_str(&table).expect("a table");
+    let of = |key: &str| table.as_array().into_iter().flatten().find(|p| p["key"] == key).cloned().unwrap_or_default();
+    let cl = of("memory.graphics.cl");
+    assert_eq!((cl["value"].as_u64(), cl["default"].as_u64()), (Some(2), Some(3)));
+    // A part that fits no clock that there is, and one of which there is none; a setting may mend what a file got wrong.
+    fs::write(place.path("slow.toml"), "[clock]\nhz = 1_000_000\n").expect("written");
+    assert!(
+        place
+            .run("describe bump --config slow.toml")
+            .error(1)
+            .contains("slow.toml: `memory.graphics.part`: ddr-400 does not fit")
+    );
+    assert!(place.run("describe bump --set clock.hz=1000000").error(2).contains("--set: `memory.graphics.part`"));
+    place.ok("describe bump --config slow.toml --set memory.graphics.part=fpm-80");
+    assert!(place.run("describe --set memory.graphics.part=ddr-500").error(2).contains("ddr-400"));
+}

@@ -177,20 +177,35 @@ pub fn demo_of(path: &Path) -> Option<&str> {
 /// The machine's parameters: defaults, then the file, then single settings. A demo knows which machine it is made for.
 pub fn config(args: &MachineArgs, demo: Option<&str>, budget: &Budget) -> Done<MachineConfig> {
     let machine = args.machine.unwrap_or_else(|| MachineInfo::of_demo(demo.unwrap_or_default()));
-    let (text, _held) = match &args.config {
-        None => (String::new(), budget.nothing()),
-        Some(path) => read_text(path, budget)?,
-    };
-    let file = args.config.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
+    config_of(machine, args.config.as_deref(), &args.settings, budget)
+}
+
+/// The parameters of this machine: defaults, then the file, then single settings.
+pub fn config_of(
+    machine: &MachineInfo,
+    file: Option<&Path>,
+    settings: &[(String, String)],
+    budget: &Budget,
+) -> Done<MachineConfig> {
+    let (text, _held) = file.map_or_else(|| Ok((String::new(), budget.nothing())), |path| read_text(path, budget))?;
+    let name = file.map(|path| path.display().to_string()).unwrap_or_default();
     let growth = TOML_GROWTH * text.len() as u64;
-    let _growth = budget.take(growth, "what a configuration says").map_err(Failure::within(&file))?;
-    let in_file = |e: String| Failure::Bad(format!("{file}: {e}"));
-    let of_file = machine.load(&text, &[]).map_err(|e| in_file(explained(&e, machine)))?;
-    let settings: Vec<(&str, &str)> = args.settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
+    let _growth = budget.take(growth, "what a configuration says").map_err(Failure::within(&name))?;
+    let in_file = |e: String| Failure::Bad(format!("{name}: {e}"));
+    let of_file = machine.load(&text, &[]);
+    let settings: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
     let wrong = |e: String| Failure::Usage(format!("--set: {e}"));
-    let config = machine.load(&text, &settings).map_err(|e| wrong(explained(&e, machine)))?;
     // Single settings may mend what does not fit together in the file, or the other way round.
-    let blame = |e: String| if of_file.check().is_err() { in_file(e) } else { wrong(e) };
+    let file_fits = match &of_file {
+        Err(ConfigError::Unfit { .. }) => false,
+        Err(e) => return Err(in_file(explained(e, machine))),
+        Ok(config) => config.check().is_ok(),
+    };
+    let blame = |e: String| if file_fits { wrong(e) } else { in_file(e) };
+    let config = machine.load(&text, &settings).map_err(|e| match &e {
+        ConfigError::Unfit { .. } => blame(e.to_string()),
+        _ => wrong(explained(&e, machine)),
+    })?;
     config.check().map_err(|problem| blame(problem.to_string()))?;
     Ok(config)
 }

@@ -1,5 +1,6 @@
 //! Parameters of FIFOs, memories and caches.
 
+use crate::Part;
 use basrelief_parameters::parameters;
 
 parameters! {
@@ -16,6 +17,10 @@ parameters! {
     /// A memory: channels that share nothing, each with banks of open rows and one data bus (law 4). Names are JEDEC's; times
     /// are in cycles of the device's clock.
     pub struct MemoryConfig {
+        /// What it is made of, by its data sheet: fpm-80, edo-60, sdr-100, sdr-133, ddr-400, ddr2-667, gddr3-1400, xdr-3200,
+        /// edram-ps2, sram or ideal. Fills times, burst, banks and rows, each where it is not set beside it; custom fills
+        /// nothing.
+        part: Part = Part::Custom, unit: "", Assumed("numbers as they stand");
         /// Channels.
         channels: u32 = 1, unit: "channels", Assumed("the least there can be"), range: 1..=64;
         /// Consecutive bytes that lie in one channel; the next lie in the next.

@@ -242,6 +242,7 @@ mod memory;
 mod memory_system;
 mod occupancy;
 mod outcome;
+pub mod parts;
 mod place;
 #[cfg(feature = "plan")]
 pub mod plan;
@@ -269,6 +270,7 @@ pub use link::Link;
 pub use memory::MemoryRequest;
 pub use memory_system::MemorySystem;
 pub use outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor};
+pub use parts::Part;
 pub use place::{Between, ConnectionsOf, Place};
 pub use probe::{Interval, NoProbe, Probe, Recorder};
 pub use report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};

@@ -4,10 +4,11 @@ use basrelief_parameters::parameters;
 use serde::{Deserialize, Serialize};
 
 parameters! {
-    /// The machine's clock; turns cycles into seconds in the report and changes no cycle.
+    /// The machine's clock. Its units count cycles; what counts seconds - memory parts, the path, the display, and times in the
+    /// report - goes by it.
     pub struct ClockConfig {
         /// Cycles per second.
-        hz: u64 = 200_000_000, unit: "Hz", Assumed("graphics hardware of the patent's time"), range: 1_u64..=100_000_000_000;
+        hz: u64 = 200_000_000, unit: "Hz", Assumed("each machine has its own"), range: 1_u64..=100_000_000_000;
     }
 }
 

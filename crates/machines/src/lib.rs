@@ -15,6 +15,7 @@ mod drawing;
 mod draws;
 mod fifos;
 mod front;
+mod memories;
 mod problem;
 pub mod shade;
 pub mod texel;

@@ -32,8 +32,8 @@ extern crate self as basrelief_parameters;
 mod load;
 mod table;
 
-pub use load::{ConfigError, load};
-pub use table::{Parameter, Parameters, Provenance, RangeError};
+pub use load::{ConfigError, Given, load};
+pub use table::{Parameter, Parameters, Provenance, RangeError, resolved};
 
 /// Used by the macros; not part of the interface.
 #[doc(hidden)]

@@ -28,9 +28,31 @@ pub enum ConfigError {
     /// The value is out of range.
     #[error(transparent)]
     Range(#[from] RangeError),
+    /// Other parameters do not follow from this one as the rest stands.
+    #[error("`{key}`: {message}")]
+    Unfit {
+        /// Dotted name.
+        key: String,
+        /// What is wrong, what was expected, what to do.
+        message: String,
+    },
 }
 
-/// Reads a configuration: defaults, then the TOML text, then single settings in order.
+/// What the user has given, in whatever way: the rest are defaults.
+#[derive(Clone, Copy, Debug)]
+pub struct Given<'a>(&'a Table);
+
+impl Given<'_> {
+    /// Whether this parameter was given.
+    pub fn has(&self, key: &str) -> bool {
+        let (path, leaf) = key.rsplit_once('.').unwrap_or(("", key));
+        let group = path.split('.').filter(|p| !p.is_empty()).try_fold(self.0, |at, part| at.get(part)?.as_table());
+        group.is_some_and(|group| group.contains_key(leaf))
+    }
+}
+
+/// Reads a configuration: defaults, then the TOML text, then single settings in order. What follows from other parameters
+/// ([`Parameters::complete`]) and was not given takes the place of its default, so it does not matter which was given first.
 ///
 /// A setting's value is TOML (`32`, `[256, 128]`, `true`); what is no TOML is taken as a string, so that
 /// `replacement.codebook=fixed` needs no quotes.
@@ -42,8 +64,10 @@ pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result
         insert(&mut tree, key, parse_value(value))?;
     }
     check_tree(&tree, "", &known)?;
-    let config: C = serde_path_to_error::deserialize(Value::Table(over_defaults::<C>(tree)?))
+    let mut config: C = serde_path_to_error::deserialize(Value::Table(over_defaults::<C>(tree.clone())?))
         .map_err(|e| wrong_type::<C>(e.path().to_string(), &e.inner().to_string()))?;
+    config.check("")?;
+    config.complete(&Given(&tree))?;
     config.check("")?;
     Ok(config)
 }
@@ -189,6 +213,52 @@ mod tests {
     fn the_table_shows_the_default_of_the_group() {
         assert_eq!(All::table()[0].default, serde_json::json!(16));
         assert_eq!(All::table()[0].key, "search.lanes");
+    }
+
+    crate::parameter_groups! {
+        /// Lanes follow from `wide.lanes` where they are not given.
+        pub struct Following completed(follow) explained(why) {
+            /// Leads.
+            wide: SearchConfig = SearchConfig::default() => [lanes: Stated("claim 1")],
+            /// Follows.
+            narrow: SearchConfig = SearchConfig { lanes: 4, ..SearchConfig::default() },
+        }
+    }
+
+    fn follow(config: &mut Following, given: &Given<'_>) -> Result<(), ConfigError> {
+        if !given.has("narrow.lanes") {
+            config.narrow.lanes = config.wide.lanes / 2;
+        }
+        Ok(())
+    }
+
+    fn why(_: &Following, table: &mut [crate::Parameter]) {
+        table[2].provenance = crate::Provenance::Derived("half".into());
+    }
+
+    #[test]
+    fn what_follows_is_completed_but_not_what_is_given_in_whatever_order() {
+        let lanes = |toml: &str, set: &[(&str, &str)]| load::<Following>(toml, set).unwrap().narrow.lanes;
+        assert_eq!(lanes("", &[]), 4);
+        assert_eq!(lanes("", &[("wide.lanes", "64")]), 32);
+        assert_eq!(lanes("[wide]\nlanes = 64", &[("narrow.pipelined", "true")]), 32);
+        for set in [[("wide.lanes", "64"), ("narrow.lanes", "9")], [("narrow.lanes", "9"), ("wide.lanes", "64")]] {
+            assert_eq!(lanes("", &set), 9);
+        }
+        assert_eq!(lanes("[narrow]\nlanes = 9", &[("wide.lanes", "64")]), 9);
+        // What follows must be in its range, too.
+        let error = load::<Following>("", &[("wide.lanes", "1")]).unwrap_err().to_string();
+        assert!(error.contains("`narrow.lanes` is 0"), "{error}");
+    }
+
+    #[test]
+    fn the_resolved_table_has_the_values_of_the_configuration_and_their_provenance() {
+        let table = crate::resolved(&load::<Following>("", &[("wide.lanes", "64")]).unwrap());
+        let set = "set; the default is 8 (stated: claim 1)";
+        assert_eq!((table[0].default.clone(), table[0].provenance.text()), (serde_json::json!(64), set));
+        assert_eq!(crate::resolved(&Following::default())[0].provenance, crate::Provenance::Stated("claim 1".into()));
+        assert_eq!((table[2].default.clone(), table[2].provenance.text()), (serde_json::json!(32), "half"));
+        assert_eq!(table[1].provenance.text(), "test");
     }
 
     #[test]

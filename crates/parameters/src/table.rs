@@ -1,16 +1,18 @@
 //! The table of parameters and the macros that fill it.
 
+use crate::{ConfigError, Given};
 use serde::{Serialize, de::DeserializeOwned};
+use std::borrow::Cow;
 
 /// Where a number or a behaviour comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Provenance {
     /// Fixed by the patent; the text says where.
-    Stated(&'static str),
-    /// Follows from the patent; the text shows how.
-    Derived(&'static str),
+    Stated(Cow<'static, str>),
+    /// Follows from the patent, or from a data sheet; the text shows how.
+    Derived(Cow<'static, str>),
     /// Our modelling choice; the text says why.
-    Assumed(&'static str),
+    Assumed(Cow<'static, str>),
 }
 
 impl Provenance {
@@ -24,7 +26,7 @@ impl Provenance {
     }
 
     /// The place, derivation or reason.
-    pub fn text(&self) -> &'static str {
+    pub fn text(&self) -> &str {
         match self {
             Self::Stated(t) | Self::Derived(t) | Self::Assumed(t) => t,
         }
@@ -66,6 +68,38 @@ pub trait Parameters: Serialize + DeserializeOwned + Default {
     fn table() -> Vec<Parameter>;
     /// Checks every range; `prefix` is put before each key.
     fn check(&self, prefix: &str) -> Result<(), RangeError>;
+
+    /// Gives parameters that follow from others their values, but for those that the user has `given`. Every value is in its
+    /// range; [`load`](crate::load) checks them once more. By itself nothing follows from anything.
+    ///
+    /// # Errors
+    /// Where nothing can follow: [`ConfigError::Unfit`].
+    fn complete(&mut self, given: &Given<'_>) -> Result<(), ConfigError> {
+        let _ = given;
+        Ok(())
+    }
+
+    /// Says in this configuration's `table` where values come from that follow from others.
+    fn explain(&self, table: &mut [Parameter]) {
+        let _ = table;
+    }
+}
+
+/// All parameters of this configuration: its values in place of the defaults, and where they come from.
+pub fn resolved<C: Parameters>(config: &C) -> Vec<Parameter> {
+    let mut table = C::table();
+    let values = serde_json::to_value(config).unwrap_or_default();
+    for parameter in &mut table {
+        if let Some(value) = values.pointer(&format!("/{}", parameter.key.replace('.', "/"))).filter(|v| **v != parameter.default)
+        {
+            let Parameter { default, provenance, .. } = &*parameter;
+            let set = format!("set; the default is {default} ({}: {})", provenance.kind(), provenance.text());
+            parameter.provenance = Provenance::Assumed(set.into());
+            parameter.default = value.clone();
+        }
+    }
+    config.explain(&mut table);
+    table
 }
 
 /// Declares one unit's configuration: struct, defaults, ranges and provenance in one place. See the crate's example.
@@ -96,7 +130,7 @@ macro_rules! parameters {
                     unit: $unit,
                     range: String::new() $(+ &format!("{:?}", $range))?,
                     default: $crate::private::serde_json::to_value(&default.$field).unwrap_or_default(),
-                    provenance: $crate::Provenance::$kind($why),
+                    provenance: $crate::Provenance::$kind($why.into()),
                 }),*]
             }
 
@@ -120,9 +154,15 @@ macro_rules! parameters {
 }
 
 /// Declares a configuration that is made of others, one per named group.
+///
+/// What a group's default has of its own may say where it comes from: `clock: Clock = Clock { hz: 5 } => [hz: Assumed("why")],`.
+/// Where parameters follow from others, two functions do what [`Parameters::complete`] and [`Parameters::explain`] say:
+/// `pub struct Config completed(FUNCTION) explained(FUNCTION) { ... }`.
 #[macro_export]
 macro_rules! parameter_groups {
-    ($(#[doc = $about:literal])* pub struct $name:ident { $($(#[doc = $doc:literal])* $field:ident : $type:ty = $default:expr,)* }) => {
+    ($(#[doc = $about:literal])* pub struct $name:ident $(completed($complete:path) explained($explain:path))? {
+        $($(#[doc = $doc:literal])* $field:ident : $type:ty = $default:expr $(=> [$($inner:ident: $kind:ident($why:literal)),+ $(,)?])?,)*
+    }) => {
         $(#[doc = $about])*
         #[derive(Clone, Debug, PartialEq, $crate::private::serde::Serialize, $crate::private::serde::Deserialize, $crate::private::schemars::JsonSchema)]
         #[serde(crate = "basrelief_parameters::private::serde", default, deny_unknown_fields)]
@@ -140,6 +180,9 @@ macro_rules! parameter_groups {
                 $(for mut p in <$type as $crate::Parameters>::table() {
                     let inner = format!("/{}", p.key.replace('.', "/"));
                     if let Some(d) = whole[stringify!($field)].pointer(&inner) { p.default = d.clone(); }
+                    $($(if p.key == stringify!($inner) {
+                        p.provenance = $crate::Provenance::$kind($why.into());
+                    })+)?
                     p.key = format!("{}.{}", stringify!($field), p.key);
                     table.push(p);
                 })*
@@ -150,6 +193,14 @@ macro_rules! parameter_groups {
                 $($crate::Parameters::check(&self.$field, &format!("{prefix}{}.", stringify!($field)))?;)*
                 Ok(())
             }
+
+            $(fn complete(&mut self, given: &$crate::Given<'_>) -> Result<(), $crate::ConfigError> {
+                $complete(self, given)
+            }
+
+            fn explain(&self, table: &mut [$crate::Parameter]) {
+                $explain(self, table)
+            })?
         }
     };
 }

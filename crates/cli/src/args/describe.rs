@@ -1,6 +1,6 @@
 //! Arguments of the commands that simulate nothing: `describe`, `compare`, `schema`.
 
-use super::values::{finite, machine};
+use super::values::{finite, key_value, machine};
 use basrelief_session::{MACHINES, MachineInfo};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -11,6 +11,12 @@ pub struct DescribeArgs {
     /// The machine.
     #[arg(value_parser = machine(), default_value = MACHINES[0].name)]
     pub machine: &'static MachineInfo,
+    /// Parameters from a TOML file: the table then shows what they come to.
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// One parameter, over those of the file; repeatable.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub settings: Vec<(String, String)>,
     /// Print the table of parameters as JSON.
     #[arg(long)]
     pub json: bool,

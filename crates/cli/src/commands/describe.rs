@@ -2,6 +2,8 @@
 
 use crate::args::DescribeArgs;
 use crate::error::{Done, print};
+use crate::input::config_of;
+use basrelief_input::Budget;
 use basrelief_parameters::Parameter;
 use basrelief_scene::DEMOS;
 use basrelief_session::MachineInfo;
@@ -9,11 +11,12 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// Prints what the machine is.
-pub fn describe(args: &DescribeArgs) -> Done {
+pub fn describe(args: &DescribeArgs, budget: &Budget) -> Done {
     let machine = args.machine;
-    let table = machine.parameters();
+    let table = config_of(machine, args.config.as_deref(), &args.settings, budget)?.parameters();
+    let defaults = machine.parameters();
     if args.json {
-        let list: Vec<Value> = table.iter().map(as_json).collect();
+        let list: Vec<Value> = table.iter().zip(&defaults).map(|(p, by_default)| as_json(p, &by_default.default)).collect();
         return print(&format!("{:#}\n", Value::Array(list)));
     }
     let mut text = format!("{} - {}\n\n{}\nUnits\n", machine.name, machine.about, machine.diagram);
@@ -33,20 +36,20 @@ pub fn describe(args: &DescribeArgs) -> Done {
     print(&text)
 }
 
-fn as_json(p: &Parameter) -> Value {
+fn as_json(p: &Parameter, default: &Value) -> Value {
     json!({
-        "key": p.key, "default": p.default, "unit": p.unit, "range": p.range, "about": p.doc,
+        "key": p.key, "value": p.default, "default": default, "unit": p.unit, "range": p.range, "about": p.doc,
         "provenance": {"kind": p.provenance.kind(), "text": p.provenance.text()},
     })
 }
 
 fn entry(text: &mut String, p: &Parameter) {
-    let default = match &p.default {
+    let value = match &p.default {
         Value::String(s) => s.clone(),
         other => other.to_string(),
     };
     let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
     let range = if p.range.is_empty() { String::new() } else { format!("   [{}]", p.range) };
-    let _ = writeln!(text, "\n  {} = {default}{unit}{range}", p.key);
+    let _ = writeln!(text, "\n  {} = {value}{unit}{range}", p.key);
     let _ = writeln!(text, "      {}\n      {}: {}", p.doc, p.provenance.kind(), p.provenance.text());
 }

@@ -27,7 +27,7 @@ pub fn dispatch(cli: Cli) -> Done {
         Command::Record(args) => record::record(&args, budget, cli.quiet),
         Command::Convert(args) => convert::convert(&args, budget),
         Command::Verify(args) => verify::verify(&args, budget, cli.quiet),
-        Command::Describe(args) => describe::describe(&args),
+        Command::Describe(args) => describe::describe(&args, budget),
         Command::Compare(args) => compare::compare(&args, budget),
         Command::Schema(args) => schema::schema(&args),
         Command::Serve(args) => serve::serve(&args, budget, cli.quiet),

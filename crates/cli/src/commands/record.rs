@@ -62,15 +62,22 @@ fn expected(scene: &Arc<Scene>, config: &MachineConfig, args: &RecordArgs, budge
     Ok(expectation_of(&run.report, settings_of(config, &args.machine.settings)?))
 }
 
-/// What a replay must be told: parameters that are not at their default, and those that the user named all the same.
+/// What a replay must be told: parameters that are not at their default, and those that the user named all the same. Where
+/// one of a memory is, or the clock, all of that memory: what is not told would follow from its part.
 fn settings_of(config: &MachineConfig, named: &[(String, String)]) -> Done<BTreeMap<String, ParameterValue>> {
-    let whole = config.to_value();
-    let mut settings = BTreeMap::new();
-    for parameter in config.machine().parameters() {
-        let value = whole.pointer(&format!("/{}", parameter.key.replace('.', "/"))).cloned().unwrap_or_default();
-        if value != parameter.default || named.iter().any(|(key, _)| *key == parameter.key) {
-            settings.insert(parameter.key, serde_json::from_value(value).map_err(Failure::bad)?);
-        }
-    }
-    Ok(settings)
+    let pairs = config.parameters().into_iter().zip(config.machine().parameters());
+    let (told, other): (Vec<_>, Vec<_>) =
+        pairs.partition(|(here, default)| here.default != default.default || named.iter().any(|(key, _)| *key == here.key));
+    let follows = |key: &str| {
+        let memory = memory_of(key);
+        memory.is_some() && told.iter().any(|(p, _)| p.key == "clock.hz" || memory_of(&p.key) == memory)
+    };
+    let followers: Vec<_> = other.into_iter().filter(|(p, _)| follows(&p.key)).collect();
+    let value = |value| serde_json::from_value(value).map_err(Failure::bad);
+    told.into_iter().chain(followers).map(|(here, _)| Ok((here.key, value(here.default)?))).collect()
+}
+
+/// The memory that a parameter belongs to.
+fn memory_of(key: &str) -> Option<&str> {
+    key.strip_prefix("memory.").and_then(|rest| rest.split('.').next())
 }

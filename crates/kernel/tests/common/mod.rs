@@ -5,7 +5,7 @@ pub mod random;
 
 use basrelief_kernel::plan::{Kind, Plan, PlanCache, PlanFifo, PlanMachine, PlanMemory, PlanPort, PlannedUnit, Token};
 use basrelief_kernel::{
-    Cause, Cycle, Engine, Limits, MemoryConfig, Probe, Recorder, RunReport, UnitReport, run, run_functional, run_with,
+    Cause, Cycle, Engine, Limits, MemoryConfig, Part, Probe, Recorder, RunReport, UnitReport, run, run_functional, run_with,
 };
 
 /// Adds to a plan, one line per box or wire.
@@ -42,6 +42,7 @@ impl Draw {
 /// view to column: hit 0, closed 2, conflict 4 + 2 cycles; 3 more to the data. All differ, so that a mix-up shows.
 pub fn small_memory() -> PlanMemory {
     let config = MemoryConfig {
+        part: Part::Custom,
         channels: 1,
         channel_bytes: 64,
         window: 4,

@@ -1,8 +1,8 @@
 //! Random plans, from recipes that shrink well.
 
 use super::Draw;
-use basrelief_kernel::MemoryConfig;
 use basrelief_kernel::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest};
+use basrelief_kernel::MemoryConfig;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -69,6 +69,7 @@ fn memory() -> impl Strategy<Value = PlanMemory> {
         let [cl, cwl, rcd, rp, rtp, wr, wtr, rrd] = std::array::from_fn(|i| times[i]);
         let (burst_bytes, outstanding) = (32, 1);
         let config = MemoryConfig {
+            part: basrelief_kernel::Part::Custom,
             channels,
             channel_bytes,
             window,

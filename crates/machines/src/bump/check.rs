@@ -1,6 +1,7 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
 use super::BumpProcessorConfig;
+use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
 use basrelief_graphics_processor::GraphicsProcessor;
 use basrelief_kernel::Unit;
@@ -15,6 +16,7 @@ pub(super) fn no_table(e: basrelief_shading::TableError) -> ConfigProblem {
 
 /// Checks what spans parameters.
 pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
+    check_memories(c)?;
     let samples = c.normal_mapping.samples(c.brightness.levels) as usize;
     if samples > MAX_SAMPLES {
         return problem(

@@ -3,27 +3,41 @@
 use crate::config::{ClockConfig, ReferenceConfig};
 use crate::fifos::fifos;
 use crate::front::front_of;
+use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_brightness::BrightnessConfig;
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::{DepthConfig, GraphicsConfig};
-use basrelief_kernel::{CacheConfig, MemoryConfig};
+use basrelief_kernel::{CacheConfig, MemoryConfig, Part};
 use basrelief_normal_mapping::NormalMappingConfig;
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
 use basrelief_replacement::ReplacementConfig;
 use basrelief_signals::{Control, Draw, Flow, Fragment, Indexes, Pixel, PseudoNormals, Shaded, Stamp};
 
-parameter_groups! {
+/// Cycles per second, by default.
+const HZ: u64 = 200_000_000;
+
+memories! {
     /// The three memories.
-    pub struct MemoryConfigs {
+    pub struct MemoryConfigs at HZ {
         /// Normal-map memory (116). Its port has the credits of the largest step, four texels of each of eight levels for each
         /// of four fragments; of four steps with two levels.
-        normal_map: MemoryConfig = MemoryConfig { outstanding: 128, ..MemoryConfig::default() },
+        normal_map = MemoryConfig { part: Part::EdramPs2, outstanding: 128, ..MemoryConfig::default() } => [
+            part: Assumed("Figure 1 draws (116) as a memory of its own inside the device: on the chip, where its maker had put 4 MB of DRAM since 2000"),
+            outstanding: Assumed("the largest step: 4 texels of 8 levels for 4 fragments"),
+        ],
         /// Quantization-vector memory (120): VQ tables (121) and CLUTs (122). Its ports have the credits of four steps.
-        quantization: MemoryConfig = MemoryConfig { outstanding: 32, ..MemoryConfig::default() },
+        quantization = MemoryConfig { part: Part::Sram, outstanding: 32, ..MemoryConfig::default() } => [
+            part: Assumed("Figure 1 draws (120) as a memory of its own inside the device; eight levels of tables and CLUTs are some 16 KB, which is SRAM on a chip"),
+            outstanding: Assumed("four steps of four fragments with two levels"),
+        ],
         /// Graphics-data memory (124), with the frame buffer (126).
-        graphics: MemoryConfig = MemoryConfig { outstanding: 32, ..MemoryConfig::default() },
+        graphics = MemoryConfig { part: Part::Ddr400, channels: 4, outstanding: 32, ..MemoryConfig::default() } => [
+            part: Assumed("graphics boards of 2005 had DDR at 200 MHz and more, up to GDDR3 at twice that and beyond"),
+            channels: Assumed("256 bits, four times 64, as graphics boards had from 2002 on (Radeon 9700, GeForce 6800)"),
+            outstanding: Assumed("more than rows, CL and burst of DDR-400 take at one request per cycle"),
+        ],
     }
 }
 
@@ -67,16 +81,19 @@ fifos! {
         pixels: Flow<Stamp<Pixel>> = 64,
         /// Z-test to frame buffer, without early z.
         tested_pixels: Flow<Stamp<Pixel>> = 64,
-        /// Frame buffer to video output: finished frames.
-        finished_frames: FrameDone = 2,
+        /// Frame buffer to video output: finished frames, as many as wait for the
+        /// display while drawing goes on.
+        finished_frames: FrameDone = 256,
     }
 }
 
 parameter_groups! {
     /// All parameters of the bump-mapping processor.
-    pub struct BumpProcessorConfig {
+    pub struct BumpProcessorConfig completed(complete) explained(explain) {
         /// Clock.
-        clock: ClockConfig = ClockConfig::default(),
+        clock: ClockConfig = ClockConfig { hz: HZ } => [
+            hz: Assumed("2005, between the Graphics Synthesizer of the same maker (147 MHz, 2000) and its RSX (550 MHz, 2006)"),
+        ],
         /// How a display list is fed.
         display_list: DisplayListConfig = DisplayListConfig::default(),
         /// Which polygons are bump targets.
@@ -111,3 +128,4 @@ parameter_groups! {
 }
 
 front_of!(BumpProcessorConfig);
+memories_of!(BumpProcessorConfig);

@@ -43,6 +43,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
     pub fn new(front: F, config: &BumpProcessorConfig) -> Result<Self, ConfigProblem> {
         check::check(config)?;
         let c = config.clone();
+        let pixel_bytes = c.frame_buffer.pixel_bytes;
         let samples = c.normal_mapping.samples(c.brightness.levels);
         let replacement = Replacement::new(c.replacement.clone(), c.normal_mapping.normal_bits).map_err(check::no_table)?;
         let (memories, clients) = build(config);
@@ -69,7 +70,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
             ),
             late_depth: Stage::new("depth-test", DepthTest::new(c.depth, z_bits, c.cache.depth.line_bytes)),
             frame_buffer: Stage::new("frame-buffer", FrameBuffer::new(c.frame_buffer)),
-            video_out: Stage::new("video-out", VideoOut::new(c.video_out)),
+            video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
             memories,
             clients,
         })

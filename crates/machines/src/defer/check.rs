@@ -1,12 +1,14 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
 use super::DeferConfig;
+use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
 use basrelief_deferred_renderer::NumberFormat;
 use basrelief_kernel::facts::Facts;
 
 /// Checks what spans parameters.
 pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
+    check_memories(c)?;
     line_is_power_of_two("depth", c.cache.depth.line_bytes)?;
     line_is_power_of_two("texel", c.cache.texel.line_bytes)?;
     for (key, side) in [("tile.width", c.tile.width), ("tile.height", c.tile.height)] {

@@ -3,26 +3,53 @@
 use crate::config::ClockConfig;
 use crate::fifos::fifos;
 use crate::front::front_of;
+use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_deferred_renderer::tokens::{CellFlow, ExpandedTile, MarkFlow, Order, Parcel, PassFlow, Request, Round};
 use basrelief_deferred_renderer::{CellConfig, EngineConfig, PathConfig, RendererConfig, TileConfig};
 use basrelief_frame_buffer::{FrameDone, PixelBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig};
+use basrelief_kernel::{CacheConfig, MemoryConfig, Part};
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
 use basrelief_signals::{Control, Draw, Flow, Fragment, PictureFlow, Stamp};
 
-parameter_groups! {
+/// Cycles per second, by default.
+const HZ: u64 = 100_000_000;
+
+/// A board of the time: 128 bits.
+fn board(outstanding: u32) -> MemoryConfig {
+    MemoryConfig { part: Part::Sdr100, channels: 2, window: 8, cap: 8, outstanding, ..MemoryConfig::default() }
+}
+
+memories! {
     /// The three memories.
-    pub struct MemoryConfigs {
+    pub struct MemoryConfigs at HZ {
         /// Pixel/depth buffer (124).
-        pixel_depth: MemoryConfig = MemoryConfig { outstanding: 32, ..MemoryConfig::default() },
+        pixel_depth = board(32) => [
+            part: Assumed("1998: what graphics boards and computers of that year had (PC100)"),
+            channels: Assumed("128 bits, twice 64, as RIVA TNT (1998)"),
+            window: Assumed("two bursts for each of the four banks that SDRAM brought: one moves, one opens its row"),
+            cap: Assumed("as many as are in view"),
+            outstanding: Assumed("more than rows, CL and burst take at one request per two cycles"),
+        ],
         /// Reference buffer (126).
-        reference: MemoryConfig = MemoryConfig { outstanding: 16, ..MemoryConfig::default() },
+        reference = board(16) => [
+            part: Assumed("as the pixel/depth buffer"),
+            channels: Assumed("as the pixel/depth buffer"),
+            window: Assumed("two bursts for each of the four banks that SDRAM brought: one moves, one opens its row"),
+            cap: Assumed("as many as are in view"),
+            outstanding: Assumed("cells are read and written in order"),
+        ],
         /// Texture-data memory (130). Its ports have the credits of the largest step, four texels of each of two layers for
         /// each of 16 pixels, twice.
-        texture: MemoryConfig = MemoryConfig { outstanding: 256, ..MemoryConfig::default() },
+        texture = board(256) => [
+            part: Assumed("as the pixel/depth buffer"),
+            channels: Assumed("as the pixel/depth buffer"),
+            window: Assumed("two bursts for each of the four banks that SDRAM brought: one moves, one opens its row"),
+            cap: Assumed("as many as are in view"),
+            outstanding: Assumed("the largest step, 4 texels of 2 layers for 16 pixels, twice"),
+        ],
     }
 }
 
@@ -75,16 +102,19 @@ fifos! {
         pixels: PictureFlow = 16,
         /// Pixel buffer (124) to server (110): the last picture of a frame is shown.
         shown: () = 2,
-        /// Pixel buffer (124) to video output: finished pictures.
-        finished_frames: FrameDone = 2,
+        /// Pixel buffer (124) to video output: finished pictures, as many as wait for the
+        /// display while drawing goes on.
+        finished_frames: FrameDone = 256,
     }
 }
 
 parameter_groups! {
     /// All parameters of the rate-limited renderer.
-    pub struct DeferConfig {
+    pub struct DeferConfig completed(complete) explained(explain) {
         /// Clock.
-        clock: ClockConfig = ClockConfig::default(),
+        clock: ClockConfig = ClockConfig { hz: HZ } => [
+            hz: Assumed("1998: what graphics chips of that year ran at (RIVA TNT 90 MHz), and the clock of PC100"),
+        ],
         /// How a display list is fed.
         display_list: DisplayListConfig = DisplayListConfig::default(),
         /// Which polygons a display list marks as bump targets, for the machine that knows them; this one does not ask.
@@ -119,3 +149,4 @@ parameter_groups! {
 }
 
 front_of!(DeferConfig);
+memories_of!(DeferConfig);

@@ -62,6 +62,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
     pub fn with_source(front: F, config: &DeferConfig, source: Box<dyn TileSource>) -> Result<Self, ConfigProblem> {
         check(config)?;
         let c = config.clone();
+        let pixel_bytes = c.frame_buffer.pixel_bytes;
         let (memories, clients) = build(config);
         let (mode, engine) = (c.defer.mode, c.engine.clone());
         let cut = cut(config);
@@ -84,7 +85,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
             tile_lists: Stage::new("tile-lists", TileLists::new(engine.clone(), mode, c.tile.order, shown)),
             rasterization: Stage::new("final-rasterization", Rasterization::new(engine, mode, shown, format)),
             pixel_buffer: Stage::new("pixel-buffer", PixelBuffer::new(c.frame_buffer, shared)),
-            video_out: Stage::new("video-out", VideoOut::new(c.video_out)),
+            video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
             memories,
             clients,
             config: config.clone(),

@@ -1,11 +1,13 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
 use super::ShadeConfig;
+use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
 use basrelief_kernel::facts::Facts;
 
 /// Checks what spans parameters.
 pub(super) fn check(c: &ShadeConfig) -> Result<(), ConfigProblem> {
+    check_memories(c)?;
     line_is_power_of_two("depth", c.cache.depth.line_bytes)?;
     if c.fifo.finished.depth < c.host.buffers {
         return problem(

@@ -3,6 +3,7 @@
 use crate::config::ClockConfig;
 use crate::fifos::fifos;
 use crate::front::front_of;
+use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_figure_shading::{
     CircuitConfig, Finished, Highlights, HostConfig, InterpolationConfig, MicrocomputerConfig, NormalInterpolationConfig,
     NormalLoad, ScanConfig, ShadingConfig, ShortCutConfigs, Signal,
@@ -10,7 +11,7 @@ use basrelief_figure_shading::{
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig};
+use basrelief_kernel::{CacheConfig, MemoryConfig, Part};
 use basrelief_parameters::{parameter_groups, parameters};
 use basrelief_signals::{Control, Draw, Flow, Pixel, Stamp};
 use std::sync::Arc;
@@ -23,11 +24,29 @@ parameters! {
     }
 }
 
-parameter_groups! {
+/// Cycles per second, by default.
+const HZ: u64 = 25_000_000;
+
+memories! {
     /// The one memory.
-    pub struct MemoryConfigs {
+    pub struct MemoryConfigs at HZ {
         /// Frame memory (300), with the depth values.
-        frame: MemoryConfig = MemoryConfig { outstanding: 16, ..MemoryConfig::default() },
+        frame = MemoryConfig {
+            part: Part::Fpm80,
+            channels: 4,
+            channel_bytes: 16,
+            window: 4,
+            cap: 4,
+            outstanding: 16,
+            ..MemoryConfig::default()
+        } => [
+            part: Assumed("1989: 1-Mbit page mode DRAM, 80 ns its fastest common grade"),
+            channels: Assumed("frame memories were interleaved (20 banks in the IRIS GTX, Akeley and Jermoluk 1988); four channels of two banks move 12.8 bytes per cycle, a dot with depth takes 12"),
+            channel_bytes: Assumed("neighbouring dots lie in different banks: four dots of 4 bytes in each"),
+            window: Assumed("an arbiter that looks at the head of each of the four ports, and prefers the open page"),
+            cap: Assumed("one turn of the four ports"),
+            outstanding: Assumed("more than a page miss of 80 ns DRAM takes at one request per cycle"),
+        ],
     }
 }
 
@@ -75,16 +94,19 @@ fifos! {
         tested_pixels: Flow<Stamp<Pixel>> = 64,
         /// Selector (28) back to the host interface: polygons that are finished.
         finished: Finished = 2,
-        /// Frame memory (300) to video output: finished frames.
-        finished_frames: FrameDone = 2,
+        /// Frame memory (300) to video output: finished frames, as many as wait for the
+        /// display while drawing goes on.
+        finished_frames: FrameDone = 256,
     }
 }
 
 parameter_groups! {
     /// All parameters of the figure shading device.
-    pub struct ShadeConfig {
+    pub struct ShadeConfig completed(complete) explained(explain) {
         /// Clock.
-        clock: ClockConfig = ClockConfig { hz: 20_000_000 },
+        clock: ClockConfig = ClockConfig { hz: HZ } => [
+            hz: Assumed("1989: what workstations and their gate arrays ran at (MIPS R3000, 68030: 25 MHz)"),
+        ],
         /// How a display list is fed.
         display_list: DisplayListConfig = DisplayListConfig::default(),
         /// Which polygons a display list marks as bump targets, for the machine that knows them; this one does not ask.
@@ -131,3 +153,4 @@ parameter_groups! {
 }
 
 front_of!(ShadeConfig);
+memories_of!(ShadeConfig);

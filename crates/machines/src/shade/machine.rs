@@ -44,6 +44,7 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
     pub fn new(front: F, config: &ShadeConfig) -> Result<Self, ConfigProblem> {
         check(config)?;
         let c = config.clone();
+        let pixel_bytes = c.frame_buffer.pixel_bytes;
         let (memories, clients) = build(config);
         let normal_interpolation = NormalInterpolation::new(c.normal_interpolation.clone(), c.shade.renormalise);
         let microcomputer = Microcomputer::new(c.microcomputer, c.shade, c.shortcut, c.scan.clone(), &c.normal_interpolation);
@@ -60,7 +61,7 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
             selector_28: Stage::new("selector-28", Selector28::new(c.selector_28)),
             depth: Stage::new("depth-test", DepthTest::new(c.depth, c.scan.z_bits, c.cache.depth.line_bytes)),
             frame_memory: Stage::new("frame-memory", FrameBuffer::new(c.frame_buffer)),
-            video_out: Stage::new("video-out", VideoOut::new(c.video_out)),
+            video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
             memories,
             clients,
             depth_test: c.frame_memory.depth_test,

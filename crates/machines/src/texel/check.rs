@@ -1,12 +1,14 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
 use super::TexelMachineConfig;
+use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
 use basrelief_kernel::facts::Facts;
 use basrelief_signals::LINE_PIXELS;
 
 /// Checks what spans parameters.
 pub(super) fn check(c: &TexelMachineConfig) -> Result<(), ConfigProblem> {
+    check_memories(c)?;
     line_is_power_of_two("texture", c.cache.texture.line_bytes)?;
     line_is_power_of_two("depth", c.cache.depth.line_bytes)?;
     let depth_bytes = LINE_PIXELS * if c.scan.z_bits <= 16 { 2 } else { 4 };

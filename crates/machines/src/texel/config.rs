@@ -3,10 +3,11 @@
 use crate::config::ClockConfig;
 use crate::fifos::fifos;
 use crate::front::front_of;
+use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig};
+use basrelief_kernel::{CacheConfig, MemoryConfig, Part};
 use basrelief_parameters::{parameter_groups, parameters};
 use basrelief_signals::{Control, Draw, Flow, PixelPacket};
 use basrelief_texel_value_generator::signals::{
@@ -25,17 +26,47 @@ parameters! {
     }
 }
 
-parameter_groups! {
+/// Cycles per second, by default.
+const HZ: u64 = 50_000_000;
+
+/// A board of the time: four interleaved banks of 32 bits.
+fn board(outstanding: u32) -> MemoryConfig {
+    let part = Part::Edo60;
+    MemoryConfig { part, channels: 4, channel_bytes: 16, window: 4, cap: 4, outstanding, ..MemoryConfig::default() }
+}
+
+memories! {
     /// The three memories.
-    pub struct MemoryConfigs {
+    pub struct MemoryConfigs at HZ {
         /// Memory of the texture look-up table (330). Its port has the credits of the largest step: four texels of each of two
         /// levels for each of 16 pixels.
-        texture: MemoryConfig = MemoryConfig { outstanding: 128, ..MemoryConfig::default() },
+        texture = board(128) => [
+            part: Assumed("1994: EDO came in that year and was in every board of the next, which is when a device of this patent could have been built; 80 ns page mode is `fpm-80`"),
+            channels: Assumed("banks were interleaved; four of them fill a line of 64 bytes in the time of one burst"),
+            channel_bytes: Assumed("a line lies in all four banks"),
+            window: Assumed("an arbiter that looks at the head of each port, and prefers the open page"),
+            cap: Assumed("one turn of the ports"),
+            outstanding: Assumed("the largest step: 4 texels of 2 levels for 16 pixels"),
+        ],
         /// Depth values. The patent has none, so they have a memory of their own: in that of (360) they would keep it from its
         /// rows.
-        depth: MemoryConfig = MemoryConfig { outstanding: 16, ..MemoryConfig::default() },
+        depth = board(16) => [
+            part: Assumed("as the texture memory"),
+            channels: Assumed("12.8 bytes per cycle, of which a pixel with depth takes 8"),
+            channel_bytes: Assumed("a line lies in all four banks"),
+            window: Assumed("an arbiter that looks at the head of each port, and prefers the open page"),
+            cap: Assumed("one turn of the ports"),
+            outstanding: Assumed("more than a page miss of 60 ns DRAM takes at one request per cycle"),
+        ],
         /// Pixel value buffer (360).
-        pixel: MemoryConfig = MemoryConfig { outstanding: 16, ..MemoryConfig::default() },
+        pixel = board(16) => [
+            part: Assumed("as the texture memory"),
+            channels: Assumed("12.8 bytes per cycle, of which a pixel takes 4, or 8 where it is read back"),
+            channel_bytes: Assumed("a line lies in all four banks"),
+            window: Assumed("an arbiter that looks at the head of each port, and prefers the open page"),
+            cap: Assumed("one turn of the ports"),
+            outstanding: Assumed("more than a page miss of 60 ns DRAM takes at one request per cycle"),
+        ],
     }
 }
 
@@ -82,16 +113,19 @@ fifos! {
         illuminances: Flow<IlluminancePacket> = 64,
         /// Combiner (350) to pixel value buffer (360).
         pixels: Flow<PixelPacket> = 64,
-        /// Pixel value buffer (360) to DACs (370): finished frames.
-        finished_frames: FrameDone = 2,
+        /// Pixel value buffer (360) to DACs (370): finished frames, as many as wait for the
+        /// display while drawing goes on.
+        finished_frames: FrameDone = 256,
     }
 }
 
 parameter_groups! {
     /// All parameters of the texture mapping system.
-    pub struct TexelMachineConfig {
+    pub struct TexelMachineConfig completed(complete) explained(explain) {
         /// Clock.
-        clock: ClockConfig = ClockConfig { hz: 50_000_000 },
+        clock: ClockConfig = ClockConfig { hz: HZ } => [
+            hz: Assumed("1994: what workstations of its maker ran their buses and boards at (SPARCstation 20: MBus of 50 MHz)"),
+        ],
         /// How a display list is fed.
         display_list: DisplayListConfig = DisplayListConfig::default(),
         /// Which polygons a display list marks as bump targets, for the machine that knows them; this one lights them itself.
@@ -132,3 +166,4 @@ parameter_groups! {
 }
 
 front_of!(TexelMachineConfig);
+memories_of!(TexelMachineConfig);

@@ -46,6 +46,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
     /// Where parameters, each in its range, do not fit together.
     pub fn new(front: F, config: &TexelMachineConfig) -> Result<Self, ConfigProblem> {
         let c = config.clone();
+        let pixel_bytes = c.frame_buffer.pixel_bytes;
         let trilinear = c.mip.mode == MipMode::Trilinear;
         let look_up = TextureLookUpTable::new(c.look_up, trilinear, c.cache.texture.line_bytes);
         check(config)?;
@@ -65,7 +66,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
             illuminance: Stage::new("illuminance", IlluminanceValueGenerator::new(c.illuminance)),
             combiner: Stage::new("combiner", Combiner::new(c.combiner)),
             buffer: Stage::new("pixel-value-buffer", FrameBuffer::new(c.frame_buffer)),
-            dacs: Stage::new("dacs", VideoOut::new(c.video_out)),
+            dacs: Stage::new("dacs", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
             memories,
             clients,
             depth_test: c.pixel_value_buffer.depth_test,

@@ -35,7 +35,11 @@ fn what_shares_a_memory_does_not_overlap() {
 #[test]
 fn colour_and_depth_of_a_pixel_lie_in_different_banks() {
     let memory = config(&[]).memory.graphics;
-    let bank = |address: u64| address / u64::from(memory.row_bytes) % u64::from(memory.banks);
+    // Law 4: the channels take the bytes in turn.
+    let stripe = u64::from(memory.channel_bytes * memory.channels);
+    let in_channel =
+        |address: u64| address / stripe * u64::from(memory.channel_bytes) + address % u64::from(memory.channel_bytes);
+    let bank = |address: u64| in_channel(address) / u64::from(memory.row_bytes) % u64::from(memory.banks);
     for (line, buffer) in (0..10_000).flat_map(|line| [(line, 0), (line, 1)]) {
         let color = layout::COLOR_BUFFERS + buffer * layout::COLOR_BUFFER_STRIDE + line * 64;
         assert_ne!(bank(color), bank(layout::Z_BUFFER + line * 64), "line {line} of buffer {buffer}");

@@ -239,7 +239,12 @@ const MEANING: &[Axis] = &[
 
 /// When it computes it: none of this may change a picture.
 const TIMING: &[Axis] = &[
-    &[&[], &[("video_out.enabled", "false")], &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")]],
+    &[
+        &[],
+        &[("video_out.enabled", "false")],
+        &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")],
+        &[("video_out.pixel_hz", "0")],
+    ],
     &[
         &[],
         &[("replacement.lanes", "4"), ("replacement.pipelined", "false")],
@@ -251,12 +256,18 @@ const TIMING: &[Axis] = &[
     &[&[], &[("rasterizer.setup_cycles", "30"), ("rasterizer.latency", "0"), ("depth.latency", "0"), ("graphics.latency", "0")]],
     &[&[], &[("normal_mapping.normals_per_cycle", "1"), ("graphics.blend_cycles", "5")]],
     &[&[], &[("brightness.rebuild_cycles_per_entry", "1"), ("brightness.direct_cycles", "1")]],
-    &[&[], &[("memory.normal_map.banks", "1"), ("memory.normal_map.burst_bytes", "16"), ("memory.normal_map.cas", "40")]],
+    &[
+        &[],
+        &[("memory.graphics.part", "ideal")],
+        &[("memory.graphics.part", "fpm-80"), ("memory.graphics.channels", "3"), ("memory.graphics.window", "2")],
+        &[("memory.graphics.part", "gddr3-1400"), ("memory.graphics.cap", "0"), ("memory.graphics.refi", "200")],
+    ],
+    &[&[], &[("memory.normal_map.banks", "1"), ("memory.normal_map.burst_bytes", "16"), ("memory.normal_map.cl", "40")]],
     &[&[], &[("memory.quantization.outstanding", "64"), ("memory.quantization.burst_cycles", "9")]],
     &[
         &[],
         &[("memory.graphics.outstanding", "8"), ("memory.graphics.row_bytes", "512"), ("memory.graphics.rp", "60")],
-        &[("memory.graphics.burst_bytes", "256"), ("memory.graphics.burst_cycles", "1"), ("memory.graphics.cas", "0")],
+        &[("memory.graphics.burst_bytes", "256"), ("memory.graphics.burst_cycles", "1"), ("memory.graphics.cl", "0")],
     ],
     &[&[], &[("cache.normal_map.sets", "1"), ("cache.normal_map.ways", "1"), ("cache.normal_map.lookups_per_cycle", "1")]],
     &[&[], &[("cache.clut.line_bytes", "8"), ("cache.clut.sets", "3"), ("cache.clut.hit_latency", "20")]],

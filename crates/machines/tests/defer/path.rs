@@ -26,11 +26,11 @@ fn twice_the_rate_takes_half_the_time_where_the_path_limits() {
 
 #[test]
 fn requests_in_flight_hide_the_latency_of_the_path() {
-    let slow = |requests: &str| total(&[("path.latency_us", "100"), ("path.requests", requests)]);
+    let slow = |requests: &str| total(&[("path.latency_us", "200"), ("path.requests", requests)]);
     let loaded = timed(&views(&[0.0]), &[FAST, SMALL].concat()).seen.count("tiles_loaded");
     let (one, four, many) = (slow("1"), slow("4"), slow("4096"));
     // One latency is waited for by the polygons, then one per tile.
-    let latency = 20_000;
+    let latency = config(&[]).clock.hz / 5_000;
     assert!((loaded * latency..(loaded + 3) * latency).contains(&one), "{loaded} tiles, {one} cycles");
     assert!(four < one / 3 && many < four);
     assert!((2 * latency..4 * latency).contains(&many), "all in flight: {many}");

@@ -179,7 +179,13 @@ const TIMING: &[Axis] = &[
     &[&[], &[("tile.expand_rate", "5")]],
     &[
         &[],
-        &[("memory.texture.outstanding", "128"), ("memory.texture.cas", "40")],
+        &[("memory.pixel_depth.part", "ideal")],
+        &[("memory.pixel_depth.part", "edram-ps2"), ("memory.pixel_depth.channels", "3"), ("memory.pixel_depth.window", "2")],
+        &[("memory.pixel_depth.part", "gddr3-1400"), ("memory.pixel_depth.cap", "0"), ("memory.pixel_depth.refi", "200")],
+    ],
+    &[
+        &[],
+        &[("memory.texture.outstanding", "128"), ("memory.texture.cl", "40")],
         &[("cache.texel.sets", "1"), ("cache.texel.ways", "1")],
     ],
     &[

@@ -145,11 +145,22 @@ const TIMING: &[Axis] = &[
     &[&[], &[("gate.initiation_interval", "3"), ("adder.initiation_interval", "2"), ("selector_28.initiation_interval", "4")]],
     &[
         &[],
-        &[("memory.frame.outstanding", "1"), ("memory.frame.cas", "30"), ("cache.depth.sets", "1"), ("cache.depth.ways", "1")],
+        &[("memory.frame.part", "ideal")],
+        &[("memory.frame.part", "edram-ps2"), ("memory.frame.channels", "3"), ("memory.frame.window", "2")],
+        &[("memory.frame.part", "gddr3-1400"), ("memory.frame.cap", "0"), ("memory.frame.refi", "200")],
+    ],
+    &[
+        &[],
+        &[("memory.frame.outstanding", "1"), ("memory.frame.cl", "30"), ("cache.depth.sets", "1"), ("cache.depth.ways", "1")],
         &[("cache.depth.line_bytes", "32"), ("depth.clear_flags", "false")],
     ],
     &[&[], &[("frame_buffer.write_lines", "2"), ("depth.write_lines", "1")], &[("depth.write_lines", "64")]],
-    &[&[], &[("video_out.enabled", "false")], &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")]],
+    &[
+        &[],
+        &[("video_out.enabled", "false")],
+        &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")],
+        &[("video_out.pixel_hz", "0")],
+    ],
 ];
 
 /// FIFOs of the machine, but `draws` and the feedback, which holds `host.buffers`.

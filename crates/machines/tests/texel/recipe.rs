@@ -114,11 +114,22 @@ const TIMING: &[Axis] = &[
     &[&[], &[("mip.latency", "20"), ("look_up.initiation_interval", "2"), ("look_up.latency", "0")]],
     &[&[], &[("illuminance.initiation_interval", "3"), ("illuminance.latency", "9")]],
     &[&[], &[("combiner.initiation_interval", "2"), ("combiner.latency", "0")]],
-    &[&[], &[("memory.texture.cas", "40"), ("cache.texture.sets", "1"), ("cache.texture.ways", "1")]],
+    &[
+        &[],
+        &[("memory.pixel.part", "ideal")],
+        &[("memory.pixel.part", "ddr2-667"), ("memory.pixel.channels", "3"), ("memory.pixel.window", "2")],
+        &[("memory.pixel.part", "gddr3-1400"), ("memory.pixel.cap", "0"), ("memory.pixel.refi", "200")],
+    ],
+    &[&[], &[("memory.texture.cl", "40"), ("cache.texture.sets", "1"), ("cache.texture.ways", "1")]],
     &[&[], &[("cache.texture.line_bytes", "16"), ("cache.texture.lookups_per_cycle", "1")], &[("look_up.texel_bytes", "3")]],
-    &[&[], &[("memory.pixel.outstanding", "1"), ("memory.depth.outstanding", "1"), ("memory.pixel.cas", "30")]],
+    &[&[], &[("memory.pixel.outstanding", "1"), ("memory.depth.outstanding", "1"), ("memory.pixel.cl", "30")]],
     &[&[], &[("frame_buffer.write_lines", "1"), ("depth.clear_flags", "false")], &[("depth.write_lines", "2")]],
-    &[&[], &[("video_out.enabled", "false")], &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")]],
+    &[
+        &[],
+        &[("video_out.enabled", "false")],
+        &[("video_out.cycles_per_read", "11"), ("video_out.burst_bytes", "100")],
+        &[("video_out.pixel_hz", "0")],
+    ],
 ];
 
 /// FIFOs of the machine, but `draws`.

@@ -3,7 +3,7 @@
 use super::{MACHINES, MachineConfig, MachineSpec};
 use crate::exhibits::content::ExhibitInfo;
 use basrelief_machines::UnitInfo;
-use basrelief_parameters::{ConfigError, Parameter};
+use basrelief_parameters::{ConfigError, Parameter, resolved};
 use serde_json::Value;
 
 /// What there is to know of a machine before it runs.
@@ -45,7 +45,7 @@ impl MachineInfo {
             fetches_tiles: S::FETCHES_TILES,
             has_methods: S::METHODS.is_some(),
             exhibits: || S::EXHIBITS.iter().map(|e| e.info).collect(),
-            table: S::table,
+            table: || resolved(&S::default()),
             schema: || schemars::schema_for!(S).to_value(),
             load: |toml, settings| basrelief_parameters::load::<S>(toml, settings).map(MachineConfig::from),
         }

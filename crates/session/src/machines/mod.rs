@@ -17,6 +17,7 @@ use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::defer::DeferConfig;
 use basrelief_machines::shade::ShadeConfig;
 use basrelief_machines::texel::TexelMachineConfig;
+use basrelief_parameters::{Parameter, resolved};
 use serde_json::Value;
 use spec::ShortCut;
 
@@ -83,6 +84,11 @@ impl MachineConfig {
     /// All parameters, in groups as in TOML.
     pub fn to_value(&self) -> Value {
         for_machine!(self, machine => serde_json::to_value(machine)).unwrap_or_default()
+    }
+
+    /// All parameters, in the order of the block diagram, with the values they have here and where these come from.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        for_machine!(self, machine => resolved(machine))
     }
 
     /// The machine as it is, without each of its short cuts in turn, and without any: names and configurations. Nothing

@@ -31,7 +31,9 @@ parameters! {
         enabled: bool = true, unit: "", Assumed("a picture is looked at");
         /// Largest read.
         burst_bytes: u32 = 256, unit: "bytes", Assumed("four lines of 4 x 4 pixels"), range: 4..=65_536;
-        /// A read may start this often.
-        cycles_per_read: u32 = 1, unit: "cycles", Assumed("as fast as the memory gives it; a pixel clock is slower"), range: 1..=1_000_000;
+        /// Pixels that the display takes per second; 0 is as fast as the memory gives them.
+        pixel_hz: u32 = 18_432_000, unit: "pixels/s", Assumed("640 x 480 pixels, 60 times a second"), range: 0..=1_000_000_000;
+        /// A read may start this often, however fast the display is.
+        cycles_per_read: u32 = 1, unit: "cycles", Assumed("one port"), range: 1..=1_000_000;
     }
 }

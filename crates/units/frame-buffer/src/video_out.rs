@@ -1,4 +1,7 @@
-//! Video output: reads each finished frame once (law 11).
+//! Video output: reads each finished frame once (law 11), at the pace of a display.
+//!
+//! Frames that are finished faster than the display shows them wait, and drawing goes on; so while it does, the display takes
+//! of the memory what a real one takes. What a real display would have left out is read at the end.
 
 use crate::config::VideoOutConfig;
 use crate::unit::FrameDone;
@@ -22,6 +25,8 @@ pub struct VideoOutState {
     pub address: u64,
     /// What is left of the frame \[bytes\].
     pub left: u64,
+    /// What the last read left of a cycle of the display \[byte cycles per second\].
+    pub left_of_cycle: u64,
     /// What it has counted.
     pub counters: VideoOutCounters,
 }
@@ -31,14 +36,28 @@ pub struct VideoOutState {
 pub struct VideoOut {
     /// Parameters.
     pub config: VideoOutConfig,
+    /// What the display takes \[bytes/s\]; 0 is no limit.
+    bytes_per_second: u64,
+    hz: u64,
     /// Everything it remembers.
     pub state: VideoOutState,
 }
 
 impl VideoOut {
-    /// A video output at power-on.
-    pub fn new(config: VideoOutConfig) -> Self {
-        Self { config, state: VideoOutState::default() }
+    /// A video output at power-on, of pixels of so many bytes, in a device with a clock of `hz`.
+    pub fn new(config: VideoOutConfig, pixel_bytes: u32, hz: u64) -> Self {
+        let bytes_per_second = u64::from(config.pixel_hz) * u64::from(pixel_bytes);
+        Self { config, bytes_per_second, hz, state: VideoOutState::default() }
+    }
+
+    /// Cycles that the display takes for this many bytes; the rest of a cycle is carried on.
+    fn display(&mut self, bytes: u32) -> u64 {
+        if self.bytes_per_second == 0 {
+            return 0;
+        }
+        let left = self.state.left_of_cycle + u64::from(bytes) * self.hz;
+        self.state.left_of_cycle = left % self.bytes_per_second;
+        left / self.bytes_per_second
     }
 }
 
@@ -66,7 +85,8 @@ impl Unit for VideoOut {
         self.state.address += u64::from(bytes);
         self.state.left -= u64::from(bytes);
         self.state.counters.bytes += u64::from(bytes);
-        Step::after(0, ()).busy(u64::from(self.config.cycles_per_read))
+        let cycles = self.display(bytes).max(u64::from(self.config.cycles_per_read));
+        Step::after(0, ()).busy(cycles)
     }
 
     /// One read.
@@ -88,7 +108,7 @@ mod tests {
     use super::*;
 
     fn reads(config: VideoOutConfig, bytes: u64) -> (Vec<(u64, u32)>, u64) {
-        let mut unit = VideoOut::new(config);
+        let mut unit = VideoOut::new(config, 4, 200_000_000);
         let mut input = Some(FrameDone { address: 1000, bytes, ..FrameDone::default() });
         let (mut all, mut cycles) = (Vec::new(), 0);
         while input.is_some() || unit.demand() == Demand::Nothing {
@@ -105,8 +125,17 @@ mod tests {
 
     #[test]
     fn each_byte_is_read_once_and_the_last_read_may_be_short() {
-        let config = VideoOutConfig { cycles_per_read: 3, ..VideoOutConfig::default() };
+        let config = VideoOutConfig { cycles_per_read: 3, pixel_hz: 0, ..VideoOutConfig::default() };
         assert_eq!(reads(config, 600), (vec![(1000, 256), (1256, 256), (1512, 88)], 9));
+    }
+
+    #[test]
+    fn a_frame_takes_as_long_as_the_display_takes_to_show_it() {
+        // 640 x 480 pixels, 60 times a second: 200 MHz / 60 cycles.
+        assert_eq!(reads(VideoOutConfig::default(), 640 * 480 * 4).1, 3_333_333);
+        // 150 pixels in three reads; what is left of a cycle is carried on.
+        let per_second = |pixel_hz| reads(VideoOutConfig { pixel_hz, ..VideoOutConfig::default() }, 600).1;
+        assert_eq!([per_second(200_000_000), per_second(70_000_000), per_second(0)], [150, 428, 3]);
     }
 
     #[test]

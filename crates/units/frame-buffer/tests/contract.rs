@@ -77,7 +77,7 @@ fn finished() -> Vec<FrameDone> {
 
 unit_contract! {
     name: video_out,
-    unit: VideoOut::new(VideoOutConfig { cycles_per_read: 3, ..VideoOutConfig::default() }),
+    unit: VideoOut::new(VideoOutConfig { cycles_per_read: 3, ..VideoOutConfig::default() }, 4, 200_000_000),
     inputs: finished(),
     clients: [ClientKind::Port],
     state,
@@ -85,7 +85,7 @@ unit_contract! {
 
 unit_contract! {
     name: video_out_switched_off,
-    unit: VideoOut::new(VideoOutConfig { enabled: false, ..VideoOutConfig::default() }),
+    unit: VideoOut::new(VideoOutConfig { enabled: false, ..VideoOutConfig::default() }, 4, 200_000_000),
     inputs: finished(),
     clients: [ClientKind::Port],
     state,

@@ -1,0 +1,383 @@
+//! Memory parts: what a data sheet says of a memory, in cycles of the device's clock.
+//!
+//! A part fills the numbers of law 4 that belong to the chips: times, burst, banks, rows. What belongs to the board and its
+//! controller - `channels`, `channel_bytes`, `window`, `cap`, `outstanding` - stays as it is, but for [`Part::Ideal`]; only
+//! `channel_bytes` grow where a burst is larger.
+//!
+//! Minimum times are rounded up to whole cycles, the time between refreshes down. The burst is the part's own where that takes a
+//! whole number of cycles within 5 %. Otherwise, of all multiples of four bytes up to [`MOST_BURST_BYTES`] that come within
+//! 5 % of the part's rate, it is the one that moves aligned lines of 64 bytes in the least time: so DDR2-667 and GDDR3-1400
+//! have bursts of 28 bytes at 200 MHz. (Rejected: only powers of two. GDDR3-1400 would then need bursts of 256 bytes there,
+//! and a line would take 9 cycles in place of 2.3; with 28 bytes it takes 3.1.)
+
+mod burst;
+mod sheets;
+
+use crate::MemoryConfig;
+use basrelief_parameters::{Parameters, Provenance};
+pub use burst::MOST_BURST_BYTES;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Declares the parts: the choice, its names, and the sheet of each.
+macro_rules! parts {
+    ($($(#[$about:meta])+ $part:ident = $name:literal, $sheet:ident;)+) => {
+        /// What a memory is made of.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+        pub enum Part {
+            /// No part: numbers as they stand.
+            #[default]
+            #[serde(rename = "custom")]
+            Custom,
+            $($(#[$about])+ #[serde(rename = $name)] $part,)+
+        }
+
+        impl Part {
+            /// All parts with a sheet, oldest first.
+            pub const ALL: &[Self] = &[$(Self::$part),+];
+
+            /// As it is called in a configuration.
+            pub fn name(self) -> &'static str {
+                match self {
+                    Self::Custom => "custom",
+                    $(Self::$part => $name,)+
+                }
+            }
+
+            fn sheet(self) -> Option<&'static Sheet> {
+                match self {
+                    Self::Custom => None,
+                    $(Self::$part => Some(&sheets::$sheet),)+
+                }
+            }
+        }
+    };
+}
+
+parts! {
+    /// Fast page mode DRAM of 80 ns, 1989.
+    Fpm80 = "fpm-80", FPM_80;
+    /// Extended data out DRAM of 60 ns, 1994.
+    Edo60 = "edo-60", EDO_60;
+    /// PC100, 1998.
+    Sdr100 = "sdr-100", SDR_100;
+    /// PC133, 1999.
+    Sdr133 = "sdr-133", SDR_133;
+    /// DDR400, 2003.
+    Ddr400 = "ddr-400", DDR_400;
+    /// DDR2-667, 2005.
+    Ddr2At667 = "ddr2-667", DDR2_667;
+    /// GDDR3 at 700 MHz, 2005.
+    Gddr3At1400 = "gddr3-1400", GDDR3_1400;
+    /// XDR at 400 MHz, 2005.
+    Xdr3200 = "xdr-3200", XDR_3200;
+    /// DRAM on the device's chip as in the PlayStation 2, 2000.
+    EdramPs2 = "edram-ps2", EDRAM_PS2;
+    /// Static RAM on the device's chip.
+    Sram = "sram", SRAM;
+    /// No latency, no conflicts, unbounded bus.
+    Ideal = "ideal", IDEAL;
+}
+
+/// What a data sheet says of a channel.
+struct Sheet {
+    /// Chips, and how they stand.
+    about: &'static str,
+    source: &'static str,
+    rate: Rate,
+    /// The burst that a controller of its time would use.
+    burst_bytes: u32,
+    cl: Time,
+    cwl: Time,
+    rcd: Time,
+    rp: Time,
+    ras: Time,
+    /// Beyond the time of the burst.
+    rtp: Time,
+    wr: Time,
+    wtr: Time,
+    rrd: Time,
+    faw: Time,
+    refi: Time,
+    rfc: Time,
+    banks: u32,
+    row_bytes: u32,
+    /// What it takes of the board to be what it is called.
+    board: &'static [(&'static str, u32)],
+}
+
+/// What the data bus of a channel moves.
+enum Rate {
+    /// So many bytes per clock of its own; the clock as a ratio \[Hz\].
+    Own { bytes: u32, hz: (u64, u64), of: &'static str },
+    /// So many bytes per cycle of the device, on whose chip it is.
+    Device { bytes: u32, of: &'static str },
+}
+
+#[derive(Clone, Copy)]
+enum Length {
+    Picoseconds(u64),
+    /// Of the part.
+    Clocks(u32),
+    /// Of the device.
+    Cycles(u32),
+}
+
+/// A time of a sheet.
+#[derive(Clone, Copy)]
+struct Time {
+    length: Length,
+    /// Its name in the sheet.
+    of: &'static str,
+    assumed: bool,
+}
+
+const fn ps(length: u64, of: &'static str) -> Time {
+    Time { length: Length::Picoseconds(length), of, assumed: false }
+}
+
+const fn ns(length: u64, of: &'static str) -> Time {
+    ps(1000 * length, of)
+}
+
+const fn clocks(length: u32, of: &'static str) -> Time {
+    Time { length: Length::Clocks(length), of, assumed: false }
+}
+
+const fn cycles(length: u32, of: &'static str) -> Time {
+    Time { length: Length::Cycles(length), of, assumed: false }
+}
+
+impl Time {
+    /// Not in the sheet.
+    const fn assumed(self) -> Self {
+        Self { assumed: true, ..self }
+    }
+}
+
+/// A number of a memory as its part has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Number {
+    /// Name of the parameter.
+    pub name: &'static str,
+    /// In its unit of measure.
+    pub value: u32,
+    /// What the sheet says, and how it became this.
+    pub provenance: Provenance,
+}
+
+/// A part that there cannot be at this clock; says what would fit.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Unfit(String);
+
+/// A clock rate in words.
+struct Hertz(u64);
+
+impl fmt::Display for Hertz {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0 < 1_000_000 { write!(f, "{} Hz", self.0) } else { write!(f, "{} MHz", rounded(self.0 as f64 / 1e6)) }
+    }
+}
+
+/// To two places.
+fn rounded(x: f64) -> f64 {
+    (100.0 * x).round() / 100.0
+}
+
+impl Sheet {
+    fn times(&self) -> [(&'static str, Time); 12] {
+        [
+            ("cl", self.cl),
+            ("cwl", self.cwl),
+            ("rcd", self.rcd),
+            ("rp", self.rp),
+            ("ras", self.ras),
+            ("rtp", self.rtp),
+            ("wr", self.wr),
+            ("wtr", self.wtr),
+            ("rrd", self.rrd),
+            ("faw", self.faw),
+            ("refi", self.refi),
+            ("rfc", self.rfc),
+        ]
+    }
+
+    /// Bytes per second as a ratio, seen from a device with a clock of `hz`.
+    fn bytes_per_second(&self, hz: u64) -> (u128, u128) {
+        match self.rate {
+            Rate::Own { bytes, hz: (clocks, per), .. } => (u128::from(bytes) * u128::from(clocks), u128::from(per)),
+            Rate::Device { bytes, .. } => (u128::from(bytes) * u128::from(hz), 1),
+        }
+    }
+
+    /// Cycles of a clock of `hz`, as a ratio.
+    fn cycles(&self, length: Length, hz: u64) -> (u128, u128) {
+        match (length, &self.rate) {
+            (Length::Picoseconds(ps), _) => (u128::from(ps) * u128::from(hz), 1_000_000_000_000),
+            (Length::Clocks(n), Rate::Own { hz: (clocks, per), .. }) => {
+                (u128::from(n) * u128::from(hz) * u128::from(*per), u128::from(*clocks))
+            }
+            (Length::Clocks(n) | Length::Cycles(n), _) => (n.into(), 1),
+        }
+    }
+
+    fn time(&self, name: &'static str, time: Time, hz: u64, burst_cycles: u32) -> Number {
+        let (count, per) = self.cycles(time.length, hz);
+        let (whole, rounding) = if name == "refi" { (count / per, "down") } else { (count.div_ceil(per), "up") };
+        let burst = if name == "rtp" { burst_cycles } else { 0 };
+        let value = u32::try_from(whole).unwrap_or(u32::MAX).saturating_add(burst);
+        let at = Hertz(hz);
+        let length = match (time.length, &self.rate) {
+            (Length::Picoseconds(ps), _) => format!("{} ns, rounded {rounding} at {at}", ps as f64 / 1e3),
+            (Length::Clocks(n), Rate::Own { hz: (clocks, per), .. }) => {
+                let ns = rounded(f64::from(n) * *per as f64 * 1e9 / *clocks as f64);
+                let plural = if n == 1 { "" } else { "s" };
+                format!("{n} clock{plural} of {}, {ns} ns, rounded {rounding} at {at}", Hertz(clocks / per))
+            }
+            (Length::Clocks(n) | Length::Cycles(n), _) => format!("{n} cycles"),
+        };
+        Number { name, value, provenance: self.from(format!("{}: {length}", time.of), time.assumed) }
+    }
+
+    fn from(&self, text: String, assumed: bool) -> Provenance {
+        let text = format!("{text} ({})", self.source).into();
+        if assumed { Provenance::Assumed(text) } else { Provenance::Derived(text) }
+    }
+
+    fn of_rate(&self) -> String {
+        match self.rate {
+            Rate::Own { hz: (clocks, per), of, .. } => format!("{of}, clock of {}", Hertz(clocks / per)),
+            Rate::Device { of, .. } => of.into(),
+        }
+    }
+}
+
+impl Part {
+    /// What it is, and who says so; nothing of [`Part::Custom`].
+    pub fn about(self) -> Option<String> {
+        self.sheet().map(|sheet| format!("{} ({})", sheet.about, sheet.source))
+    }
+
+    /// Peak rate of a channel \[bytes/s\] seen from a device with a clock of `hz`; none of [`Part::Custom`].
+    pub fn bytes_per_second(self, hz: u64) -> Option<f64> {
+        self.sheet().map(|sheet| sheet.bytes_per_second(hz)).map(|(bytes, per)| bytes as f64 / per as f64)
+    }
+
+    /// All that it fills, at a clock of `hz`, if bytes and cycles of the burst are not given; what follows from these goes by
+    /// what is. Nothing of [`Part::Custom`].
+    ///
+    /// # Errors
+    /// Where its rate or its times are out of reach of cycles of this clock.
+    pub fn numbers(self, hz: u64, burst: [Option<u32>; 2]) -> Result<Vec<Number>, Unfit> {
+        self.numbers_or_why(hz, burst).map_err(|why| {
+            let fit = Self::ALL.iter().filter(|part| part.numbers_or_why(hz, [None; 2]).is_ok());
+            let fit = fit.map(|part| part.name()).collect::<Vec<_>>().join(", ");
+            Unfit(format!(
+                "{} does not fit a clock of {}: {why}; at this clock fit {fit}, and custom numbers",
+                self.name(),
+                Hertz(hz)
+            ))
+        })
+    }
+
+    fn numbers_or_why(self, hz: u64, burst: [Option<u32>; 2]) -> Result<Vec<Number>, String> {
+        let Some(sheet) = self.sheet() else { return Ok(vec![]) };
+        let [bytes, cycles] = match burst {
+            [Some(bytes), Some(cycles)] => [bytes, cycles],
+            [bytes, cycles] => {
+                let found = sheet.burst(hz, bytes)?;
+                [found[0], cycles.unwrap_or(found[1])]
+            }
+        };
+        let rate = |bytes: u32, cycles: u32| rounded(f64::from(bytes) / f64::from(cycles) * hz as f64 / 1e9);
+        let (of_part, per) = sheet.bytes_per_second(hz);
+        let of_part = rounded(of_part as f64 / per as f64 / 1e9);
+        let text = format!(
+            "{bytes} bytes in {cycles} cycles: {} GB/s; the part has {of_part}: {}",
+            rate(bytes, cycles),
+            sheet.of_rate()
+        );
+        let fixed = [("burst_bytes", bytes), ("burst_cycles", cycles)].map(|(name, value)| (name, value, text.clone()));
+        let chips =
+            [("banks", sheet.banks), ("row_bytes", sheet.row_bytes)].map(|(name, value)| (name, value, sheet.about.into()));
+        let board = sheet.board.iter().map(|&(name, value)| (name, value, sheet.about.into()));
+        let fixed = fixed.into_iter().chain(chips).chain(board);
+        let numbers = fixed.map(|(name, value, text)| Number { name, value, provenance: sheet.from(text, false) });
+        let times = sheet.times().into_iter().map(|(name, time)| sheet.time(name, time, hz, cycles));
+        let numbers: Vec<Number> = times.chain(numbers).collect();
+        can_be(&numbers).map(|()| numbers)
+    }
+}
+
+/// Whether a memory can have these numbers.
+fn can_be(numbers: &[Number]) -> Result<(), String> {
+    let mut memory = MemoryConfig::default();
+    numbers.iter().for_each(|number| memory.set(number));
+    memory.check("").map_err(|e| e.to_string())?;
+    let MemoryConfig { refi, rfc, rcd, .. } = memory;
+    let ever = rfc > 0;
+    if ever && refi <= rfc + rcd {
+        return Err(format!("a refresh every {refi} cycles leaves no time for rfc = {rfc} and rcd = {rcd}"));
+    }
+    Ok(())
+}
+
+impl MemoryConfig {
+    /// Takes what its part fills at a clock of `hz`, but for numbers that are `given`, by name. A burst lies in one channel:
+    /// where it is larger than `channel_bytes`, these grow with it.
+    ///
+    /// # Errors
+    /// Where its part does not fit the clock; nothing is taken then.
+    pub fn take_part(&mut self, hz: u64, given: impl Fn(&str) -> bool) -> Result<(), Unfit> {
+        let burst = [("burst_bytes", self.burst_bytes), ("burst_cycles", self.burst_cycles)];
+        let numbers = self.part.numbers(hz, burst.map(|(name, value)| given(name).then_some(value)))?;
+        numbers.iter().filter(|number| !given(number.name)).for_each(|number| self.set(number));
+        if self.part != Part::Custom && !given("channel_bytes") {
+            self.channel_bytes = self.channel_bytes.max(self.burst_bytes);
+        }
+        Ok(())
+    }
+
+    /// The memory as its part has it at a clock of `hz`; as it stands, where the part does not fit that.
+    #[must_use]
+    pub fn at(mut self, hz: u64) -> Self {
+        // An unfit part takes nothing.
+        let _ = self.take_part(hz, |_| false);
+        self
+    }
+
+    fn set(&mut self, number: &Number) {
+        if let Some(value) = self.number_mut(number.name) {
+            *value = number.value;
+        }
+    }
+
+    fn number_mut(&mut self, name: &str) -> Option<&mut u32> {
+        Some(match name {
+            "channels" => &mut self.channels,
+            "channel_bytes" => &mut self.channel_bytes,
+            "window" => &mut self.window,
+            "cap" => &mut self.cap,
+            "cl" => &mut self.cl,
+            "cwl" => &mut self.cwl,
+            "rcd" => &mut self.rcd,
+            "rp" => &mut self.rp,
+            "ras" => &mut self.ras,
+            "rtp" => &mut self.rtp,
+            "wr" => &mut self.wr,
+            "wtr" => &mut self.wtr,
+            "rrd" => &mut self.rrd,
+            "faw" => &mut self.faw,
+            "refi" => &mut self.refi,
+            "rfc" => &mut self.rfc,
+            "burst_bytes" => &mut self.burst_bytes,
+            "burst_cycles" => &mut self.burst_cycles,
+            "banks" => &mut self.banks,
+            "row_bytes" => &mut self.row_bytes,
+            "outstanding" => &mut self.outstanding,
+            _ => return None,
+        })
+    }
+}

@@ -1,0 +1,149 @@
+//! Memory parts against what their sheets say, written down here a second time, and their rounding at any clock.
+
+use basrelief_kernel::parts::MOST_BURST_BYTES;
+use basrelief_kernel::{MemoryConfig, Part};
+use basrelief_parameters::Provenance;
+use proptest::prelude::*;
+
+fn at(part: Part, hz: u64) -> MemoryConfig {
+    let mut memory = MemoryConfig { part, ..MemoryConfig::default() };
+    memory.take_part(hz, |_| false).unwrap_or_else(|e| panic!("{e}"));
+    memory
+}
+
+/// Nanoseconds, as the sheets have them: cl, rcd, rp, ras, refi, rfc; and GB/s of a channel.
+const SHEETS: &[(Part, [f64; 6], f64)] = &[
+    (Part::Fpm80, [40.0, 40.0, 60.0, 80.0, 15625.0, 150.0], 0.08),
+    (Part::Edo60, [30.0, 30.0, 40.0, 60.0, 15625.0, 104.0], 0.16),
+    (Part::Sdr100, [30.0, 20.0, 20.0, 50.0, 15625.0, 70.0], 0.8),
+    (Part::Sdr133, [22.5, 20.0, 20.0, 45.0, 15625.0, 67.5], 1.0667),
+    (Part::Ddr400, [15.0, 15.0, 15.0, 40.0, 7800.0, 70.0], 3.2),
+    (Part::Ddr2At667, [15.0, 15.0, 15.0, 45.0, 7800.0, 127.5], 5.3333),
+    (Part::Gddr3At1400, [15.714, 15.714, 17.143, 25.714, 3900.0, 52.0], 5.6),
+    (Part::Xdr3200, [15.0, 12.5, 15.0, 25.0, 3906.25, 40.0], 6.4),
+];
+
+#[test]
+fn every_part_with_a_clock_of_its_own_has_the_times_and_the_rate_of_its_sheet() {
+    // At 1 GHz a cycle is a nanosecond.
+    for &(part, [cl, rcd, rp, ras, refi, rfc], rate) in SHEETS {
+        let m = at(part, 1_000_000_000);
+        let up = |ns: f64| ns.ceil() as u32;
+        assert_eq!([m.cl, m.rcd, m.rp, m.ras, m.rfc], [cl, rcd, rp, ras, rfc].map(up), "{part:?}");
+        assert_eq!(m.refi, refi.floor() as u32, "{part:?}");
+        let of_part = part.bytes_per_second(1_000_000_000).unwrap() / 1e9;
+        assert!((of_part / rate - 1.0).abs() < 1e-4, "{part:?}: {of_part}");
+    }
+    let own_clock = |part: &Part| part.bytes_per_second(1) == part.bytes_per_second(2);
+    let listed: Vec<Part> = SHEETS.iter().map(|sheet| sheet.0).collect();
+    assert_eq!(Part::ALL.iter().copied().filter(own_clock).collect::<Vec<_>>(), listed, "a part is not in the list");
+}
+
+#[test]
+fn ddr_400_at_its_own_clock_is_its_sheet_in_clocks() {
+    let m = at(Part::Ddr400, 200_000_000);
+    assert_eq!([m.cl, m.cwl, m.rcd, m.rp, m.ras], [3, 1, 3, 3, 8]);
+    assert_eq!([m.rtp, m.wr, m.wtr, m.rrd, m.faw], [4, 3, 2, 2, 0]);
+    assert_eq!([m.refi, m.rfc, m.burst_bytes, m.burst_cycles, m.banks, m.row_bytes], [1560, 14, 64, 4, 4, 2048]);
+    // Rates that are no round number of bytes per cycle: bursts that are none of the part's own.
+    let burst = |part| at(part, 200_000_000).burst_bytes / at(part, 200_000_000).burst_cycles;
+    assert_eq!([Part::Ddr2At667, Part::Gddr3At1400, Part::Xdr3200].map(burst), [28, 28, 32]);
+    // The board stays.
+    let board = MemoryConfig::default();
+    assert_eq!([m.channels, m.channel_bytes, m.window, m.cap, m.outstanding], [1, 256, 16, 16, 8]);
+    assert_eq!([board.channels, board.channel_bytes, board.window, board.cap, board.outstanding], [1, 256, 16, 16, 8]);
+}
+
+#[test]
+fn the_parts_that_the_device_carries_keep_its_pace() {
+    for hz in [25_000_000, 147_456_000, 200_000_000] {
+        let (edram, sram) = (at(Part::EdramPs2, hz), at(Part::Sram, hz));
+        assert_eq!([edram.burst_bytes, edram.burst_cycles], [128, 1]);
+        assert_eq!([sram.burst_bytes, sram.burst_cycles, sram.cl, sram.rcd, sram.refi], [16, 1, 1, 0, 0]);
+    }
+    // The Graphics Synthesizer: 1,024 bits at 147.456 MHz are 19 GB/s.
+    assert!((Part::EdramPs2.bytes_per_second(147_456_000).unwrap() - 18.874e9).abs() < 1e6);
+}
+
+#[test]
+fn ideal_takes_no_time_and_all_channels_that_there_are_at_any_clock() {
+    for hz in [1, 200_000_000, 100_000_000_000] {
+        let m = at(Part::Ideal, hz);
+        let times = [m.cl, m.cwl, m.rcd, m.rp, m.ras, m.wr, m.wtr, m.rrd, m.faw, m.refi, m.rfc];
+        assert_eq!((times, m.channels, m.burst_cycles), ([0; 11], 64, 1));
+    }
+}
+
+#[test]
+fn what_is_given_beside_a_part_stays_and_the_rest_goes_by_it() {
+    let mut m = MemoryConfig { part: Part::Sdr133, cl: 9, burst_bytes: 32, ..MemoryConfig::default() };
+    m.take_part(200_000_000, |name| ["cl", "burst_bytes"].contains(&name)).unwrap();
+    // 32 bytes are four clocks of 7.5 ns; a bank may be precharged when they are over.
+    assert_eq!([m.cl, m.burst_bytes, m.burst_cycles, m.rtp, m.rcd], [9, 32, 6, 6, 4]);
+    // Where no whole number of cycles is near, it is the next one.
+    let mut m = MemoryConfig { part: Part::Gddr3At1400, burst_bytes: 64, ..MemoryConfig::default() };
+    m.take_part(200_000_000, |name| name == "burst_bytes").unwrap();
+    assert_eq!([m.burst_bytes, m.burst_cycles, m.rtp], [64, 3, 3]);
+    let mut m = MemoryConfig { part: Part::Sdr100, burst_bytes: 64, burst_cycles: 4, ..MemoryConfig::default() };
+    m.take_part(200_000_000, |name| name.starts_with("burst")).unwrap();
+    assert_eq!([m.burst_bytes, m.burst_cycles, m.rtp], [64, 4, 4]);
+    let mut m = MemoryConfig { row_bytes: 512, ..MemoryConfig::default() };
+    m.take_part(1, |_| false).unwrap();
+    assert_eq!(m, MemoryConfig { row_bytes: 512, ..MemoryConfig::default() }, "custom fills nothing");
+}
+
+#[test]
+fn a_clock_that_a_part_does_not_fit_says_which_one_does_and_which_parts_fit_it() {
+    let mut m = MemoryConfig { part: Part::Ddr400, ..MemoryConfig::default() };
+    let before = m.clone();
+    let error = m.take_part(1_000_000, |_| false).unwrap_err().to_string();
+    assert_eq!(m, before);
+    for part in ["ddr-400 does not fit a clock of 1 MHz", "3.2 GB/s", "11.9 MHz or more", "fpm-80, edo-60", "ideal"] {
+        assert!(error.contains(part), "`{part}` is not in: {error}");
+    }
+    let mut edram = MemoryConfig { part: Part::EdramPs2, ..MemoryConfig::default() };
+    let error = edram.take_part(77, |_| false).unwrap_err().to_string();
+    assert!(error.contains("a refresh every 0 cycles leaves no time"), "{error}");
+    let error = m.take_part(100_000_000_000, |_| false).unwrap_err().to_string();
+    assert!(error.contains("`cl` is 1500, expected 0..=1024 cycles"), "{error}");
+}
+
+#[test]
+fn names_are_those_of_the_configuration_and_every_number_has_a_source() {
+    for &part in Part::ALL {
+        assert_eq!(serde_json::to_value(part).unwrap(), part.name());
+        for number in part.numbers(200_000_000, [None; 2]).unwrap_or_else(|e| panic!("{e}")) {
+            assert!(!matches!(number.provenance, Provenance::Stated(_)) && number.provenance.text().len() > 20, "{number:?}");
+        }
+    }
+    assert!(Part::Custom.numbers(1, [None; 2]).unwrap().is_empty() && Part::Custom.about().is_none());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// Rounding keeps its promise at any clock: no time is shorter than its sheet's nor a cycle longer, refreshes are no rarer, and
+    /// the peak rate is within 5 %.
+    #[test]
+    fn rounding_never_shortens_a_time_and_changes_the_rate_by_5_percent_at_most(
+        hz in 10_000_000_u64..=1_000_000_000,
+        sheet in prop::sample::select(SHEETS),
+    ) {
+        let (part, [cl, rcd, rp, ras, refi, rfc], _) = sheet;
+        let mut m = MemoryConfig { part, ..MemoryConfig::default() };
+        let rate = part.bytes_per_second(hz).unwrap() / hz as f64;
+        if let Err(unfit) = m.take_part(hz, |_| false) {
+            prop_assert!(rate * 0.95 > f64::from(MOST_BURST_BYTES), "{unfit}");
+            return Ok(());
+        }
+        let period = 1e9 / hz as f64;
+        for (cycles, ns) in [(m.cl, cl), (m.rcd, rcd), (m.rp, rp), (m.ras, ras), (m.rfc, rfc)] {
+            let took = f64::from(cycles) * period;
+            prop_assert!(took > ns - 0.001 && took < ns + period + 0.001, "{part:?}: {took} for {ns} ns");
+        }
+        prop_assert!(f64::from(m.refi) * period <= refi);
+        let peak = f64::from(m.burst_bytes) / f64::from(m.burst_cycles);
+        prop_assert!((peak / rate - 1.0).abs() <= 0.05 + 1e-9, "{part:?}: {peak} for {rate} bytes per cycle");
+        prop_assert!(m.refi > m.rfc + m.rcd && m.row_bytes >= m.burst_bytes);
+    }
+}

@@ -1,0 +1,162 @@
+//! The memories of a machine: what they are made of by default, what follows from the clock, and what cannot be.
+
+use crate::problem::{ConfigProblem, problem};
+use basrelief_kernel::{MemoryConfig, Part};
+use basrelief_parameters::{ConfigError, Given, Parameter, Parameters, Provenance};
+
+/// Declares the memories of a machine, each with what it is made of by default, where that comes from, and the clock at which
+/// the part's times are counted by default:
+///
+/// ```text
+/// memories! {
+///     /// Memories of the machine.
+///     pub struct MemoryConfigs at HZ {
+///         /// Graphics-data memory (124).
+///         graphics = MemoryConfig { part: Part::Ddr400, channels: 4, ..MemoryConfig::default() }
+///             => [part: Assumed("2005"), channels: Assumed("256 bits")],
+///     }
+/// }
+/// ```
+macro_rules! memories {
+    ($(#[doc = $about:literal])* pub struct $configs:ident at $hz:ident {
+        $($(#[doc = $doc:literal])* $name:ident = $default:expr => [$($inner:ident: $kind:ident($why:literal)),+ $(,)?],)*
+    }) => {
+        basrelief_parameters::parameter_groups! {
+            $(#[doc = $about])*
+            pub struct $configs {
+                $($(#[doc = $doc])* $name: basrelief_kernel::MemoryConfig = $default.at($hz) => [$($inner: $kind($why)),+],)*
+            }
+        }
+
+        impl $configs {
+            /// All of them, by name.
+            pub(crate) fn each(&self) -> Vec<(&'static str, &basrelief_kernel::MemoryConfig)> {
+                vec![$((stringify!($name), &self.$name)),*]
+            }
+
+            fn each_mut(&mut self) -> Vec<(&'static str, &mut basrelief_kernel::MemoryConfig)> {
+                vec![$((stringify!($name), &mut self.$name)),*]
+            }
+        }
+    };
+}
+pub(crate) use memories;
+
+/// A machine's configuration, as its memories see it.
+pub(crate) trait HasMemories: Parameters {
+    /// Cycles per second.
+    fn hz(&self) -> u64;
+    /// All memories, by name.
+    fn memories(&self) -> Vec<(&'static str, &MemoryConfig)>;
+    /// The same.
+    fn memories_mut(&mut self) -> Vec<(&'static str, &mut MemoryConfig)>;
+}
+
+/// The memories of this configuration, which has them where every machine's has.
+macro_rules! memories_of {
+    ($config:ty) => {
+        impl $crate::memories::HasMemories for $config {
+            fn hz(&self) -> u64 {
+                self.clock.hz
+            }
+
+            fn memories(&self) -> Vec<(&'static str, &basrelief_kernel::MemoryConfig)> {
+                self.memory.each()
+            }
+
+            fn memories_mut(&mut self) -> Vec<(&'static str, &mut basrelief_kernel::MemoryConfig)> {
+                self.memory.each_mut()
+            }
+        }
+    };
+}
+pub(crate) use memories_of;
+
+/// Memories take what their parts fill at the machine's clock ([`Parameters::complete`]).
+pub(crate) fn complete<C: HasMemories>(config: &mut C, given: &Given<'_>) -> Result<(), ConfigError> {
+    let hz = config.hz();
+    for (name, memory) in config.memories_mut() {
+        let unfit = memory.take_part(hz, |field| given.has(&format!("memory.{name}.{field}")));
+        unfit.map_err(|unfit| ConfigError::Unfit { key: format!("memory.{name}.part"), message: unfit.to_string() })?;
+    }
+    Ok(())
+}
+
+/// Says of the numbers of memories which data sheet they come from ([`Parameters::explain`]).
+pub(crate) fn explain<C: HasMemories>(config: &C, table: &mut [Parameter]) {
+    let default = C::default();
+    let parts = default.memories().into_iter().map(|(_, memory)| memory.part);
+    for ((name, memory), by_default) in config.memories().into_iter().zip(parts) {
+        let group = format!("memory.{name}.");
+        let of_it = table.iter_mut().filter_map(|p| p.key.strip_prefix(&group).map(str::to_owned).map(|field| (field, p)));
+        for (field, parameter) in of_it {
+            if let Some(provenance) = provenance(&field, parameter, memory, config.hz(), by_default) {
+                parameter.provenance = provenance;
+            }
+        }
+    }
+}
+
+/// Where the value of a memory's `field` comes from, if its part has a say in it.
+fn provenance(field: &str, parameter: &Parameter, memory: &MemoryConfig, hz: u64, by_default: Part) -> Option<Provenance> {
+    let part = memory.part;
+    if field == "part" {
+        let chosen = parameter.provenance.text();
+        return part.about().map(|about| Provenance::Assumed(format!("{chosen}. {}: {about}", part.name()).into()));
+    }
+    if field == "channel_bytes" && part != Part::Custom && parameter.default == memory.burst_bytes {
+        return Some(Provenance::Derived("a burst, which lies in one channel".into()));
+    }
+    let named = |part: Part, burst| part.numbers(hz, burst).ok()?.into_iter().find(|number| number.name == field);
+    let own = part.numbers(hz, [None; 2]).ok()?;
+    let beside = |name: &str, value: u32| own.iter().any(|n| n.name == name && n.value != value).then_some(value);
+    let burst = [beside("burst_bytes", memory.burst_bytes), beside("burst_cycles", memory.burst_cycles)];
+    let number = if field.starts_with("burst") { named(part, [None; 2]) } else { named(part, burst) };
+    let Some(number) = number else {
+        let as_it_stands = part == Part::Custom && by_default != part && named(by_default, [None; 2]).is_some();
+        return as_it_stands.then(|| {
+            Provenance::Assumed(format!("as it stands, set or by default: no part ({} by default)", by_default.name()).into())
+        });
+    };
+    if parameter.default == number.value {
+        return Some(number.provenance);
+    }
+    let text = format!("set beside the part, which has {}: {}", number.value, number.provenance.text());
+    Some(Provenance::Assumed(text.into()))
+}
+
+/// Checks what law 4 takes for granted of each memory.
+pub(crate) fn check_memories<C: HasMemories>(config: &C) -> Result<(), ConfigProblem> {
+    config.memories().into_iter().try_for_each(|(name, memory)| check_memory(name, memory))
+}
+
+fn check_memory(name: &str, m: &MemoryConfig) -> Result<(), ConfigProblem> {
+    let wrong = |field: &str, message: String| problem(&format!("memory.{name}.{field}"), message);
+    let MemoryConfig { refi, rfc, rcd, row_bytes, channel_bytes, burst_bytes, .. } = *m;
+    if refi > 0 && refi <= rfc + rcd {
+        return wrong(
+            "refi",
+            format!(
+                "is {refi}, but after a refresh an activation waits for rfc = {rfc} cycles and its data for rcd = {rcd}; set it to {} or more, or to 0 for no refresh",
+                rfc + rcd + 1
+            ),
+        );
+    }
+    if row_bytes < burst_bytes {
+        return wrong(
+            "row_bytes",
+            format!(
+                "is {row_bytes}, but a burst lies in one row and has {burst_bytes} bytes; set it to {burst_bytes} or more, or burst_bytes to less"
+            ),
+        );
+    }
+    if m.channels > 1 && channel_bytes < burst_bytes {
+        return wrong(
+            "channel_bytes",
+            format!(
+                "is {channel_bytes}, but a burst lies in one channel and has {burst_bytes} bytes; set it to {burst_bytes} or more, or burst_bytes to less"
+            ),
+        );
+    }
+    Ok(())
+}
