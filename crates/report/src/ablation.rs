@@ -98,7 +98,7 @@ impl Ablation {
 impl Variant {
     /// What a run came to, beside the first one.
     pub fn of(variant: String, report: &Report, first: Option<&Self>, largest_change: u8) -> Self {
-        let cycles = report.cycles.as_ref().map_or(0, |c| c.total);
+        let cycles = report.frame_cycles();
         let dots = work(report).count;
         let before = first.map_or(cycles, |f| f.cycles);
         let ratio = |above: f64, below: u64| if below == 0 { 0.0 } else { round6(above / below as f64) };

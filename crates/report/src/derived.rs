@@ -1,7 +1,7 @@
 //! Figures that follow from others, each with its unit and its formula, rounded to 6 decimals so that the text of a
 //! report is the same on every host. A figure whose divisor is 0 or unknown is left out.
 
-use crate::model::{Bus, Client, Cycles, Derived, Memory, Report};
+use crate::model::{Bus, Client, Derived, Memory, Report};
 use crate::work::{Work, circuits, routes, work};
 use indexmap::IndexMap;
 
@@ -32,16 +32,16 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     let work = work(report);
     let fragments = work.count as f64;
 
-    // Drain is the display's; where no frame was finished, everything is a frame's.
-    let drawing = cycles.drawing() as f64;
+    // Drain is the display's.
+    let drawing = report.frame_cycles() as f64;
     let formula = format!("(cycles.total - cycles.drain) / {}", work.formula);
     figures.ratio(format!("cycles_per_{}", work.one), (drawing, fragments), "cycles", formula);
     let polygons = routes(report).iter().map(|r| r.polygons as f64).sum::<f64>();
     let formula = "(cycles.total - cycles.drain) / sum(figures.polygons_ROUTE)";
     figures.ratio("cycles_per_polygon", (drawing, polygons), "cycles", formula);
     for circuit in circuits(report) {
-        let (name, idle) = (circuit.name, total - circuit.started as f64);
-        let formula = format!("cycles.total - figures.{}", circuit.figure);
+        let (name, idle) = (circuit.name, drawing - circuit.started as f64);
+        let formula = format!("cycles.total - cycles.drain - figures.{}", circuit.figure);
         figures.ratio(format!("{name}.idle"), (idle, 1.0), "cycles", formula);
     }
     figures.ratio("time_ms", (1e3 * total, hz), "ms", "1000 * cycles.total / config.clock.hz");
@@ -54,27 +54,28 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     }
     let formula = format!("{} * config.clock.hz / (cycles.total - cycles.drain) / 1e6", work.formula);
     figures.ratio("fill_rate", (fragments * hz / 1e6, drawing), &format!("M {}s/s", work.one), formula);
-    memories(report, &mut figures, (total, hz), &work);
+    memories(report, &mut figures, hz, &work);
     for (name, c) in report.caches.iter().flatten() {
         let formula = format!("caches.{name}.hits / caches.{name}.look_ups");
         figures.ratio(format!("{name}.hit_rate"), (c.hits as f64, c.look_ups as f64), "1", formula);
     }
     for (name, u) in report.units.iter().flatten() {
-        let formula = format!("units.{name}.busy / cycles.total");
-        figures.ratio(format!("{name}.utilisation"), (u.busy as f64, total), "1", formula);
+        // Who has finished by the end of the last frame is told in the cycles of the frames.
+        let (of, cycles) =
+            if u.done >= report.drain() { ("(cycles.total - cycles.drain)", drawing) } else { ("cycles.total", total) };
+        let formula = format!("units.{name}.busy / {of}");
+        figures.ratio(format!("{name}.utilisation"), (u.busy as f64, cycles), "1", formula);
     }
     figures.0
 }
 
-fn memories(report: &Report, figures: &mut Figures, (total, hz): (f64, f64), work: &Work) {
+fn memories(report: &Report, figures: &mut Figures, hz: f64, work: &Work) {
     for (name, memory) in report.memories.iter().flatten() {
         let sum = |f: fn(&Client) -> u64| memory.clients.values().map(|c| f(c) as f64).sum::<f64>();
         let bytes = sum(Client::bytes);
         let bytes_text = format!("sum(memories.{name}.clients.*.{{read_bytes, write_bytes}})");
         let formula = format!("{bytes_text} / {}", work.formula);
         figures.ratio(format!("{name}.bytes_per_{}", work.one), (bytes, work.count as f64), "bytes", formula);
-        let formula = format!("{bytes_text} * config.clock.hz / cycles.total / 1e9");
-        figures.ratio(format!("{name}.gb_per_s"), (bytes * hz / 1e9, total), "GB/s", formula);
         let (hits, bursts) = (sum(|c| c.row_hits), sum(|c| c.bursts));
         let formula = format!("sum(memories.{name}.clients.*.row_hits) / sum(memories.{name}.clients.*.bursts)");
         figures.ratio(format!("{name}.row_hit_rate"), (hits, bursts), "1", formula);
@@ -83,15 +84,27 @@ fn memories(report: &Report, figures: &mut Figures, (total, hz): (f64, f64), wor
             "sum(memories.{name}.bus.busy[0..n]) / (n * memories.{name}.bus.interval * count(memories.{name}.channels)), n = sum(cycles.frames) div memories.{name}.bus.interval"
         );
         figures.ratio(format!("{name}.bus_utilisation"), (busy, cycles), "1", formula);
+        if let Some([burst_bytes, burst_cycles]) = burst(report, name) {
+            let seconds = cycles / memory.channels.len() as f64 / hz;
+            let formula = format!(
+                "{name}.bus_utilisation * count(memories.{name}.channels) * config.memory.{name}.burst_bytes / config.memory.{name}.burst_cycles * config.clock.hz / 1e9"
+            );
+            figures.ratio(format!("{name}.gb_per_s"), (busy / burst_cycles * burst_bytes / 1e9, seconds), "GB/s", formula);
+        }
     }
+}
+
+/// Bytes and cycles of a burst.
+fn burst(report: &Report, memory: &str) -> Option<[f64; 2]> {
+    let config = report.config.get("memory")?.get(memory)?;
+    Some([config.get("burst_bytes")?.as_f64()?, config.get("burst_cycles")?.as_f64()?])
 }
 
 /// Cycles in which the buses of a memory moved data, and in which they could have, in the intervals that lie in frames as a
 /// whole.
 fn within_frames(report: &Report, memory: &Memory) -> (f64, f64) {
     let Bus { interval, ref busy } = memory.bus;
-    let cycles = report.cycles.as_ref().map_or(0, Cycles::drawing);
-    let whole = cycles.checked_div(interval).unwrap_or(0);
+    let whole = report.frame_cycles().checked_div(interval).unwrap_or(0);
     let moved: u64 = busy.iter().take(usize::try_from(whole).unwrap_or(usize::MAX)).sum();
     (moved as f64, whole as f64 * interval as f64 * memory.channels.len() as f64)
 }
@@ -108,8 +121,23 @@ mod tests {
         assert_eq!(derived["time_ms"].value, 5.0);
         assert_eq!(derived["replacement.utilisation"].value, 0.97);
         assert_eq!(derived["graphics.bytes_per_fragment"].value, 8.0);
-        assert_eq!(derived["graphics.gb_per_s"].value, 0.32);
+        assert_eq!(derived["graphics.gb_per_s"].value, 0.768);
         assert_eq!(derived["graphics.bus_utilisation"].value, 0.24);
+    }
+
+    #[test]
+    fn what_is_told_of_the_frames_leaves_the_drain_out() {
+        let mut report = samples::balanced();
+        let before = report.derived.clone();
+        let cycles = report.cycles.as_mut().unwrap();
+        (cycles.total, cycles.drain) = (cycles.total + 9_000_000, 9_000_000);
+        report.units.as_mut().unwrap().values_mut().for_each(|u| u.done += 9_000_000);
+        let after = derive(&report);
+        for (name, figure) in before.iter().filter(|(name, _)| *name != "time_ms") {
+            assert_eq!(after[name].value, figure.value, "{name}");
+        }
+        assert_eq!(after["time_ms"].value, 50.0);
+        assert_eq!(crate::blame::blame(&report), crate::blame::blame(&samples::balanced()));
     }
 
     #[test]

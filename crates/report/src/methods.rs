@@ -122,7 +122,7 @@ impl Methods {
 impl Method {
     /// What a run came to.
     pub fn of(method: String, settings: Vec<String>, report: &Report) -> Self {
-        let cycles = report.cycles.as_ref().map_or(0, |c| c.total);
+        let cycles = report.frame_cycles();
         let pixels = work(report).count;
         let worst = |q: &crate::model::PictureQuality| q.frames.iter().map(|f| f.psnr_db).fold(q.last.psnr_db, f64::min);
         Self {

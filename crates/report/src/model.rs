@@ -60,6 +60,20 @@ pub struct Report {
     pub host: Option<Host>,
 }
 
+impl Report {
+    /// Cycles behind the last frame, in which what was drawn is shown. Of a run that was cut short nothing is known to be
+    /// behind its last frame.
+    pub fn drain(&self) -> u64 {
+        let ended = self.cycles.as_ref().filter(|c| self.outcome.kind == OutcomeKind::Complete && !c.frames.is_empty());
+        ended.map_or(0, |cycles| cycles.drain)
+    }
+
+    /// Cycles of the frames: all but the [drain](Self::drain). None of a functional run.
+    pub fn frame_cycles(&self) -> u64 {
+        self.cycles.as_ref().map_or(0, |cycles| cycles.total.saturating_sub(self.drain()))
+    }
+}
+
 /// What was drawn.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Input {
@@ -115,13 +129,6 @@ pub struct Cycles {
     pub frames: Vec<u64>,
     /// From the end of the last frame to the end of the run. `frames` and `drain` sum to `total`.
     pub drain: u64,
-}
-
-impl Cycles {
-    /// Cycles of the frames; of the whole run where none was finished.
-    pub fn drawing(&self) -> u64 {
-        if self.frames.is_empty() { self.total } else { self.total.saturating_sub(self.drain) }
-    }
 }
 
 /// Where a unit's cycles went. busy + starved + blocked + memory + done = `cycles.total`.

@@ -209,6 +209,6 @@ mod tests {
         assert_eq!(find("reference_normals_used", "value", "1"), Some(121.into()));
         assert_eq!(find("graphics", "write_bytes", "z"), Some(320_000.into()));
         assert_eq!(find("polygons", "histogram", "4"), Some(900_000.into()));
-        assert_eq!(find("", "frames", "1"), Some(470_000.into()));
+        assert_eq!(find("", "frames", "1"), Some(480_000.into()));
     }
 }

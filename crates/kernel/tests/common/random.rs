@@ -1,8 +1,8 @@
 //! Random plans, from recipes that shrink well.
 
 use super::Draw;
-use basrelief_kernel::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest};
 use basrelief_kernel::MemoryConfig;
+use basrelief_kernel::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;

@@ -89,11 +89,11 @@ pub fn blame(report: &Report) -> Blame {
         OutcomeKind::Limit => "The limit of cycles was reached; until then ".into(),
         OutcomeKind::Stopped => "The run was stopped; until then ".into(),
     };
-    let (Some(units), Some(cycles)) = (&report.units, &report.cycles) else {
+    let (Some(units), Some(_)) = (&report.units, &report.cycles) else {
         let sentence = "A functional run has no time: nothing limits it.".into();
         return Blame { limit: Limit::NoTime, sentence };
     };
-    let plan = Plan { report, units, total: cycles.drawing(), drain: cycles.total - cycles.drawing() };
+    let plan = Plan { report, units, total: report.frame_cycles(), drain: report.drain() };
     let (limit, sentence) = plan.limit();
     Blame { limit, sentence: prefix + &sentence }
 }

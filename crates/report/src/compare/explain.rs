@@ -29,7 +29,7 @@ pub(super) fn explain(a: &Report, b: &Report, equal: bool) -> String {
         sentences.push("The inputs differ.".to_owned());
     }
     sentences.push(match (&a.cycles, &b.cycles) {
-        (Some(before), Some(after)) => cycles(a, b, (before.total, after.total)),
+        (Some(_), Some(_)) => cycles(a, b, (a.frame_cycles(), b.frame_cycles())),
         (None, None) => "Both runs are functional: they have no time.".into(),
         _ => "One of the runs is functional: there are no cycles to compare.".into(),
     });
@@ -64,14 +64,15 @@ fn percent(share: f64) -> String {
 /// The unit whose own cycles changed most in the direction of `delta`, with all its parts, the largest first.
 fn explaining_unit(a: &Report, b: &Report, delta: i128) -> Option<(String, Vec<Part>)> {
     let (before, after) = (a.units.as_ref()?, b.units.as_ref()?);
-    let all = after.iter().filter_map(|(name, unit)| Some((name, parts(before.get(name)?, unit))));
+    let drains = (a.drain(), b.drain());
+    let all = after.iter().filter_map(|(name, unit)| Some((name, parts(before.get(name)?, unit, drains))));
     let along = |parts: &[Part]| parts.iter().filter(|p| p.own).map(|p| p.delta).sum::<i128>() * delta.signum();
     let best = all.map(|(name, p)| (along(&p), name, p)).reduce(|best, u| if u.0 > best.0 { u } else { best });
     best.filter(|&(own, ..)| own > 0).map(|(_, name, parts)| (name.clone(), parts))
 }
 
-/// How the cycles of a unit changed, cause by cause; over all causes this is the change of the total.
-fn parts(before: &Unit, after: &Unit) -> Vec<Part> {
+/// How the cycles of a unit changed, cause by cause; over all causes this is the change of the frames' cycles.
+fn parts(before: &Unit, after: &Unit, drains: (u64, u64)) -> Vec<Part> {
     let mut parts = vec![];
     let mut add = |what: String, own: bool, before: u64, after: u64| {
         parts.push(Part { what, own, delta: i128::from(after) - i128::from(before) });
@@ -83,7 +84,7 @@ fn parts(before: &Unit, after: &Unit) -> Vec<Part> {
     for (wait, n) in waits(before).filter(|&(wait, _)| cycles_of(after, wait).is_none()) {
         add(cause(wait), matches!(wait, Wait::Memory(_)), n, 0);
     }
-    add("done".into(), false, before.done, after.done);
+    add("done".into(), false, before.done.saturating_sub(drains.0), after.done.saturating_sub(drains.1));
     parts.retain(|p| p.delta != 0);
     parts.sort_by_key(|p| std::cmp::Reverse(p.delta.abs()));
     parts
@@ -120,7 +121,7 @@ mod tests {
     fn the_parts_of_every_unit_sum_to_the_change_of_the_total() {
         let (a, b) = samples::before_and_after();
         for (name, after) in b.units.as_ref().unwrap() {
-            let sum: i128 = parts(&a.units.as_ref().unwrap()[name], after).iter().map(|p| p.delta).sum();
+            let sum: i128 = parts(&a.units.as_ref().unwrap()[name], after, (a.drain(), b.drain())).iter().map(|p| p.delta).sum();
             assert_eq!(sum, -600_000, "{name}");
         }
     }

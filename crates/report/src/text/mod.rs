@@ -80,7 +80,7 @@ pub fn to_text(report: &Report, style: Style) -> String {
 
 fn title(report: &Report) -> String {
     let pictures = match &report.cycles {
-        Some(cycles) => frames(cycles),
+        Some(cycles) => frames(report, cycles),
         None => vec!["functional".into()],
     };
     let mut parts = vec![
@@ -95,8 +95,12 @@ fn title(report: &Report) -> String {
     parts.join(" · ")
 }
 
-fn frames(cycles: &Cycles) -> Vec<String> {
-    let total = format!("{} cycles", number::thousands(cycles.total));
+fn frames(report: &Report, cycles: &Cycles) -> Vec<String> {
+    let drain = match report.drain() {
+        0 => String::new(),
+        drain => format!(" and {} of drain", number::thousands(drain)),
+    };
+    let total = format!("{} cycles{drain}", number::thousands(report.frame_cycles()));
     let (least, most) = (cycles.frames.iter().min(), cycles.frames.iter().max());
     let frames = least.zip(most).filter(|_| cycles.frames.len() > 1).map(|(&least, &most)| {
         let (least, most) = (number::thousands(least), number::thousands(most));

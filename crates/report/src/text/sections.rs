@@ -23,8 +23,10 @@ pub(super) fn units(report: &Report) -> Table {
         ("done %", Right, 1),
         ("waits most", Left, 2),
     ]);
-    let total = report.cycles.as_ref().map_or(0, |c| c.total);
     for (name, unit) in report.units.iter().flatten() {
+        // Who has finished by the end of the last frame is told in the cycles of the frames.
+        let drain = if unit.done >= report.drain() { report.drain() } else { 0 };
+        let total = report.cycles.as_ref().map_or(0, |c| c.total - drain);
         let share = |n: u64| percent(n, total);
         table.row([
             unit.numeral.map_or(name.clone(), |n| format!("{name} ({n})")),
@@ -33,7 +35,7 @@ pub(super) fn units(report: &Report) -> Table {
             share(sum(unit.starved.values())),
             share(sum(unit.blocked.values())),
             share(sum(unit.memory.values())),
-            share(unit.done),
+            share(unit.done - drain),
             largest_wait(unit).map_or(String::new(), |(wait, _)| cause(wait)),
         ]);
     }
@@ -66,6 +68,7 @@ pub(super) fn fifos(report: &Report) -> Table {
         ("empty .. full", Left, 3),
     ]);
     for (name, fifo) in report.fifos.iter().flatten() {
+        let fifo = &in_frames(fifo, report.drain());
         let total = sum(&fifo.histogram);
         table.row([
             name.clone(),
@@ -79,6 +82,15 @@ pub(super) fn fifos(report: &Report) -> Table {
         ]);
     }
     table
+}
+
+/// The same without the drain, if it was empty then.
+fn in_frames(fifo: &Fifo, drain: u64) -> Fifo {
+    let mut fifo = fifo.clone();
+    if let Some(empty) = fifo.histogram.first_mut() {
+        *empty = empty.checked_sub(drain).unwrap_or(*empty);
+    }
+    fifo
 }
 
 /// Cycles in which every slot was held.
@@ -141,7 +153,8 @@ pub(super) fn channels(report: &Report) -> Table {
     let mut table = Table::new(&[
         ("Channel", Left, 0),
         ("no.", Right, 0),
-        ("bus busy %", Right, 0),
+        ("bus busy", Right, 0),
+        ("all, %", Right, 0),
         ("over time", Left, 2),
         ("row hits %", Right, 1),
         ("conflicts %", Right, 3),
@@ -149,20 +162,24 @@ pub(super) fn channels(report: &Report) -> Table {
         ("refreshes", Right, 5),
         ("mean queue", Right, 1),
     ]);
-    let total = report.cycles.as_ref().map_or(0, |cycles| cycles.total);
+    let frames = report.frame_cycles();
     for (name, memory) in report.memories.iter().flatten() {
+        let bus =
+            report.derived.get(&format!("{name}.bus_utilisation")).map_or(String::new(), |d| format!("{:.1}", 100.0 * d.value));
         for (number, c) in memory.channels.iter().enumerate().filter(|(_, c)| c.bus_busy > 0) {
+            let first = |text: &str| if number == 0 { text.to_owned() } else { String::new() };
             let bursts = c.row_hits + c.row_closed + c.row_conflicts;
             table.row([
-                name.clone(),
+                first(name),
                 number.to_string(),
-                percent(c.bus_busy, total),
-                if number == 0 { sparkline(&memory.bus.busy) } else { String::new() },
+                thousands(c.bus_busy),
+                first(&bus),
+                first(&sparkline(&memory.bus.busy)),
                 percent(c.row_hits, bursts),
                 percent(c.row_conflicts, bursts),
                 thousands(c.turn_arounds),
                 thousands(c.refreshes),
-                per(c.queued, total),
+                per(c.queued, frames),
             ]);
         }
     }
@@ -195,10 +212,13 @@ pub(super) fn routes(report: &Report) -> Table {
 
 pub(super) fn circuits(report: &Report) -> Table {
     let mut table = Table::new(&[("Circuit", Left, 0), ("needed %", Right, 0), ("started %", Right, 0), ("idle %", Right, 0)]);
-    let Some(cycles) = &report.cycles else { return table };
+    let cycles = report.frame_cycles();
+    if report.cycles.is_none() {
+        return table;
+    }
     for c in work::circuits(report) {
-        let share = |n: u64| percent(n, cycles.total);
-        let idle = cycles.total.saturating_sub(c.started);
+        let share = |n: u64| percent(n, cycles);
+        let idle = cycles.saturating_sub(c.started);
         table.row([c.name.into(), share(c.needed.unwrap_or(c.started)), share(c.started), share(idle)]);
     }
     table
@@ -206,9 +226,9 @@ pub(super) fn circuits(report: &Report) -> Table {
 
 pub(super) fn processes(report: &Report) -> Table {
     let mut table = Table::new(&[("Process", Left, 0), ("runs", Right, 0), ("cycles", Right, 0), ("%", Right, 0)]);
-    let total = report.cycles.as_ref().map_or(0, |c| c.total);
     for p in work::processes(report) {
-        table.row([p.name.into(), thousands(p.runs), thousands(p.cycles), percent(p.cycles, total)]);
+        let share = percent(p.cycles, report.frame_cycles());
+        table.row([p.name.into(), thousands(p.runs), thousands(p.cycles), share]);
     }
     table
 }

@@ -51,10 +51,10 @@ fn by_mode(scene: &Arc<Scene>, frames: u32) -> Result<String, Box<dyn Error>> {
     Ok(table.text())
 }
 
-/// Of the whole run, by the machine's clock.
+/// Of all frames, by the machine's clock.
 fn total_seconds(report: &Report) -> f64 {
     let hz = report.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).unwrap_or(1.0);
-    report.cycles.as_ref().map_or(0, |c| c.total) as f64 / hz
+    report.frame_cycles() as f64 / hz
 }
 
 /// By mode and path, for one view and for an orbit; two tables for each input.

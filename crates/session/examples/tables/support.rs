@@ -64,9 +64,9 @@ pub fn report(scene: &Arc<Scene>, settings: &RunOptions) -> Result<Report, Box<d
     Ok(run(RunInput::Scene(Arc::clone(scene)), settings, &mut Unobserved, None)?.report)
 }
 
-/// Cycles of the whole run.
+/// Cycles of all frames.
 pub fn cycles(report: &Report) -> u64 {
-    report.cycles.as_ref().map_or(0, |c| c.total)
+    report.frame_cycles()
 }
 
 /// Bytes that the clients for which `counts` holds moved, by memory and name.
