@@ -65,13 +65,13 @@ fn ideal_has_all_channels_whatever_the_machine_has_but_not_what_the_user_sets() 
 #[test]
 fn a_part_that_does_not_fit_the_clock_or_is_none_is_named_with_what_fits() {
     let error = |set: &[(&str, &str)]| load::<BumpProcessorConfig>("", set).unwrap_err();
-    let unfit = error(&[("clock.hz", "1000000")]);
+    let unfit = error(&[("clock.hz", "3000000")]);
     assert!(matches!(&unfit, ConfigError::Unfit { key, .. } if key == "memory.graphics.part"), "{unfit}");
     assert!(unfit.to_string().contains("11.9 MHz or more") && unfit.to_string().contains("edo-60"), "{unfit}");
     let unknown = error(&[("memory.graphics.part", "ddr-500")]).to_string();
     assert!(unknown.contains("memory.graphics.part") && unknown.contains("ddr-400"), "{unknown}");
     // A part that is not used need not fit.
-    let set = [("clock.hz", "1000000"), ("memory.graphics.part", "fpm-80")];
+    let set = [("clock.hz", "3000000"), ("memory.graphics.part", "fpm-80")];
     assert_eq!(graphics("", &set).part, Part::Fpm80);
 }
 

@@ -9,10 +9,10 @@ use super::{Sheet, Time, clocks, cycles, ns, ps};
 const NONE: Time = cycles(0, "none");
 
 pub(super) const FPM_80: Sheet = Sheet {
-    about: "fast page mode, 80 ns: two banks of 32 bits on one bus, each of eight chips of 256K x 4",
+    about: "fast page mode, 80 ns: two banks of 128 bits on one bus, each of 32 chips of 256K x 4",
     source: "Texas Instruments SMJ44C256-80, data sheet SGMS034, May 1989",
-    rate: Own { bytes: 4, hz: (20_000_000, 1), of: "32 bits per page cycle, tPC 50 ns" },
-    burst_bytes: 16,
+    rate: Own { bytes: 16, hz: (20_000_000, 1), of: "128 bits per page cycle, tPC 50 ns" },
+    burst_bytes: 64,
     cl: ns(40, "tAA, column address to data"),
     cwl: cycles(0, "early write: data come with the address"),
     rcd: ns(40, "tRAC 80 ns less tAA 40 ns"),
@@ -26,15 +26,15 @@ pub(super) const FPM_80: Sheet = Sheet {
     refi: ps(15_625_000, "512 rows in 8 ms"),
     rfc: ns(150, "tRC: a refresh is a row cycle"),
     banks: 2,
-    row_bytes: 2048,
+    row_bytes: 8192,
     board: &[],
 };
 
 pub(super) const EDO_60: Sheet = Sheet {
-    about: "extended data out, 60 ns: two banks of 32 bits on one bus, each of two chips of 256K x 16",
+    about: "extended data out, 60 ns: two banks of 128 bits on one bus, each of eight chips of 256K x 16",
     source: "Micron EDO DRAM, grade -6 (MT4LC4M16R6 and kin)",
-    rate: Own { bytes: 4, hz: (40_000_000, 1), of: "32 bits per page cycle, tPC 25 ns" },
-    burst_bytes: 16,
+    rate: Own { bytes: 16, hz: (40_000_000, 1), of: "128 bits per page cycle, tPC 25 ns" },
+    burst_bytes: 64,
     cl: ns(30, "tAA, column address to data"),
     cwl: cycles(0, "early write: data come with the address"),
     rcd: ns(30, "tRAC 60 ns less tAA 30 ns"),
@@ -48,7 +48,7 @@ pub(super) const EDO_60: Sheet = Sheet {
     refi: ps(15_625_000, "512 rows in 8 ms"),
     rfc: ns(104, "tRC: a refresh is a row cycle"),
     banks: 2,
-    row_bytes: 2048,
+    row_bytes: 8192,
     board: &[],
 };
 

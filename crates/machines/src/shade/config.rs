@@ -33,16 +33,13 @@ memories! {
         /// Frame memory (300), with the depth values.
         frame = MemoryConfig {
             part: Part::Fpm80,
-            channels: 4,
-            channel_bytes: 16,
             window: 4,
             cap: 4,
             outstanding: 16,
             ..MemoryConfig::default()
         } => [
             part: Assumed("1989: 1-Mbit page mode DRAM, 80 ns its fastest common grade"),
-            channels: Assumed("frame memories were interleaved (20 banks in the IRIS GTX, Akeley and Jermoluk 1988); four channels of two banks move 12.8 bytes per cycle, a dot with depth takes 12"),
-            channel_bytes: Assumed("neighbouring dots lie in different banks: four dots of 4 bytes in each"),
+            channels: Assumed("frame memories were wide (20 banks side by side in the IRIS GTX, Akeley and Jermoluk 1988); 128 bits move 12.8 bytes per cycle, a dot with depth takes 12"),
             window: Assumed("an arbiter that looks at the head of each of the four ports, and prefers the open page"),
             cap: Assumed("one turn of the four ports"),
             outstanding: Assumed("more than a page miss of 80 ns DRAM takes at one request per cycle"),

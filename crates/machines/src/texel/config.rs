@@ -29,10 +29,10 @@ parameters! {
 /// Cycles per second, by default.
 const HZ: u64 = 50_000_000;
 
-/// A board of the time: four interleaved banks of 32 bits.
+/// A board of the time: 128 bits.
 fn board(outstanding: u32) -> MemoryConfig {
     let part = Part::Edo60;
-    MemoryConfig { part, channels: 4, channel_bytes: 16, window: 4, cap: 4, outstanding, ..MemoryConfig::default() }
+    MemoryConfig { part, window: 4, cap: 4, outstanding, ..MemoryConfig::default() }
 }
 
 memories! {
@@ -42,8 +42,7 @@ memories! {
         /// levels for each of 16 pixels.
         texture = board(128) => [
             part: Assumed("1994: EDO came in that year and was in every board of the next, which is when a device of this patent could have been built; 80 ns page mode is `fpm-80`"),
-            channels: Assumed("banks were interleaved; four of them fill a line of 64 bytes in the time of one burst"),
-            channel_bytes: Assumed("a line lies in all four banks"),
+            channels: Assumed("128 bits side by side: a line of 64 bytes is a burst of four page cycles"),
             window: Assumed("an arbiter that looks at the head of each port, and prefers the open page"),
             cap: Assumed("one turn of the ports"),
             outstanding: Assumed("the largest step: 4 texels of 2 levels for 16 pixels"),
@@ -53,7 +52,6 @@ memories! {
         depth = board(16) => [
             part: Assumed("as the texture memory"),
             channels: Assumed("12.8 bytes per cycle, of which a pixel with depth takes 8"),
-            channel_bytes: Assumed("a line lies in all four banks"),
             window: Assumed("an arbiter that looks at the head of each port, and prefers the open page"),
             cap: Assumed("one turn of the ports"),
             outstanding: Assumed("more than a page miss of 60 ns DRAM takes at one request per cycle"),
@@ -62,7 +60,6 @@ memories! {
         pixel = board(16) => [
             part: Assumed("as the texture memory"),
             channels: Assumed("12.8 bytes per cycle, of which a pixel takes 4, or 8 where it is read back"),
-            channel_bytes: Assumed("a line lies in all four banks"),
             window: Assumed("an arbiter that looks at the head of each port, and prefers the open page"),
             cap: Assumed("one turn of the ports"),
             outstanding: Assumed("more than a page miss of 60 ns DRAM takes at one request per cycle"),
