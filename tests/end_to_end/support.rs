@@ -89,6 +89,13 @@ impl Place {
         self.json(&format!("{folder}/report.json"))
     }
 
+    /// Cycles of the frames of the run whose report is in this folder.
+    pub fn frame_cycles(&self, folder: &str) -> u64 {
+        let report = self.report(folder);
+        let frames = report["cycles"]["frames"].as_array().expect("frames");
+        frames.iter().map(|cycles| cycles.as_u64().expect("cycles")).sum()
+    }
+
     /// Names in the folder, hidden ones too.
     pub fn names(&self, below: &str) -> Vec<String> {
         let entries = fs::read_dir(self.path(below)).unwrap_or_else(|e| panic!("{below}: {e}"));
