@@ -75,16 +75,6 @@ fn a_part_that_does_not_fit_the_clock_or_is_none_is_named_with_what_fits() {
     assert_eq!(graphics("", &set).part, Part::Fpm80);
 }
 
-#[test]
-fn a_part_with_larger_bursts_than_the_board_interleaves_interleaves_by_bursts() {
-    let frame = |set: &[(&str, &str)]| load::<ShadeConfig>("", set).unwrap().memory.frame;
-    assert_eq!([frame(&[]).channel_bytes, frame(&[]).burst_bytes], [16, 16]);
-    let sdr = frame(&[("memory.frame.part", "sdr-100")]);
-    assert_eq!([sdr.channel_bytes, sdr.burst_bytes, sdr.burst_cycles], [64, 64, 2]);
-    let given = frame(&[("memory.frame.part", "sdr-100"), ("memory.frame.channel_bytes", "32")]);
-    assert_eq!(given.channel_bytes, 32, "refused when the machine is built");
-}
-
 fn no_draws<C: Into<basrelief_machines::FrontConfig>>(config: C) -> SceneFront<std::iter::Empty<Draw>> {
     SceneFront::new(std::iter::empty(), config)
 }
@@ -113,7 +103,7 @@ fn what_law_4_takes_for_granted_is_refused_in_every_machine_with_the_parameter_a
     for (field, value, beside, cure) in [
         ("refi", "17", "rfc = 14\nrcd = 3", "set it to 18 or more, or to 0"),
         ("row_bytes", "32", "burst_bytes = 64\nburst_cycles = 4", "set it to 64 or more"),
-        ("channel_bytes", "32", "burst_bytes = 64\nburst_cycles = 4", "set it to 64 or more"),
+        ("channel_bytes", "32", "channels = 2\nburst_bytes = 64\nburst_cycles = 4", "set it to 64 or more"),
     ] {
         let problems = refused(field, value, beside);
         assert_eq!(problems.len(), 4, "{field}: {problems:?}");
