@@ -213,7 +213,7 @@ fn every_statement_of_an_obj_file_is_held_within_the_budget() {
         ("usemtl", "", (0..4_000).map(|i| format!("usemtl {i}\n{face}")).collect()),
         ("mtllib", "of names of material libraries", "mtllib x\n".repeat(20_000)),
         ("a line", "of lines of OBJ text", "#".repeat(2 << 20)),
-        ("newmtl", "large.mtl: mtllib: would hold", format!("mtllib large.mtl\n{face}")),
+        ("newmtl", "large.mtl: would hold", format!("mtllib large.mtl\n{face}")),
         ("map_Kd", "large.png: would hold", format!("mtllib picture.mtl\nusemtl a\n{face}")),
         ("bump", "large.png: would hold", format!("mtllib bump.mtl\nusemtl a\n{face}")),
     ];
