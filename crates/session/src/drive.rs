@@ -5,12 +5,12 @@ use crate::exact::Exact;
 use crate::exhibits::content::{ExhibitInfo, Form};
 use crate::exhibits::spec::show_round;
 use crate::machines::{Logs, MachineSpec, PictureRecord, RunSummary};
-use crate::observer::{Observer, Pictures, picture_name};
+use crate::observer::{MemoryRequests, Observer, Pictures, picture_name};
 use crate::outcome::{Run, SessionError};
 use crate::settings::RunOptions;
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
-use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
+use basrelief_kernel::{self as kernel, Limits, Machine, Outcome, Probe, RunReport};
 use basrelief_machines::Facts;
 use basrelief_reference::{Picture, Quality, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
@@ -37,6 +37,8 @@ pub(crate) struct Session<'a> {
     rounds: Vec<(u32, Picture)>,
     shown: Vec<PictureRecord>,
     failed: Option<String>,
+    /// Names of the memory clients, by number, where their requests are shown.
+    clients: Vec<String>,
     /// Seconds of simulation.
     pub(crate) simulate_s: f64,
 }
@@ -49,8 +51,9 @@ impl<'a> Session<'a> {
         commands: Box<dyn Fn() -> (u64, Option<u64>)>,
     ) -> Self {
         let (images, quality, difference) = (Vec::new(), Vec::new(), None);
-        let (rounds, shown) = (Vec::new(), Vec::new());
-        Self { settings, observer, exact, commands, images, quality, difference, rounds, shown, failed: None, simulate_s: 0.0 }
+        let (rounds, shown, clients) = (Vec::new(), Vec::new(), Vec::new());
+        let (failed, simulate_s) = (None, 0.0);
+        Self { settings, observer, exact, commands, images, quality, difference, rounds, shown, failed, clients, simulate_s }
     }
 
     /// Simulates to the end.
@@ -64,6 +67,7 @@ impl<'a> Session<'a> {
         if !self.settings.exhibits.is_empty() {
             machine.keep_log();
         }
+        self.keep_requests(&mut machine);
         let began = clock();
         let mut aside = 0.0;
         let report = {
@@ -80,6 +84,7 @@ impl<'a> Session<'a> {
             }
         };
         self.simulate_s = clock() - began - aside;
+        self.take_requests(&mut machine);
         self.take_frames(spec, &mut machine);
         if !self.settings.exhibits.is_empty() {
             let last = machine.last_log().map(|log| (0, log));
@@ -103,13 +108,33 @@ impl<'a> Session<'a> {
 
     /// Called by the engine between its rounds; what is done here counts as no simulation.
     fn look<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M, aside: &mut f64) -> bool {
-        if machine.has_finished() {
+        let has_finished = machine.has_finished();
+        if has_finished || self.settings.requests {
             let began = (self.settings.clock)();
-            self.take_frames(spec, machine);
+            self.take_requests(machine);
+            if has_finished {
+                self.take_frames(spec, machine);
+            }
             *aside += (self.settings.clock)() - began;
         }
         let (commands, total) = (self.commands)();
         self.failed.is_none() && self.observer.progress(commands, total)
+    }
+
+    fn keep_requests(&mut self, machine: &mut impl Machine) {
+        if self.settings.requests {
+            machine.memories().keep_requests();
+            self.clients = machine.memories().client_names().map(str::to_owned).collect();
+        }
+    }
+
+    /// Shows what the memories have taken in since the last call.
+    fn take_requests(&mut self, machine: &mut impl Machine) {
+        for (memory, requests) in machine.memories().take_requests().filter(|(_, requests)| !requests.is_empty()) {
+            self.attempt(|session| {
+                session.observer.requests(&MemoryRequests { memory, requests: &requests, clients: &session.clients })
+            });
+        }
     }
 
     fn take_frames<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M) {

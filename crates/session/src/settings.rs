@@ -63,6 +63,8 @@ pub struct RunOptions {
     /// What the observer is shown beside the finished pictures, of what the machine has
     /// ([`MachineInfo::exhibits`](crate::MachineInfo::exhibits)); costs nothing where it is empty.
     pub exhibits: Vec<ExhibitInfo>,
+    /// Show the observer every [request](crate::Observer::requests) that a memory takes in; costs nothing otherwise.
+    pub requests: bool,
     /// Seconds on a clock that does not run backwards, for the host figures; libraries read none themselves. It must
     /// not influence anything else, and does not.
     pub clock: fn() -> f64,
@@ -72,6 +74,7 @@ impl Default for RunOptions {
     /// Default machine, timed engine, exact picture, no clock.
     fn default() -> Self {
         let config = MachineConfig::default();
-        Self { config, engine: Some(Engine::Timed), max_cycles: u64::MAX, exact: true, exhibits: vec![], clock: || 0.0 }
+        let engine = Some(Engine::Timed);
+        Self { config, engine, max_cycles: u64::MAX, exact: true, exhibits: vec![], requests: false, clock: || 0.0 }
     }
 }

@@ -12,6 +12,7 @@
 mod bump;
 mod defer;
 mod document;
+mod memory;
 mod shade;
 mod support;
 mod texel;
@@ -32,12 +33,15 @@ const TABLES: &[(&str, Make)] = &[
     ("full-over-hybrid", shade::full_over_hybrid),
     ("methods", texel::methods),
     ("dividers", texel::dividers),
+    ("igehy", memory::igehy),
+    ("hakura", memory::hakura),
     ("tiles", defer::tiles),
     ("dmax", defer::dmax),
 ];
 
 /// Files that hold tables.
-const FILES: [&str; 5] = ["README.md", "docs/quality.md", "docs/shading.md", "docs/texel.md", "docs/defer.md"];
+const FILES: [&str; 6] =
+    ["README.md", "docs/quality.md", "docs/shading.md", "docs/texel.md", "docs/defer.md", "docs/experiments.md"];
 
 /// What `NAME INPUT ...` comes to.
 fn make(inputs: &Inputs, command: &str) -> Result<String, Box<dyn Error>> {
