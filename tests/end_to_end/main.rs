@@ -16,6 +16,7 @@ mod outputs;
 mod pictures;
 mod remote;
 mod reports;
+mod requests;
 mod samples;
 mod support;
 mod texel;

@@ -106,6 +106,7 @@ fn a_full_disk_is_named_after_the_file_that_does_not_fit() {
         ("run PATCH --size 64x48 --out u", "u/image-0001.png"),
         ("demo --machine texel --size 64x48 --out u --dump spans u.jsonl --no-exact", "u"),
         ("run PATCH --size 16x12 --out u --timeline u.pftrace", "u"),
+        ("run PATCH --size 16x12 --out u --requests u.csv --no-exact", "u"),
     ] {
         let full = on_a_full_disk(&place, line);
         let error = full.error(1);

@@ -5,6 +5,7 @@ use crate::counts::{Bus, ChannelCounts};
 use crate::memory_system::Client;
 use crate::port::{Arrived, Port};
 use crate::{Cycle, MemoryConfig};
+use std::ops::RangeInclusive;
 
 /// A request, as the memory took it in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +20,14 @@ pub struct MemoryRequest {
     pub address: u64,
     /// Bytes, >= 1.
     pub bytes: u32,
+}
+
+impl MemoryRequest {
+    /// Addresses of the aligned bursts of `burst_bytes` (>= 1) into which it is split, ascending.
+    pub fn bursts(&self, burst_bytes: u32) -> impl Iterator<Item = u64> + use<> {
+        let burst = Divisor::new(burst_bytes);
+        burst.touched(self.address, self.bytes).map(move |number| number * burst.by)
+    }
 }
 
 /// Splits a number by a divisor fixed at construction: a shift where the divisor is a power of two, as it nearly
@@ -42,6 +51,18 @@ impl Divisor {
             None => (n / self.by, n % self.by),
         }
     }
+
+    /// Numbers of the aligned pieces of this size that `bytes` (>= 1) from `address` on touch.
+    #[inline(always)]
+    fn touched(self, address: u64, bytes: u32) -> RangeInclusive<u64> {
+        self.split(address).0..=self.split(address + u64::from(bytes) - 1).0
+    }
+}
+
+/// How many these are.
+#[inline(always)]
+fn count(numbers: &RangeInclusive<u64>) -> u64 {
+    numbers.end() - numbers.start() + 1
 }
 
 /// One memory.
@@ -52,6 +73,7 @@ pub(crate) struct Memory {
     pub(crate) ports: Vec<usize>,
     /// Requests that are not split into bursts yet.
     pub(crate) arrived: u64,
+    pub(crate) burst_bytes: u32,
     /// Bursts that are not served yet.
     bursts: u64,
     burst: Divisor,
@@ -78,6 +100,7 @@ impl Memory {
             name: name.into(),
             ports: Vec::new(),
             arrived: 0,
+            burst_bytes: config.burst_bytes,
             bursts: 0,
             burst: Divisor::new(config.burst_bytes),
             interleave: Divisor::new(config.channel_bytes),
@@ -103,20 +126,16 @@ impl Memory {
     /// Splits a request, the next in order of (arrival, port number, issue), into bursts in their channels.
     #[inline]
     fn split(&mut self, client: usize, port: &mut Port) {
-        let burst = self.burst;
-        let touched = |r: &Arrived| (burst.split(r.address).0, burst.split(r.address + u64::from(r.bytes) - 1).0);
-        let bursts = |r: &Arrived| {
-            let (first, last) = touched(r);
-            last - first + 1
-        };
-        let Some((request, r)) = port.split(bursts) else { return };
+        let size = self.burst;
+        let touched = |r: &Arrived| size.touched(r.address, r.bytes);
+        let Some((request, r)) = port.split(|r| count(&touched(r))) else { return };
         self.arrived -= 1;
         if let Some(log) = &mut self.log {
             log.push(MemoryRequest { arrival: r.arrival, client, write: r.write, address: r.address, bytes: r.bytes });
         }
-        let (first, last) = touched(&r);
-        self.bursts += last - first + 1;
-        for number in first..=last {
+        let bursts = touched(&r);
+        self.bursts += count(&bursts);
+        for number in bursts {
             let (channel, address) = self.place(number * self.burst.by);
             let (row_number, _) = self.row.split(address);
             let (row, bank) = self.banks_by.split(row_number);

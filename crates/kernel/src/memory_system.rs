@@ -92,6 +92,16 @@ impl MemorySystem {
         &self.memories[self.port(client).memory].name
     }
 
+    /// Names of all clients, by number.
+    pub fn client_names(&self) -> impl Iterator<Item = &str> {
+        self.clients.iter().map(|client| client.port.name.as_str())
+    }
+
+    /// Names of all memories, by number, each with the bytes of its bursts.
+    pub fn names_and_bursts(&self) -> impl Iterator<Item = (&str, u32)> {
+        self.memories.iter().map(|memory| (memory.name.as_str(), memory.burst_bytes))
+    }
+
     /// Name of the cache in front of a client's port, where there is one.
     pub fn cache_name(&self, client: usize) -> Option<&str> {
         self.clients[client].cache.as_ref().map(|c| c.name.as_str())

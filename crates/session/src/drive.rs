@@ -6,13 +6,13 @@ use crate::exhibits::content::{ExhibitInfo, Form};
 use crate::exhibits::spec::show_round;
 use crate::held;
 use crate::machines::{Logs, MachineSpec, PictureRecord, RunSummary};
-use crate::observer::{Observer, Pictures, picture_name};
+use crate::observer::{MemoryRequests, Observer, Pictures, picture_name};
 use crate::outcome::{Run, SessionError};
 use crate::settings::RunOptions;
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_input::{Held, OverBudget};
-use basrelief_kernel::{self as kernel, Limits, Outcome, Probe, RunReport};
+use basrelief_kernel::{self as kernel, Limits, Machine, Outcome, Probe, RunReport};
 use basrelief_machines::{Facts, drawn_units};
 use basrelief_reference::{Picture, Quality, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
@@ -42,6 +42,8 @@ pub(crate) struct Session<'a> {
     /// What is remembered of frames, and their pictures that better ones follow.
     held: [Held; 2],
     over_budget: Option<OverBudget>,
+    /// Names of the memory clients, by number, where their requests are shown.
+    clients: Vec<String>,
     /// Seconds of simulation.
     pub(crate) simulate_s: f64,
 }
@@ -70,6 +72,7 @@ impl<'a> Session<'a> {
             failed,
             held,
             over_budget,
+            clients: Vec::new(),
             simulate_s: 0.0,
         }
     }
@@ -85,6 +88,7 @@ impl<'a> Session<'a> {
         if !self.settings.exhibits.is_empty() {
             machine.keep_log();
         }
+        self.keep_requests(&mut machine);
         let began = clock();
         let mut aside = 0.0;
         let report = {
@@ -101,6 +105,7 @@ impl<'a> Session<'a> {
             }
         };
         self.simulate_s = clock() - began - aside;
+        self.take_requests(&mut machine);
         self.take_frames(spec, &mut machine);
         if !self.settings.exhibits.is_empty() {
             let last = machine.last_log().map(|log| (0, log));
@@ -127,13 +132,33 @@ impl<'a> Session<'a> {
 
     /// Called by the engine between its rounds; what is done here counts as no simulation.
     fn look<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M, aside: &mut f64) -> bool {
-        if !machine.finished().is_empty() {
+        let has_finished = !machine.finished().is_empty();
+        if has_finished || self.settings.requests {
             let began = (self.settings.clock)();
-            self.take_frames(spec, machine);
+            self.take_requests(machine);
+            if has_finished {
+                self.take_frames(spec, machine);
+            }
             *aside += (self.settings.clock)() - began;
         }
         let (commands, total) = (self.commands)();
         self.failed.is_none() && self.over_budget.is_none() && self.observer.progress(commands, total)
+    }
+
+    fn keep_requests(&mut self, machine: &mut impl Machine) {
+        if self.settings.requests {
+            machine.memories().keep_requests();
+            self.clients = machine.memories().client_names().map(str::to_owned).collect();
+        }
+    }
+
+    /// Shows what the memories have taken in since the last call.
+    fn take_requests(&mut self, machine: &mut impl Machine) {
+        for (memory, requests) in machine.memories().take_requests().filter(|(_, requests)| !requests.is_empty()) {
+            self.attempt(|session| {
+                session.observer.requests(&MemoryRequests { memory, requests: &requests, clients: &session.clients })
+            });
+        }
     }
 
     fn take_frames<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M) {

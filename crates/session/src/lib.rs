@@ -40,7 +40,7 @@ pub use expectation::{check_expectation, expectation_of};
 pub use held::textures as hold_textures;
 pub use machines::{MACHINES, MachineConfig, MachineInfo, TileFetch};
 pub use methods::compare_methods;
-pub use observer::{Observer, Pictures, Unobserved, picture_name};
+pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name};
 pub use outcome::{Run, SessionError};
 pub use record::{begin_of, display_list};
 pub use run::{run, stages};

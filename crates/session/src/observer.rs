@@ -1,6 +1,7 @@
 //! Watching a run from outside.
 
 use crate::exhibits::content::Exhibit;
+use basrelief_kernel::MemoryRequest;
 use basrelief_reference::{Picture, Quality};
 
 /// A finished frame, as the machine and as the exact renderer drew it.
@@ -12,6 +13,17 @@ pub struct Pictures<'a> {
     pub machine: &'a Picture,
     /// The exact one, and how far the machine's is from it.
     pub exact: Option<(&'a Picture, Quality)>,
+}
+
+/// Requests that one memory has taken in since the last of them were shown, in its order: (arrival, port number, issue).
+#[derive(Clone, Copy, Debug)]
+pub struct MemoryRequests<'a> {
+    /// Name of the memory.
+    pub memory: &'a str,
+    /// The requests.
+    pub requests: &'a [MemoryRequest],
+    /// Names of the machine's clients, by their number.
+    pub clients: &'a [String],
 }
 
 /// Watches a run.
@@ -38,6 +50,17 @@ pub trait Observer {
     /// What keeps the observer from taking it; stops the run.
     fn exhibit(&mut self, exhibit: &Exhibit<'_>) -> Result<(), String> {
         let _ = exhibit;
+        Ok(())
+    }
+
+    /// A memory has taken requests in, where [`RunOptions::requests`](crate::RunOptions::requests) asks for them. What each
+    /// memory takes in comes in its order, whatever the engine; how it is cut, and what comes of other memories between, is not
+    /// the same for both.
+    ///
+    /// # Errors
+    /// What keeps the observer from taking them; stops the run.
+    fn requests(&mut self, requests: &MemoryRequests<'_>) -> Result<(), String> {
+        let _ = requests;
         Ok(())
     }
 }

@@ -11,7 +11,7 @@ use crate::settings::{RunInput, RunOptions};
 use crate::tee::{Tee, TraceNotes};
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles, Resolver};
-use basrelief_kernel::{self as kernel, NoProbe, Probe, StageTopology};
+use basrelief_kernel::{self as kernel, Machine, NoProbe, Probe, StageTopology};
 use basrelief_machines::{ConfigProblem, SceneFront, TraceFront};
 use basrelief_report::model::Input;
 use basrelief_signals::{Control, Draw, Scene};
@@ -48,12 +48,24 @@ impl MachineConfig {
     /// # Errors
     /// Where they do not: the parameter to change, and what to do.
     pub fn check(&self) -> Result<(), ConfigProblem> {
-        for_machine!(self, spec => fits(spec))
+        for_machine!(self, spec => unfed(spec).map(|_| ()))
+    }
+
+    /// Names of its memories, in order of number, each with the bytes of its bursts.
+    ///
+    /// # Errors
+    /// As [`MachineConfig::check`].
+    pub fn memories(&self) -> Result<Vec<(String, u32)>, ConfigProblem> {
+        for_machine!(self, spec => {
+            let mut machine = unfed(spec)?;
+            Ok(machine.memories().names_and_bursts().map(|(name, bytes)| (name.to_owned(), bytes)).collect())
+        })
     }
 }
 
-fn fits<S: MachineSpec>(spec: &S) -> Result<(), ConfigProblem> {
-    spec.build(SceneFront::new(std::iter::empty::<Draw>(), spec.front())).map(|_| ())
+/// The machine with nothing to draw.
+fn unfed<S: MachineSpec>(spec: &S) -> Result<impl Machine + use<S>, ConfigProblem> {
+    spec.build(SceneFront::new(std::iter::empty::<Draw>(), spec.front()))
 }
 
 /// Runs `source` on the machine: draws it, draws it exactly, measures, reports; `probe` watches every stage.

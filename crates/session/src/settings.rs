@@ -64,6 +64,8 @@ pub struct RunOptions {
     /// What the observer is shown beside the finished pictures, of what the machine has
     /// ([`MachineInfo::exhibits`](crate::MachineInfo::exhibits)); costs nothing where it is empty.
     pub exhibits: Vec<ExhibitInfo>,
+    /// Show the observer every [request](crate::Observer::requests) that a memory takes in; costs nothing otherwise.
+    pub requests: bool,
     /// Seconds on a clock that does not run backwards, for the host figures; libraries read none themselves. It must
     /// not influence anything else, and does not.
     pub clock: fn() -> f64,
@@ -81,6 +83,7 @@ impl Default for RunOptions {
             max_cycles: u64::MAX,
             exact: true,
             exhibits: vec![],
+            requests: false,
             clock: || 0.0,
             budget: Budget::default(),
         }

@@ -16,6 +16,20 @@ pub enum EngineName {
     Ticked,
 }
 
+/// How requests are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum RequestsFormat {
+    /// A line for each request: cycle,memory,client,operation,address,bytes.
+    #[default]
+    Csv,
+    /// DRAMsim3's trace, a line for each burst: 0xADDRESS READ|WRITE CYCLE.
+    Dramsim3,
+    /// DRAM trace of Ramulator 1, a line for each burst: 0xADDRESS R|W.
+    Ramulator,
+    /// LoadStoreTrace of Ramulator 2, a line for each burst: LD|ST 0xADDRESS.
+    Ramulator2,
+}
+
 /// Which machine, and how it is set up.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Machine")]
@@ -63,7 +77,7 @@ pub struct SimulationArgs {
     #[arg(long, value_enum, default_value_t)]
     pub engine: EngineName,
     /// No time: the same steps with memories that answer at once; the same picture, no cycles.
-    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline"])]
+    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline", "requests"])]
     pub functional: bool,
     /// Stop after this many cycles, with exit code 1 and the state so far.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -83,11 +97,22 @@ pub struct SimulationArgs {
     /// Write what every unit did when, as a Perfetto trace (open at ui.perfetto.dev).
     #[arg(long, value_name = "FILE")]
     pub timeline: Option<PathBuf>,
+    /// Write every memory request, the memories one after the other, each in the order in which it took them in: by cycle of
+    /// arrival, then port, then issue.
+    #[arg(long, value_name = "FILE")]
+    pub requests: Option<PathBuf>,
+    /// How requests are written.
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t, requires = "requests")]
+    pub requests_format: RequestsFormat,
+    /// Write the requests of this memory alone; needed by the formats of other simulators, which know one memory, where the
+    /// machine has several.
+    #[arg(long, value_name = "NAME", requires = "requests")]
+    pub requests_memory: Option<String>,
     /// Run the same input without each short cut of the machine in turn, and without any, and write the table of cycles and
     /// changes as ablation.json and ablation.csv, and nothing else.
-    #[arg(long, conflicts_with_all = ["functional", "timeline", "csv", "dump"])]
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "requests", "csv", "dump"])]
     pub ablate: bool,
-    #[arg(long, help = tables::methods_help(), conflicts_with_all = ["functional", "timeline", "csv", "dump", "ablate"])]
+    #[arg(long, help = tables::methods_help(), conflicts_with_all = ["functional", "timeline", "requests", "csv", "dump", "ablate"])]
     pub compare_methods: bool,
     #[arg(long, help = dump::help(), num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
     pub dump: Vec<PathBuf>,

@@ -6,7 +6,7 @@ mod lists;
 mod run;
 mod values;
 
-pub use common::{EngineName, MachineArgs, SimulationArgs, ViewArgs};
+pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, ViewArgs};
 pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
 pub use run::{DemoArgs, RunArgs, ServeArgs};

@@ -30,7 +30,7 @@ impl DumpFiles {
             Ok(Dump { what, path: path.clone(), file })
         };
         let pairs = asked.as_chunks::<2>().0;
-        pairs.iter().try_for_each(|[_, path]| is_file(path)).map_err(Failure::Usage)?;
+        pairs.iter().try_for_each(|[_, path]| is_file("--dump", path)).map_err(Failure::Usage)?;
         pairs.iter().map(open).collect::<Done<_>>().map(Self)
     }
 
@@ -59,9 +59,13 @@ impl DumpFiles {
     }
 }
 
-fn is_file(path: &Path) -> Result<(), String> {
+/// Whether what an option names can be a file.
+///
+/// # Errors
+/// Standard output.
+pub fn is_file(option: &str, path: &Path) -> Result<(), String> {
     if path.as_os_str() == "-" {
-        return Err("--dump: standard output is the report's; expected a file, `./-` where it is to be called `-`".into());
+        return Err(format!("{option}: standard output is the report's; expected a file, `./-` where it is to be called `-`"));
     }
     Ok(())
 }
@@ -110,7 +114,7 @@ mod tests {
 
     #[test]
     fn standard_output_is_no_dump() {
-        assert_eq!(is_file(Path::new("./-")), Ok(()));
-        assert!(is_file(Path::new("-")).unwrap_err().contains("expected a file"));
+        assert_eq!(is_file("--dump", Path::new("./-")), Ok(()));
+        assert!(is_file("--dump", Path::new("-")).unwrap_err().contains("expected a file"));
     }
 }

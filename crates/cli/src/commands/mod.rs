@@ -7,6 +7,7 @@ pub mod dump;
 mod from;
 mod output_files;
 mod record;
+mod requests;
 mod run;
 mod schema;
 mod serve;

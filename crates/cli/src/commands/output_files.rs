@@ -1,11 +1,12 @@
 //! What a run writes while it goes on: pictures, exhibits, progress.
 
 use super::dump::DumpFiles;
+use super::requests::RequestsFile;
 use crate::error::Failure;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
 use basrelief_reference::{Picture, metrics};
-use basrelief_session::{Content, Exhibit, Form, Observer, Pictures, picture_name};
+use basrelief_session::{Content, Exhibit, Form, MemoryRequests, Observer, Pictures, picture_name};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use std::cell::Cell;
@@ -17,6 +18,8 @@ use std::rc::Rc;
 pub struct OutputFiles {
     /// In front of the outputs: a dump that is given up must be gone before the folder that was made for both.
     pub dumps: DumpFiles,
+    /// In front of the outputs likewise.
+    pub requests: Option<RequestsFile>,
     pub outputs: Outputs,
     pub progress: Progress,
     /// Bytes of a trace read so far; a scene counts commands instead.
@@ -59,6 +62,10 @@ impl Observer for OutputFiles {
                 Ok(())
             }
         }
+    }
+
+    fn requests(&mut self, requests: &MemoryRequests<'_>) -> Result<(), String> {
+        self.requests.as_mut().map_or(Ok(()), |file| file.write(requests))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::dump::DumpFiles;
 use super::output_files::OutputFiles;
+use super::requests::RequestsFile;
 use crate::args::{EngineName, SimulationArgs};
 use crate::error::{Done, Failure, print};
 use crate::outputs::{Outputs, PartialFile, check_distinct};
@@ -43,6 +44,7 @@ pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs, budget: &
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
         exhibits: vec![],
+        requests: simulation.requests.is_some(),
         clock: seconds,
         budget: budget.clone(),
     }
@@ -60,10 +62,20 @@ pub fn simulate_source(
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
     check_distinct(&simulation.out, &named_outputs(simulation)).map_err(Failure::Usage)?;
     let dumps = DumpFiles::open(&simulation.dump, &settings.config)?;
+    let requests = RequestsFile::open(simulation, &settings.config, &outputs)?;
     let pictures = settings.config.machine().exhibits().into_iter().filter(|e| e.form != Form::Lines);
     settings.exhibits = pictures.filter(|e| settings.exact || !e.judges).chain(dumps.exhibits()).collect();
-    let mut files =
-        OutputFiles { dumps, outputs, progress, read, frames: 0, kinds: Default::default(), extra: vec![], shown: None };
+    let mut files = OutputFiles {
+        dumps,
+        requests,
+        outputs,
+        progress,
+        read,
+        frames: 0,
+        kinds: Default::default(),
+        extra: vec![],
+        shown: None,
+    };
     let ran = match &simulation.timeline {
         None => run_named(source, &settings, &mut files, None).map(|run| (run, None)),
         Some(path) => with_timeline(path, source, &settings, &mut files),
@@ -73,18 +85,21 @@ pub fn simulate_source(
         Err(error) => return Err(files.rescue(error)),
     };
     let report = run.with_host(seconds() - began);
-    let OutputFiles { outputs, progress, mut dumps, frames, kinds, extra, .. } = files;
+    let OutputFiles { outputs, progress, mut dumps, requests, frames, kinds, extra, .. } = files;
     let kinds = kinds.concat();
     drop(progress);
     dumps.flush()?;
+    let requests = requests.map(RequestsFile::finish).transpose()?;
     if simulation.json {
         // In front of what is published: where it cannot be printed, nothing is written.
         print(&report.to_json().map_err(Failure::bad)?)?;
     }
     publish(outputs, (frames, &kinds), &report, simulation)?;
     dumps.publish()?;
-    if let (Some(file), Some(path)) = (timeline, &simulation.timeline) {
-        file.publish().map_err(Failure::file(path, "be written"))?;
+    for (file, path) in [(timeline, &simulation.timeline), (requests, &simulation.requests)] {
+        if let (Some(file), Some(path)) = (file, path) {
+            file.publish().map_err(Failure::file(path, "be written"))?;
+        }
     }
     show(&report, (&kinds, &extra), simulation, quiet)
 }
@@ -92,8 +107,9 @@ pub fn simulate_source(
 /// Options that name a file, and their files.
 fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
     let timeline = simulation.timeline.iter().map(|path| ("--timeline", &**path));
+    let requests = simulation.requests.iter().map(|path| ("--requests", &**path));
     let dumps = simulation.dump.as_chunks::<2>().0.iter().map(|[_, path]| ("--dump", &**path));
-    timeline.chain(dumps).collect()
+    timeline.chain(requests).chain(dumps).collect()
 }
 
 /// A run whose errors name the input, unless it is the parameters or an output that are wrong.

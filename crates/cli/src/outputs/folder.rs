@@ -12,6 +12,9 @@ use std::time::Duration;
 const TRIES: u32 = 1000;
 const PAUSE: Duration = Duration::from_millis(10);
 
+/// What a file without a name is called while it is made.
+const SCRATCH: &str = "scratch";
+
 /// The files of one run, in a folder. Until [`Outputs::publish`] they lie in a hidden folder inside it; dropped before
 /// that, they are gone, and so are the folders that were made for them.
 #[derive(Debug)]
@@ -40,6 +43,14 @@ impl Outputs {
     pub fn create(&self, name: &str) -> io::Result<BufWriter<File>> {
         let _lock = Unfinished::lock();
         File::create(self.partial.join(name)).map(BufWriter::new)
+    }
+
+    /// Opens a file without a name, to be written and read back: gone when it is closed, or its run dies.
+    pub fn scratch(&self) -> io::Result<File> {
+        let _lock = Unfinished::lock();
+        let path = self.partial.join(SCRATCH);
+        let file = File::options().read(true).write(true).create_new(true).open(&path)?;
+        fs::remove_file(&path).map(|()| file)
     }
 
     /// Where a file of this name shall be.

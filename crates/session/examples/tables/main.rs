@@ -14,6 +14,7 @@ mod bump;
 mod defer;
 mod document;
 mod machine;
+mod memory;
 mod shade;
 mod support;
 mod texel;
@@ -34,14 +35,23 @@ const TABLES: &[(&str, Make)] = &[
     ("full-over-hybrid", shade::full_over_hybrid),
     ("methods", texel::methods),
     ("dividers", texel::dividers),
+    ("igehy", memory::igehy),
+    ("hakura", memory::hakura),
     ("tiles", defer::tiles),
     ("dmax", defer::dmax),
     ("machine", machine::machine),
 ];
 
 /// Files that hold tables.
-const FILES: [&str; 6] =
-    ["README.md", "docs/architecture.md", "docs/quality.md", "docs/shading.md", "docs/texel.md", "docs/defer.md"];
+const FILES: [&str; 7] = [
+    "README.md",
+    "docs/architecture.md",
+    "docs/quality.md",
+    "docs/shading.md",
+    "docs/texel.md",
+    "docs/defer.md",
+    "docs/experiments.md",
+];
 
 /// What `NAME INPUT ...` comes to.
 fn make(inputs: &Inputs, command: &str) -> Result<String, Box<dyn Error>> {

@@ -1,0 +1,134 @@
+//! `--requests`: what memories were asked for.
+
+use crate::support::{Place, workspace};
+use std::collections::BTreeMap;
+use std::fs;
+
+const CORRIDOR: &str = "demo corridor --size 48x36 --quiet";
+
+/// Fields of the lines behind the head.
+fn lines(text: &str) -> Vec<Vec<&str>> {
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("cycle,memory,client,operation,address,bytes"));
+    lines.map(|line| line.split(',').collect()).collect()
+}
+
+#[test]
+fn both_engines_write_the_same_requests() {
+    let place = Place::new();
+    for (name, line) in [("texel", CORRIDOR), ("bump", "run PATCH --size 48x36 --quiet --frames 2 --orbit 30")] {
+        for engine in ["timed", "ticked"] {
+            place.ok(&format!("{line} --no-exact --engine {engine} --requests {name}-{engine}.csv"));
+            // Cut short, where what has arrived is served to its end.
+            let cut = place.run(&format!("{line} --no-exact --engine {engine} --max-cycles 1500 --requests cut-{engine}.csv"));
+            assert_eq!(cut.code(), 1, "{}", cut.err);
+        }
+        assert_eq!(place.text(&format!("{name}-timed.csv")), place.text(&format!("{name}-ticked.csv")), "{name}");
+        let cut = place.text("cut-timed.csv");
+        assert_eq!(cut, place.text("cut-ticked.csv"), "{name}");
+        assert!(lines(&cut).len() > 10 && cut.len() < place.text(&format!("{name}-timed.csv")).len(), "{name}");
+    }
+}
+
+#[test]
+fn every_request_of_the_report_is_written_once_and_each_memory_in_order_of_arrival() {
+    let place = Place::new();
+    place.ok(&format!("{CORRIDOR} --requests all.csv"));
+    let text = place.text("all.csv");
+    let (mut counted, mut bytes, mut sections) = (BTreeMap::new(), BTreeMap::new(), Vec::<(&str, u64)>::new());
+    for line in lines(&text) {
+        let [cycle, memory, client, operation, _, size] = line[..] else { panic!("{line:?}") };
+        let cycle: u64 = cycle.parse().expect("a cycle");
+        *counted.entry((memory, client, operation)).or_insert(0_u64) += 1;
+        *bytes.entry((memory, client, operation)).or_insert(0_u64) += size.parse::<u64>().expect("bytes");
+        match sections.last_mut().filter(|(of, _)| *of == memory) {
+            Some((_, last)) => assert!(cycle >= std::mem::replace(last, cycle), "{memory} goes back to {cycle}"),
+            None => sections.push((memory, cycle)),
+        }
+    }
+    assert_eq!(sections.iter().map(|(memory, _)| *memory).collect::<Vec<_>>(), ["texture", "depth", "pixel"]);
+    let report = place.report("out");
+    for (memory, m) in report["memories"].as_object().expect("memories") {
+        for (client, c) in m["clients"].as_object().expect("clients") {
+            for (operation, requests, moved) in [("read", "reads", "read_bytes"), ("write", "writes", "write_bytes")] {
+                let of = |counts: &BTreeMap<_, u64>| counts.get(&(memory.as_str(), client.as_str(), operation)).copied();
+                let told = |field: &str| c[field].as_u64().unwrap_or_else(|| panic!("{memory} {client} {field}"));
+                assert_eq!([of(&counted), of(&bytes)].map(Option::unwrap_or_default), [requests, moved].map(told), "{client}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_traces_of_other_simulators_hold_aligned_bursts_of_one_memory() {
+    let place = Place::new();
+    fs::copy(workspace().join("crates/session/src/quad.dl.jsonl"), place.path("quad.dl.jsonl")).expect("copied");
+    // Four bytes of colour each: two bursts for a write of 16 bytes.
+    let line = "run quad.dl.jsonl --machine shade --quiet --set memory.frame.burst_bytes=8 --set memory.frame.burst_cycles=1";
+    let formats = ["csv", "dramsim3", "ramulator", "ramulator2"];
+    for format in formats {
+        place.ok(&format!("{line} --requests {format} --requests-format {format}"));
+    }
+    let csv = place.text("csv");
+    let all = lines(&csv);
+    let [mut dramsim3, mut ramulator, mut ramulator2] = [const { String::new() }; 3];
+    for line in &all {
+        let [cycle, _, _, operation, address, bytes] = line[..] else { panic!("{line:?}") };
+        let [address, bytes] = [address, bytes].map(|n| n.parse::<u64>().expect("a number"));
+        for burst in (address / 8..(address + bytes).div_ceil(8)).map(|n| n * 8) {
+            let (word, letter, name) = if operation == "read" { ("READ", "R", "LD") } else { ("WRITE", "W", "ST") };
+            dramsim3 += &format!("0x{burst:x} {word} {cycle}\n");
+            ramulator += &format!("0x{burst:x} {letter}\n");
+            ramulator2 += &format!("{name} 0x{burst:x}\n");
+        }
+    }
+    assert_eq!(place.text("dramsim3"), dramsim3);
+    assert_eq!(place.text("ramulator"), ramulator);
+    assert_eq!(place.text("ramulator2"), ramulator2);
+    let clients = &place.report("out")["memories"]["frame"]["clients"];
+    let bursts = clients.as_object().expect("clients").values();
+    let bursts = bursts.map(|c| c["bursts"].as_u64().expect("bursts")).sum::<u64>();
+    assert_eq!(dramsim3.lines().count() as u64, bursts);
+    assert!(bursts > all.len() as u64, "nothing was split");
+}
+
+#[test]
+fn what_cannot_be_written_as_asked_is_refused() {
+    let place = Place::new();
+    let refused = |more: &str| {
+        let refused = place.run(&format!("{CORRIDOR} {more}"));
+        let error = refused.error(2).to_owned();
+        assert!(place.names("").is_empty(), "{more}: {:?}", place.names(""));
+        error
+    };
+    for format in ["dramsim3", "ramulator", "ramulator2"] {
+        let error = refused(&format!("--requests t --requests-format {format}"));
+        assert!(error.starts_with(&format!("--requests-format {format}: ")), "{error}");
+        assert!(error.contains("--requests-memory: texture, depth, pixel\n"), "{error}");
+    }
+    let error = refused("--requests t --requests-memory graphics");
+    assert!(error.starts_with("--requests-memory: machine `texel` has no memory `graphics`; expected texture, depth, pixel"));
+    assert!(refused("--requests -").starts_with("--requests: standard output is the report's"));
+    assert!(refused("--requests-memory texture").contains("--requests <FILE>"));
+    assert!(refused("--requests-format dramsim3").contains("--requests <FILE>"));
+    for other in ["--functional", "--ablate", "--compare-methods"] {
+        assert!(refused(&format!("--requests t {other}")).contains("cannot be used with"), "{other}");
+    }
+    assert!(refused("--requests t --timeline ./t").contains("is named twice"));
+    assert!(refused("--requests out/report.json").contains("the run's own"));
+}
+
+#[test]
+fn one_memory_is_written_alone_and_into_a_device() {
+    let place = Place::new();
+    place.ok(&format!("{CORRIDOR} --requests one.csv --requests-memory depth"));
+    place.ok(&format!("{CORRIDOR} --requests all.csv"));
+    let (all, one) = (place.text("all.csv"), place.text("one.csv"));
+    let depth: Vec<_> = lines(&all).into_iter().filter(|line| line[1] == "depth").collect();
+    assert_eq!(lines(&one), depth);
+    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json"]);
+    if cfg!(unix) {
+        let printed = place.ok(&format!("{CORRIDOR} --requests /dev/stdout")).out;
+        assert_eq!(printed, all);
+    }
+}
