@@ -59,15 +59,58 @@ fn every_request_of_the_report_is_written_once_and_each_memory_in_order_of_arriv
     }
 }
 
-#[test]
-fn the_traces_of_other_simulators_hold_aligned_bursts_of_one_memory() {
+/// A quad of 6 x 6 pixels, whose depth and colour take four lines each; all that its requests depend on is set.
+const QUAD: &str = "run quad.dl.jsonl --machine shade --quiet --set video_out.enabled=false --set depth.clear_flags=false \
+    --set depth.write_lines=8 --set frame_buffer.write_lines=8 --set cache.depth.line_bytes=64 --set memory.frame.channels=1 \
+    --set memory.frame.burst_bytes=32 --set memory.frame.burst_cycles=2 --set memory.frame.cl=3 --set memory.frame.cwl=1 \
+    --set memory.frame.rcd=3 --set memory.frame.refi=0 --set memory.frame.outstanding=16";
+
+/// Of [`QUAD`]: lines of depth come, go and, at the end of the frame, colours go.
+const GOLDEN: &str = "\
+0x10002000 READ 415
+0x10002020 READ 415
+0x10002080 READ 418
+0x100020a0 READ 418
+0x100020c0 READ 427
+0x100020e0 READ 427
+0x10002040 READ 436
+0x10002060 READ 436
+0x10002080 WRITE 465
+0x100020a0 WRITE 465
+0x10002000 WRITE 466
+0x10002020 WRITE 466
+0x10002040 WRITE 467
+0x10002060 WRITE 467
+0x100020c0 WRITE 468
+0x100020e0 WRITE 468
+0x80 WRITE 471
+0xa0 WRITE 471
+0x0 WRITE 472
+0x20 WRITE 472
+0x40 WRITE 473
+0x60 WRITE 473
+0xc0 WRITE 474
+0xe0 WRITE 474
+";
+
+fn with_quad() -> Place {
     let place = Place::new();
     fs::copy(workspace().join("crates/session/src/quad.dl.jsonl"), place.path("quad.dl.jsonl")).expect("copied");
-    // Four bytes of colour each: two bursts for a write of 16 bytes.
-    let line = "run quad.dl.jsonl --machine shade --quiet --set memory.frame.burst_bytes=8 --set memory.frame.burst_cycles=1";
-    let formats = ["csv", "dramsim3", "ramulator", "ramulator2"];
-    for format in formats {
-        place.ok(&format!("{line} --requests {format} --requests-format {format}"));
+    place
+}
+
+#[test]
+fn a_trace_for_dramsim3_is_as_reviewed() {
+    let place = with_quad();
+    place.ok(&format!("{QUAD} --requests t --requests-format dramsim3"));
+    assert_eq!(place.text("t"), GOLDEN);
+}
+
+#[test]
+fn the_traces_of_other_simulators_hold_aligned_bursts_of_one_memory() {
+    let place = with_quad();
+    for format in ["csv", "dramsim3", "ramulator", "ramulator2"] {
+        place.ok(&format!("{QUAD} --requests {format} --requests-format {format}"));
     }
     let csv = place.text("csv");
     let all = lines(&csv);
@@ -75,7 +118,7 @@ fn the_traces_of_other_simulators_hold_aligned_bursts_of_one_memory() {
     for line in &all {
         let [cycle, _, _, operation, address, bytes] = line[..] else { panic!("{line:?}") };
         let [address, bytes] = [address, bytes].map(|n| n.parse::<u64>().expect("a number"));
-        for burst in (address / 8..(address + bytes).div_ceil(8)).map(|n| n * 8) {
+        for burst in (address / 32..(address + bytes).div_ceil(32)).map(|n| n * 32) {
             let (word, letter, name) = if operation == "read" { ("READ", "R", "LD") } else { ("WRITE", "W", "ST") };
             dramsim3 += &format!("0x{burst:x} {word} {cycle}\n");
             ramulator += &format!("0x{burst:x} {letter}\n");
