@@ -68,6 +68,17 @@ fn pictures_have_a_largest_size_and_frames_a_largest_number() {
 #[test]
 fn the_limit_of_cycles_holds_however_much_there_is_to_draw() {
     let place = Place::new();
+    // A million vertices that no data back, in fifty places.
+    let nodes = vec![r#"{"mesh":0}"#; 50].join(",");
+    let numbers = (0..50).map(|i| i.to_string()).collect::<Vec<_>>().join(",");
+    let model = format!(
+        r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[{numbers}]}}],"nodes":[{nodes}],"meshes":[{{"primitives":
+        [{{"attributes":{{"POSITION":0}}}}]}}],"accessors":[{{"componentType":5126,"count":1048576,"type":"VEC3"}}]}}"#
+    );
+    fs::write(place.path("m.gltf"), model).expect("written");
+    let outcome = run(&place, "run m.gltf --max-cycles 20000 --size 64x48 --quiet");
+    assert!(outcome.error(1).contains("--max-cycles"), "{}", outcome.err);
+    assert!(outcome.seconds < 20.0, "m.gltf: took {} s", outcome.seconds);
     // A thousand frames of these take minutes; what is drawn before the limit, a moment.
     for demo in ["coin", "--machine shade", "--machine defer"] {
         let outcome = run(&place, &format!("demo {demo} --frames 10000 --max-cycles 20000 --size 64x48 --quiet"));

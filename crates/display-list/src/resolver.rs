@@ -206,7 +206,8 @@ impl<R: Read, F: Files> Resolver<R, F> {
         }
         self.held.grow(DEFINITION + definition.name.len() as u64, "textures").map_err(Fault::over_budget("name"))?;
         let texels = TEXEL * definition.texel_count();
-        self.held.grow(texels * (1 + self.texture_copies), "texels").map_err(Fault::over_budget("width"))?;
+        let copies = (texels + DEFINITION) * self.texture_copies;
+        self.held.grow(texels + copies, "texels").map_err(Fault::over_budget("width"))?;
         let (bytes, _held) = self.texels(&mut definition)?;
         if Digest::of(&bytes) != definition.sha256 {
             let message = format!(

@@ -28,6 +28,27 @@ impl Window {
     }
 }
 
+/// Pixels of a strip: where there are more, they are filtered strip by strip, so that the planes of a large picture are never
+/// in memory as a whole. A strip takes up to 180 bytes for each.
+pub(crate) const STRIP_PIXELS: usize = 1 << 19;
+
+/// Rows that are looked at, and those that filters reach from there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Strip {
+    pub rows: Range<usize>,
+    pub reached: Range<usize>,
+}
+
+impl Strip {
+    /// From `row` on, of about so many pixels, within a window. What is filtered there is what it would be of the whole window:
+    /// its rim is the window's, or lies beyond what filters of this radius reach.
+    pub fn from(row: usize, pixels: usize, window: &Window, radius: usize) -> Self {
+        let end = row.saturating_add((pixels / window.width().max(1)).max(1)).min(window.rows.end);
+        let reached = row.saturating_sub(radius).max(window.rows.start)..end.saturating_add(radius).min(window.rows.end);
+        Self { rows: row..end, reached }
+    }
+}
+
 /// Weights at -radius..=radius.
 #[derive(Clone, Debug)]
 pub(crate) struct Kernel(pub Vec<f64>);

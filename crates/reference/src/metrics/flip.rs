@@ -5,7 +5,7 @@
 //! those of the paper. The spatial filters are sums of Gaussians and therefore separable: two passes of 21 taps
 //! instead of 441.
 
-use super::filter::{Kernel, Rim, Window};
+use super::filter::{Kernel, Rim, STRIP_PIXELS, Strip, Window};
 use super::{SizeMismatch, covered, mean, same_size};
 use crate::Picture;
 use std::f64::consts::PI;
@@ -43,17 +43,29 @@ const FROM_XYZ: [[f64; 3]; 3] = [
 /// # Errors
 /// If the pictures differ in size.
 pub fn flip(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
+    flip_by(exact, other, STRIP_PIXELS)
+}
+
+/// In strips of about so many pixels.
+fn flip_by(exact: &Picture, other: &Picture, strip_pixels: usize) -> Result<f64, SizeMismatch> {
     same_size(exact, other)?;
     let Some(window) = reach(exact, other) else { return Ok(0.0) };
     let planes = Planes::new();
-    let [left, right] = [exact, other].map(|picture| planes.seen(picture, &window));
     let largest = largest_color_difference();
     let picture_width = exact.width as usize;
+    let mut current: Option<(Strip, [Seen; 2])> = None;
     Ok(mean(exact, other, 0.0, |i| {
-        let (column, row) = (i % picture_width - window.columns.start, i / picture_width - window.rows.start);
-        let at = row * window.width() + column;
+        let (column, row) = (i % picture_width - window.columns.start, i / picture_width);
+        // Given up before the next is made.
+        current = current.take().filter(|(strip, _)| strip.rows.contains(&row));
+        let (strip, [left, right]) = current.get_or_insert_with(|| {
+            let strip = Strip::from(row, strip_pixels, &window, COLOR_RADIUS);
+            let part = Window { columns: window.columns.clone(), rows: strip.reached.clone() };
+            (strip, [exact, other].map(|picture| planes.seen(picture, &part)))
+        });
+        let at = (row - strip.reached.start) * window.width() + column;
         let color = redistributed(power(distance(left.lab(at), right.lab(at)), COLOR_EXPONENT), largest);
-        power(color, 1.0 - feature_difference(&left, &right, at))
+        power(color, 1.0 - feature_difference(left, right, at))
     }))
 }
 
@@ -223,4 +235,19 @@ fn times(matrix: &[[f64; 3]; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
 /// sRGB decoding, 0..=1.
 fn linear(value: f64) -> f64 {
     if value > 0.04045 { libm::pow((value + 0.055) / 1.055, 2.4) } else { value / 12.92 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::tests::noise;
+
+    #[test]
+    fn strips_come_to_the_same_as_the_whole() {
+        let (exact, other) = (noise(31, 57, 1), noise(31, 57, 2));
+        let whole = flip_by(&exact, &other, usize::MAX).unwrap();
+        for pixels in [1, 31 * 7, 31 * 40] {
+            assert_eq!(flip_by(&exact, &other, pixels).unwrap().to_bits(), whole.to_bits(), "{pixels}");
+        }
+    }
 }

@@ -121,3 +121,21 @@ fn mean(exact: &Picture, other: &Picture, empty: f64, mut map: impl FnMut(usize)
 fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A picture of which two thirds are covered, by colours without a pattern.
+    pub(crate) fn noise(width: u32, height: u32, seed: u32) -> Picture {
+        let mut picture = Picture::new(width, height);
+        let mut state = seed;
+        for (rgb, covered) in picture.rgb.iter_mut().zip(&mut picture.covered) {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let [_, r, g, b] = state.to_le_bytes();
+            *covered = b % 3 != 0;
+            *rgb = if *covered { [r, g, b] } else { [0; 3] };
+        }
+        picture
+    }
+}
