@@ -101,7 +101,7 @@ fn a_run_that_stops_at_its_limit_reports_the_state_so_far_and_fails() {
 fn comparing_fails_only_over_its_limit() {
     let place = Place::new();
     place.ok(&format!("{SMALL} --out a"));
-    place.ok(&format!("{SMALL} --out b --set memory.graphics.cl=60"));
+    place.ok(&format!("{SMALL} --out b --set memory.graphics.cl=900"));
     let same = place.ok("compare a a --fail-over 0").out;
     assert!(!same.is_empty());
     assert!(place.ok("compare a b/report.json").out.contains("graphics"));

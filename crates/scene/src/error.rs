@@ -16,7 +16,7 @@ pub struct SceneError {
     /// What would have been right.
     pub expected: String,
     /// What the user can do; may be empty.
-    pub cure: String,
+    pub cure: Box<str>,
     /// The input may be in order, but holds more than the budget allows.
     pub over_budget: bool,
 }
@@ -55,7 +55,7 @@ impl SceneError {
     /// Says what to do.
     #[must_use]
     pub(crate) fn cure(mut self, cure: impl Into<String>) -> Self {
-        self.cure = cure.into();
+        self.cure = cure.into().into_boxed_str();
         self
     }
 

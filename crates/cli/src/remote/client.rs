@@ -21,13 +21,16 @@ pub(super) const MOST_AHEAD: usize = 256;
 /// A tile: number of its texture, and its own.
 type Key = (u32, u32);
 
+/// What a tile is encoded as, and what is counted for it.
+type HeldTile = (Arc<[u8]>, Held);
+
 /// What the threads share.
 #[derive(Debug, Default)]
 struct Shared {
     /// Tiles to fetch, in order.
     queue: VecDeque<(Arc<Page>, u32)>,
     /// Those that are there, with what they take, or have failed for good.
-    done: BTreeMap<Key, Result<(Arc<[u8]>, Held), String>>,
+    done: BTreeMap<Key, Result<HeldTile, String>>,
     /// Somebody waits for a tile that is not there.
     missed: bool,
     closed: bool,
@@ -120,7 +123,7 @@ impl Worker {
     }
 
     /// A tile that waits to be taken.
-    fn counted(&self, tile: Vec<u8>) -> Result<(Arc<[u8]>, Held), String> {
+    fn counted(&self, tile: Vec<u8>) -> Result<HeldTile, String> {
         let held = self.fetcher.budget().take(tile.len() as u64, "tiles that nobody has taken yet");
         held.map(|held| (Arc::from(tile), held)).map_err(|e| e.to_string())
     }

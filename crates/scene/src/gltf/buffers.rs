@@ -68,12 +68,15 @@ fn check_view(document: &Document, i: usize, view: &BufferView) -> Result<(), Sc
     Ok(())
 }
 
+/// Bytes of a buffer, and what is counted for them.
+type HeldBytes<'a> = (Cow<'a, [u8]>, Held);
+
 fn load_buffer<'a>(
     i: usize,
     buffer: &Buffer,
     container: Container<'a>,
     outside: &Outside<'_>,
-) -> Result<Option<(Cow<'a, [u8]>, Held)>, SceneError> {
+) -> Result<Option<HeldBytes<'a>>, SceneError> {
     let place = format!("/buffers/{i}");
     if buffer.byte_length.0 == 0 {
         return Err(SceneError::at(format!("{place}/byteLength"), "is 0").expected("at least 1"));
