@@ -71,7 +71,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
     /// Opens a trace of any form.
     ///
     /// # Errors
-    /// As [`open`].
+    /// As [`crate::open`].
     pub fn new(reader: R, files: F) -> Result<Self, TraceError> {
         Self::within(reader, files, &Budget::default())
     }
