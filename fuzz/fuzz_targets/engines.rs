@@ -162,8 +162,8 @@ fuzz_target!(|bytes: &[u8]| {
     let machine = MACHINES[choices.below(MACHINES.len() as u32) as usize];
     let commands = commands(&mut choices);
     let trace = written(&commands, Encoding::JsonLines);
-    let timed = report(machine, trace.clone(), Engine::Timed);
-    assert_eq!(report(machine, trace.clone(), Engine::Ticked), timed, "ticked");
-    assert_eq!(report(machine, written(&commands, Encoding::Binary), Engine::Timed), timed, "binary");
-    assert_eq!(report(machine, recorded(&trace), Engine::Timed), timed, "recorded");
+    let timed = report(&machine, trace.clone(), Engine::Timed);
+    assert_eq!(report(&machine, trace.clone(), Engine::Ticked), timed, "ticked");
+    assert_eq!(report(&machine, written(&commands, Encoding::Binary), Engine::Timed), timed, "binary");
+    assert_eq!(report(&machine, recorded(&trace), Engine::Timed), timed, "recorded");
 });

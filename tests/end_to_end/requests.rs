@@ -169,9 +169,12 @@ fn one_memory_is_written_alone_and_into_a_device() {
     let (all, one) = (place.text("all.csv"), place.text("one.csv"));
     let depth: Vec<_> = lines(&all).into_iter().filter(|line| line[1] == "depth").collect();
     assert_eq!(lines(&one), depth);
-    assert_eq!(place.names("out"), ["difference.png", "displacement.png", "divisions.png", "image.png", "reference.png", "report.json"]);
+    assert_eq!(
+        place.names("out"),
+        ["difference.png", "displacement.png", "divisions.png", "image.png", "reference.png", "report.json"]
+    );
     if cfg!(unix) {
-        let printed = place.ok(&format!("{CORRIDOR} --requests /dev/stdout")).out;
+        let printed = place.ok(&format!("{CORRIDOR} --requests /dev/stderr")).err;
         assert_eq!(printed, all);
     }
 }
