@@ -17,14 +17,16 @@ pub struct PartialFile {
 
 impl PartialFile {
     /// Opens a file that shall be at `path`. What is there and no regular file (a pipe, `/dev/null`) is written to as it is:
-    /// renaming would replace the device.
+    /// renaming would replace the device. Of a link it is the file that is put in its place: `/dev/stdout` is one, and may lead to a
+    /// regular file.
     pub fn create(path: &Path) -> io::Result<Self> {
         if fs::metadata(path).is_ok_and(|m| !m.is_file()) {
             let file = BufWriter::new(File::options().write(true).open(path)?);
             return Ok(Self { path: path.into(), partial: None, file });
         }
-        path.parent().into_iter().for_each(remove_remains);
-        Self::beside(path)
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.into());
+        target.parent().into_iter().for_each(remove_remains);
+        Self::beside(&target)
     }
 
     /// The same for a file of a folder that is ours, whose remains are removed elsewhere.
