@@ -1,6 +1,7 @@
 //! What units tell of themselves: what they counted, and how fast they are.
 
-use crate::wiring::{Machine, Visitor, Wires};
+use crate::hardware::{Hardware, HardwareKind};
+use crate::wiring::{Machine, Outputs, Visitor, Wires};
 use crate::{Link, Place, Unit};
 
 /// What the units of a machine tell, each in [`Unit::tell`], in the order of the wiring. See [`facts`].
@@ -10,6 +11,9 @@ pub struct Facts {
     /// Of the unit that is telling.
     rates: Vec<Rate>,
     slow_fifos: Vec<SlowFifo>,
+    hardware: Vec<Hardware>,
+    /// Of the unit that is telling: its name.
+    place: String,
 }
 
 /// One figure.
@@ -152,6 +156,19 @@ impl Facts {
         self.rates.push(Rate { output, latency: latency.into(), interval: interval.into() });
     }
 
+    /// Tells what the unit is built of: `count` pieces of a kind, or words, each of `width` bits. What there is none of is not told.
+    pub fn hardware(&mut self, kind: HardwareKind, about: &'static str, count: impl Into<u64>, width: u32) {
+        let (place, count) = (self.place.clone(), count.into());
+        if count > 0 && width > 0 {
+            self.hardware.push(Hardware { place, kind, about, count, width });
+        }
+    }
+
+    /// All hardware: of units in the order of the wiring, each before the FIFOs that it fills; then caches.
+    pub fn all_hardware(&self) -> &[Hardware] {
+        &self.hardware
+    }
+
     /// All figures, in order.
     pub fn figures(&self) -> impl Iterator<Item = &Figure> {
         self.figures.iter()
@@ -173,6 +190,16 @@ impl Facts {
     }
 }
 
+impl Facts {
+    /// Tells the FIFOs that a unit fills, those that say how wide they are.
+    fn tell_fifos(&mut self, outputs: &impl Outputs) {
+        for link in (0..outputs.count()).map(|i| outputs.link(i)).filter(|link| link.bits() > 0) {
+            let (place, count, width) = (link.name().to_owned(), link.depth() as u64, link.bits());
+            self.hardware.push(Hardware { place, kind: HardwareKind::Fifo, about: "slots", count, width });
+        }
+    }
+}
+
 impl Figure {
     /// Makes it a part.
     pub fn part(&mut self, part: Part) {
@@ -186,8 +213,10 @@ pub fn facts(machine: &mut impl Machine) -> Facts {
     impl Visitor for Gather {
         fn stage<P: Place>(&mut self, mut place: P) {
             let (stage, connections) = place.open();
+            self.0.place = stage.name().into();
             stage.unit.tell(&mut self.0);
             let outputs = &connections.outputs;
+            self.0.tell_fifos(outputs);
             for rate in std::mem::take(&mut self.0.rates) {
                 assert!(rate.output < outputs.count(), "{} tells the rate of output {}", stage.name(), rate.output);
                 self.0.slow_fifos.extend(SlowFifo::of(outputs.link(rate.output), rate));
@@ -196,6 +225,8 @@ pub fn facts(machine: &mut impl Machine) -> Facts {
     }
     let mut gather = Gather(Facts::default());
     machine.wire(&mut gather);
+    let caches = machine.memories().clients().iter().filter_map(|client| client.cache.as_ref());
+    gather.0.hardware.extend(caches.flat_map(|cache| Hardware::of_cache(&cache.name, &cache.config)));
     gather.0
 }
 

@@ -19,6 +19,13 @@ impl<T> Fifo<T> {
         Self { link: Link::new(name, depth, latency), tokens: VecDeque::with_capacity(depth) }
     }
 
+    /// The same with slots of this width \[bits\]: what a token takes in hardware, which only says what the FIFO is built of.
+    #[must_use]
+    pub fn carrying(mut self, bits: u32) -> Self {
+        self.link.set_bits(bits);
+        self
+    }
+
     /// Reserves a slot at the start of the step that emits `token`, if it emits one; 1 if it did, else 0.
     #[inline(always)]
     pub(crate) fn reserve(&mut self, start: Cycle, token: Option<T>) -> u32 {

@@ -21,6 +21,8 @@ struct Times {
 pub struct Link {
     name: String,
     depth: usize,
+    /// Width of a slot \[bits\]; 0 where nobody has said.
+    bits: u32,
     latency: u64,
     ring: Box<[Times]>,
     pushed: u64,
@@ -53,6 +55,7 @@ impl Link {
         Self {
             name: name.into(),
             depth,
+            bits: 0,
             latency,
             ring: vec![empty; depth.next_power_of_two()].into(),
             pushed: 0,
@@ -71,6 +74,16 @@ impl Link {
     /// Its name in the machine.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Width of a slot \[bits\]; 0 where nobody has said.
+    pub fn bits(&self) -> u32 {
+        self.bits
+    }
+
+    /// Says how wide a slot is.
+    pub(crate) fn set_bits(&mut self, bits: u32) {
+        self.bits = bits;
     }
 
     /// Number in the wiring of the stage that fills it; none before a run.

@@ -33,9 +33,9 @@ macro_rules! fifos {
         }
 
         impl $fifos {
-            /// All of them, empty, as configured.
-            pub(super) fn new(config: &$configs) -> Self {
-                Self { $($name: $crate::fifos::fifo(stringify!($name), &config.$name),)* }
+            /// All of them, empty, as configured; `widths` are those of their tokens.
+            pub(super) fn new(config: &$configs, widths: &basrelief_signals::Widths) -> Self {
+                Self { $($name: $crate::fifos::fifo(stringify!($name), &config.$name, widths),)* }
             }
         }
     };
@@ -43,10 +43,11 @@ macro_rules! fifos {
 pub(crate) use fifos;
 
 use basrelief_kernel::{Fifo, FifoConfig};
+use basrelief_signals::{Signal, Widths};
 
 /// A FIFO as configured.
-pub(crate) fn fifo<T>(name: &str, config: &FifoConfig) -> Fifo<T> {
-    Fifo::new(name, config.depth as usize, u64::from(config.latency))
+pub(crate) fn fifo<T: Signal>(name: &str, config: &FifoConfig, widths: &Widths) -> Fifo<T> {
+    Fifo::new(name, config.depth as usize, u64::from(config.latency)).carrying(T::bits(widths))
 }
 
 /// What configures a FIFO of `depth` slots.

@@ -161,7 +161,7 @@ macro_rules! parameters {
 #[macro_export]
 macro_rules! parameter_groups {
     ($(#[doc = $about:literal])* pub struct $name:ident $(completed($complete:path) explained($explain:path))? {
-        $($(#[doc = $doc:literal])* $field:ident : $type:ty = $default:expr $(=> [$($inner:ident: $kind:ident($why:literal)),+ $(,)?])?,)*
+        $($(#[doc = $doc:literal])* $field:ident : $type:ty = $default:expr $(=> [$($($inner:ident).+: $kind:ident($why:literal)),+ $(,)?])?,)*
     }) => {
         $(#[doc = $about])*
         #[derive(Clone, Debug, PartialEq, $crate::private::serde::Serialize, $crate::private::serde::Deserialize, $crate::private::schemars::JsonSchema)]
@@ -180,7 +180,7 @@ macro_rules! parameter_groups {
                 $(for mut p in <$type as $crate::Parameters>::table() {
                     let inner = format!("/{}", p.key.replace('.', "/"));
                     if let Some(d) = whole[stringify!($field)].pointer(&inner) { p.default = d.clone(); }
-                    $($(if p.key == stringify!($inner) {
+                    $($(if p.key == [$(stringify!($inner)),+].join(".") {
                         p.provenance = $crate::Provenance::$kind($why.into());
                     })+)?
                     p.key = format!("{}.{}", stringify!($field), p.key);

@@ -3,8 +3,8 @@
 use crate::derived::derive;
 use crate::json::SCHEMA;
 use crate::model::{
-    Bus, Cache, Channel, Client, Cycles, Fifo, Figure, Input, Legend, Memory, Outcome, OutcomeKind, Picture, PictureQuality,
-    Report, Size, Unit,
+    Bus, Cache, Channel, Client, Cycles, Fifo, Figure, Hardware, Input, Legend, Memory, Outcome, OutcomeKind, Picture,
+    PictureQuality, Report, Size, Unit,
 };
 use crate::work::work;
 use basrelief_kernel as kernel;
@@ -27,6 +27,8 @@ pub struct Context {
     pub size: Size,
     /// The patent's reference numerals, by name of unit.
     pub numerals: IndexMap<String, u32>,
+    /// What the machine is built of.
+    pub hardware: Vec<Hardware>,
     /// Figures of the machine; cycles and bytes are divided by its [`work`].
     pub figures: IndexMap<String, Figure>,
     /// What they mean.
@@ -69,6 +71,7 @@ impl Report {
             fifos: None,
             memories: None,
             caches: None,
+            hardware: context.hardware,
             figures: context.figures,
             legend: context.legend,
             quality: context.quality,

@@ -39,5 +39,5 @@ pub use csv::to_csv;
 pub use json::{ReadError, SCHEMA, schema};
 pub use methods::Methods;
 pub use model::Report;
-pub use text::{Style, to_text};
+pub use text::{Style, hardware, to_text};
 pub use timeline::{StageNames, Timeline};

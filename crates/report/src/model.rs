@@ -1,6 +1,6 @@
 //! The report as it stands in `report.json`: plain data, fields in fixed order, maps in the order of the block diagram.
 
-use basrelief_kernel::facts;
+use basrelief_kernel::{self as kernel, HardwareKind, facts};
 use basrelief_reference::Quality;
 use basrelief_signals::Camera;
 use indexmap::IndexMap;
@@ -41,6 +41,9 @@ pub struct Report {
     /// What each cache's look-ups found, by name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caches: Option<IndexMap<String, Cache>>,
+    /// What the machine is built of, unit by unit, each before the FIFOs that it fills; then caches.
+    #[serde(default)]
+    pub hardware: Vec<Hardware>,
     /// What the machine counts, as its units name it: fragments, searches, table look-ups ...
     pub figures: IndexMap<String, Figure>,
     /// What `figures` mean, by the same names.
@@ -248,6 +251,35 @@ pub struct Cache {
     pub misses: u64,
     /// The line was on its way.
     pub merged: u64,
+}
+
+/// Equal pieces of hardware: no area and no energy, but counts that one can multiply.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Hardware {
+    /// Where: name of the unit, of the FIFO, or of the cache.
+    pub place: String,
+    /// What it is.
+    pub kind: HardwareKind,
+    /// What it is for.
+    pub about: String,
+    /// How many: operators, or words.
+    pub count: u64,
+    /// Width of each \[bits\].
+    pub width: u32,
+}
+
+impl Hardware {
+    /// Bits that it holds; 0 where it computes.
+    pub fn bits(&self) -> u64 {
+        if self.kind.computes() { 0 } else { self.count.saturating_mul(u64::from(self.width)) }
+    }
+}
+
+impl From<&kernel::Hardware> for Hardware {
+    fn from(hardware: &kernel::Hardware) -> Self {
+        let kernel::Hardware { place, kind, about, count, width } = hardware;
+        Self { place: place.clone(), kind: *kind, about: (*about).into(), count: *count, width: *width }
+    }
 }
 
 /// One figure of a machine.

@@ -41,6 +41,7 @@ pub fn context() -> Context {
         ]
         .into_iter()
         .collect(),
+        hardware: vec![],
         legend: [("fragments".to_owned(), legend("fragments", Part::Work))].into_iter().collect(),
         quality: Some(PictureQuality {
             last: Quality { psnr_db: 41.25, ssim: 0.987654, flip: 0.0321 },

@@ -265,6 +265,7 @@ impl<'a> Session<'a> {
             size: frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
             numerals: drawn.filter_map(|(name, numeral)| Some((name.to_owned(), numeral.parse().ok()?))).collect(),
             figures: facts.figures().map(|f| (f.name.clone(), (&f.value).into())).collect(),
+            hardware: facts.all_hardware().iter().map(Into::into).collect(),
             legend: facts.figures().map(|f| (f.name.clone(), f.into())).collect(),
             quality: self.quality.last().map(|&last| PictureQuality {
                 last,

@@ -9,6 +9,8 @@
 //!
 //! [`GatheredLines`] are the lines of a picture's memory that a unit has open for writing.
 //!
+//! [`width`] says how many bits each takes on a wire.
+//!
 //! [`layout`] is the address map of the one memory that several units share.
 //!
 //! [`Flow`] puts control tokens in band (law 7): every wire behind the geometry processor carries `Flow<T>`.
@@ -25,6 +27,7 @@ pub mod model;
 pub mod packet;
 pub mod polygon;
 pub mod quantization_memory;
+pub mod width;
 
 pub use flow::{Control, Flow};
 pub use fragment::{
@@ -39,3 +42,4 @@ pub use packet::{
     ColorToken, DepthToken, LINE_PIXELS, PACKET_PIXELS, Packet, PixelPacket, PixelPlace, PixelToken, line_of, lines,
 };
 pub use polygon::{ObjectInfo, Polygon, Vertex};
+pub use width::{Signal, Widths};

@@ -17,7 +17,10 @@ pub struct DescribeArgs {
     /// One parameter, over those of the file; repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub settings: Vec<(String, String)>,
-    /// Print the table of parameters as JSON.
+    /// Print what the machine is built of instead: operators, tables, registers, caches and FIFOs, each with its width.
+    #[arg(long)]
+    pub hardware: bool,
+    /// Print the table of parameters, or of the hardware, as JSON.
     #[arg(long)]
     pub json: bool,
 }

@@ -1,19 +1,25 @@
 //! `basrelief describe`: block diagram, units, parameters with unit, default and provenance.
 
+use super::simulate::style;
 use crate::args::DescribeArgs;
-use crate::error::{Done, print};
+use crate::error::{Done, Failure, print};
 use crate::input::config_of;
 use basrelief_input::Budget;
 use basrelief_parameters::Parameter;
+use basrelief_report::model::Hardware;
 use basrelief_scene::DEMOS;
-use basrelief_session::MachineInfo;
+use basrelief_session::{MachineConfig, MachineInfo};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// Prints what the machine is.
 pub fn describe(args: &DescribeArgs, budget: &Budget) -> Done {
     let machine = args.machine;
-    let table = config_of(machine, args.config.as_deref(), &args.settings, budget)?.parameters();
+    let config = config_of(machine, args.config.as_deref(), &args.settings, budget)?;
+    if args.hardware {
+        return hardware(&config, args.json);
+    }
+    let table = config.parameters();
     let defaults = machine.parameters();
     if args.json {
         let list: Vec<Value> = table.iter().zip(&defaults).map(|(p, by_default)| as_json(p, &by_default.default)).collect();
@@ -34,6 +40,15 @@ pub fn describe(args: &DescribeArgs, budget: &Budget) -> Done {
         let _ = writeln!(text, "  {:<10} {:<6} {}", d.name, MachineInfo::of_demo(d.name).name, d.about);
     }
     print(&text)
+}
+
+/// Prints what the machine is built of.
+fn hardware(config: &MachineConfig, json: bool) -> Done {
+    let all: Vec<Hardware> = config.hardware().map_err(Failure::bad)?.iter().map(Into::into).collect();
+    if json {
+        return print(&format!("{}\n", serde_json::to_string_pretty(&all).map_err(Failure::bad)?));
+    }
+    print(&format!("{}\n", basrelief_report::hardware(&all, style())))
 }
 
 fn as_json(p: &Parameter, default: &Value) -> Value {

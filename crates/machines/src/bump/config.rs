@@ -8,7 +8,7 @@ use basrelief_brightness::BrightnessConfig;
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::{DepthConfig, GraphicsConfig};
-use basrelief_kernel::{CacheConfig, MemoryConfig, Part};
+use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
 use basrelief_normal_mapping::NormalMappingConfig;
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
@@ -93,6 +93,25 @@ parameter_groups! {
         /// Clock.
         clock: ClockConfig = ClockConfig { hz: HZ } => [
             hz: Assumed("2005, between the Graphics Synthesizer of the same maker (147 MHz, 2000) and its RSX (550 MHz, 2006)"),
+        ],
+        /// Operators: how long arithmetic takes, the same in every unit.
+        operators: Operators = Operators {
+            multiply: OperatorConfig::new(4, 1),
+            add: OperatorConfig::new(4, 1),
+            divide: OperatorConfig::new(7, 7),
+            square_root: OperatorConfig::new(7, 7),
+            power: OperatorConfig::new(44, 43),
+        } => [
+            multiply.latency: Assumed("FMAC of the vector units of the same maker's Emotion Engine (2000): 4 cycles"),
+            multiply.interval: Assumed("FMAC of the vector units of the same maker's Emotion Engine (2000): one per cycle"),
+            add.latency: Assumed("the same FMAC"),
+            add.interval: Assumed("the same FMAC"),
+            divide.latency: Assumed("DIV of the vector units of the same maker's Emotion Engine (2000): 7 cycles"),
+            divide.interval: Assumed("the same DIV is not pipelined"),
+            square_root.latency: Assumed("SQRT of the vector units of the same maker's Emotion Engine (2000): 7 cycles"),
+            square_root.interval: Assumed("the same SQRT is not pipelined"),
+            power.latency: Assumed("EEXP of the vector units of the same maker's Emotion Engine (2000), its elementary function unit: 44 cycles; a power is no cheaper"),
+            power.interval: Assumed("the same EEXP: 43 cycles"),
         ],
         /// How a display list is fed.
         display_list: DisplayListConfig = DisplayListConfig::default(),

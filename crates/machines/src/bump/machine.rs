@@ -13,7 +13,8 @@ use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
 use basrelief_replacement::Replacement;
-use basrelief_signals::{Fragment, Pixel, Stamp};
+use basrelief_signals::width::count;
+use basrelief_signals::{Fragment, Pixel, Stamp, Widths};
 
 /// Bump-mapping processor (106) between geometry processor (102) and graphics processor (104), with its memories.
 #[derive(Clone, Debug)]
@@ -53,7 +54,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let levels = c.brightness.levels;
         wired(Self {
             front,
-            fifos: Fifos::new(&c.fifo),
+            fifos: Fifos::new(&c.fifo, &widths(config)),
             early_z: c.rasterizer.early_z,
             rasterizer: Stage::new("rasterizer", Rasterizer::new(RasterizerConfig { stamp, ..c.rasterizer })),
             early_depth: Stage::new("depth-test", DepthTest::new(c.depth.clone(), z_bits, c.cache.depth.line_bytes)),
@@ -74,6 +75,21 @@ impl<F: FrontEnd> BumpProcessor<F> {
             memories,
             clients,
         })
+    }
+}
+
+/// How wide its signals are.
+fn widths(config: &BumpProcessorConfig) -> Widths {
+    let most = config.replacement.entries.levels().into_iter().max().unwrap_or(1);
+    let values = if config.brightness.components == Components::Separate { 2 } else { 1 };
+    Widths {
+        depth: config.rasterizer.z_bits,
+        stamp: check::stamp(config),
+        samples: config.normal_mapping.samples(config.brightness.levels),
+        normal: config.normal_mapping.normal_bits,
+        index: count(most.max(2) - 1),
+        brightness: values * config.brightness.bits,
+        ..Widths::default()
     }
 }
 

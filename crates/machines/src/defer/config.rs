@@ -9,7 +9,7 @@ use basrelief_deferred_renderer::{CellConfig, EngineConfig, PathConfig, Renderer
 use basrelief_frame_buffer::{FrameDone, PixelBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig, Part};
+use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
 use basrelief_signals::{Control, Draw, Flow, Fragment, PictureFlow, Stamp};
@@ -114,6 +114,25 @@ parameter_groups! {
         /// Clock.
         clock: ClockConfig = ClockConfig { hz: HZ } => [
             hz: Assumed("1998: what graphics chips of that year ran at (RIVA TNT 90 MHz), and the clock of PC100"),
+        ],
+        /// Operators: how long arithmetic takes, the same in every unit.
+        operators: Operators = Operators {
+            multiply: OperatorConfig::new(3, 1),
+            add: OperatorConfig::new(3, 1),
+            divide: OperatorConfig::new(17, 17),
+            square_root: OperatorConfig::new(17, 17),
+            power: OperatorConfig::new(54, 54),
+        } => [
+            multiply.latency: Assumed("PA-8000 (1996), of the same maker: FMAC 3 cycles"),
+            multiply.interval: Assumed("the same, pipelined"),
+            add.latency: Assumed("the same FMAC"),
+            add.interval: Assumed("the same, pipelined"),
+            divide.latency: Assumed("the same processor: division in single precision 17 cycles"),
+            divide.interval: Assumed("the same, not pipelined"),
+            square_root.latency: Assumed("the same processor: root in single precision 17 cycles"),
+            square_root.interval: Assumed("the same, not pipelined"),
+            power.latency: Assumed("a logarithm and an exponential of some 25 cycles by polynomials on the same FMAC, and a product"),
+            power.interval: Assumed("the same, one at a time"),
         ],
         /// How a display list is fed.
         display_list: DisplayListConfig = DisplayListConfig::default(),

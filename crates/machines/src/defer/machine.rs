@@ -18,7 +18,7 @@ use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Fifo, Machine, MemorySystem, Stage, Visitor};
 use basrelief_rasterizer::Rasterizer;
-use basrelief_signals::{Fragment, Stamp};
+use basrelief_signals::{Fragment, Stamp, Widths};
 use std::sync::Arc;
 
 /// Rendering device (100) at the end of a path (104, 106, 108) from a server (110).
@@ -70,10 +70,11 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let shown = c.defer.pictures_per_view;
         let shared = c.defer.depth_pixel == DepthPixel::Shared;
         let cells = Cells::new(engine.clone(), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
+        let widths = Widths { depth: c.rasterizer.z_bits, stamp: c.rasterizer.stamp, ..Widths::default() };
         wired(Self {
             front,
-            fifos: Fifos::new(&c.fifo),
-            tiles: fifo("tiles", &slots(c.path.requests)),
+            fifos: Fifos::new(&c.fifo, &widths),
+            tiles: fifo("tiles", &slots(c.path.requests), &widths),
             server: Stage::new("server", Server::new(c.path.clone(), source)),
             path: Stage::new("path", Path::new(&c.path, c.clock.hz)),
             expander: Stage::new("expander", Expander::new(c.tile.clone(), engine.latency)),

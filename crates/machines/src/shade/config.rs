@@ -11,7 +11,7 @@ use basrelief_figure_shading::{
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig, Part};
+use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
 use basrelief_parameters::{parameter_groups, parameters};
 use basrelief_signals::{Control, Draw, Flow, Pixel, Stamp};
 use std::sync::Arc;
@@ -103,6 +103,25 @@ parameter_groups! {
         /// Clock.
         clock: ClockConfig = ClockConfig { hz: HZ } => [
             hz: Assumed("1989: what workstations and their gate arrays ran at (MIPS R3000, 68030: 25 MHz)"),
+        ],
+        /// Operators: how long arithmetic takes, the same in every unit.
+        operators: Operators = Operators {
+            multiply: OperatorConfig::new(2, 1),
+            add: OperatorConfig::new(2, 1),
+            divide: OperatorConfig::new(8, 8),
+            square_root: OperatorConfig::new(11, 11),
+            power: OperatorConfig::new(1, 1),
+        } => [
+            multiply.latency: Assumed("floating-point chips of 1988 (the class of TI SN74ACT8847, AMD Am29C327): two stages of some 40 ns"),
+            multiply.interval: Assumed("the same, pipelined"),
+            add.latency: Assumed("the same chips"),
+            add.interval: Assumed("the same chips"),
+            divide.latency: Assumed("the same class: 8 cycles in single precision"),
+            divide.interval: Assumed("the same, not pipelined"),
+            square_root.latency: Assumed("the same class: 11 cycles in single precision"),
+            square_root.interval: Assumed("the same, not pipelined"),
+            power.latency: Assumed("a table in ROM of 35 ns: one cycle"),
+            power.interval: Assumed("the same"),
         ],
         /// How a display list is fed.
         display_list: DisplayListConfig = DisplayListConfig::default(),

@@ -13,7 +13,7 @@ use basrelief_figure_shading::{
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
-use basrelief_signals::{Pixel, Stamp};
+use basrelief_signals::{Pixel, Stamp, Widths};
 
 /// Figure shading device (200) between host computer (100) and frame memory (300).
 #[derive(Clone, Debug)]
@@ -50,7 +50,7 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
         let microcomputer = Microcomputer::new(c.microcomputer, c.shade, c.shortcut, c.scan.clone(), &c.normal_interpolation);
         wired(Self {
             front,
-            fifos: Fifos::new(&c.fifo),
+            fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, stamp: 1, ..Widths::default() }),
             host: Stage::new("host-interface", HostInterface::new(c.host)),
             microcomputer: Stage::new("microcomputer", microcomputer),
             interpolation: Stage::new("interpolation", BrightnessInterpolation::new(c.interpolation)),

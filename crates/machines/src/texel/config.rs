@@ -7,7 +7,7 @@ use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
-use basrelief_kernel::{CacheConfig, MemoryConfig, Part};
+use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
 use basrelief_parameters::{parameter_groups, parameters};
 use basrelief_signals::{Control, Draw, Flow, PixelPacket};
 use basrelief_texel_value_generator::signals::{
@@ -122,6 +122,25 @@ parameter_groups! {
         /// Clock.
         clock: ClockConfig = ClockConfig { hz: HZ } => [
             hz: Assumed("1994: what workstations of its maker ran their buses and boards at (SPARCstation 20: MBus of 50 MHz)"),
+        ],
+        /// Operators: how long arithmetic takes, the same in every unit.
+        operators: Operators = Operators {
+            multiply: OperatorConfig::new(3, 1),
+            add: OperatorConfig::new(3, 1),
+            divide: OperatorConfig::new(16, 16),
+            square_root: OperatorConfig::new(16, 16),
+            power: OperatorConfig::new(64, 64),
+        } => [
+            multiply.latency: Assumed("SuperSPARC (1992), of the same maker: FMUL 3 cycles"),
+            multiply.interval: Assumed("the same, pipelined"),
+            add.latency: Assumed("the same processor: FADD 3 cycles"),
+            add.interval: Assumed("the same, pipelined"),
+            divide.latency: Assumed("an iterative divider of 32 bits, two bits a cycle"),
+            divide.interval: Assumed("the same, not pipelined"),
+            square_root.latency: Assumed("an iterative root of 32 bits, two bits a cycle"),
+            square_root.interval: Assumed("the same, not pipelined"),
+            power.latency: Assumed("logarithm, product, exponential by iteration of 32 bits, a bit a cycle each"),
+            power.interval: Assumed("the same, not pipelined"),
         ],
         /// How a display list is fed.
         display_list: DisplayListConfig = DisplayListConfig::default(),

@@ -11,7 +11,7 @@ use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
-use basrelief_signals::PixelPacket;
+use basrelief_signals::{PixelPacket, Widths};
 use basrelief_texel_value_generator::signals::TexelPacket;
 use basrelief_texel_value_generator::{
     ApproximateCalculator, Combiner, Divider, FrameLog, IlluminanceValueGenerator, MipMapSelector, MipMode, ScanConverter,
@@ -55,7 +55,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         let approximate_calculator = ApproximateCalculator::new(c.approximation, c.scan.z_bits, gradients);
         wired(Self {
             front,
-            fifos: Fifos::new(&c.fifo),
+            fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, ..Widths::default() }),
             depth: Stage::new("depth-test", DepthTest::new(c.depth, c.scan.z_bits, c.cache.depth.line_bytes)),
             scan_converter: Stage::new("scan-converter", ScanConverter::new(c.scan, c.texel.snap, c.texel.march)),
             step_calculator: Stage::new("step-calculator", StepCalculator::new(c.texel)),

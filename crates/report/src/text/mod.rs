@@ -3,9 +3,12 @@
 //! Columns that matter least go first where the width does not hold them all. Shares of cycles are in percent; a share
 //! of exactly nothing is left blank. Colour is off unless asked for.
 
+mod hardware;
 pub mod number;
 mod sections;
 mod table;
+
+pub use hardware::hardware;
 
 use crate::blame::blame;
 use crate::model::{Cycles, OutcomeKind, Report};
@@ -71,7 +74,7 @@ pub fn to_text(report: &Report, style: Style) -> String {
         sections::processes(report),
     ];
     tables.extend(work::tables(report).iter().map(sections::columns));
-    tables.extend([sections::figures(report), sections::quality(report), sections::derived(report)]);
+    tables.extend([hardware::totals(report), sections::figures(report), sections::quality(report), sections::derived(report)]);
     parts.extend(tables.iter().filter(|t| !t.is_empty()).map(|t| t.render(style)));
     parts.extend(sections::host(report));
     parts.extend(warnings(report, style));

@@ -12,11 +12,12 @@ pub use info::MachineInfo;
 pub use spec::TileFetch;
 pub(crate) use spec::{Logs, MachineSpec, PictureRecord, RunSummary};
 
-use basrelief_machines::FrontConfig;
+use basrelief_kernel::Hardware;
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::defer::DeferConfig;
 use basrelief_machines::shade::ShadeConfig;
 use basrelief_machines::texel::TexelMachineConfig;
+use basrelief_machines::{ConfigProblem, FrontConfig};
 use basrelief_parameters::{Parameter, resolved};
 use serde_json::Value;
 use spec::ShortCut;
@@ -89,6 +90,14 @@ impl MachineConfig {
     /// All parameters, in the order of the block diagram, with the values they have here and where these come from.
     pub fn parameters(&self) -> Vec<Parameter> {
         for_machine!(self, machine => resolved(machine))
+    }
+
+    /// What the machine is built of, unit by unit, each before the FIFOs that it fills; then caches.
+    ///
+    /// # Errors
+    /// Parameters, each in its range, that do not fit together.
+    pub fn hardware(&self) -> Result<Vec<Hardware>, ConfigProblem> {
+        for_machine!(self, machine => machine.hardware())
     }
 
     /// The machine as it is, without each of its short cuts in turn, and without any: names and configurations. Nothing

@@ -4,7 +4,7 @@ use crate::exhibits::spec::ExhibitSpec;
 use crate::methods::MethodSpecs;
 use basrelief_deferred_renderer::{TileEncoding, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
-use basrelief_kernel::RunReport;
+use basrelief_kernel::{Hardware, RunReport};
 use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, SceneFront, TraceFront, UnitInfo, units};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
@@ -61,6 +61,14 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
         let trace = spec.build(TraceFront::new(nothing, spec.front()));
         // What is built as its defaults have it has no problems.
         scene.ok().zip(trace.ok()).map_or(vec![], |(mut scene, mut trace)| units(Self::DIAGRAM, &mut scene, &mut trace))
+    }
+    /// What it is built of, as it is configured.
+    ///
+    /// # Errors
+    /// Parameters, each in its range, that do not fit together.
+    fn hardware(&self) -> Result<Vec<Hardware>, ConfigProblem> {
+        let facts = self.build(SceneFront::new(std::iter::empty(), self.front()))?.facts();
+        Ok(facts.all_hardware().to_vec())
     }
     /// How it asks for tiles, where it fetches any.
     fn tile_fetch(&self) -> Option<TileFetch> {

@@ -37,6 +37,7 @@ pub mod texels;
 pub mod tile_lists;
 pub mod tokens;
 mod touched;
+mod widths;
 
 pub use acquisition::{Acquired, How, TileList, TileState};
 pub use cell::{Cell, CellFormat};

@@ -55,6 +55,7 @@ mod registers;
 mod selector_28;
 mod selector_53;
 mod signals;
+mod widths;
 
 pub use adder::{Adder, AdderCounters, AdderState};
 pub use brightness_interpolation::{BrightnessInterpolation, BrightnessInterpolationCounters, BrightnessInterpolationState};

@@ -4,6 +4,7 @@ use crate::config::FrameBufferConfig;
 use crate::state::{FinishedFrame, FrameBufferState};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_signals::width::{COORDINATE, NUMBER, Signal, Widths};
 use basrelief_signals::{ColorToken, Control, Flow, Frame, GatheredLines, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines};
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
@@ -21,6 +22,13 @@ pub struct FrameDone {
     pub address: u64,
     /// What it takes there, sides rounded up to whole blocks \[bytes\].
     pub bytes: u64,
+}
+
+/// Where it lies, its size and its number.
+impl Signal for FrameDone {
+    fn bits(_: &Widths) -> u32 {
+        2 * NUMBER + 2 * COORDINATE + NUMBER
+    }
 }
 
 /// Frame buffer (126): takes pixels in order, the last one stays. Client 0 takes posted writes of lines: the 16 pixels that a

@@ -30,6 +30,7 @@ mod step_calculator;
 mod storage_element;
 mod texture_look_up_table;
 mod twins;
+mod widths;
 
 pub use approximate_calculator::{
     ApproximateCalculator, ApproximateCalculatorCounters, ApproximateCalculatorState, Displacements, displacement,

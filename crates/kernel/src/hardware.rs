@@ -1,0 +1,135 @@
+//! What a machine is built of: counts that one can multiply, no area and no energy.
+
+use crate::CacheConfig;
+use std::fmt;
+
+/// Bits of an address in memory, as tags hold it.
+const ADDRESS_BITS: u32 = 32;
+
+/// A kind of hardware.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum HardwareKind {
+    /// Inner product of two vectors of three: three multipliers and two adders, which are not counted beside it.
+    InnerProduct,
+    /// Multiplier.
+    Multiplier,
+    /// Adder, subtracter or comparator.
+    Adder,
+    /// Divider.
+    Divider,
+    /// Square root.
+    SquareRoot,
+    /// Power with any exponent.
+    Power,
+    /// Table or buffer in memory cells: VQ tables, CLUTs, gathered lines, flags.
+    Table,
+    /// Registers: what is set up or kept from step to step.
+    Registers,
+    /// Data of a cache.
+    CacheData,
+    /// Tags of a cache, with what says which line was used last.
+    CacheTags,
+    /// FIFO.
+    Fifo,
+}
+
+impl HardwareKind {
+    /// All kinds, arithmetic first.
+    pub const ALL: [Self; 11] = [
+        Self::InnerProduct,
+        Self::Multiplier,
+        Self::Adder,
+        Self::Divider,
+        Self::SquareRoot,
+        Self::Power,
+        Self::Table,
+        Self::Registers,
+        Self::CacheData,
+        Self::CacheTags,
+        Self::Fifo,
+    ];
+
+    /// Whether it computes; else it holds bits.
+    pub fn computes(self) -> bool {
+        self < Self::Table
+    }
+
+    /// Its name, in the plural where there are many.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::InnerProduct => "inner products",
+            Self::Multiplier => "multipliers",
+            Self::Adder => "adders",
+            Self::Divider => "dividers",
+            Self::SquareRoot => "square roots",
+            Self::Power => "powers",
+            Self::Table => "tables",
+            Self::Registers => "registers",
+            Self::CacheData => "cache data",
+            Self::CacheTags => "cache tags",
+            Self::Fifo => "FIFOs",
+        }
+    }
+}
+
+impl fmt::Display for HardwareKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Equal pieces of hardware.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hardware {
+    /// Where: name of the unit, of the FIFO, or of the cache.
+    pub place: String,
+    /// What it is.
+    pub kind: HardwareKind,
+    /// What it is for, in a few words.
+    pub about: &'static str,
+    /// How many: operators, or words.
+    pub count: u64,
+    /// Width of each \[bits\].
+    pub width: u32,
+}
+
+impl Hardware {
+    /// Bits that it holds; 0 where it computes.
+    pub fn bits(&self) -> u64 {
+        if self.kind.computes() { 0 } else { self.count * u64::from(self.width) }
+    }
+
+    /// Data and tags of a cache. A tag is what is left of an address of 32 bits, a bit that says whether the line is there, and
+    /// the place of the line in order of use.
+    pub(crate) fn of_cache(name: &str, config: &CacheConfig) -> [Self; 2] {
+        let CacheConfig { line_bytes, sets, ways, .. } = *config;
+        let lines = u64::from(sets) * u64::from(ways);
+        let log2 = |n: u32| n.max(1).next_power_of_two().trailing_zeros();
+        let tag = ADDRESS_BITS.saturating_sub(log2(line_bytes) + sets.max(1).ilog2()) + 1 + log2(ways);
+        let of = |kind, about, width| Self { place: name.into(), kind, about, count: lines, width };
+        [of(HardwareKind::CacheData, "lines", 8 * line_bytes), of(HardwareKind::CacheTags, "tag, valid, order of use", tag)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cache_is_its_lines_and_their_tags() {
+        let config = CacheConfig { line_bytes: 64, sets: 64, ways: 4, ..CacheConfig::default() };
+        let [data, tags] = Hardware::of_cache("c", &config);
+        assert_eq!((data.bits(), data.count), (16 * 1024 * 8, 256));
+        assert_eq!(tags.width, (32 - 6 - 6) + 1 + 2);
+        let one = CacheConfig { line_bytes: 4, sets: 1, ways: 1, ..config };
+        assert_eq!(Hardware::of_cache("c", &one)[1].width, 31);
+    }
+
+    #[test]
+    fn what_computes_holds_nothing() {
+        let all = HardwareKind::ALL.map(|kind| Hardware { place: String::new(), kind, about: "", count: 3, width: 5 }.bits());
+        assert_eq!(all, [0, 0, 0, 0, 0, 0, 15, 15, 15, 15, 15]);
+        assert!(HardwareKind::ALL.is_sorted());
+    }
+}

@@ -1,0 +1,147 @@
+//! Operators: how long arithmetic takes, the same everywhere in a machine.
+//!
+//! A unit says what a piece of work consists of ([`Work`]) and how many operators it has for it ([`Work`] again); the machine's
+//! table ([`Operators`]) says what that takes:
+//!
+//! ```
+//! use basrelief_kernel::{OperatorConfig, Operators, Work};
+//!
+//! let operators = Operators { divide: OperatorConfig::new(7, 7), multiply: OperatorConfig::new(4, 1), ..Operators::default() };
+//! let projection = Work { divide: 1, multiply: 3, ..Work::NONE };
+//! let unit = Work { divide: 1, multiply: 2, ..Work::NONE };
+//! assert_eq!(operators.interval(projection, unit), 7, "one divider, kept for 7 cycles; two multipliers take 2 meanwhile");
+//! assert_eq!(operators.latency(Work { divide: 1, multiply: 1, ..Work::NONE }), 11, "a quotient, then a product of it");
+//! ```
+
+use basrelief_parameters::{parameter_groups, parameters};
+
+parameters! {
+    /// One kind of operator.
+    pub struct OperatorConfig {
+        /// Cycles from operands to result.
+        latency: u32 = 1, unit: "cycles", Assumed("each machine has its own"), range: 1..=1024;
+        /// Cycles from one operation to the next in the same operator: 1 where it is pipelined.
+        interval: u32 = 1, unit: "cycles", Assumed("each machine has its own"), range: 1..=1024;
+    }
+}
+
+impl OperatorConfig {
+    /// An operator of this latency and interval \[cycles\].
+    pub const fn new(latency: u32, interval: u32) -> Self {
+        Self { latency, interval }
+    }
+}
+
+parameter_groups! {
+    /// The operators of a machine. Whatever unit multiplies takes as long for it.
+    pub struct Operators {
+        /// Multiplication.
+        multiply: OperatorConfig = OperatorConfig::default(),
+        /// Addition, subtraction and comparison.
+        add: OperatorConfig = OperatorConfig::default(),
+        /// Division; a reciprocal is one.
+        divide: OperatorConfig = OperatorConfig::default(),
+        /// Square root.
+        square_root: OperatorConfig = OperatorConfig::default(),
+        /// Power with any exponent.
+        power: OperatorConfig = OperatorConfig::default(),
+    }
+}
+
+/// How many operations of each kind, or how many operators.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Multiplications.
+    pub multiply: u32,
+    /// Additions, subtractions and comparisons.
+    pub add: u32,
+    /// Divisions.
+    pub divide: u32,
+    /// Square roots.
+    pub square_root: u32,
+    /// Powers.
+    pub power: u32,
+}
+
+impl Work {
+    /// Nothing.
+    pub const NONE: Self = Self { multiply: 0, add: 0, divide: 0, square_root: 0, power: 0 };
+    /// Inner product of two vectors of three.
+    pub const INNER_PRODUCT: Self = Self { multiply: 3, add: 2, ..Self::NONE };
+    /// A vector of three brought to length 1: the square of its length, a root, a reciprocal, three products.
+    pub const NORMALIZE: Self = Self { multiply: 6, add: 2, divide: 1, square_root: 1, power: 0 };
+
+    /// This work `times` times.
+    #[must_use]
+    pub const fn times(self, times: u32) -> Self {
+        Self {
+            multiply: self.multiply.saturating_mul(times),
+            add: self.add.saturating_mul(times),
+            divide: self.divide.saturating_mul(times),
+            square_root: self.square_root.saturating_mul(times),
+            power: self.power.saturating_mul(times),
+        }
+    }
+
+    /// This work and other work.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self {
+            multiply: self.multiply.saturating_add(other.multiply),
+            add: self.add.saturating_add(other.add),
+            divide: self.divide.saturating_add(other.divide),
+            square_root: self.square_root.saturating_add(other.square_root),
+            power: self.power.saturating_add(other.power),
+        }
+    }
+}
+
+impl Operators {
+    /// Cycles for which operators are kept by a piece of work when `have` of each kind work side by side: as long as the kind
+    /// that is scarcest, and at least one. Of a kind that is needed there is at least one.
+    pub fn interval(&self, work: Work, have: Work) -> u64 {
+        let kept = |times: u32, of: u32, operator: &OperatorConfig| {
+            u64::from(times).div_ceil(u64::from(of.max(1))) * u64::from(operator.interval)
+        };
+        [
+            kept(work.multiply, have.multiply, &self.multiply),
+            kept(work.add, have.add, &self.add),
+            kept(work.divide, have.divide, &self.divide),
+            kept(work.square_root, have.square_root, &self.square_root),
+            kept(work.power, have.power, &self.power),
+        ]
+        .into_iter()
+        .fold(1, u64::max)
+    }
+
+    /// Cycles of a chain in which each operation waits for the one before.
+    pub fn latency(&self, chain: Work) -> u64 {
+        let takes = |times: u32, operator: &OperatorConfig| u64::from(times) * u64::from(operator.latency);
+        takes(chain.multiply, &self.multiply)
+            + takes(chain.add, &self.add)
+            + takes(chain.divide, &self.divide)
+            + takes(chain.square_root, &self.square_root)
+            + takes(chain.power, &self.power)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scarcest_operator_says_how_long_a_piece_of_work_keeps_a_unit() {
+        let operators = Operators {
+            multiply: OperatorConfig::new(4, 1),
+            divide: OperatorConfig::new(7, 7),
+            square_root: OperatorConfig::new(7, 7),
+            ..Operators::default()
+        };
+        let have = |multiply, divide| Work { multiply, divide, ..Work::NONE };
+        assert_eq!(operators.interval(Work::NONE, Work::NONE), 1);
+        assert_eq!(operators.interval(Work::NORMALIZE, have(4, 1)), 7);
+        assert_eq!(operators.interval(Work::NORMALIZE.times(2), have(4, 1)), 14);
+        assert_eq!(operators.interval(Work::NORMALIZE.times(2), have(4, 2)), 14, "there is still one root");
+        assert_eq!(operators.interval(Work::INNER_PRODUCT.times(16), have(3, 0)), 32, "one adder for 32 sums");
+    }
+}
