@@ -191,6 +191,7 @@ fn plane(size: [u32; 2]) -> Scene {
             world: IDENTITY,
             material,
             entries: None,
+            bias: None,
             bump: None,
         });
     }

@@ -123,6 +123,7 @@ fn check_frame(frame: &FrameBegin) -> Result<(), Fault> {
 
 fn check_object(object: &ObjectBegin) -> Result<(), Fault> {
     finite("centre", &[object.centre])?;
+    object.bias.map_or(Ok(()), |bias| within("bias", bias, 0..=7))?;
     object.entries.map_or(Ok(()), |entries| within("entries", entries, 1..=MAX_ENTRIES))
 }
 

@@ -282,6 +282,9 @@ fields! {
         /// Number of reference normals, where the model fixes it, 1..=65536.
         #[schemars(range(min = 1, max = 65_536))]
         entries: Option<u32>,
+        /// Levels by which its table and CLUT are coarser than the MIP level, where the model says how important it is, 0..=7.
+        #[schemars(range(max = 7))]
+        bias: Option<u8>,
     }
 }
 

@@ -288,7 +288,8 @@ fn material_definition(material: &Material) -> MaterialDefinition {
 }
 
 fn object_begin(object: &ObjectInfo) -> ObjectBegin {
-    ObjectBegin { id: object.id, name: object.name.clone(), centre: object.centre, entries: object.entries }
+    let ObjectInfo { id, ref name, centre, entries, bias } = *object;
+    ObjectBegin { id, name: name.clone(), centre, entries, bias }
 }
 
 fn polygon_record(polygon: &Polygon) -> PolygonRecord {

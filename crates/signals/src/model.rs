@@ -156,6 +156,8 @@ pub struct Object {
     pub material: Arc<Material>,
     /// Number of reference normals fixed when the object was modelled (spec variant (c)).
     pub entries: Option<u32>,
+    /// Levels by which its table and CLUT are coarser than the MIP level, fixed by its importance when it was modelled.
+    pub bias: Option<u8>,
     /// Bump mapping decided when the object was modelled (spec variant (d)); `None` leaves it to the machine.
     pub bump: Option<bool>,
 }

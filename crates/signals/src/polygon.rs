@@ -54,6 +54,27 @@ pub struct Polygon {
     pub arrival: u64,
 }
 
+impl Polygon {
+    /// What its set-up takes: a header, and of each vertex what its material and route need \[bytes\].
+    pub fn bytes(&self) -> u32 {
+        const HEADER: u32 = 8;
+        let Material { normal_map, color_texture, .. } = &*self.material;
+        // Position, colour.
+        let mut vertex = 16 + 16;
+        if self.bump {
+            // Normal; tangent and coordinates of the map.
+            vertex += 12 + if normal_map.is_some() { 16 + 8 } else { 0 };
+        } else {
+            // Brightness.
+            vertex += 8;
+        }
+        if color_texture.is_some() {
+            vertex += 8;
+        }
+        HEADER + self.vertices.len() as u32 * vertex
+    }
+}
+
 /// What the units need to know about an object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObjectInfo {
@@ -65,4 +86,6 @@ pub struct ObjectInfo {
     pub centre: [f32; 3],
     /// Number of reference normals, where the model fixes it.
     pub entries: Option<u32>,
+    /// Levels by which table and CLUT are coarser than the MIP level, where the model says how important it is.
+    pub bias: Option<u8>,
 }

@@ -144,7 +144,7 @@ pub fn controls() -> impl Strategy<Value = Vec<Control>> {
             for (id, (centre, entries, shapes)) in objects.into_iter().enumerate() {
                 let object = id as u32;
                 let name = format!("object {id}");
-                controls.push(Control::Object(Arc::new(ObjectInfo { id: object, name, centre, entries })));
+                controls.push(Control::Object(Arc::new(ObjectInfo { id: object, name, centre, entries, bias: None })));
                 controls.extend(shapes.into_iter().map(|(vertices, which, lod, bump, wait)| {
                     cycle += wait;
                     let material = Arc::clone(&materials[which]);

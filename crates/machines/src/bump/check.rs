@@ -3,6 +3,7 @@
 use super::BumpProcessorConfig;
 use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
+use basrelief_brightness::BrightnessSource;
 use basrelief_graphics_processor::GraphicsProcessor;
 use basrelief_kernel::Unit;
 use basrelief_kernel::facts::Facts;
@@ -43,7 +44,8 @@ pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
 pub(super) fn stamp(c: &BumpProcessorConfig) -> u32 {
     let (levels, line_bytes) = (c.brightness.levels, c.cache.normal_map.line_bytes);
     let mapping = NormalMapping::new(c.normal_mapping.clone(), levels, 1, line_bytes).largest_step(0);
-    let brightness = c.normal_mapping.samples(levels);
+    let lines = if c.brightness.source == BrightnessSource::Direct { 2 } else { 1 };
+    let brightness = lines * c.normal_mapping.samples(levels);
     let graphics = GraphicsProcessor::new(c.graphics.clone(), false, 1, c.cache.color_texture.line_bytes).largest_step(0);
     let memory = &c.memory;
     [

@@ -46,7 +46,8 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let c = config.clone();
         let pixel_bytes = c.frame_buffer.pixel_bytes;
         let samples = c.normal_mapping.samples(c.brightness.levels);
-        let replacement = Replacement::new(c.replacement.clone(), c.normal_mapping.normal_bits).map_err(check::no_table)?;
+        let replacement =
+            Replacement::new(c.replacement.clone(), c.normal_mapping.normal_bits, &c.operators).map_err(check::no_table)?;
         let (memories, clients) = build(config);
         let tables = c.replacement.table_set();
         let separate = c.brightness.components == Components::Separate;
@@ -64,7 +65,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
                 NormalMapping::new(c.normal_mapping.clone(), levels, stamp, c.cache.normal_map.line_bytes),
             ),
             replacement: Stage::new("replacement", replacement),
-            brightness: Stage::new("brightness", BrightnessFetch::new(c.brightness, tables, stamp * samples)),
+            brightness: Stage::new("brightness", BrightnessFetch::new(c.brightness, tables, stamp * samples, &c.operators)),
             graphics: Stage::new(
                 "graphics",
                 GraphicsProcessor::new(c.graphics, separate, stamp, c.cache.color_texture.line_bytes),

@@ -32,7 +32,7 @@ pub(super) fn build(config: &BumpProcessorConfig) -> (MemorySystem, ClientNumber
         mapping: [m.add_cached_client("texels", normal_map, on_normal_map, "normal_map", &cache.normal_map)],
         brightness: [
             m.add_cached_client("clut_read", quantization, on_quantization, "clut", &cache.clut),
-            m.add_client("clut_write", quantization, on_quantization),
+            m.add_client("clut_build", quantization, on_quantization),
         ],
         replacement: [
             m.add_client("tables", quantization, on_quantization),

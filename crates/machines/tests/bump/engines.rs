@@ -97,11 +97,12 @@ fn stamps_change_neither_picture_nor_count() {
     for stamp in ["2", "3", "4"] {
         let ran = timed(&scene, &[("rasterizer.stamp", stamp)]);
         assert_eq!(ran.frames, single.frames);
-        assert_eq!(ran.facts, single.facts);
+        assert!(ran.facts.figures().eq(single.facts.figures()));
         assert!(ran.bytes("texels") <= single.bytes("texels"));
     }
     let few = timed(&scene, &[("memory.normal_map.outstanding", "9"), ("memory.graphics.outstanding", "4")]);
-    assert_eq!((few.frames, few.facts), (single.frames, single.facts), "few credits, smaller stamps");
+    assert_eq!(few.frames, single.frames, "few credits, smaller stamps");
+    assert!(few.facts.figures().eq(single.facts.figures()));
 }
 
 #[test]

@@ -12,7 +12,7 @@ fn ports_are_numbered_from_what_drains_the_machine_to_what_fills_it() {
         memory.ports.iter().map(|p| p.client.clone()).collect()
     };
     assert_eq!(ports("normal_map"), ["texels"]);
-    assert_eq!(ports("quantization"), ["clut_read", "clut_write", "tables", "gathered"]);
+    assert_eq!(ports("quantization"), ["clut_read", "clut_build", "tables", "gathered"]);
     assert_eq!(ports("graphics"), ["pixel_write", "color_texels", "held", "z_read", "z_write", "video_out"]);
 }
 

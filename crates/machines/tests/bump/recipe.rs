@@ -123,7 +123,7 @@ impl Part {
         let world = [s, 0.0, 0.0, x, 0.0, s, 0.0, y, 0.0, 0.0, s, -depth, 0.0, 0.0, 0.0, 1.0];
         let mesh = Arc::new(self.shape.mesh(self.repeat));
         let material = Arc::new(self.material(id));
-        Object { id, name: format!("object {id}"), mesh, world, material, entries: self.entries, bump: self.bump }
+        Object { id, name: format!("object {id}"), mesh, world, material, entries: self.entries, bias: None, bump: self.bump }
     }
 
     fn material(&self, id: u32) -> Material {
@@ -247,15 +247,16 @@ const TIMING: &[Axis] = &[
     ],
     &[
         &[],
-        &[("replacement.lanes", "4"), ("replacement.pipelined", "false")],
+        &[("replacement.lanes", "4"), ("replacement.pipelined", "true")],
         &[("replacement.lanes", "9")],
-        &[("replacement.lanes", "65536"), ("replacement.latency", "90")],
+        &[("replacement.lanes", "65536")],
+        &[("operators.multiply.latency", "40"), ("operators.add.interval", "3"), ("operators.power.interval", "1")],
     ],
     &[&[], &[("replacement.resident_tables", "1"), ("replacement.load_bytes", "100")]],
     &[&[], &[("geometry.cycles_per_vertex", "0"), ("geometry.cycles_per_polygon", "0"), ("geometry.vertex_cache", "0")]],
     &[&[], &[("rasterizer.setup_cycles", "30"), ("rasterizer.latency", "0"), ("depth.latency", "0"), ("graphics.latency", "0")]],
     &[&[], &[("normal_mapping.normals_per_cycle", "1"), ("graphics.blend_cycles", "5")]],
-    &[&[], &[("brightness.rebuild_cycles_per_entry", "1"), ("brightness.direct_cycles", "1")]],
+    &[&[], &[("brightness.sets", "1"), ("brightness.samples_per_cycle", "1"), ("brightness.multipliers", "64")]],
     &[
         &[],
         &[("memory.graphics.part", "ideal")],

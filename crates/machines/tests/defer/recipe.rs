@@ -17,7 +17,7 @@ pub fn frame(index: u32) -> Control {
 }
 
 pub fn object(id: u32) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries: None }))
+    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries: None, bias: None }))
 }
 
 /// A texture of noise, its only level the finest.

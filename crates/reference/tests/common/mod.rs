@@ -97,7 +97,7 @@ pub fn frame(width: u32, height: u32, eye: DVec3) -> Frame {
 
 pub fn object(mesh: Mesh, world: [f64; 16], material: Material) -> Arc<Object> {
     let (mesh, material) = (Arc::new(mesh), Arc::new(material));
-    Arc::new(Object { id: 0, name: String::new(), mesh, world, material, entries: None, bump: None })
+    Arc::new(Object { id: 0, name: String::new(), mesh, world, material, entries: None, bias: None, bump: None })
 }
 
 pub fn scene(objects: Vec<Arc<Object>>) -> Scene {
@@ -148,6 +148,6 @@ pub fn polygons(object: &Object, frame: &Frame) -> (ObjectInfo, Vec<Polygon>) {
         (b[0] - a[0]) * (c[1] - a[1]) < (c[0] - a[0]) * (b[1] - a[1])
     };
     let centre = basrelief_reference::object_centre(object);
-    let info = ObjectInfo { id: object.id, name: String::new(), centre, entries: None };
+    let info = ObjectInfo { id: object.id, name: String::new(), centre, entries: None, bias: None };
     (info, mesh.indices.chunks_exact(3).map(polygon).filter(front).collect())
 }

@@ -238,6 +238,7 @@ impl Workshop {
             world: crate::camera::rows(world),
             material: material.clone(),
             entries,
+            bias: None,
             bump,
         }));
     }

@@ -9,6 +9,8 @@ use std::fmt::{Formatter, Result as FmtResult};
 pub(crate) struct Extras {
     /// Number of reference normals of the object.
     pub entries: Option<u32>,
+    /// Levels by which its table and CLUT are coarser.
+    pub bias: Option<u8>,
     /// Whether the object is a bump target.
     pub bump: Option<bool>,
 }
@@ -17,6 +19,7 @@ pub(crate) struct Extras {
 #[serde(deny_unknown_fields)]
 struct OwnExtras {
     entries: Option<u32>,
+    bias: Option<u8>,
     bump: Option<bool>,
 }
 
@@ -40,8 +43,8 @@ impl<'de> Visitor<'de> for ExtrasVisitor {
         let mut extras = Extras::default();
         while let Some(key) = map.next_key::<String>()? {
             if key == "basrelief" {
-                let OwnExtras { entries, bump } = map.next_value()?;
-                extras = Extras { entries, bump };
+                let OwnExtras { entries, bias, bump } = map.next_value()?;
+                extras = Extras { entries, bias, bump };
             } else {
                 map.next_value::<IgnoredAny>()?;
             }
@@ -89,7 +92,7 @@ mod tests {
             assert_eq!(serde_json::from_str::<Extras>(other).unwrap(), Extras::default(), "{other}");
         }
         let ours = serde_json::from_str::<Extras>(r#"{"x": [], "basrelief": {"entries": 64, "bump": false}}"#).unwrap();
-        assert_eq!(ours, Extras { entries: Some(64), bump: Some(false) });
+        assert_eq!(ours, Extras { entries: Some(64), bias: None, bump: Some(false) });
         assert!(serde_json::from_str::<Extras>(r#"{"basrelief": {"entires": 64}}"#).is_err());
     }
 }

@@ -157,6 +157,7 @@ impl Importer<'_> {
                 world: rows(world),
                 material,
                 entries: own.entries.or(extras.entries),
+                bias: own.bias.or(extras.bias),
                 bump: own.bump.or(extras.bump),
             }));
         }

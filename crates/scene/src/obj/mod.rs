@@ -75,6 +75,7 @@ pub(crate) fn import(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warning
             world: IDENTITY,
             material,
             entries: None,
+            bias: None,
             bump: None,
         }));
     }

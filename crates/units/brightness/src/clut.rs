@@ -23,11 +23,13 @@ pub struct ClutKey {
     pub book: Option<Book>,
 }
 
-/// The CLUTs (122) of all levels.
+/// The CLUTs (122) of a set, level by level: those that some fragment needed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Clut {
     /// `[ambient + diffuse (+ specular), specular]` of each entry, one list per level.
     levels: [Vec<[f32; 2]>; LEVELS],
+    /// Levels that have been calculated, a bit each.
+    calculated: u8,
 }
 
 impl Clut {
@@ -38,27 +40,36 @@ impl Clut {
         entries.get(usize::from(index)).copied().unwrap_or_default()
     }
 
-    /// Entries of each level.
-    pub fn entries(&self) -> [usize; LEVELS] {
-        std::array::from_fn(|k| self.levels[k].len())
+    /// Whether a level has been calculated.
+    #[inline]
+    pub fn has(&self, level: u8) -> bool {
+        self.calculated & 1 << level.min(LEVELS as u8 - 1) != 0
     }
 
-    /// Calculates all entries.
-    ///
-    /// # Errors
-    /// Where the object fixes a number of entries for which there is no table.
-    pub(crate) fn calculate(config: &BrightnessConfig, key: &ClutKey, normals: &mut NormalTables) -> Result<Self, TableError> {
-        let scale = Scale::new(config, key);
-        let mut clut = Self::default();
-        for level in 0..LEVELS {
-            let list = match &key.book {
-                Some(book) => book.get(level).map_or(&[][..], Vec::as_slice),
-                None => normals.of(level as u8, key.entries)?,
-            };
-            clut.levels[level] = list.iter().map(|&n| scale.entry(n, key)).collect();
-        }
-        Ok(clut)
+    /// Gives a level its entries.
+    pub(crate) fn set(&mut self, level: u8, entries: Vec<[f32; 2]>) {
+        let level = level.min(LEVELS as u8 - 1);
+        self.calculated |= 1 << level;
+        self.levels[usize::from(level)] = entries;
     }
+}
+
+/// The entries of a level.
+///
+/// # Errors
+/// Where the object fixes a number of entries for which there is no table.
+pub(crate) fn calculate(
+    level: u8,
+    config: &BrightnessConfig,
+    key: &ClutKey,
+    normals: &mut NormalTables,
+) -> Result<Vec<[f32; 2]>, TableError> {
+    let scale = Scale::new(config, key);
+    let list = match &key.book {
+        Some(book) => book.get(usize::from(level)).map_or(&[][..], Vec::as_slice),
+        None => normals.of(level, key.entries)?,
+    };
+    Ok(list.iter().map(|&n| scale.entry(n, key)).collect())
 }
 
 /// From the lighting formula to an entry.
@@ -108,6 +119,19 @@ pub(crate) struct NormalTables {
 impl NormalTables {
     pub(crate) fn new(set: TableSet) -> Self {
         Self { set, lists: Vec::new(), object: None }
+    }
+
+    /// Entries of the largest level.
+    pub(crate) fn largest(&self, key: &ClutKey) -> usize {
+        match &key.book {
+            Some(book) => book.iter().map(Vec::len).max().unwrap_or(0),
+            None => (0..LEVELS as u8).map(|level| self.set.entries(level, key.entries)).max().unwrap_or(0) as usize,
+        }
+    }
+
+    /// Bytes of a reference normal in memory (120).
+    pub(crate) fn entry_bytes(&self) -> u32 {
+        self.set.entry_bytes()
     }
 
     fn of(&mut self, level: u8, object: Option<u32>) -> Result<&[[i16; 3]], TableError> {

@@ -13,6 +13,7 @@
 
 mod clut;
 mod config;
+mod sets;
 mod state;
 mod unit;
 

@@ -1,7 +1,7 @@
 //! What the brightness fetch unit (112) keeps between steps.
 
-use crate::{Clut, ClutKey};
-use basrelief_shading::LEVELS;
+use crate::ClutKey;
+use crate::sets::ClutSets;
 use basrelief_signals::{Frame, Indexes, ObjectInfo};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -10,7 +10,11 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Rebuild {
     /// Level being written.
-    pub(crate) level: usize,
+    pub(crate) level: u8,
+    /// Entries that it has.
+    pub(crate) entries: usize,
+    /// Reference normals read so far.
+    pub(crate) read: usize,
     /// Entries of it written so far.
     pub(crate) written: usize,
 }
@@ -24,13 +28,8 @@ pub struct BrightnessFetchState {
     pub(crate) wanted: ClutKey,
     /// `wanted.lights` is to be evaluated again: frame or object changed.
     pub(crate) lights_changed: bool,
-    /// Control came since the CLUTs were last compared with `wanted`.
-    pub(crate) check: bool,
-    /// What the CLUTs hold.
-    pub(crate) held: Option<ClutKey>,
-    pub(crate) clut: Clut,
-    /// Where each level's CLUT starts \[bytes\].
-    pub(crate) base: [u64; LEVELS],
+    /// What memory (120) holds.
+    pub(crate) sets: ClutSets,
     pub(crate) rebuild: Option<Rebuild>,
     /// The fragment that waits for it.
     pub(crate) pending: Option<Indexes>,
@@ -45,10 +44,12 @@ pub struct BrightnessFetchCounters {
     pub fragments: u64,
     /// CLUT entries read, or computed where the source is direct.
     pub samples: u64,
-    /// Times that the CLUTs were recalculated.
+    /// Times that the CLUT of a level was calculated.
     pub rebuilds: u64,
     /// Cycles of that.
     pub rebuild_cycles: u64,
-    /// Bytes written for that.
+    /// Bytes of entries written for that.
     pub rebuild_bytes: u64,
+    /// Bytes of reference normals read for that.
+    pub normal_bytes: u64,
 }

@@ -1,31 +1,34 @@
 //! The unit and its step.
 
-use crate::clut::NormalTables;
+use crate::clut::{NormalTables, calculate};
 use crate::state::Rebuild;
-use crate::{BrightnessConfig, BrightnessFetchState, BrightnessSource, Clut};
+use crate::{BrightnessConfig, BrightnessFetchState, BrightnessSource};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_shading::{LEVELS, TableSet, light_vectors};
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
+use basrelief_shading::{TableSet, light_vectors};
 use basrelief_signals::{Control, Flow, Indexes, MAX_SAMPLES, MAX_STAMP, Sample, Shaded, Stamp, quantization_memory};
 use std::sync::Arc;
 
 /// The cache in front of the CLUTs (122) in memory (120).
 const CLUT: u32 = 0;
-/// Recalculated entries are written through this client.
-const REBUILT: u32 = 1;
-/// Bytes of recalculated entries per write (assumed).
+/// Reference normals are read and calculated entries written through this client.
+const BUILD: u32 = 1;
+/// Bytes of calculated entries per write (assumed).
 const WRITE_BYTES: u32 = 32;
 
 /// Brightness fetch unit (112).
 ///
-/// Control is noted when it comes; the CLUTs are compared with it at the first fragment after it, so that a frame or an
-/// object without bump targets costs nothing. If they differ, that fragment waits while the entries of all tables are
-/// recalculated, up to 32 bytes per step. Code books end here.
+/// Control is noted when it comes; at the first fragment after it the unit looks for the set of CLUTs of its material and
+/// lights, so that a frame or an object without bump targets costs nothing. A level that the set lacks is calculated when a
+/// fragment needs it, which waits meanwhile: reference normals are read from memory (120), lit, and written back as entries,
+/// up to 32 bytes per step. Code books end here.
 #[derive(Clone, Debug)]
 pub struct BrightnessFetch {
     /// Parameters.
     pub config: BrightnessConfig,
     most_samples: u32,
+    operators: Operators,
+    latency: u64,
     /// Everything it remembers.
     pub state: BrightnessFetchState,
     /// What the VQ tables (121) hold; follows from their parameters.
@@ -35,14 +38,17 @@ pub struct BrightnessFetch {
 type Out = Step<Option<Flow<Stamp<Shaded>>>>;
 
 impl BrightnessFetch {
-    /// A unit for the VQ tables (121) that the replacement unit searches, and stamps of at most `most_samples` samples.
-    pub fn new(config: BrightnessConfig, tables: TableSet, most_samples: u32) -> Self {
+    /// A unit for the VQ tables (121) that the replacement unit searches, and stamps of at most `most_samples` samples, in a
+    /// machine of these operators.
+    pub fn new(config: BrightnessConfig, tables: TableSet, most_samples: u32, operators: &Operators) -> Self {
         let most_samples = most_samples.clamp(1, (MAX_SAMPLES * MAX_STAMP) as u32);
-        Self { config, most_samples, state: BrightnessFetchState::default(), normals: NormalTables::new(tables) }
+        let latency = config.latency(u32::from(config.levels), operators);
+        let (operators, state) = (operators.clone(), BrightnessFetchState::default());
+        Self { config, most_samples, operators, latency, state, normals: NormalTables::new(tables) }
     }
 
     fn quiet(&self) -> Out {
-        Step::after(u64::from(self.config.latency), None)
+        Step::after(self.latency, None)
     }
 
     fn control(&mut self, control: Control) -> Out {
@@ -58,107 +64,143 @@ impl BrightnessFetch {
                 state.lights_changed = true;
             }
             Control::Polygon(polygon) => state.wanted.lighting = polygon.material.lighting,
-            Control::CodeBook(book) => state.wanted.book = Some(Arc::clone(book)),
+            Control::CodeBook(book) => {
+                state.wanted.book = Some(Arc::clone(book));
+                state.sets.drop_books();
+            }
             Control::FrameEnd => {}
         }
-        state.check = true;
+        state.sets.lose_sight();
         let out = (!matches!(control, Control::CodeBook(_))).then_some(Flow::Control(control));
-        Step::after(u64::from(self.config.latency), out)
+        Step::after(self.latency, out)
     }
 
     #[inline(always)]
     fn item(&mut self, indexes: Indexes, traffic: &mut Traffic) -> Out {
-        if self.state.check {
-            self.state.check = false;
-            if self.is_outdated() {
-                return self.recalculate(indexes, traffic);
-            }
+        if !self.state.sets.has_found() {
+            self.find_set();
         }
-        self.fetch(&indexes, traffic)
+        if indexes.samples.iter().all(|sample| self.state.sets.has(sample.level)) {
+            return self.fetch(&indexes, traffic);
+        }
+        self.state.pending = Some(indexes);
+        self.resume(traffic)
     }
 
-    fn is_outdated(&mut self) -> bool {
+    fn find_set(&mut self) {
         let state = &mut self.state;
         if state.lights_changed {
             state.lights_changed = false;
             let centre = state.object.as_ref().map_or([0.0; 3], |o| o.centre);
             state.wanted.lights = state.frame.as_ref().map_or_else(Vec::new, |f| light_vectors(f, centre));
         }
-        state.held.as_ref() != Some(&state.wanted)
+        state.sets.select(&state.wanted, self.normals.largest(&state.wanted), &self.config);
     }
 
-    /// All entries are calculated at once; what takes time is modelled in the steps that write them.
-    fn recalculate(&mut self, indexes: Indexes, traffic: &mut Traffic) -> Out {
-        match Clut::calculate(&self.config, &self.state.wanted, &mut self.normals) {
-            Ok(clut) => self.state.clut = clut,
-            Err(error) => {
-                let name = self.state.object.as_ref().map_or("", |o| o.name.as_str());
-                traffic.fault(format!("object `{name}` fixes its number of reference normals: {error}"));
-                self.state.clut = Clut::default();
+    /// A step that takes no input: it calculates the next entries that the waiting fragment lacks, or serves it.
+    fn resume(&mut self, traffic: &mut Traffic) -> Out {
+        if self.state.rebuild.is_none() {
+            let Some(indexes) = self.state.pending.take() else { return self.quiet() };
+            let lacking = indexes.samples.iter().map(|sample| sample.level).find(|level| !self.state.sets.has(*level));
+            let Some(level) = lacking else { return self.fetch(&indexes, traffic) };
+            self.state.pending = Some(indexes);
+            let entries = self.calculate(level, traffic);
+            // What is computed directly needs no table.
+            if self.config.source == BrightnessSource::Direct || entries == 0 {
+                return self.resume(traffic);
             }
+            self.state.counters.rebuilds += 1;
+            self.state.rebuild = Some(Rebuild { level, entries, read: 0, written: 0 });
         }
-        let largest = self.state.clut.entries().into_iter().max().unwrap_or(0);
-        let stride = quantization_memory::clut_stride(largest, self.config.entry_bytes());
-        self.state.base = std::array::from_fn(|k| quantization_memory::CLUTS + k as u64 * stride);
-        self.state.held = Some(self.state.wanted.clone());
-        if self.config.source == BrightnessSource::Direct || largest == 0 {
-            return self.fetch(&indexes, traffic);
-        }
-        self.state.counters.rebuilds += 1;
-        self.state.pending = Some(indexes);
-        self.state.rebuild = Some(Rebuild::default());
         self.rebuild(traffic)
     }
 
-    /// Writes the next entries; after the last ones the next step serves the fragment that waits.
+    /// All entries of a level are calculated at once; what takes time is modelled in the steps that write them.
+    fn calculate(&mut self, level: u8, traffic: &mut Traffic) -> usize {
+        let Self { config, state, normals, .. } = self;
+        let entries = state.sets.calculate(level, |key| calculate(level, config, key, normals));
+        entries.unwrap_or_else(|error| {
+            let name = state.object.as_ref().map_or("", |o| o.name.as_str());
+            traffic.fault(format!("object `{name}` fixes its number of reference normals: {error}"));
+            let _ = state.sets.calculate(level, |_| Ok(vec![]));
+            0
+        })
+    }
+
+    /// Reads the next reference normals, and writes the entries of those read before; after the last ones the next step looks again at the fragment
+    /// that waits.
     fn rebuild(&mut self, traffic: &mut Traffic) -> Out {
-        let entries = self.state.clut.entries();
-        let Some(mut at) = self.state.rebuild.take() else { return self.quiet() };
-        while at.level < LEVELS && entries[at.level] == at.written {
-            at = Rebuild { level: at.level + 1, written: 0 };
+        let Some(Rebuild { level, entries, read, written }) = self.state.rebuild.take() else { return self.quiet() };
+        let (entry_bytes, normal_bytes) = (self.config.entry_bytes(), self.normals.entry_bytes());
+        let at_once = (WRITE_BYTES / entry_bytes) as usize;
+        // What was calculated in the step before.
+        if read > written {
+            let address = self.state.sets.address(level) + written as u64 * u64::from(entry_bytes);
+            let bytes = (read - written) as u32 * entry_bytes;
+            traffic.write(BUILD, address, bytes);
+            self.state.counters.rebuild_bytes += u64::from(bytes);
         }
-        let Some(left) = entries.get(at.level).map(|n| n - at.written) else { return self.quiet() };
-        let entry_bytes = self.config.entry_bytes();
-        let count = left.min((WRITE_BYTES / entry_bytes) as usize);
-        let address = self.state.base[at.level] + at.written as u64 * u64::from(entry_bytes);
-        let bytes = count as u32 * entry_bytes;
-        traffic.write(REBUILT, address, bytes);
-        at.written += count;
-        let done = entries[at.level] == at.written && entries[at.level + 1..].iter().all(|n| *n == 0);
-        self.state.rebuild = (!done).then_some(at);
-        let cycles = count as u64 * u64::from(self.config.rebuild_cycles_per_entry);
+        let count = (entries - read).min(at_once);
+        if count > 0 {
+            let address = quantization_memory::vq_table(level) + read as u64 * u64::from(normal_bytes);
+            let bytes = count as u32 * normal_bytes;
+            traffic.read(BUILD, address, bytes);
+            self.state.counters.normal_bytes += u64::from(bytes);
+        }
+        self.state.rebuild = (count > 0).then_some(Rebuild { level, entries, read: read + count, written: read });
+        let cycles = (count as u64 * self.config.entry_cycles(self.state.wanted.lights.len(), &self.operators)).max(1);
         self.state.counters.rebuild_cycles += cycles;
-        self.state.counters.rebuild_bytes += u64::from(bytes);
         self.quiet().busy(cycles)
     }
 
     #[inline(always)]
     fn fetch(&mut self, indexes: &Indexes, traffic: &mut Traffic) -> Out {
         let state = &mut self.state;
-        let entry_bytes = self.config.entry_bytes();
+        let (entry_bytes, normal_bytes) = (self.config.entry_bytes(), self.normals.entry_bytes());
         let from_clut = self.config.source == BrightnessSource::Clut;
         let mut out = Stamp::new();
         for (lane, &fragment) in indexes.stamp.iter().enumerate() {
             let mut sum = [0.0; 2];
             for &Sample { level, weight, value } in &indexes.samples {
                 let (weight, index) = (weight[lane], value[lane]);
-                let value = state.clut.fetch(level, index);
+                let value = state.sets.fetch(level, index);
                 sum = [sum[0] + weight * value[0], sum[1] + weight * value[1]];
-                if from_clut {
-                    let base = state.base[usize::from(level).min(LEVELS - 1)];
-                    traffic.look_up(CLUT, base + u64::from(index) * u64::from(entry_bytes), entry_bytes);
-                }
+                let (base, bytes) = if from_clut {
+                    (state.sets.address(level), entry_bytes)
+                } else {
+                    (quantization_memory::vq_table(level), normal_bytes)
+                };
+                traffic.look_up(CLUT, base + u64::from(index) * u64::from(bytes), bytes);
             }
             out.push(Shaded { fragment, brightness: sum[0], highlight: sum[1] });
         }
         let per_fragment = indexes.samples.len();
         state.counters.fragments += out.len() as u64;
         state.counters.samples += (out.len() * per_fragment) as u64;
-        let computing = if from_clut { 0 } else { per_fragment as u64 * u64::from(self.config.direct_cycles) };
-        let latency = u64::from(self.config.latency) + computing;
-        Step::over(out.len(), computing.max(1), latency, Some(Flow::Item(out)))
+        let interpolating = per_fragment.div_ceil(self.config.samples_per_cycle.max(1) as usize) as u64;
+        let (interval, latency) = if from_clut {
+            (interpolating, self.latency)
+        } else {
+            let computing = per_fragment as u64 * self.config.entry_cycles(state.wanted.lights.len(), &self.operators);
+            (interpolating.max(computing), self.latency + BrightnessConfig::entry_latency(&self.operators))
+        };
+        Step::over(out.len(), interval, latency, Some(Flow::Item(out)))
+    }
+
+    fn tell_hardware(&self, facts: &mut Facts) {
+        let c = &self.config;
+        let values = c.values();
+        let blenders = u64::from(c.samples_per_cycle * values);
+        facts.hardware(HardwareKind::Multiplier, "share of a level", blenders, c.bits);
+        facts.hardware(HardwareKind::Adder, "sum of levels", blenders, c.bits);
+        facts.hardware(HardwareKind::Multiplier, "lighting of an entry", c.multipliers, SINGLE);
+        facts.hardware(HardwareKind::Adder, "lighting of an entry", c.multipliers, SINGLE);
+        facts.hardware(HardwareKind::Power, "highlight of an entry", c.powers, SINGLE);
     }
 }
+
+/// Width of a number in single precision \[bits\].
+const SINGLE: u32 = 32;
 
 impl Unit for BrightnessFetch {
     basrelief_kernel::role!("looks brightness up by index, interpolates between levels");
@@ -175,18 +217,16 @@ impl Unit for BrightnessFetch {
         match input {
             Some(Flow::Item(indexes)) => self.item(indexes, traffic),
             Some(Flow::Control(control)) => self.control(control),
-            None if self.state.rebuild.is_some() => self.rebuild(traffic),
-            None => match self.state.pending.take() {
-                Some(indexes) => self.fetch(&indexes, traffic),
-                None => self.quiet(),
-            },
+            None => self.resume(traffic),
         }
     }
 
+    /// A line per sample, two where reference normals may lie across lines; a read and a write.
     fn largest_step(&self, client: usize) -> u32 {
-        match (self.config.source, client) {
-            (BrightnessSource::Clut, 0) => self.most_samples,
-            (BrightnessSource::Clut, 1) => 1,
+        match (self.config.source, client as u32) {
+            (BrightnessSource::Clut, CLUT) => self.most_samples,
+            (BrightnessSource::Direct, CLUT) => 2 * self.most_samples,
+            (BrightnessSource::Clut, BUILD) => 2,
             _ => 0,
         }
     }
@@ -196,12 +236,14 @@ impl Unit for BrightnessFetch {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, 1_u64);
+        facts.rate(0, self.latency, 1_u64);
+        self.tell_hardware(facts);
         let c = &self.state.counters;
         facts.figure("clut_samples", c.samples, "samples", "Samples looked up in CLUTs");
-        facts.figure("clut_rebuilds", c.rebuilds, "rebuilds", "Times that CLUTs were calculated anew");
+        facts.figure("clut_rebuilds", c.rebuilds, "rebuilds", "Times that the CLUT of a level was calculated");
         facts.figure("clut_rebuild_cycles", c.rebuild_cycles, "cycles", "Cycles that this took");
-        facts.figure("clut_rebuild_bytes", c.rebuild_bytes, "bytes", "What it wrote");
+        facts.figure("clut_rebuild_bytes", c.rebuild_bytes, "bytes", "Entries that it wrote");
+        facts.figure("clut_normal_bytes", c.normal_bytes, "bytes", "Reference normals that it read");
     }
 }
 

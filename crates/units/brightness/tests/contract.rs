@@ -1,7 +1,7 @@
 //! The brightness fetch unit (112) keeps the unit contract, with CLUTs and without.
 
 use basrelief_brightness::{BrightnessConfig, BrightnessFetch, BrightnessSource};
-use basrelief_kernel::unit_contract;
+use basrelief_kernel::{Operators, unit_contract};
 use basrelief_shading::{LEVELS, Table, TableSet};
 use basrelief_signals::{
     Camera, Control, Flow, Fragment, Frame, Indexes, Light, LightKind, ObjectInfo, Polygon, Sample, Stamp, Vertex,
@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 fn unit(config: BrightnessConfig) -> BrightnessFetch {
     let tables = TableSet { entries: [40; LEVELS], table: Table::Fibonacci, distinct: true, entry_bits: 16 };
-    BrightnessFetch::new(config, tables, 2)
+    BrightnessFetch::new(config, tables, 2, &Operators::default())
 }
 
 /// A frame under a lamp.
@@ -21,7 +21,7 @@ fn frame() -> Control {
 }
 
 fn object(x: f32) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre: [x, 0.0, 0.0], entries: None }))
+    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre: [x, 0.0, 0.0], entries: None, bias: None }))
 }
 
 fn polygon() -> Control {

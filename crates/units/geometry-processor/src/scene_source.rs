@@ -130,7 +130,7 @@ mod tests {
         let object = |id, triangles: u32| {
             let mesh = Arc::new(Mesh { indices: vec![0; 3 * triangles as usize], ..Mesh::default() });
             let name = String::new();
-            Arc::new(Object { id, name, mesh, world: [0.0; 16], material: Arc::default(), entries: None, bump: None })
+            Arc::new(Object { id, name, mesh, world: [0.0; 16], material: Arc::default(), entries: None, bias: None, bump: None })
         };
         let scene = Scene { frames: vec![frame(0), frame(1)], objects: vec![object(0, 2), object(1, 0)], ..Scene::default() };
         let mut source = SceneSource::new(SceneDraws::new(Arc::new(scene)));

@@ -118,6 +118,7 @@ mod tests {
             world: world(linear),
             material: Arc::default(),
             entries: None,
+            bias: None,
             bump: None,
         };
         assert_eq!(centre(&object(mesh)), [5.5, -7.0, 9.0]);

@@ -6,6 +6,17 @@ use basrelief_shading::quantize_unit;
 /// A direction and how often it occurs.
 type Weighted = ([i16; 3], i64);
 
+/// A code book, and how it was found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct CodeBook {
+    /// The reference normals.
+    pub normals: Vec<[i16; 3]>,
+    /// Seeds that had to be found; 0 where no more directions are distinct than there are entries.
+    pub seeds: u32,
+    /// Passes over all directions that moved entries, or found that none moved any more.
+    pub passes: u32,
+}
+
 /// At most `entries` reference normals for `normals`, by k-means: seeds as far from each other as can be, then `passes`
 /// times every direction goes to its nearest reference normal and each of those to the mean of its directions.
 ///
@@ -13,22 +24,23 @@ type Weighted = ([i16; 3], i64);
 /// distinct, they are the code book. The zero vector has no direction and is left out; a book of nothing else holds the
 /// zero vector. Everything is counted in whole numbers but the length of a mean, in a fixed order: the same bits
 /// everywhere. Ascending order in the first case, order of the seeds in the second.
-pub fn build_code_book(normals: impl Iterator<Item = [i16; 3]>, entries: u32, passes: u32, entry_bits: u32) -> Vec<[i16; 3]> {
+pub fn build_code_book(normals: impl Iterator<Item = [i16; 3]>, entries: u32, passes: u32, entry_bits: u32) -> CodeBook {
     let directions = count_directions(normals, entry_bits);
     let entries = entries.max(1) as usize;
     if directions.is_empty() {
-        return vec![[0; 3]];
+        return CodeBook { normals: vec![[0; 3]], ..CodeBook::default() };
     }
     if directions.len() <= entries {
-        return directions.into_iter().map(|(d, _)| d).collect();
+        return CodeBook { normals: directions.into_iter().map(|(d, _)| d).collect(), ..CodeBook::default() };
     }
-    let mut book = seeds(&directions, entries);
-    for _ in 0..passes {
-        let moved = means(&directions, &book, entry_bits);
-        if moved == book {
+    let mut book = CodeBook { normals: seeds(&directions, entries), seeds: entries as u32, passes: 0 };
+    while book.passes < passes {
+        let moved = means(&directions, &book.normals, entry_bits);
+        book.passes += 1;
+        if moved == book.normals {
             break;
         }
-        book = moved;
+        book.normals = moved;
     }
     book
 }
@@ -97,8 +109,8 @@ mod tests {
     fn few_distinct_normals_are_the_book() {
         let normals = [[0, 0, 5], [0, 7, 0], [0, 0, 9], [0; 3], [0, 7, 0]];
         let book = build_code_book(normals.into_iter(), 2, 8, 16);
-        assert_eq!(book, [[0, 0, 32_767], [0, 32_767, 0]]);
-        assert_eq!(build_code_book([[0; 3]; 4].into_iter(), 2, 8, 16), [[0; 3]]);
+        assert_eq!((book.normals, book.seeds, book.passes), (vec![[0, 0, 32_767], [0, 32_767, 0]], 0, 0));
+        assert_eq!(build_code_book([[0; 3]; 4].into_iter(), 2, 8, 16).normals, [[0; 3]]);
     }
 
     #[test]
@@ -106,7 +118,7 @@ mod tests {
         // Three tight bunches; three entries must end in their middles.
         let bunch = |x: i16, y: i16, z: i16| (-5..=5).map(move |d| [x + 10 * d, y - 10 * d, z + 5 * d]);
         let normals = bunch(30_000, 300, 200).chain(bunch(-200, 30_000, 0)).chain(bunch(100, 200, -30_000));
-        let mut book = build_code_book(normals, 3, 8, 16);
+        let mut book = build_code_book(normals, 3, 8, 16).normals;
         book.sort_unstable();
         for (entry, axis, sign) in [(book[0], 1, 1), (book[1], 2, -1), (book[2], 0, 1)] {
             assert!(entry[axis] * sign > 32_700, "{book:?}");
@@ -129,10 +141,10 @@ mod tests {
         let sphere = reference_normals(0, 20_000, Table::Fibonacci, true, 16).unwrap();
         let cap: Vec<[i16; 3]> = sphere.into_iter().filter(|n| n[2] > 26_000).collect();
         let fixed = reference_normals(1, 64, Table::Fibonacci, true, 16).unwrap();
-        let book = build_code_book(cap.iter().copied(), 64, 8, 16);
+        let book = build_code_book(cap.iter().copied(), 64, 8, 16).normals;
         assert_eq!(book.len(), 64);
         assert!(error(&cap, &book) < 0.2 * error(&cap, &fixed));
-        let seeded = build_code_book(cap.iter().copied(), 64, 0, 16);
+        let seeded = build_code_book(cap.iter().copied(), 64, 0, 16).normals;
         assert!(error(&cap, &book) < error(&cap, &seeded));
     }
 
@@ -142,7 +154,7 @@ mod tests {
             normals in prop::collection::vec(prop::array::uniform3(-99i16..99), 1..300), entries in 1u32..40,
         ) {
             let book = build_code_book(normals.iter().copied(), entries, 3, 10);
-            prop_assert!((1..=entries as usize).contains(&book.len()));
+            prop_assert!((1..=entries as usize).contains(&book.normals.len()));
             let mut mirrored = normals.clone();
             mirrored.reverse();
             prop_assert_eq!(book, build_code_book(mirrored.into_iter(), entries, 3, 10));

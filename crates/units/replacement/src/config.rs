@@ -1,5 +1,7 @@
 //! Parameters of the normal-vector replacement unit (110).
 
+use crate::Policy;
+use basrelief_kernel::{Operators, Work};
 use basrelief_parameters::parameters;
 use basrelief_shading::{LEVELS, MAX_ENTRIES, Table, TableSet};
 use serde::{Deserialize, Serialize};
@@ -81,24 +83,29 @@ parameters! {
         tables: Tables = Tables::Different, unit: "", Stated("each level has a different set of vectors, even where counts are equal");
         /// Width of each component of a table entry.
         entry_bits: u32 = 16, unit: "bits", Assumed("no coarser than N'"), range: 8..=16;
-        /// Inner products per cycle of one search.
-        lanes: u32 = 64, unit: "inner products/cycle", Assumed("a search of 256 in 4 cycles"), range: 1..=65536;
+        /// Inner-product units that work side by side on one search, which keeps them for ceil(entries / lanes) cycles.
+        lanes: u32 = 64, unit: "inner products", Assumed("a search of 256 in 4 cycles"), range: 1..=65536;
         /// A new search may start every cycle: the lanes are there ceil(entries / lanes) times.
-        pipelined: bool = true, unit: "", Assumed("one pseudo-normal per cycle, as the units around it");
-        /// Cycles that a search takes beside its inner products.
-        latency: u32 = 4, unit: "cycles", Assumed("multiply 1, add 1, maximum 2"), range: 1..=1024;
+        pipelined: bool = false, unit: "", Assumed("off: 64 inner-product units are 192 multipliers already");
         /// Added to the MIP level to choose table and CLUT: an object of less importance takes coarser ones.
         vq_bias: u8 = 0, unit: "levels", Stated("a far or unimportant object may take a coarser table"), range: 0..=7;
         /// Where the reference normals come from: fixed, per_polygon or per_object.
         codebook: CodeBookMode = CodeBookMode::Fixed, unit: "", Stated("tables fixed in advance; dynamic ones are the variants");
         /// VQ tables that the unit holds; the least recently used goes first.
-        resident_tables: u32 = 8, unit: "tables", Assumed("one per MIP level"), range: 1..=64;
+        resident_tables: u32 = 2, unit: "tables", Assumed("the two adjacent levels of a polygon"), range: 1..=64;
         /// Bytes of one read while a VQ table is loaded.
         load_bytes: u32 = 64, unit: "bytes", Assumed("one burst"), range: 1..=4096;
         /// Passes of the clustering of a code book.
         kmeans_iterations: u32 = 8, unit: "passes", Assumed("the error hardly falls after that"), range: 1..=64;
-        /// Room for gathered pseudo-normals in memory (120).
-        gather_bytes: u64 = 16 << 20, unit: "bytes", Assumed("two levels of 1.4 M fragments"), range: 1..=1_u64 << 32;
+        /// Room in memory (120) for gathered pseudo-normals and what is held beside them: fragments and control.
+        gather_bytes: u64 = 64 << 20, unit: "bytes", Assumed("2.2 M fragments of two levels"), range: 1..=1_u64 << 32;
+        /// How the number of reference normals changes from frame to frame, where an object does not fix it: fixed, by_lod or
+        /// by_fragments.
+        policy: Policy = Policy::Fixed, unit: "", Stated("the number may be changed dynamically; by which rule is ours");
+        /// Fewest reference normals that a policy goes down to.
+        least_entries: u32 = 16, unit: "reference normals", Assumed("below that the steps of brightness are seen on any surface"), range: 1..=MAX_ENTRIES as u32;
+        /// With by_fragments: fragments that an object drew in the last frame, per reference normal that it gets.
+        fragments_per_entry: u32 = 64, unit: "fragments", Assumed("an object of 128 x 128 pixels gets 256"), range: 1..=1048576;
     }
 }
 
@@ -111,6 +118,26 @@ impl ReplacementConfig {
             distinct: self.tables == Tables::Different,
             entry_bits: self.entry_bits,
         }
+    }
+
+    /// Inner-product units: the lanes, or where a search may start every cycle enough for the largest table.
+    pub fn inner_products(&self) -> u32 {
+        let most = self.entries.levels().into_iter().max().unwrap_or(1);
+        let times = if self.pipelined { most.div_ceil(self.lanes.max(1)) } else { 1 };
+        self.lanes.saturating_mul(times)
+    }
+
+    /// The operators that directions of code books are brought to unit length with: those of the inner products, and one
+    /// divider and one root.
+    pub(crate) fn arithmetic(&self) -> Work {
+        Work { divide: 1, square_root: 1, ..Work::INNER_PRODUCT.times(self.lanes) }
+    }
+
+    /// Cycles from N' to its index beside the inner products of a search: a product, two sums, and the tree of comparisons that
+    /// finds the largest of all lanes and of what was found before.
+    pub fn latency(&self, operators: &Operators) -> u64 {
+        let comparisons = u32::BITS - (self.lanes.max(1) - 1).leading_zeros() + 1;
+        operators.latency(Work { multiply: 1, add: 2 + comparisons, ..Work::NONE })
     }
 
     /// Cycles of one search of `entries` reference normals, beside the latency.

@@ -1,6 +1,8 @@
 //! Pseudo-normals held back until their code book is built.
 
-use basrelief_signals::{Control, Flow, PseudoNormals};
+use crate::state::TableLoad;
+use basrelief_signals::width::{CONTROL, LEVEL, SHARE};
+use basrelief_signals::{Control, Flow, Fragment, PseudoNormals, Signal, Widths, quantization_memory};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -10,14 +12,38 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Gather {
     pub(crate) held: VecDeque<Flow<PseudoNormals>>,
-    /// Bytes written to memory (120).
-    pub(crate) written: u64,
-    /// Bytes read back.
-    pub(crate) read: u64,
+    /// N', from the lower end of their room in memory (120) up.
+    pub(crate) normals: Moved,
+    /// Fragments and control that wait with them, from the upper end down.
+    pub(crate) beside: Moved,
     /// The control token that ended the batch; it leaves last.
     pub(crate) ending: Option<Control>,
     /// The batch's code book, once it is built.
     pub(crate) book: Option<Arc<Vec<Vec<[i16; 3]>>>>,
+    /// What of the book is still to be written to memory (120).
+    pub(crate) unwritten: VecDeque<TableLoad>,
+    /// The book has gone on; what was gathered follows.
+    pub(crate) is_sending: bool,
+}
+
+/// How far writing and reading have come \[bytes\].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Moved {
+    pub(crate) written: u64,
+    pub(crate) read: u64,
+}
+
+/// What fragments take beside their N': place, depth, weights, triangle, and the shares of their samples.
+pub(crate) fn fragments_bytes(normals: &PseudoNormals) -> u32 {
+    let widths = Widths { samples: normals.samples.len() as u32, ..Widths::default() };
+    let bits = Fragment::bits(&widths) + widths.samples * (LEVEL + SHARE);
+    normals.stamp.len() as u32 * bits.div_ceil(8)
+}
+
+/// What a control token takes, with the set-up of a polygon.
+pub(crate) fn control_bytes(control: &Control) -> u32 {
+    let set_up = if let Control::Polygon(polygon) = control { polygon.bytes() } else { 0 };
+    CONTROL.div_ceil(8) + set_up
 }
 
 impl Gather {
@@ -29,6 +55,16 @@ impl Gather {
     /// The batch is complete: the unit takes no input until all of it has left.
     pub fn is_flushing(&self) -> bool {
         self.ending.is_some()
+    }
+
+    /// Takes the book, and notes that it is to be written, `entry_bytes` an entry.
+    pub(crate) fn write_book(&mut self, lists: Vec<Vec<[i16; 3]>>, entry_bytes: u64) {
+        let of = |(level, list): (usize, &Vec<_>)| TableLoad {
+            address: quantization_memory::vq_table(level as u8),
+            bytes: list.len() as u64 * entry_bytes,
+        };
+        self.unwritten = lists.iter().enumerate().filter(|(_, list)| !list.is_empty()).map(of).collect();
+        self.book = Some(Arc::new(lists));
     }
 
     /// All pseudo-normals of a table level, in order; `table_level` maps the sample's level to its table's.

@@ -10,17 +10,21 @@
 //! Erratum of the patent: it says to take the *smallest* normalized inner product, which would be the opposite vector.
 //! The nearest has the *largest*; ties go to the lowest index.
 
+mod clustering;
 mod code_book;
+mod code_books;
 mod config;
 mod gather;
+mod policy;
 mod search;
 mod state;
 mod tables;
 mod unit;
 
-pub use code_book::build_code_book;
+pub use code_book::{CodeBook, build_code_book};
 pub use config::{CodeBookMode, PerLevel, ReplacementConfig, Tables};
 pub use gather::Gather;
+pub use policy::Policy;
 pub use search::NearestSearch;
 pub use state::{ReplacementCounters, ReplacementState};
 pub use unit::Replacement;

@@ -1,5 +1,7 @@
 //! What the replacement unit (110) keeps between steps.
 
+use crate::clustering::Clustering;
+use crate::policy::History;
 use crate::{Gather, NearestSearch};
 use basrelief_kernel::Derived;
 use basrelief_shading::LEVELS;
@@ -12,11 +14,21 @@ use std::sync::Arc;
 /// A VQ table as the unit knows it: MIP level and number of entries.
 pub(crate) type TableKey = (u8, u32);
 
-/// What is left to read of a VQ table.
+/// What is left to read, or to write, of a VQ table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct TableLoad {
     pub(crate) address: u64,
     pub(crate) bytes: u64,
+}
+
+impl TableLoad {
+    /// The next piece of at most `most` bytes: its address and size.
+    pub(crate) fn next(&mut self, most: u64) -> (u64, u32) {
+        let (address, bytes) = (self.address, self.bytes.min(most).max(1));
+        self.address += bytes;
+        self.bytes = self.bytes.saturating_sub(bytes);
+        (address, bytes as u32)
+    }
 }
 
 /// Resident tables, what waits for a table, what is gathered for a code book, and the counters.
@@ -26,6 +38,10 @@ pub struct ReplacementState {
     pub(crate) object: Option<Arc<ObjectInfo>>,
     /// Polygons since the object began.
     pub(crate) polygons: u64,
+    /// Level of detail of the polygon that the fragments belong to.
+    pub(crate) lod: u8,
+    /// What objects drew, for a policy.
+    pub(crate) history: History,
     /// Tables held, most recently used first.
     pub(crate) resident: Vec<TableKey>,
     /// Tables being loaded, in order.
@@ -34,6 +50,8 @@ pub struct ReplacementState {
     pub(crate) pending: Option<PseudoNormals>,
     /// Code books: what is held back.
     pub(crate) gather: Gather,
+    /// The clustering under way.
+    pub(crate) clustering: Option<Clustering>,
     /// Search structures of the current code book.
     #[serde(skip)]
     pub(crate) book: Derived<Vec<NearestSearch>>,
@@ -58,8 +76,12 @@ pub struct ReplacementCounters {
     pub code_books: u64,
     /// Cycles of clustering.
     pub clustering_cycles: u64,
-    /// Bytes of N' written for code books; as many are read back.
+    /// Passes over all gathered N' that this took.
+    pub clustering_passes: u64,
+    /// Bytes of N' written for code books; as many are read back, and as many in every pass.
     pub gathered_bytes: u64,
+    /// Bytes of fragments and control written beside them; as many are read back.
+    pub held_beside_bytes: u64,
     /// Which indexes occurred at each level, one bit each.
     used: [Vec<u64>; LEVELS],
 }

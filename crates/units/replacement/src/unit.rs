@@ -1,64 +1,79 @@
 //! The unit and its step.
 
+use crate::policy::MOST_OBJECTS;
 use crate::state::{TableKey, TableLoad};
 use crate::tables::HostTables;
-use crate::{CodeBookMode, NearestSearch, ReplacementConfig, ReplacementState, build_code_book};
+use crate::{CodeBookMode, Policy, ReplacementConfig, ReplacementState};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_shading::{LEVELS, TableError};
-use basrelief_signals::{Control, Flow, Indexes, MAX_STAMP, PseudoNormals, Sample, Samples, quantization_memory};
+use basrelief_signals::{Control, Flow, Indexes, MAX_STAMP, ObjectInfo, PseudoNormals, Sample, Samples, quantization_memory};
 use std::sync::Arc;
 
 /// VQ tables (121) are read through this client.
 const TABLES: u32 = 0;
-/// Gathered pseudo-normals are written and read through this one.
-const GATHERED: u32 = 1;
+/// Gathered pseudo-normals and what is held beside them are written and read through this one, code books written.
+pub(crate) const GATHERED: u32 = 1;
+
+/// Width of what is remembered of an object: its number, fragments, and the sum of their level of detail \[bits\].
+const OBJECT_BITS: u32 = 16 + 32 + 38;
 
 /// Normal-vector replacement unit (110).
 ///
 /// A fragment whose VQ table is not resident starts loading it, one read per step; the step that issues the last read
 /// also searches, since its answer is the last to come. With code books, fragments are gathered in memory (120) up to
-/// the end of the polygon or object; then the unit clusters, sends the code book, and sends what it held.
+/// the end of the polygon or object; then the unit clusters, pass by pass, writes and sends the code book, and sends what it
+/// held.
 #[derive(Clone, Debug)]
 pub struct Replacement {
     /// Parameters.
     pub config: ReplacementConfig,
-    normal_bits: u32,
+    pub(crate) normal_bits: u32,
+    pub(crate) operators: Operators,
+    /// Cycles from N' to its index beside the inner products.
+    latency: u64,
     /// Everything it remembers.
     pub state: ReplacementState,
     /// What the VQ tables (121) hold; follows from their parameters.
-    tables: HostTables,
+    pub(crate) tables: HostTables,
 }
 
-type Out = Step<Option<Flow<Indexes>>>;
+pub(crate) type Out = Step<Option<Flow<Indexes>>>;
 
 impl Replacement {
-    /// A unit for pseudo-normals of `normal_bits` bits per component.
+    /// A unit for pseudo-normals of `normal_bits` bits per component, in a machine of these operators.
     ///
     /// # Errors
     /// Where a level's table does not exist (a tetrahedron has 4 k^2 faces).
-    pub fn new(config: ReplacementConfig, normal_bits: u32) -> Result<Self, TableError> {
+    pub fn new(config: ReplacementConfig, normal_bits: u32, operators: &Operators) -> Result<Self, TableError> {
         let set = config.table_set();
         set.check()?;
-        Ok(Self { config, normal_bits, state: ReplacementState::default(), tables: HostTables::new(set) })
+        let latency = config.latency(operators);
+        let (operators, state) = (operators.clone(), ReplacementState::default());
+        Ok(Self { config, normal_bits, operators, latency, state, tables: HostTables::new(set) })
     }
 
     /// Level of table and CLUT for a sample's MIP level.
     #[inline]
-    fn table_level(&self, level: u8) -> u8 {
-        level.saturating_add(self.config.vq_bias).min(LEVELS as u8 - 1)
+    pub(crate) fn table_level(&self, level: u8) -> u8 {
+        let bias = self.state.object.as_ref().and_then(|o| o.bias).unwrap_or(self.config.vq_bias);
+        level.saturating_add(bias).min(LEVELS as u8 - 1)
     }
 
-    fn fixed_by_object(&self) -> Option<u32> {
+    pub(crate) fn fixed_by_object(&self) -> Option<u32> {
         self.state.object.as_ref().and_then(|o| o.entries)
     }
 
-    fn quiet(&self) -> Out {
-        Step::after(u64::from(self.config.latency), None)
+    pub(crate) fn quiet(&self) -> Out {
+        Step::after(self.latency, None)
     }
 
     #[inline(always)]
     fn item(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
+        if self.config.policy != Policy::Fixed {
+            let object = self.state.object.as_ref().map_or(0, |o| o.id);
+            self.state.history.count(object, normals.stamp.len() as u64, self.state.lod);
+        }
         if self.config.codebook != CodeBookMode::Fixed {
             return self.gather(normals, traffic);
         }
@@ -70,9 +85,8 @@ impl Replacement {
         self.load(traffic)
     }
 
-    fn control(&mut self, control: Control) -> Out {
-        let gather = &mut self.state.gather;
-        if gather.is_empty() {
+    fn control(&mut self, control: Control, traffic: &mut Traffic) -> Out {
+        if self.state.gather.is_empty() {
             return self.pass(control);
         }
         let ends = match control {
@@ -81,26 +95,38 @@ impl Replacement {
             Control::Frame(_) | Control::Object(_) | Control::FrameEnd => true,
             Control::CodeBook(_) => false,
         };
-        if ends {
-            gather.ending = Some(control);
-        } else {
-            gather.held.push_back(Flow::Control(control));
-        }
-        self.quiet()
+        if ends { self.end_batch(control) } else { self.hold(control, traffic) }
     }
 
     /// A control token takes effect and travels on.
-    fn pass(&mut self, control: Control) -> Out {
-        match &control {
-            Control::Object(object) => {
-                self.state.object = Some(Arc::clone(object));
-                self.state.polygons = 0;
-                *self.state.settled = None;
+    pub(crate) fn pass(&mut self, control: Control) -> Out {
+        let control = match control {
+            Control::Object(object) => Control::Object(self.begin_object(object)),
+            Control::Polygon(polygon) => {
+                self.state.polygons += 1;
+                self.state.lod = polygon.lod;
+                Control::Polygon(polygon)
             }
-            Control::Polygon(_) => self.state.polygons += 1,
-            _ => {}
-        }
-        Step::after(u64::from(self.config.latency), Some(Flow::Control(control)))
+            Control::Frame(frame) => {
+                self.state.history.begin_frame();
+                Control::Frame(frame)
+            }
+            other => other,
+        };
+        Step::after(self.latency, Some(Flow::Control(control)))
+    }
+
+    /// An object begins: it travels on with the number of reference normals that the policy gives it.
+    fn begin_object(&mut self, object: Arc<ObjectInfo>) -> Arc<ObjectInfo> {
+        let by_policy = || self.state.history.entries(object.id, &self.config);
+        let object = match object.entries.is_none().then(by_policy).flatten() {
+            Some(entries) => Arc::new(ObjectInfo { entries: Some(entries), ..ObjectInfo::clone(&object) }),
+            None => object,
+        };
+        self.state.object = Some(Arc::clone(&object));
+        self.state.polygons = 0;
+        *self.state.settled = None;
+        object
     }
 
     /// A step that takes no input: it loads, clusters, or sends what was gathered.
@@ -108,7 +134,7 @@ impl Replacement {
         if self.state.pending.is_some() {
             self.load(traffic)
         } else if self.state.gather.is_flushing() {
-            if self.state.gather.book.is_some() { self.send(traffic) } else { self.cluster() }
+            self.flush(traffic)
         } else {
             self.quiet()
         }
@@ -117,23 +143,28 @@ impl Replacement {
 
 /// VQ tables fixed in advance.
 impl Replacement {
-    /// Marks the tables of a fragment as used, and queues those that are not resident.
+    /// Marks the tables of a stamp as used, and queues those that are not resident: once for all its fragments where the unit
+    /// holds them all, else fragment by fragment, so that loads do not depend on the size of a stamp.
     #[inline]
     fn request_tables(&mut self, normals: &PseudoNormals) {
         let levels = || normals.samples.iter().map(|s| s.level);
         if self.state.settled.as_ref().is_some_and(|settled| settled.iter().copied().eq(levels())) {
             return;
         }
-        let object = self.fixed_by_object();
-        for level in levels() {
-            let level = self.table_level(level);
-            let key = (level, self.tables.set().entries(level, object));
-            match self.state.resident.iter().position(|k| *k == key) {
-                Some(at) => self.state.resident[..=at].rotate_right(1),
-                None => self.admit(key),
-            }
+        let holds_all = normals.samples.len() <= self.config.resident_tables as usize;
+        for _ in 0..if holds_all { 1 } else { normals.stamp.len() } {
+            levels().for_each(|level| self.request_table(level));
         }
         *self.state.settled = self.state.loads.is_empty().then(|| levels().collect());
+    }
+
+    fn request_table(&mut self, level: u8) {
+        let level = self.table_level(level);
+        let key = (level, self.tables.set().entries(level, self.fixed_by_object()));
+        match self.state.resident.iter().position(|k| *k == key) {
+            Some(at) => self.state.resident[..=at].rotate_right(1),
+            None => self.admit(key),
+        }
     }
 
     fn admit(&mut self, key: TableKey) {
@@ -148,10 +179,8 @@ impl Replacement {
     /// Issues one read; after the last one the waiting fragment is searched.
     fn load(&mut self, traffic: &mut Traffic) -> Out {
         if let Some(load) = self.state.loads.front_mut() {
-            let bytes = load.bytes.min(u64::from(self.config.load_bytes)).max(1);
-            traffic.read(TABLES, load.address, bytes as u32);
-            load.address += bytes;
-            load.bytes = load.bytes.saturating_sub(bytes);
+            let (address, bytes) = load.next(u64::from(self.config.load_bytes));
+            traffic.read(TABLES, address, bytes);
             if load.bytes == 0 {
                 self.state.loads.pop_front();
             }
@@ -168,7 +197,7 @@ impl Replacement {
     /// Searches every sample of a stamp in the table or code book of its level: those of the first fragment, then those of the
     /// second ...
     #[inline(always)]
-    fn replace(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
+    pub(crate) fn replace(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
         let object = self.fixed_by_object();
         let fragments = normals.stamp.len();
         let mut samples = Samples::new();
@@ -206,98 +235,27 @@ impl Replacement {
             (fragments as u64 * of_fragment, fragments as u64 * of_fragment)
         };
         let out = Indexes { stamp: normals.stamp, samples };
-        Step::after(u64::from(self.config.latency) + cycles, Some(Flow::Item(out))).busy(occupancy.max(1))
+        Step::after(self.latency + cycles, Some(Flow::Item(out))).busy(occupancy.max(1))
     }
 }
 
-/// Code books.
 impl Replacement {
-    fn item_bytes(&self, normals: &PseudoNormals) -> u32 {
-        (3 * self.normal_bits).div_ceil(8) * (normals.stamp.len() * normals.samples.len()).max(1) as u32
-    }
-
-    fn gather(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
-        let bytes = self.item_bytes(&normals);
-        let needed = self.state.gather.written + u64::from(bytes);
-        if needed > self.config.gather_bytes {
-            traffic.fault(self.overflow(needed));
-            return self.quiet();
+    fn tell_hardware(&self, facts: &mut Facts) {
+        let c = &self.config;
+        let most = c.entries.levels().into_iter().max().unwrap_or(1);
+        let (width, units) = (c.entry_bits.max(self.normal_bits), u64::from(c.inner_products()));
+        facts.hardware(HardwareKind::InnerProduct, "search", units, width);
+        facts.hardware(HardwareKind::Adder, "largest inner product", units, 2 * width + 2);
+        let held = u64::from(c.resident_tables) * u64::from(most);
+        facts.hardware(HardwareKind::Table, "VQ tables (121)", held, 3 * c.entry_bits);
+        if c.codebook != CodeBookMode::Fixed {
+            facts.hardware(HardwareKind::Divider, "unit length of directions", 1_u64, width);
+            facts.hardware(HardwareKind::SquareRoot, "unit length of directions", 1_u64, 2 * width);
+            // Sums of 2^32 directions of an entry.
+            facts.hardware(HardwareKind::Table, "sums of directions", 3 * u64::from(most), width + 32);
         }
-        traffic.write(GATHERED, quantization_memory::GATHERED + self.state.gather.written, bytes);
-        self.state.gather.written = needed;
-        self.state.gather.held.push_back(Flow::Item(normals));
-        self.state.counters.gathered_bytes += u64::from(bytes);
-        self.quiet()
-    }
-
-    fn overflow(&self, needed: u64) -> String {
-        let (id, name) = self.state.object.as_ref().map_or((0, ""), |o| (o.id, o.name.as_str()));
-        let (what, instead) = match self.config.codebook {
-            CodeBookMode::PerPolygon => (format!("polygon {} of object {id} `{name}`", self.state.polygons), "fixed"),
-            _ => (format!("object {id} `{name}`"), "per_polygon"),
-        };
-        format!(
-            "the pseudo-normals of {what} need {needed} bytes so far, but `replacement.gather_bytes` is {}; raise it, or set \
-             `replacement.codebook` to {instead}",
-            self.config.gather_bytes
-        )
-    }
-
-    /// Builds the code book of the batch: one list per table level in use. The step takes as long as the inner products of
-    /// all passes do.
-    fn cluster(&mut self) -> Out {
-        let object = self.fixed_by_object();
-        let mut lists = vec![Vec::new(); LEVELS];
-        let mut products = 0;
-        for (level, list) in lists.iter_mut().enumerate() {
-            let normals: Vec<[i16; 3]> = self.state.gather.of_level(level as u8, |sample| self.table_level(sample)).collect();
-            if normals.is_empty() {
-                continue;
-            }
-            let entries = self.tables.set().entries(level as u8, object);
-            let passes = self.config.kmeans_iterations;
-            *list = build_code_book(normals.iter().copied(), entries, passes, self.config.entry_bits);
-            // Fewer distinct normals than entries: one pass finds that out.
-            let passes = if list.len() < entries as usize { 1 } else { passes };
-            products += u64::from(passes) * normals.len() as u64 * list.len() as u64;
-        }
-        let cycles = products.div_ceil(u64::from(self.config.lanes.max(1))).max(1);
-        self.state.counters.code_books += 1;
-        self.state.counters.clustering_cycles += cycles;
-        let book = Arc::new(lists);
-        *self.state.book = None;
-        self.state.gather.book = Some(Arc::clone(&book));
-        let latency = cycles + u64::from(self.config.latency);
-        Step::after(latency, Some(Flow::Control(Control::CodeBook(book)))).busy(cycles)
-    }
-
-    /// Sends the next of what was gathered; at last the control token that ended the batch.
-    fn send(&mut self, traffic: &mut Traffic) -> Out {
-        match self.state.gather.held.pop_front() {
-            Some(Flow::Item(normals)) => {
-                let bytes = self.item_bytes(&normals);
-                traffic.read(GATHERED, quantization_memory::GATHERED + self.state.gather.read, bytes);
-                self.state.gather.read += u64::from(bytes);
-                self.prepare_book();
-                self.replace(normals, traffic)
-            }
-            Some(Flow::Control(control)) => self.pass(control),
-            None => {
-                *self.state.book = None;
-                match std::mem::take(&mut self.state.gather).ending {
-                    Some(control) => self.pass(control),
-                    None => self.quiet(),
-                }
-            }
-        }
-    }
-
-    fn prepare_book(&mut self) {
-        if self.state.book.is_none()
-            && let Some(book) = &self.state.gather.book
-        {
-            let searches = self.state.gather.held.len();
-            *self.state.book = Some(book.iter().map(|list| NearestSearch::new(list, searches)).collect());
+        if c.policy != Policy::Fixed {
+            facts.hardware(HardwareKind::Table, "objects of two frames", 2 * MOST_OBJECTS as u64, OBJECT_BITS);
         }
     }
 }
@@ -316,14 +274,17 @@ impl Unit for Replacement {
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         match input {
             Some(Flow::Item(normals)) => self.item(normals, traffic),
-            Some(Flow::Control(control)) => self.control(control),
+            Some(Flow::Control(control)) => self.control(control, traffic),
             None => self.resume(traffic),
         }
     }
 
     fn largest_step(&self, client: usize) -> u32 {
-        let fixed = self.config.codebook == CodeBookMode::Fixed;
-        u32::from((client == TABLES as usize && fixed) || (client == GATHERED as usize && !fixed))
+        match (client as u32, self.config.codebook) {
+            (TABLES, CodeBookMode::Fixed) => 1,
+            (GATHERED, CodeBookMode::PerPolygon | CodeBookMode::PerObject) => 2,
+            _ => 0,
+        }
     }
 
     fn is_empty(&self) -> bool {
@@ -333,7 +294,8 @@ impl Unit for Replacement {
     fn tell(&self, facts: &mut Facts) {
         let search = self.config.search_cycles(self.config.entries.levels()[0]);
         let interval = if self.config.pipelined { 1 } else { search };
-        facts.rate(0, u64::from(self.config.latency) + search, interval);
+        facts.rate(0, self.latency + search, interval);
+        self.tell_hardware(facts);
         let c = &self.state.counters;
         // Claim 3 and the promise of the patent: only indexes are kept on the surface, so less is moved than with normals.
         let most = self.config.entries.levels().into_iter().max().unwrap_or(1);
@@ -349,8 +311,10 @@ impl Unit for Replacement {
         facts.figure("vq_table_loads", c.table_loads, "loads", "Loads of VQ tables");
         facts.figure("vq_table_load_bytes", c.table_load_bytes, "bytes", "What they moved");
         facts.figure("code_books", c.code_books, "code books", "Code books made of gathered pseudo-normals");
+        facts.figure("clustering_passes", c.clustering_passes, "passes", "Passes over all gathered pseudo-normals for that");
         facts.figure("clustering_cycles", c.clustering_cycles, "cycles", "Cycles that making them took");
         facts.figure("gathered_bytes", c.gathered_bytes, "bytes", "Pseudo-normals gathered for them");
+        facts.figure("held_beside_bytes", c.held_beside_bytes, "bytes", "Fragments and control held beside those");
         facts.figure(
             "index_bytes",
             c.searches * index_bytes,

@@ -1,12 +1,12 @@
 //! The replacement unit (110) keeps the unit contract, with fixed tables and with code books.
 
-use basrelief_kernel::unit_contract;
+use basrelief_kernel::{Operators, unit_contract};
 use basrelief_replacement::{CodeBookMode, PerLevel, Replacement, ReplacementConfig};
 use basrelief_signals::{Control, Flow, Fragment, ObjectInfo, Polygon, PseudoNormals, Sample, Stamp, Vertex};
 use std::sync::Arc;
 
 fn object(id: u32) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries: None }))
+    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries: None, bias: None }))
 }
 
 fn polygon() -> Control {
@@ -34,9 +34,9 @@ fn two_objects() -> Vec<Flow<PseudoNormals>> {
 }
 
 fn unit(codebook: CodeBookMode) -> Replacement {
-    let entries = PerLevel::Levels(vec![64, 32]);
+    let entries = PerLevel::Levels(vec![16, 8]);
     let config = ReplacementConfig { entries, codebook, resident_tables: 1, ..ReplacementConfig::default() };
-    Replacement::new(config, 16).expect("tables of such sizes")
+    Replacement::new(config, 16, &Operators::default()).expect("tables of such sizes")
 }
 
 unit_contract! {

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::Components;
-use basrelief_kernel::Request;
-use basrelief_shading::{Table, brightness, reference_normals};
+use basrelief_kernel::{OperatorConfig, Request};
+use basrelief_shading::{LEVELS, Table, brightness, reference_normals};
 use basrelief_signals::{Camera, Fragment, Frame, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Vertex};
 use glam::Vec3;
 use proptest::prelude::*;
@@ -13,7 +13,7 @@ fn tables(entries: u32) -> TableSet {
 }
 
 fn unit(config: BrightnessConfig) -> BrightnessFetch {
-    BrightnessFetch::new(config, tables(256), 2)
+    BrightnessFetch::new(config, tables(256), 2, &Operators::default())
 }
 
 fn frame(kind: LightKind) -> Control {
@@ -37,7 +37,7 @@ fn lamp() -> Control {
 }
 
 fn object(centre: [f32; 3], entries: Option<u32>) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre, entries }))
+    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre, entries, bias: None }))
 }
 
 fn polygon(lighting: Lighting) -> Control {
@@ -105,14 +105,14 @@ fn claims_4_and_8_a_clut_holds_the_brightness_of_each_reference_normal() {
             assert!((stored - exact[0] - exact[1]).abs() <= 0.5 * 1.3 / 255.0 + 1e-6);
         }
     }
-    assert_eq!(unit.state.counters.rebuilds, 1);
+    assert_eq!(unit.state.counters.rebuilds, 8, "each level when it is first needed");
 }
 
 #[test]
 fn figures_5_and_6_the_index_map_becomes_the_brightness_map() {
     const MAP: [[u16; 6]; 6] =
         [[2, 1, 2, 3, 2, 7], [1, 5, 1, 5, 1, 5], [3, 1, 3, 1, 3, 1], [1, 6, 1, 6, 1, 6], [7, 8, 7, 7, 4, 7], [8, 4, 2, 4, 8, 4]];
-    let mut unit = BrightnessFetch::new(BrightnessConfig::default(), tables(8), 1);
+    let mut unit = BrightnessFetch::new(BrightnessConfig::default(), tables(8), 1, &Operators::default());
     tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
     // The figure counts indexes from 1.
     let alphas: Vec<f32> = (0..8).map(|i| alpha(&mut unit, 0, i)).collect();
@@ -136,22 +136,71 @@ fn claims_5_and_9_lod_3_divides_the_brightness_of_two_levels_3_to_5() {
     assert!(a0 != a1 && (shaded.brightness - (a0 + (a1 - a0) * 3.0 / 8.0)).abs() < 1e-6);
 }
 
+/// A unit with tables of 40, 7 and 1 entries, in a machine whose power takes 5 cycles.
+fn small_tables() -> BrightnessFetch {
+    let set = TableSet { entries: [40, 7, 1, 1, 1, 1, 1, 1], ..tables(1) };
+    let operators = Operators { power: OperatorConfig::new(6, 5), ..Operators::default() };
+    BrightnessFetch::new(BrightnessConfig::default(), set, 2, &operators)
+}
+
 #[test]
-fn a_rebuild_writes_every_entry_of_every_table_and_is_counted_apart() {
-    let mut unit =
-        BrightnessFetch::new(BrightnessConfig::default(), TableSet { entries: [40, 7, 1, 1, 1, 1, 1, 1], ..tables(1) }, 2);
+fn only_levels_that_are_fetched_are_calculated_when_first_needed() {
+    let mut unit = small_tables();
     tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
+    let (_, requests, _) = fetch(&mut unit, &[(0, 3, 1.0)]);
+    let (clut, table) = (quantization_memory::CLUTS, quantization_memory::vq_table(0));
+    let moved = |write| requests.iter().filter(move |r| r.client == 1 && r.write == write).map(|r| (r.address, r.bytes));
+    assert_eq!(moved(true).collect::<Vec<_>>(), [(clut, 32), (clut + 32, 8)]);
+    assert_eq!(moved(false).collect::<Vec<_>>(), [(table, 6 * 32), (table + 6 * 32, 6 * 8)], "reference normals are read");
     let (_, requests, step) = fetch(&mut unit, &[(1, 3, 1.0)]);
-    let base = quantization_memory::CLUTS;
-    let mut expected = vec![(base, 32), (base + 32, 8), (base + 64, 7)];
-    expected.extend((2..8).map(|k| (base + 64 * k, 1)));
-    let writes = requests.iter().filter(|r| r.write).map(|r| (r.address, r.bytes));
-    assert_eq!(writes.collect::<Vec<_>>(), expected);
+    assert_eq!(requests.iter().filter(|r| r.write).map(|r| r.bytes).collect::<Vec<_>>(), [7]);
     let last = requests.last().unwrap();
-    assert_eq!((last.client, last.write, last.address, last.bytes), (0, false, base + 64 + 3, 1));
-    assert_eq!((step.occupancy, step.latency), (1, 4));
-    let counters = unit.state.counters;
-    assert_eq!((counters.rebuilds, counters.rebuild_cycles, counters.rebuild_bytes), (1, 16 * 53, 53));
+    assert_eq!((last.client, last.write, last.address, last.bytes), (0, false, clut + 64 + 3, 1));
+    assert_eq!((step.occupancy, step.latency), (1, 2));
+    let c = unit.state.counters;
+    assert_eq!((c.rebuilds, c.rebuild_bytes, c.normal_bytes), (2, 47, 6 * 47));
+}
+
+#[test]
+fn an_entry_costs_its_arithmetic_per_light() {
+    let mut cycles = |lights: usize| {
+        let mut unit = small_tables();
+        let Control::Frame(frame) = sun(0.3) else { panic!("no frame") };
+        let lights = vec![frame.lights[0]; lights];
+        let frame = Control::Frame(Arc::new(Frame { lights, ..Frame::clone(&frame) }));
+        tell(&mut unit, &[frame, object([0.0; 3], None), polygon(Lighting::default())]);
+        fetch(&mut unit, &[(1, 3, 1.0)]);
+        unit.state.counters.rebuild_cycles
+    };
+    // 7 entries, a power of 5 cycles per light; one more step writes the last of them.
+    assert_eq!([1, 2, 4].map(&mut cycles), [7 * 5 + 1, 7 * 10 + 1, 7 * 20 + 1]);
+}
+
+#[test]
+fn two_materials_in_turn_do_not_recalculate() {
+    let rebuilds = |sets| {
+        let config = BrightnessConfig { sets, ..BrightnessConfig::default() };
+        let mut unit = BrightnessFetch::new(config, tables(256), 2, &Operators::default());
+        tell(&mut unit, &[sun(0.3), object([0.0; 3], None)]);
+        let materials = [Lighting::default(), Lighting { n: 64.0, ..Lighting::default() }];
+        for lighting in materials.into_iter().cycle().take(10) {
+            tell(&mut unit, &[polygon(lighting)]);
+            alpha(&mut unit, 0, 0);
+        }
+        unit.state.counters.rebuilds
+    };
+    assert_eq!([1, 2].map(rebuilds), [10, 2]);
+}
+
+#[test]
+fn samples_beyond_what_the_interpolator_takes_per_cycle_cost_cycles() {
+    let occupancy = |samples_per_cycle| {
+        let config = BrightnessConfig { samples_per_cycle, ..BrightnessConfig::default() };
+        let mut unit = BrightnessFetch::new(config, tables(256), 8, &Operators::default());
+        tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
+        fetch(&mut unit, &[(0, 0, 0.125); 8]).2.occupancy
+    };
+    assert_eq!([1, 2, 3, 8].map(occupancy), [8, 4, 3, 1]);
 }
 
 #[test]
@@ -173,9 +222,10 @@ fn only_a_real_change_is_recalculated() {
     assert_eq!(rebuilds(&[polygon(plain), polygon(shiny)]), 0, "back before any fragment");
     assert_eq!(rebuilds(&[lamp(), here.clone()]), 1, "another type of light");
     assert_eq!(rebuilds(&[there]), 1, "the lamp shines from elsewhere");
+    assert_eq!(rebuilds(&[sun(0.3), here, polygon(plain)]), 0, "that set is still there");
     assert_eq!(rebuilds(&[object([5.0, 0.0, 0.0], Some(64))]), 1, "another number of reference normals");
     assert_eq!(rebuilds(&[book(&[&[[0, 0, 32_767]]])]), 1);
-    assert_eq!(rebuilds(&[book(&[&[[0, 0, 32_767]]])]), 0, "the same code book");
+    assert_eq!(rebuilds(&[book(&[&[[0, 0, 32_767]]])]), 1, "nobody compares code books");
 }
 
 #[test]
@@ -209,13 +259,16 @@ fn claim_7_direct_brightness_needs_no_clut() {
         d + s
     };
     assert_eq!(shaded.brightness, 0.25 * exact(0, 17) + 0.75 * exact(1, 40));
-    assert!(requests.is_empty());
-    assert_eq!((step.occupancy, step.latency, direct.state.counters.rebuilds), (32, 36, 0));
+    let read: Vec<_> = requests.iter().map(|r| (r.client, r.write, r.address, r.bytes)).collect();
+    let normal = |level, index: u64| (0, false, quantization_memory::vq_table(level) + 6 * index, 6);
+    assert_eq!(read, [normal(0, 17), normal(1, 40)], "the reference normals, and no entries");
+    // Two samples of 11 products by four multipliers; then product and sum, after products, sums and a power in a chain.
+    assert_eq!((step.occupancy, step.latency, direct.state.counters.rebuilds), (6, 2 + 8, 0));
 }
 
 #[test]
 fn each_fragment_of_a_stamp_gets_the_brightness_of_its_own_samples() {
-    let mut unit = BrightnessFetch::new(BrightnessConfig::default(), tables(256), 4);
+    let mut unit = BrightnessFetch::new(BrightnessConfig::default(), tables(256), 4, &Operators::default());
     tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
     let alphas = [(0, 5), (1, 90), (0, 6), (1, 91)].map(|(level, index)| alpha(&mut unit, level, index));
     let mut two = indexes(&[(0, 5, 0.25), (1, 90, 0.75)]);
@@ -227,12 +280,17 @@ fn each_fragment_of_a_stamp_gets_the_brightness_of_its_own_samples() {
     let Some(Flow::Item(shaded)) = step.out else { panic!("nothing left") };
     let expected = [0.25 * alphas[0] + 0.75 * alphas[1], 0.5 * alphas[2] + 0.5 * alphas[3]];
     assert_eq!(shaded.iter().map(|s| (s.fragment.x, s.brightness)).collect::<Vec<_>>(), [(0, expected[0]), (1, expected[1])]);
-    assert_eq!((step.occupancy, step.latency), (2, 5));
+    assert_eq!((step.occupancy, step.latency), (2, 3));
 }
 
 #[test]
 fn an_object_that_fixes_an_impossible_number_is_a_fault() {
-    let mut unit = BrightnessFetch::new(BrightnessConfig::default(), TableSet { table: Table::Tetrahedron, ..tables(256) }, 2);
+    let mut unit = BrightnessFetch::new(
+        BrightnessConfig::default(),
+        TableSet { table: Table::Tetrahedron, ..tables(256) },
+        2,
+        &Operators::default(),
+    );
     tell(&mut unit, &[sun(0.6), object([0.0; 3], Some(5)), polygon(Lighting::default())]);
     let mut traffic = Traffic::default();
     unit.step(Some(Flow::Item(indexes(&[(0, 0, 1.0)]))), &mut traffic);
@@ -258,7 +316,7 @@ proptest! {
     fn brightness_is_the_weighted_mean_and_within_full_scale(
         samples in prop::collection::vec((0u8..8, 0u16..256), 1..=8), bits in 4u32..=16,
     ) {
-        let mut unit = BrightnessFetch::new(BrightnessConfig { bits, ..BrightnessConfig::default() }, tables(256), 8);
+        let mut unit = BrightnessFetch::new(BrightnessConfig { bits, ..BrightnessConfig::default() }, tables(256), 8, &Operators::default());
         tell(&mut unit, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
         let weight = 1.0 / samples.len() as f32;
         let weighted: Vec<_> = samples.iter().map(|&(l, i)| (l, i, weight)).collect();

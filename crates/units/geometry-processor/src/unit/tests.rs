@@ -34,7 +34,7 @@ fn mesh() -> Mesh {
 
 fn object(mesh: Mesh, world: [f64; 16], material: Material, bump: Option<bool>) -> Draw {
     let (mesh, material) = (Arc::new(mesh), Arc::new(material));
-    Draw::Object(Arc::new(Object { id: 5, name: "o".into(), mesh, world, material, entries: Some(64), bump }))
+    Draw::Object(Arc::new(Object { id: 5, name: "o".into(), mesh, world, material, entries: Some(64), bias: None, bump }))
 }
 
 fn step(unit: &mut GeometryProcessor, draw: Draw) -> Step<Option<Control>> {

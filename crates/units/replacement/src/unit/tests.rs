@@ -1,7 +1,7 @@
 //! The unit at step level.
 
 use super::*;
-use crate::{PerLevel, Tables};
+use crate::{NearestSearch, PerLevel, Tables};
 use basrelief_kernel::Request;
 use basrelief_shading::{Table, reference_normals};
 use basrelief_signals::{Fragment, Material, ObjectInfo, Polygon, Stamp, Vertex};
@@ -20,7 +20,7 @@ fn sample(x: u16, samples: &[(u8, [i16; 3])]) -> PseudoNormals {
 }
 
 fn object(id: u32, entries: Option<u32>) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries }))
+    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries, bias: None }))
 }
 
 fn polygon() -> Control {
@@ -69,7 +69,7 @@ fn indexes(steps: &[Out]) -> Vec<Indexes> {
 #[test]
 fn claims_1_and_7_each_level_is_replaced_by_a_member_of_its_own_table() {
     let n = [12_000, -30_000, 5_000];
-    let mut unit = Replacement::new(config(), 16).unwrap();
+    let mut unit = Replacement::new(config(), 16, &Operators::default()).unwrap();
     let (steps, _) = run(&mut unit, vec![Flow::Item(sample(1, &[(0, n), (1, n)]))]);
     let found = indexes(&steps)[0].samples.clone();
     assert_eq!([0, 1].map(|i| (found[i].level, found[i].weight[0])), [(0, 0.5), (1, 0.5)]);
@@ -85,7 +85,8 @@ fn claims_1_and_7_each_level_is_replaced_by_a_member_of_its_own_table() {
 #[test]
 fn identical_tables_give_the_same_index_at_every_level() {
     let n = [12_000, -30_000, 5_000];
-    let mut unit = Replacement::new(ReplacementConfig { tables: Tables::Identical, ..config() }, 16).unwrap();
+    let mut unit =
+        Replacement::new(ReplacementConfig { tables: Tables::Identical, ..config() }, 16, &Operators::default()).unwrap();
     let (steps, _) = run(&mut unit, vec![Flow::Item(sample(1, &[(0, n), (1, n), (5, n)]))]);
     let found: Vec<u16> = indexes(&steps)[0].samples.iter().map(|s| s.value[0]).collect();
     assert_eq!(found, [found[0]; 3]);
@@ -94,7 +95,8 @@ fn identical_tables_give_the_same_index_at_every_level() {
 #[test]
 fn claims_2_and_6_the_table_size_depends_on_the_level() {
     let entries = PerLevel::Levels(vec![256, 128, 64, 32]);
-    let mut unit = Replacement::new(ReplacementConfig { entries, ..config() }, 16).unwrap();
+    let mut unit =
+        Replacement::new(ReplacementConfig { entries, resident_tables: 8, ..config() }, 16, &Operators::default()).unwrap();
     let directions = reference_normals(7, 4_000, Table::Fibonacci, true, 16).unwrap();
     let input = directions.iter().map(|&n| Flow::Item(sample(0, &[(0, n), (1, n), (2, n), (7, n)]))).collect();
     let (_, requests) = run(&mut unit, input);
@@ -107,7 +109,7 @@ fn claims_2_and_6_the_table_size_depends_on_the_level() {
 
 #[test]
 fn a_missing_table_is_loaded_burst_by_burst_before_the_fragment_leaves() {
-    let mut unit = Replacement::new(config(), 16).unwrap();
+    let mut unit = Replacement::new(config(), 16, &Operators::default()).unwrap();
     let (steps, requests) =
         run(&mut unit, vec![Flow::Item(sample(1, &[(2, [1, 2, 3])])), Flow::Item(sample(2, &[(2, [3, 2, 1])]))]);
     assert_eq!(requests.len(), 24);
@@ -118,7 +120,7 @@ fn a_missing_table_is_loaded_burst_by_burst_before_the_fragment_leaves() {
 
 #[test]
 fn the_least_recently_used_table_goes_first() {
-    let mut unit = Replacement::new(ReplacementConfig { resident_tables: 2, ..config() }, 16).unwrap();
+    let mut unit = Replacement::new(ReplacementConfig { resident_tables: 2, ..config() }, 16, &Operators::default()).unwrap();
     let at = |level| Flow::Item(sample(0, &[(level, [1, 2, 3])]));
     run(&mut unit, [0, 1, 0, 2, 0, 1].map(at).to_vec());
     assert_eq!(unit.state.counters.table_loads, 4, "0, 1, 2 (for 1), 1 (for 2)");
@@ -126,7 +128,7 @@ fn the_least_recently_used_table_goes_first() {
 
 #[test]
 fn an_object_may_fix_the_number_of_entries_and_the_bias_coarsens_the_table() {
-    let mut unit = Replacement::new(ReplacementConfig { vq_bias: 3, ..config() }, 16).unwrap();
+    let mut unit = Replacement::new(ReplacementConfig { vq_bias: 3, ..config() }, 16, &Operators::default()).unwrap();
     let n = [0, 0, -32_767];
     let input = vec![Flow::Control(object(0, Some(16))), Flow::Item(sample(0, &[(1, n), (6, n)]))];
     let (steps, _) = run(&mut unit, input);
@@ -140,8 +142,11 @@ fn an_object_may_fix_the_number_of_entries_and_the_bias_coarsens_the_table() {
 #[test]
 fn impossible_tables_are_refused_with_a_reason() {
     let tetrahedron = ReplacementConfig { table: Table::Tetrahedron, ..config() };
-    assert!(Replacement::new(ReplacementConfig { entries: PerLevel::One(200), ..tetrahedron.clone() }, 16).is_err());
-    let mut unit = Replacement::new(tetrahedron, 16).unwrap();
+    assert!(
+        Replacement::new(ReplacementConfig { entries: PerLevel::One(200), ..tetrahedron.clone() }, 16, &Operators::default())
+            .is_err()
+    );
+    let mut unit = Replacement::new(tetrahedron, 16, &Operators::default()).unwrap();
     unit.step(Some(Flow::Control(object(0, Some(5)))), &mut Traffic::default());
     let mut traffic = Traffic::default();
     unit.step(Some(Flow::Item(sample(0, &[(0, [1, 0, 0])]))), &mut traffic);
@@ -151,22 +156,24 @@ fn impossible_tables_are_refused_with_a_reason() {
 #[test]
 fn cycles_follow_lanes_and_pipelining() {
     let timing = |lanes, pipelined| {
-        let mut unit = Replacement::new(ReplacementConfig { lanes, pipelined, ..config() }, 16).unwrap();
+        let mut unit = Replacement::new(ReplacementConfig { lanes, pipelined, ..config() }, 16, &Operators::default()).unwrap();
         let two = sample(0, &[(0, [1, 2, 3]), (1, [1, 2, 3])]);
         let (steps, _) = run(&mut unit, vec![Flow::Item(two.clone()), Flow::Item(two)]);
         let last = steps.last().unwrap();
         (last.occupancy, last.latency)
     };
-    assert_eq!(timing(64, true), (2, 4 + 5));
-    assert_eq!(timing(64, false), (8, 4 + 8));
-    assert_eq!(timing(1, false), (512, 4 + 512));
-    assert_eq!(timing(256, false), (2, 4 + 2));
+    // Product, two sums, and a tree of comparisons over all lanes and what was found before.
+    assert_eq!(timing(64, true), (2, 3 + 7 + 5));
+    assert_eq!(timing(64, false), (8, 3 + 7 + 8));
+    assert_eq!(timing(1, false), (512, 3 + 1 + 512));
+    assert_eq!(timing(256, false), (2, 3 + 9 + 2));
 }
 
 #[test]
 fn a_stamp_takes_as_long_as_its_samples_and_leaves_with_the_last() {
     let timing = |pipelined| {
-        let mut unit = Replacement::new(ReplacementConfig { lanes: 64, pipelined, ..config() }, 16).unwrap();
+        let mut unit =
+            Replacement::new(ReplacementConfig { lanes: 64, pipelined, ..config() }, 16, &Operators::default()).unwrap();
         let mut three = sample(0, &[(0, [1, 2, 3]), (1, [1, 2, 3])]);
         let fragment = three.stamp[0];
         three.stamp.extend([fragment; 2]);
@@ -175,12 +182,12 @@ fn a_stamp_takes_as_long_as_its_samples_and_leaves_with_the_last() {
         assert_eq!((indexes(&steps)[1].stamp.len(), unit.state.counters.searches), (3, 12));
         (last.occupancy, last.latency)
     };
-    assert_eq!(timing(true), (6, 4 + 5 + 4));
-    assert_eq!(timing(false), (24, 4 + 24));
+    assert_eq!(timing(true), (6, 10 + 5 + 4));
+    assert_eq!(timing(false), (24, 10 + 24));
 }
 
 fn gathered(mode: CodeBookMode) -> (Replacement, Vec<Out>, Vec<Request>) {
-    let mut unit = Replacement::new(ReplacementConfig { codebook: mode, ..config() }, 16).unwrap();
+    let mut unit = Replacement::new(ReplacementConfig { codebook: mode, ..config() }, 16, &Operators::default()).unwrap();
     let item = |x: u16| Flow::Item(sample(x, &[(0, [x as i16, 100, 7]), (1, [100, x as i16, 7])]));
     let input = vec![
         Flow::Control(object(0, None)),
@@ -216,9 +223,10 @@ fn code_books_lead_their_fragments_and_order_is_kept() {
     assert_eq!(shape(&steps), "OPB12PPB3OPE");
     assert!(unit.is_empty());
     assert_eq!(unit.state.counters.code_books, 2);
-    let (writes, reads): (Vec<&Request>, Vec<&Request>) = requests.iter().partition(|r| r.write);
-    assert_eq!((writes.len(), reads.len()), (3, 3));
-    assert!(requests.iter().all(|r| r.client == 1 && r.bytes == 12));
+    assert!(requests.iter().all(|r| r.client == 1));
+    // Two samples of 6 bytes each; beside them place, depth, weights, triangle and two shares: 158 bits.
+    let c = &unit.state.counters;
+    assert_eq!((c.gathered_bytes, c.held_beside_bytes), (3 * 12, 3 * 20), "control ends both batches");
     let (_, steps, _) = gathered(CodeBookMode::PerObject);
     assert_eq!(shape(&steps), "OPB12PP3OPE");
 }
@@ -245,30 +253,125 @@ fn variant_b_and_e_indexes_point_into_the_code_book() {
     }
 }
 
-#[test]
-fn clustering_takes_passes_times_normals_times_entries_over_lanes() {
-    let config = ReplacementConfig { codebook: CodeBookMode::PerPolygon, entries: PerLevel::One(4), lanes: 8, ..config() };
-    let mut unit = Replacement::new(config, 16).unwrap();
+/// 100 directions all over the sphere, one per fragment, as one batch of a code book of `entries`.
+fn clustered(codebook: CodeBookMode, entries: u32) -> (Replacement, Vec<Out>, Vec<Request>) {
+    let config = ReplacementConfig { codebook, entries: PerLevel::One(entries), lanes: 8, ..config() };
+    let mut unit = Replacement::new(config, 16, &Operators::default()).unwrap();
     let normals = reference_normals(0, 100, Table::Fibonacci, true, 16).unwrap();
     let mut input: Vec<_> = normals.iter().map(|&n| Flow::Item(sample(0, &[(0, n)]))).collect();
     input.push(Flow::Control(Control::FrameEnd));
-    let (steps, _) = run(&mut unit, input);
-    let is_book = |s: &&Step<_>| matches!(s.out, Some(Flow::Control(Control::CodeBook(_))));
-    assert_eq!(steps.iter().find(is_book).unwrap().occupancy, 8 * 100 * 4 / 8);
-    assert_eq!(unit.state.counters.clustering_cycles, 400);
+    let (steps, requests) = run(&mut unit, input);
+    (unit, steps, requests)
+}
+
+#[test]
+fn each_pass_of_a_clustering_reads_all_gathered_normals_from_memory() {
+    let (unit, _, requests) = clustered(CodeBookMode::PerPolygon, 4);
+    let c = &unit.state.counters;
+    let means = c.clustering_passes - 1 - 4;
+    assert!((2..=8).contains(&means), "{c:?}");
+    let sent_back = c.gathered_bytes + c.held_beside_bytes;
+    let read: u64 = requests.iter().filter(|r| !r.write).map(|r| u64::from(r.bytes)).sum();
+    assert_eq!(read, (1 + 4 + means) * 600 + 4 * 400 + sent_back, "and the best product so far with each seed");
+    let written: u64 = requests.iter().filter(|r| r.write).map(|r| u64::from(r.bytes)).sum();
+    assert_eq!(written, sent_back + 600 + 4 * 400 + 4 * 6, "directions, best products, the code book itself");
+    let table = |r: &&Request| r.write && r.address == quantization_memory::vq_table(0);
+    assert_eq!(requests.iter().filter(table).map(|r| r.bytes).collect::<Vec<_>>(), [24]);
+}
+
+#[test]
+fn directions_seeds_and_small_books_take_their_arithmetic() {
+    // One divider and one root per direction; a seed costs an inner product per direction, eight at a time.
+    let cycles = |entries| clustered(CodeBookMode::PerPolygon, entries).0.state.counters;
+    let small = cycles(100);
+    assert_eq!(
+        (small.clustering_passes, small.clustering_cycles),
+        (1, 100 * 13 + 10),
+        "each searched in 100 entries, and ten writes"
+    );
+    let large = cycles(4);
+    let means = large.clustering_passes - 5;
+    assert_eq!(large.clustering_cycles, 100 + 4 * 16 + means * (100 + 4) + 1, "16 steps of 64 bytes, at least a cycle each");
+}
+
+#[test]
+fn variants_b_and_e_cluster_where_there_are_more_normals_than_entries() {
+    for mode in [CodeBookMode::PerPolygon, CodeBookMode::PerObject] {
+        let (unit, steps, _) = clustered(mode, 4);
+        assert_eq!(unit.state.counters.code_books, 1);
+        let book = out(&steps).into_iter().find_map(|f| if let Flow::Control(Control::CodeBook(b)) = f { Some(b) } else { None });
+        assert_eq!(book.unwrap()[0].len(), 4);
+        let mut members = [0; 4];
+        indexes(&steps).iter().for_each(|i| members[usize::from(i.samples[0].value[0])] += 1);
+        assert_eq!(members.iter().sum::<i32>(), 100);
+        assert!(members.iter().all(|n| *n > 10), "all are quantized to few: {members:?}");
+    }
+}
+
+#[test]
+fn table_loads_do_not_depend_on_the_size_of_a_stamp() {
+    let loads = |resident_tables, stamp: u16| {
+        let mut unit = Replacement::new(ReplacementConfig { resident_tables, ..config() }, 16, &Operators::default()).unwrap();
+        let fragments = (0..12).collect::<Vec<u16>>();
+        let token = |columns: &[u16]| {
+            let one = sample(0, &[(0, [1, 2, 3]), (1, [1, 2, 3])]);
+            let stamp = columns.iter().map(|&x| Fragment { x, ..Fragment::default() }).collect();
+            Flow::Item(PseudoNormals { stamp, ..one })
+        };
+        run(&mut unit, fragments.chunks(usize::from(stamp)).map(token).collect());
+        unit.state.counters.table_loads
+    };
+    assert_eq!([1, 2, 4].map(|stamp| loads(1, stamp)), [24; 3], "both tables for every fragment");
+    assert_eq!([1, 2, 4].map(|stamp| loads(2, stamp)), [2; 3]);
+}
+
+#[test]
+fn an_object_may_be_less_important_than_others() {
+    let level = |bias| {
+        let mut unit = Replacement::new(ReplacementConfig { vq_bias: 1, ..config() }, 16, &Operators::default()).unwrap();
+        let object = ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None, bias };
+        let input = vec![Flow::Control(Control::Object(Arc::new(object))), Flow::Item(sample(0, &[(1, [0, 0, 1])]))];
+        indexes(&run(&mut unit, input).0)[0].samples[0].level
+    };
+    assert_eq!([None, Some(0), Some(3)].map(level), [2, 1, 4], "its own word goes before the configuration's");
+}
+
+#[test]
+fn a_policy_gives_an_object_as_many_entries_as_it_drew_fragments_in_the_last_frame() {
+    let config = ReplacementConfig { policy: Policy::ByFragments, fragments_per_entry: 1, ..config() };
+    let mut unit = Replacement::new(config, 16, &Operators::default()).unwrap();
+    let frame = || {
+        let camera = basrelief_signals::Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+        let (lights, textures) = (vec![], vec![]);
+        Flow::Control(Control::Frame(Arc::new(basrelief_signals::Frame {
+            index: 0,
+            width: 1,
+            height: 1,
+            camera,
+            lights,
+            textures,
+        })))
+    };
+    let mut entries = |fragments: usize| {
+        let mut input = vec![frame(), Flow::Control(object(3, None))];
+        input.extend(vec![Flow::Item(sample(0, &[(0, [1, 2, 3])])); fragments]);
+        let (steps, _) = run(&mut unit, input);
+        out(&steps).iter().find_map(|f| if let Flow::Control(Control::Object(o)) = f { Some(o.entries) } else { None }).unwrap()
+    };
+    assert_eq!([60, 10, 500, 0, 0].map(&mut entries), [None, Some(64), Some(16), Some(256), None]);
 }
 
 #[test]
 fn too_little_room_is_a_fault_that_names_culprit_and_cure() {
-    let config = ReplacementConfig { codebook: CodeBookMode::PerObject, gather_bytes: 20, ..config() };
-    let mut unit = Replacement::new(config, 16).unwrap();
+    let config = ReplacementConfig { codebook: CodeBookMode::PerObject, gather_bytes: 75, ..config() };
+    let mut unit = Replacement::new(config, 16, &Operators::default()).unwrap();
     unit.step(Some(Flow::Control(object(5, None))), &mut Traffic::default());
     let mut traffic = Traffic::default();
     for _ in 0..4 {
         unit.step(Some(Flow::Item(sample(0, &[(0, [1, 2, 3])]))), &mut traffic);
     }
     let text = format!("{traffic:?}");
-    for part in ["object 5 `object 5`", "24 bytes so far", "`replacement.gather_bytes` is 20", "per_polygon"] {
+    for part in ["object 5 `object 5`", "100 bytes so far", "`replacement.gather_bytes` is 75", "per_polygon"] {
         assert!(text.contains(part), "{text}");
     }
     assert!(!unit.is_empty());
@@ -277,7 +380,7 @@ fn too_little_room_is_a_fault_that_names_culprit_and_cure() {
 #[test]
 fn the_state_survives_a_checkpoint_in_the_middle_of_a_batch() {
     let config = ReplacementConfig { codebook: CodeBookMode::PerPolygon, ..config() };
-    let mut a = Replacement::new(config.clone(), 16).unwrap();
+    let mut a = Replacement::new(config.clone(), 16, &Operators::default()).unwrap();
     let item = |x: u16| Some(Flow::Item(sample(x, &[(0, [x as i16, 100, 7])])));
     for x in 0..9 {
         a.step(item(x), &mut Traffic::default());
@@ -285,7 +388,7 @@ fn the_state_survives_a_checkpoint_in_the_middle_of_a_batch() {
     a.step(Some(Flow::Control(Control::FrameEnd)), &mut Traffic::default());
     a.step(None, &mut Traffic::default());
     a.step(None, &mut Traffic::default());
-    let mut b = Replacement::new(config, 16).unwrap();
+    let mut b = Replacement::new(config, 16, &Operators::default()).unwrap();
     b.state = serde_json::from_str(&serde_json::to_string(&a.state).unwrap()).unwrap();
     assert_eq!(a.state, b.state);
     while a.demand() == Demand::Nothing {
@@ -301,7 +404,7 @@ proptest! {
     ) {
         let codebook = [CodeBookMode::Fixed, CodeBookMode::PerPolygon, CodeBookMode::PerObject][usize::from(mode)];
         let config = ReplacementConfig { codebook, resident_tables: resident, ..config() };
-        let mut unit = Replacement::new(config, 16).unwrap();
+        let mut unit = Replacement::new(config, 16, &Operators::default()).unwrap();
         let token = |(i, kind): (usize, &u8)| match kind {
             0 => Flow::Control(object(i as u32, None)),
             1 => Flow::Control(polygon()),
@@ -322,7 +425,14 @@ proptest! {
         }).collect();
         prop_assert_eq!(passed, expected);
         let bytes = |write| requests.iter().filter(|r| r.write == write).map(|r| u64::from(r.bytes)).sum::<u64>();
-        prop_assert_eq!(bytes(true), unit.state.counters.gathered_bytes);
-        prop_assert_eq!(bytes(false), unit.state.counters.gathered_bytes + unit.state.counters.table_load_bytes);
+        let c = &unit.state.counters;
+        let book = |f: &&Flow<Indexes>| match f {
+            Flow::Control(Control::CodeBook(lists)) => lists.iter().map(|list| 6 * list.len() as u64).sum(),
+            _ => 0,
+        };
+        // Few directions: one pass reads them all, and writes them back.
+        let books: u64 = out(&steps).iter().map(book).sum();
+        prop_assert_eq!(bytes(true), 2 * c.gathered_bytes + c.held_beside_bytes + books);
+        prop_assert_eq!(bytes(false), 2 * c.gathered_bytes + c.held_beside_bytes + c.table_load_bytes);
     }
 }

@@ -1,0 +1,131 @@
+//! What making a code book costs: passes over the gathered pseudo-normals in memory (120), with the arithmetic of each.
+//!
+//! The host finds the book at once ([`build_code_book`](crate::build_code_book)); the device reads all gathered N' once per pass:
+//!
+//! 1. *Directions*: each N' is brought to unit length, written back in its place, and looked for among those kept so far, as
+//!    in any search. Where no more are distinct than there are entries, these are the book, and this is the only pass.
+//! 2. *Seeds*: one pass per entry, which finds the direction farthest from all seeds so far: an inner product per N', and the
+//!    largest so far of each, read and written beside it.
+//! 3. *Means*: each direction is searched and added to the sum of its entry; then every entry is brought to unit length.
+//!
+//! At last the book is written to where the level's VQ table (121) lies: the brightness fetch unit (112) reads it there.
+
+use crate::ReplacementConfig;
+use basrelief_kernel::{Operators, Work};
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+
+/// The largest inner product of an N' with a seed so far, kept beside it in memory \[bytes\].
+const BEST_BYTES: u64 = 4;
+
+/// What the batch of a code book consists of.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Batch {
+    /// Pseudo-normals, of all levels.
+    pub(crate) normals: u64,
+    /// Bytes that they take in memory.
+    pub(crate) bytes: u64,
+    /// Entries of the book, of all levels.
+    pub(crate) entries: u64,
+    /// Seed passes: entries of the level that has most, of those that do not hold all their directions.
+    pub(crate) seeds: u64,
+    /// Passes that moved entries, or found that none moved any more.
+    pub(crate) means: u64,
+    /// Cycles in which every N' is searched once in the book of its level.
+    pub(crate) search_cycles: u64,
+}
+
+/// One pass: so much is read, so much written meanwhile, and it takes so long beside that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Pass {
+    read: u64,
+    write: u64,
+    cycles: u64,
+}
+
+/// A clustering under way: the passes to come, and how far the first of them is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Clustering {
+    passes: VecDeque<Pass>,
+    read: u64,
+    written: u64,
+    spent: u64,
+}
+
+/// What a step of a clustering does: moves these bytes, each from its offset in the gathered N' on, and takes these cycles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    pub(crate) at: u64,
+    pub(crate) read: u32,
+    pub(crate) write: u32,
+    pub(crate) cycles: u64,
+}
+
+impl Clustering {
+    /// All passes over a batch.
+    pub(crate) fn new(batch: &Batch, config: &ReplacementConfig, operators: &Operators) -> Self {
+        let lanes = config.lanes.max(1);
+        let have = config.arithmetic();
+        let unit_length = operators.interval(Work::NORMALIZE, have);
+        let directions = Pass {
+            read: batch.bytes,
+            write: batch.bytes,
+            // Searched while the next one is brought to unit length.
+            cycles: batch.search_cycles.max(batch.normals * unit_length),
+        };
+        let best = batch.normals * BEST_BYTES;
+        let seed = Pass { read: batch.bytes + best, write: best, cycles: batch.normals.div_ceil(u64::from(lanes)) };
+        let mean = Pass { read: batch.bytes, write: 0, cycles: batch.search_cycles + batch.entries * unit_length };
+        let seeds = (0..batch.seeds).map(|_| seed);
+        let means = (0..batch.means).map(|_| mean);
+        Self { passes: std::iter::once(directions).chain(seeds).chain(means).collect(), ..Self::default() }
+    }
+
+    /// The next part, of at most `most` bytes read; nothing when all passes are over.
+    pub(crate) fn next(&mut self, most: u64) -> Option<Part> {
+        let pass = self.passes.front()?;
+        let at = self.read;
+        let read = (pass.read - at).min(most.max(1));
+        self.read += read;
+        // What goes along with the bytes read so far, rounded down; all of it with the last of them.
+        let share = |whole: u64| (u128::from(whole) * u128::from(self.read) / u128::from(pass.read.max(1))) as u64;
+        let (written, spent) = (share(pass.write), share(pass.cycles));
+        let part = Part { at, read: read as u32, write: (written - self.written) as u32, cycles: spent - self.spent };
+        (self.written, self.spent) = (written, spent);
+        if self.read == pass.read {
+            self.passes.pop_front();
+            (self.read, self.written, self.spent) = (0, 0, 0);
+        }
+        Some(part)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts(batch: &Batch) -> Vec<Part> {
+        let mut clustering = Clustering::new(batch, &ReplacementConfig::default(), &Operators::default());
+        std::iter::from_fn(|| clustering.next(64)).collect()
+    }
+
+    #[test]
+    fn every_pass_reads_all_gathered_normals() {
+        let batch = Batch { normals: 1_000, bytes: 6_000, entries: 16, seeds: 16, means: 3, search_cycles: 1_000 };
+        let parts = parts(&batch);
+        let read: u64 = parts.iter().map(|p| u64::from(p.read)).sum();
+        assert_eq!(read, (1 + 16 + 3) * 6_000 + 16 * 4_000);
+        let written: u64 = parts.iter().map(|p| u64::from(p.write)).sum();
+        assert_eq!(written, 6_000 + 16 * 4_000, "directions once, the best product with each seed");
+        let cycles: u64 = parts.iter().map(|p| p.cycles).sum();
+        // One divider and one root, each busy one cycle; seeds 64 at a time.
+        assert_eq!(cycles, 1_000 + 16 * 16 + 3 * (1_000 + 16));
+        assert!(parts.iter().all(|p| p.read <= 64 && p.write <= 64 + 4));
+    }
+
+    #[test]
+    fn a_small_book_takes_one_pass() {
+        let batch = Batch { normals: 10, bytes: 60, entries: 4, search_cycles: 10, ..Batch::default() };
+        assert_eq!(parts(&batch), [Part { at: 0, read: 60, write: 60, cycles: 10 }]);
+    }
+}

@@ -1,0 +1,189 @@
+//! Code books: the unit gathers, clusters, and sends what it held.
+
+use crate::clustering::{Batch, Clustering};
+use crate::unit::{GATHERED, Out};
+use crate::{CodeBook, CodeBookMode, NearestSearch, Replacement, build_code_book};
+use basrelief_kernel::Traffic;
+use basrelief_shading::LEVELS;
+use basrelief_signals::{Control, Flow, PseudoNormals, quantization_memory};
+
+impl Replacement {
+    fn normals_bytes(&self, normals: &PseudoNormals) -> u32 {
+        (3 * self.normal_bits).div_ceil(8) * (normals.stamp.len() * normals.samples.len()).max(1) as u32
+    }
+
+    /// Writes N' to the lower end of the room in memory (120), what is held beside them to the upper end.
+    pub(crate) fn gather(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
+        let (bytes, beside) = (self.normals_bytes(&normals), crate::gather::fragments_bytes(&normals));
+        if !self.has_room(u64::from(bytes) + u64::from(beside), traffic) {
+            return self.quiet();
+        }
+        traffic.write(GATHERED, quantization_memory::GATHERED + self.state.gather.normals.written, bytes);
+        self.state.gather.normals.written += u64::from(bytes);
+        self.hold_beside(beside, traffic);
+        self.state.gather.held.push_back(Flow::Item(normals));
+        self.state.counters.gathered_bytes += u64::from(bytes);
+        self.quiet()
+    }
+
+    /// Control between gathered fragments is held among them.
+    pub(crate) fn hold(&mut self, control: Control, traffic: &mut Traffic) -> Out {
+        let bytes = crate::gather::control_bytes(&control);
+        if self.has_room(u64::from(bytes), traffic) {
+            self.hold_beside(bytes, traffic);
+            self.state.gather.held.push_back(Flow::Control(control));
+        }
+        self.quiet()
+    }
+
+    /// The control token that ends a batch waits for all of it.
+    pub(crate) fn end_batch(&mut self, control: Control) -> Out {
+        self.state.gather.ending = Some(control);
+        self.quiet()
+    }
+
+    fn hold_beside(&mut self, bytes: u32, traffic: &mut Traffic) {
+        let beside = &mut self.state.gather.beside;
+        beside.written += u64::from(bytes);
+        traffic.write(GATHERED, quantization_memory::GATHERED + self.config.gather_bytes - beside.written, bytes);
+        self.state.counters.held_beside_bytes += u64::from(bytes);
+    }
+
+    fn has_room(&self, bytes: u64, traffic: &mut Traffic) -> bool {
+        let needed = self.state.gather.normals.written + self.state.gather.beside.written + bytes;
+        let fits = needed <= self.config.gather_bytes;
+        if !fits {
+            traffic.fault(self.overflow(needed));
+        }
+        fits
+    }
+
+    fn overflow(&self, needed: u64) -> String {
+        let (id, name) = self.state.object.as_ref().map_or((0, ""), |o| (o.id, o.name.as_str()));
+        let (what, instead) = match self.config.codebook {
+            CodeBookMode::PerPolygon => (format!("polygon {} of object {id} `{name}`", self.state.polygons), "fixed"),
+            _ => (format!("object {id} `{name}`"), "per_polygon"),
+        };
+        format!(
+            "the pseudo-normals of {what} and what is held beside them need {needed} bytes so far, but \
+             `replacement.gather_bytes` is {}; raise it, or set `replacement.codebook` to {instead}",
+            self.config.gather_bytes
+        )
+    }
+
+    /// A step that takes no input while a batch is flushed: of the clustering, of writing the book, or of sending.
+    pub(crate) fn flush(&mut self, traffic: &mut Traffic) -> Out {
+        if self.state.gather.is_sending {
+            return self.send(traffic);
+        }
+        match self.state.clustering.take() {
+            None => self.cluster(traffic),
+            Some(clustering) => self.cluster_on(clustering, traffic),
+        }
+    }
+
+    /// Finds the code book of the batch, one list per table level in use, and makes the first step of what that costs.
+    fn cluster(&mut self, traffic: &mut Traffic) -> Out {
+        let object = self.fixed_by_object();
+        let mut lists = vec![Vec::new(); LEVELS];
+        let mut batch = Batch { bytes: self.state.gather.normals.written, ..Batch::default() };
+        for (level, list) in lists.iter_mut().enumerate() {
+            let normals: Vec<[i16; 3]> = self.state.gather.of_level(level as u8, |sample| self.table_level(sample)).collect();
+            if normals.is_empty() {
+                continue;
+            }
+            let entries = self.tables.set().entries(level as u8, object);
+            let passes = self.config.kmeans_iterations;
+            let book: CodeBook = build_code_book(normals.iter().copied(), entries, passes, self.config.entry_bits);
+            batch.normals += normals.len() as u64;
+            batch.entries += book.normals.len() as u64;
+            batch.seeds = batch.seeds.max(u64::from(book.seeds));
+            batch.means = batch.means.max(u64::from(book.passes));
+            batch.search_cycles += normals.len() as u64 * self.config.search_cycles(book.normals.len() as u32);
+            *list = book.normals;
+        }
+        self.state.counters.code_books += 1;
+        self.state.counters.clustering_passes += 1 + batch.seeds + batch.means;
+        *self.state.book = None;
+        self.state.gather.write_book(lists, u64::from(self.tables.set().entry_bytes()));
+        self.cluster_on(Clustering::new(&batch, &self.config, &self.operators), traffic)
+    }
+
+    fn cluster_on(&mut self, mut clustering: Clustering, traffic: &mut Traffic) -> Out {
+        let most = u64::from(self.config.load_bytes);
+        let Some(part) = clustering.next(most) else { return self.write_book(traffic) };
+        let address = quantization_memory::GATHERED + part.at;
+        traffic.read(GATHERED, address, part.read);
+        if part.write > 0 {
+            traffic.write(GATHERED, address, part.write);
+        }
+        self.state.clustering = Some(clustering);
+        self.count_cycles(part.cycles.max(1))
+    }
+
+    fn count_cycles(&mut self, cycles: u64) -> Out {
+        self.state.counters.clustering_cycles += cycles;
+        self.quiet().busy(cycles)
+    }
+
+    /// Writes the next of the code book to where the VQ tables (121) lie; with the last of it, the book itself goes on.
+    fn write_book(&mut self, traffic: &mut Traffic) -> Out {
+        let most = u64::from(self.config.load_bytes);
+        if let Some(load) = self.state.gather.unwritten.front_mut() {
+            let bytes = load.next(most);
+            traffic.write(GATHERED, bytes.0, bytes.1);
+            if load.bytes == 0 {
+                self.state.gather.unwritten.pop_front();
+            }
+        }
+        if !self.state.gather.unwritten.is_empty() {
+            self.state.clustering = Some(Clustering::default());
+            return self.count_cycles(1);
+        }
+        self.state.gather.is_sending = true;
+        let book = self.state.gather.book.clone().unwrap_or_default();
+        let mut step = self.count_cycles(1);
+        step.out = Some(Flow::Control(Control::CodeBook(book)));
+        step
+    }
+
+    /// Sends the next of what was gathered; at last the control token that ended the batch.
+    fn send(&mut self, traffic: &mut Traffic) -> Out {
+        match self.state.gather.held.pop_front() {
+            Some(Flow::Item(normals)) => {
+                let bytes = self.normals_bytes(&normals);
+                traffic.read(GATHERED, quantization_memory::GATHERED + self.state.gather.normals.read, bytes);
+                self.state.gather.normals.read += u64::from(bytes);
+                self.read_beside(crate::gather::fragments_bytes(&normals), traffic);
+                self.prepare_book();
+                self.replace(normals, traffic)
+            }
+            Some(Flow::Control(control)) => {
+                self.read_beside(crate::gather::control_bytes(&control), traffic);
+                self.pass(control)
+            }
+            None => {
+                *self.state.book = None;
+                match std::mem::take(&mut self.state.gather).ending {
+                    Some(control) => self.pass(control),
+                    None => self.quiet(),
+                }
+            }
+        }
+    }
+
+    fn read_beside(&mut self, bytes: u32, traffic: &mut Traffic) {
+        let beside = &mut self.state.gather.beside;
+        beside.read += u64::from(bytes);
+        traffic.read(GATHERED, quantization_memory::GATHERED + self.config.gather_bytes - beside.read, bytes);
+    }
+
+    fn prepare_book(&mut self) {
+        if self.state.book.is_none()
+            && let Some(book) = &self.state.gather.book
+        {
+            let searches = self.state.gather.held.len();
+            *self.state.book = Some(book.iter().map(|list| NearestSearch::new(list, searches)).collect());
+        }
+    }
+}
