@@ -4,8 +4,8 @@
 //! | from | what | room |
 //! |---|---|---|
 //! | 0 | VQ tables (121), one per level | 8 x 512 KiB: 65,536 entries of 8 bytes |
-//! | 4 MiB | CLUTs (122), one per level, close together: small ones share a row | 8 x 256 KiB: 65,536 entries of 4 bytes |
-//! | 16 MiB | gathered pseudo-normals of code books | `replacement.gather_bytes` |
+//! | 4 MiB | sets of CLUTs (122), one per level, close together: small ones share a row | 12 MiB |
+//! | 16 MiB | gathered pseudo-normals of code books from here up, what is held beside them from the end of the room down | `replacement.gather_bytes` |
 
 /// VQ tables (121) start here \[bytes\].
 pub const VQ_TABLES: u64 = 0;
