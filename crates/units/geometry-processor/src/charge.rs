@@ -44,14 +44,6 @@ impl GeometryProcessor {
             .max(link.cycles(polygon_bytes))
     }
 
-    /// Lighting so many vertices of a polygon that is no bump target, where the machine takes their brightness.
-    pub(crate) fn charge_lighting(&mut self, material: &Material, vertices: u32, charge: &mut Charge) {
-        if matches!(self.taken.lit, Lit::AtVertices | Lit::Targets) {
-            self.state.counters.vertices_lit += u64::from(vertices);
-            charge.add(work::lighting(&material.lighting, self.state.lights.len() as u32).times(vertices));
-        }
-    }
-
     /// Attributes that are fetched of an object's vertices: those that its material has and the machine takes, and normals where
     /// it is lit at all. Whether a candidate is a bump target is known too late to spare it a tangent.
     pub(crate) fn fetched(&self, object: &Object) -> Attributes {
@@ -76,8 +68,7 @@ impl GeometryProcessor {
     pub(crate) fn tell_hardware(&self, facts: &mut Facts) {
         facts.operators("transform, clip, project, light", self.config.operators(), NUMBER);
         facts.hardware(HardwareKind::Registers, "matrices", 16 + 9 + 9_u32, NUMBER);
-        let lights = self.state.lights.len() as u64;
-        facts.hardware(HardwareKind::Registers, "lights: direction, half-way vector, intensity", 7 * lights, NUMBER);
+        facts.hardware(HardwareKind::Registers, "lights", 7 * LIGHTS, NUMBER);
         facts.hardware(HardwareKind::Registers, "corners of a clipped polygon", MOST_CORNERS, self.vertex_bits());
         facts.hardware(HardwareKind::Table, "vertex cache", self.config.vertex_cache, INDEX + self.vertex_bits());
     }
@@ -100,5 +91,8 @@ impl GeometryProcessor {
 const NUMBER: u32 = 32;
 /// An index, with a bit each that says whether the vertex is there and whether it is lit.
 const INDEX: u32 = 32 + 2;
+/// Lights that there are registers for, seven numbers each: direction, half-way vector, intensity (assumed: as many as OpenGL asks
+/// of an implementation; a scene with more is not refused).
+const LIGHTS: u32 = 8;
 /// Corners of a triangle that six planes cut.
 const MOST_CORNERS: u32 = 9;

@@ -11,7 +11,7 @@ use crate::work;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Operators, Step, Traffic, Unit};
 use basrelief_shading::{brightness, doubled_area, light_vectors, polygon_lod};
-use basrelief_signals::{Control, Draw, Frame, Object, ObjectInfo, Polygon, Taken, Vertex};
+use basrelief_signals::{Control, Draw, Frame, Lit, Object, ObjectInfo, Polygon, Taken, Vertex};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -120,32 +120,47 @@ impl GeometryProcessor {
         if is_turned {
             turn_round(&mut vertices);
         }
-        let material = Arc::clone(&object.material);
-        let lod = match (&material.normal_map, &material.color_texture) {
-            (Some(map), _) => polygon_lod(&vertices, map, |v| v.uv_normal),
-            (None, Some(texture)) => polygon_lod(&vertices, texture, |v| v.uv),
-            (None, None) => 0,
-        };
-        if self.taken.normal_maps && (material.normal_map.is_some() || material.color_texture.is_some()) {
-            charge.add(work::lod(vertices.len()));
-        }
+        let lod = self.lod(object, &vertices, charge);
         let bump = object.bump.unwrap_or(self.is_target(object, lod));
         if !bump {
-            for vertex in &mut vertices {
-                vertex.brightness = brightness(Vec3::from(vertex.normal), &material.lighting, &self.state.lights);
-            }
             // Vertices that clipping made or that were turned round are of this polygon only.
             let own = is_turned || matches!(clipped, Clipped::Cut { .. });
-            let unlit = if own { vertices.len() } else { self.light(object, number) };
-            self.charge_lighting(&material, unlit as u32, charge);
+            let unlit = if own { vertices.len() } else { self.unlit(object, number) };
+            self.light(object, &mut vertices, unlit as u32, charge);
         }
         self.state.counters.polygons += 1;
         self.state.counters.bump_polygons += u64::from(bump);
-        Ok(Polygon { vertices, material, object: object.id, lod, bump, arrival: 0 })
+        Ok(Polygon { vertices, material: Arc::clone(&object.material), object: object.id, lod, bump, arrival: 0 })
     }
 
-    /// Lights the vertices of a triangle in the vertex cache; how many were not lit.
-    fn light(&mut self, object: &Object, number: u32) -> usize {
+    /// LOD of a polygon, charged where the machine has maps that it selects levels of.
+    fn lod(&self, object: &Object, vertices: &[Vertex], charge: &mut Charge) -> u8 {
+        let lod = match (&object.material.normal_map, &object.material.color_texture) {
+            (Some(map), _) => polygon_lod(vertices, map, |v| v.uv_normal),
+            (None, Some(texture)) => polygon_lod(vertices, texture, |v| v.uv),
+            (None, None) => return 0,
+        };
+        if self.taken.normal_maps {
+            charge.add(work::lod(vertices.len()));
+        }
+        lod
+    }
+
+    /// Lights the vertices of a polygon that is no bump target. So many were not lit yet: they are charged, where the machine takes
+    /// the brightness.
+    fn light(&mut self, object: &Object, vertices: &mut [Vertex], unlit: u32, charge: &mut Charge) {
+        let (lighting, lights) = (&object.material.lighting, &self.state.lights);
+        for vertex in vertices {
+            vertex.brightness = brightness(Vec3::from(vertex.normal), lighting, lights);
+        }
+        if matches!(self.taken.lit, Lit::AtVertices | Lit::Targets) {
+            self.state.counters.vertices_lit += u64::from(unlit);
+            charge.add(work::lighting(lighting, lights.len() as u32).times(unlit));
+        }
+    }
+
+    /// Vertices of a triangle that are not lit in the vertex cache; they will be.
+    fn unlit(&mut self, object: &Object, number: u32) -> usize {
         let indices = indices(object, number).unwrap_or_default();
         indices.into_iter().filter(|index| !self.state.cache.light(*index)).count()
     }

@@ -52,9 +52,9 @@ parameters! {
         /// A texel of a colour texture.
         texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each"), range: 1..=16;
         /// Multipliers.
-        multipliers: u32 = 38, unit: "operators", Assumed("one pixel per cycle whatever it is: texture, vertex colours, brightness at the vertices"), range: 1..=1024;
+        multipliers: u32 = 41, unit: "operators", Assumed("one pixel per cycle whatever it is: texture, vertex colours, brightness at the vertices"), range: 1..=1024;
         /// Adders.
-        adders: u32 = 39, unit: "operators", Assumed("the same pixel"), range: 1..=1024;
+        adders: u32 = 38, unit: "operators", Assumed("the same pixel"), range: 1..=1024;
         /// What waits of a bump target's fragment when `draw` is after_list: brightness, index or normal.
         held: HeldEntry = HeldEntry::Brightness, unit: "", Stated("Figure 4: S22 is done for all bump targets before S24 draws; what is on the surface then is the brightness map of Figure 5");
         /// Most fragments of one frame that may wait when `draw` is after_list: those of bump targets have room for an entry each, the

@@ -189,8 +189,8 @@ const AFTER_LIST: GraphicsConfig = GraphicsConfig {
     filter: Filter::Bilinear,
     mip: Mip::Nearest,
     texel_bytes: 4,
-    multipliers: 38,
-    adders: 39,
+    multipliers: 41,
+    adders: 38,
     held: crate::HeldEntry::Brightness,
     hold_fragments: 1000,
 };
@@ -272,10 +272,10 @@ fn a_pixel_takes_what_its_polygon_needs_of_the_operators() {
         (white, unit.state.pace)
     };
     let textured = Material { color_texture: Some(texture(&[[255; 4]])), ..Material::default() };
-    // Base colour and brightness 6; colours at the vertices 8 + 3; brightness at the vertices 4; a filtered texture 22.
-    assert_eq!(kept(true, Material::default()), (6, 17));
-    assert_eq!(kept(false, Material::default()), (10, 21));
-    assert_eq!(kept(true, textured), (28, 39));
+    // Base colour and brightness 6; colours at the vertices 6 + 3; brightness at the vertices 4; a filtered texture 22.
+    assert_eq!(kept(true, Material::default()), (6, 15));
+    assert_eq!(kept(false, Material::default()), (10, 19));
+    assert_eq!(kept(true, textured), (28, 37));
 }
 
 #[test]
