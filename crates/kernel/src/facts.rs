@@ -2,7 +2,7 @@
 
 use crate::hardware::{Hardware, HardwareKind};
 use crate::wiring::{Machine, Outputs, Visitor, Wires};
-use crate::{Link, Place, Unit};
+use crate::{Link, Place, Unit, Work};
 
 /// What the units of a machine tell, each in [`Unit::tell`], in the order of the wiring. See [`facts`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -161,6 +161,16 @@ impl Facts {
         let (place, count) = (self.place.clone(), count.into());
         if count > 0 && width > 0 {
             self.hardware.push(Hardware { place, kind, about, count, width });
+        }
+    }
+
+    /// Tells operators of a unit, all kinds, `width` bits each.
+    pub fn operators(&mut self, about: &'static str, have: Work, width: u32) {
+        let Work { multiply, add, divide, square_root, power } = have;
+        let kinds =
+            [HardwareKind::Multiplier, HardwareKind::Adder, HardwareKind::Divider, HardwareKind::SquareRoot, HardwareKind::Power];
+        for (kind, count) in kinds.into_iter().zip([multiply, add, divide, square_root, power]) {
+            self.hardware(kind, about, count, width);
         }
     }
 

@@ -100,8 +100,20 @@ impl Operators {
     /// Cycles for which operators are kept by a piece of work when `have` of each kind work side by side: as long as the kind
     /// that is scarcest, and at least one. Of a kind that is needed there is at least one.
     pub fn interval(&self, work: Work, have: Work) -> u64 {
+        self.scarcest(work, have, |times, of, interval| times.div_ceil(of) * interval)
+    }
+
+    /// Cycles from one piece of work to the next in a stream of equal pieces that do not wait for each other: operators of a
+    /// kind take turns, so seven dividers that take 7 cycles each begin a division in every cycle, where [`Operators::interval`]
+    /// would wait for all of them.
+    pub fn pace(&self, work: Work, have: Work) -> u64 {
+        self.scarcest(work, have, |times, of, interval| (times * interval).div_ceil(of))
+    }
+
+    /// The largest, and at least one, of what `kept` says of each kind: operations, operators (>= 1), interval.
+    fn scarcest(&self, work: Work, have: Work, kept: impl Fn(u64, u64, u64) -> u64) -> u64 {
         let kept = |times: u32, of: u32, operator: &OperatorConfig| {
-            u64::from(times).div_ceil(u64::from(of.max(1))) * u64::from(operator.interval)
+            kept(u64::from(times), u64::from(of.max(1)), u64::from(operator.interval))
         };
         [
             kept(work.multiply, have.multiply, &self.multiply),
@@ -143,5 +155,14 @@ mod tests {
         assert_eq!(operators.interval(Work::NORMALIZE.times(2), have(4, 1)), 14);
         assert_eq!(operators.interval(Work::NORMALIZE.times(2), have(4, 2)), 14, "there is still one root");
         assert_eq!(operators.interval(Work::INNER_PRODUCT.times(16), have(3, 0)), 32, "one adder for 32 sums");
+    }
+
+    #[test]
+    fn operators_that_take_turns_keep_pace_with_a_stream() {
+        let operators = Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() };
+        let divide = |divide| Work { divide, ..Work::NONE };
+        assert_eq!(operators.interval(divide(1), divide(7)), 7, "alone");
+        assert_eq!([1, 4, 7, 14].map(|have| operators.pace(divide(1), divide(have))), [7, 2, 1, 1]);
+        assert_eq!(operators.pace(divide(2), divide(7)), 2);
     }
 }

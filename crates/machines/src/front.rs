@@ -1,10 +1,10 @@
 //! What stands in front of every machine: the host with the geometry processor (102), or a recorded display list.
 
 use basrelief_geometry_processor::{
-    BumpConfig, DisplayListConfig, DisplayListSource, GeometryConfig, GeometryProcessor, SceneSource,
+    BumpConfig, DisplayListConfig, DisplayListSource, GeometryConfig, GeometryProcessor, PolygonLink, SceneSource,
 };
-use basrelief_kernel::{Fifo, Stage, Visitor};
-use basrelief_signals::{Control, Draw};
+use basrelief_kernel::{Fifo, Operators, Stage, Visitor};
+use basrelief_signals::{Control, Draw, Taken};
 use std::fmt::Display;
 
 /// The way in: whatever ends in the FIFO `polygons`.
@@ -22,14 +22,32 @@ pub struct FrontConfig {
     pub bump: BumpConfig,
     /// How a display list is fed.
     pub display_list: DisplayListConfig,
+    /// How long arithmetic takes.
+    pub operators: Operators,
+    /// What the machine takes of vertices.
+    pub taken: Taken,
 }
 
-/// What the way in needs of this configuration, in which it has the same names as in every machine's.
+impl FrontConfig {
+    /// A geometry processor in front of this machine.
+    pub fn geometry_processor(self) -> GeometryProcessor {
+        GeometryProcessor::new(self.geometry, self.bump, self.taken, self.operators)
+    }
+}
+
+/// What the way in needs of this configuration, in which it has the same names as in every machine's; and what the machine takes of
+/// vertices, which follows from the configuration.
 macro_rules! front_of {
-    ($config:ty) => {
+    ($config:ty, |$c:ident| $taken:expr) => {
         impl From<&$config> for $crate::FrontConfig {
-            fn from(c: &$config) -> Self {
-                Self { geometry: c.geometry.clone(), bump: c.bump.clone(), display_list: c.display_list.clone() }
+            fn from($c: &$config) -> Self {
+                Self {
+                    geometry: $c.geometry.clone(),
+                    bump: $c.bump.clone(),
+                    display_list: $c.display_list.clone(),
+                    operators: $c.operators.clone(),
+                    taken: $taken,
+                }
             }
         }
     };
@@ -46,11 +64,8 @@ pub struct SceneFront<I: Iterator<Item = Draw>> {
 impl<I: Iterator<Item = Draw>> SceneFront<I> {
     /// A front end that draws `draws`.
     pub fn new(draws: I, config: impl Into<FrontConfig>) -> Self {
-        let config = config.into();
-        Self {
-            host: Stage::new("host", SceneSource::new(draws)),
-            geometry: Stage::new("geometry", GeometryProcessor::new(config.geometry, config.bump)),
-        }
+        let geometry = config.into().geometry_processor();
+        Self { host: Stage::new("host", SceneSource::new(draws)), geometry: Stage::new("geometry", geometry) }
     }
 }
 
@@ -70,7 +85,9 @@ pub struct TraceFront<I> {
 impl<I: Iterator<Item = Result<(Control, Option<u64>), E>>, E: Display> TraceFront<I> {
     /// A front end that replays `controls`.
     pub fn new(controls: I, config: impl Into<FrontConfig>) -> Self {
-        let source = DisplayListSource::new(config.into().display_list, controls);
+        let FrontConfig { geometry, display_list, taken, .. } = config.into();
+        let link = PolygonLink { bytes_per_cycle: geometry.link_bytes, taken };
+        let source = DisplayListSource::new(display_list, link, controls);
         Self { display_list: Stage::new("display-list", source) }
     }
 }

@@ -17,7 +17,7 @@ pub fn display_list(scene: &Arc<Scene>, config: &MachineConfig) -> impl Iterator
 }
 
 fn controls(scene: &Arc<Scene>, front: FrontConfig) -> impl Iterator<Item = Control> + use<> {
-    let mut geometry = GeometryProcessor::new(front.geometry, front.bump);
+    let mut geometry = front.geometry_processor();
     let mut traffic = Traffic::muted();
     SceneDraws::new(Arc::clone(scene)).filter_map(move |draw| {
         debug_assert_eq!(geometry.demand(), Demand::All, "one draw command, at most one control token");
@@ -57,7 +57,7 @@ pub(crate) struct HashedDraws {
 impl HashedDraws {
     pub(crate) fn new(scene: &Arc<Scene>, front: FrontConfig, drawn: Rc<RefCell<Drawn>>, clock: fn() -> f64) -> Self {
         let hash = Some(CanonicalHash::new(&begin_of(scene)));
-        let geometry = GeometryProcessor::new(front.geometry, front.bump);
+        let geometry = front.geometry_processor();
         Self { draws: SceneDraws::new(Arc::clone(scene)), geometry, hash, drawn, clock }
     }
 

@@ -1,8 +1,9 @@
 //! Scene to trace and back: what a recorded display list draws, and when.
 
 use basrelief_display_list::{Begin, Encoding, Form, Recorder};
-use basrelief_geometry_processor::{GeometryProcessor, SceneDraws};
+use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Traffic, Unit};
+use basrelief_machines::FrontConfig;
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_parameters::load;
 use basrelief_report::Report;
@@ -78,7 +79,7 @@ fn total(report: &Report) -> u64 {
 /// Cycles from where a replay delivers the last command to where the geometry processor did, had nothing blocked either: a
 /// list holds the arrival of polygons only, and what is culled behind the last of them takes time too.
 fn tail(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> u64 {
-    let mut geometry = GeometryProcessor::new(config.geometry.clone(), config.bump.clone());
+    let mut geometry = FrontConfig::from(config).geometry_processor();
     let mut replayed = 0;
     for draw in SceneDraws::new(Arc::clone(scene)) {
         match geometry.step(Some(draw), &mut Traffic::default()).out {
@@ -96,9 +97,18 @@ fn tail(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> u64 {
 #[test]
 fn a_replay_takes_the_cycles_of_the_run_but_for_what_the_front_end_explains() {
     let unblocked = ("fifo.polygons.depth", "65536");
-    let slow = [unblocked, ("geometry.cycles_per_vertex", "30")];
-    let fast =
-        [unblocked, ("geometry.cycles_per_vertex", "0"), ("geometry.cycles_per_polygon", "0"), ("fifo.draws.latency", "9")];
+    let slow = [unblocked, ("geometry.multipliers", "1"), ("geometry.dividers", "1")];
+    let fast = [
+        unblocked,
+        ("geometry.multipliers", "256"),
+        ("geometry.adders", "256"),
+        ("geometry.dividers", "256"),
+        ("geometry.square_roots", "256"),
+        ("geometry.powers", "256"),
+        ("geometry.fetch_bytes_per_cycle", "4096"),
+        ("geometry.link_bytes", "4096"),
+        ("fifo.draws.latency", "9"),
+    ];
     for (name, frames) in [("mixed", 1), ("coin", 2), ("golf-ball", 2)] {
         for settings in [&slow[..], &fast] {
             let (scene, config) = (scene(name, frames), config(settings));

@@ -10,7 +10,7 @@ pub const COLOR_BUFFER_STRIDE: u64 = 1 << 27;
 pub const Z_BUFFER: u64 = (1 << 28) + (4 << 11);
 /// Colour textures; `Texture::offset` counts from here; two rows further, for the same reason.
 pub const COLOR_TEXTURES: u64 = (1 << 29) + (2 << 11);
-/// Results that wait to be drawn (`graphics.draw = after_list`).
+/// Entries of fragments that wait to be drawn (`graphics.draw = after_list`).
 pub const HELD_RESULTS: u64 = 1 << 30;
 
 /// Widest and highest picture \[pixels\].

@@ -39,7 +39,7 @@ pub use model::{
     Texture, Wrap,
 };
 pub use packet::{
-    ColorToken, DepthToken, LINE_PIXELS, PACKET_PIXELS, Packet, PixelPacket, PixelPlace, PixelToken, line_of, lines,
+    ColorToken, DepthToken, LINE_NUMBER, LINE_PIXELS, PACKET_PIXELS, Packet, PixelPacket, PixelPlace, PixelToken, line_of, lines,
 };
-pub use polygon::{ObjectInfo, Polygon, Vertex};
+pub use polygon::{Attributes, Lit, ObjectInfo, Polygon, Taken, Vertex};
 pub use width::{Signal, Widths};

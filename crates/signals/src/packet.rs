@@ -37,6 +37,9 @@ pub trait PixelToken {
 /// Pixels of a line of a picture's memory.
 pub const LINE_PIXELS: u32 = 16;
 
+/// Number of a line in the largest picture, [`MAX_PIXELS`](crate::layout::MAX_PIXELS) \[bits\].
+pub const LINE_NUMBER: u32 = (crate::layout::MAX_PIXELS / LINE_PIXELS as u64).ilog2();
+
 /// Number of the line that holds pixel `(x, y)` of a picture of this width, lines row by row.
 #[inline]
 pub fn line_of<T: PixelToken>(width: u32, [x, y]: [u32; 2]) -> u64 {

@@ -54,24 +54,87 @@ pub struct Polygon {
     pub arrival: u64,
 }
 
+/// Bytes of a number in single precision.
+const NUMBER: u64 = 4;
+/// Bytes of a colour, RGBA, 8 bits each (assumed: what vertex formats of the time had).
+const COLOR: u64 = 4;
+
+/// What a machine takes of vertices, beside their positions, where a surface has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Taken {
+    /// Where surfaces are lit.
+    pub lit: Lit,
+    /// Tangents and coordinates of normal maps.
+    pub normal_maps: bool,
+    /// Coordinates of colour textures.
+    pub textures: bool,
+}
+
+/// Where a machine lights surfaces, which says whether it takes normals or brightness.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lit {
+    /// Nowhere: neither.
+    #[default]
+    Nowhere,
+    /// At the vertices, in the geometry processor: brightness.
+    AtVertices,
+    /// Bump targets in the machine, others at the vertices: normals of the ones, brightness of the others.
+    Targets,
+    /// In the machine: normals.
+    InMachine,
+}
+
+/// Attributes of a vertex that go somewhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Attributes {
+    /// Normal.
+    pub normal: bool,
+    /// Tangent and coordinates of the normal map.
+    pub normal_map: bool,
+    /// Coordinates of the colour texture.
+    pub texture: bool,
+    /// Colour.
+    pub color: bool,
+    /// Brightness, its two terms.
+    pub brightness: bool,
+}
+
+impl Taken {
+    /// Attributes of a surface of this material that are handed on, as those of a bump target or not, with colours at its
+    /// vertices or without.
+    pub fn of(self, material: &Material, bump: bool, color: bool) -> Attributes {
+        let normal = self.lit == Lit::InMachine || (self.lit == Lit::Targets && bump);
+        let brightness = self.lit == Lit::AtVertices || (self.lit == Lit::Targets && !bump);
+        let normal_map = self.normal_maps && bump && material.normal_map.is_some();
+        Attributes { normal, normal_map, texture: self.textures && material.color_texture.is_some(), color, brightness }
+    }
+}
+
+impl Attributes {
+    /// What they take \[bytes\].
+    pub fn bytes(self) -> u64 {
+        let of = |there: bool, bytes: u64| if there { bytes } else { 0 };
+        of(self.normal, 3 * NUMBER)
+            + of(self.normal_map, 6 * NUMBER)
+            + of(self.texture, 2 * NUMBER)
+            + of(self.color, COLOR)
+            + of(self.brightness, 2 * NUMBER)
+    }
+}
+
 impl Polygon {
-    /// What its set-up takes: a header, and of each vertex what its material and route need \[bytes\].
-    pub fn bytes(&self) -> u32 {
-        const HEADER: u32 = 8;
-        let Material { normal_map, color_texture, .. } = &*self.material;
-        // Position, colour.
-        let mut vertex = 16 + 16;
-        if self.bump {
-            // Normal; tangent and coordinates of the map.
-            vertex += 12 + if normal_map.is_some() { 16 + 8 } else { 0 };
-        } else {
-            // Brightness.
-            vertex += 8;
-        }
-        if color_texture.is_some() {
-            vertex += 8;
-        }
-        HEADER + self.vertices.len() as u32 * vertex
+    /// On a link: a word with the number of its vertices, LOD and flags, a word each with the numbers of material and object
+    /// \[bytes\].
+    pub const HEAD_BYTES: u64 = 3 * NUMBER;
+    /// Window coordinates of a vertex and 1 / w \[bytes\].
+    pub const POSITION_BYTES: u64 = 4 * NUMBER;
+
+    /// What it takes on a link to a machine \[bytes\]: its head, and of each vertex the position and what its material and its way
+    /// through the machine need. Colours that are white at all vertices are left out, as a flag says.
+    pub fn bytes(&self, taken: Taken) -> u64 {
+        let is_coloured = self.vertices.iter().any(|v| v.color != [1.0; 4]);
+        let attributes = taken.of(&self.material, self.bump, is_coloured);
+        Self::HEAD_BYTES + self.vertices.len() as u64 * (Self::POSITION_BYTES + attributes.bytes())
     }
 }
 
@@ -88,4 +151,40 @@ pub struct ObjectInfo {
     pub entries: Option<u32>,
     /// Levels by which table and CLUT are coarser than the MIP level, where the model says how important it is.
     pub bias: Option<u8>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Sampler, Texture};
+
+    fn texture() -> Arc<Texture> {
+        Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels: Vec::new(), offset: 0 })
+    }
+
+    fn polygon(bump: bool, material: Material) -> Polygon {
+        let (vertices, material) = (vec![Vertex::default(); 3], Arc::new(material));
+        Polygon { vertices, material, object: 0, lod: 0, bump, arrival: 0 }
+    }
+
+    #[test]
+    fn a_polygon_takes_the_bytes_of_what_its_material_and_its_way_need() {
+        let bare = Material::default();
+        let mapped = Material { normal_map: Some(texture()), ..Material::default() };
+        let textured = Material { color_texture: Some(texture()), ..mapped.clone() };
+        let bytes = |lit, bump, material: &Material| {
+            polygon(bump, material.clone()).bytes(Taken { lit, normal_maps: true, textures: true })
+        };
+        let positions = 12 + 3 * 16;
+        assert_eq!(bytes(Lit::Nowhere, true, &bare), positions);
+        assert_eq!(bytes(Lit::Targets, true, &bare), positions + 3 * 12, "a normal");
+        assert_eq!(bytes(Lit::Targets, false, &bare), positions + 3 * 8, "brightness");
+        assert_eq!(bytes(Lit::Targets, true, &mapped), positions + 3 * (12 + 24), "with tangent and coordinates");
+        assert_eq!(bytes(Lit::Targets, false, &mapped), positions + 3 * 8, "which no plain polygon needs");
+        assert_eq!(bytes(Lit::Targets, true, &textured), positions + 3 * (12 + 24 + 8));
+        assert_eq!(bytes(Lit::InMachine, false, &bare), positions + 3 * 12);
+        let mut coloured = polygon(false, bare);
+        coloured.vertices[1].color = [1.0, 0.0, 0.0, 1.0];
+        assert_eq!(coloured.bytes(Taken::default()), positions + 3 * 4);
+    }
 }

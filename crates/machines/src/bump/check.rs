@@ -1,10 +1,11 @@
 //! What no single parameter's range can say: parameters that do not fit together, and rates that FIFOs allow.
 
 use super::BumpProcessorConfig;
+use super::machine::widths;
 use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
 use basrelief_brightness::BrightnessSource;
-use basrelief_graphics_processor::GraphicsProcessor;
+use basrelief_graphics_processor::{GraphicsProcessor, HeldEntry};
 use basrelief_kernel::Unit;
 use basrelief_kernel::facts::Facts;
 use basrelief_normal_mapping::NormalMapping;
@@ -43,10 +44,12 @@ pub(super) fn check(c: &BumpProcessorConfig) -> Result<(), ConfigProblem> {
 /// of them (law 3). So few credits cost time, and never keep a machine from running that could run with single fragments.
 pub(super) fn stamp(c: &BumpProcessorConfig) -> u32 {
     let (levels, line_bytes) = (c.brightness.levels, c.cache.normal_map.line_bytes);
-    let mapping = NormalMapping::new(c.normal_mapping.clone(), levels, 1, line_bytes).largest_step(0);
+    let mapping = NormalMapping::new(c.normal_mapping.clone(), &c.operators, levels, 1, line_bytes).largest_step(0);
     let lines = if c.brightness.source == BrightnessSource::Direct { 2 } else { 1 };
     let brightness = lines * c.normal_mapping.samples(levels);
-    let graphics = GraphicsProcessor::new(c.graphics.clone(), false, 1, c.cache.color_texture.line_bytes).largest_step(0);
+    let sizes = [1, c.cache.color_texture.line_bytes, entry_bits(c)];
+    let graphics = GraphicsProcessor::new(c.graphics.clone(), c.operators.clone(), false, sizes);
+    let graphics = graphics.largest_step(0).max(graphics.largest_step(1));
     let memory = &c.memory;
     [
         (memory.normal_map.outstanding, mapping),
@@ -57,6 +60,16 @@ pub(super) fn stamp(c: &BumpProcessorConfig) -> u32 {
     .map(|(credits, of_a_fragment)| credits / of_a_fragment.max(1))
     .fold(c.rasterizer.stamp, u32::min)
     .max(1)
+}
+
+/// What waits of a fragment of a bump target until the list is drawn \[bits\].
+pub(super) fn entry_bits(c: &BumpProcessorConfig) -> u32 {
+    let widths = widths(c, 1);
+    match c.graphics.held {
+        HeldEntry::Brightness => widths.brightness,
+        HeldEntry::Index => widths.samples * widths.index,
+        HeldEntry::Normal => widths.samples * 3 * widths.normal,
+    }
 }
 
 /// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, smaller stamps, and where claim 3 was

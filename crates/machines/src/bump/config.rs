@@ -13,7 +13,7 @@ use basrelief_normal_mapping::NormalMappingConfig;
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
 use basrelief_replacement::ReplacementConfig;
-use basrelief_signals::{Control, Draw, Flow, Fragment, Indexes, Pixel, PseudoNormals, Shaded, Stamp};
+use basrelief_signals::{Control, Draw, Flow, Fragment, Indexes, Lit, Pixel, PseudoNormals, Shaded, Stamp, Taken};
 
 /// Cycles per second, by default.
 const HZ: u64 = 200_000_000;
@@ -62,9 +62,9 @@ fifos! {
         /// Host to geometry processor: triangles.
         draws: Draw = 16,
         /// Geometry processor to rasterizer: the display list.
-        polygons: Control = 16,
+        polygons: Control = 32,
         /// Rasterizer to z-test or distributor: fragments.
-        fragments: Flow<Stamp<Fragment>> = 32,
+        fragments: Flow<Stamp<Fragment>> = 64,
         /// Z-test to distributor, with early z.
         tested_fragments: Flow<Stamp<Fragment>> = 64,
         /// Distributor to normal-vector mapping unit: fragments of bump targets.
@@ -72,13 +72,13 @@ fifos! {
         /// Distributor to graphics processor: other fragments.
         plain_fragments: Flow<Stamp<Fragment>> = 64,
         /// Mapping unit to replacement unit: pseudo-normals N'.
-        pseudo_normals: Flow<PseudoNormals> = 64,
+        pseudo_normals: Flow<PseudoNormals> = 128,
         /// Replacement unit to brightness fetch unit: indexes.
         indexes: Flow<Indexes> = 32,
         /// Brightness fetch unit to graphics processor: brightness.
         shaded: Flow<Stamp<Shaded>> = 64,
         /// Graphics processor to frame buffer, or to the z-test without early z: pixels.
-        pixels: Flow<Stamp<Pixel>> = 64,
+        pixels: Flow<Stamp<Pixel>> = 128,
         /// Z-test to frame buffer, without early z.
         tested_pixels: Flow<Stamp<Pixel>> = 64,
         /// Frame buffer to video output: finished frames, as many as wait for the
@@ -146,5 +146,5 @@ parameter_groups! {
     }
 }
 
-front_of!(BumpProcessorConfig);
+front_of!(BumpProcessorConfig, |c| Taken { lit: Lit::Targets, normal_maps: true, textures: true });
 memories_of!(BumpProcessorConfig);

@@ -55,22 +55,33 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let levels = c.brightness.levels;
         wired(Self {
             front,
-            fifos: Fifos::new(&c.fifo, &widths(config)),
+            fifos: Fifos::new(&c.fifo, &widths(config, stamp)),
             early_z: c.rasterizer.early_z,
-            rasterizer: Stage::new("rasterizer", Rasterizer::new(RasterizerConfig { stamp, ..c.rasterizer })),
-            early_depth: Stage::new("depth-test", DepthTest::new(c.depth.clone(), z_bits, c.cache.depth.line_bytes)),
+            rasterizer: Stage::new(
+                "rasterizer",
+                Rasterizer::new(RasterizerConfig { stamp, ..c.rasterizer }, c.operators.clone()),
+            ),
+            early_depth: Stage::new(
+                "depth-test",
+                DepthTest::new(c.depth.clone(), &c.operators, z_bits, c.cache.depth.line_bytes),
+            ),
             distributor: Stage::new("distributor", Distributor::default()),
             mapping: Stage::new(
                 "normal-mapping",
-                NormalMapping::new(c.normal_mapping.clone(), levels, stamp, c.cache.normal_map.line_bytes),
+                NormalMapping::new(c.normal_mapping.clone(), &c.operators, levels, stamp, c.cache.normal_map.line_bytes),
             ),
             replacement: Stage::new("replacement", replacement),
             brightness: Stage::new("brightness", BrightnessFetch::new(c.brightness, tables, stamp * samples, &c.operators)),
             graphics: Stage::new(
                 "graphics",
-                GraphicsProcessor::new(c.graphics, separate, stamp, c.cache.color_texture.line_bytes),
+                GraphicsProcessor::new(
+                    c.graphics,
+                    c.operators.clone(),
+                    separate,
+                    [stamp, c.cache.color_texture.line_bytes, check::entry_bits(config)],
+                ),
             ),
-            late_depth: Stage::new("depth-test", DepthTest::new(c.depth, z_bits, c.cache.depth.line_bytes)),
+            late_depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, z_bits, c.cache.depth.line_bytes)),
             frame_buffer: Stage::new("frame-buffer", FrameBuffer::new(c.frame_buffer)),
             video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
             memories,
@@ -79,13 +90,13 @@ impl<F: FrontEnd> BumpProcessor<F> {
     }
 }
 
-/// How wide its signals are.
-fn widths(config: &BumpProcessorConfig) -> Widths {
+/// How wide its signals are, with stamps of so many fragments.
+pub(super) fn widths(config: &BumpProcessorConfig, stamp: u32) -> Widths {
     let most = config.replacement.entries.levels().into_iter().max().unwrap_or(1);
     let values = if config.brightness.components == Components::Separate { 2 } else { 1 };
     Widths {
         depth: config.rasterizer.z_bits,
-        stamp: check::stamp(config),
+        stamp,
         samples: config.normal_mapping.samples(config.brightness.levels),
         normal: config.normal_mapping.normal_bits,
         index: count(most.max(2) - 1),

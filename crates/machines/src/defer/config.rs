@@ -5,14 +5,14 @@ use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_deferred_renderer::tokens::{CellFlow, ExpandedTile, MarkFlow, Order, Parcel, PassFlow, Request, Round};
-use basrelief_deferred_renderer::{CellConfig, EngineConfig, PathConfig, RendererConfig, TileConfig};
+use basrelief_deferred_renderer::{CellConfig, EngineConfig, Lighting, PathConfig, RendererConfig, TileConfig};
 use basrelief_frame_buffer::{FrameDone, PixelBufferConfig, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
 use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
-use basrelief_signals::{Control, Draw, Flow, Fragment, PictureFlow, Stamp};
+use basrelief_signals::{Control, Draw, Flow, Fragment, Lit, PictureFlow, Stamp, Taken};
 
 /// Cycles per second, by default.
 const HZ: u64 = 100_000_000;
@@ -71,7 +71,7 @@ fifos! {
         /// Host to geometry processor: triangles.
         draws: Draw = 16,
         /// Geometry processor to server (110): the display list, in its polygon memory (112).
-        polygons: Control = 16,
+        polygons: Control = 32,
         /// Server (110) to path: what it sends.
         parcels: Parcel = 4,
         /// Path to rasterizer: polygons.
@@ -139,7 +139,9 @@ parameter_groups! {
         /// Which polygons a display list marks as bump targets, for the machine that knows them; this one does not ask.
         bump: BumpConfig = BumpConfig::default(),
         /// Geometry processing (453).
-        geometry: GeometryConfig = GeometryConfig::default(),
+        geometry: GeometryConfig = GeometryConfig { fetch_bytes_per_cycle: 8, ..GeometryConfig::default() } => [
+            fetch_bytes_per_cycle: Assumed("64 bits per cycle, what PC100 memory of the server moves"),
+        ],
         /// The rendering device (100).
         defer: RendererConfig = RendererConfig::default(),
         /// Tiles.
@@ -147,7 +149,9 @@ parameter_groups! {
         /// The path (104, 106, 108).
         path: PathConfig = PathConfig::default(),
         /// Rasterizer.
-        rasterizer: RasterizerConfig = RasterizerConfig::default(),
+        rasterizer: RasterizerConfig = RasterizerConfig { dividers: 17, ..RasterizerConfig::default() } => [
+            dividers: Assumed("one fragment per cycle with divisions of 17 cycles that are not pipelined: they take turns; graphics chips of 1998 drew two (RIVA TNT)"),
+        ],
         /// Z-test, with (124) as depth buffer.
         depth: DepthConfig = DepthConfig::default(),
         /// Cell of the reference buffer (126).
@@ -167,5 +171,13 @@ parameter_groups! {
     }
 }
 
-front_of!(DeferConfig);
+front_of!(DeferConfig, |c| Taken { lit: lit(c), normal_maps: false, textures: true });
 memories_of!(DeferConfig);
+
+/// Vertices are lit where cells hold brightness.
+fn lit(c: &DeferConfig) -> Lit {
+    match c.defer.lighting {
+        Lighting::None => Lit::Nowhere,
+        Lighting::Gouraud => Lit::AtVertices,
+    }
+}

@@ -13,7 +13,7 @@ use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig
 use basrelief_graphics_processor::DepthConfig;
 use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
 use basrelief_parameters::{parameter_groups, parameters};
-use basrelief_signals::{Control, Draw, Flow, Pixel, Stamp};
+use basrelief_signals::{Control, Draw, Flow, Lit, Pixel, Stamp, Taken};
 use std::sync::Arc;
 
 parameters! {
@@ -62,7 +62,7 @@ fifos! {
         /// Host to geometry processor: triangles.
         draws: Draw = 16,
         /// Geometry processor to host interface: the display list.
-        polygons: Control = 16,
+        polygons: Control = 32,
         /// Host interface to microcomputer (10): what the host has sent.
         transfers: Control = 4,
         /// Microcomputer (10) to circuit (21): registers and brightness at the sample points; all control.
@@ -128,7 +128,10 @@ parameter_groups! {
         /// Which polygons a display list marks as bump targets, for the machine that knows them; this one does not ask.
         bump: BumpConfig = BumpConfig::default(),
         /// Geometry processor, part of the host computer (100).
-        geometry: GeometryConfig = GeometryConfig::default(),
+        geometry: GeometryConfig = GeometryConfig { fetch_bytes_per_cycle: 4, link_bytes: 8, ..GeometryConfig::default() } => [
+            fetch_bytes_per_cycle: Assumed("the host's own memory, 32 bits wide, as workstations of 1989 had at this clock"),
+            link_bytes: Assumed("within the host, a bus of 64 bits between its boards"),
+        ],
         /// What is shaded, and how.
         shade: ShadingConfig = ShadingConfig::default(),
         /// The three short cuts.
@@ -168,5 +171,5 @@ parameter_groups! {
     }
 }
 
-front_of!(ShadeConfig);
+front_of!(ShadeConfig, |c| Taken { lit: Lit::InMachine, normal_maps: false, textures: false });
 memories_of!(ShadeConfig);

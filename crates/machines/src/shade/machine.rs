@@ -59,7 +59,7 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
             adder: Stage::new("adder", Adder::new(c.adder)),
             selector_53: Stage::new("selector-53", Selector53::new(c.selector_53)),
             selector_28: Stage::new("selector-28", Selector28::new(c.selector_28)),
-            depth: Stage::new("depth-test", DepthTest::new(c.depth, c.scan.z_bits, c.cache.depth.line_bytes)),
+            depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, c.scan.z_bits, c.cache.depth.line_bytes)),
             frame_memory: Stage::new("frame-memory", FrameBuffer::new(c.frame_buffer)),
             video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
             memories,

@@ -9,13 +9,13 @@ use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig
 use basrelief_graphics_processor::DepthConfig;
 use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
 use basrelief_parameters::{parameter_groups, parameters};
-use basrelief_signals::{Control, Draw, Flow, PixelPacket};
+use basrelief_signals::{Control, Draw, Flow, Lit, PixelPacket, Taken};
 use basrelief_texel_value_generator::signals::{
     GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Points, Quotients, Segment, Span, TexelPacket, TexturePacket,
 };
 use basrelief_texel_value_generator::{
-    ApproximationConfig, CombinerConfig, DividerConfig, IlluminanceConfig, LookUpConfig, MipConfig, ScanConverterConfig,
-    TexelConfig,
+    ApproximationConfig, CombinerConfig, DividerConfig, IlluminanceConfig, IlluminanceMode, LookUpConfig, MipConfig,
+    ScanConverterConfig, TexelConfig,
 };
 
 parameters! {
@@ -84,7 +84,7 @@ fifos! {
         /// Host to geometry processor: triangles.
         draws: Draw = 16,
         /// Geometry processor to scan converter: the display list.
-        polygons: Control = 16,
+        polygons: Control = 32,
         /// Scan converter to step calculator: scan lines of triangles.
         spans: Flow<Span> = 8,
         /// Scan converter to illuminance value generator (340): the same, with other values. Holds what is under way on the
@@ -147,7 +147,10 @@ parameter_groups! {
         /// Which polygons a display list marks as bump targets, for the machine that knows them; this one lights them itself.
         bump: BumpConfig = BumpConfig::default(),
         /// Geometry processor.
-        geometry: GeometryConfig = GeometryConfig::default(),
+        geometry: GeometryConfig = GeometryConfig { fetch_bytes_per_cycle: 8, link_bytes: 8, ..GeometryConfig::default() } => [
+            fetch_bytes_per_cycle: Assumed("64 bits per cycle at 50 MHz, of the class of the MBus of the same maker's workstations"),
+            link_bytes: Assumed("as wide as the bus that vertices come by"),
+        ],
         /// Scan converter.
         scan: ScanConverterConfig = ScanConverterConfig::default(),
         /// Texel value generator (310): division points.
@@ -181,5 +184,13 @@ parameter_groups! {
     }
 }
 
-front_of!(TexelMachineConfig);
+front_of!(TexelMachineConfig, |c| Taken { lit: lit(c), normal_maps: false, textures: true });
 memories_of!(TexelMachineConfig);
+
+/// Vertices are lit where brightness is interpolated, those of bump targets in (340).
+fn lit(c: &TexelMachineConfig) -> Lit {
+    match c.illuminance.mode {
+        IlluminanceMode::Off => Lit::Nowhere,
+        IlluminanceMode::Gouraud => Lit::Targets,
+    }
+}

@@ -56,7 +56,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         wired(Self {
             front,
             fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, ..Widths::default() }),
-            depth: Stage::new("depth-test", DepthTest::new(c.depth, c.scan.z_bits, c.cache.depth.line_bytes)),
+            depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, c.scan.z_bits, c.cache.depth.line_bytes)),
             scan_converter: Stage::new("scan-converter", ScanConverter::new(c.scan, c.texel.snap, c.texel.march)),
             step_calculator: Stage::new("step-calculator", StepCalculator::new(c.texel)),
             divider: Stage::new("divider", Divider::new(c.divider)),

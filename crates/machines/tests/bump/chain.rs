@@ -52,7 +52,8 @@ impl Chain {
         let c = config.clone();
         let samples = c.normal_mapping.samples(c.brightness.levels);
         let tables = c.replacement.table_set();
-        let mapping = NormalMapping::new(c.normal_mapping.clone(), c.brightness.levels, 1, c.cache.normal_map.line_bytes);
+        let mapping =
+            NormalMapping::new(c.normal_mapping.clone(), &c.operators, c.brightness.levels, 1, c.cache.normal_map.line_bytes);
         let replacement =
             Replacement::new(c.replacement, c.normal_mapping.normal_bits, &c.operators).unwrap_or_else(|e| panic!("{e}"));
         let mut chain =

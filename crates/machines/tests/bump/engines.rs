@@ -94,15 +94,16 @@ fn gathered_lines_and_clear_flags_spare_traffic_and_change_no_picture() {
 fn stamps_change_neither_picture_nor_count() {
     let scene = small_demo("mixed", 1);
     let single = timed(&scene, &[("rasterizer.stamp", "1")]);
+    // Not the hardware: FIFOs are as wide as stamps.
+    let figures = |ran: &Ran| ran.facts.figures().cloned().collect::<Vec<_>>();
     for stamp in ["2", "3", "4"] {
         let ran = timed(&scene, &[("rasterizer.stamp", stamp)]);
         assert_eq!(ran.frames, single.frames);
-        assert!(ran.facts.figures().eq(single.facts.figures()));
+        assert_eq!(figures(&ran), figures(&single));
         assert!(ran.bytes("texels") <= single.bytes("texels"));
     }
     let few = timed(&scene, &[("memory.normal_map.outstanding", "9"), ("memory.graphics.outstanding", "4")]);
-    assert_eq!(few.frames, single.frames, "few credits, smaller stamps");
-    assert!(few.facts.figures().eq(single.facts.figures()));
+    assert_eq!((&few.frames, figures(&few)), (&single.frames, figures(&single)), "few credits, smaller stamps");
 }
 
 #[test]

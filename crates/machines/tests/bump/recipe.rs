@@ -223,7 +223,7 @@ const MEANING: &[Axis] = &[
     &[&[], &[("normal_mapping.filter", "nearest")]],
     &[&[], &[("brightness.components", "separate")], &[("brightness.components", "separate"), ("brightness.bits", "13")]],
     &[&[], &[("brightness.source", "direct")]],
-    &[&[], &[("graphics.draw", "after_list")]],
+    &[&[], &[("graphics.draw", "after_list")], &[("graphics.draw", "after_list"), ("graphics.held", "normal")]],
     &[&[], &[("graphics.filter", "nearest"), ("graphics.mip", "off")]],
     &[
         &[],
@@ -253,9 +253,18 @@ const TIMING: &[Axis] = &[
         &[("operators.multiply.latency", "40"), ("operators.add.interval", "3"), ("operators.power.interval", "1")],
     ],
     &[&[], &[("replacement.resident_tables", "1"), ("replacement.load_bytes", "100")]],
-    &[&[], &[("geometry.cycles_per_vertex", "0"), ("geometry.cycles_per_polygon", "0"), ("geometry.vertex_cache", "0")]],
-    &[&[], &[("rasterizer.setup_cycles", "30"), ("rasterizer.latency", "0"), ("depth.latency", "0"), ("graphics.latency", "0")]],
-    &[&[], &[("normal_mapping.normals_per_cycle", "1"), ("graphics.blend_cycles", "5")]],
+    &[
+        &[],
+        &[("geometry.multipliers", "1"), ("geometry.dividers", "1"), ("geometry.vertex_cache", "0")],
+        &[("geometry.fetch_bytes_per_cycle", "1"), ("geometry.powers", "64")],
+        &[("geometry.link_bytes", "1"), ("operators.divide.latency", "90")],
+    ],
+    &[
+        &[],
+        &[("rasterizer.multipliers", "1"), ("rasterizer.dividers", "2"), ("depth.flags", "7")],
+        &[("operators.multiply.latency", "1"), ("operators.add.latency", "1"), ("operators.divide.interval", "1")],
+    ],
+    &[&[], &[("normal_mapping.dividers", "1"), ("graphics.multipliers", "5")], &[("normal_mapping.multipliers", "11")]],
     &[&[], &[("brightness.sets", "1"), ("brightness.samples_per_cycle", "1"), ("brightness.multipliers", "64")]],
     &[
         &[],

@@ -3,8 +3,9 @@
 use crate::common::covered_by_bump;
 use crate::recipe::{display_lists, frame, material, object, polygon, sun, unit};
 use crate::runs::{Ran, config, replay, run, small_demo, timed};
-use basrelief_geometry_processor::{GeometryProcessor, SceneDraws};
+use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Engine, Traffic, Unit};
+use basrelief_machines::FrontConfig;
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::shade::warnings;
 use basrelief_signals::{Control, Draw, Lighting, Material, Polygon};
@@ -184,8 +185,7 @@ fn what_the_device_cannot_draw_is_said() {
 
 /// The display list that the geometry processor of a bump-mapping processor makes of a demo.
 fn recorded(demo: &str) -> Vec<Control> {
-    let config = BumpProcessorConfig::default();
-    let mut geometry = GeometryProcessor::new(config.geometry, config.bump);
+    let mut geometry = FrontConfig::from(&BumpProcessorConfig::default()).geometry_processor();
     let draws = SceneDraws::new(small_demo(demo));
     draws.filter_map(|draw: Draw| geometry.step(Some(draw), &mut Traffic::default()).out).collect()
 }

@@ -3,9 +3,11 @@
 use crate::config::FrameBufferConfig;
 use crate::state::{FinishedFrame, FrameBufferState};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::width::{COORDINATE, NUMBER, Signal, Widths};
-use basrelief_signals::{ColorToken, Control, Flow, Frame, GatheredLines, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_signals::width::{COLOR, COORDINATE, NUMBER, Signal, Widths};
+use basrelief_signals::{
+    ColorToken, Control, Flow, Frame, GatheredLines, LINE_NUMBER, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines,
+};
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
@@ -162,6 +164,9 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
     }
 
     fn tell(&self, facts: &mut Facts) {
+        // Colours, which pixels were written, which line of the picture it is.
+        let line = LINE_PIXELS * (COLOR + 1) + LINE_NUMBER;
+        facts.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
         let c = &self.state.counters;
         facts.figure("pixels", c.pixels, "pixels", "Pixels written");
         facts.figure("frames", c.frames, "frames", "Frames finished");

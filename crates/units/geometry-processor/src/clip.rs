@@ -4,6 +4,7 @@
 //! what is off the screen, and an edge that is not cut stays exactly the edge of its neighbour.
 
 use crate::transform::Corner;
+use basrelief_kernel::Work;
 use basrelief_signals::Vertex;
 use glam::{Vec3, Vec4};
 
@@ -18,8 +19,24 @@ pub enum Clipped {
     Outside,
     /// All of it.
     Whole,
-    /// A polygon: its corners in order, 3..=9 unless it degenerates.
-    Cut(Vec<Corner>),
+    /// A polygon.
+    Cut {
+        /// Its corners in order, 3..=9 unless it degenerates.
+        corners: Vec<Corner>,
+        /// Corners made on the way, those that a later plane took away among them.
+        made: u32,
+    },
+}
+
+/// Distances of a corner to six planes, and to four more of the guard band: reach * w is a shift.
+pub const DISTANCES: Work = Work { add: 10, ..Work::NONE };
+
+/// A corner made where an edge is cut: its share of the edge, clip coordinates and so many more numbers there, `directions` of
+/// three made unit again, its distances.
+pub fn made_corner(numbers: u32, directions: u32) -> Work {
+    let share = Work { divide: 1, add: 1, ..Work::NONE };
+    let mixed = Work { multiply: 1, add: 2, ..Work::NONE }.times(4 + numbers);
+    share.and(mixed).and(Work::NORMALIZE.times(directions)).and(DISTANCES)
 }
 
 /// Signed distances to the six planes, >= 0 inside; the sides stand `reach` times as far out as those of the screen.
@@ -38,14 +55,16 @@ pub fn clip(triangle: &[Corner; 3]) -> Clipped {
     if triangle.iter().all(|c| outside(c.clip, GUARD) == 0) {
         return Clipped::Whole;
     }
-    let mut corners = triangle.to_vec();
+    let (mut corners, mut made) = (triangle.to_vec(), 0);
     for plane in 0..6 {
         let distance = |c: &Corner| distances(c.clip, GUARD)[plane];
-        if corners.iter().any(|c| distance(c) < 0.0) {
+        let inside = corners.iter().filter(|c| distance(c) >= 0.0).count();
+        if inside < corners.len() {
             corners = cut_at(&corners, distance);
+            made += (corners.len() - inside) as u32;
         }
     }
-    Clipped::Cut(corners)
+    Clipped::Cut { corners, made }
 }
 
 /// Planes that the point is outside of, one bit each.
@@ -118,8 +137,8 @@ mod tests {
     #[test]
     fn the_near_plane_cuts_one_corner_into_two() {
         let t = [corner(0.0, 0.0, -3.0, 1.0), corner(1.0, 0.0, 1.0, 1.0), corner(0.0, 1.0, 1.0, 1.0)];
-        let Clipped::Cut(corners) = clip(&t) else { panic!("something is cut") };
-        assert_eq!(corners.len(), 4);
+        let Clipped::Cut { corners, made } = clip(&t) else { panic!("something is cut") };
+        assert_eq!((corners.len(), made), (4, 2));
         assert_eq!(corners[0].clip, Vec4::new(0.5, 0.0, -1.0, 1.0));
         assert_eq!(corners[0].vertex.uv, [0.5, 0.0]);
     }
@@ -131,7 +150,7 @@ mod tests {
             let corners = match &clipped {
                 Clipped::Outside => &[][..],
                 Clipped::Whole => &t,
-                Clipped::Cut(corners) => corners,
+                Clipped::Cut { corners, .. } => corners,
             };
             prop_assert!(corners.len() <= 9);
             for c in corners {

@@ -1,5 +1,6 @@
 //! Parameters of the geometry processor (102), of the bump decision and of the display-list source.
 
+use basrelief_kernel::Work;
 use basrelief_parameters::parameters;
 use serde::{Deserialize, Serialize};
 
@@ -28,16 +29,32 @@ pub enum Arrival {
 parameters! {
     /// Geometry processor (102).
     pub struct GeometryConfig {
-        /// The unit is kept this long by each vertex that is transformed.
-        cycles_per_vertex: u32 = 4, unit: "cycles", Assumed("four multiply-add units, one row of the matrix per cycle"), range: 0..=65_536;
-        /// The unit is kept this long by each triangle: clip, cull, set-up, LOD.
-        cycles_per_polygon: u32 = 4, unit: "cycles", Assumed("as much as one vertex"), range: 0..=65_536;
-        /// Transformed vertices that are kept, first in, first out; a vertex found there costs nothing.
+        /// Multipliers.
+        multipliers: u32 = 4, unit: "operators", Assumed("a row of a matrix at a time, as the four FMACs of the vector units of the Emotion Engine (2000)"), range: 1..=256;
+        /// Adders.
+        adders: u32 = 4, unit: "operators", Assumed("one behind each multiplier"), range: 1..=256;
+        /// Dividers.
+        dividers: u32 = 2, unit: "operators", Assumed("a vertex with a tangent takes three reciprocals: with two dividers they take as long as its two roots in one unit for roots"), range: 1..=256;
+        /// Units for square roots.
+        square_roots: u32 = 1, unit: "operators", Assumed("one beside the dividers, where the vector units had one FDIV for both"), range: 1..=256;
+        /// Units for powers.
+        powers: u32 = 1, unit: "operators", Assumed("highlights at vertices are ordinary drawing, the exception here: one, as the elementary function unit of the Emotion Engine"), range: 1..=256;
+        /// Vertices and indices are fetched at this rate, whatever is computed meanwhile.
+        fetch_bytes_per_cycle: u32 = 16, unit: "bytes/cycle", Assumed("128 bits, the main bus of the Emotion Engine (2000)"), range: 1..=4096;
+        /// Polygons are handed on at this rate, by a display list, too.
+        link_bytes: u32 = 16, unit: "bytes/cycle", Assumed("(102) and (106) stand in one device: as wide as the bus that vertices come by"), range: 1..=4096;
+        /// Transformed vertices that are kept, first in, first out; of a vertex found there only the index is fetched.
         vertex_cache: u32 = 16, unit: "vertices", Assumed("common; 0.6 to 0.7 vertices per triangle on strips and optimised lists"), range: 0..=1024;
-        /// From start to delivery.
-        latency: u32 = 32, unit: "cycles", Assumed("transformation, clipping and one division per vertex"), range: 0..=65_536;
         /// Back faces of double-sided materials are lit with reversed normals, as glTF asks; off: normals as stored.
         two_sided_lighting: bool = false, unit: "", Assumed("off, as in the exact picture it is compared with");
+    }
+}
+
+impl GeometryConfig {
+    /// Its operators.
+    pub fn operators(&self) -> Work {
+        let Self { multipliers, adders, dividers, square_roots, powers, .. } = *self;
+        Work { multiply: multipliers, add: adders, divide: dividers, square_root: square_roots, power: powers }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Display-list source: the replay of a recorded display list.
 
 use crate::config::{Arrival, DisplayListConfig};
+use crate::link::{POLYGON_BYTES, PolygonLink};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::Control;
@@ -12,6 +13,8 @@ use std::fmt::Display;
 pub struct DisplayListSourceCounters {
     /// Commands delivered.
     pub commands: u64,
+    /// Polygons on the link \[bytes\].
+    pub polygon_bytes: u64,
 }
 
 /// Everything the display-list source remembers. Its place in the list is how many commands it has delivered.
@@ -32,16 +35,17 @@ type Due = (Control, u64);
 /// Replays a display list in place of the geometry processor (102): an iterator of commands, each with the cycle at which
 /// it was delivered unblocked, where the list knows it.
 ///
-/// With `arrival = recorded`, commands are delivered at these cycles as long as nothing blocks; what blocks delays all
-/// that follow, as it would delay the geometry processor. A command without a cycle, or with one that is already past,
-/// is due one cycle after the one before it. With `asap`, one command is delivered per cycle. An error in the list ends
-/// the run with its message.
+/// Polygons go by the link that they would go by from a geometry processor, and take as long on it. With `arrival = recorded`,
+/// commands are delivered at these cycles as long as nothing blocks; what blocks delays all that follow, as it would delay the
+/// geometry processor. A command without a cycle, or with one that is already past, is due when the link has brought it. With
+/// `asap` all are. An error in the list ends the run with its message.
 #[derive(Clone, Debug)]
 pub struct DisplayListSource<I> {
     /// Parameters.
     pub config: DisplayListConfig,
     /// Everything it remembers.
     pub state: DisplayListSourceState,
+    link: PolygonLink,
     commands: I,
     /// Held ahead, since a unit declares its end from its own state and a step's occupancy depends on the next command.
     next: Option<Result<Due, String>>,
@@ -52,22 +56,34 @@ where
     I: Iterator<Item = Result<(Control, Option<u64>), E>>,
     E: Display,
 {
-    /// Replays these.
-    pub fn new(config: DisplayListConfig, commands: I) -> Self {
-        Self::resumed(config, commands, DisplayListSourceState::default())
+    /// Replays these over this link.
+    pub fn new(config: DisplayListConfig, link: PolygonLink, commands: I) -> Self {
+        Self::resumed(config, link, commands, DisplayListSourceState::default())
     }
 
     /// Goes on from `state` with the same commands: those that were delivered are skipped.
-    pub fn resumed(config: DisplayListConfig, mut commands: I, state: DisplayListSourceState) -> Self {
+    pub fn resumed(config: DisplayListConfig, link: PolygonLink, commands: I, state: DisplayListSourceState) -> Self {
+        let mut source = Self { config, link, state, commands, next: None };
         let delivered = usize::try_from(state.counters.commands).unwrap_or(usize::MAX);
-        let next = commands.by_ref().nth(delivered).map(|command| due(command, state.elapsed));
-        Self { config, state, commands, next }
+        let command = source.commands.nth(delivered);
+        // One that goes on has been kept until the next command was due.
+        source.next = source.due(command, |on_link| if delivered == 0 { on_link - 1 } else { state.elapsed });
+        source
     }
-}
 
-fn due<E: Display>(command: Result<(Control, Option<u64>), E>, earliest: u64) -> Result<Due, String> {
-    let (control, arrival) = command.map_err(|e| e.to_string())?;
-    Ok((control, arrival.unwrap_or(0).min(LATEST).max(earliest)))
+    /// A command, and when it is due; `brought`: when a command is there that takes so many cycles on the link.
+    fn due(
+        &self,
+        command: Option<Result<(Control, Option<u64>), E>>,
+        brought: impl Fn(u64) -> u64,
+    ) -> Option<Result<Due, String>> {
+        let due = |(control, arrival): (Control, Option<u64>)| {
+            let brought = brought(self.link.cycles(self.link.bytes(&control)));
+            let recorded = if self.config.arrival == Arrival::Recorded { arrival.unwrap_or(0).min(LATEST) } else { 0 };
+            (control, recorded.max(brought))
+        };
+        command.map(|command| command.map(due).map_err(|e| e.to_string()))
+    }
 }
 
 impl<I, E> Unit for DisplayListSource<I>
@@ -92,11 +108,10 @@ where
             }
             None => return Step::after(0, None),
         };
-        self.next = self.commands.next().map(|command| due(command, now + 1));
+        let following = self.commands.next();
+        self.next = self.due(following, |on_link| now + on_link);
         self.state.counters.commands += 1;
-        if self.config.arrival == Arrival::Asap {
-            return Step::after(0, Some(control));
-        }
+        self.state.counters.polygon_bytes += self.link.bytes(&control);
         // Each step starts when its command is due; only the first starts at 0, and makes up for it by latency.
         let start = self.state.elapsed;
         let end = if let Some(Ok((_, next))) = &self.next { *next } else { now + 1 };
@@ -110,17 +125,27 @@ where
 
     fn tell(&self, facts: &mut Facts) {
         facts.figure("display_list_commands", self.state.counters.commands, "commands", "Commands of the display list");
+        facts.figure("polygon_bytes", self.state.counters.polygon_bytes, "bytes", POLYGON_BYTES);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use basrelief_signals::{Lit, Polygon, Taken, Vertex};
+    use std::sync::Arc;
 
-    /// Unblocked delivery cycles of commands with these recorded ones.
+    const LINK: PolygonLink =
+        PolygonLink { bytes_per_cycle: 16, taken: Taken { lit: Lit::Nowhere, normal_maps: false, textures: false } };
+
+    /// Unblocked delivery cycles of commands without bytes with these recorded ones.
     fn delivered(arrival: Arrival, recorded: &[Option<u64>]) -> Vec<u64> {
-        let commands = recorded.iter().map(|a| Ok::<_, String>((Control::FrameEnd, *a)));
-        let mut source = DisplayListSource::new(DisplayListConfig { arrival }, commands);
+        delivered_over(LINK, arrival, &Control::FrameEnd, recorded)
+    }
+
+    fn delivered_over(link: PolygonLink, arrival: Arrival, control: &Control, recorded: &[Option<u64>]) -> Vec<u64> {
+        let commands = recorded.iter().map(|a| Ok::<_, String>((control.clone(), *a)));
+        let mut source = DisplayListSource::new(DisplayListConfig { arrival }, link, commands);
         let (mut free, mut all) = (0, Vec::new());
         while source.demand() == Demand::Nothing {
             let step = source.step((), &mut Traffic::default());
@@ -142,10 +167,26 @@ mod tests {
     }
 
     #[test]
+    fn a_replayed_polygon_takes_the_link_as_long_as_one_of_the_geometry_processor() {
+        let vertices = vec![Vertex::default(); 3];
+        let polygon = Polygon { vertices, material: Arc::default(), object: 0, lod: 0, bump: false, arrival: 0 };
+        let polygon = Control::Polygon(Arc::new(polygon));
+        // A head of three words and three positions of four: 60 bytes.
+        let at = |bytes_per_cycle, arrival, recorded: &[Option<u64>]| {
+            delivered_over(PolygonLink { bytes_per_cycle, ..LINK }, arrival, &polygon, recorded)
+        };
+        assert_eq!(at(60, Arrival::Asap, &[None; 3]), [0, 1, 2]);
+        assert_eq!(at(16, Arrival::Asap, &[None; 3]), [3, 7, 11]);
+        assert_eq!(at(16, Arrival::Recorded, &[Some(5), Some(6), Some(20), None]), [5, 9, 20, 24]);
+        let lit = Taken { lit: Lit::InMachine, ..LINK.taken };
+        assert_eq!(delivered_over(PolygonLink { taken: lit, ..LINK }, Arrival::Asap, &polygon, &[None; 2]), [5, 11]);
+    }
+
+    #[test]
     fn an_error_in_the_list_ends_the_run_with_its_message() {
         for good in 0..3 {
             let list = (0..good).map(|_| Ok((Control::FrameEnd, None))).chain([Err("line 7: truncated")]);
-            let mut source = DisplayListSource::new(DisplayListConfig::default(), list);
+            let mut source = DisplayListSource::new(DisplayListConfig::default(), LINK, list);
             for _ in 0..good {
                 assert!(source.step((), &mut Traffic::default()).out.is_some());
             }

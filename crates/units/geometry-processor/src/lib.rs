@@ -5,16 +5,21 @@
 //!                   display-list source -------^ (replays a recorded one in its place)
 //! ```
 
+mod charge;
 pub mod clip;
 pub mod config;
 pub mod display_list_source;
+mod link;
 pub mod scene_source;
 pub mod state;
 pub mod transform;
 pub mod unit;
+mod window;
+mod work;
 
 pub use config::{Arrival, BumpConfig, DisplayListConfig, GeometryConfig, Targets};
 pub use display_list_source::{DisplayListSource, DisplayListSourceCounters, DisplayListSourceState};
+pub use link::PolygonLink;
 pub use scene_source::{SceneDraws, SceneSource, SceneSourceCounters, SceneSourceState};
 pub use state::{GeometryProcessorCounters, GeometryProcessorState, VertexCache};
 pub use unit::GeometryProcessor;

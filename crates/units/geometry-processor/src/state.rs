@@ -27,6 +27,12 @@ pub struct GeometryProcessorCounters {
     pub vertices: u64,
     /// Vertices found in the vertex cache.
     pub vertex_cache_hits: u64,
+    /// Lit for a polygon that is no bump target; a vertex stays lit in the vertex cache.
+    pub vertices_lit: u64,
+    /// Fetched of vertices and indices \[bytes\].
+    pub vertex_bytes: u64,
+    /// Polygons on the link \[bytes\].
+    pub polygon_bytes: u64,
 }
 
 /// Transformed vertices of the current object, first in, first out.
@@ -34,6 +40,8 @@ pub struct GeometryProcessorCounters {
 pub struct VertexCache {
     indices: Vec<u32>,
     corners: Vec<Corner>,
+    /// Which have their brightness, too.
+    lit: Vec<bool>,
     /// The entry that goes next, once all are taken.
     oldest: usize,
 }
@@ -50,17 +58,26 @@ impl VertexCache {
         if self.indices.len() < entries {
             self.indices.push(index);
             self.corners.push(*corner);
+            self.lit.push(false);
         } else if let (Some(i), Some(c)) = (self.indices.get_mut(self.oldest), self.corners.get_mut(self.oldest)) {
             *i = index;
             *c = *corner;
+            self.lit[self.oldest] = false;
             self.oldest = (self.oldest + 1) % entries;
         }
+    }
+
+    /// Lights a vertex that is there; whether its brightness was known.
+    pub fn light(&mut self, index: u32) -> bool {
+        let place = self.indices.iter().position(|i| *i == index);
+        place.and_then(|place| self.lit.get_mut(place)).is_some_and(|lit| std::mem::replace(lit, true))
     }
 
     /// Empties it: indices are the object's.
     pub fn clear(&mut self) {
         self.indices.clear();
         self.corners.clear();
+        self.lit.clear();
         self.oldest = 0;
     }
 }

@@ -1,5 +1,6 @@
 //! Object to clip and world space.
 
+use basrelief_kernel::Work;
 use basrelief_signals::{Mesh, Object, Vertex};
 use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
@@ -32,6 +33,17 @@ fn matrix(rows: &[f64; 16]) -> DMat4 {
 }
 
 impl Transform {
+    /// Matrices of an object: a product of two of 4 x 4, nine cofactors, the scale of the largest, the sign of the determinant.
+    pub const OF_OBJECT: Work = Work { multiply: 64 + 18 + 9 + 3, add: 48 + 9 + 8 + 2, divide: 1, ..Work::NONE };
+    /// A position, its w = 1, by a matrix of 4 x 4.
+    pub const POSITION: Work = Work { multiply: 12, add: 12, ..Work::NONE };
+    /// A normal or a tangent by a matrix of 3 x 3, made unit.
+    pub const DIRECTION: Work = Work { multiply: 9, add: 6, ..Work::NONE }.and(Work::NORMALIZE);
+    /// Of a position, what waits for each other: a product and three sums.
+    pub const POSITION_CHAIN: Work = Work { multiply: 1, add: 3, ..Work::NONE };
+    /// Of a direction: a product and two sums; square of the length, root, reciprocal, product.
+    pub const DIRECTION_CHAIN: Work = Work { multiply: 1 + 2, add: 2 + 2, divide: 1, square_root: 1, power: 0 };
+
     /// For an object with this world matrix under this view projection, both row-major.
     pub fn new(view_projection: &[f64; 16], world: &[f64; 16]) -> Self {
         let clip = matrix(view_projection) * matrix(world);

@@ -1,13 +1,17 @@
 //! The geometry processor (102).
 
+use crate::charge::{Charge, index_bytes, vertex_bytes};
 use crate::clip::{Clipped, clip};
 use crate::config::{BumpConfig, GeometryConfig, Targets};
+use crate::link::POLYGON_BYTES;
 use crate::state::GeometryProcessorState;
 use crate::transform::{Corner, Transform, centre};
+use crate::window::Window;
+use crate::work;
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, Operators, Step, Traffic, Unit};
 use basrelief_shading::{brightness, doubled_area, light_vectors, polygon_lod};
-use basrelief_signals::{Control, Draw, Frame, Object, ObjectInfo, Polygon, Vertex};
+use basrelief_signals::{Control, Draw, Frame, Lit, Object, ObjectInfo, Polygon, Taken, Vertex};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -18,14 +22,22 @@ use std::sync::Arc;
 /// coordinate that is not finite; a polygon with fewer than three corners, a w that is not positive, or a window area
 /// that is zero or not finite.
 ///
-/// Frame, object and frame-end commands take one cycle, triangles what their vertices and set-up take, and at least one.
-/// Polygons that are no bump target carry their brightness at the vertices (Gouraud), at the same cost (assumed).
+/// A step takes what is slowest of its arithmetic, of fetching its vertices and indices, and of the link that its polygon goes by:
+/// all three go on side by side. A polygon is delivered when its last part has come through. Frame and frame-end commands take a
+/// cycle, an object its matrices and lights.
+///
+/// Polygons that are no bump target carry their brightness at the vertices (Gouraud). A display list has it whatever machine it was
+/// recorded for; it costs something where the machine takes it.
 #[derive(Clone, Debug, Default)]
 pub struct GeometryProcessor {
     /// Parameters.
     pub config: GeometryConfig,
     /// Parameters of the bump decision.
     pub bump: BumpConfig,
+    /// What the machine takes of vertices.
+    pub taken: Taken,
+    /// How long arithmetic takes.
+    pub operators: Operators,
     /// Everything it remembers.
     pub state: GeometryProcessorState,
 }
@@ -38,9 +50,9 @@ enum Dropped {
 }
 
 impl GeometryProcessor {
-    /// A geometry processor at power-on.
-    pub fn new(config: GeometryConfig, bump: BumpConfig) -> Self {
-        Self { config, bump, state: GeometryProcessorState::default() }
+    /// A geometry processor at power-on, in front of a machine that takes so much of vertices.
+    pub fn new(config: GeometryConfig, bump: BumpConfig, taken: Taken, operators: Operators) -> Self {
+        Self { config, bump, taken, operators, state: GeometryProcessorState::default() }
     }
 
     fn begin_object(&mut self, object: Arc<Object>) -> ObjectInfo {
@@ -57,19 +69,20 @@ impl GeometryProcessor {
 
     /// Triangle `number` of the current object, and the cycles it keeps the unit.
     fn triangle(&mut self, number: u32) -> (Option<Polygon>, u64) {
-        let before = self.state.counters.vertices;
         self.state.counters.triangles += 1;
         // Taken out for the time, rather than counted: that would cost a twentieth of the step.
         let drawn = (self.state.object.take(), self.state.frame.take());
+        let mut charge = Charge::default();
         let polygon = match &drawn {
-            (Some(object), Some(frame)) => self.polygon(object, frame, number),
+            (Some(object), Some(frame)) => self.polygon(object, frame, number, &mut charge),
             _ => Err(Dropped::Degenerate),
         };
         (self.state.object, self.state.frame) = drawn;
+        let counters = &mut self.state.counters;
+        counters.vertex_bytes += charge.fetched;
         let polygon = match polygon {
             Ok(polygon) => Some(polygon),
             Err(reason) => {
-                let counters = &mut self.state.counters;
                 *match reason {
                     Dropped::Outside => &mut counters.outside,
                     Dropped::Culled => &mut counters.culled,
@@ -78,13 +91,13 @@ impl GeometryProcessor {
                 None
             }
         };
-        let vertices = self.state.counters.vertices - before;
-        let cycles = vertices * u64::from(self.config.cycles_per_vertex) + u64::from(self.config.cycles_per_polygon);
-        (polygon, cycles.max(1))
+        let bytes = polygon.as_ref().map_or(0, |polygon| polygon.bytes(self.taken));
+        counters.polygon_bytes += bytes;
+        (polygon, self.kept(charge, bytes))
     }
 
-    fn polygon(&mut self, object: &Object, frame: &Frame, number: u32) -> Result<Polygon, Dropped> {
-        let triangle = self.corners(object, number).ok_or(Dropped::Degenerate)?;
+    fn polygon(&mut self, object: &Object, frame: &Frame, number: u32, charge: &mut Charge) -> Result<Polygon, Dropped> {
+        let triangle = self.corners(object, number, charge).ok_or(Dropped::Degenerate)?;
         if !triangle.iter().all(|c| c.clip.is_finite()) {
             return Err(Dropped::Degenerate);
         }
@@ -92,45 +105,81 @@ impl GeometryProcessor {
         let corners = match &clipped {
             Clipped::Outside => return Err(Dropped::Outside),
             Clipped::Whole => &triangle[..],
-            Clipped::Cut(corners) => corners,
+            Clipped::Cut { corners, made } => {
+                self.state.counters.clipped += 1;
+                charge.add(work::cut_vertex(self.fetched(object)).times(*made));
+                corners
+            }
         };
-        self.state.counters.clipped += u64::from(matches!(clipped, Clipped::Cut(_)));
+        charge.add(work::area(corners.len()));
         let window = Window::new(frame);
         // Half of all triangles face away: attributes are for those that do not.
         let is_back = self.faces_back(object, corners, &window)?;
         let mut vertices: Vec<Vertex> = corners.iter().map(|c| Vertex { position: window.place(c), ..c.vertex }).collect();
-        if is_back && self.config.two_sided_lighting {
+        let is_turned = is_back && self.config.two_sided_lighting;
+        if is_turned {
             turn_round(&mut vertices);
         }
-        let material = Arc::clone(&object.material);
-        let lod = match (&material.normal_map, &material.color_texture) {
-            (Some(map), _) => polygon_lod(&vertices, map, |v| v.uv_normal),
-            (None, Some(texture)) => polygon_lod(&vertices, texture, |v| v.uv),
-            (None, None) => 0,
-        };
+        let lod = self.lod(object, &vertices, charge);
         let bump = object.bump.unwrap_or(self.is_target(object, lod));
         if !bump {
-            for vertex in &mut vertices {
-                vertex.brightness = brightness(Vec3::from(vertex.normal), &material.lighting, &self.state.lights);
-            }
+            // Vertices that clipping made or that were turned round are of this polygon only.
+            let own = is_turned || matches!(clipped, Clipped::Cut { .. });
+            let unlit = if own { vertices.len() } else { self.unlit(object, number) };
+            self.light(object, &mut vertices, unlit as u32, charge);
         }
         self.state.counters.polygons += 1;
         self.state.counters.bump_polygons += u64::from(bump);
-        Ok(Polygon { vertices, material, object: object.id, lod, bump, arrival: self.state.arrival })
+        Ok(Polygon { vertices, material: Arc::clone(&object.material), object: object.id, lod, bump, arrival: 0 })
+    }
+
+    /// LOD of a polygon, charged where the machine has maps that it selects levels of.
+    fn lod(&self, object: &Object, vertices: &[Vertex], charge: &mut Charge) -> u8 {
+        let lod = match (&object.material.normal_map, &object.material.color_texture) {
+            (Some(map), _) => polygon_lod(vertices, map, |v| v.uv_normal),
+            (None, Some(texture)) => polygon_lod(vertices, texture, |v| v.uv),
+            (None, None) => return 0,
+        };
+        if self.taken.normal_maps {
+            charge.add(work::lod(vertices.len()));
+        }
+        lod
+    }
+
+    /// Lights the vertices of a polygon that is no bump target. So many were not lit yet: they are charged, where the machine takes
+    /// the brightness.
+    fn light(&mut self, object: &Object, vertices: &mut [Vertex], unlit: u32, charge: &mut Charge) {
+        let (lighting, lights) = (&object.material.lighting, &self.state.lights);
+        for vertex in vertices {
+            vertex.brightness = brightness(Vec3::from(vertex.normal), lighting, lights);
+        }
+        if matches!(self.taken.lit, Lit::AtVertices | Lit::Targets) {
+            self.state.counters.vertices_lit += u64::from(unlit);
+            charge.add(work::lighting(lighting, lights.len() as u32).times(unlit));
+        }
+    }
+
+    /// Vertices of a triangle that are not lit in the vertex cache; they will be.
+    fn unlit(&mut self, object: &Object, number: u32) -> usize {
+        let indices = indices(object, number).unwrap_or_default();
+        indices.into_iter().filter(|index| !self.state.cache.light(*index)).count()
     }
 
     /// Transformed corners of a triangle, from the vertex cache where they are there.
-    fn corners(&mut self, object: &Object, number: u32) -> Option<[Corner; 3]> {
-        let first = (number as usize).checked_mul(3)?;
-        let &[a, b, c] = object.mesh.indices.get(first..first.checked_add(3)?)? else { return None };
+    fn corners(&mut self, object: &Object, number: u32, charge: &mut Charge) -> Option<[Corner; 3]> {
         let mut corners = [Corner::default(); 3];
-        for (corner, index) in corners.iter_mut().zip([a, b, c]) {
+        let indices = indices(object, number)?;
+        charge.fetched += index_bytes(object);
+        for (corner, index) in corners.iter_mut().zip(indices) {
             if let Some(found) = self.state.cache.get(index) {
                 self.state.counters.vertex_cache_hits += 1;
                 *corner = *found;
             } else {
                 *corner = self.state.transform.vertex(&object.mesh, index)?;
                 self.state.counters.vertices += 1;
+                let fetched = self.fetched(object);
+                charge.fetched += vertex_bytes(fetched);
+                charge.add(work::vertex(fetched));
                 self.state.cache.insert(index, corner, self.config.vertex_cache as usize);
             }
         }
@@ -157,30 +206,19 @@ impl GeometryProcessor {
         Ok(!front)
     }
 
+    pub(crate) fn is_candidate(&self, object: &Object) -> bool {
+        self.bump.targets == Targets::All || object.material.normal_map.is_some()
+    }
+
     fn is_target(&self, object: &Object, lod: u8) -> bool {
-        let candidate = self.bump.targets == Targets::All || object.material.normal_map.is_some();
-        candidate && lod <= self.bump.max_lod
+        self.is_candidate(object) && lod <= self.bump.max_lod
     }
 }
 
-/// From clip space to the window.
-struct Window {
-    /// Half width and height \[pixels\].
-    half: [f32; 2],
-}
-
-impl Window {
-    fn new(frame: &Frame) -> Self {
-        Self { half: [0.5 * frame.width as f32, 0.5 * frame.height as f32] }
-    }
-
-    /// Window coordinates of a corner in front of the viewer.
-    #[inline]
-    fn place(&self, corner: &Corner) -> [f32; 4] {
-        let inverse_w = 1.0 / corner.clip.w;
-        let [x, y, z] = (corner.clip.truncate() * inverse_w).to_array();
-        [self.half[0] + self.half[0] * x, self.half[1] - self.half[1] * y, 0.5 + 0.5 * z, inverse_w]
-    }
+/// Numbers of the vertices of a triangle.
+fn indices(object: &Object, number: u32) -> Option<[u32; 3]> {
+    let first = (number as usize).checked_mul(3)?;
+    object.mesh.indices.get(first..first.checked_add(3)?)?.try_into().ok()
 }
 
 /// Turns the surface round: normal, tangent and bitangent = cross(normal, tangent) * w.
@@ -201,28 +239,38 @@ impl Unit for GeometryProcessor {
     }
 
     fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
-        let latency = u64::from(self.config.latency);
-        self.state.arrival = self.state.elapsed + latency;
-        let (out, occupancy) = match input {
+        let mut polygon = None;
+        let (mut out, occupancy) = match input {
             Some(Draw::Frame(frame)) => {
                 self.state.frame = Some(Arc::clone(&frame));
                 self.state.object = None;
                 (Some(Control::Frame(frame)), 1)
             }
-            Some(Draw::Object(object)) => (Some(Control::Object(Arc::new(self.begin_object(object)))), 1),
+            Some(Draw::Object(object)) => {
+                let info = self.begin_object(object);
+                let work = work::object(self.state.lights.len() as u32);
+                (Some(Control::Object(Arc::new(info))), self.kept(Charge { work, fetched: 0 }, 0))
+            }
             Some(Draw::Triangle(number)) => {
-                let (polygon, cycles) = self.triangle(number);
-                (polygon.map(|p| Control::Polygon(Arc::new(p))), cycles)
+                let (made, cycles) = self.triangle(number);
+                polygon = made;
+                (None, cycles)
             }
             Some(Draw::FrameEnd) => (Some(Control::FrameEnd), 1),
             None => (None, 1),
         };
+        let latency = self.latency() + occupancy - 1;
+        self.state.arrival = self.state.elapsed + latency;
         self.state.elapsed += occupancy;
+        if let Some(polygon) = polygon {
+            out = Some(Control::Polygon(Arc::new(Polygon { arrival: self.state.arrival, ..polygon })));
+        }
         Step::after(latency, out).busy(occupancy)
     }
 
     fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, self.config.cycles_per_polygon.max(1));
+        self.tell_rate(facts);
+        self.tell_hardware(facts);
         let c = &self.state.counters;
         facts.figure("triangles", c.triangles, "triangles", "Triangles of the scene");
         facts.figure("triangles_outside", c.outside, "triangles", "Those outside the view");
@@ -233,6 +281,9 @@ impl Unit for GeometryProcessor {
         facts.figure("bump_polygons", c.bump_polygons, "polygons", "Those of `polygons` that are bump targets");
         facts.figure("vertices_transformed", c.vertices, "vertices", "Vertices transformed");
         facts.figure("vertex_cache_hits", c.vertex_cache_hits, "vertices", "Vertices found transformed in the vertex cache");
+        facts.figure("vertices_lit", c.vertices_lit, "vertices", "Vertices lit for polygons that are no bump target");
+        facts.figure("vertex_bytes", c.vertex_bytes, "bytes", "Vertices and indices fetched");
+        facts.figure("polygon_bytes", c.polygon_bytes, "bytes", POLYGON_BYTES);
     }
 }
 

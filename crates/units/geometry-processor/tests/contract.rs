@@ -2,11 +2,11 @@
 
 use basrelief_geometry_processor::{
     Arrival, BumpConfig, DisplayListConfig, DisplayListSource, DisplayListSourceState, GeometryConfig, GeometryProcessor,
-    SceneDraws, SceneSource, Targets,
+    PolygonLink, SceneDraws, SceneSource, Targets,
 };
-use basrelief_kernel::unit_contract;
+use basrelief_kernel::{OperatorConfig, Operators, unit_contract};
 use basrelief_signals::{
-    Camera, Control, Draw, Frame, Light, LightKind, Material, Mesh, Object, ObjectInfo, Polygon, Scene, Vertex,
+    Camera, Control, Draw, Frame, Light, LightKind, Lit, Material, Mesh, Object, ObjectInfo, Polygon, Scene, Taken, Vertex,
 };
 use std::sync::Arc;
 
@@ -71,9 +71,13 @@ fn the_strips_have_every_kind_of_triangle() {
     assert_eq!(c.triangles, c.outside + c.culled + c.degenerate + c.polygons);
 }
 
+/// What the bump-mapping processor takes.
+const TAKEN: Taken = Taken { lit: Lit::Targets, normal_maps: true, textures: true };
+
 fn unit() -> GeometryProcessor {
     let config = GeometryConfig { vertex_cache: 4, two_sided_lighting: true, ..GeometryConfig::default() };
-    GeometryProcessor::new(config, BumpConfig { targets: Targets::All, ..BumpConfig::default() })
+    let operators = Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() };
+    GeometryProcessor::new(config, BumpConfig { targets: Targets::All, ..BumpConfig::default() }, TAKEN, operators)
 }
 
 unit_contract! {
@@ -106,7 +110,8 @@ fn display_list() -> Vec<Result<(Control, Option<u64>), String>> {
 type Commands = std::vec::IntoIter<Result<(Control, Option<u64>), String>>;
 
 fn replay(arrival: Arrival, state: DisplayListSourceState) -> DisplayListSource<Commands> {
-    DisplayListSource::resumed(DisplayListConfig { arrival }, display_list().into_iter(), state)
+    let link = PolygonLink { bytes_per_cycle: 16, taken: TAKEN };
+    DisplayListSource::resumed(DisplayListConfig { arrival }, link, display_list().into_iter(), state)
 }
 
 unit_contract! {

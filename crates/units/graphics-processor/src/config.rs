@@ -1,5 +1,6 @@
 //! Parameters of the graphics processor (104) and of the z-test.
 
+use basrelief_kernel::Work;
 use basrelief_parameters::parameters;
 use basrelief_signals::Filter;
 use serde::{Deserialize, Serialize};
@@ -11,8 +12,21 @@ pub enum DrawOrder {
     /// Each fragment as soon as it is shaded.
     #[default]
     Streamed,
-    /// All, when every bump target of the frame is shaded; results wait in the graphics-data memory (124).
+    /// All, when every bump target of the frame is shaded; what is kept of them waits in the graphics-data memory (124).
     AfterList,
+}
+
+/// What is kept on the surface of a bump target until the list is drawn: an entry for each of its fragments.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum HeldEntry {
+    /// Brightness, looked up and interpolated (S20, S22).
+    #[default]
+    Brightness,
+    /// Indexes of reference normals (S18), one for each level: they are looked up when the list is drawn.
+    Index,
+    /// Pseudo-normals N' (S16), one for each level: what the indexes are there to spare.
+    Normal,
 }
 
 /// Choice of the colour texture's MIP level.
@@ -37,25 +51,33 @@ parameters! {
         mip: Mip = Mip::Nearest, unit: "", Assumed("one level, chosen once per polygon");
         /// A texel of a colour texture.
         texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each"), range: 1..=16;
-        /// The unit is kept this long by each pixel.
-        blend_cycles: u32 = 1, unit: "cycles", Assumed("one pixel per cycle"), range: 1..=1024;
-        /// From start to delivery, texture in the cache.
-        latency: u32 = 8, unit: "cycles", Assumed("addressing, filter and multiplication"), range: 0..=4096;
-        /// A result that waits to be drawn: place, depth, texture coordinates, brightness.
-        held_bytes: u32 = 16, unit: "bytes", Assumed("x, y 16 bits each, z 24, u, v 24 each, brightness 8, highlight 8, padded"), range: 1..=256;
-        /// Room for the results of one frame when `draw` is after_list.
-        hold_bytes: u32 = 67_108_864, unit: "bytes", Assumed("13 layers of 640 x 480"), range: 1..=1_073_741_824;
+        /// Multipliers.
+        multipliers: u32 = 41, unit: "operators", Assumed("one pixel per cycle whatever it is: texture, vertex colours, brightness at the vertices"), range: 1..=1024;
+        /// Adders.
+        adders: u32 = 38, unit: "operators", Assumed("the same pixel"), range: 1..=1024;
+        /// What waits of a bump target's fragment when `draw` is after_list: brightness, index or normal.
+        held: HeldEntry = HeldEntry::Brightness, unit: "", Stated("Figure 4: S22 is done for all bump targets before S24 draws; what is on the surface then is the brightness map of Figure 5");
+        /// Most fragments of one frame that may wait when `draw` is after_list: those of bump targets have room for an entry each, the
+        /// others are found in the display list again.
+        hold_fragments: u32 = 4_194_304, unit: "fragments", Assumed("13 layers of 640 x 480"), range: 1..=67_108_864;
+    }
+}
+
+impl GraphicsConfig {
+    /// Its operators.
+    pub fn operators(&self) -> Work {
+        Work { multiply: self.multipliers, add: self.adders, ..Work::NONE }
     }
 }
 
 parameters! {
     /// Z-test, with the z-buffer in the graphics-data memory (124).
     pub struct DepthConfig {
-        /// From start to delivery, z in the cache.
-        latency: u32 = 2, unit: "cycles", Assumed("one comparison"), range: 0..=4096;
         /// Lines of 16 pixels that gather writes; the least recently written one goes.
         write_lines: u32 = 8, unit: "lines", Assumed("512 bytes of registers; the edge that two triangles share lies in lines that both write"), range: 1..=64;
         /// A flag per line says that nothing was written to it since the fast clear: it is not read.
         clear_flags: bool = true, unit: "", Assumed("a fast clear that moves no data has to be kept somewhere: a bit per line of 16 pixels");
+        /// Flags that there are; lines of a larger picture behind them are read.
+        flags: u32 = 131_072, unit: "bits", Assumed("16 KB: pictures of 2 million pixels, 1600 x 1200 and a little more"), range: 1..=16_777_216;
     }
 }

@@ -2,10 +2,13 @@
 
 use crate::config::DepthConfig;
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::{Control, DepthToken, Flow, Frame, GatheredLines, LINE_PIXELS, layout, line_of, lines};
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit, Work};
+use basrelief_signals::{Control, DepthToken, Flow, Frame, GatheredLines, LINE_NUMBER, LINE_PIXELS, layout, line_of, lines};
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
+
+/// A fragment is compared with what lies in front of it: one per cycle.
+const COMPARISON: Work = Work { add: 1, ..Work::NONE };
 
 /// What the z-test has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,7 +54,7 @@ pub struct DepthTestState {
 ///   looked up: what was not written to it was read with the line, or is clear. When it goes, it is written to memory and to
 ///   the z-cache, where that has it.
 /// - *Clear flags*: a frame begins with a clear that moves no data (fast clear). It sets a flag for each line
-///   (`depth.clear_flags`), which is reset when something is first written to the line; until then the line is not looked up.
+///   (`depth.clear_flags`, as many as `depth.flags`), which is reset when something is first written to the line; until then the line is not looked up.
 ///   Without flags, what clears the memory is not asked, and takes no time.
 #[derive(Clone, Debug, Default)]
 pub struct DepthTest<T> {
@@ -61,6 +64,8 @@ pub struct DepthTest<T> {
     pub z_bits: u32,
     /// A line of the z-cache \[bytes\].
     pub line_bytes: u32,
+    /// A comparison \[cycles\].
+    latency: u64,
     /// Everything it remembers.
     pub state: DepthTestState,
     token: PhantomData<fn(T) -> T>,
@@ -68,8 +73,9 @@ pub struct DepthTest<T> {
 
 impl<T: DepthToken> DepthTest<T> {
     /// A z-test at power-on; `z_bits` (1..=32) is the rasterizer's, `line_bytes` the z-cache's.
-    pub fn new(config: DepthConfig, z_bits: u32, line_bytes: u32) -> Self {
-        Self { config, z_bits, line_bytes, state: DepthTestState::default(), token: PhantomData }
+    pub fn new(config: DepthConfig, operators: &Operators, z_bits: u32, line_bytes: u32) -> Self {
+        let latency = operators.latency(COMPARISON);
+        Self { config, z_bits, line_bytes, latency, state: DepthTestState::default(), token: PhantomData }
     }
 
     fn z_bytes(&self) -> u32 {
@@ -83,11 +89,21 @@ impl<T: DepthToken> DepthTest<T> {
         self.state.lines = GatheredLines::default();
         self.state.clear.clear();
         if self.config.clear_flags {
-            self.state.clear.resize(lines::<T>(room[0], room[1]) as usize, true);
+            let lines = lines::<T>(room[0], room[1]).min(u64::from(self.config.flags));
+            self.state.clear.resize(lines as usize, true);
         }
         self.state.counters.most_flags = self.state.counters.most_flags.max(self.state.clear.len() as u64);
         self.state.z.clear();
         self.state.z.resize(room[0] as usize * room[1] as usize, u32::MAX >> (32 - self.z_bits.clamp(1, 32)));
+    }
+
+    fn tell_hardware(&self, facts: &mut Facts) {
+        facts.operators("depth", COMPARISON, self.z_bits);
+        // Depth values, which pixels were written, which line of the picture it is.
+        let line = LINE_PIXELS * (self.z_bits + 1) + LINE_NUMBER;
+        facts.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
+        let flags = if self.config.clear_flags { self.config.flags } else { 0 };
+        facts.hardware(HardwareKind::Table, "flags of clear lines", flags, 1);
     }
 
     /// A line of the z-buffer \[bytes\].
@@ -180,7 +196,7 @@ impl<T: DepthToken> Unit for DepthTest<T> {
 
     #[inline(always)]
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
-        let latency = u64::from(self.config.latency);
+        let latency = self.latency;
         match input {
             Some(Flow::Item(mut token)) => {
                 let tested = token.pixels();
@@ -214,7 +230,8 @@ impl<T: DepthToken> Unit for DepthTest<T> {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, 1_u64);
+        facts.rate(0, self.latency, 1_u64);
+        self.tell_hardware(facts);
         let c = &self.state.counters;
         facts.figure("z_tested", c.tested, "fragments", "Fragments tested for depth");
         facts.figure("z_passed", c.passed, "fragments", "Those in front");

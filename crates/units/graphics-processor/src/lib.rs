@@ -11,10 +11,12 @@
 pub mod blend;
 pub mod config;
 pub mod depth_test;
+mod hold;
 pub mod state;
 pub mod unit;
+mod work;
 
-pub use config::{DepthConfig, DrawOrder, GraphicsConfig, Mip};
+pub use config::{DepthConfig, DrawOrder, GraphicsConfig, HeldEntry, Mip};
 pub use depth_test::{DepthTest, DepthTestCounters, DepthTestState};
 pub use state::{GraphicsProcessorCounters, GraphicsProcessorState, Held, Phase};
 pub use unit::GraphicsProcessor;

@@ -22,9 +22,9 @@ pub enum Phase {
 pub enum Held {
     /// Control; costs no room, as the display list is kept by the host.
     Control(Control),
-    /// Fragments of a bump target, with their brightness.
+    /// Fragments of a bump target, with their brightness: an entry each.
     Bump(Stamp<Shaded>),
-    /// Fragments of another polygon.
+    /// Fragments of another polygon; cost no room, as they are found in the display list when that is drawn.
     Plain(Stamp<Fragment>),
 }
 
@@ -35,10 +35,8 @@ pub struct GraphicsProcessorCounters {
     pub pixels: u64,
     /// Of these, with a colour texture.
     pub textured: u64,
-    /// Results held until the end of their list.
+    /// Fragments of which an entry waited for the end of their list.
     pub held: u64,
-    /// Most results held at a time.
-    pub most_held: u64,
 }
 
 /// Everything the graphics processor remembers.
@@ -58,10 +56,14 @@ pub struct GraphicsProcessorState {
     pub held: VecDeque<Held>,
     /// The end has come: what is held is being drawn.
     pub drawing: bool,
-    /// Results written to the graphics-data memory (124) since the list began.
-    pub results_written: u64,
-    /// Results read back.
-    pub results_read: u64,
+    /// Cycles from one pixel of the polygon to the next.
+    pub pace: u64,
+    /// Fragments that wait.
+    pub waiting: u64,
+    /// What of their entries came since the list began \[bytes\].
+    pub bytes_held: u64,
+    /// What of that was drawn \[bytes\].
+    pub bytes_drawn: u64,
     /// What it has counted.
     pub counters: GraphicsProcessorCounters,
 }

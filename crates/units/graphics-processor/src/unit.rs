@@ -3,8 +3,9 @@
 use crate::blend::{blended, filtered};
 use crate::config::{DrawOrder, GraphicsConfig, Mip};
 use crate::state::{GraphicsProcessorState, Held, Phase};
+use crate::work::Timing;
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_shading::texture::texel_offset;
 use basrelief_shading::{Gradient, fan_triangle, interpolate, level_offset, polygon_lod, select_levels, taps};
 use basrelief_signals::{Control, Filter, Flow, Fragment, Pixel, Polygon, Shaded, Stamp, Texture, layout};
@@ -12,8 +13,6 @@ use std::sync::Arc;
 
 /// Client of the colour-texture cache.
 const TEXTURES: u32 = 0;
-/// Client that writes and reads held results.
-const RESULTS: u32 = 1;
 
 type Out = Step<Option<Flow<Stamp<Pixel>>>>;
 
@@ -25,7 +24,12 @@ type Out = Step<Option<Flow<Stamp<Pixel>>>>;
 ///
 /// The order is that of the control tokens on input 0. Fragments of bump targets follow there; those of a polygon that is
 /// no bump target come on input 1, between a twin of the polygon's token and a twin of the token that ends it.
-#[derive(Clone, Debug, Default)]
+///
+/// Drawn after the list, an entry waits in memory of each fragment of a bump target: brightness, or what that is looked up by (client
+/// 1; the look-ups stand in front of the unit either way, and are as many). Everything else of a fragment is found by scanning the
+/// list a second time, which the rasterizer does meanwhile: it has nothing else to do then, and keeps pace with the blending
+/// (assumed). So polygons that are no bump target do not wait in memory at all.
+#[derive(Clone, Debug)]
 pub struct GraphicsProcessor {
     /// Parameters.
     pub config: GraphicsConfig,
@@ -35,15 +39,19 @@ pub struct GraphicsProcessor {
     pub stamp: u32,
     /// A line of the cache of colour textures \[bytes\].
     pub line_bytes: u32,
+    /// What waits of a fragment when drawn after the list, as `held` says \[bits\].
+    pub entry_bits: u32,
+    timing: Timing,
     /// Everything it remembers.
     pub state: GraphicsProcessorState,
 }
 
 impl GraphicsProcessor {
     /// A graphics processor at power-on, for stamps of at most `stamp` fragments; `separate`: the two terms of a vertex's
-    /// brightness are blended apart; `line_bytes` is the colour cache's.
-    pub fn new(config: GraphicsConfig, separate: bool, stamp: u32, line_bytes: u32) -> Self {
-        Self { config, separate, stamp, line_bytes, state: GraphicsProcessorState::default() }
+    /// brightness are blended apart; `line_bytes` is the colour cache's; `entry_bits` wait of a fragment.
+    pub fn new(config: GraphicsConfig, operators: Operators, separate: bool, [stamp, line_bytes, entry_bits]: [u32; 3]) -> Self {
+        let (timing, state) = (Timing::new(operators), GraphicsProcessorState::default());
+        Self { config, separate, stamp, line_bytes, entry_bits, timing, state }
     }
 
     /// A control token on the way through (106), which carries the order. Polygons that are no bump target, and what ends
@@ -57,7 +65,7 @@ impl GraphicsProcessor {
             self.state.phase = Phase::Twin(1);
             return None;
         }
-        self.accept(control)
+        self.accept(control, traffic)
     }
 
     /// A control token on the straight way.
@@ -74,11 +82,11 @@ impl GraphicsProcessor {
         if !twins(&control, twin) {
             traffic.fault("graphics processor: its two inputs carry different control tokens; report this as a defect".into());
         }
-        self.accept(control)
+        self.accept(control, traffic)
     }
 
     /// The control takes effect, or waits for the end of the list.
-    fn accept(&mut self, control: Control) -> Option<Flow<Stamp<Pixel>>> {
+    fn accept(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
         self.state.phase = match &control {
             Control::Polygon(polygon) => Phase::Fragments(usize::from(!polygon.bump)),
             _ => Phase::Control,
@@ -89,7 +97,9 @@ impl GraphicsProcessor {
                 Some(Flow::Control(control))
             }
             DrawOrder::AfterList => {
-                self.state.drawing = control == Control::FrameEnd;
+                if control == Control::FrameEnd {
+                    self.end_list(traffic);
+                }
                 self.state.held.push_back(Held::Control(control));
                 None
             }
@@ -100,6 +110,7 @@ impl GraphicsProcessor {
     fn take_effect(&mut self, control: &Control) {
         let Control::Polygon(polygon) = control else { return };
         self.state.polygon = Some(Arc::clone(polygon));
+        self.state.pace = self.timing.pace(polygon, &self.config);
         if let Some(texture) = &polygon.material.color_texture {
             self.state.level = match self.config.mip {
                 Mip::Off => 0,
@@ -118,9 +129,10 @@ impl GraphicsProcessor {
         match self.config.draw {
             DrawOrder::Streamed => self.draw(result, traffic),
             DrawOrder::AfterList => {
-                let fragments = result.fragments();
+                // What does not wait in memory is only taken.
+                let entries = if matches!(result, Held::Bump(_)) { result.fragments() } else { 1 };
                 self.hold(result, traffic);
-                Step::over(fragments, 1, u64::from(self.config.latency), None)
+                Step::over(entries, 1, self.timing.latency, None)
             }
         }
     }
@@ -128,40 +140,15 @@ impl GraphicsProcessor {
     /// A step of one cycle.
     #[inline]
     fn after(&self, out: Option<Flow<Stamp<Pixel>>>) -> Out {
-        Step::after(u64::from(self.config.latency), out)
+        Step::after(self.timing.latency, out)
     }
 
-    fn hold(&mut self, result: Held, traffic: &mut Traffic) {
-        let (bytes, fragments) = (u64::from(self.config.held_bytes), result.fragments() as u64);
-        let before = self.state.results_written;
-        if (before + fragments) * bytes > u64::from(self.config.hold_bytes) {
-            return traffic.fault(format!(
-                "graphics processor: the results of one frame exceed `graphics.hold_bytes` = {}; raise it, or set `graphics.draw` = streamed",
-                self.config.hold_bytes
-            ));
-        }
-        traffic.write(RESULTS, layout::HELD_RESULTS + before * bytes, (fragments * bytes) as u32);
-        self.state.results_written += fragments;
-        self.state.counters.held += fragments;
-        self.state.counters.most_held = self.state.counters.most_held.max(self.state.results_written);
-        self.state.held.push_back(result);
-    }
-
-    /// Draws the oldest of what is held.
+    /// Draws the oldest of what waits.
     fn draw_held(&mut self, traffic: &mut Traffic) -> Out {
-        let Some(held) = self.state.held.pop_front() else { return self.after(None) };
-        let fragments = held.fragments() as u64;
-        if fragments > 0 {
-            let bytes = u64::from(self.config.held_bytes);
-            traffic.read(RESULTS, layout::HELD_RESULTS + self.state.results_read * bytes, (fragments * bytes) as u32);
-            self.state.results_read += fragments;
+        match self.take_held(traffic) {
+            Some(held) => self.draw(held, traffic),
+            None => self.after(None),
         }
-        if self.state.held.is_empty() {
-            self.state.drawing = false;
-            self.state.results_written = 0;
-            self.state.results_read = 0;
-        }
-        self.draw(held, traffic)
     }
 
     #[inline(always)]
@@ -176,7 +163,7 @@ impl GraphicsProcessor {
             Held::Plain(stamp) => self.pixels(stamp.iter().map(|fragment| (*fragment, None)), traffic),
         };
         let out = pixels.map(Flow::Item);
-        Step::over(fragments, u64::from(self.config.blend_cycles), u64::from(self.config.latency), out)
+        Step::over(fragments, self.state.pace, self.timing.latency, out)
     }
 
     /// Pixels of the fragments of a triangle, each with brightness and highlight where they do not come from the vertices.
@@ -285,15 +272,14 @@ impl Unit for GraphicsProcessor {
         }
     }
 
-    /// Taps of a filtered sample, each on as many lines of the cache as a texel can lie on; one held result, which
-    /// is the whole traffic of its client.
+    /// Taps of a filtered sample, each on as many lines of the cache as a texel can lie on; lines of entries.
     fn largest_step(&self, client: usize) -> u32 {
         let taps = if self.config.filter == Filter::Nearest { 1 } else { 4 };
         let (bytes, line) = (self.config.texel_bytes, self.line_bytes.max(1));
         let lines = if bytes.is_power_of_two() { bytes.div_ceil(line) } else { 2 + bytes / line };
         match client {
             0 => self.stamp * taps * lines,
-            1 => u32::from(self.config.draw == DrawOrder::AfterList),
+            1 => self.largest_hold(),
             _ => 0,
         }
     }
@@ -303,12 +289,19 @@ impl Unit for GraphicsProcessor {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, self.config.blend_cycles);
+        facts.rate(0, self.timing.latency, 1_u64);
+        facts.operators("filter and blend", self.config.operators(), NUMBER);
+        facts.hardware(HardwareKind::Registers, "attributes of a triangle", 3 * SET_UP_ATTRIBUTES, NUMBER);
         let c = &self.state.counters;
         facts.figure("pixels_textured", c.textured, "pixels", "Pixels with a colour texture");
-        facts.figure("results_held", c.held, "pixels", "Results held until the list was over");
+        self.tell_held(facts);
     }
 }
+
+/// A number in single precision \[bits\].
+const NUMBER: u32 = 32;
+/// Coordinates, colour, brightness: each at the first vertex, and what the others add.
+const SET_UP_ATTRIBUTES: u32 = 2 + 4 + 2;
 
 #[cfg(test)]
 mod tests;

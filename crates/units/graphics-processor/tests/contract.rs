@@ -1,7 +1,7 @@
 //! Graphics processor (104) and z-test keep the unit contract, in every place and order they can have.
 
 use basrelief_graphics_processor::{DepthConfig, DepthTest, DrawOrder, GraphicsConfig, GraphicsProcessor};
-use basrelief_kernel::unit_contract;
+use basrelief_kernel::{Operators, unit_contract};
 use basrelief_signals::{
     Camera, Control, Flow, Fragment, Frame, Image, Material, ObjectInfo, Pixel, Polygon, Sampler, Shaded, Stamp, Texture, Vertex,
 };
@@ -84,7 +84,7 @@ fn both_ways() -> (Shading, Plain) {
 
 unit_contract! {
     name: graphics_processor_streamed,
-    unit: GraphicsProcessor::new(GraphicsConfig::default(), false, 4, 64),
+    unit: GraphicsProcessor::new(GraphicsConfig::default(), Operators::default(), false, [4, 64, 8]),
     inputs: both_ways(),
     clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
     state,
@@ -92,7 +92,9 @@ unit_contract! {
 
 unit_contract! {
     name: graphics_processor_after_list,
-    unit: GraphicsProcessor::new(GraphicsConfig { draw: DrawOrder::AfterList, blend_cycles: 3, ..GraphicsConfig::default() }, true, 4, 64),
+    unit: GraphicsProcessor::new(
+        GraphicsConfig { draw: DrawOrder::AfterList, adders: 3, ..GraphicsConfig::default() }, Operators::default(), true, [4, 64, 96],
+    ),
     inputs: both_ways(),
     clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
     state,
@@ -100,7 +102,7 @@ unit_contract! {
 
 unit_contract! {
     name: graphics_processor_of_texels_that_straddle_lines,
-    unit: GraphicsProcessor::new(GraphicsConfig { texel_bytes: 12, ..GraphicsConfig::default() }, false, 4, 64),
+    unit: GraphicsProcessor::new(GraphicsConfig { texel_bytes: 12, ..GraphicsConfig::default() }, Operators::default(), false, [4, 64, 8]),
     inputs: both_ways(),
     clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
     state,
@@ -121,7 +123,7 @@ fn flow<T>(item: impl Fn(Fragment) -> T) -> Vec<Flow<Stamp<T>>> {
 
 unit_contract! {
     name: early_depth_test,
-    unit: DepthTest::<Stamp<Fragment>>::new(DepthConfig::default(), 24, 64),
+    unit: DepthTest::<Stamp<Fragment>>::new(DepthConfig::default(), &Operators::default(), 24, 64),
     inputs: flow(|fragment| fragment),
     clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
     state,
@@ -129,7 +131,7 @@ unit_contract! {
 
 unit_contract! {
     name: late_depth_test,
-    unit: DepthTest::<Stamp<Pixel>>::new(DepthConfig { latency: 7, ..DepthConfig::default() }, 16, 64),
+    unit: DepthTest::<Stamp<Pixel>>::new(DepthConfig { flags: 9, ..DepthConfig::default() }, &Operators::default(), 16, 64),
     inputs: flow(|f| Pixel { x: f.x, y: f.y, z: f.z, rgb: [f.x as u8, f.y as u8, 9] }),
     clients: [ClientKind::Cache { line_bytes: 32 }, ClientKind::Port],
     state,
@@ -137,7 +139,7 @@ unit_contract! {
 
 unit_contract! {
     name: depth_test_without_flags_and_with_a_cache_of_small_lines,
-    unit: DepthTest::<Stamp<Fragment>>::new(DepthConfig { write_lines: 2, clear_flags: false, ..DepthConfig::default() }, 24, 8),
+    unit: DepthTest::<Stamp<Fragment>>::new(DepthConfig { write_lines: 2, clear_flags: false, ..DepthConfig::default() }, &Operators::default(), 24, 8),
     inputs: flow(|fragment| fragment),
     clients: [ClientKind::Cache { line_bytes: 8 }, ClientKind::Port],
     state,

@@ -1,5 +1,6 @@
 //! Parameters of the normal-vector mapping unit (108).
 
+use basrelief_kernel::Work;
 use basrelief_parameters::parameters;
 use basrelief_signals::Filter;
 use serde::{Deserialize, Serialize};
@@ -26,14 +27,21 @@ parameters! {
         normal_bits: u32 = 16, unit: "bits", Assumed("finer than any VQ table"), range: 8..=16;
         /// Bytes of a texel in the normal-map memory (116).
         texel_bytes: u32 = 4, unit: "bytes", Assumed("three components of 8 bits, padded to a word"), range: 1..=8;
-        /// Cycles from a fragment to its pseudo-normals when all texels are there.
-        latency: u32 = 12, unit: "cycles", Assumed("address 3, filter 4, rotate 3, scale 2"), range: 1..=1024;
-        /// Pseudo-normals filtered, rotated and scaled per cycle.
-        normals_per_cycle: u32 = 2, unit: "pseudo-normals/cycle", Assumed("two levels at one fragment per cycle"), range: 1..=8;
+        /// Multipliers.
+        multipliers: u32 = 80, unit: "operators", Assumed("two pseudo-normals of a fragment per cycle, two levels at one fragment per cycle: 22 for the tangent frame, 29 for each; pixel shaders of 2005 had as many and more (24 pipelines with 8 each in the class of the RSX)"), range: 1..=1024;
+        /// Adders.
+        adders: u32 = 71, unit: "operators", Assumed("the same two pseudo-normals: 19 for the tangent frame, 26 for each"), range: 1..=1024;
+        /// Dividers: each pseudo-normal takes a reciprocal.
+        dividers: u32 = 14, unit: "operators", Assumed("the same two pseudo-normals, with divisions of 7 cycles that are not pipelined: they take turns"), range: 1..=256;
     }
 }
 
 impl NormalMappingConfig {
+    /// Its operators.
+    pub fn operators(&self) -> Work {
+        Work { multiply: self.multipliers, add: self.adders, divide: self.dividers, ..Work::NONE }
+    }
+
     /// Texels of one sample of a level.
     pub fn taps(&self) -> u32 {
         match self.filter {

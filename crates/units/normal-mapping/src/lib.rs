@@ -14,6 +14,7 @@ mod lines;
 mod rotate;
 mod state;
 mod unit;
+mod work;
 
 pub use config::{FilterAt, NormalMappingConfig};
 pub use distinct::DistinctCounter;

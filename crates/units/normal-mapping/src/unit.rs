@@ -5,9 +5,10 @@ use crate::lanes::weights;
 use crate::lines::Lines;
 use crate::rotate::{FixedPoint, TangentFrame};
 use crate::state::Setup;
+use crate::work::Timing;
 use crate::{FilterAt, NormalMappingConfig, NormalMappingState};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_shading::{Footprints, LEVELS, Taps, decode_normal, footprints, level_offset, select_levels};
 use basrelief_signals::{Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Sample, Samples, Stamp};
 use std::sync::Arc;
@@ -15,12 +16,13 @@ use wide::f32x4;
 
 /// Normal-vector mapping unit (108).
 ///
-/// Client 0 is the cache in front of the normal-map memory (116). One stamp per step; pseudo-normals leave at
-/// `normals_per_cycle`.
+/// Client 0 is the cache in front of the normal-map memory (116). One stamp per step; fragments follow each other as fast as
+/// operators take turns with their pseudo-normals.
 #[derive(Clone, Debug)]
 pub struct NormalMapping {
     /// Parameters.
     pub config: NormalMappingConfig,
+    timing: Timing,
     levels: u8,
     stamp: u32,
     lines: Lines,
@@ -35,10 +37,11 @@ impl NormalMapping {
     ///
     /// With [`NormalMappingConfig::samples`] above [`MAX_SAMPLES`] the coarsest samples are dropped: the machine's
     /// configuration rejects that.
-    pub fn new(config: NormalMappingConfig, levels: u8, stamp: u32, line_bytes: u32) -> Self {
+    pub fn new(config: NormalMappingConfig, operators: &Operators, levels: u8, stamp: u32, line_bytes: u32) -> Self {
         let lines = Lines::new(config.texel_bytes, line_bytes);
         let fixed_point = FixedPoint::new(config.normal_bits);
-        Self { config, levels, stamp, lines, fixed_point, state: NormalMappingState::default() }
+        let timing = Timing::new(&config, operators);
+        Self { config, timing, levels, stamp, lines, fixed_point, state: NormalMappingState::default() }
     }
 
     fn begin_polygon(&mut self, polygon: &Arc<Polygon>) {
@@ -162,12 +165,13 @@ impl Unit for NormalMapping {
 
     #[inline(always)]
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
-        let latency = u64::from(self.config.latency);
+        let latency = self.timing.latency;
         match input {
             Some(Flow::Item(stamp)) => {
                 let out = self.map(stamp, traffic);
-                let interval = (out.samples.len() as u32).div_ceil(self.config.normals_per_cycle.max(1));
-                Step::over(out.stamp.len(), u64::from(interval), latency, Some(Flow::Item(out)))
+                let is_mapped = self.state.polygon.as_ref().is_some_and(|polygon| polygon.material.normal_map.is_some());
+                let pace = self.timing.pace(is_mapped, out.samples.len());
+                Step::over(out.stamp.len(), pace, latency, Some(Flow::Item(out)))
             }
             Some(Flow::Control(control)) => {
                 if let Control::Polygon(polygon) = &control {
@@ -187,7 +191,9 @@ impl Unit for NormalMapping {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, 1_u64);
+        facts.rate(0, self.timing.latency, 1_u64);
+        facts.operators("filter, rotate, scale", self.config.operators(), NUMBER);
+        facts.hardware(HardwareKind::Registers, "attributes of a triangle", 3 * SET_UP_ATTRIBUTES, NUMBER);
         let c = &self.state.counters;
         facts.figure("bump_fragments", c.bump_fragments, "fragments", "Fragments of bump targets");
         facts.figure("normal_texels", c.texels, "texels", "Normal-map texels read");
@@ -206,6 +212,11 @@ impl Unit for NormalMapping {
         );
     }
 }
+
+/// A number in single precision \[bits\].
+const NUMBER: u32 = 32;
+/// Normal, tangent, coordinates: each at the first vertex, and what the others add.
+const SET_UP_ATTRIBUTES: u32 = 8;
 
 #[cfg(test)]
 mod tests;

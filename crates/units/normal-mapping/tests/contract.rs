@@ -1,6 +1,6 @@
 //! The mapping unit (108) keeps the unit contract, whichever way it filters.
 
-use basrelief_kernel::unit_contract;
+use basrelief_kernel::{Operators, unit_contract};
 use basrelief_normal_mapping::{FilterAt, NormalMapping, NormalMappingConfig};
 use basrelief_signals::{Control, Flow, Fragment, Image, Material, Polygon, Sampler, Stamp, Texture, Vertex};
 use std::sync::Arc;
@@ -38,7 +38,7 @@ fn two_polygons() -> Vec<Flow<Stamp<Fragment>>> {
 
 unit_contract! {
     name: two_levels,
-    unit: NormalMapping::new(NormalMappingConfig::default(), 2, 4, 64),
+    unit: NormalMapping::new(NormalMappingConfig::default(), &Operators::default(), 2, 4, 64),
     inputs: two_polygons(),
     clients: [ClientKind::Cache { line_bytes: 64 }],
     state,
@@ -47,7 +47,7 @@ unit_contract! {
 unit_contract! {
     name: filtered_brightness,
     unit: NormalMapping::new(
-        NormalMappingConfig { filter_at: FilterAt::Brightness, ..NormalMappingConfig::default() }, 2, 4, 16,
+        NormalMappingConfig { filter_at: FilterAt::Brightness, ..NormalMappingConfig::default() }, &Operators::default(), 2, 4, 16,
     ),
     inputs: two_polygons(),
     clients: [ClientKind::Cache { line_bytes: 16 }],

@@ -12,6 +12,7 @@ pub mod config;
 pub mod distributor;
 pub mod state;
 pub mod unit;
+mod work;
 
 pub use config::RasterizerConfig;
 pub use distributor::{Distributor, DistributorState};

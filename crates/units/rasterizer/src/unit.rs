@@ -2,28 +2,37 @@
 
 use crate::config::RasterizerConfig;
 use crate::state::RasterizerState;
+use crate::work::{CHAIN, FRAGMENT, SET_UP, SET_UP_NUMBERS};
 use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_shading::texture::BLOCK;
 use basrelief_shading::{Raster, Scan, fan_triangles};
 use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp};
 use std::sync::Arc;
 
-/// Polygons in, fragments out: a stamp per step, one fragment per cycle, in order, behind the control token of their polygon.
+/// Polygons in, fragments out: a stamp per step, in order, behind the control token of their polygon. A polygon keeps the unit for
+/// the set-up of the triangles of its fan, before its fragments; fragments follow each other as fast as operators take turns.
 ///
 /// Which pixels belong to a polygon, [`Scan`] says; of one without any, the control token passes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Rasterizer {
     /// Parameters.
     pub config: RasterizerConfig,
+    /// How long arithmetic takes.
+    pub operators: Operators,
+    /// From one fragment to the next \[cycles\]: parameters do not change during a run, and a step asks every time.
+    pace: u64,
+    /// From a polygon to its first fragment, and of every fragment \[cycles\].
+    latency: u64,
     /// Everything it remembers.
     pub state: RasterizerState,
 }
 
 impl Rasterizer {
     /// A rasterizer at power-on.
-    pub fn new(config: RasterizerConfig) -> Self {
-        Self { config, state: RasterizerState::default() }
+    pub fn new(config: RasterizerConfig, operators: Operators) -> Self {
+        let (pace, latency) = (operators.pace(FRAGMENT, config.operators()), operators.latency(CHAIN));
+        Self { config, operators, pace, latency, state: RasterizerState::default() }
     }
 
     /// Takes a control token; the cycles that it keeps the unit.
@@ -46,7 +55,7 @@ impl Rasterizer {
         self.state.scan = Scan::new(polygon, Raster::new(self.state.screen, subpixel_bits, z_bits, block));
         self.state.polygon = Some(Arc::clone(polygon));
         self.advance();
-        (u64::from(self.config.setup_cycles) * u64::from(triangles)).max(1)
+        self.operators.pace(SET_UP.times(triangles.into()), self.config.operators())
     }
 
     /// On to the next fragment of the polygon; past the last, the unit is ready for the next control token.
@@ -92,7 +101,7 @@ impl Unit for Rasterizer {
 
     #[inline(always)]
     fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
-        let latency = u64::from(self.config.latency);
+        let latency = self.latency;
         match input {
             Some(control) => {
                 let occupancy = self.take(&control);
@@ -100,7 +109,7 @@ impl Unit for Rasterizer {
             }
             None => {
                 let stamp = self.emit();
-                Step::over(stamp.len(), 1, latency, Some(Flow::Item(stamp)))
+                Step::over(stamp.len(), self.pace, latency, Some(Flow::Item(stamp)))
             }
         }
     }
@@ -110,15 +119,21 @@ impl Unit for Rasterizer {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, 1_u64);
+        facts.rate(0, self.latency, self.pace);
+        facts.operators("set-up and perspective", self.config.operators(), NUMBER);
+        facts.hardware(HardwareKind::Registers, "triangle", SET_UP_NUMBERS, NUMBER);
         let fragments = self.state.counters.fragments;
         facts.figure("fragments", fragments, "fragments", "Fragments found in polygons").part(Part::Work);
     }
 }
 
+/// A number of the set-up \[bits\].
+const NUMBER: u32 = 32;
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use basrelief_kernel::OperatorConfig;
     use basrelief_signals::{Camera, Frame, Vertex};
 
     fn frame(width: u32, height: u32) -> Control {
@@ -150,19 +165,47 @@ mod tests {
     }
 
     fn drawn(config: RasterizerConfig, corners: &[[f32; 4]]) -> Vec<Fragment> {
-        let mut unit = Rasterizer::new(config);
+        let mut unit = Rasterizer::new(config, Operators::default());
         step(&mut unit, Some(frame(64, 48)));
         step(&mut unit, Some(polygon(corners)));
         fragments(&mut unit)
     }
 
+    /// Divisions of seven cycles, not pipelined, and everything else in plenty.
+    fn dividing(dividers: u32) -> Rasterizer {
+        let config = RasterizerConfig { multipliers: 256, adders: 256, dividers, ..RasterizerConfig::default() };
+        Rasterizer::new(config, Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() })
+    }
+
+    #[test]
+    fn fragments_follow_each_other_as_fast_as_dividers_take_turns() {
+        let occupancy = |dividers| {
+            let mut unit = dividing(dividers);
+            step(&mut unit, Some(frame(64, 48)));
+            step(&mut unit, Some(polygon(&[[0.0, 0.0, 0.0, 1.0], [9.0, 0.0, 0.0, 1.0], [0.0, 9.0, 0.0, 1.0]])));
+            let first = step(&mut unit, None);
+            assert!(matches!(&first.out, Some(Flow::Item(stamp)) if stamp.len() == 4));
+            first.occupancy
+        };
+        assert_eq!([1, 2, 4, 7, 14].map(occupancy), [4 * 7, 4 * 4, 4 * 2, 4, 4]);
+    }
+
+    #[test]
+    fn it_tells_its_operators_and_the_registers_of_a_triangle() {
+        let mut facts = Facts::default();
+        dividing(3).tell(&mut facts);
+        let count = |kind| facts.all_hardware().iter().filter(|h| h.kind == kind).map(|h| h.count).sum::<u64>();
+        assert_eq!([HardwareKind::Divider, HardwareKind::Registers].map(count), [3, 19]);
+    }
+
     #[test]
     fn control_goes_first_and_is_charged_the_set_up() {
-        let mut unit = Rasterizer::new(RasterizerConfig { setup_cycles: 5, ..RasterizerConfig::default() });
+        let mut unit = dividing(1);
         assert_eq!(step(&mut unit, Some(frame(8, 8))).occupancy, 1);
         let square = polygon(&[[1.0, 1.0, 0.0, 1.0], [3.0, 1.0, 0.0, 1.0], [3.0, 2.0, 0.0, 1.0], [1.0, 2.0, 0.0, 1.0]]);
         let first = step(&mut unit, Some(square.clone()));
-        assert_eq!((first.out, first.occupancy, first.latency), (Some(Flow::Control(square)), 10, 8));
+        let latency = unit.latency;
+        assert_eq!((first.out, first.occupancy, first.latency), (Some(Flow::Control(square)), 2 * 7, latency));
         let places: Vec<_> = fragments(&mut unit).iter().map(|f| (f.x, f.y)).collect();
         assert_eq!(places.len(), 2);
         assert_eq!(step(&mut unit, Some(Control::FrameEnd)).out, Some(Flow::Control(Control::FrameEnd)));

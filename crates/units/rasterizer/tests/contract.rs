@@ -1,6 +1,6 @@
 //! Rasterizer and distributor keep the unit contract.
 
-use basrelief_kernel::{Demand, Traffic, Unit, unit_contract};
+use basrelief_kernel::{Demand, Operators, Traffic, Unit, unit_contract};
 use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
 use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, ObjectInfo, Polygon, Stamp, Vertex};
 use std::sync::Arc;
@@ -37,21 +37,21 @@ fn display_list() -> Vec<Control> {
 
 unit_contract! {
     name: rasterizer,
-    unit: Rasterizer::new(RasterizerConfig::default()),
+    unit: Rasterizer::new(RasterizerConfig::default(), Operators::default()),
     inputs: display_list(),
     state,
 }
 
 unit_contract! {
     name: rasterizer_of_single_pixels_and_slow_set_up,
-    unit: Rasterizer::new(RasterizerConfig { block: 1, setup_cycles: 40, ..RasterizerConfig::default() }),
+    unit: Rasterizer::new(RasterizerConfig { block: 1, multipliers: 1, ..RasterizerConfig::default() }, Operators::default()),
     inputs: display_list(),
     state,
 }
 
 /// What the rasterizer makes of the display list.
 fn fragments() -> Vec<Flow<Stamp<Fragment>>> {
-    let mut unit = Rasterizer::new(RasterizerConfig::default());
+    let mut unit = Rasterizer::new(RasterizerConfig::default(), Operators::default());
     let mut out = Vec::new();
     for control in display_list() {
         out.extend(unit.step(Some(control), &mut Traffic::default()).out);

@@ -1,6 +1,6 @@
 //! Fill rule: top-left; no pixel of a shared edge is drawn twice or missed.
 
-use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_kernel::{Demand, Operators, Traffic, Unit};
 use basrelief_rasterizer::{Rasterizer, RasterizerConfig};
 use basrelief_signals::{Camera, Control, Flow, Frame, Polygon, Vertex};
 use proptest::prelude::*;
@@ -12,7 +12,7 @@ type Point = [i64; 2];
 
 fn rasterizer(block: u32) -> Rasterizer {
     let config = RasterizerConfig { subpixel_bits: 4, block, ..RasterizerConfig::default() };
-    let mut unit = Rasterizer::new(config);
+    let mut unit = Rasterizer::new(config, Operators::default());
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
     let frame = Frame { index: 0, width: SIDE as u32, height: SIDE as u32, camera, lights: Vec::new(), textures: Vec::new() };
     unit.step(Some(Control::Frame(Arc::new(frame))), &mut Traffic::default());

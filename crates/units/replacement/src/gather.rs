@@ -1,6 +1,7 @@
 //! Pseudo-normals held back until their code book is built.
 
 use crate::state::TableLoad;
+use basrelief_signals::polygon::{Lit, Taken};
 use basrelief_signals::width::{CONTROL, LEVEL, SHARE};
 use basrelief_signals::{Control, Flow, Fragment, PseudoNormals, Signal, Widths, quantization_memory};
 use serde::{Deserialize, Serialize};
@@ -40,9 +41,12 @@ pub(crate) fn fragments_bytes(normals: &PseudoNormals) -> u32 {
     normals.stamp.len() as u32 * bits.div_ceil(8)
 }
 
+/// What the device takes of a polygon that waits.
+const TAKEN: Taken = Taken { lit: Lit::Targets, normal_maps: true, textures: true };
+
 /// What a control token takes, with the set-up of a polygon.
 pub(crate) fn control_bytes(control: &Control) -> u32 {
-    let set_up = if let Control::Polygon(polygon) = control { polygon.bytes() } else { 0 };
+    let set_up = if let Control::Polygon(polygon) = control { polygon.bytes(TAKEN) as u32 } else { 0 };
     CONTROL.div_ceil(8) + set_up
 }
 

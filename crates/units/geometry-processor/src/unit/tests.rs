@@ -1,7 +1,8 @@
 use super::*;
-use crate::DisplayListSource;
 use crate::config::{Arrival, DisplayListConfig};
-use basrelief_signals::{Camera, Image, Light, LightKind, Material, Mesh, Sampler, Texture};
+use crate::{DisplayListSource, PolygonLink};
+use basrelief_kernel::OperatorConfig;
+use basrelief_signals::{Camera, Image, Light, LightKind, Lighting, Lit, Material, Mesh, Sampler, Texture};
 use proptest::prelude::*;
 
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -37,6 +38,16 @@ fn object(mesh: Mesh, world: [f64; 16], material: Material, bump: Option<bool>) 
     Draw::Object(Arc::new(Object { id: 5, name: "o".into(), mesh, world, material, entries: Some(64), bias: None, bump }))
 }
 
+/// What the bump-mapping processor takes.
+const TAKEN: Taken = Taken { lit: Lit::Targets, normal_maps: true, textures: true };
+
+/// A unit whose operators take a cycle, but for division, root and power.
+fn unit(config: GeometryConfig, bump: BumpConfig) -> GeometryProcessor {
+    let slow = |cycles| OperatorConfig::new(cycles, cycles);
+    let operators = Operators { divide: slow(7), square_root: slow(7), power: slow(40), ..Operators::default() };
+    GeometryProcessor::new(config, bump, TAKEN, operators)
+}
+
 fn step(unit: &mut GeometryProcessor, draw: Draw) -> Step<Option<Control>> {
     unit.step(Some(draw), &mut Traffic::default())
 }
@@ -53,7 +64,7 @@ fn polygon(unit: &mut GeometryProcessor, draws: [Draw; 2]) -> Option<Arc<Polygon
 }
 
 fn drawn(bump: BumpConfig, draws: [Draw; 2]) -> Option<Arc<Polygon>> {
-    polygon(&mut GeometryProcessor::new(GeometryConfig::default(), bump), draws)
+    polygon(&mut unit(GeometryConfig::default(), bump), draws)
 }
 
 #[test]
@@ -103,7 +114,7 @@ fn back_faces_turn_their_normals_where_asked() {
     let material = Material { double_sided: true, ..Material::default() };
     let first = |two_sided_lighting, mesh: &Mesh| {
         let config = GeometryConfig { two_sided_lighting, ..GeometryConfig::default() };
-        let mut unit = GeometryProcessor::new(config, BumpConfig::default());
+        let mut unit = unit(config, BumpConfig::default());
         let draws = [frame(IDENTITY), object(mesh.clone(), IDENTITY, material.clone(), None)];
         polygon(&mut unit, draws).expect("visible").vertices[0]
     };
@@ -173,24 +184,135 @@ fn lod_and_threshold_decide_what_is_a_bump_target_unless_the_model_says_so() {
     assert!(!decide(Targets::All, 63, &mapped, Some(false)));
 }
 
-#[test]
-fn vertices_in_the_cache_cost_nothing() {
+/// Two triangles that share an edge.
+fn strip() -> Mesh {
     let mut strip = mesh();
     strip.positions.push([0.5, 0.5, 0.0]);
     strip.normals.push([0.0, 0.0, 1.0]);
+    strip.uv.push([1.0, 1.0]);
+    strip.uv_normal.push([1.0, 1.0]);
+    strip.tangents = vec![[1.0, 0.0, 0.0, 1.0]; 4];
     strip.indices = vec![0, 1, 2, 2, 1, 3];
-    let costs = |vertex_cache| {
-        let config = GeometryConfig { cycles_per_vertex: 10, cycles_per_polygon: 3, vertex_cache, ..GeometryConfig::default() };
-        let mut unit = GeometryProcessor::new(config, BumpConfig::default());
-        let draws =
-            [frame(IDENTITY), object(strip.clone(), IDENTITY, Material::default(), None), Draw::Triangle(0), Draw::Triangle(1)];
-        draws.map(|d| step(&mut unit, d).occupancy)
+    strip
+}
+
+/// Cycles that both triangles of the strip keep the unit.
+fn kept(config: GeometryConfig, taken: Taken, material: &Material) -> [u64; 2] {
+    let mut unit = GeometryProcessor { taken, ..unit(config, BumpConfig::default()) };
+    step(&mut unit, frame(IDENTITY));
+    step(&mut unit, object(strip(), IDENTITY, material.clone(), None));
+    [0, 1].map(|number| step(&mut unit, Draw::Triangle(number)).occupancy)
+}
+
+/// More of everything than the strip needs, but for what a test is about.
+fn ample() -> GeometryConfig {
+    let fast = GeometryConfig {
+        multipliers: 256,
+        adders: 256,
+        dividers: 256,
+        square_roots: 256,
+        powers: 256,
+        ..GeometryConfig::default()
     };
-    assert_eq!(costs(16), [1, 1, 33, 13]);
-    assert_eq!(costs(0), [1, 1, 33, 33]);
+    GeometryConfig { fetch_bytes_per_cycle: 4096, link_bytes: 4096, ..fast }
+}
+
+fn mapped() -> Material {
+    Material { normal_map: Some(texture(64)), ..Material::default() }
+}
+
+#[test]
+fn a_vertex_takes_three_divisions_and_two_roots_with_a_tangent_and_fewer_without() {
+    let one = |dividers, square_roots| GeometryConfig { dividers, square_roots, ..ample() };
+    // Three vertices, then one; the LOD is a division more.
+    assert_eq!(kept(one(1, 256), TAKEN, &mapped()), [7 * 10, 7 * 4]);
+    assert_eq!(kept(one(2, 256), TAKEN, &mapped()), [7 * 5, 7 * 2]);
+    assert_eq!(kept(one(256, 1), TAKEN, &mapped()), [7 * 6, 7 * 2]);
+    let unlit = Taken { lit: Lit::Nowhere, ..TAKEN };
+    assert_eq!(kept(one(1, 256), unlit, &Material::default()), [7 * 3, 7], "neither normal nor tangent nor LOD");
+    let lit = Taken { lit: Lit::InMachine, normal_maps: false, ..TAKEN };
+    assert_eq!(kept(one(1, 256), lit, &mapped()), [7 * 6, 7 * 2], "a machine without normal maps takes no tangent");
+}
+
+#[test]
+fn a_vertex_that_is_no_bump_targets_is_lit_once_with_a_power_per_light() {
+    let one = || GeometryConfig { powers: 1, ..ample() };
+    assert_eq!(kept(one(), TAKEN, &Material::default()), [40 * 3, 40]);
+    let dull = Lighting { ks: 0.0, ..Lighting::default() };
+    let without_highlight = Material { lighting: dull, ..Material::default() };
+    assert!(kept(one(), TAKEN, &without_highlight)[0] < 40);
+    assert!(kept(one(), TAKEN, &mapped())[0] < 40, "bump targets are lit behind their search");
+    let by_machine = Taken { lit: Lit::InMachine, ..TAKEN };
+    assert!(kept(one(), by_machine, &Material::default())[0] < 40);
+}
+
+#[test]
+fn corners_that_clipping_makes_are_computed() {
+    let mut long = mesh();
+    long.positions = vec![[0.0, -0.5, 2.0], [0.5, -0.5, -2.0], [-0.5, -0.4, -2.0]];
+    let mut unit = unit(GeometryConfig { dividers: 1, ..ample() }, BumpConfig::default());
+    step(&mut unit, frame(PERSPECTIVE));
+    step(&mut unit, object(long, IDENTITY, Material { double_sided: true, ..Material::default() }, Some(true)));
+    // Two divisions for each of three vertices: normal, place. Three for each of two corners: share, normal, place.
+    assert_eq!(step(&mut unit, Draw::Triangle(0)).occupancy, 7 * (3 * 2 + 2 * 3));
+}
+
+#[test]
+fn a_vertex_in_the_cache_fetches_its_index_only() {
+    let fetched = |vertex_cache, taken, material: Material| {
+        let config = GeometryConfig { vertex_cache, fetch_bytes_per_cycle: 1, ..ample() };
+        let mut unit = GeometryProcessor { taken, ..unit(config, BumpConfig::default()) };
+        step(&mut unit, frame(IDENTITY));
+        step(&mut unit, object(strip(), IDENTITY, material, None));
+        let cycles = [0, 1].map(|number| step(&mut unit, Draw::Triangle(number)).occupancy);
+        assert_eq!(unit.state.counters.vertex_bytes, cycles[0] + cycles[1]);
+        cycles
+    };
+    let geometry_only = Taken { lit: Lit::Nowhere, ..TAKEN };
+    let dull = || Material { lighting: Lighting { ks: 0.0, ..Lighting::default() }, ..Material::default() };
+    // Indices of 2 bytes, positions of 12.
+    assert_eq!(fetched(16, geometry_only, dull()), [6 + 3 * 12, 6 + 12]);
+    assert_eq!(fetched(0, geometry_only, dull()), [6 + 3 * 12, 6 + 3 * 12]);
     // Two entries hold vertices 1 and 2 after the first triangle.
-    assert_eq!(costs(2), [1, 1, 33, 13]);
-    assert_eq!(costs(1), [1, 1, 33, 23]);
+    assert_eq!(fetched(2, geometry_only, dull()), [6 + 3 * 12, 6 + 12]);
+    assert_eq!(fetched(1, geometry_only, dull()), [6 + 3 * 12, 6 + 2 * 12]);
+    assert_eq!(fetched(16, TAKEN, dull()), [6 + 3 * 24, 6 + 24], "a normal");
+    assert_eq!(fetched(16, TAKEN, mapped()), [6 + 3 * 48, 6 + 48], "and tangent, handedness, coordinates");
+}
+
+#[test]
+fn a_polygon_keeps_the_link_for_its_bytes() {
+    let config = || GeometryConfig { link_bytes: 1, ..ample() };
+    assert_eq!(kept(config(), TAKEN, &mapped()), [12 + 3 * (16 + 36); 2]);
+    assert_eq!(kept(config(), Taken::default(), &mapped()), [12 + 3 * 16; 2]);
+    let mut unit = unit(config(), BumpConfig::default());
+    polygon(&mut unit, [frame(IDENTITY), object(mesh(), IDENTITY, mapped(), None)]);
+    assert_eq!(unit.state.counters.polygon_bytes, 12 + 3 * (16 + 36));
+}
+
+#[test]
+fn a_polygon_is_delivered_when_all_of_it_has_come_through() {
+    let latency = |dividers| {
+        let mut unit = unit(GeometryConfig { dividers, ..ample() }, BumpConfig::default());
+        step(&mut unit, frame(IDENTITY));
+        step(&mut unit, object(mesh(), IDENTITY, mapped(), None));
+        let step = step(&mut unit, Draw::Triangle(0));
+        (step.latency, step.occupancy)
+    };
+    let ((fast, least), (slow, most)) = (latency(256), latency(1));
+    assert_eq!(slow - fast, most - least);
+    assert!(most > least);
+}
+
+#[test]
+fn it_tells_its_operators_and_its_vertex_cache() {
+    let mut facts = Facts::default();
+    let config = GeometryConfig { multipliers: 5, vertex_cache: 3, ..GeometryConfig::default() };
+    let unit = unit(config, BumpConfig::default());
+    unit.tell_hardware(&mut facts);
+    let count = |kind| facts.all_hardware().iter().filter(|h| h.kind == kind).map(|h| h.count).sum::<u64>();
+    use basrelief_kernel::HardwareKind::{Divider, Multiplier, Table};
+    assert_eq!([Multiplier, Divider, Table].map(count), [5, 2, 3]);
 }
 
 /// A mesh of random triangles in and around the view.
@@ -206,7 +328,7 @@ fn random_mesh() -> impl Strategy<Value = Mesh> {
 
 /// Runs all triangles; commands with their unblocked delivery cycles.
 fn run(config: GeometryConfig, mesh: &Mesh) -> (GeometryProcessor, Vec<(Control, u64)>) {
-    let mut unit = GeometryProcessor::new(config, BumpConfig::default());
+    let mut unit = unit(config, BumpConfig::default());
     let triangles = (0..mesh.indices.len() as u32 / 3).map(Draw::Triangle);
     let head = [frame(PERSPECTIVE), object(mesh.clone(), IDENTITY, Material::default(), None)];
     let (mut free, mut all) = (0, Vec::new());
@@ -252,7 +374,8 @@ proptest! {
             Control::Polygon(p) => Ok::<_, String>((control.clone(), Some(p.arrival))),
             _ => Ok((control.clone(), all_known.then_some(*at))),
         });
-        let mut source = DisplayListSource::new(DisplayListConfig { arrival: Arrival::Recorded }, commands);
+        let link = PolygonLink { bytes_per_cycle: GeometryConfig::default().link_bytes, taken: TAKEN };
+        let mut source = DisplayListSource::new(DisplayListConfig { arrival: Arrival::Recorded }, link, commands);
         let mut free = 0;
         for (control, at) in &recorded {
             let step = source.step((), &mut Traffic::default());

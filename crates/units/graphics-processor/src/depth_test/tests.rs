@@ -9,7 +9,7 @@ type Early = DepthTest<Stamp<Fragment>>;
 /// Width and height of the frame.
 const SIZE: [u32; 2] = [16, 8];
 /// Without flags, and with one line that gathers.
-const PLAIN: DepthConfig = DepthConfig { latency: 2, write_lines: 1, clear_flags: false };
+const PLAIN: DepthConfig = DepthConfig { write_lines: 1, clear_flags: false, flags: 131_072 };
 
 fn frame(width: u32, height: u32) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
@@ -17,7 +17,7 @@ fn frame(width: u32, height: u32) -> Control {
 }
 
 fn configured(config: DepthConfig, z_bits: u32, line_bytes: u32) -> Early {
-    let mut unit = DepthTest::new(config, z_bits, line_bytes);
+    let mut unit = DepthTest::new(config, &Operators::default(), z_bits, line_bytes);
     unit.step(Some(Flow::Control(frame(SIZE[0], SIZE[1]))), &mut Traffic::default());
     unit
 }
@@ -250,4 +250,28 @@ proptest! {
         written.extend(end(&mut unit));
         prop_assert_eq!(written, expected);
     }
+}
+
+#[test]
+fn lines_behind_the_last_flag_are_read() {
+    // 16 x 8 pixels are 8 lines.
+    let read = |flags| {
+        let mut unit = configured(DepthConfig { flags, ..DepthConfig::default() }, 24, 64);
+        let looked_up = |y| !step(&mut unit, Some(fragment(15, y, 9))).looked_up.is_empty();
+        [0, 7].map(looked_up)
+    };
+    assert_eq!([read(8), read(7), read(3)], [[false, false], [false, true], [true, true]]);
+}
+
+#[test]
+fn it_tells_its_comparator_its_gathered_lines_and_its_flags() {
+    use basrelief_kernel::HardwareKind::{Adder, Table};
+    let told = |config| {
+        let mut facts = Facts::default();
+        Early::new(config, &Operators::default(), 24, 64).tell(&mut facts);
+        facts.all_hardware().iter().map(|h| (h.kind, h.count, h.width)).collect::<Vec<_>>()
+    };
+    let lines = (Table, 8, 16 * 25 + 20);
+    assert_eq!(told(DepthConfig::default()), [(Adder, 1, 24), lines, (Table, 131_072, 1)]);
+    assert_eq!(told(DepthConfig { clear_flags: false, ..DepthConfig::default() }), [(Adder, 1, 24), lines]);
 }

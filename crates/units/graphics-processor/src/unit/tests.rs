@@ -48,7 +48,12 @@ struct Bench {
 
 impl Bench {
     fn new(config: GraphicsConfig, separate: bool) -> Self {
-        let unit = GraphicsProcessor::new(config, separate, 4, 64);
+        Self::holding(config, separate, 8)
+    }
+
+    /// With entries of so many bits.
+    fn holding(config: GraphicsConfig, separate: bool, entry_bits: u32) -> Self {
+        let unit = GraphicsProcessor::new(config, Operators::default(), separate, [4, 64, entry_bits]);
         Self { unit, inputs: Default::default(), plain: false, out: Vec::new(), traffic: Vec::new() }
     }
 
@@ -90,6 +95,12 @@ impl Bench {
             }
             self.traffic.push(traffic);
         }
+    }
+
+    /// Requests for entries: write or read, place from the first entry on, bytes.
+    fn entries(&self) -> Vec<(bool, u64, u32)> {
+        let all = self.traffic.iter().flat_map(Traffic::requests);
+        all.map(|r| (r.write, r.address - layout::HELD_RESULTS, r.bytes)).collect()
     }
 
     fn pixels(&self) -> Vec<Pixel> {
@@ -173,57 +184,116 @@ fn the_texture_level_is_chosen_by_the_polygons_own_texel_to_pixel_ratio() {
     assert_eq!(off.traffic[1].look_ups().len(), 1);
 }
 
+const AFTER_LIST: GraphicsConfig = GraphicsConfig {
+    draw: DrawOrder::AfterList,
+    filter: Filter::Bilinear,
+    mip: Mip::Nearest,
+    texel_bytes: 4,
+    multipliers: 41,
+    adders: 38,
+    held: crate::HeldEntry::Brightness,
+    hold_fragments: 1000,
+};
+
 #[test]
-fn held_results_are_written_then_read_back_in_order() {
-    let config = GraphicsConfig { draw: DrawOrder::AfterList, held_bytes: 8, blend_cycles: 3, ..GraphicsConfig::default() };
+fn entries_of_bump_targets_are_written_and_read_back_by_lines() {
     let bump = polygon(true, Material::default());
-    let mut bench = Bench::new(config, false);
+    let mut bench = Bench::new(AFTER_LIST, false);
     for _ in 0..2 {
-        bench = bench.control(&bump).bump(shaded(1, 1.0, 0.0)).bump(shaded(2, 1.0, 0.0)).control(&Control::FrameEnd).run();
-        let requests: Vec<_> = bench
-            .traffic
-            .iter()
-            .flat_map(Traffic::requests)
-            .map(|r| (r.write, r.address - layout::HELD_RESULTS, r.bytes))
-            .collect();
-        assert_eq!(requests, [(true, 0, 8), (true, 8, 8), (false, 0, 8), (false, 8, 8)], "each frame starts afresh");
+        bench = bench.control(&bump);
+        for _ in 0..30 {
+            bench = bench.bump(shaded(1, 1.0, 0.0));
+        }
+        bench = bench.control(&Control::FrameEnd).run();
+        // A byte of brightness and four of its place: 30 times 5 bytes.
+        let lines = |write| [(write, 0, 64), (write, 64, 64), (write, 128, 22)];
+        assert_eq!(bench.entries(), [lines(true), lines(false)].concat(), "each frame starts afresh");
         bench.traffic.clear();
     }
-    assert_eq!((bench.unit.state.counters.held, bench.unit.state.counters.most_held), (4, 2));
+    assert_eq!((bench.unit.state.counters.held, bench.unit.state.counters.pixels), (60, 60));
 }
 
 #[test]
-fn a_stamp_is_held_in_one_request_and_blended_fragment_by_fragment() {
-    let config = GraphicsConfig { draw: DrawOrder::AfterList, held_bytes: 8, blend_cycles: 3, ..GraphicsConfig::default() };
-    let Flow::Item(mut stamp) = shaded(1, 1.0, 0.0) else { panic!() };
-    stamp.push(Shaded { fragment: fragment(2), brightness: 0.5, highlight: 0.0 });
-    let bench = Bench::new(config, false)
-        .control(&polygon(true, Material::default()))
-        .bump(Flow::Item(stamp))
+fn what_waits_of_a_fragment_is_as_wide_as_its_entry() {
+    let bytes = |entry_bits| {
+        let Flow::Item(mut stamp) = shaded(1, 1.0, 0.0) else { panic!() };
+        stamp.push(Shaded { fragment: fragment(2), brightness: 0.5, highlight: 0.0 });
+        let bench = Bench::holding(AFTER_LIST, false, entry_bits)
+            .control(&polygon(true, Material::default()))
+            .bump(Flow::Item(stamp))
+            .control(&Control::FrameEnd)
+            .run();
+        let [written, read] = [true, false].map(|w| bench.entries().iter().filter(|e| e.0 == w).map(|e| e.2).sum::<u32>());
+        assert_eq!(written, read);
+        written
+    };
+    // Two fragments of a stamp: brightness; indexes of two levels; normals of two levels.
+    assert_eq!([8, 16, 96].map(bytes), [4 + 2, 4 + 2 * 2, 4 + 2 * 12]);
+}
+
+#[test]
+fn polygons_that_are_no_bump_target_do_not_wait_in_memory() {
+    let bench = Bench::new(AFTER_LIST, false)
+        .control(&polygon(false, Material::default()))
+        .plain(fragment(1))
+        .plain(fragment(2))
         .control(&Control::FrameEnd)
         .run();
-    let requests: Vec<_> = bench.traffic.iter().flat_map(Traffic::requests).map(|r| (r.write, r.bytes)).collect();
-    assert_eq!(requests, [(true, 16), (false, 16)]);
-    let pixels: Vec<_> = bench.out.iter().filter_map(|t| if let Flow::Item(p) = t { Some(p.clone()) } else { None }).collect();
-    assert_eq!(pixels[0].iter().map(|p| (p.x, p.rgb[0])).collect::<Vec<_>>(), [(1, 255), (2, 128)]);
-    assert_eq!((bench.unit.state.counters.held, bench.unit.state.counters.pixels), (2, 2));
+    assert_eq!(bench.entries(), []);
+    assert_eq!((bench.unit.state.counters.held, bench.pixels().len()), (0, 2));
 }
 
 #[test]
-fn results_beyond_the_room_are_a_fault_that_names_the_parameter() {
-    let config = GraphicsConfig { draw: DrawOrder::AfterList, held_bytes: 8, hold_bytes: 15, ..GraphicsConfig::default() };
-    let bench = Bench::new(config, false)
-        .control(&polygon(true, Material::default()))
-        .bump(shaded(1, 1.0, 0.0))
-        .bump(shaded(2, 1.0, 0.0))
-        .run();
-    assert!(format!("{:?}", bench.traffic[1]).contains("fault: None"));
-    assert!(format!("{:?}", bench.traffic[2]).contains("graphics.hold_bytes"));
+fn more_fragments_than_may_wait_are_a_fault_that_names_the_parameter() {
+    for bump in [true, false] {
+        let mut bench = Bench::new(GraphicsConfig { hold_fragments: 1, ..AFTER_LIST }, false);
+        bench = bench.control(&polygon(bump, Material::default()));
+        for x in 0..2 {
+            bench = if bump { bench.bump(shaded(x, 1.0, 0.0)) } else { bench.plain(fragment(x)) };
+        }
+        let bench = bench.run();
+        let faults: Vec<_> = bench.traffic.iter().map(|t| format!("{t:?}").contains("graphics.hold_fragments")).collect();
+        assert_eq!(faults.iter().position(|fault| *fault), Some(faults.len() - 1));
+        assert_eq!(faults.iter().filter(|fault| **fault).count(), 1);
+    }
+}
+
+#[test]
+fn a_pixel_takes_what_its_polygon_needs_of_the_operators() {
+    let kept = |bump, material: Material| {
+        let config = GraphicsConfig { multipliers: 1, adders: 1024, ..GraphicsConfig::default() };
+        let mut unit = GraphicsProcessor::new(config, Operators::default(), false, [4, 64, 8]);
+        let Control::Polygon(coloured) = polygon(bump, material) else { panic!() };
+        let vertices = coloured.vertices.iter().map(|v| Vertex { color: [1.0; 4], ..*v }).collect();
+        unit.state.polygon = None;
+        unit.take_effect(&Control::Polygon(Arc::new(Polygon { vertices, ..Polygon::clone(&coloured) })));
+        let white = unit.state.pace;
+        unit.take_effect(&Control::Polygon(coloured));
+        (white, unit.state.pace)
+    };
+    let textured = Material { color_texture: Some(texture(&[[255; 4]])), ..Material::default() };
+    // Base colour and brightness 6; colours at the vertices 6 + 3; brightness at the vertices 4; a filtered texture 22.
+    assert_eq!(kept(true, Material::default()), (6, 15));
+    assert_eq!(kept(false, Material::default()), (10, 19));
+    assert_eq!(kept(true, textured), (28, 37));
+}
+
+#[test]
+fn it_tells_its_operators_and_the_lines_of_entries() {
+    let told = |draw| {
+        let mut facts = Facts::default();
+        let config = GraphicsConfig { draw, multipliers: 7, ..GraphicsConfig::default() };
+        GraphicsProcessor::new(config, Operators::default(), false, [4, 64, 8]).tell(&mut facts);
+        let multipliers = facts.all_hardware().iter().find(|h| h.kind == HardwareKind::Multiplier).map(|h| h.count);
+        (multipliers, facts.all_hardware().iter().map(basrelief_kernel::Hardware::bits).sum::<u64>())
+    };
+    let (streamed, after_list) = (told(DrawOrder::Streamed), told(DrawOrder::AfterList));
+    assert_eq!((streamed.0, after_list.1 - streamed.1), (Some(7), 2 * 64 * 8));
 }
 
 #[test]
 fn twins_that_differ_and_misplaced_fragments_are_faults() {
-    let mut unit = GraphicsProcessor::default();
+    let mut unit = GraphicsProcessor::new(GraphicsConfig::default(), Operators::default(), false, [4, 64, 8]);
     let mut traffic = Traffic::default();
     unit.step((Some(shaded(1, 1.0, 0.0)), Some(Flow::Item(Stamp::from_iter([fragment(1)])))), &mut traffic);
     assert!(format!("{traffic:?}").contains("a fragment where a control token was due"));

@@ -1,6 +1,7 @@
 //! The unit at step level.
 
 use super::*;
+use basrelief_kernel::OperatorConfig;
 use basrelief_signals::{Filter, Material, Sampler, Texture, Vertex};
 use proptest::prelude::*;
 
@@ -28,8 +29,13 @@ fn fragment(u: f32, v: f32) -> Fragment {
     Fragment { x: 3, y: 4, z: 5, weights: [u - v, v], triangle: 0 }
 }
 
+/// Divisions of seven cycles, not pipelined.
+fn operators() -> Operators {
+    Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() }
+}
+
 fn unit(config: NormalMappingConfig, levels: u8, polygon: Arc<Polygon>) -> NormalMapping {
-    let mut unit = NormalMapping::new(config, levels, 4, 64);
+    let mut unit = NormalMapping::new(config, &operators(), levels, 4, 64);
     let control = Flow::Control(Control::Polygon(polygon));
     let step = unit.step(Some(control.clone().into_item_type()), &mut Traffic::default());
     assert_eq!(step.out, Some(control));
@@ -119,7 +125,7 @@ fn a_footprint_within_a_block_is_one_line() {
 
 #[test]
 fn control_passes_and_the_unit_holds_nothing() {
-    let mut unit = NormalMapping::new(NormalMappingConfig::default(), 2, 4, 64);
+    let mut unit = NormalMapping::new(NormalMappingConfig::default(), &operators(), 2, 4, 64);
     let step = unit.step(Some(Flow::Control(Control::FrameEnd)), &mut Traffic::default());
     assert_eq!(step.out, Some(Flow::Control(Control::FrameEnd)));
     assert_eq!(unit.demand(), Demand::All);
@@ -135,13 +141,40 @@ fn a_fragment_without_a_triangle_has_no_direction() {
 }
 
 #[test]
-fn occupancy_follows_the_number_of_samples() {
-    let mut unit = unit(NormalMappingConfig::default(), 3, square(19, None));
-    let at = fragment(0.5, 0.5);
-    let one = unit.step(Some(Flow::Item(Stamp::from_iter([at]))), &mut Traffic::default());
-    assert_eq!((one.occupancy, one.latency), (2, 12));
-    let three = unit.step(Some(Flow::Item(Stamp::from_iter([at; 3]))), &mut Traffic::default());
-    assert_eq!((three.occupancy, three.latency), (6, 12 + 4), "the last enters four cycles after the first");
+fn fragments_follow_each_other_as_operators_take_turns_with_their_pseudo_normals() {
+    let flat = || Some(map(16, 8, |_, _, _| [128, 128, 255]));
+    let kept = |dividers, levels, normal_map| {
+        let config = NormalMappingConfig { dividers, ..NormalMappingConfig::default() };
+        let mut unit = unit(config, levels, square(19, normal_map));
+        let latency = unit.timing.latency;
+        let all = unit.step(Some(Flow::Item(Stamp::from_iter([fragment(0.5, 0.5); 3]))), &mut Traffic::default());
+        assert_eq!(all.latency, latency + all.occupancy * 2 / 3, "the last enters behind the others");
+        all.occupancy
+    };
+    assert_eq!([1, 2, 3].map(|levels| kept(14, levels, flat())), [3, 3, 3 * 2]);
+    assert_eq!([1, 2, 3].map(|levels| kept(7, levels, flat())), [3, 3 * 2, 3 * 3], "half the dividers");
+    assert_eq!(kept(1, 2, flat()), 3 * 14);
+    assert_eq!(kept(1, 2, None), 3 * 7, "without a map N' is scaled once for all levels");
+}
+
+#[test]
+fn four_searches_take_four_rotations_from_one_footprint() {
+    let kept = |filter_at| {
+        let config = NormalMappingConfig { filter_at, multipliers: 1, dividers: 256, ..NormalMappingConfig::default() };
+        let mut unit = unit(config, 1, square(0, Some(map(16, 1, |_, _, _| [128, 128, 255]))));
+        unit.step(Some(Flow::Item(Stamp::from_iter([fragment(0.5, 0.5)]))), &mut Traffic::default()).occupancy
+    };
+    // Frame 22, footprint 3; filter 12 and one rotation and scale of 14, or four of these.
+    assert_eq!(kept(FilterAt::Normal), 22 + 3 + 12 + 14);
+    assert_eq!(kept(FilterAt::Brightness), 22 + 3 + 4 * 14);
+}
+
+#[test]
+fn it_tells_its_operators() {
+    let mut facts = Facts::default();
+    unit(NormalMappingConfig { dividers: 5, ..NormalMappingConfig::default() }, 2, square(0, None)).tell(&mut facts);
+    let dividers = facts.all_hardware().iter().find(|h| h.kind == HardwareKind::Divider);
+    assert_eq!(dividers.map(|h| (h.count, h.width)), Some((5, 32)));
 }
 
 #[test]
@@ -149,7 +182,7 @@ fn the_state_survives_a_checkpoint() {
     let mut a = unit(NormalMappingConfig::default(), 2, square(3, Some(map(8, 4, |k, x, _| [x as u8, k as u8, 255]))));
     mapped(&mut a, fragment(0.3, 0.1), &mut Traffic::default());
     let text = serde_json::to_string(&a.state).unwrap();
-    let mut b = NormalMapping::new(NormalMappingConfig::default(), 2, 4, 64);
+    let mut b = NormalMapping::new(NormalMappingConfig::default(), &operators(), 2, 4, 64);
     b.state = serde_json::from_str(&text).unwrap();
     assert_eq!(a.state, b.state);
     let at = fragment(0.7, 0.6);
@@ -189,7 +222,7 @@ proptest! {
         let filter = if nearest { Filter::Nearest } else { Filter::Bilinear };
         let filter_at = if brightness { FilterAt::Brightness } else { FilterAt::Normal };
         let config = NormalMappingConfig { filter, filter_at, texel_bytes, ..NormalMappingConfig::default() };
-        let mut unit = NormalMapping::new(config, levels, fragments as u32, 1 << line);
+        let mut unit = NormalMapping::new(config, &operators(), levels, fragments as u32, 1 << line);
         let polygon = square(lod, Some(map(1 << side, 8, |_, _, _| [1, 2, 3])));
         unit.step(Some(Flow::Control(Control::Polygon(polygon))), &mut Traffic::default());
         let mut traffic = Traffic::default();

@@ -1,0 +1,90 @@
+//! What waits for the end of a list: room, entries in memory, lines of them.
+
+use crate::state::Held;
+use crate::{DrawOrder, GraphicsProcessor};
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{HardwareKind, Traffic};
+use basrelief_signals::layout;
+
+/// Client that writes and reads entries.
+const ENTRIES: u32 = 1;
+/// Of each stamp, beside the entries of its fragments: the number of its block in the scan of its polygon, and which pixels of the
+/// block came, 16 bits each. A second scan of the polygon knows the rest of their places \[bytes\].
+const PLACE: u64 = 4;
+/// Entries are written and read by lines; one is gathered, another lies ready (assumed: as lines of caches and of pixels)
+/// \[bytes\].
+const LINE: u64 = 64;
+
+impl GraphicsProcessor {
+    /// Bytes of a stamp of so many fragments.
+    fn held_bytes(&self, fragments: u64) -> u64 {
+        PLACE + fragments * u64::from(self.entry_bits.div_ceil(8))
+    }
+
+    /// A stamp waits. An entry is written with its line, when that is full.
+    pub(crate) fn hold(&mut self, stamp: Held, traffic: &mut Traffic) {
+        let (fragments, is_bump) = (stamp.fragments() as u64, matches!(stamp, Held::Bump(_)));
+        self.state.waiting += fragments;
+        if self.state.waiting > u64::from(self.config.hold_fragments) {
+            return traffic.fault(format!(
+                "graphics processor: more fragments of one frame wait than `graphics.hold_fragments` = {}; raise it, or set `graphics.draw` = streamed",
+                self.config.hold_fragments
+            ));
+        }
+        if is_bump {
+            self.state.counters.held += fragments;
+            let from = self.state.bytes_held / LINE * LINE;
+            self.state.bytes_held += self.held_bytes(fragments);
+            request(from, self.state.bytes_held / LINE * LINE, |address, bytes| traffic.write(ENTRIES, address, bytes));
+        }
+        self.state.held.push_back(stamp);
+    }
+
+    /// The list is over: the line that is not full is written.
+    pub(crate) fn end_list(&mut self, traffic: &mut Traffic) {
+        self.state.drawing = true;
+        let held = self.state.bytes_held;
+        request(held / LINE * LINE, held, |address, bytes| traffic.write(ENTRIES, address, bytes));
+    }
+
+    /// Takes the oldest of what waits; lines of its entries that are not there are read.
+    pub(crate) fn take_held(&mut self, traffic: &mut Traffic) -> Option<Held> {
+        let held = self.state.held.pop_front()?;
+        if let Held::Bump(stamp) = &held {
+            let read_to = |bytes: u64| bytes.next_multiple_of(LINE).min(self.state.bytes_held);
+            let drawn = self.state.bytes_drawn + self.held_bytes(stamp.len() as u64);
+            request(read_to(self.state.bytes_drawn), read_to(drawn), |address, bytes| traffic.read(ENTRIES, address, bytes));
+            self.state.bytes_drawn = drawn;
+        }
+        if self.state.held.is_empty() {
+            self.state.drawing = false;
+            (self.state.waiting, self.state.bytes_held, self.state.bytes_drawn) = (0, 0, 0);
+        }
+        Some(held)
+    }
+
+    /// Lines that a stamp of entries may complete or begin; at the end of the list there is one.
+    pub(crate) fn largest_hold(&self) -> u32 {
+        if self.config.draw == DrawOrder::Streamed {
+            return 0;
+        }
+        self.held_bytes(u64::from(self.stamp)).div_ceil(LINE) as u32 + 1
+    }
+
+    pub(crate) fn tell_held(&self, facts: &mut Facts) {
+        facts.figure("results_held", self.state.counters.held, "pixels", "Pixels of bump targets held until the list was over");
+        if self.config.draw == DrawOrder::AfterList {
+            facts.hardware(HardwareKind::Registers, "lines of entries, one written and one read", 2_u32, 8 * LINE as u32);
+        }
+    }
+}
+
+/// A request for each line from byte `from`, where one begins, to byte `to`.
+fn request(from: u64, to: u64, mut issue: impl FnMut(u64, u32)) {
+    let mut at = from;
+    while at < to {
+        let bytes = LINE.min(to - at);
+        issue(layout::HELD_RESULTS + at, bytes as u32);
+        at += bytes;
+    }
+}

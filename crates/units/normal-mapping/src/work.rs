@@ -1,0 +1,83 @@
+//! What arithmetic the pseudo-normals of a fragment take, and how long they are under way.
+
+use crate::NormalMappingConfig;
+use basrelief_kernel::{Operators, Work};
+use basrelief_signals::{Filter, MAX_SAMPLES};
+
+/// Attributes of a fragment from two weights: two products and two sums for each number.
+const fn interpolated(numbers: u32) -> Work {
+    Work { multiply: 2 * numbers, add: 2 * numbers, ..Work::NONE }
+}
+
+/// The interpolated normal alone, where there is no map.
+const BARE: Work = interpolated(3);
+
+/// Normal, tangent, coordinates; the bitangent is a cross product. Its sign, the handedness, costs nothing.
+const FRAME: Work = interpolated(8).and(Work { multiply: 6, add: 3, ..Work::NONE });
+
+/// A footprint in a level: coordinates in texels, their fractions, four weights of which one is a product, and addresses.
+const FOOTPRINT: Work = Work { multiply: 2 + 1, add: 2 + 3 + 4, ..Work::NONE };
+
+/// Three components from four texels.
+const FILTERED: Work = Work { multiply: 12, add: 9, ..Work::NONE };
+
+/// From a stored normal to the frame's space: x and y times the scale of the map, then a matrix of 3 x 3. Decoding is a shift.
+const ROTATED: Work = Work { multiply: 2 + 9, add: 6, ..Work::NONE };
+
+/// Brought to full scale: the largest component, its reciprocal, three products.
+const SCALED: Work = Work { multiply: 3, add: 2, divide: 1, ..Work::NONE };
+
+/// `samples` pseudo-normals of a fragment: each from a filtered footprint of its level, or four from the texels of one.
+fn mapped(config: &NormalMappingConfig, samples: u32) -> Work {
+    let of_a_footprint = config.samples(1);
+    let footprints = samples.div_ceil(of_a_footprint);
+    let is_filtered = config.filter == Filter::Bilinear && of_a_footprint == 1;
+    let footprint = if is_filtered { FOOTPRINT.and(FILTERED) } else { FOOTPRINT };
+    FRAME.and(footprint.times(footprints)).and(ROTATED.and(SCALED).times(samples))
+}
+
+/// What waits for each other: attribute, footprint, filter, rotation, scale.
+const CHAIN: Work = Work { multiply: 1 + 1 + 1 + 1 + 1, add: 2 + 2 + 2 + 2 + 2, divide: 1, ..Work::NONE };
+
+/// When, as far as parameters say it: they do not change during a run, and a step asks every time.
+#[derive(Clone, Debug)]
+pub(crate) struct Timing {
+    /// From a fragment to its pseudo-normals, all texels there \[cycles\].
+    pub(crate) latency: u64,
+    /// From one fragment to the next without a map: N' is the same at all levels \[cycles\].
+    bare: u64,
+    /// The same with a map, by the number of pseudo-normals.
+    mapped: [u64; MAX_SAMPLES + 1],
+}
+
+impl Timing {
+    pub(crate) fn new(config: &NormalMappingConfig, operators: &Operators) -> Self {
+        let pace = |work| operators.pace(work, config.operators());
+        let mapped = std::array::from_fn(|samples| pace(mapped(config, samples as u32)));
+        Self { latency: operators.latency(CHAIN), bare: pace(BARE.and(SCALED)), mapped }
+    }
+
+    /// Cycles from one fragment to the next, with so many pseudo-normals each.
+    #[inline]
+    pub(crate) fn pace(&self, is_mapped: bool, samples: usize) -> u64 {
+        if is_mapped { self.mapped[samples.min(MAX_SAMPLES)] } else { self.bare }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use basrelief_kernel::OperatorConfig;
+
+    #[test]
+    fn operators_by_default_make_two_pseudo_normals_of_a_fragment_per_cycle() {
+        let operators = Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() };
+        let config = NormalMappingConfig::default();
+        let (have, two) = (config.operators(), mapped(&config, 2));
+        assert_eq!((two.multiply, two.add, two.divide), (have.multiply, have.add, 2));
+        assert_eq!(operators.pace(two, have), 1);
+        let fewer = [Work { multiply: have.multiply - 1, ..have }, Work { divide: have.divide - 1, ..have }];
+        assert_eq!(fewer.map(|have| operators.pace(two, have)), [2, 2], "and none of them is too many");
+        assert_eq!(operators.pace(mapped(&config, 3), have), 2);
+    }
+}
