@@ -192,6 +192,7 @@ fn plane(size: [u32; 2]) -> Scene {
             material,
             entries: None,
             bump: None,
+            shading: Default::default(),
         });
     }
     frames.iter_mut().for_each(|frame| Arc::make_mut(frame).camera.view_projection = IDENTITY);

@@ -2,7 +2,7 @@
 
 use crate::data::{Digest, Texels};
 use crate::parameter_value::ParameterValue;
-use basrelief_signals::{Camera, Light, LightKind, Lighting, Sampler};
+use basrelief_signals::{Camera, Light, LightKind, Lighting, Mode, Sampler, Shading};
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
@@ -39,12 +39,14 @@ pub enum Command {
     Expect(Box<Expectation>),
     /// Closes the trace.
     End(End),
+    /// How the figure shading device shades what the next command opens, a frame or an object.
+    Shading(ShadingRecord),
 }
 
 impl Command {
     /// Names of all commands, in the order of their numbers in the binary form.
-    pub const NAMES: [&'static str; 9] =
-        ["begin", "texture", "material", "frame", "object", "polygon", "frame_end", "expect", "end"];
+    pub const NAMES: [&'static str; 10] =
+        ["begin", "texture", "material", "frame", "object", "polygon", "frame_end", "expect", "end", "shading"];
 
     /// Name, as it stands in a line.
     pub fn name(&self) -> &'static str {
@@ -58,6 +60,7 @@ impl Command {
             Self::FrameEnd(_) => "frame_end",
             Self::Expect(_) => "expect",
             Self::End(_) => "end",
+            Self::Shading(_) => "shading",
         }
     }
 }
@@ -267,6 +270,36 @@ pub struct FrameBegin {
     /// All lights, 1..=1024.
     #[schemars(length(min = 1, max = 1024))]
     pub lights: Vec<LightRecord>,
+}
+
+fields! {
+    /// How the figure shading device shades what the next command opens: a frame, or an object, which goes ahead of its frame.
+    /// What neither says is the machine's configuration. Other machines do not ask.
+    ///
+    /// A command of its own, and no fields of `frame` and `object`: in the binary form, which has no field names, these would
+    /// have made every trace recorded before unreadable.
+    pub struct ShadingRecord {} optional {
+        /// Mode register (14).
+        mode: Option<Mode>,
+        /// Ambient intensity Ia, 0..=16.
+        #[schemars(range(min = 0.0, max = 16.0))]
+        ia: Option<f32>,
+        /// Light intensity Is, 0..=16; multiplies the intensity of every light.
+        #[schemars(range(min = 0.0, max = 16.0))]
+        is: Option<f32>,
+    }
+}
+
+impl From<Shading> for ShadingRecord {
+    fn from(Shading { mode, ia, is }: Shading) -> Self {
+        Self { mode, ia, is }
+    }
+}
+
+impl From<&ShadingRecord> for Shading {
+    fn from(&ShadingRecord { mode, ia, is }: &ShadingRecord) -> Self {
+        Self { mode, ia, is }
+    }
 }
 
 fields! {

@@ -50,11 +50,21 @@ pub(crate) struct Nesting {
     in_frame: bool,
     object: Option<u32>,
     arrival: u64,
+    /// `shading` waits for what it is said of.
+    shading: bool,
 }
 
 impl Nesting {
     pub(crate) fn accept(&mut self, command: &Command) -> Result<(), Fault> {
+        let opens = matches!(command, Command::Frame(_) | Command::Object(_));
+        if std::mem::take(&mut self.shading) && !opens {
+            return Err(Fault::new("", "stands behind `shading`; expected the `frame` or `object` that this is said of"));
+        }
         match command {
+            Command::Shading(_) => {
+                self.shading = true;
+                Ok(())
+            }
             Command::Frame(frame) => self.open_frame(frame.index),
             Command::Object(object) => {
                 self.object = Some(object.id);

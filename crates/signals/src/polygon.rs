@@ -1,6 +1,6 @@
 //! What the geometry processor hands on.
 
-use crate::Material;
+use crate::{Material, Shading};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -65,4 +65,6 @@ pub struct ObjectInfo {
     pub centre: [f32; 3],
     /// Number of reference normals, where the model fixes it.
     pub entries: Option<u32>,
+    /// How the figure shading device shades it.
+    pub shading: Shading,
 }

@@ -44,13 +44,16 @@
 mod adder;
 mod brightness_interpolation;
 mod config;
+mod cpu;
 mod dots;
 mod gate;
 mod host_interface;
 mod illumination;
+mod local_memory;
 mod microcomputer;
 mod normal_interpolation;
 mod power;
+mod register_bank;
 mod registers;
 mod selector_28;
 mod selector_53;
@@ -58,18 +61,21 @@ mod signals;
 mod widths;
 
 pub use adder::{Adder, AdderCounters, AdderState};
+pub use basrelief_signals::Mode;
 pub use brightness_interpolation::{BrightnessInterpolation, BrightnessInterpolationCounters, BrightnessInterpolationState};
 pub use config::{
-    CircuitConfig, Clamp, FlatnessConfig, HostConfig, InterpolationConfig, MicrocomputerConfig, Mode, NormalInterpolationConfig,
-    PowerMethod, SamePlaneConfig, ScanConfig, ShadingConfig, ShortCutConfigs, SpecularNegligibleConfig, SpecularSkip,
+    CircuitConfig, Clamp, FlatnessConfig, HostConfig, InterpolationConfig, NormalInterpolationConfig, PowerMethod,
+    SamePlaneConfig, ScanConfig, ShadingConfig, ShortCutConfigs, SpecularNegligibleConfig, SpecularSkip,
 };
+pub use cpu::CpuConfig;
 pub use gate::{Gate, GateCounters, GateState};
 pub use host_interface::{HostInterface, HostInterfaceCounters, HostInterfaceState};
 pub use illumination::Illumination;
 pub use microcomputer::{Microcomputer, MicrocomputerCounters, MicrocomputerState, Plane, Process, ProcessCounters};
 pub use normal_interpolation::{NormalInterpolation, NormalInterpolationCounters, NormalInterpolationState};
 pub use power::{Power, power};
-pub use registers::{Registers, Route, Selection};
+pub use register_bank::{RegisterBank, RegisterBankCounters, RegisterBankState};
+pub use registers::{RegisterWrite, Registers, Route, Selection};
 pub use selector_28::{Selector28, Selector28Counters, Selector28State};
 pub use selector_53::{Selector53, Selector53State};
-pub use signals::{Dot, Figure, Finished, Highlight, Highlights, NormalLoad, Signal};
+pub use signals::{Dot, Figure, Finished, Highlight, Highlights, NormalLoad, Order, Signal};

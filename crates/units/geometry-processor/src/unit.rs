@@ -50,7 +50,8 @@ impl GeometryProcessor {
             self.state.lights = light_vectors(frame, centre);
         }
         self.state.cache.clear();
-        let info = ObjectInfo { id: object.id, name: object.name.clone(), centre, entries: object.entries };
+        let info =
+            ObjectInfo { id: object.id, name: object.name.clone(), centre, entries: object.entries, shading: object.shading };
         self.state.object = Some(object);
         info
     }
