@@ -1,8 +1,11 @@
 //! The circuits and the microcomputer of the figure shading device (200).
 //!
 //! ```text
-//!  host interface --transfers--> microcomputer (10) = CPU (11) + memory (12), registers (14), (16), (18)
-//!                                  | figures                | normals                | flat_dots      | constant_dots
+//!  host interface --transfers--> microcomputer (10) = CPU (11) + memory (12)
+//!                                  | figures                |                        |                |
+//!                                  v                        |                        |                |
+//!                  registers (14), (16), (18)               |                        |                |
+//!                                  | selections             | normals                | flat_dots      | constant_dots
 //!                                  v                        v                        |                |
 //!                  brightness interpolation       normal-interpolation               |                |
 //!                  circuit (21)                   brightness circuit (50)            |                |
@@ -23,7 +26,8 @@
 //!
 //! # A polygon on the wires
 //!
-//! What the registers hold travels in band: a [`Figure`] token runs from (10) through (21), (52) and (53) to (28) ahead of
+//! The microcomputer writes the registers, which are a unit of their own ([`RegisterBank`]); what they hold travels in band: a
+//! [`Figure`] token runs from (10) through the registers, which put their values into it, (21), (52) and (53) to (28) ahead of
 //! the polygon's dots, and each of them sets itself by it. Dots then come along the way that the registers select, and an
 //! [end token](Signal::End) behind them; the other ways carry nothing of this polygon. So a selector knows which input to
 //! read, and nobody waits for a circuit that was not started.

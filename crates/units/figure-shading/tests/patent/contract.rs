@@ -200,7 +200,7 @@ unit_contract! {
 
 unit_contract! {
     name: contract_of_circuit_21_in_brightness_mode,
-    unit: BrightnessInterpolation::new(InterpolationConfig { initiation_interval: 3, ..InterpolationConfig::default() }, operators()),
+    unit: BrightnessInterpolation::new(InterpolationConfig { initiation_interval: 3 }, operators()),
     inputs: wires(Mode::Brightness).selections,
     state,
 }
