@@ -123,7 +123,7 @@ fn bad_values_of_the_figure_shading_device_are_errors_that_name_them() {
         ("--set shade.mode=flat", 2, "unknown variant `flat`, expected one of `normal`, `brightness`, `polyhedron`"),
         ("--set shade.clamp=maybe", 2, "shade.clamp"),
         ("--set shade.ia=nan", 2, "`shade.ia`"),
-        ("--set interpolation.latency=99999", 2, "`interpolation.latency` is 99999, expected 0..=4096"),
+        ("--set gate.latency=99999", 2, "`gate.latency` is 99999, expected 0..=4096"),
         ("--set replacement.entries=64", 2, "`replacement.entries` is a parameter of machine `bump`, and this is `shade`"),
         ("--set host.buffers=2 --set fifo.finished.depth=1", 2, "`fifo.finished.depth`: is 1, but 2 polygons"),
         ("--set cache.depth.line_bytes=48", 2, "--set: `cache.depth.line_bytes`: is 48, expected a power of two"),

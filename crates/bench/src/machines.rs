@@ -193,6 +193,7 @@ fn plane(size: [u32; 2]) -> Scene {
             entries: None,
             bias: None,
             bump: None,
+            shading: Default::default(),
         });
     }
     frames.iter_mut().for_each(|frame| Arc::make_mut(frame).camera.view_projection = IDENTITY);

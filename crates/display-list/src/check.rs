@@ -2,7 +2,7 @@
 
 use crate::command::*;
 use crate::error::{ErrorKind, Fault};
-use basrelief_signals::MAX_PICTURE_PIXELS;
+use basrelief_signals::{MAX_PICTURE_PIXELS, Shading};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
@@ -28,6 +28,8 @@ pub(crate) fn check(command: &Command) -> Result<(), Fault> {
         Command::Object(object) => check_object(object),
         Command::Polygon(polygon) => check_polygon(polygon),
         Command::Expect(expectation) => check_expectation(expectation),
+        Command::Shading(shading) => check_shading(&shading.into()),
+        Command::Importance(importance) => within("bias", importance.bias, 0..=7),
         Command::FrameEnd(_) | Command::End(_) => Ok(()),
     }
 }
@@ -123,8 +125,11 @@ fn check_frame(frame: &FrameBegin) -> Result<(), Fault> {
 
 fn check_object(object: &ObjectBegin) -> Result<(), Fault> {
     finite("centre", &[object.centre])?;
-    object.bias.map_or(Ok(()), |bias| within("bias", bias, 0..=7))?;
     object.entries.map_or(Ok(()), |entries| within("entries", entries, 1..=MAX_ENTRIES))
+}
+
+fn check_shading(shading: &Shading) -> Result<(), Fault> {
+    shading.out_of_range().map_or(Ok(()), |(name, value)| within(name, value, 0.0..=Shading::MOST))
 }
 
 fn check_polygon(polygon: &PolygonRecord) -> Result<(), Fault> {

@@ -2,7 +2,7 @@
 
 use crate::data::{Digest, Texels};
 use crate::parameter_value::ParameterValue;
-use basrelief_signals::{Camera, Light, LightKind, Lighting, Sampler};
+use basrelief_signals::{Camera, Light, LightKind, Lighting, Mode, Sampler, Shading};
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
@@ -39,12 +39,16 @@ pub enum Command {
     Expect(Box<Expectation>),
     /// Closes the trace.
     End(End),
+    /// How the figure shading device shades what the next command opens, a frame or an object.
+    Shading(ShadingRecord),
+    /// How important the object is that the next command begins.
+    Importance(Importance),
 }
 
 impl Command {
     /// Names of all commands, in the order of their numbers in the binary form.
-    pub const NAMES: [&'static str; 9] =
-        ["begin", "texture", "material", "frame", "object", "polygon", "frame_end", "expect", "end"];
+    pub const NAMES: [&'static str; 11] =
+        ["begin", "texture", "material", "frame", "object", "polygon", "frame_end", "expect", "end", "shading", "importance"];
 
     /// Name, as it stands in a line.
     pub fn name(&self) -> &'static str {
@@ -58,6 +62,8 @@ impl Command {
             Self::FrameEnd(_) => "frame_end",
             Self::Expect(_) => "expect",
             Self::End(_) => "end",
+            Self::Shading(_) => "shading",
+            Self::Importance(_) => "importance",
         }
     }
 }
@@ -270,6 +276,45 @@ pub struct FrameBegin {
 }
 
 fields! {
+    /// How the figure shading device shades what the next command opens: a frame, or an object, which goes ahead of its frame.
+    /// What neither says is the machine's configuration. Other machines do not ask.
+    ///
+    /// A command of its own, and no fields of `frame` and `object`: in the binary form, which has no field names, these would
+    /// have made every trace recorded before unreadable.
+    pub struct ShadingRecord {} optional {
+        /// Mode register (14).
+        mode: Option<Mode>,
+        /// Ambient intensity Ia, 0..=16.
+        #[schemars(range(min = 0.0, max = 16.0))]
+        ia: Option<f32>,
+        /// Light intensity Is, 0..=16; multiplies the intensity of every light.
+        #[schemars(range(min = 0.0, max = 16.0))]
+        is: Option<f32>,
+    }
+}
+
+/// How important the object is that the next command begins; a command of its own, as `shading` is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Importance {
+    /// Levels by which its VQ table and CLUT are coarser than the MIP level, 0..=7.
+    #[schemars(range(max = 7))]
+    pub bias: u8,
+}
+
+impl From<Shading> for ShadingRecord {
+    fn from(Shading { mode, ia, is }: Shading) -> Self {
+        Self { mode, ia, is }
+    }
+}
+
+impl From<&ShadingRecord> for Shading {
+    fn from(&ShadingRecord { mode, ia, is }: &ShadingRecord) -> Self {
+        Self { mode, ia, is }
+    }
+}
+
+fields! {
     /// The polygons that follow belong to this object; the object before it is complete.
     pub struct ObjectBegin {
         /// Number.
@@ -282,9 +327,6 @@ fields! {
         /// Number of reference normals, where the model fixes it, 1..=65536.
         #[schemars(range(min = 1, max = 65_536))]
         entries: Option<u32>,
-        /// Levels by which its table and CLUT are coarser than the MIP level, where the model says how important it is, 0..=7.
-        #[schemars(range(max = 7))]
-        bias: Option<u8>,
     }
 }
 

@@ -6,7 +6,7 @@ use crate::error::{Fault, Place, TraceError};
 use crate::form::Form;
 use crate::sequence::Nesting;
 use crate::writer::{Writer, write_line};
-use basrelief_signals::{Control, Frame, Material, ObjectInfo, Polygon, Texture, Vertex};
+use basrelief_signals::{Control, Frame, Material, ObjectInfo, Polygon, Shading, Texture, Vertex};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
@@ -140,9 +140,17 @@ impl Describer {
         let command = match control {
             Control::Frame(frame) => {
                 frame.textures.iter().try_for_each(|texture| self.define_texture(TextureKind::Color, texture, emit))?;
-                Command::Frame(self.frame(frame)?)
+                let begin = Command::Frame(self.frame(frame)?);
+                self.shading(frame.shading, emit)?;
+                begin
             }
-            Control::Object(object) => Command::Object(object_begin(object)),
+            Control::Object(object) => {
+                self.shading(object.shading, emit)?;
+                if let Some(bias) = object.bias {
+                    self.emit(&Command::Importance(Importance { bias }), emit)?;
+                }
+                Command::Object(object_begin(object))
+            }
             Control::Polygon(polygon) => {
                 self.define_material(&polygon.material, emit)?;
                 Command::Polygon(polygon_record(polygon))
@@ -154,6 +162,14 @@ impl Describer {
             }
         };
         self.emit(&command, emit)
+    }
+
+    /// Ahead of what it is said of, and only where it says something.
+    fn shading(&mut self, shading: Shading, emit: &mut Emit<'_>) -> Result<(), TraceError> {
+        if shading == Shading::default() {
+            return Ok(());
+        }
+        self.emit(&Command::Shading(shading.into()), emit)
     }
 
     fn emit(&mut self, command: &Command, emit: &mut Emit<'_>) -> Result<(), TraceError> {
@@ -288,8 +304,7 @@ fn material_definition(material: &Material) -> MaterialDefinition {
 }
 
 fn object_begin(object: &ObjectInfo) -> ObjectBegin {
-    let ObjectInfo { id, ref name, centre, entries, bias } = *object;
-    ObjectBegin { id, name: name.clone(), centre, entries, bias }
+    ObjectBegin { id: object.id, name: object.name.clone(), centre: object.centre, entries: object.entries }
 }
 
 fn polygon_record(polygon: &Polygon) -> PolygonRecord {

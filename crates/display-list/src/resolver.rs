@@ -8,7 +8,7 @@ use crate::lent::Lent;
 use crate::reader::{Reader, open_within};
 use crate::sequence::Nesting;
 use basrelief_input::{Budget, Held, OverBudget};
-use basrelief_signals::{Control, Frame, Image, Light, Material, ObjectInfo, Polygon, Texture, Vertex};
+use basrelief_signals::{Control, Frame, Image, Light, Material, ObjectInfo, Polygon, Shading, Texture, Vertex};
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 use std::sync::Arc;
@@ -56,6 +56,10 @@ pub struct Resolver<R: Read, F> {
     /// Colour textures defined ahead of the next frame: it declares them.
     declared: Vec<Arc<Texture>>,
     materials: BTreeMap<u32, Arc<Material>>,
+    /// Said of the frame or object that comes next.
+    shading: Shading,
+    /// Said of the object that comes next.
+    bias: Option<u8>,
     expectations: Vec<Expectation>,
     failed: bool,
     budget: Budget,
@@ -93,6 +97,8 @@ impl<R: Read, F: Files> Resolver<R, F> {
             textures: BTreeMap::new(),
             declared: Vec::new(),
             materials: BTreeMap::new(),
+            shading: Shading::default(),
+            bias: None,
             expectations: Vec::new(),
             failed: false,
             budget: budget.clone(),
@@ -138,8 +144,9 @@ impl<R: Read, F: Files> Resolver<R, F> {
         self.nesting.accept(&command)?;
         let control = match command {
             Command::Frame(frame) => Control::Frame(Arc::new(self.frame(&frame))),
-            Command::Object(ObjectBegin { id, name, centre, entries, bias }) => {
-                Control::Object(Arc::new(ObjectInfo { id, name, centre, entries, bias }))
+            Command::Object(ObjectBegin { id, name, centre, entries }) => {
+                let shading = std::mem::take(&mut self.shading);
+                Control::Object(Arc::new(ObjectInfo { id, name, centre, entries, bias: self.bias.take(), shading }))
             }
             Command::Polygon(polygon) => Control::Polygon(Arc::new(self.polygon(&polygon)?)),
             Command::FrameEnd(_) => Control::FrameEnd,
@@ -154,6 +161,8 @@ impl<R: Read, F: Files> Resolver<R, F> {
         match command {
             Command::Texture(texture) => return self.define_texture(texture),
             Command::Material(material) => return self.define_material(material),
+            Command::Shading(shading) => self.shading = (&shading).into(),
+            Command::Importance(importance) => self.bias = Some(importance.bias),
             Command::Expect(expectation) => {
                 // Twice: they are given to whoever runs the trace.
                 self.held.grow(2 * expectation.bytes(), "expectations").map_err(Fault::over_budget(""))?;
@@ -167,7 +176,8 @@ impl<R: Read, F: Files> Resolver<R, F> {
     fn frame(&mut self, frame: &FrameBegin) -> Frame {
         let &Begin { width, height, .. } = self.reader.begin();
         let lights = frame.lights.iter().map(Light::from).collect();
-        Frame { index: frame.index, width, height, camera: frame.camera, lights, textures: std::mem::take(&mut self.declared) }
+        let (textures, shading) = (std::mem::take(&mut self.declared), std::mem::take(&mut self.shading));
+        Frame { index: frame.index, width, height, camera: frame.camera, lights, textures, shading }
     }
 
     fn polygon(&self, polygon: &PolygonRecord) -> Result<Polygon, Fault> {

@@ -50,11 +50,29 @@ pub(crate) struct Nesting {
     in_frame: bool,
     object: Option<u32>,
     arrival: u64,
+    /// The command that waits for what it is said of, `shading` or `importance`.
+    ahead: Option<&'static str>,
 }
 
 impl Nesting {
+    /// What is said of a frame or an object stands directly ahead of it, `shading` before `importance`.
+    fn fits_ahead(&mut self, command: &Command) -> Result<(), Fault> {
+        let expected = match (self.ahead.take(), command) {
+            (None, _) | (Some(_), Command::Object(_)) => return Ok(()),
+            (Some("shading"), Command::Frame(_) | Command::Importance(_)) => return Ok(()),
+            (Some("shading"), _) => "stands behind `shading`; expected the `frame` or `object` that this is said of",
+            (Some(_), _) => "stands behind `importance`; expected the `object` that this is said of",
+        };
+        Err(Fault::new("", expected))
+    }
+
     pub(crate) fn accept(&mut self, command: &Command) -> Result<(), Fault> {
+        self.fits_ahead(command)?;
         match command {
+            Command::Shading(_) | Command::Importance(_) => {
+                self.ahead = Some(command.name());
+                Ok(())
+            }
             Command::Frame(frame) => self.open_frame(frame.index),
             Command::Object(object) => {
                 self.object = Some(object.id);

@@ -155,6 +155,33 @@ fn every_mistake_is_named_by_line_and_field() {
     assert!(missed.is_empty(), "{missed:#?}");
 }
 
+#[test]
+fn shading_stands_directly_ahead_of_a_frame_or_an_object() {
+    let shading = r#"{"shading":{"mode":"polyhedron","is":0.5}}"#;
+    let lines: Vec<&str> = SAMPLE.lines().collect();
+    let ahead_of = |name: &str, line: &str| {
+        let at = lines.iter().position(|line| line.starts_with(&format!("{{\"{name}\""))).unwrap();
+        let text = [&lines[..at], &[line], &lines[at..]].concat().join("\n") + "\n";
+        text.replace(r#"{"commands":9}"#, r#"{"commands":10}"#)
+    };
+    for name in ["frame", "object"] {
+        resolve(ahead_of(name, shading).as_bytes()).unwrap();
+    }
+    for name in ["texture", "polygon", "frame_end", "expect", "end"] {
+        let error = error_of(ahead_of(name, shading).as_bytes());
+        assert!(error.to_string().contains("stands behind `shading`"), "{name}: {error}");
+    }
+    for (wrong, message) in [
+        (r#"{"shading":{"ia":16.5}}"#, "is 16.5, expected 0..=16"),
+        (r#"{"shading":{"is":-1}}"#, "is -1, expected 0..=16"),
+        (r#"{"shading":{"mode":"flat"}}"#, "flat"),
+        (r#"{"shading":{"n":1}}"#, "n"),
+    ] {
+        let error = error_of(ahead_of("object", wrong).as_bytes());
+        assert!(error.to_string().contains(message), "{wrong}: {error}");
+    }
+}
+
 /// serde takes a list for a struct, field by field: of every object of every command, whatever it is nested in.
 #[test]
 fn a_list_is_no_object_in_any_command() {

@@ -3,7 +3,7 @@
 mod common;
 
 use basrelief_display_list::*;
-use basrelief_signals::{Control, Frame, Texture};
+use basrelief_signals::{Control, Frame, Mode, ObjectInfo, Shading, Texture};
 use common::*;
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -85,9 +85,38 @@ proptest! {
         let resolved = resolve(&trace).unwrap();
         prop_assert!(same(&resolved, &controls));
         prop_assert_eq!(hash(&resolved), hash(&controls));
-        let names: Vec<&str> = commands(&trace)[..4].iter().map(Command::name).collect();
+        let commands = commands(&trace);
+        let names: Vec<&str> = commands.iter().map(Command::name).filter(|name| *name != "shading").take(4).collect();
         prop_assert_eq!(names, ["begin", "texture", "texture", "frame"]);
     }
+}
+
+#[test]
+fn mode_ia_and_is_of_frames_and_objects_survive_every_form_and_traces_without_them_are_as_they_were() {
+    let plain = resolve(SAMPLE.replacen(r#""width":8,"height":8"#, r#""width":64,"height":48"#, 1).as_bytes()).unwrap();
+    let said = Shading { mode: Some(Mode::Brightness), ia: Some(0.5), is: Some(-0.0) };
+    let shaded: Vec<Control> = plain
+        .iter()
+        .map(|control| match control {
+            Control::Frame(frame) => Control::Frame(Arc::new(Frame { shading: said, ..Frame::clone(frame) })),
+            Control::Object(object) => {
+                let shading = Shading { mode: Some(Mode::Polyhedron), ..Shading::default() };
+                Control::Object(Arc::new(ObjectInfo { shading, ..ObjectInfo::clone(object) }))
+            }
+            other => other.clone(),
+        })
+        .collect();
+    for form in Form::ALL {
+        assert!(same(&resolve(&record(&shaded, form).unwrap()).unwrap(), &shaded));
+        let names = |controls: &[Control]| -> Vec<&str> {
+            commands(&record(controls, form).unwrap()).iter().map(Command::name).filter(|name| *name == "shading").collect()
+        };
+        assert_eq!((names(&plain).len(), names(&shaded).len()), (0, 2));
+    }
+    assert_ne!(hash(&plain), hash(&shaded));
+    let text = String::from_utf8(record(&shaded, Form::default()).unwrap()).unwrap();
+    assert!(text.contains(r#"{"shading":{"mode":"brightness","ia":0.5,"is":-0.0}}"#), "{text}");
+    assert!(text.contains(r#"{"shading":{"mode":"polyhedron"}}"#), "{text}");
 }
 
 #[test]

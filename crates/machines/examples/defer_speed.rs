@@ -47,6 +47,7 @@ fn display_list(frames: u32) -> Vec<Control> {
             camera,
             lights: vec![],
             textures: Vec::new(),
+            shading: Default::default(),
         })));
         for y in (0..SIZE[1]).step_by(QUAD as usize) {
             list.extend((0..SIZE[0]).step_by(QUAD as usize).map(|x| quad(x, y, &materials[((x + y) / 128) as usize % 8])));

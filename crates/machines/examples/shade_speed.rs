@@ -30,7 +30,15 @@ fn display_list(frames: u32) -> impl Iterator<Item = Control> {
     (0..frames).flat_map(|index| {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
         let lights = vec![Light { kind: LightKind::Directional { to_light: [0.36, 0.48, 0.8] }, intensity: 1.0 }];
-        let begin = Control::Frame(Arc::new(Frame { index, width: SIDE, height: SIDE, camera, lights, textures: Vec::new() }));
+        let begin = Control::Frame(Arc::new(Frame {
+            index,
+            width: SIDE,
+            height: SIDE,
+            camera,
+            lights,
+            textures: Vec::new(),
+            shading: Default::default(),
+        }));
         let places = (0..SIDE).step_by(QUAD as usize).flat_map(|y| (0..SIDE).step_by(QUAD as usize).map(move |x| (x, y)));
         std::iter::once(begin).chain(places.map(|(x, y)| quad(x, y))).chain([Control::FrameEnd])
     })

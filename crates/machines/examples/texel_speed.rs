@@ -45,7 +45,15 @@ fn display_list(frames: u32) -> Vec<Control> {
     let frame = |index| {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
         let lights = vec![Light { kind: LightKind::Directional { to_light: [0.36, 0.48, 0.8] }, intensity: 1.0 }];
-        let begin = Control::Frame(Arc::new(Frame { index, width, height, camera, lights, textures: Vec::new() }));
+        let begin = Control::Frame(Arc::new(Frame {
+            index,
+            width,
+            height,
+            camera,
+            lights,
+            textures: Vec::new(),
+            shading: Default::default(),
+        }));
         [begin, Control::Polygon(Arc::clone(&floor)), Control::FrameEnd]
     };
     (0..frames).flat_map(frame).collect()

@@ -82,7 +82,7 @@ mod tests {
 
     fn frame(lights: Vec<Light>) -> Frame {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
-        Frame { index: 0, width: 1, height: 1, camera, lights, textures: Vec::new() }
+        Frame { index: 0, width: 1, height: 1, camera, lights, textures: Vec::new(), shading: Default::default() }
     }
 
     #[test]

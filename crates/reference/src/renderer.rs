@@ -184,7 +184,15 @@ mod tests {
     #[test]
     fn the_height_of_the_bands_cannot_be_seen() {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        let frame = Frame { index: 0, width: 64, height: 48, camera, lights: Vec::new(), textures: Vec::new() };
+        let frame = Frame {
+            index: 0,
+            width: 64,
+            height: 48,
+            camera,
+            lights: Vec::new(),
+            textures: Vec::new(),
+            shading: Default::default(),
+        };
         let material = Material { base_color: [9.0; 4], ..Material::default() };
         let mut renderer = Renderer::new(64, 48);
         renderer.surface(Surface::new(Style::default(), &frame, &material, [0.0; 3], &mut Pyramids::default()));

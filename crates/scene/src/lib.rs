@@ -57,7 +57,7 @@ pub fn load_within(
     let mut warnings = Warnings::default();
     let outside = Outside::new(files, budget);
     let model = import(bytes, name, &outside, &mut warnings).map_err(|e| e.in_file(name))?;
-    let hints = ViewHints::still(model.bounds, model.camera, model.lamps);
+    let hints = ViewHints { shading: model.shading, ..ViewHints::still(model.bounds, model.camera, model.lamps) };
     let frame = (size_of::<Frame>() + 64 + hints.lamps.len() * size_of::<Light>()) as u64;
     outside
         .hold(frame * u64::from(options.frames.unwrap_or(hints.frames)), "", "frames and their lights")

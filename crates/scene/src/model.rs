@@ -2,7 +2,7 @@
 
 use crate::camera::{Bounds, Viewpoint};
 use crate::view::Lamp;
-use basrelief_signals::Object;
+use basrelief_signals::{Object, Shading};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
@@ -16,6 +16,8 @@ pub(crate) struct Model {
     pub camera: Option<Viewpoint>,
     /// The file's lights.
     pub lamps: Vec<(Lamp, f64)>,
+    /// How the figure shading device shades its frames.
+    pub shading: Shading,
 }
 
 /// Box around all vertices in the world.

@@ -2,7 +2,7 @@
 
 use crate::SceneError;
 use crate::camera::{AUTO_VIEW, Bounds, View, Viewpoint, check_camera, direction, rows, turn};
-use basrelief_signals::{Camera, Frame, Light, LightKind, MAX_PICTURE_PIXELS};
+use basrelief_signals::{Camera, Frame, Light, LightKind, MAX_PICTURE_PIXELS, Shading};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
@@ -72,12 +72,14 @@ pub(crate) struct ViewHints {
     pub orbit: f64,
     /// Orbit of the light, where the user does not say.
     pub light_orbit: LightOrbit,
+    /// How the figure shading device shades the frames.
+    pub shading: Shading,
 }
 
 impl ViewHints {
     /// The hints of a model without animation.
     pub(crate) fn still(bounds: Bounds, camera: Option<Viewpoint>, lamps: Vec<(Lamp, f64)>) -> Self {
-        Self { bounds, camera, lamps, frames: 1, orbit: 0.0, light_orbit: LightOrbit::Degrees(0.0) }
+        Self { bounds, camera, lamps, frames: 1, orbit: 0.0, light_orbit: LightOrbit::Degrees(0.0), shading: Shading::default() }
     }
 
     /// All frames, in order.
@@ -114,6 +116,7 @@ impl ViewHints {
                 camera: self.camera(view, &lamps),
                 lights: lights(&lamps),
                 textures: Vec::new(),
+                shading: self.shading,
             })
         };
         Ok((0..count).map(frame).collect())

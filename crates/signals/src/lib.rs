@@ -35,8 +35,8 @@ pub use fragment::{
 };
 pub use gathered_lines::GatheredLines;
 pub use model::{
-    Camera, Draw, Filter, Frame, Image, Light, LightKind, Lighting, MAX_PICTURE_PIXELS, Material, Mesh, Object, Sampler, Scene,
-    Texture, Wrap,
+    Camera, Draw, Filter, Frame, Image, Light, LightKind, Lighting, MAX_PICTURE_PIXELS, Material, Mesh, Mode, Object, Sampler,
+    Scene, Shading, Texture, Wrap,
 };
 pub use packet::{
     ColorToken, DepthToken, LINE_NUMBER, LINE_PIXELS, PACKET_PIXELS, Packet, PixelPacket, PixelPlace, PixelToken, line_of, lines,

@@ -141,6 +141,49 @@ pub struct Mesh {
     pub indices: Vec<u32>,
 }
 
+/// How the figure shading device shades a polygon: what its mode register (14) says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Mode {
+    /// Normal interpolation: specular term by interpolated normals.
+    #[default]
+    Normal,
+    /// Brightness interpolation: all terms at the sample points, interpolated.
+    Brightness,
+    /// Polyhedron (constant shading): mean of the sample points.
+    Polyhedron,
+}
+
+/// What the host tells the figure shading device for a frame or an object; of an object it goes ahead of its frame's, and what
+/// neither says is the machine's configuration (`shade.mode`, `shade.ia`, `shade.is`). Other machines do not ask.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Shading {
+    /// Mode.
+    pub mode: Option<Mode>,
+    /// Ambient intensity Ia, 0..=16.
+    pub ia: Option<f32>,
+    /// Light intensity Is, 0..=16; multiplies the intensity of every light.
+    pub is: Option<f32>,
+}
+
+impl Shading {
+    /// Largest Ia and Is.
+    pub const MOST: f32 = 16.0;
+
+    /// What this says, and where it says nothing, what `other` says.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self { mode: self.mode.or(other.mode), ia: self.ia.or(other.ia), is: self.is.or(other.is) }
+    }
+
+    /// The first of Ia and Is that is not in its range, with its name.
+    pub fn out_of_range(&self) -> Option<(&'static str, f32)> {
+        let values = [("ia", self.ia), ("is", self.is)].into_iter().filter_map(|(name, value)| Some((name, value?)));
+        values.into_iter().find(|(_, value)| !(0.0..=Self::MOST).contains(value))
+    }
+}
+
 /// A mesh placed in the world with its material: what a code book or a point light is evaluated per.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Object {
@@ -160,6 +203,8 @@ pub struct Object {
     pub bias: Option<u8>,
     /// Bump mapping decided when the object was modelled (spec variant (d)); `None` leaves it to the machine.
     pub bump: Option<bool>,
+    /// How the figure shading device shades it.
+    pub shading: Shading,
 }
 
 /// Where light comes from.
@@ -217,6 +262,8 @@ pub struct Frame {
     pub camera: Camera,
     /// All lights; at least one.
     pub lights: Vec<Light>,
+    /// How the figure shading device shades it.
+    pub shading: Shading,
     /// Colour textures that are declared ahead of this frame, whether a polygon names them or not: with the first frame all
     /// those of the scene.
     pub textures: Vec<Arc<Texture>>,

@@ -1,6 +1,6 @@
 //! What the geometry processor hands on.
 
-use crate::Material;
+use crate::{Material, Shading};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -151,6 +151,8 @@ pub struct ObjectInfo {
     pub entries: Option<u32>,
     /// Levels by which table and CLUT are coarser than the MIP level, where the model says how important it is.
     pub bias: Option<u8>,
+    /// How the figure shading device shades it.
+    pub shading: Shading,
 }
 
 #[cfg(test)]

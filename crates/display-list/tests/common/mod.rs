@@ -3,8 +3,8 @@
 
 use basrelief_display_list::{Begin, CanonicalHash, Digest, Form, NoFiles, Recorder, Resolver, TraceError, Writer, open};
 use basrelief_signals::{
-    Camera, Control, Filter, Frame, Image, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Sampler, Texture, Vertex,
-    Wrap,
+    Camera, Control, Filter, Frame, Image, Light, LightKind, Lighting, Material, Mode, ObjectInfo, Polygon, Sampler, Shading,
+    Texture, Vertex, Wrap,
 };
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -101,6 +101,13 @@ fn material(id: u32) -> impl Strategy<Value = Arc<Material>> {
     )
 }
 
+fn shading() -> impl Strategy<Value = Shading> {
+    let mode = proptest::sample::select(vec![Mode::Normal, Mode::Brightness, Mode::Polyhedron]);
+    let intensity = || proptest::option::of(0.0f32..=16.0);
+    let some = (proptest::option::of(mode), intensity(), intensity()).prop_map(|(mode, ia, is)| Shading { mode, ia, is });
+    prop_oneof![Just(Shading::default()), some]
+}
+
 type Shape = (Vec<Vertex>, usize, u8, bool, u64);
 
 fn shape() -> impl Strategy<Value = Shape> {
@@ -125,14 +132,14 @@ fn frame_data() -> impl Strategy<Value = (Camera, Vec<Light>)> {
 
 /// What a geometry processor might hand on: frames of objects of polygons.
 pub fn controls() -> impl Strategy<Value = Vec<Control>> {
-    let object = (array(), proptest::option::of(1..65_537u32), proptest::collection::vec(shape(), 0..4));
-    let frame = (frame_data(), proptest::collection::vec(object, 0..4));
+    let object = (array(), proptest::option::of(1..65_537u32), shading(), proptest::collection::vec(shape(), 0..4));
+    let frame = (frame_data(), shading(), proptest::collection::vec(object, 0..4));
     let materials = (material(0), material(1), material(7));
     (materials, proptest::collection::vec(frame, 1..4)).prop_map(|((a, b, c), frames)| {
         let materials = [a, b, c];
         let mut controls = Vec::new();
         let mut cycle = 0;
-        for (index, ((camera, lights), objects)) in frames.into_iter().enumerate() {
+        for (index, ((camera, lights), shading, objects)) in frames.into_iter().enumerate() {
             controls.push(Control::Frame(Arc::new(Frame {
                 index: index as u32,
                 width: 64,
@@ -140,11 +147,12 @@ pub fn controls() -> impl Strategy<Value = Vec<Control>> {
                 camera,
                 lights,
                 textures: Vec::new(),
+                shading,
             })));
-            for (id, (centre, entries, shapes)) in objects.into_iter().enumerate() {
+            for (id, (centre, entries, shading, shapes)) in objects.into_iter().enumerate() {
                 let object = id as u32;
                 let name = format!("object {id}");
-                controls.push(Control::Object(Arc::new(ObjectInfo { id: object, name, centre, entries, bias: None })));
+                controls.push(Control::Object(Arc::new(ObjectInfo { id: object, name, centre, entries, bias: (id % 3 == 1).then_some(id as u8 % 8), shading })));
                 controls.extend(shapes.into_iter().map(|(vertices, which, lod, bump, wait)| {
                     cycle += wait;
                     let material = Arc::clone(&materials[which]);

@@ -5,8 +5,8 @@ use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_figure_shading::{
-    CircuitConfig, Finished, Highlights, HostConfig, InterpolationConfig, MicrocomputerConfig, NormalInterpolationConfig,
-    NormalLoad, ScanConfig, ShadingConfig, ShortCutConfigs, Signal,
+    CircuitConfig, CpuConfig, Finished, Highlights, HostConfig, InterpolationConfig, NormalInterpolationConfig, NormalLoad,
+    Order, ScanConfig, ShadingConfig, ShortCutConfigs, Signal,
 };
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
@@ -28,7 +28,7 @@ parameters! {
 const HZ: u64 = 25_000_000;
 
 memories! {
-    /// The one memory.
+    /// The two memories.
     pub struct MemoryConfigs at HZ {
         /// Frame memory (300), with the depth values.
         frame = MemoryConfig {
@@ -43,6 +43,26 @@ memories! {
             window: Assumed("an arbiter that looks at the head of each of the four ports, and prefers the open page"),
             cap: Assumed("one turn of the four ports"),
             outstanding: Assumed("more than a page miss of 80 ns DRAM takes at one request per cycle"),
+        ],
+        /// Memory (12) of the microcomputer (10): what the host sends, and what Figure 7 keeps.
+        local = MemoryConfig { cl: 1, cwl: 0, rcd: 0, rp: 0, ras: 0, rtp: 0, wr: 0, wtr: 0, rrd: 0, refi: 0, rfc: 0, burst_bytes: 4, burst_cycles: 1, banks: 1, window: 4, cap: 4, outstanding: 16, ..MemoryConfig::default() } => [
+            cl: Assumed("static RAM of 25 to 35 ns, of the class of a 64-Kbit CMOS part of 1989 (Cypress CY7C164): data in the cycle after the address"),
+            cwl: Assumed("the same: data come with the address"),
+            rcd: Assumed("static RAM has no rows"),
+            rp: Assumed("the same"),
+            ras: Assumed("the same"),
+            rtp: Assumed("the same"),
+            wr: Assumed("the same"),
+            wtr: Assumed("the same"),
+            rrd: Assumed("the same"),
+            refi: Assumed("the same: no refresh"),
+            rfc: Assumed("the same"),
+            burst_bytes: Assumed("a word of 32 bits, as the bus of the host"),
+            burst_cycles: Assumed("an access per cycle of 40 ns"),
+            banks: Assumed("one"),
+            window: Assumed("an arbiter that looks at the heads of both ports"),
+            cap: Assumed("one turn of the ports"),
+            outstanding: Assumed("more than the most requests of a step, 11"),
         ],
     }
 }
@@ -65,8 +85,10 @@ fifos! {
         polygons: Control = 32,
         /// Host interface to microcomputer (10): what the host has sent.
         transfers: Control = 4,
-        /// Microcomputer (10) to circuit (21): registers and brightness at the sample points; all control.
-        figures: Signal = 4,
+        /// Microcomputer (10) to registers (14), (16), (18): their values, brightness at the sample points; all control.
+        figures: Order = 4,
+        /// Registers to circuit (21): brightness at the sample points, with what the registers say; all control.
+        selections: Signal = 4,
         /// Microcomputer (10) to circuit (50): normals at the sample points.
         normals: Arc<NormalLoad> = 4,
         /// Process 24 to selector (53): dots of flat polygons.
@@ -138,8 +160,8 @@ parameter_groups! {
         shortcut: ShortCutConfigs = ShortCutConfigs::default(),
         /// Transfers from the host computer (100).
         host: HostConfig = HostConfig::default(),
-        /// CPU (11) of the microcomputer (10).
-        microcomputer: MicrocomputerConfig = MicrocomputerConfig::default(),
+        /// CPU (11) of the microcomputer (10): its processes are made of these operations.
+        cpu: CpuConfig = CpuConfig::default(),
         /// How polygons are scanned.
         scan: ScanConfig = ScanConfig::default(),
         /// Brightness interpolation circuit (21).

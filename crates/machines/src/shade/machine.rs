@@ -8,7 +8,7 @@ use crate::Draws;
 use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
 use basrelief_figure_shading::{
-    Adder, BrightnessInterpolation, Gate, HostInterface, Microcomputer, NormalInterpolation, Selector28, Selector53,
+    Adder, BrightnessInterpolation, Gate, HostInterface, Microcomputer, NormalInterpolation, RegisterBank, Selector28, Selector53,
 };
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
@@ -22,6 +22,7 @@ pub struct FigureShadingDevice<F> {
     fifos: Fifos,
     host: Stage<HostInterface>,
     microcomputer: Stage<Microcomputer>,
+    registers: Stage<RegisterBank>,
     interpolation: Stage<BrightnessInterpolation>,
     normal_interpolation: Stage<NormalInterpolation>,
     gate: Stage<Gate>,
@@ -46,17 +47,20 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
         let c = config.clone();
         let pixel_bytes = c.frame_buffer.pixel_bytes;
         let (memories, clients) = build(config);
-        let normal_interpolation = NormalInterpolation::new(c.normal_interpolation.clone(), c.shade.renormalise);
-        let microcomputer = Microcomputer::new(c.microcomputer, c.shade, c.shortcut, c.scan.clone(), &c.normal_interpolation);
+        let o = &c.operators;
+        let normal_interpolation = NormalInterpolation::new(c.normal_interpolation.clone(), c.shade.renormalise, o.clone());
+        let scan = c.scan.clone();
+        let microcomputer = Microcomputer::new(c.cpu, &c.host, c.shade, c.shortcut, scan, &c.normal_interpolation, o);
         wired(Self {
             front,
             fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, stamp: 1, ..Widths::default() }),
             host: Stage::new("host-interface", HostInterface::new(c.host)),
             microcomputer: Stage::new("microcomputer", microcomputer),
-            interpolation: Stage::new("interpolation", BrightnessInterpolation::new(c.interpolation)),
+            registers: Stage::new("registers", RegisterBank::default()),
+            interpolation: Stage::new("interpolation", BrightnessInterpolation::new(c.interpolation, o.clone())),
             normal_interpolation: Stage::new("normal-interpolation", normal_interpolation),
             gate: Stage::new("gate", Gate::new(c.gate)),
-            adder: Stage::new("adder", Adder::new(c.adder)),
+            adder: Stage::new("adder", Adder::new(c.adder, o.clone())),
             selector_53: Stage::new("selector-53", Selector53::new(c.selector_53)),
             selector_28: Stage::new("selector-28", Selector28::new(c.selector_28)),
             depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, c.scan.z_bits, c.cache.depth.line_bytes)),
@@ -79,11 +83,12 @@ impl<F: FrontEnd> Machine for FigureShadingDevice<F> {
     fn wire<V: Visitor>(&mut self, v: &mut V) {
         let (f, m, c) = (&mut self.fifos, &mut self.memories, &self.clients);
         self.front.wire(v, &mut f.draws, &mut f.polygons);
-        v.stage(self.host.between((&mut f.polygons, &mut f.finished), &mut f.transfers));
+        v.stage(self.host.between((&mut f.polygons, &mut f.finished), &mut f.transfers).using(m, &c.host));
         let decided = (&mut f.figures, &mut f.normals, &mut f.flat_dots, &mut f.constant_dots);
-        v.stage(self.microcomputer.between(&mut f.transfers, decided));
+        v.stage(self.microcomputer.between(&mut f.transfers, decided).using(m, &c.microcomputer));
+        v.stage(self.registers.between(&mut f.figures, &mut f.selections));
         let linear = (&mut f.interpolated, &mut f.brightness_dots);
-        v.stage(self.interpolation.between(&mut f.figures, linear));
+        v.stage(self.interpolation.between(&mut f.selections, linear));
         v.stage(self.normal_interpolation.between(&mut f.normals, &mut f.highlights));
         v.stage(self.gate.between(&mut f.highlights, &mut f.gated));
         v.stage(self.adder.between((&mut f.interpolated, &mut f.gated), &mut f.sums));

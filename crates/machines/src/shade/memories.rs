@@ -1,4 +1,4 @@
-//! The frame memory (300) and its clients.
+//! The frame memory (300) and the microcomputer's memory (12), and their clients.
 
 use super::ShadeConfig;
 use basrelief_kernel::MemorySystem;
@@ -9,13 +9,17 @@ pub(super) struct ClientNumbers {
     pub(super) frame_memory: [usize; 1],
     pub(super) depth: [usize; 2],
     pub(super) video_out: [usize; 1],
+    pub(super) host: [usize; 1],
+    pub(super) microcomputer: [usize; 1],
 }
 
-/// Builds the frame memory (300) with its ports and its cache.
+/// Builds the memories with their ports and the cache.
 pub(super) fn build(config: &ShadeConfig) -> (MemorySystem, ClientNumbers) {
     let mut m = MemorySystem::default();
     let frame = m.add_memory("frame", &config.memory.frame);
+    let local = m.add_memory("local", &config.memory.local);
     let outstanding = config.memory.frame.outstanding;
+    let of_local = config.memory.local.outstanding;
     let clients = ClientNumbers {
         frame_memory: [m.add_client("pixel_write", frame, outstanding)],
         depth: [
@@ -23,6 +27,8 @@ pub(super) fn build(config: &ShadeConfig) -> (MemorySystem, ClientNumbers) {
             m.add_client("z_write", frame, outstanding),
         ],
         video_out: [m.add_client("video_out", frame, outstanding)],
+        host: [m.add_client("host_write", local, of_local)],
+        microcomputer: [m.add_client("cpu", local, of_local)],
     };
     (m, clients)
 }

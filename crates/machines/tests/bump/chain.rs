@@ -60,7 +60,15 @@ impl Chain {
             Self { mapping, replacement, brightness: BrightnessFetch::new(c.brightness, tables, samples, &c.operators) };
         let camera = Camera { view_projection: [0.0; 16], to_light: TO_LIGHT.map(f64::from), to_viewer: [0.0, 0.0, 1.0] };
         let lights = vec![Light { kind: LightKind::Directional { to_light: TO_LIGHT }, intensity: 1.0 }];
-        chain.control(Control::Frame(Arc::new(Frame { index: 0, width: 6, height: 6, camera, lights, textures: Vec::new() })));
+        chain.control(Control::Frame(Arc::new(Frame {
+            index: 0,
+            width: 6,
+            height: 6,
+            camera,
+            lights,
+            textures: Vec::new(),
+            shading: Default::default(),
+        })));
         chain
     }
 

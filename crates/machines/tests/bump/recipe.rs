@@ -111,7 +111,15 @@ impl SceneRecipe {
         let view_projection = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.5, -2.5, 0.0, 0.0, -1.0, 0.0];
         let camera = Camera { view_projection, to_light: direction, to_viewer: [0.0, 0.0, 1.0] };
         let [width, height] = self.size;
-        Frame { index, width, height, camera, lights: vec![Light { kind, intensity: 0.9 }], textures: Vec::new() }
+        Frame {
+            index,
+            width,
+            height,
+            camera,
+            lights: vec![Light { kind, intensity: 0.9 }],
+            textures: Vec::new(),
+            shading: Default::default(),
+        }
     }
 }
 
@@ -123,7 +131,17 @@ impl Part {
         let world = [s, 0.0, 0.0, x, 0.0, s, 0.0, y, 0.0, 0.0, s, -depth, 0.0, 0.0, 0.0, 1.0];
         let mesh = Arc::new(self.shape.mesh(self.repeat));
         let material = Arc::new(self.material(id));
-        Object { id, name: format!("object {id}"), mesh, world, material, entries: self.entries, bias: None, bump: self.bump }
+        Object {
+            id,
+            name: format!("object {id}"),
+            mesh,
+            world,
+            material,
+            entries: self.entries,
+            bias: None,
+            bump: self.bump,
+            shading: Default::default(),
+        }
     }
 
     fn material(&self, id: u32) -> Material {

@@ -13,11 +13,26 @@ pub const SIZE: [u32; 2] = [40, 30];
 pub fn frame(index: u32) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let lights = vec![Light { kind: LightKind::Directional { to_light: [0.0, 0.0, 1.0] }, intensity: 1.0 }];
-    Control::Frame(Arc::new(Frame { index, width: SIZE[0], height: SIZE[1], camera, lights, textures: Vec::new() }))
+    Control::Frame(Arc::new(Frame {
+        index,
+        width: SIZE[0],
+        height: SIZE[1],
+        camera,
+        lights,
+        textures: Vec::new(),
+        shading: Default::default(),
+    }))
 }
 
 pub fn object(id: u32) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries: None, bias: None }))
+    Control::Object(Arc::new(ObjectInfo {
+        id,
+        name: format!("object {id}"),
+        centre: [0.0; 3],
+        entries: None,
+        bias: None,
+        shading: Default::default(),
+    }))
 }
 
 /// A texture of noise, its only level the finest.

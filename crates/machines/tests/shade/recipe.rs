@@ -14,7 +14,15 @@ pub fn unit(v: V3) -> V3 {
 
 pub fn frame(index: u32, size: [u32; 2], lights: Vec<Light>) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
-    Control::Frame(Arc::new(Frame { index, width: size[0], height: size[1], camera, lights, textures: Vec::new() }))
+    Control::Frame(Arc::new(Frame {
+        index,
+        width: size[0],
+        height: size[1],
+        camera,
+        lights,
+        textures: Vec::new(),
+        shading: Default::default(),
+    }))
 }
 
 pub fn sun(to_light: V3, intensity: f32) -> Light {
@@ -28,6 +36,7 @@ pub fn object(id: u32) -> Control {
         centre: [id as f32, 0.0, 0.0],
         entries: None,
         bias: None,
+        shading: Default::default(),
     }))
 }
 
@@ -129,24 +138,22 @@ const MEANING: &[Axis] = &[
 const TIMING: &[Axis] = &[
     &[&[], &[("host.buffers", "2")]],
     &[&[], &[("host.bytes_per_cycle", "64"), ("host.latency", "0")], &[("host.bytes_per_cycle", "1"), ("host.latency", "50")]],
-    &[
-        &[],
-        &[("microcomputer.start_cycles", "0"), ("microcomputer.load_cycles_per_point", "0"), ("microcomputer.dot_cycles", "7")],
-    ],
+    &[&[], &[("cpu.scale", "7")], &[("cpu.store", "0"), ("cpu.integer", "0")]],
     &[
         &[],
         &[
-            ("microcomputer.flatness_cycles_per_point", "0"),
-            ("microcomputer.specular_cycles_per_point", "0"),
-            ("microcomputer.specular_power_cycles", "0"),
-            ("microcomputer.brightness_cycles_per_point", "0"),
-            ("microcomputer.specular_brightness_cycles_per_point", "0"),
-            ("microcomputer.transfer_cycles_per_point", "0"),
-            ("microcomputer.setting_cycles_per_light", "0"),
+            ("cpu.add", "0"),
+            ("cpu.multiply", "0"),
+            ("cpu.divide", "0"),
+            ("cpu.square_root", "0"),
+            ("cpu.compare", "0"),
+            ("cpu.load", "0"),
         ],
     ],
-    &[&[], &[("interpolation.initiation_interval", "5"), ("interpolation.latency", "0"), ("interpolation.setup_cycles", "0")]],
-    &[&[], &[("normal_interpolation.pipelined", "true")], &[("normal_interpolation.multiply_cycles", "9")]],
+    &[&[], &[("interpolation.initiation_interval", "5"), ("operators.divide.latency", "1")]],
+    &[&[], &[("normal_interpolation.pipelined", "true")], &[("operators.multiply.latency", "9")]],
+    &[&[], &[("operators.multiply.interval", "3"), ("operators.square_root.interval", "40")]],
+    &[&[], &[("memory.local.part", "fpm-80")], &[("memory.local.part", "ideal")], &[("memory.local.outstanding", "11")]],
     &[&[], &[("gate.latency", "7"), ("adder.latency", "0"), ("selector_53.latency", "3"), ("selector_28.latency", "0")]],
     &[&[], &[("gate.initiation_interval", "3"), ("adder.initiation_interval", "2"), ("selector_28.initiation_interval", "4")]],
     &[
@@ -170,10 +177,11 @@ const TIMING: &[Axis] = &[
 ];
 
 /// FIFOs of the machine, but `draws` and the feedback, which holds `host.buffers`.
-const FIFOS: [&str; 15] = [
+const FIFOS: [&str; 16] = [
     "polygons",
     "transfers",
     "figures",
+    "selections",
     "normals",
     "flat_dots",
     "constant_dots",

@@ -10,7 +10,15 @@ use std::sync::Arc;
 pub fn frame(index: u32, size: [u32; 2]) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let lights = vec![Light { kind: LightKind::Directional { to_light: [0.36, 0.48, 0.8] }, intensity: 1.0 }];
-    Control::Frame(Arc::new(Frame { index, width: size[0], height: size[1], camera, lights, textures: Vec::new() }))
+    Control::Frame(Arc::new(Frame {
+        index,
+        width: size[0],
+        height: size[1],
+        camera,
+        lights,
+        textures: Vec::new(),
+        shading: Default::default(),
+    }))
 }
 
 pub fn object(id: u32) -> Control {
@@ -20,6 +28,7 @@ pub fn object(id: u32) -> Control {
         centre: [id as f32, 0.0, 0.0],
         entries: None,
         bias: None,
+        shading: Default::default(),
     }))
 }
 

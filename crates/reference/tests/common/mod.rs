@@ -92,12 +92,22 @@ pub fn frame(width: u32, height: u32, eye: DVec3) -> Frame {
         Light { kind: LightKind::Directional { to_light: to_light.as_vec3().to_array() }, intensity: 0.8 },
         Light { kind: LightKind::Point { position: [-4.0, 1.0, 3.0] }, intensity: 0.4 },
     ];
-    Frame { index: 0, width, height, camera, lights, textures: Vec::new() }
+    Frame { index: 0, width, height, camera, lights, textures: Vec::new(), shading: Default::default() }
 }
 
 pub fn object(mesh: Mesh, world: [f64; 16], material: Material) -> Arc<Object> {
     let (mesh, material) = (Arc::new(mesh), Arc::new(material));
-    Arc::new(Object { id: 0, name: String::new(), mesh, world, material, entries: None, bias: None, bump: None })
+    Arc::new(Object {
+        id: 0,
+        name: String::new(),
+        mesh,
+        world,
+        material,
+        entries: None,
+        bias: None,
+        bump: None,
+        shading: Default::default(),
+    })
 }
 
 pub fn scene(objects: Vec<Arc<Object>>) -> Scene {
@@ -148,6 +158,6 @@ pub fn polygons(object: &Object, frame: &Frame) -> (ObjectInfo, Vec<Polygon>) {
         (b[0] - a[0]) * (c[1] - a[1]) < (c[0] - a[0]) * (b[1] - a[1])
     };
     let centre = basrelief_reference::object_centre(object);
-    let info = ObjectInfo { id: object.id, name: String::new(), centre, entries: None, bias: None };
+    let info = ObjectInfo { id: object.id, name: String::new(), centre, entries: None, bias: None, shading: Default::default() };
     (info, mesh.indices.chunks_exact(3).map(polygon).filter(front).collect())
 }

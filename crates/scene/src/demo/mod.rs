@@ -21,7 +21,7 @@ use crate::camera::{Bounds, Viewpoint};
 use crate::model::bounds;
 use crate::view::{Lamp, ViewHints};
 use crate::{SceneError, ViewOptions};
-use basrelief_signals::Scene;
+use basrelief_signals::{Scene, Shading};
 use stage::Stage;
 use std::ops::RangeInclusive;
 
@@ -143,6 +143,7 @@ pub fn demo(name: &str, options: &ViewOptions) -> Result<Scene, SceneError> {
         frames: stage.frames,
         orbit: stage.orbit,
         light_orbit: stage.light_orbit,
+        shading: Shading::default(),
     };
     Ok(Scene { name: name.into(), frames: hints.frames(options)?, objects: stage.objects, warnings: Vec::new() })
 }

@@ -4,7 +4,7 @@ use crate::camera::Viewpoint;
 use crate::pyramid::{HeightMap, color_levels, height_levels, normal_levels};
 use crate::textures::{Content, TextureStore};
 use crate::view::LightOrbit;
-use basrelief_signals::{Filter, Image, Lighting, Material, Mesh, Object, Sampler, Texture, Wrap};
+use basrelief_signals::{Filter, Image, Lighting, Material, Mesh, Object, Sampler, Shading, Texture, Wrap};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
@@ -240,6 +240,7 @@ impl Workshop {
             entries,
             bias: None,
             bump,
+            shading: Shading::default(),
         }));
     }
 

@@ -1,11 +1,12 @@
 //! What this project keeps in a document's `extras`.
 
+use basrelief_signals::Shading;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use std::fmt::{Formatter, Result as FmtResult};
 
-/// What a node's or a material's `extras.basrelief` says; any other extras are somebody else's.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What the `extras.basrelief` of a node, a material or a scene says; any other extras are somebody else's.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Extras {
     /// Number of reference normals of the object.
     pub entries: Option<u32>,
@@ -13,6 +14,8 @@ pub(crate) struct Extras {
     pub bias: Option<u8>,
     /// Whether the object is a bump target.
     pub bump: Option<bool>,
+    /// How the figure shading device shades the object, or a scene's frames.
+    pub shading: Shading,
 }
 
 #[derive(Deserialize)]
@@ -21,6 +24,8 @@ struct OwnExtras {
     entries: Option<u32>,
     bias: Option<u8>,
     bump: Option<bool>,
+    #[serde(default)]
+    shading: Shading,
 }
 
 impl<'de> Deserialize<'de> for Extras {
@@ -43,8 +48,11 @@ impl<'de> Visitor<'de> for ExtrasVisitor {
         let mut extras = Extras::default();
         while let Some(key) = map.next_key::<String>()? {
             if key == "basrelief" {
-                let OwnExtras { entries, bias, bump } = map.next_value()?;
-                extras = Extras { entries, bias, bump };
+                let OwnExtras { entries, bias, bump, shading } = map.next_value()?;
+                if let Some((name, value)) = shading.out_of_range() {
+                    return Err(A::Error::custom(format!("`shading.{name}` is {value}, expected 0..={}", Shading::MOST)));
+                }
+                extras = Extras { entries, bias, bump, shading };
             } else {
                 map.next_value::<IgnoredAny>()?;
             }
@@ -85,6 +93,7 @@ impl<'de> Visitor<'de> for ExtrasVisitor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use basrelief_signals::Mode;
 
     #[test]
     fn extras_may_be_anything() {
@@ -92,7 +101,17 @@ mod tests {
             assert_eq!(serde_json::from_str::<Extras>(other).unwrap(), Extras::default(), "{other}");
         }
         let ours = serde_json::from_str::<Extras>(r#"{"x": [], "basrelief": {"entries": 64, "bump": false}}"#).unwrap();
-        assert_eq!(ours, Extras { entries: Some(64), bias: None, bump: Some(false) });
+        assert_eq!(ours, Extras { entries: Some(64), bias: None, bump: Some(false), shading: Shading::default() });
         assert!(serde_json::from_str::<Extras>(r#"{"basrelief": {"entires": 64}}"#).is_err());
+    }
+
+    #[test]
+    fn extras_say_how_an_object_is_shaded() {
+        let read = |shading: &str| serde_json::from_str::<Extras>(&format!(r#"{{"basrelief": {{"shading": {shading}}}}}"#));
+        let shading = Shading { mode: Some(Mode::Polyhedron), ia: None, is: Some(0.5) };
+        assert_eq!(read(r#"{"mode": "polyhedron", "is": 0.5}"#).unwrap(), Extras { shading, ..Extras::default() });
+        for wrong in [r#"{"ia": 17}"#, r#"{"is": -1}"#, r#"{"mode": "flat"}"#, r#"{"n": 2}"#] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -120,6 +120,8 @@ fn one() -> f64 {
 pub(crate) struct SceneDef {
     #[serde(default)]
     pub nodes: Vec<Int>,
+    #[serde(default)]
+    pub extras: Extras,
 }
 
 #[derive(Deserialize)]

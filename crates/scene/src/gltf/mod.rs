@@ -24,7 +24,7 @@ use crate::error::Warnings;
 use crate::model::{Model, bounds};
 use crate::outside::{Outside, mesh_bytes};
 use accessor::Accessors;
-use basrelief_signals::{Material, Mesh, Object};
+use basrelief_signals::{Material, Mesh, Object, Shading};
 use buffers::{Buffers, Container};
 use extras::Extras;
 use geometry::Geometry;
@@ -83,7 +83,9 @@ fn import(json: &[u8], container: Container<'_>, outside: &Outside<'_>, warnings
     }
     let bounds = bounds(&objects);
     let lamps = scene::lamps(&document, &nodes, bounds.centre(), warnings)?;
-    Ok(Model { objects, bounds, camera, lamps })
+    let shading =
+        document.scenes.get(document.scene.map_or(0, |scene| scene.index())).map_or_else(Shading::default, |s| s.extras.shading);
+    Ok(Model { objects, bounds, camera, lamps, shading })
 }
 
 fn nothing_to_draw(document: &Document) -> SceneError {
@@ -159,6 +161,7 @@ impl Importer<'_> {
                 entries: own.entries.or(extras.entries),
                 bias: own.bias.or(extras.bias),
                 bump: own.bump.or(extras.bump),
+                shading: own.shading.or(extras.shading),
             }));
         }
         Ok(())

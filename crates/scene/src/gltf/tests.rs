@@ -6,7 +6,7 @@ use crate::picture::tests::png;
 use crate::{SceneError, ViewOptions, load};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use basrelief_signals::{Filter, LightKind, Scene, Wrap};
+use basrelief_signals::{Filter, LightKind, Mode, Scene, Shading, Wrap};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -248,6 +248,19 @@ fn faults_are_named_with_their_pointer() {
     refuses(&set("/materials/0/pbrMetallicRoughness/baseColorFactor", json!([1, 1, 2, 1])), "baseColorFactor");
     refuses(&set("/nodes/1/mesh", json!(null)), "nothing to draw");
     refuses(&set("/nodes/1/extras", json!({"basrelief": {"entires": 1}})), "unknown field `entires`");
+}
+
+#[test]
+fn extras_of_scene_material_and_node_say_mode_ia_and_is() {
+    let set = |pointer: &str, value: Value| with(square(), pointer, value);
+    let says = |shading: Value| json!({"basrelief": {"shading": shading}});
+    let of_scene =
+        with(set("/scenes/0/extras", says(json!({"ia": 0.5}))), "/materials/0/extras", says(json!({"is": 2, "mode": "normal"})));
+    let scene = import(&with(of_scene, "/nodes/1/extras", says(json!({"mode": "polyhedron"})))).unwrap_or_else(|e| panic!("{e}"));
+    let none = Shading::default();
+    assert_eq!(scene.frames[0].shading, Shading { ia: Some(0.5), ..none });
+    assert_eq!(scene.objects[0].shading, Shading { mode: Some(Mode::Polyhedron), is: Some(2.0), ..none });
+    refuses(&set("/nodes/1/extras", says(json!({"ia": 17}))), "expected 0..=16");
 }
 
 #[test]

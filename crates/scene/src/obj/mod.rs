@@ -16,7 +16,7 @@ use crate::outside::{Outside, mesh_bytes, over_budget};
 use crate::textures::{Content, TextureStore};
 use crate::{normals, tangents};
 use basrelief_input::{Held, OverBudget};
-use basrelief_signals::{Filter, Material, Mesh, Object, Sampler, Texture, Wrap};
+use basrelief_signals::{Filter, Material, Mesh, Object, Sampler, Shading, Texture, Wrap};
 use glam::DVec3;
 use mtl::{Map, MtlMaterial};
 use parse::{Corner, Group, NONE, Obj};
@@ -77,9 +77,10 @@ pub(crate) fn import(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warning
             entries: None,
             bias: None,
             bump: None,
+            shading: Shading::default(),
         }));
     }
-    Ok(Model { bounds: bounds(&objects), objects, camera: None, lamps: Vec::new() })
+    Ok(Model { bounds: bounds(&objects), objects, camera: None, lamps: Vec::new(), shading: Shading::default() })
 }
 
 fn object_name(group: &Group) -> String {

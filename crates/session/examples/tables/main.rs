@@ -33,6 +33,7 @@ const TABLES: &[(&str, Make)] = &[
     ("paths", shade::paths),
     ("short-cuts", shade::short_cuts),
     ("full-over-hybrid", shade::full_over_hybrid),
+    ("cpu", shade::cpu),
     ("methods", texel::methods),
     ("dividers", texel::dividers),
     ("igehy", memory::igehy),

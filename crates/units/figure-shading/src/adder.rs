@@ -1,8 +1,10 @@
 //! Adder (52).
 
+use crate::dots::needed;
 use crate::{CircuitConfig, Dot, Highlight, Highlights, Selection, Signal};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
+use basrelief_signals::width::NUMBER;
 use serde::{Deserialize, Serialize};
 
 /// What the adder has counted.
@@ -29,14 +31,20 @@ pub struct AdderState {
 pub struct Adder {
     /// Parameters.
     pub config: CircuitConfig,
+    operators: Operators,
     /// Everything it remembers.
     pub state: AdderState,
 }
 
 impl Adder {
     /// An adder at power-on.
-    pub fn new(config: CircuitConfig) -> Self {
-        Self { config, state: AdderState::default() }
+    pub fn new(config: CircuitConfig, operators: Operators) -> Self {
+        Self { config, operators, state: AdderState::default() }
+    }
+
+    /// An addition, and a register.
+    fn latency(&self) -> u64 {
+        u64::from(self.config.latency) + u64::from(self.operators.add.latency)
     }
 
     #[inline]
@@ -90,7 +98,7 @@ impl Unit for Adder {
                 other
             }
         };
-        Step::after(u64::from(self.config.latency), out).busy(cycles)
+        Step::after(self.latency(), out).busy(cycles)
     }
 
     fn is_empty(&self) -> bool {
@@ -98,7 +106,9 @@ impl Unit for Adder {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, self.config.initiation_interval);
+        facts.rate(0, self.latency(), self.config.initiation_interval);
+        let adders = needed(3, self.operators.add.interval, self.config.initiation_interval);
+        facts.hardware(HardwareKind::Adder, "sum of red, green and blue", adders, NUMBER);
         facts.figure("adder_sums", self.state.counters.sums, "dots", "Dots to which a highlight was added");
     }
 }

@@ -1,11 +1,11 @@
 //! Brightness interpolation circuit (21).
 
-use crate::dots::{Corners, Dots};
+use crate::dots::{Corners, Dots, INTERPOLATION, set_up_cycles, tell_interpolator};
 use crate::{Dot, Figure, InterpolationConfig, Mode, Selection, Signal};
 use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_shading::fan_triangles;
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_signals::Fragment;
+use basrelief_signals::width::NUMBER;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -42,6 +42,9 @@ pub struct BrightnessInterpolationState {
 pub struct BrightnessInterpolation {
     /// Parameters.
     pub config: InterpolationConfig,
+    operators: Operators,
+    /// Of a dot.
+    latency: u64,
     /// Everything it remembers.
     pub state: BrightnessInterpolationState,
 }
@@ -50,8 +53,9 @@ type Out = Step<(Option<Signal>, Option<Signal>)>;
 
 impl BrightnessInterpolation {
     /// A circuit at power-on.
-    pub fn new(config: InterpolationConfig) -> Self {
-        Self { config, state: BrightnessInterpolationState::default() }
+    pub fn new(config: InterpolationConfig, operators: Operators) -> Self {
+        let latency = operators.latency(INTERPOLATION);
+        Self { config, operators, latency, state: BrightnessInterpolationState::default() }
     }
 
     /// Takes a polygon; the cycles that it keeps the circuit. None are charged where the dots come from process 24.
@@ -59,7 +63,7 @@ impl BrightnessInterpolation {
         if figure.registers.selection() == Selection::Mean {
             return 1;
         }
-        let cycles = (u64::from(self.config.setup_cycles) * u64::from(fan_triangles(&figure.polygon))).max(1);
+        let cycles = set_up_cycles(&figure.polygon, &self.operators).max(1);
         let state = &mut self.state;
         state.dots = Dots::new(&figure.polygon, figure.raster);
         state.corners = Corners::default();
@@ -72,6 +76,7 @@ impl BrightnessInterpolation {
     /// The next dot of the polygon, or its end.
     #[inline]
     fn draw(&mut self) -> Out {
+        let latency = self.latency;
         let state = &mut self.state;
         let Some(figure) = &state.figure else { return Step::after(0, (None, None)) };
         let to_adder = figure.registers.mode == Mode::Normal;
@@ -89,7 +94,7 @@ impl BrightnessInterpolation {
         };
         state.counters.started_cycles += cycles;
         let out = if to_adder { (Some(signal), None) } else { (None, Some(signal)) };
-        Step::after(u64::from(self.config.latency), out).busy(cycles)
+        Step::after(latency, out).busy(cycles)
     }
 }
 
@@ -116,8 +121,11 @@ impl Unit for BrightnessInterpolation {
 
     fn tell(&self, facts: &mut Facts) {
         for output in 0..2 {
-            facts.rate(output, self.config.latency, self.config.initiation_interval);
+            facts.rate(output, self.latency, self.config.initiation_interval);
         }
+        tell_interpolator(facts, &self.operators, self.config.initiation_interval);
+        facts.hardware(HardwareKind::Adder, "steps of the depth", 1_u64, NUMBER);
+        facts.hardware(HardwareKind::Registers, "depth and its two slopes", 3_u64, NUMBER);
         let c = &self.state.counters;
         facts.figure("interpolation_polygons", c.polygons, "polygons", "Polygons in the brightness interpolation circuit (21)");
         facts.figure("interpolation_dots", c.drawn, "dots", "Their dots");

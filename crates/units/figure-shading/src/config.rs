@@ -1,20 +1,8 @@
 //! Parameters of the figure shading device (200).
 
 use basrelief_parameters::{parameter_groups, parameters};
+use basrelief_signals::{Mode, Shading};
 use serde::{Deserialize, Serialize};
-
-/// How a polygon is shaded: what process 13 writes to the mode register (14).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Mode {
-    /// Normal interpolation: specular term by interpolated normals.
-    #[default]
-    Normal,
-    /// Brightness interpolation: all terms at the sample points, interpolated.
-    Brightness,
-    /// Polyhedron (constant shading): mean of the sample points.
-    Polyhedron,
-}
 
 /// Where N.L below 0 is cut off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -52,7 +40,7 @@ pub enum PowerMethod {
 parameters! {
     /// What is shaded, and how.
     pub struct ShadingConfig {
-        /// Mode register (14): normal, brightness or polyhedron.
+        /// Mode register (14): normal, brightness or polyhedron; where a display list or a scene does not say.
         mode: Mode = Mode::Normal, unit: "", Stated("process 13 writes the mode register (14)");
         /// N.L below 0 is cut off: vertex (at the sample points) or none.
         clamp: Clamp = Clamp::Vertex, unit: "", Assumed("a light behind the surface takes no light away; none makes the theorem hold exactly");
@@ -62,10 +50,10 @@ parameters! {
         specular_skip: SpecularSkip = SpecularSkip::NoStart, unit: "", Assumed("the patent's gate (51) blocks the output; only not starting saves cycles");
         /// Flat polygons take the mean in brightness-interpolation mode, too.
         flat_in_brightness_mode: bool = false, unit: "", Derived("in Figure 1 selector (53) lies before (28), which takes (21) in this mode; the text would allow it");
-        /// Ambient intensity Ia.
-        ia: f32 = 1.0, unit: "", Assumed("the coefficients carry the scale"), range: 0.0..=16.0;
-        /// Light intensity Is; multiplies the intensity of every light.
-        is: f32 = 1.0, unit: "", Assumed("the coefficients carry the scale"), range: 0.0..=16.0;
+        /// Ambient intensity Ia, where a display list or a scene does not say.
+        ia: f32 = 1.0, unit: "", Assumed("the coefficients carry the scale"), range: 0.0..=Shading::MOST;
+        /// Light intensity Is, where a display list or a scene does not say; multiplies the intensity of every light.
+        is: f32 = 1.0, unit: "", Assumed("the coefficients carry the scale"), range: 0.0..=Shading::MOST;
     }
 }
 
@@ -128,40 +116,6 @@ parameters! {
 }
 
 parameters! {
-    /// Processes of the CPU (11).
-    pub struct MicrocomputerConfig {
-        /// Process 13: mode decision, per frame.
-        mode_cycles: u32 = 4, unit: "cycles", Assumed("load, decode, store"), range: 0..=65_536;
-        /// L and H of a light, when frame, object or material change them.
-        setting_cycles_per_light: u32 = 32, unit: "cycles", Assumed("two normalisations"), range: 0..=65_536;
-        /// Process 15: flatness decision, per sample point.
-        flatness_cycles_per_point: u32 = 8, unit: "cycles", Assumed("three differences, their squares, a comparison"), range: 0..=65_536;
-        /// Process 17: specular-negligible decision, per sample point and light.
-        specular_cycles_per_point: u32 = 8, unit: "cycles", Assumed("an inner product and a comparison"), range: 0..=65_536;
-        /// Process 17: the power at the bound, per light.
-        specular_power_cycles: u32 = 24, unit: "cycles", Assumed("some ten multiplications"), range: 0..=65_536;
-        /// Process 20: start of circuit (50).
-        start_cycles: u32 = 4, unit: "cycles", Assumed("H, n and a command"), range: 0..=65_536;
-        /// Process 20: load of circuit (50), per sample point.
-        load_cycles_per_point: u32 = 6, unit: "cycles", Assumed("six numbers, one store each"), range: 0..=65_536;
-        /// Process 22: ambient and diffuse brightness, per sample point and light.
-        brightness_cycles_per_point: u32 = 12, unit: "cycles", Assumed("an inner product, three products and sums"), range: 0..=65_536;
-        /// Process 22, step 83: specular brightness, per sample point and light.
-        specular_brightness_cycles_per_point: u32 = 32, unit: "cycles", Assumed("an inner product and a power"), range: 0..=65_536;
-        /// Process 23: transfer to circuit (21), per sample point.
-        transfer_cycles_per_point: u32 = 6, unit: "cycles", Assumed("six numbers, one store each"), range: 0..=65_536;
-        /// Process 24: mean, per sample point.
-        mean_cycles_per_point: u32 = 3, unit: "cycles", Assumed("three sums"), range: 0..=65_536;
-        /// Process 24: output of a dot.
-        dot_cycles: u32 = 1, unit: "cycles", Assumed("a block store, as fast as circuit (21)"), range: 1..=65_536;
-        /// Figure 7, step 92: comparison with the stored plane, per sample point.
-        same_plane_cycles_per_point: u32 = 12, unit: "cycles", Assumed("distance of normals, distance from the plane, two comparisons"), range: 0..=65_536;
-        /// Figure 7, steps 94 and 95: store or read of the brightness.
-        memory_cycles: u32 = 3, unit: "cycles", Assumed("three components"), range: 0..=65_536;
-    }
-}
-
-parameters! {
     /// How the circuits and process 24 scan a polygon.
     pub struct ScanConfig {
         /// Window coordinates are snapped to steps of 2^-n pixel.
@@ -177,11 +131,7 @@ parameters! {
     /// Brightness interpolation circuit (21).
     pub struct InterpolationConfig {
         /// A dot may start this often.
-        initiation_interval: u32 = 1, unit: "cycles", Assumed("three adders step the components along the line"), range: 1..=4096;
-        /// The circuit is kept this long by each triangle of a polygon's fan, before its dots.
-        setup_cycles: u32 = 8, unit: "cycles", Assumed("slopes of three components, one division"), range: 0..=4096;
-        /// From start to delivery of a dot.
-        latency: u32 = 4, unit: "cycles", Assumed("two multiplications and two sums"), range: 0..=4096;
+        initiation_interval: u32 = 1, unit: "cycles", Assumed("an interpolator for each component"), range: 1..=4096;
     }
 }
 
@@ -190,28 +140,16 @@ parameters! {
     pub struct NormalInterpolationConfig {
         /// A dot may start this often, as far as the power allows.
         initiation_interval: u32 = 1, unit: "cycles", Assumed("inner product in a pipeline"), range: 1..=4096;
-        /// The circuit is kept this long by each triangle of a polygon's fan, before its dots.
-        setup_cycles: u32 = 8, unit: "cycles", Assumed("as interpolation.setup_cycles"), range: 0..=4096;
-        /// Interpolation of the normal and inner product with H.
-        inner_product_latency: u32 = 8, unit: "cycles", Assumed("two multiplications and two sums, then three products and two sums"), range: 0..=4096;
         /// Inner products per dot and light, initiation_interval each: 1, or 2 to time full normal interpolation.
         inner_products: u32 = 1, unit: "", Derived("only N.H is left to circuit (50); full normal interpolation takes N.L as well, for terms that by the theorem are those of circuit (21), so the picture stays the same"), range: 1..=2;
-        /// Normalisation, where shade.renormalise asks for it.
-        normalise_latency: u32 = 16, unit: "cycles", Assumed("a square root and a division, in a pipeline"), range: 0..=4096;
         /// Power: iteration or table.
         power: PowerMethod = PowerMethod::Iteration, unit: "", Assumed("the patent only says that the power is calculated");
-        /// A multiplication of the iteration.
-        multiply_cycles: u32 = 2, unit: "cycles", Assumed("one multiplier, used again and again"), range: 1..=1024;
         /// The iteration has multipliers of its own for each step, and keeps up with initiation_interval.
         pipelined: bool = false, unit: "", Assumed("the smaller circuit");
-        /// Look-up in the table.
-        table_latency: u32 = 2, unit: "cycles", Assumed("address and read"), range: 0..=1024;
         /// Entries of the table, evenly over N.H = 0..1.
         table_entries: u32 = 1024, unit: "entries", Assumed("a step of the highlight at n = 200 is then at most 0.2"), range: 2..=65_536;
         /// Width of an entry.
         table_bits: u32 = 12, unit: "bits", Assumed("four more than the output"), range: 1..=24;
-        /// Calculation of an entry, when n changes.
-        table_cycles_per_entry: u32 = 4, unit: "cycles", Assumed("from the entry before it, and a store"), range: 0..=4096;
     }
 }
 
@@ -220,7 +158,7 @@ parameters! {
     pub struct CircuitConfig {
         /// A dot may start this often.
         initiation_interval: u32 = 1, unit: "cycles", Assumed("a dot per cycle"), range: 1..=4096;
-        /// From start to delivery of a dot.
+        /// From start to delivery of a dot; in the adder (52) the addition comes on top.
         latency: u32 = 1, unit: "cycles", Assumed("a register"), range: 0..=4096;
     }
 }

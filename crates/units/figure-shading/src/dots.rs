@@ -1,8 +1,43 @@
 //! The scan of a polygon's dots, as both circuits and process 24 make it: the same dots in the same order.
 
-use basrelief_shading::{Gradient, Raster, Scan};
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{HardwareKind, Operators, Work};
+use basrelief_shading::{Gradient, Raster, Scan, fan_triangles};
+use basrelief_signals::width::{COORDINATE, NUMBER};
 use basrelief_signals::{Fragment, Polygon};
 use serde::{Deserialize, Serialize};
+
+/// Chain of a triangle's set-up in a circuit: differences of the corners, area, its reciprocal, slopes of what is interpolated.
+const SET_UP: Work = Work { multiply: 2, add: 2, divide: 1, ..Work::NONE };
+/// Chain from a triangle's slopes to a value at a dot: `a + w1 * (b - a) + w2 * (c - a)`.
+pub(crate) const INTERPOLATION: Work = Work { multiply: 1, add: 2, ..Work::NONE };
+/// The three values of a dot: two products and two sums each.
+const THREE_VALUES: Work = Work { multiply: 6, add: 6, ..Work::NONE };
+
+/// Cycles for which the triangles of a polygon's fan keep a circuit, before its dots: one after the other.
+pub(crate) fn set_up_cycles(polygon: &Polygon, operators: &Operators) -> u64 {
+    operators.latency(SET_UP) * u64::from(fan_triangles(polygon))
+}
+
+/// Operators of one kind for so many operations in each `interval` cycles.
+pub(crate) fn needed(operations: u32, kind_interval: u32, interval: u32) -> u64 {
+    u64::from(operations * kind_interval).div_ceil(u64::from(interval.max(1)))
+}
+
+/// Tells what a circuit is built of that scans polygons and interpolates three numbers at each dot, every `interval` cycles.
+pub(crate) fn tell_interpolator(facts: &mut Facts, operators: &Operators, interval: u32) {
+    let multipliers = needed(THREE_VALUES.multiply, operators.multiply.interval, interval);
+    let adders = needed(THREE_VALUES.add, operators.add.interval, interval);
+    facts.hardware(HardwareKind::Multiplier, "interpolation", multipliers, NUMBER);
+    facts.hardware(HardwareKind::Adder, "the same", adders, NUMBER);
+    facts.hardware(HardwareKind::Adder, "steps of three edges", 3_u64, NUMBER);
+    facts.hardware(HardwareKind::Multiplier, "set-up of a triangle", 1_u64, NUMBER);
+    facts.hardware(HardwareKind::Adder, "the same", 1_u64, NUMBER);
+    facts.hardware(HardwareKind::Divider, "its area", 1_u64, NUMBER);
+    facts.hardware(HardwareKind::Registers, "scan: column, row", 2_u64, COORDINATE);
+    facts.hardware(HardwareKind::Registers, "scan: three edges, value and two slopes each", 9_u64, NUMBER);
+    facts.hardware(HardwareKind::Registers, "three values at three corners", 9_u64, NUMBER);
+}
 
 /// A polygon part-way: stands on a dot, or past the last.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

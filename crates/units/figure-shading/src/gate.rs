@@ -2,7 +2,7 @@
 
 use crate::{CircuitConfig, Highlights};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 
 /// What the gate has counted.
@@ -69,6 +69,7 @@ impl Unit for Gate {
 
     fn tell(&self, facts: &mut Facts) {
         facts.rate(0, self.config.latency, self.config.initiation_interval);
+        facts.hardware(HardwareKind::Registers, "specular register (18) as of the polygon that passes", 1_u64, 1);
         let c = &self.state.counters;
         facts.figure("gate_passed", c.passed, "dots", "Highlights that the gate let pass");
         facts.figure("gate_blocked", c.blocked, "dots", "Highlights that it held back");

@@ -1,9 +1,11 @@
 //! Host interface: transfers from the host computer (100), polygon by polygon.
 
+use crate::local_memory::{LIGHT, LIGHTS, LocalPort, PolygonBuffer, SETTINGS};
 use crate::{Finished, HostConfig};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::{Control, Frame, LightKind, Lighting, Polygon};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_signals::width::NUMBER;
+use basrelief_signals::{Control, Frame, LightKind, Lighting, ObjectInfo, Polygon, Shading};
 use serde::{Deserialize, Serialize};
 
 /// What the host interface has counted.
@@ -26,6 +28,8 @@ pub struct HostInterfaceState {
     pub point_lights: u64,
     /// Coefficients and colour sent last.
     pub sent: Option<(Lighting, [f32; 4])>,
+    /// Mode, Ia and Is of the frame, and those sent last: an object may have its own.
+    pub shading: [Shading; 2],
     /// Polygons that the device holds.
     pub in_flight: u32,
     /// The end of the frame waits until they are finished.
@@ -39,6 +43,9 @@ pub struct HostInterfaceState {
 /// are not white. A polygon is the unit of transfer: the next one waits until one of the `buffers` is free, which the
 /// feedback of selector (28) tells. The end of the frame waits until all are.
 ///
+/// An object that has a mode, Ia or Is of its own, or no longer has them, gets those that differ. What is sent is written to
+/// memory (12).
+///
 /// Input 0 is what the front end hands on, input 1 the feedback.
 #[derive(Clone, Debug, Default)]
 pub struct HostInterface {
@@ -49,6 +56,9 @@ pub struct HostInterface {
 }
 
 type Out = Step<Option<Control>>;
+
+/// Most requests of a step to memory (12): coefficients, points, normals and colours of a polygon.
+const MOST_REQUESTS: u32 = 4;
 
 impl HostInterface {
     /// A host interface at power-on.
@@ -65,37 +75,69 @@ impl HostInterface {
     }
 
     /// Mode, Ia, V, and L and Is of each light.
-    fn frame_numbers(&mut self, frame: &Frame) -> u64 {
+    fn frame_numbers(&mut self, frame: &Frame, traffic: &mut Traffic) -> u64 {
+        self.state.shading = [frame.shading; 2];
         self.state.point_lights = frame.lights.iter().filter(|l| matches!(l.kind, LightKind::Point { .. })).count() as u64;
-        5 + 4 * frame.lights.len() as u64
+        let lights = frame.lights.len() as u64;
+        self.port().write(traffic, SETTINGS, 5);
+        self.port().write(traffic, LIGHTS, LIGHT * lights);
+        5 + 4 * lights
     }
 
-    fn polygon_numbers(&mut self, polygon: &Polygon) -> u64 {
+    /// L of lights at a point; of mode, Ia and Is what differs.
+    fn object_numbers(&mut self, object: &ObjectInfo, traffic: &mut Traffic) -> u64 {
+        let [of_frame, before] = self.state.shading;
+        let now = object.shading.or(of_frame);
+        self.state.shading[1] = now;
+        let differ = [now.mode != before.mode, now.ia != before.ia, now.is != before.is];
+        let settings = differ.into_iter().filter(|differs| *differs).count() as u64;
+        self.port().write(traffic, SETTINGS, settings);
+        self.port().write(traffic, LIGHTS, LIGHT * self.state.point_lights);
+        3 * self.state.point_lights + settings
+    }
+
+    fn port(&self) -> LocalPort {
+        LocalPort { number_bytes: self.config.number_bytes }
+    }
+
+    fn polygon_numbers(&mut self, polygon: &Polygon, traffic: &mut Traffic) -> u64 {
+        let (buffer, points) =
+            (PolygonBuffer::of(self.state.counters.polygons, self.config.buffers), polygon.vertices.len() as u64);
         let material = &polygon.material;
         let wanted = Some((material.lighting, material.base_color));
         let is_new = self.state.sent != wanted;
         self.state.sent = wanted;
         let coefficients = if is_new { 8 } else { 0 };
         let is_white = polygon.vertices.iter().all(|v| v.color == [1.0; 4]);
-        coefficients + 1 + polygon.vertices.len() as u64 * if is_white { 6 } else { 9 }
+        let port = self.port();
+        port.write(traffic, SETTINGS + 5, coefficients);
+        port.write(traffic, buffer.points(), 1 + 3 * points);
+        port.write(traffic, buffer.normals(), 3 * points);
+        if !is_white {
+            port.write(traffic, buffer.colors(), 3 * points);
+        }
+        coefficients + 1 + points * if is_white { 6 } else { 9 }
     }
 
-    fn take(&mut self, control: Control) -> Out {
+    fn take(&mut self, control: Control, traffic: &mut Traffic) -> Out {
         match &control {
             Control::Frame(frame) => {
-                let numbers = self.frame_numbers(frame);
+                let numbers = self.frame_numbers(frame, traffic);
                 self.send(numbers, control)
             }
-            Control::Object(_) => self.send(3 * self.state.point_lights, control),
+            Control::Object(object) => {
+                let numbers = self.object_numbers(object, traffic);
+                self.send(numbers, control)
+            }
             Control::Polygon(polygon) if polygon.vertices.len() < 3 => {
                 self.state.counters.dropped += 1;
                 Step::after(0, None)
             }
             Control::Polygon(polygon) => {
+                let numbers = self.polygon_numbers(polygon, traffic);
                 self.state.in_flight += 1;
                 self.state.counters.polygons += 1;
                 self.state.counters.textured += u64::from(polygon.material.color_texture.is_some());
-                let numbers = self.polygon_numbers(polygon);
                 self.send(numbers, control)
             }
             Control::CodeBook(_) => Step::after(0, None),
@@ -126,9 +168,9 @@ impl Unit for HostInterface {
         Demand::Only(usize::from(is_full || self.state.frame_ends))
     }
 
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Out {
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Out {
         if let (Some(control), _) = input {
-            return self.take(control);
+            return self.take(control, traffic);
         }
         self.state.in_flight = self.state.in_flight.saturating_sub(1);
         self.end_frame()
@@ -138,8 +180,18 @@ impl Unit for HostInterface {
         !self.state.frame_ends
     }
 
+    fn largest_step(&self, client: usize) -> u32 {
+        if client == LocalPort::CLIENT as usize { MOST_REQUESTS } else { 0 }
+    }
+
     fn tell(&self, facts: &mut Facts) {
         let c = &self.state.counters;
+        facts.hardware(
+            HardwareKind::Registers,
+            "transfer: address and count in memory (12), polygons on their way",
+            3_u64,
+            NUMBER,
+        );
         facts.figure("host_bytes", c.bytes, "bytes", "What the host computer sent");
         facts.figure("polygons_sent", c.polygons, "polygons", "Polygons that it sent");
         facts.figure("polygons_dropped", c.dropped, "polygons", "Polygons of fewer than three points, which were not drawn");

@@ -1,8 +1,8 @@
 //! What is constant over an object: coefficients and lights, and the brightness formula.
 
-use crate::{Clamp, Mode, power};
+use crate::{Clamp, power};
 use basrelief_shading::LightVector;
-use basrelief_signals::Lighting;
+use basrelief_signals::{Lighting, Mode};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,11 @@
 //! The circuits and the microcomputer of the figure shading device (200).
 //!
 //! ```text
-//!  host interface --transfers--> microcomputer (10) = CPU (11) + memory (12), registers (14), (16), (18)
-//!                                  | figures                | normals                | flat_dots      | constant_dots
+//!  host interface --transfers--> microcomputer (10) = CPU (11) + memory (12)
+//!                                  | figures                |                        |                |
+//!                                  v                        |                        |                |
+//!                  registers (14), (16), (18)               |                        |                |
+//!                                  | selections             | normals                | flat_dots      | constant_dots
 //!                                  v                        v                        |                |
 //!                  brightness interpolation       normal-interpolation               |                |
 //!                  circuit (21)                   brightness circuit (50)            |                |
@@ -23,7 +26,8 @@
 //!
 //! # A polygon on the wires
 //!
-//! What the registers hold travels in band: a [`Figure`] token runs from (10) through (21), (52) and (53) to (28) ahead of
+//! The microcomputer writes the registers, which are a unit of their own ([`RegisterBank`]); what they hold travels in band: a
+//! [`Figure`] token runs from (10) through the registers, which put their values into it, (21), (52) and (53) to (28) ahead of
 //! the polygon's dots, and each of them sets itself by it. Dots then come along the way that the registers select, and an
 //! [end token](Signal::End) behind them; the other ways carry nothing of this polygon. So a selector knows which input to
 //! read, and nobody waits for a circuit that was not started.
@@ -44,13 +48,16 @@
 mod adder;
 mod brightness_interpolation;
 mod config;
+mod cpu;
 mod dots;
 mod gate;
 mod host_interface;
 mod illumination;
+mod local_memory;
 mod microcomputer;
 mod normal_interpolation;
 mod power;
+mod register_bank;
 mod registers;
 mod selector_28;
 mod selector_53;
@@ -58,18 +65,21 @@ mod signals;
 mod widths;
 
 pub use adder::{Adder, AdderCounters, AdderState};
+pub use basrelief_signals::Mode;
 pub use brightness_interpolation::{BrightnessInterpolation, BrightnessInterpolationCounters, BrightnessInterpolationState};
 pub use config::{
-    CircuitConfig, Clamp, FlatnessConfig, HostConfig, InterpolationConfig, MicrocomputerConfig, Mode, NormalInterpolationConfig,
-    PowerMethod, SamePlaneConfig, ScanConfig, ShadingConfig, ShortCutConfigs, SpecularNegligibleConfig, SpecularSkip,
+    CircuitConfig, Clamp, FlatnessConfig, HostConfig, InterpolationConfig, NormalInterpolationConfig, PowerMethod,
+    SamePlaneConfig, ScanConfig, ShadingConfig, ShortCutConfigs, SpecularNegligibleConfig, SpecularSkip,
 };
+pub use cpu::CpuConfig;
 pub use gate::{Gate, GateCounters, GateState};
 pub use host_interface::{HostInterface, HostInterfaceCounters, HostInterfaceState};
 pub use illumination::Illumination;
 pub use microcomputer::{Microcomputer, MicrocomputerCounters, MicrocomputerState, Plane, Process, ProcessCounters};
 pub use normal_interpolation::{NormalInterpolation, NormalInterpolationCounters, NormalInterpolationState};
 pub use power::{Power, power};
-pub use registers::{Registers, Route, Selection};
+pub use register_bank::{RegisterBank, RegisterBankCounters, RegisterBankState};
+pub use registers::{RegisterWrite, Registers, Route, Selection};
 pub use selector_28::{Selector28, Selector28Counters, Selector28State};
 pub use selector_53::{Selector53, Selector53State};
-pub use signals::{Dot, Figure, Finished, Highlight, Highlights, NormalLoad, Signal};
+pub use signals::{Dot, Figure, Finished, Highlight, Highlights, NormalLoad, Order, Signal};

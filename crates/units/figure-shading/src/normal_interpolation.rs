@@ -1,10 +1,10 @@
 //! Normal-interpolation brightness circuit (50).
 
-use crate::dots::{Corners, Dots};
+use crate::dots::{Corners, Dots, INTERPOLATION, needed, set_up_cycles, tell_interpolator};
 use crate::{Highlight, Highlights, NormalInterpolationConfig, NormalLoad, Power};
 use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_shading::fan_triangles;
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit, Work};
+use basrelief_signals::width::NUMBER;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -49,12 +49,14 @@ pub struct NormalInterpolationState {
 /// `renormalise` asks for it; Np.H is clamped to 0..=1 before the power.
 ///
 /// Each light keeps the circuit as long as its power does; the power by iteration has one multiplier, unless it is
-/// pipelined.
+/// pipelined. Bringing a normal to length 1 keeps it as long as the square root or the division does, neither of which is in a
+/// pipeline: the circuit has one of each, and only where it renormalises.
 #[derive(Clone, Debug)]
 pub struct NormalInterpolation {
     /// Parameters.
     pub config: NormalInterpolationConfig,
     renormalise: bool,
+    operators: Operators,
     power: Power,
     /// Everything it remembers.
     pub state: NormalInterpolationState,
@@ -64,9 +66,9 @@ type Out = Step<Option<Highlights>>;
 
 impl NormalInterpolation {
     /// A circuit at power-on; `renormalise` is `shade.renormalise`.
-    pub fn new(config: NormalInterpolationConfig, renormalise: bool) -> Self {
-        let power = Power::new(&config);
-        Self { config, renormalise, power, state: NormalInterpolationState::default() }
+    pub fn new(config: NormalInterpolationConfig, renormalise: bool, operators: Operators) -> Self {
+        let power = Power::new(&config, &operators);
+        Self { config, renormalise, operators, power, state: NormalInterpolationState::default() }
     }
 
     fn charge(&mut self, open: bool, cycles: u64) {
@@ -79,7 +81,7 @@ impl NormalInterpolation {
         if self.state.filled_for == Some(n) {
             return 0;
         }
-        let cycles = self.power.fill_cycles();
+        let cycles = self.power.fill_cycles(n);
         self.state.counters.table_fills += u64::from(cycles > 0);
         self.state.table = self.power.table(n);
         self.state.filled_for = Some(n);
@@ -88,7 +90,7 @@ impl NormalInterpolation {
 
     fn begin(&mut self, load: Arc<NormalLoad>) -> Out {
         let n = load.illumination.lighting.n;
-        let setup = u64::from(self.config.setup_cycles) * u64::from(fan_triangles(&load.polygon));
+        let setup = set_up_cycles(&load.polygon, &self.operators);
         let fill = self.fill(n);
         let cycles = (setup + fill).max(1);
         let open = load.open;
@@ -125,16 +127,59 @@ impl NormalInterpolation {
     }
 
     /// Occupancy and latency of a dot: the first light's power comes behind the inner product, each further one's behind
-    /// the power before it.
+    /// the power before it; then it is multiplied by Is*Ks, and added to those before it. The normal is brought to length 1
+    /// once for all lights.
     fn dot_cycles(&self, n: f32, lights: u64) -> [u64; 2] {
-        let normalise = if self.renormalise { self.config.normalise_latency } else { 0 };
         let power = self.power.occupancy(n);
         let second_product = self.power.inner_products() - u64::from(self.config.initiation_interval);
-        let products = u64::from(self.config.inner_product_latency + normalise) + second_product;
-        let first = products + self.power.latency(n);
-        [power * lights, first + power * (lights - 1)]
+        let sum = if lights > 1 { self.operators.latency(Work { add: 1, ..Work::NONE }) } else { 0 };
+        let first = self.latency_before() + second_product + self.power.latency(n) + self.operators.latency(SCALE);
+        [(power * lights).max(self.normalise_interval()), first + power * (lights - 1) + sum]
+    }
+
+    /// Cycles from a dot's start to its first N.H.
+    fn latency_before(&self) -> u64 {
+        let normalise = if self.renormalise { self.operators.latency(NORMALISATION) } else { 0 };
+        self.operators.latency(INTERPOLATION) + normalise + self.operators.latency(INNER_PRODUCT)
+    }
+
+    /// Cycles for which bringing a normal to length 1 keeps the circuit.
+    fn normalise_interval(&self) -> u64 {
+        if self.renormalise { self.operators.interval(Work::NORMALIZE, NORMALISER) } else { 1 }
+    }
+
+    fn tell_hardware(&self, facts: &mut Facts) {
+        let interval = self.config.initiation_interval;
+        tell_interpolator(facts, &self.operators, interval);
+        let [multiply, add] = [self.operators.multiply.interval, self.operators.add.interval];
+        if interval == 1 && multiply == 1 && add == 1 {
+            facts.hardware(HardwareKind::InnerProduct, "N.H", 1_u64, NUMBER);
+        } else {
+            facts.hardware(HardwareKind::Multiplier, "N.H", needed(Work::INNER_PRODUCT.multiply, multiply, interval), NUMBER);
+            facts.hardware(HardwareKind::Adder, "N.H", needed(Work::INNER_PRODUCT.add, add, interval), NUMBER);
+        }
+        if self.renormalise {
+            let about = "normals to length 1";
+            facts.hardware(HardwareKind::Multiplier, about, NORMALISER.multiply, NUMBER);
+            facts.hardware(HardwareKind::Adder, about, NORMALISER.add, NUMBER);
+            facts.hardware(HardwareKind::Divider, about, NORMALISER.divide, NUMBER);
+            facts.hardware(HardwareKind::SquareRoot, about, NORMALISER.square_root, NUMBER);
+        }
+        self.power.tell(facts);
+        facts.hardware(HardwareKind::Multiplier, "Is*Ks", 1_u64, NUMBER);
+        facts.hardware(HardwareKind::Adder, "sum over lights", 1_u64, NUMBER);
+        facts.hardware(HardwareKind::Registers, "H and Is*Ks of a light, n", 5_u64, NUMBER);
     }
 }
+
+/// Chain of an inner product.
+const INNER_PRODUCT: Work = Work { multiply: 1, add: 2, ..Work::NONE };
+/// Chain of a power's way to the gate.
+const SCALE: Work = Work { multiply: 1, ..Work::NONE };
+/// Chain that brings a normal to length 1: the square of its length, the root, its reciprocal, the products.
+const NORMALISATION: Work = Work { multiply: 2, add: 2, divide: 1, square_root: 1, power: 0 };
+/// What there is for it: multipliers and adders for one per cycle, one root and one divider, which are slower.
+const NORMALISER: Work = Work::NORMALIZE;
 
 /// Exponent for which the rate is told: the patent's largest.
 const LARGEST_EXPONENT: f32 = 200.0;
@@ -162,9 +207,9 @@ impl Unit for NormalInterpolation {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        let normalise = if self.renormalise { self.config.normalise_latency } else { 0 };
-        let before = self.config.inner_product_latency + normalise;
-        facts.rate(0, u64::from(before) + self.power.latency(LARGEST_EXPONENT), self.power.occupancy(LARGEST_EXPONENT));
+        let [interval, latency] = self.dot_cycles(LARGEST_EXPONENT, 1);
+        facts.rate(0, latency, interval);
+        self.tell_hardware(facts);
         let c = &self.state.counters;
         facts.figure(
             "normal_interpolation_polygons",

@@ -1,6 +1,9 @@
 //! The power `(N.H)^n`.
 
 use crate::{NormalInterpolationConfig, PowerMethod};
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{HardwareKind, Operators, Work};
+use basrelief_signals::width::NUMBER;
 
 /// Largest exponent that is raised to by multiplication.
 const MOST: f32 = 65_536.0;
@@ -26,37 +29,49 @@ pub fn power(x: f32, n: f32) -> f32 {
 
 /// Multiplications of the iteration: squarings, and products for the further ones of n in binary. A fraction of n costs as
 /// much as the next whole number.
-fn multiplications(n: f32) -> u64 {
+pub(crate) fn multiplications(n: f32) -> u64 {
     let whole = libm::ceilf(n).clamp(1.0, MOST) as u32;
     u64::from(whole.ilog2() + whole.count_ones() - 1)
 }
+
+/// Multipliers of a pipelined iteration: as many as the worst n takes, of those that a display list may have (up to 1000: ten binary
+/// digits, a squaring and a product for each but the first).
+const PIPELINE: u64 = 2 * 9;
 
 /// The power as circuit (50) has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Power {
     config: NormalInterpolationConfig,
+    operators: Operators,
 }
 
 impl Power {
     /// As configured.
-    pub fn new(config: &NormalInterpolationConfig) -> Self {
-        Self { config: config.clone() }
+    pub fn new(config: &NormalInterpolationConfig, operators: &Operators) -> Self {
+        Self { config: config.clone(), operators: operators.clone() }
     }
 
-    /// Cycles from N.H to its power.
+    /// Cycles from N.H to its power: by iteration each multiplication waits for the one before; by table N.H is multiplied by the
+    /// number of entries and rounded to an address, and the entry read.
     pub fn latency(&self, n: f32) -> u64 {
         match self.config.power {
-            PowerMethod::Iteration => multiplications(n) * u64::from(self.config.multiply_cycles),
-            PowerMethod::Table => u64::from(self.config.table_latency),
+            PowerMethod::Iteration => multiplications(n) * u64::from(self.operators.multiply.latency),
+            PowerMethod::Table => self.operators.latency(Work { multiply: 1, add: 1, power: 1, ..Work::NONE }),
         }
     }
 
     /// Cycles that inner products and power of a dot keep the circuit, per light: the power of a dot is calculated beside the
     /// inner products of the next.
     pub fn occupancy(&self, n: f32) -> u64 {
-        let iterates = self.config.power == PowerMethod::Iteration && !self.config.pipelined;
         let products = self.inner_products();
-        if iterates { self.latency(n).max(products) } else { products }
+        let own = match self.config.power {
+            PowerMethod::Iteration if self.config.pipelined => {
+                self.operators.interval(Work { multiply: 1, ..Work::NONE }, Work::NONE)
+            }
+            PowerMethod::Iteration => self.latency(n),
+            PowerMethod::Table => self.operators.interval(Work { multiply: 1, add: 1, power: 1, ..Work::NONE }, Work::NONE),
+        };
+        own.max(products)
     }
 
     /// Cycles that the inner products keep the circuit, per light.
@@ -64,11 +79,40 @@ impl Power {
         u64::from(self.config.initiation_interval) * u64::from(self.config.inner_products)
     }
 
-    /// Cycles that it takes to fill the table for another n.
-    pub fn fill_cycles(&self) -> u64 {
+    /// Cycles that it takes to fill the table for this n. One multiplier and one adder make the entries, several on their way at a
+    /// time: the next N.H is a sum, its power as many multiplications as by iteration, and a sum rounds it.
+    pub fn fill_cycles(&self, n: f32) -> u64 {
+        let multiply = u32::try_from(multiplications(n)).unwrap_or(u32::MAX);
         match self.config.power {
             PowerMethod::Iteration => 0,
-            PowerMethod::Table => u64::from(self.config.table_entries) * u64::from(self.config.table_cycles_per_entry),
+            PowerMethod::Table => {
+                let entry = self.operators.interval(Work { multiply, add: 2, ..Work::NONE }, Work::NONE);
+                u64::from(self.entries()) * entry
+            }
+        }
+    }
+
+    /// Multiplications that it takes to tell [`Power::bound`].
+    pub(crate) fn bound_multiplications(&self, n: f32) -> u64 {
+        let powers = if self.config.power == PowerMethod::Table { 2 } else { 1 };
+        powers * multiplications(n)
+    }
+
+    /// Tells what it is built of.
+    pub(crate) fn tell(&self, facts: &mut Facts) {
+        match self.config.power {
+            PowerMethod::Iteration => {
+                let multipliers = if self.config.pipelined { PIPELINE } else { 1 };
+                facts.hardware(HardwareKind::Multiplier, "power by iteration", multipliers, NUMBER);
+                facts.hardware(HardwareKind::Registers, "square, power, rest of n", 3 * multipliers, NUMBER);
+            }
+            PowerMethod::Table => {
+                facts.hardware(HardwareKind::Multiplier, "address in the table of powers", 1_u64, NUMBER);
+                facts.hardware(HardwareKind::Adder, "its rounding", 1_u64, NUMBER);
+                facts.hardware(HardwareKind::Multiplier, "filling the table of powers", 1_u64, NUMBER);
+                facts.hardware(HardwareKind::Adder, "the same", 1_u64, NUMBER);
+                facts.hardware(HardwareKind::Table, "powers", self.entries(), self.config.table_bits);
+            }
         }
     }
 
@@ -120,6 +164,7 @@ impl Power {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use basrelief_kernel::OperatorConfig;
     use proptest::prelude::*;
 
     #[test]
@@ -127,17 +172,34 @@ mod tests {
         assert_eq!([1.0, 2.0, 3.0, 50.0, 200.0, 1.5].map(multiplications), [0, 1, 2, 7, 9, 1]);
     }
 
+    /// Multiplications and additions of two cycles, pipelined.
+    fn operators() -> Operators {
+        let two = OperatorConfig::new(2, 1);
+        Operators { multiply: two.clone(), add: two, ..Operators::default() }
+    }
+
     #[test]
-    fn a_table_costs_its_filling_and_then_a_look_up() {
+    fn a_table_costs_its_address_its_rounding_and_its_filling_by_multiplications() {
         let config = NormalInterpolationConfig { power: PowerMethod::Table, ..NormalInterpolationConfig::default() };
-        let power = Power::new(&config);
-        assert_eq!((power.occupancy(50.0), power.latency(50.0), power.fill_cycles()), (1, 2, 4096));
-        let iteration = Power::new(&NormalInterpolationConfig::default());
-        assert_eq!((iteration.occupancy(50.0), iteration.latency(50.0), iteration.fill_cycles()), (14, 14, 0));
-        let pipelined = Power::new(&NormalInterpolationConfig { pipelined: true, ..NormalInterpolationConfig::default() });
+        let power = Power::new(&config, &operators());
+        assert_eq!((power.occupancy(50.0), power.latency(50.0)), (1, 2 + 2 + 1), "a product, a sum, a read");
+        assert_eq!((power.fill_cycles(50.0), power.fill_cycles(1.0)), (1024 * 7, 1024 * 2), "seven products, or two sums");
+        let slow = Operators { multiply: OperatorConfig::new(6, 4), ..operators() };
+        let slow = Power::new(&config, &slow);
+        assert_eq!((slow.occupancy(50.0), slow.latency(50.0), slow.fill_cycles(50.0)), (4, 9, 1024 * 28));
+    }
+
+    #[test]
+    fn an_iteration_keeps_its_multiplier_or_has_one_for_each_step() {
+        let config = NormalInterpolationConfig::default();
+        let iteration = Power::new(&config, &operators());
+        assert_eq!((iteration.occupancy(50.0), iteration.latency(50.0), iteration.fill_cycles(50.0)), (14, 14, 0));
+        let pipelined = Power::new(&NormalInterpolationConfig { pipelined: true, ..config.clone() }, &operators());
         assert_eq!((pipelined.occupancy(50.0), pipelined.latency(50.0)), (1, 14));
-        let full = NormalInterpolationConfig { inner_products: 2, initiation_interval: 3, ..config };
-        assert_eq!((Power::new(&full).occupancy(50.0), Power::new(&full).inner_products()), (6, 6));
+        assert!((1..=1000).all(|n| multiplications(n as f32) <= PIPELINE));
+        let full = NormalInterpolationConfig { inner_products: 2, initiation_interval: 3, pipelined: true, ..config };
+        let full = Power::new(&full, &operators());
+        assert_eq!((full.occupancy(50.0), full.inner_products()), (6, 6));
     }
 
     proptest! {
@@ -156,7 +218,7 @@ mod tests {
             let config = NormalInterpolationConfig {
                 power: PowerMethod::Table, table_entries: entries, table_bits: bits, ..NormalInterpolationConfig::default()
             };
-            let by_table = Power::new(&config);
+            let by_table = Power::new(&config, &Operators::default());
             let table = by_table.table(n);
             // The slope of the power is at most n.
             let off = 0.5 * n / (entries - 1) as f32 + 0.5 / ((1u32 << bits) - 1) as f32;

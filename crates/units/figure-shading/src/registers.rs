@@ -14,6 +14,17 @@ pub struct Registers {
     pub specular: bool,
 }
 
+/// A write of one of the registers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RegisterWrite {
+    /// Of the mode register (14), by process 13.
+    Mode(Mode),
+    /// Of the flatness register (16), by process 15.
+    Flat(bool),
+    /// Of the specular register (18), by process 17.
+    Specular(bool),
+}
+
 /// Where the brightness of a dot comes from (claim 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Selection {
@@ -26,6 +37,15 @@ pub enum Selection {
 }
 
 impl Registers {
+    /// Writes one of them.
+    pub fn write(&mut self, write: RegisterWrite) {
+        match write {
+            RegisterWrite::Mode(mode) => self.mode = mode,
+            RegisterWrite::Flat(flat) => self.flat = flat,
+            RegisterWrite::Specular(specular) => self.specular = specular,
+        }
+    }
+
     /// What selectors (53) and (28) and gate (51) come to together.
     pub fn selection(self) -> Selection {
         match self.mode {

@@ -1,9 +1,11 @@
 //! Selector (28), the way out of the device.
 
+use crate::dots::needed;
 use crate::{CircuitConfig, Dot, Figure, Finished, Mode, Route, Selection, Signal};
 use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_shading::saturated;
+use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Flow, Pixel, Stamp};
 use serde::{Deserialize, Serialize};
 
@@ -112,6 +114,10 @@ impl Unit for Selector28 {
 
     fn tell(&self, facts: &mut Facts) {
         facts.rate(0, self.config.latency, self.config.initiation_interval);
+        let each = needed(3, 1, self.config.initiation_interval);
+        facts.hardware(HardwareKind::Multiplier, "to steps of 8 bits", each, NUMBER);
+        facts.hardware(HardwareKind::Adder, "rounding, and cutting off at either end", 3 * each, NUMBER);
+        facts.hardware(HardwareKind::Registers, "mode register (14) as of the polygon that passes", 1_u64, 2);
         let c = &self.state.counters;
         facts.figure("fragments", c.dots.iter().sum::<u64>(), "dots", "Dots drawn; a dot is a fragment").part(Part::Work);
         let routes = |counts: [u64; 6]| Route::ALL.map(|route| (route.name(), counts[route as usize]));

@@ -2,7 +2,7 @@
 
 use crate::{CircuitConfig, Selection, Signal};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 
 /// Everything selector (53) remembers.
@@ -62,5 +62,6 @@ impl Unit for Selector53 {
 
     fn tell(&self, facts: &mut Facts) {
         facts.rate(0, self.config.latency, self.config.initiation_interval);
+        facts.hardware(HardwareKind::Registers, "flatness register (16) as of the polygon that passes", 1_u64, 1);
     }
 }

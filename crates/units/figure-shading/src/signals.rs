@@ -1,6 +1,6 @@
 //! What travels between the circuits.
 
-use crate::{Illumination, Registers, Route};
+use crate::{Illumination, RegisterWrite, Registers, Route};
 use basrelief_shading::Raster;
 use basrelief_signals::{Frame, Polygon};
 use glam::Vec3;
@@ -14,7 +14,7 @@ pub struct Figure {
     pub polygon: Arc<Polygon>,
     /// Where it is scanned.
     pub raster: Raster,
-    /// Registers (14), (16), (18).
+    /// Registers (14), (16), (18), as they stood when the polygon passed them.
     pub registers: Registers,
     /// Its route.
     pub route: Route,
@@ -35,6 +35,15 @@ pub struct NormalLoad {
     pub illumination: Arc<Illumination>,
     /// Specular register (18), for gate (51).
     pub open: bool,
+}
+
+/// From the microcomputer (10) to the registers (14), (16), (18), and through them to the circuits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Order {
+    /// A register is written.
+    Write(RegisterWrite),
+    /// Passes; a polygon takes the registers' values with it.
+    Pass(Signal),
 }
 
 /// Control, dots and their end, from (10) by way of (21), (52) and (53) to (28).

@@ -1,6 +1,6 @@
 //! How wide the device's signals are.
 
-use crate::signals::{Dot, Finished, Highlight, Highlights, NormalLoad, Signal as Dots};
+use crate::signals::{Dot, Finished, Highlight, Highlights, NormalLoad, Order, Signal as Dots};
 use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER};
 use basrelief_signals::{Signal, Widths};
 
@@ -15,6 +15,13 @@ impl Signal for Dot {
 impl Signal for Dots {
     fn bits(widths: &Widths) -> u32 {
         2 + Dot::bits(widths).max(CONTROL)
+    }
+}
+
+/// Control: what is written, or the number of what stands in the registers of circuit (21).
+impl Signal for Order {
+    fn bits(_: &Widths) -> u32 {
+        1 + CONTROL
     }
 }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 fn frame(index: u32, width: u32, height: u32) -> Arc<Frame> {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    Arc::new(Frame { index, width, height, camera, lights: Vec::new(), textures: Vec::new() })
+    Arc::new(Frame { index, width, height, camera, lights: Vec::new(), textures: Vec::new(), shading: Default::default() })
 }
 
 /// Three frames of different sizes, one of them empty, with pixels outside; and an end without a frame.

@@ -126,11 +126,31 @@ mod tests {
     #[test]
     fn a_scene_is_drawn_frame_by_frame_object_by_object() {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        let frame = |index| Arc::new(Frame { index, width: 1, height: 1, camera, lights: Vec::new(), textures: Vec::new() });
+        let frame = |index| {
+            Arc::new(Frame {
+                index,
+                width: 1,
+                height: 1,
+                camera,
+                lights: Vec::new(),
+                textures: Vec::new(),
+                shading: Default::default(),
+            })
+        };
         let object = |id, triangles: u32| {
             let mesh = Arc::new(Mesh { indices: vec![0; 3 * triangles as usize], ..Mesh::default() });
             let name = String::new();
-            Arc::new(Object { id, name, mesh, world: [0.0; 16], material: Arc::default(), entries: None, bias: None, bump: None })
+            Arc::new(Object {
+                id,
+                name,
+                mesh,
+                world: [0.0; 16],
+                material: Arc::default(),
+                entries: None,
+                bias: None,
+                bump: None,
+                shading: Default::default(),
+            })
         };
         let scene = Scene { frames: vec![frame(0), frame(1)], objects: vec![object(0, 2), object(1, 0)], ..Scene::default() };
         let mut source = SceneSource::new(SceneDraws::new(Arc::new(scene)));

@@ -132,6 +132,7 @@ mod tests {
             entries: None,
             bias: None,
             bump: None,
+            shading: Default::default(),
         };
         assert_eq!(centre(&object(mesh)), [5.5, -7.0, 9.0]);
         assert_eq!(centre(&object(Mesh::default())), [5.0, -7.0, 9.0]);

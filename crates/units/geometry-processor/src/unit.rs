@@ -62,7 +62,14 @@ impl GeometryProcessor {
             self.state.lights = light_vectors(frame, centre);
         }
         self.state.cache.clear();
-        let info = ObjectInfo { id: object.id, name: object.name.clone(), centre, entries: object.entries, bias: object.bias };
+        let info = ObjectInfo {
+            id: object.id,
+            name: object.name.clone(),
+            centre,
+            entries: object.entries,
+            bias: object.bias,
+            shading: object.shading,
+        };
         self.state.object = Some(object);
         info
     }

@@ -20,7 +20,15 @@ fn frames() -> Vec<Arc<Frame>> {
     let kinds = [LightKind::Directional { to_light: [0.0, 0.6, 0.8] }, LightKind::Point { position: [1.0 / 3.0, 2.0, 0.1] }];
     let frame = |(index, (view, kind))| {
         let lights = vec![Light { kind, intensity: 0.7 }];
-        Arc::new(Frame { index, width: 64, height: 48, camera: camera(view), lights, textures: Vec::new() })
+        Arc::new(Frame {
+            index,
+            width: 64,
+            height: 48,
+            camera: camera(view),
+            lights,
+            textures: Vec::new(),
+            shading: Default::default(),
+        })
     };
     (0..).zip([PERSPECTIVE, IDENTITY].into_iter().zip(kinds)).map(frame).collect()
 }
@@ -47,7 +55,7 @@ fn scene() -> Arc<Scene> {
     let object = |id, double_sided, bump| {
         let material = Arc::new(Material { double_sided, ..Material::default() });
         let (name, mesh, entries) = (format!("strip {id}"), mesh(), Some(16));
-        Arc::new(Object { id, name, mesh, world: IDENTITY, material, entries, bias: None, bump })
+        Arc::new(Object { id, name, mesh, world: IDENTITY, material, entries, bias: None, bump, shading: Default::default() })
     };
     let objects = vec![object(0, false, None), object(1, true, Some(true)), object(2, true, Some(false))];
     Arc::new(Scene { name: "strips".into(), objects, frames: frames(), warnings: Vec::new() })
@@ -100,7 +108,7 @@ fn display_list() -> Vec<Result<(Control, Option<u64>), String>> {
         let (vertices, material) = (vec![Vertex::default(); 3], Arc::default());
         Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: true, arrival }))
     };
-    let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None, bias: None };
+    let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None, bias: None, shading: Default::default() };
     let mut list = vec![(Control::Frame(Arc::clone(&frames()[0])), None), (Control::Object(Arc::new(object)), None)];
     list.extend([40, 44, 44, 90, 3, 91].map(|arrival| (polygon(arrival), Some(arrival))));
     list.push((Control::FrameEnd, None));

@@ -9,7 +9,15 @@ use std::sync::Arc;
 
 fn frame(index: u32) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    Control::Frame(Arc::new(Frame { index, width: 32, height: 16, camera, lights: Vec::new(), textures: Vec::new() }))
+    Control::Frame(Arc::new(Frame {
+        index,
+        width: 32,
+        height: 16,
+        camera,
+        lights: Vec::new(),
+        textures: Vec::new(),
+        shading: Default::default(),
+    }))
 }
 
 fn texture() -> Arc<Texture> {
@@ -52,7 +60,7 @@ type Plain = Vec<Flow<Stamp<Fragment>>>;
 fn both_ways() -> (Shading, Plain) {
     let textured = Material { id: 1, color_texture: Some(texture()), ..Material::default() };
     let bare = Material { base_color: [0.9, 0.4, 0.1, 1.0], ..Material::default() };
-    let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None, bias: None };
+    let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None, bias: None, shading: Default::default() };
     let (mut bump_way, mut plain_way) = (Vec::new(), Vec::new());
     let mut after_plain = false;
     let mut control = |c: Control, plain: bool, ways: (&mut Shading, &mut Plain)| {

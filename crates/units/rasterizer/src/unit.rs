@@ -138,7 +138,15 @@ mod tests {
 
     fn frame(width: u32, height: u32) -> Control {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        Control::Frame(Arc::new(Frame { index: 0, width, height, camera, lights: Vec::new(), textures: Vec::new() }))
+        Control::Frame(Arc::new(Frame {
+            index: 0,
+            width,
+            height,
+            camera,
+            lights: Vec::new(),
+            textures: Vec::new(),
+            shading: Default::default(),
+        }))
     }
 
     fn polygon(corners: &[[f32; 4]]) -> Control {

@@ -18,10 +18,18 @@ fn polygon(bump: bool, corners: &[[f32; 2]]) -> Control {
 /// Two frames: a triangle, a pentagon that sticks out, one without pixels, one without area, a folded one.
 fn display_list() -> Vec<Control> {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None, bias: None };
+    let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None, bias: None, shading: Default::default() };
     let frame = |index| {
         [
-            Control::Frame(Arc::new(Frame { index, width: 20, height: 14, camera, lights: Vec::new(), textures: Vec::new() })),
+            Control::Frame(Arc::new(Frame {
+                index,
+                width: 20,
+                height: 14,
+                camera,
+                lights: Vec::new(),
+                textures: Vec::new(),
+                shading: Default::default(),
+            })),
             Control::Object(Arc::new(object.clone())),
             polygon(true, &[[1.3, 1.1], [12.6, 2.2], [4.9, 9.7]]),
             polygon(false, &[[10.0, -3.0], [26.0, 1.0], [25.0, 9.0], [14.0, 13.5], [9.0, 5.0]]),

@@ -14,7 +14,15 @@ fn rasterizer(block: u32) -> Rasterizer {
     let config = RasterizerConfig { subpixel_bits: 4, block, ..RasterizerConfig::default() };
     let mut unit = Rasterizer::new(config, Operators::default());
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    let frame = Frame { index: 0, width: SIDE as u32, height: SIDE as u32, camera, lights: Vec::new(), textures: Vec::new() };
+    let frame = Frame {
+        index: 0,
+        width: SIDE as u32,
+        height: SIDE as u32,
+        camera,
+        lights: Vec::new(),
+        textures: Vec::new(),
+        shading: Default::default(),
+    };
     unit.step(Some(Control::Frame(Arc::new(frame))), &mut Traffic::default());
     unit
 }

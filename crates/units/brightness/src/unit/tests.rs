@@ -25,6 +25,7 @@ fn frame(kind: LightKind) -> Control {
         camera,
         lights: vec![Light { kind, intensity: 1.0 }],
         textures: Vec::new(),
+        shading: Default::default(),
     }))
 }
 
@@ -37,7 +38,7 @@ fn lamp() -> Control {
 }
 
 fn object(centre: [f32; 3], entries: Option<u32>) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre, entries, bias: None }))
+    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre, entries, bias: None, shading: Default::default() }))
 }
 
 fn polygon(lighting: Lighting) -> Control {

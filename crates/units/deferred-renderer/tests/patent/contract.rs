@@ -27,7 +27,7 @@ fn controls() -> Vec<Control> {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
     let one = |index: u32, repeats: f32| {
         let textures = if index == 0 { vec![Arc::clone(&texture)] } else { vec![] };
-        let frame = Frame { index, width: 22, height: 13, camera, lights: Vec::new(), textures };
+        let frame = Frame { index, width: 22, height: 13, camera, lights: Vec::new(), textures, shading: Default::default() };
         let textured = Material { id: 1, color_texture: Some(Arc::clone(&texture)), ..Material::default() };
         let plain = Material { id: 2, base_color: [0.2, 0.7, 0.4, 1.0], ..Material::default() };
         [Control::Frame(Arc::new(frame)), polygon(textured, repeats), polygon(plain, 1.0), Control::FrameEnd]

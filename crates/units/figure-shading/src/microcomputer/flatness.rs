@@ -2,9 +2,15 @@
 
 use super::Microcomputer;
 use super::state::Process;
-use crate::Mode;
-use basrelief_signals::Polygon;
+use crate::cpu::Operations;
+use crate::local_memory::PolygonBuffer;
+use basrelief_kernel::{Traffic, Work};
+use basrelief_signals::{Mode, Polygon};
 use glam::Vec3;
+
+/// Distance of a sample point's normal from another: three differences, their squares, a comparison.
+pub(super) const DISTANCE: Operations =
+    Operations { load: 3, compare: 1, ..Operations::of(Work::INNER_PRODUCT.and(Work { add: 3, ..Work::NONE })) };
 
 /// Whether no normal is farther than `tolerance` from the first one. A polygon without points is not flat.
 fn is_flat(normals: &[Vec3], tolerance: f32) -> bool {
@@ -32,8 +38,14 @@ pub(super) fn color_of(polygon: &Polygon) -> Option<[f32; 3]> {
 impl Microcomputer {
     /// Process 15; in polyhedron mode there is nothing to decide. A polygon whose points differ in colour is never flat: here
     /// Ka and Kd carry the colour, so its brightness is not constant though its normal is.
-    pub(super) fn judge_flatness(&mut self, polygon: &Polygon, normals: &[Vec3]) -> (bool, u64) {
-        let matters = match self.shading.mode {
+    pub(super) fn judge_flatness(
+        &mut self,
+        polygon: &Polygon,
+        normals: &[Vec3],
+        buffer: PolygonBuffer,
+        traffic: &mut Traffic,
+    ) -> (bool, u64) {
+        let matters = match self.state.settings.mode {
             Mode::Normal => true,
             Mode::Brightness => self.shading.flat_in_brightness_mode,
             Mode::Polyhedron => false,
@@ -43,6 +55,8 @@ impl Microcomputer {
         }
         let flat = is_flat(normals, self.short_cuts.flatness.tolerance) && color_of(polygon).is_some();
         self.state.counters.flat += u64::from(flat);
-        (flat, self.run(Process::Flatness, u64::from(self.config.flatness_cycles_per_point) * normals.len() as u64))
+        let points = normals.len() as u64;
+        self.port.read(traffic, buffer.normals(), points * DISTANCE.load);
+        (flat, self.run(Process::Flatness, DISTANCE.times(points)))
     }
 }

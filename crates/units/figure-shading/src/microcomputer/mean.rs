@@ -1,11 +1,26 @@
 //! Process 24: mean brightness of a polygon, and its output.
 
 use super::Microcomputer;
-use super::state::{Phase, Process};
+use super::state::{Decided, Phase, Process};
 use super::unit::{Out, nothing};
-use crate::{Dot, Mode, Signal};
-use basrelief_kernel::Step;
-use basrelief_signals::{Fragment, Polygon};
+use crate::cpu::Operations;
+use crate::{Dot, Signal};
+use basrelief_kernel::{Step, Traffic, Work};
+use basrelief_shading::fan_triangles;
+use basrelief_signals::{Fragment, Mode};
+
+/// Per sample point: its components, summed.
+const SUM: Operations = Operations { load: 3, add: 3, ..Operations::NONE };
+/// The reciprocal of their number, and three products.
+const SHARE: Operations = Operations { divide: 1, multiply: 3, ..Operations::NONE };
+/// The brightness goes to the selectors' input once for all dots of a polygon.
+const BRIGHTNESS: Operations = Operations { store: 3, ..Operations::NONE };
+/// Set-up of a triangle of the fan: nine coordinates, x and y of each in steps of the grid; two differences, two products and
+/// a difference for each edge; the area's sign and reciprocal; two slopes of the depth.
+const SET_UP: Operations =
+    Operations { load: 9, compare: 4, ..Operations::of(Work { multiply: 6 + 6 + 6, add: 6 + 9 + 4, divide: 1, ..Work::NONE }) };
+/// A dot: a step of three edges, of the address and of the depth, a branch; address and depth are stored.
+pub(super) const DOT: Operations = Operations { integer: 3 + 1 + 1 + 1, store: 2, ..Operations::NONE };
 
 /// Mean over the sample points; black without any.
 pub(crate) fn mean(brightness: &[[f32; 3]]) -> [f32; 3] {
@@ -17,16 +32,25 @@ pub(crate) fn mean(brightness: &[[f32; 3]]) -> [f32; 3] {
 
 impl Microcomputer {
     /// Brightness of all dots, reused or calculated from that of the sample points, and the cycles that it takes.
-    pub(super) fn mean(&mut self, polygon: &Polygon, brightness: &[[f32; 3]], reused: bool) -> ([f32; 3], u64) {
-        if let (true, Some(plane)) = (reused, &self.state.plane) {
+    pub(super) fn mean(&mut self, decided: &Decided, brightness: &[[f32; 3]], traffic: &mut Traffic) -> ([f32; 3], u64) {
+        if let (true, Some(plane)) = (decided.reused, &self.state.plane) {
             return (plane.brightness, 0);
         }
-        let mut cycles = self.run(Process::Mean, u64::from(self.config.mean_cycles_per_point) * brightness.len() as u64);
+        let (buffer, points) = (self.buffer(decided.number), brightness.len() as u64);
+        self.port.read(traffic, buffer.brightness(), SUM.load * points);
+        let mut cycles = self.run(Process::Mean, SUM.times(points).and(SHARE));
         let mean = mean(brightness);
-        if self.shading.mode != Mode::Polyhedron {
-            cycles += self.store(polygon, mean);
+        if self.state.settings.mode != Mode::Polyhedron {
+            cycles += self.store(&decided.polygon, mean, buffer, traffic);
         }
         (mean, cycles)
+    }
+
+    /// Set-up of the output; the cycles that it takes.
+    pub(super) fn set_up_output(&mut self, decided: &Decided, traffic: &mut Traffic) -> u64 {
+        let (points, triangles) = (decided.polygon.vertices.len() as u64, u64::from(fan_triangles(&decided.polygon)));
+        self.port.read(traffic, self.buffer(decided.number).points(), 3 * points);
+        self.spend(Process::Mean, BRIGHTNESS.and(SET_UP.times(triangles)))
     }
 
     /// The next dot of process 24, or the polygon's end.
@@ -36,7 +60,7 @@ impl Microcomputer {
         let to_53 = figure.registers.mean_goes_to_53();
         let mut cycles = 1;
         let signal = if let Some(Fragment { x, y, z, .. }) = self.state.dots.next(&figure.polygon) {
-            cycles = u64::from(self.config.dot_cycles);
+            cycles = self.dot_cycles;
             self.state.counters.dots += 1;
             self.state.counters.processes[Process::Mean as usize].cycles += cycles;
             Signal::Dot(Dot { x, y, z, brightness: *brightness })

@@ -1,9 +1,12 @@
 //! Memory (12): brightness of the last flat polygon that was calculated (Figure 7).
 
 use super::Microcomputer;
-use super::flatness::{are_near, color_of, normals_of};
+use super::flatness::{DISTANCE, are_near, color_of, normals_of};
 use super::state::Process;
 use crate::SamePlaneConfig;
+use crate::cpu::Operations;
+use crate::local_memory::{PLANE, PLANE_NUMBERS, PolygonBuffer};
+use basrelief_kernel::{Traffic, Work};
 use basrelief_shading::doubled_area;
 use basrelief_signals::Polygon;
 use glam::Vec3;
@@ -50,27 +53,50 @@ impl Plane {
     }
 }
 
+/// Step 92, per sample point: its normal against the stored one; its depth against that of the stored plane.
+const COMPARISON: Operations =
+    DISTANCE.and(Operations { load: 3, compare: 1, ..Operations::of(Work { multiply: 2, add: 5, ..Work::NONE }) });
+/// Step 92: what is stored but the brightness, and its colour against the polygon's.
+const STORED: Operations = Operations { load: 11, compare: 3, ..Operations::NONE };
+/// Step 95: the stored brightness.
+const READ: Operations = Operations { load: 3, ..Operations::NONE };
+/// Step 94, per sample point: its share in three areas, seen along each axis, of two products and two sums each.
+const AREAS: Operations = Operations { load: 3, ..Operations::of(Work { multiply: 6, add: 6, ..Work::NONE }) };
+/// Step 94: two slopes.
+const STORE: Operations = Operations { divide: 2, store: PLANE_NUMBERS, ..Operations::NONE };
+
 impl Microcomputer {
     /// Figure 7, step 92, and 95 if the brightness is reused.
-    pub(super) fn judge_plane(&mut self, polygon: &Polygon, normals: &[Vec3]) -> (bool, u64) {
+    pub(super) fn judge_plane(
+        &mut self,
+        polygon: &Polygon,
+        normals: &[Vec3],
+        buffer: PolygonBuffer,
+        traffic: &mut Traffic,
+    ) -> (bool, u64) {
         if !self.short_cuts.same_plane.enabled {
             return (false, 0);
         }
         let reused = self.state.plane.is_some_and(|p| p.holds(polygon, normals, &self.short_cuts.same_plane));
         self.state.counters.reused += u64::from(reused);
-        let read = if reused { u64::from(self.config.memory_cycles) } else { 0 };
-        let compare = u64::from(self.config.same_plane_cycles_per_point) * normals.len() as u64;
-        (reused, self.run(Process::SamePlane, compare + read))
+        let (points, read) = (normals.len() as u64, if reused { READ } else { Operations::NONE });
+        self.port.read(traffic, PLANE, STORED.load + read.load);
+        self.port.read(traffic, buffer.points(), 3 * points);
+        self.port.read(traffic, buffer.normals(), 3 * points);
+        (reused, self.run(Process::SamePlane, STORED.and(COMPARISON.times(points)).and(read)))
     }
 
     /// Step 94; the cycles that it takes.
-    pub(super) fn store(&mut self, polygon: &Polygon, brightness: [f32; 3]) -> u64 {
+    pub(super) fn store(&mut self, polygon: &Polygon, brightness: [f32; 3], buffer: PolygonBuffer, traffic: &mut Traffic) -> u64 {
         if !self.short_cuts.same_plane.enabled {
             return 0;
         }
         let normal = normals_of(polygon).first().copied().unwrap_or_default();
         self.state.plane = Plane::of(polygon, normal, brightness);
-        self.run(Process::SamePlane, u64::from(self.config.memory_cycles))
+        let points = polygon.vertices.len() as u64;
+        self.port.read(traffic, buffer.points(), AREAS.load * points);
+        self.port.write(traffic, PLANE, PLANE_NUMBERS);
+        self.run(Process::SamePlane, AREAS.times(points).and(STORE))
     }
 }
 

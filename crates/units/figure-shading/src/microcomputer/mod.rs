@@ -23,5 +23,6 @@ mod transfer;
 mod unit;
 
 pub use memory::Plane;
+pub(crate) use specular::Limits;
 pub use state::{MicrocomputerCounters, MicrocomputerState, Process, ProcessCounters};
 pub use unit::Microcomputer;

@@ -1,11 +1,22 @@
 //! Process 13: mode decision, for the mode register (14), and with it all that is sent once per frame or object.
 
 use super::Microcomputer;
-use super::state::Process;
+use super::state::{Process, Settings};
+use crate::cpu::Operations;
+use crate::local_memory::{LIGHT, LIGHTS, SETTINGS};
 use crate::{Illumination, ScanConfig};
+use basrelief_kernel::{Traffic, Work};
 use basrelief_shading::{Raster, light_vectors};
-use basrelief_signals::{Frame, ObjectInfo, Polygon};
+use basrelief_signals::{Frame, ObjectInfo, Polygon, Shading};
 use std::sync::Arc;
+
+/// Mode decision: the mode is loaded and told from the other two.
+const DECISION: Operations = Operations { load: 1, integer: 2, ..Operations::NONE };
+/// H of a light: L and V added, and brought to length 1; its intensity times Is. L comes as a unit vector.
+const LIGHT_VECTOR: Operations =
+    Operations { load: 8, store: 4, ..Operations::of(Work::NORMALIZE.and(Work { add: 3, multiply: 1, ..Work::NONE })) };
+/// A material: Ka, Kd, Ks, n and colour; Ka*Ia.
+const MATERIAL: Operations = Operations { load: 8, multiply: 1, ..Operations::NONE };
 
 impl Microcomputer {
     /// A frame begins; the cycles that it takes.
@@ -15,34 +26,56 @@ impl Microcomputer {
         self.state.frame = Some(Arc::clone(frame));
         self.state.object = None;
         self.state.lights_changed = true;
-        self.run(Process::Mode, u64::from(self.config.mode_cycles))
+        self.decide_mode(frame.shading)
     }
 
-    /// The polygons that follow are of this object.
-    pub(super) fn begin_object(&mut self, object: Arc<ObjectInfo>) {
+    /// The polygons that follow are of this object; the cycles that it takes, and whether its mode is another.
+    pub(super) fn begin_object(&mut self, object: Arc<ObjectInfo>) -> (u64, bool) {
+        let of_frame = self.state.frame.as_ref().map_or_else(Shading::default, |frame| frame.shading);
+        let (before, said) = (self.state.settings, object.shading.or(of_frame));
         self.state.object = Some(object);
         self.state.lights_changed = true;
+        if self.settings(said) == before {
+            return (1, false);
+        }
+        let cycles = self.decide_mode(said);
+        (cycles, self.state.settings.mode != before.mode)
+    }
+
+    /// What is said, and where nothing is, what is configured.
+    fn settings(&self, said: Shading) -> Settings {
+        let c = &self.shading;
+        Settings { mode: said.mode.unwrap_or(c.mode), ia: said.ia.unwrap_or(c.ia), is: said.is.unwrap_or(c.is) }
+    }
+
+    fn decide_mode(&mut self, said: Shading) -> u64 {
+        self.state.settings = self.settings(said);
+        self.run(Process::Mode, DECISION)
     }
 
     /// Brings the illumination up to date for this polygon; the cycles that it takes.
-    pub(super) fn set(&mut self, polygon: &Polygon) -> u64 {
+    pub(super) fn set(&mut self, polygon: &Polygon, traffic: &mut Traffic) -> u64 {
         let material = &polygon.material;
         let [r, g, b, _] = material.base_color;
         let old = &self.state.illumination;
-        if !self.state.lights_changed && old.lighting == material.lighting && old.color == [r, g, b] {
+        let (lights_changed, color) = (std::mem::take(&mut self.state.lights_changed), [r, g, b]);
+        if !lights_changed && old.lighting == material.lighting && old.color == color {
             return 0;
         }
-        self.state.lights_changed = false;
         let centre = self.state.object.as_ref().map_or([0.0; 3], |o| o.centre);
         let mut lights = self.state.frame.as_ref().map_or_else(Vec::new, |frame| light_vectors(frame, centre));
-        lights.iter_mut().for_each(|light| light.intensity *= self.shading.is);
-        let cycles = u64::from(self.config.setting_cycles_per_light) * lights.len() as u64;
-        let (mode, ambient) = (self.shading.mode, self.shading.ia);
-        let new = Illumination { mode, lighting: material.lighting, color: [r, g, b], ambient, lights };
+        let Settings { mode, ia: ambient, is } = self.state.settings;
+        lights.iter_mut().for_each(|light| light.intensity *= is);
+        let count = lights.len() as u64;
+        let new = Illumination { mode, lighting: material.lighting, color, ambient, lights };
         if **old != new {
             self.state.plane = None;
             self.state.illumination = Arc::new(new);
         }
-        self.run(Process::Mode, cycles)
+        let vectors = if lights_changed { count } else { 0 };
+        self.port.read(traffic, SETTINGS, MATERIAL.load);
+        self.port.read(traffic, LIGHTS, vectors * LIGHT);
+        self.port.write(traffic, LIGHTS, vectors * LIGHT);
+        self.run(Process::Mode, MATERIAL.and(LIGHT_VECTOR.times(vectors))) + self.set_limits(traffic)
     }
 }

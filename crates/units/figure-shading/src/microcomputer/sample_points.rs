@@ -2,9 +2,25 @@
 
 use super::Microcomputer;
 use super::state::Process;
+use crate::cpu::Operations;
 use crate::illumination::normal_of;
+use crate::local_memory::{LIGHT, LIGHTS, PolygonBuffer};
+use crate::power::multiplications;
 use crate::{Clamp, Illumination, Registers};
+use basrelief_kernel::{Traffic, Work};
 use basrelief_signals::Polygon;
+
+/// Per sample point: its normal; Kd, Ka*Ia; the surface's colour.
+const POINT: Operations = Operations { load: 3, store: 3, ..Operations::of(Work { multiply: 4, add: 1, ..Work::NONE }) };
+/// Per sample point that has a colour: that, too.
+const COLOR: Operations = Operations { load: 3, multiply: 3, ..Operations::NONE };
+/// Per sample point and light: N.L, cut off at 0, times Is, summed.
+const DIFFUSE: Operations =
+    Operations { load: 4, compare: 1, ..Operations::of(Work::INNER_PRODUCT.and(Work { multiply: 1, add: 1, ..Work::NONE })) };
+/// Step 83, per sample point and light: N.H, cut off to 0..=1, times Is, summed; the power comes on top.
+const SPECULAR: Operations = Operations { load: 3, compare: 2, ..DIFFUSE };
+/// Step 83, per sample point: times Ks, and added to each component.
+const HIGHLIGHT: Operations = Operations { multiply: 1, add: 3, ..Operations::NONE };
 
 /// Red, green and blue of each sample point: first ambient and diffuse; then (steps 80 to 83) the specular term, where
 /// circuit (50) does not add it and it is not negligible.
@@ -20,11 +36,28 @@ fn brightness(polygon: &Polygon, illumination: &Illumination, registers: Registe
 
 impl Microcomputer {
     /// Brightness of the sample points, and the cycles that it takes.
-    pub(super) fn sample_points(&mut self, polygon: &Polygon, registers: Registers) -> (Vec<[f32; 3]>, u64) {
-        let c = &self.config;
-        let specular = if registers.adds_specular_at_sample_points() { c.specular_brightness_cycles_per_point } else { 0 };
-        let per_point = u64::from(c.brightness_cycles_per_point + specular) * self.state.illumination.lights.len().max(1) as u64;
-        let cycles = self.run(Process::Brightness, per_point * polygon.vertices.len() as u64);
+    pub(super) fn sample_points(
+        &mut self,
+        polygon: &Polygon,
+        registers: Registers,
+        buffer: PolygonBuffer,
+        traffic: &mut Traffic,
+    ) -> (Vec<[f32; 3]>, u64) {
+        let (points, lights) = (polygon.vertices.len() as u64, self.state.illumination.lights.len() as u64);
+        let is_colored = polygon.vertices.iter().any(|v| v.color != [1.0; 4]);
+        let mut operations = POINT.and(DIFFUSE.times(lights));
+        if is_colored {
+            operations = operations.and(COLOR);
+            self.port.read(traffic, buffer.colors(), 3 * points);
+        }
+        if registers.adds_specular_at_sample_points() {
+            let power = Operations { multiply: multiplications(self.state.illumination.lighting.n), ..Operations::NONE };
+            operations = operations.and(SPECULAR.and(power).times(lights)).and(HIGHLIGHT);
+        }
+        self.port.read(traffic, buffer.normals(), 3 * points);
+        self.port.read(traffic, LIGHTS, LIGHT * lights);
+        self.port.write(traffic, buffer.brightness(), 3 * points);
+        let cycles = self.run(Process::Brightness, operations.times(points));
         (brightness(polygon, &self.state.illumination, registers, self.shading.clamp), cycles)
     }
 }

@@ -1,26 +1,87 @@
-//! Process 17: whether specular reflection is negligible, for the specular register (18).
+//! Process 17: specular-negligible decision, for the specular register (18).
 
 use super::Microcomputer;
 use super::state::Process;
+use crate::cpu::Operations;
+use crate::local_memory::{LIGHT, LIGHTS, PolygonBuffer};
 use crate::{Illumination, Power};
+use basrelief_kernel::{Traffic, Work};
+use basrelief_signals::Lighting;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
-/// Whether the specular term stays below `threshold` on the whole polygon, by a bound on N.H.
+/// Steps in which a limit is found: to 2^-24, as fine as N.H is.
+const STEPS: u32 = 24;
+/// Limit of a light whose term is never negligible.
+const NEVER: f32 = -1.0;
+
+/// Per light: the largest power that is negligible, threshold / (number of lights * Ks * Is).
+const LARGEST_POWER: Operations = Operations { load: 3, store: 1, divide: 1, multiply: 2, ..Operations::NONE };
+/// Per light and step of the search: the middle, and whether its power is below; the power comes on top.
+const STEP: Operations = Operations { add: 1, multiply: 1, compare: 1, ..Operations::NONE };
+/// Per sample point and light: N.H, and whether it is the largest so far.
+const POINT: Operations = Operations { load: 3, compare: 1, ..Operations::of(Work::INNER_PRODUCT) };
+/// Per light: H and its limit, compared.
+const OF_LIGHT: Operations = Operations { load: 4, compare: 1, ..Operations::NONE };
+/// Where normals are brought to length 1, per sample point: its part of their sum; its product with the sum's direction, and
+/// whether it is the least so far.
+const SHORTEST_POINT: Operations =
+    Operations { load: 6, compare: 1, ..Operations::of(Work::INNER_PRODUCT.and(Work { add: 3, ..Work::NONE })) };
+/// The same, per polygon: the sum's direction.
+const SHORTEST: Operations = Operations::of(Work::NORMALIZE);
+/// The same, per light: N.H divided by it.
+const SHORTEST_OF_LIGHT: Operations = Operations { divide: 1, compare: 1, ..Operations::NONE };
+
+/// For each light the largest N.H whose term is negligible, and what it was found for.
+///
+/// A power grows with its base: instead of a power for each polygon, process 17 compares N.H with the base whose power is just
+/// negligible, found once per material. With several lights each may take an equal share of the threshold. (Rejected: the sum of all
+/// terms held against the threshold, which spares a little more, at a power per light and polygon.)
+///
+/// It is found by halving an interval [`STEPS`] times, which follows the power as circuit (50) has it, the rounding of its table included.
+/// (Rejected: a root by logarithm and exponential, some 40 operations in place of some 200 at n = 50, but with a margin for
+/// every rounding, and once per material only.)
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Limits {
+    /// Ks, n, and Is of each light.
+    found_for: Option<(f32, f32, Vec<f32>)>,
+    /// In the order of the lights.
+    largest: Vec<f32>,
+}
+
+/// The largest N.H in 0..=1 at which a light's term stays below `share`.
+fn limit(lighting: &Lighting, intensity: f32, share: f32, power: &Power) -> f32 {
+    let largest = share / (lighting.ks * intensity);
+    let is_below = |n_h: f32| power.bound(n_h, lighting.n) < largest;
+    if is_below(1.0) {
+        return 1.0;
+    }
+    if !is_below(0.0) {
+        return NEVER;
+    }
+    let (mut below, mut above) = (0.0, 1.0);
+    for _ in 0..STEPS {
+        let middle = 0.5 * (below + above);
+        *if is_below(middle) { &mut below } else { &mut above } = middle;
+    }
+    below
+}
+
+/// Whether the specular term stays below the threshold on the whole polygon, by a bound on N.H.
 ///
 /// A weighted sum of the normals has N.H at most max(N_i.H), and length at least min(M.N_i), M being the direction of their
 /// sum. So N.H <= max(0, max(N_i.H)), divided by min(M.N_i) where normals are brought to length 1: there a highlight may
 /// peak inside although all sample points are dark. Where that minimum is not positive there is no bound. (It is taken as
 /// at most 1, so that the bound holds at the sample points, too.)
-fn is_negligible(normals: &[Vec3], illumination: &Illumination, renormalise: bool, threshold: f32, power: &Power) -> bool {
+fn is_negligible(normals: &[Vec3], illumination: &Illumination, renormalise: bool, limits: &Limits) -> bool {
     let shortest = if renormalise { shortest_sum(normals) } else { 1.0 };
     if shortest <= 0.0 {
         return false;
     }
-    let bound = illumination.highlight(|light| {
+    illumination.lights.iter().zip(&limits.largest).all(|(light, limit)| {
         let largest = normals.iter().fold(0.0, |c: f32, n| c.max(n.dot(light.halfway)));
-        power.bound((largest / shortest).min(1.0), illumination.lighting.n)
-    });
-    bound < threshold
+        (largest / shortest).min(1.0) <= *limit
+    })
 }
 
 /// No weighted mean of the normals is shorter than this; at most 1.
@@ -30,17 +91,90 @@ fn shortest_sum(normals: &[Vec3]) -> f32 {
 }
 
 impl Microcomputer {
-    /// Process 17.
-    pub(super) fn judge_specular(&mut self, normals: &[Vec3]) -> (bool, u64) {
+    /// The limits, where Ks, n or Is are not those they were found for; the cycles that it takes.
+    pub(super) fn set_limits(&mut self, traffic: &mut Traffic) -> u64 {
         let config = &self.short_cuts.specular_negligible;
-        if !config.enabled {
+        let Illumination { lighting, lights, .. } = &*self.state.illumination;
+        let wanted = Some((lighting.ks, lighting.n, lights.iter().map(|light| light.intensity).collect()));
+        if !config.enabled || self.state.limits.found_for == wanted {
+            return 0;
+        }
+        let (count, share) = (lights.len() as u64, config.threshold / lights.len() as f32);
+        let largest = lights.iter().map(|light| limit(lighting, light.intensity, share, &self.power)).collect();
+        let step = STEP.and(Operations { multiply: self.power.bound_multiplications(lighting.n), ..Operations::NONE });
+        self.state.limits = Limits { found_for: wanted, largest };
+        self.port.read(traffic, LIGHTS, LIGHT * count);
+        self.port.write(traffic, LIGHTS, LIGHT * count);
+        self.spend(Process::Specular, LARGEST_POWER.and(step.times(u64::from(STEPS))).times(count))
+    }
+
+    /// Process 17.
+    pub(super) fn judge_specular(&mut self, normals: &[Vec3], buffer: PolygonBuffer, traffic: &mut Traffic) -> (bool, u64) {
+        if !self.short_cuts.specular_negligible.enabled {
             return (true, 0);
         }
-        let negligible =
-            is_negligible(normals, &self.state.illumination, self.shading.renormalise, config.threshold, &self.power);
+        let renormalise = self.shading.renormalise;
+        let negligible = is_negligible(normals, &self.state.illumination, renormalise, &self.state.limits);
         self.state.counters.specular_negligible += u64::from(negligible);
-        let per_light = u64::from(self.config.specular_cycles_per_point) * normals.len() as u64
-            + u64::from(self.config.specular_power_cycles);
-        (!negligible, self.run(Process::Specular, per_light * self.state.illumination.lights.len() as u64))
+        let (points, lights) = (normals.len() as u64, self.state.illumination.lights.len() as u64);
+        let mut operations = POINT.times(points).and(OF_LIGHT).times(lights);
+        if renormalise {
+            operations = operations.and(SHORTEST_POINT.times(points)).and(SHORTEST).and(SHORTEST_OF_LIGHT.times(lights));
+        }
+        self.port.read(traffic, buffer.normals(), 3 * points);
+        self.port.read(traffic, LIGHTS, LIGHT * lights);
+        (!negligible, self.run(Process::Specular, operations))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{NormalInterpolationConfig, PowerMethod, power};
+    use basrelief_kernel::Operators;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_limit_decides_as_the_power_does(
+            n in 1u32..=1000, fraction in prop::sample::select(vec![0f32, 0.5]), ks in 0.0625f32..1.0, is in 0.0625f32..2.0,
+            threshold in prop::sample::select(vec![1f32 / 510.0, 0.25, 1.0]), n_h in 0f32..=1.0,
+        ) {
+            let lighting = Lighting { ks, n: n as f32 + fraction, ..Lighting::default() };
+            let by_iteration = Power::new(&NormalInterpolationConfig::default(), &Operators::default());
+            let limit = limit(&lighting, is, threshold, &by_iteration);
+            let term = |n_h: f32| ks * is * power(n_h.clamp(0.0, 1.0), lighting.n);
+            // Up to rounding, and the width of the last step.
+            if term(n_h - 1e-6) >= threshold * 1.0001 {
+                prop_assert!(n_h > limit, "{} {}", n_h, limit);
+            }
+            if term(n_h + 1e-6) < threshold * 0.9999 {
+                prop_assert!(n_h <= limit, "{} {}", n_h, limit);
+            }
+        }
+    }
+
+    #[test]
+    fn a_limit_follows_the_rounding_of_a_table() {
+        let config = NormalInterpolationConfig {
+            power: PowerMethod::Table,
+            table_entries: 9,
+            table_bits: 3,
+            ..NormalInterpolationConfig::default()
+        };
+        let by_table = Power::new(&config, &Operators::default());
+        let lighting = Lighting { ks: 1.0, n: 20.0, ..Lighting::default() };
+        let limit = limit(&lighting, 1.0, 0.5, &by_table);
+        let table = by_table.table(20.0);
+        assert!(by_table.at(&table, limit, 20.0) < 0.5);
+        assert!(by_table.at(&table, limit + 1e-6, 20.0) >= 0.5, "an entry above the power");
+    }
+
+    #[test]
+    fn what_does_not_shine_is_always_negligible_and_nothing_is_below_zero() {
+        let power = Power::new(&NormalInterpolationConfig::default(), &Operators::default());
+        let lighting = |ks| Lighting { ks, n: 50.0, ..Lighting::default() };
+        assert_eq!(limit(&lighting(0.0), 1.0, 1.0 / 510.0, &power), 1.0);
+        assert_eq!(limit(&lighting(0.5), 1.0, 0.0, &power), NEVER);
     }
 }

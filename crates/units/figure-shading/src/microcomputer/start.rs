@@ -1,21 +1,27 @@
 //! Process 20: loads and starts the normal-interpolation brightness circuit (50).
 
 use super::Microcomputer;
-use super::state::Process;
-use crate::{Mode, NormalLoad, Registers, Selection, SpecularSkip};
-use basrelief_signals::Polygon;
-use glam::Vec3;
+use super::flatness::normals_of;
+use super::state::{Decided, Process};
+use crate::cpu::Operations;
+use crate::local_memory::{LIGHT, LIGHTS};
+use crate::{NormalLoad, Selection, SpecularSkip};
+use basrelief_kernel::Traffic;
+use basrelief_signals::Mode;
 use std::sync::Arc;
+
+/// The command that starts it, and n.
+const COMMAND: Operations = Operations { load: 1, store: 2, ..Operations::NONE };
+/// Per light: H; Is*Ks.
+const OF_LIGHT: Operations = Operations { load: 4, multiply: 1, store: 4, ..Operations::NONE };
+/// Per sample point: place and depth, and the normal.
+const POINT: Operations = Operations { load: 6, store: 6, ..Operations::NONE };
 
 impl Microcomputer {
     /// What circuit (50) is loaded with, if it is started, and the cycles that it takes. It is started where its output is
     /// selected; where gate (51) will hold that back, too, if `shade.specular_skip` says so.
-    pub(super) fn start(
-        &mut self,
-        polygon: &Arc<Polygon>,
-        normals: Vec<Vec3>,
-        registers: Registers,
-    ) -> (Option<Arc<NormalLoad>>, u64) {
+    pub(super) fn start(&mut self, decided: &Decided, traffic: &mut Traffic) -> (Option<Arc<NormalLoad>>, u64) {
+        let Decided { polygon, registers, number, .. } = decided;
         let starts = match registers.selection() {
             Selection::LinearAndSpecular => true,
             Selection::Linear => registers.mode == Mode::Normal && self.shading.specular_skip == SpecularSkip::Gate,
@@ -25,8 +31,12 @@ impl Microcomputer {
             return (None, 0);
         }
         self.state.counters.starts += 1;
-        let load_cycles = u64::from(self.config.load_cycles_per_point) * normals.len() as u64;
-        let cycles = self.run(Process::Start, u64::from(self.config.start_cycles) + load_cycles);
+        let (buffer, normals) = (self.buffer(*number), normals_of(polygon));
+        let (points, lights) = (normals.len() as u64, self.state.illumination.lights.len() as u64);
+        self.port.read(traffic, LIGHTS, LIGHT * lights);
+        self.port.read(traffic, buffer.points(), 3 * points);
+        self.port.read(traffic, buffer.normals(), 3 * points);
+        let cycles = self.run(Process::Start, COMMAND.and(OF_LIGHT.times(lights)).and(POINT.times(points)));
         let (polygon, raster, illumination) = (Arc::clone(polygon), self.state.raster, Arc::clone(&self.state.illumination));
         (Some(Arc::new(NormalLoad { polygon, raster, normals, illumination, open: registers.specular })), cycles)
     }

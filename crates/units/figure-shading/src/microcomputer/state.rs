@@ -1,10 +1,11 @@
 //! What the microcomputer (10) keeps between steps.
 
+use super::Limits;
 use super::Plane;
 use crate::dots::Dots;
 use crate::{Figure, Illumination, Registers};
 use basrelief_shading::Raster;
-use basrelief_signals::{Frame, ObjectInfo, Polygon};
+use basrelief_signals::{Frame, Mode, ObjectInfo, Polygon};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -56,8 +57,18 @@ pub struct ProcessCounters {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Decided {
     pub(crate) polygon: Arc<Polygon>,
+    /// Where memory (12) has it: its number.
+    pub(crate) number: u64,
     pub(crate) registers: Registers,
     pub(crate) reused: bool,
+}
+
+/// Mode, Ia and Is, as the display list or the configuration has them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Settings {
+    pub(crate) mode: Mode,
+    pub(crate) ia: f32,
+    pub(crate) is: f32,
 }
 
 /// What the CPU (11) is at.
@@ -66,6 +77,14 @@ pub(crate) enum Phase {
     /// Waits for the host.
     #[default]
     Idle,
+    /// A frame has begun: its mode is next written to the mode register (14).
+    WriteMode,
+    /// Decided: the flatness register (16) is next.
+    WriteFlat(Decided),
+    /// Then the specular register (18).
+    WriteSpecular(Decided),
+    /// Then circuit (50) is started, or not.
+    Start(Decided),
     /// Brightness is next.
     Shade(Decided),
     /// Process 24 puts out dots.
@@ -80,12 +99,18 @@ pub(crate) enum Phase {
 /// Everything the microcomputer remembers: what the host has sent, what the CPU (11) is at, memory (12), counters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MicrocomputerState {
+    /// Mode, Ia and Is of the object.
+    pub(crate) settings: Settings,
     pub(crate) frame: Option<Arc<Frame>>,
     pub(crate) object: Option<Arc<ObjectInfo>>,
     pub(crate) raster: Raster,
     /// Frame or object are new: L and H are to be calculated again.
     pub(crate) lights_changed: bool,
     pub(crate) illumination: Arc<Illumination>,
+    /// Largest N.H that process 17 calls negligible.
+    pub(crate) limits: Limits,
+    /// Polygons taken: the number of the one that is next.
+    pub(crate) polygons: u64,
     pub(crate) phase: Phase,
     /// Where process 24 is in its polygon.
     pub(crate) dots: Dots,

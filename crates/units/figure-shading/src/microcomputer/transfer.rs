@@ -2,10 +2,19 @@
 
 use super::Microcomputer;
 use super::state::Process;
+use crate::cpu::Operations;
+use crate::local_memory::PolygonBuffer;
+use basrelief_kernel::Traffic;
+
+/// Per sample point: place and depth, and three components.
+const POINT: Operations = Operations { load: 6, store: 6, ..Operations::NONE };
 
 impl Microcomputer {
     /// The cycles that it takes for these sample points.
-    pub(super) fn transfer(&mut self, brightness: &[[f32; 3]]) -> u64 {
-        self.run(Process::Transfer, u64::from(self.config.transfer_cycles_per_point) * brightness.len() as u64)
+    pub(super) fn transfer(&mut self, brightness: &[[f32; 3]], buffer: PolygonBuffer, traffic: &mut Traffic) -> u64 {
+        let points = brightness.len() as u64;
+        self.port.read(traffic, buffer.points(), 3 * points);
+        self.port.read(traffic, buffer.brightness(), 3 * points);
+        self.run(Process::Transfer, POINT.times(points))
     }
 }

@@ -1,14 +1,18 @@
 //! The unit and its steps: one to decide, one to shade, and one per dot of process 24.
 
 use super::flatness::normals_of;
+use super::mean::DOT;
 use super::state::{Decided, MicrocomputerState, Phase, Process};
+use crate::cpu::Operations;
 use crate::dots::Dots;
+use crate::local_memory::{self, LocalPort, PolygonBuffer};
 use crate::{
-    Figure, MicrocomputerConfig, NormalInterpolationConfig, NormalLoad, Power, Registers, Route, ScanConfig, Selection,
-    ShadingConfig, ShortCutConfigs, Signal,
+    CpuConfig, Figure, HostConfig, NormalInterpolationConfig, NormalLoad, Order, Power, RegisterWrite, Registers, Route,
+    ScanConfig, Selection, ShadingConfig, ShortCutConfigs, Signal,
 };
 use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
+use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Polygon};
 use std::sync::Arc;
 
@@ -16,101 +20,172 @@ use std::sync::Arc;
 /// flat polygons itself.
 ///
 /// The CPU (11) does one thing after the other. A polygon takes it through: 15 flat? If so, 92 on the plane of the one
-/// before? If not, 17 specular negligible? Then 20 loads and starts circuit (50), which works while 22 shades the sample
-/// points; then 23 loads circuit (21), or 24 takes the mean and puts it out for every dot.
+/// before? If not, 17 specular negligible? Registers (16) and (18) are written. Then 20 loads and starts circuit (50), which works
+/// while 22 shades the sample points; then 23 loads circuit (21), or 24 takes the mean and puts it out for every dot.
 ///
-/// Outputs: 0 circuit (21), and with it all control; 1 circuit (50); 2 selector (53), 3 selector (28): dots of process 24.
+/// What the processes read, the host interface has put into memory (12).
+///
+/// Outputs: 0 registers, circuit (21), and with it all control; 1 circuit (50); 2 selector (53), 3 selector (28): dots of process 24.
 #[derive(Clone, Debug)]
 pub struct Microcomputer {
-    /// Parameters.
-    pub config: MicrocomputerConfig,
+    /// What the CPU's (11) operations take.
+    pub config: CpuConfig,
     pub(super) shading: ShadingConfig,
     pub(super) short_cuts: ShortCutConfigs,
     pub(super) scan: ScanConfig,
     /// As circuit (50) has it: process 17 must know its rounding.
     pub(super) power: Power,
+    /// Of memory (12).
+    pub(super) port: LocalPort,
+    buffers: u32,
+    /// Cycles of a dot of process 24.
+    pub(super) dot_cycles: u64,
     /// Everything it remembers.
     pub state: MicrocomputerState,
 }
 
 /// One token per output.
-type Outs = (Option<Signal>, Option<Arc<NormalLoad>>, Option<Signal>, Option<Signal>);
+type Outs = (Option<Order>, Option<Arc<NormalLoad>>, Option<Signal>, Option<Signal>);
 pub(super) type Out = Step<Outs>;
 
 pub(super) fn nothing(cycles: u64) -> Out {
     Step::after(cycles, (None, None, None, None)).busy(cycles.max(1))
 }
 
-/// When the CPU is done, to circuit (21).
-fn passed(cycles: u64, signal: Signal) -> Out {
-    Step::after(cycles, (Some(signal), None, None, None)).busy(cycles.max(1))
+/// When the CPU is done, to the registers.
+fn ordered(cycles: u64, order: Order) -> Out {
+    Step::after(cycles, (Some(order), None, None, None)).busy(cycles.max(1))
 }
+
+/// When the CPU is done, through the registers to circuit (21).
+fn passed(cycles: u64, signal: Signal) -> Out {
+    ordered(cycles, Order::Pass(signal))
+}
+
+/// A register is written: a store.
+const REGISTER: Operations = Operations { store: 1, ..Operations::NONE };
+/// Most requests of a step to memory (12): three for what is sent once, two for its limits, and those of processes 15, 92 and 17.
+const MOST_REQUESTS: u32 = 3 + 2 + 1 + 3 + 2;
 
 impl Microcomputer {
     /// A microcomputer at power-on.
     pub fn new(
-        config: MicrocomputerConfig,
+        config: CpuConfig,
+        host: &HostConfig,
         shading: ShadingConfig,
         short_cuts: ShortCutConfigs,
         scan: ScanConfig,
         circuit_50: &NormalInterpolationConfig,
+        operators: &Operators,
     ) -> Self {
-        let power = Power::new(circuit_50);
-        Self { config, shading, short_cuts, scan, power, state: MicrocomputerState::default() }
+        let power = Power::new(circuit_50, operators);
+        let (port, buffers) = (LocalPort { number_bytes: host.number_bytes }, host.buffers);
+        let dot_cycles = config.cycles(DOT).max(1);
+        Self { config, shading, short_cuts, scan, power, port, buffers, dot_cycles, state: MicrocomputerState::default() }
     }
 
-    /// A process runs; its cycles.
-    pub(super) fn run(&mut self, process: Process, cycles: u64) -> u64 {
-        let counters = &mut self.state.counters.processes[process as usize];
-        counters.runs += 1;
-        counters.cycles += cycles;
+    /// Where memory (12) has the polygon of this number.
+    pub(super) fn buffer(&self, number: u64) -> PolygonBuffer {
+        PolygonBuffer::of(number, self.buffers)
+    }
+
+    /// A process runs; the cycles that its operations take.
+    pub(super) fn run(&mut self, process: Process, operations: Operations) -> u64 {
+        self.state.counters.processes[process as usize].runs += 1;
+        self.spend(process, operations)
+    }
+
+    /// A process goes on; the cycles that its operations take.
+    pub(super) fn spend(&mut self, process: Process, operations: Operations) -> u64 {
+        let cycles = self.config.cycles(operations);
+        self.state.counters.processes[process as usize].cycles += cycles;
         cycles
     }
 
-    fn take(&mut self, control: Control) -> Out {
+    /// A process writes a register.
+    fn write(&mut self, process: Process, write: RegisterWrite) -> Out {
+        let cycles = self.spend(process, REGISTER).max(1);
+        ordered(cycles, Order::Write(write))
+    }
+
+    fn take(&mut self, control: Control, traffic: &mut Traffic) -> Out {
         match control {
             Control::Frame(frame) => {
                 let cycles = self.begin_frame(&frame);
+                self.state.phase = Phase::WriteMode;
                 passed(cycles, Signal::Frame(frame))
             }
             Control::Object(object) => {
-                self.begin_object(object);
-                nothing(1)
+                let (cycles, other_mode) = self.begin_object(object);
+                if other_mode {
+                    self.state.phase = Phase::WriteMode;
+                }
+                nothing(cycles)
             }
-            Control::Polygon(polygon) => self.decide(polygon),
+            Control::Polygon(polygon) => self.decide(polygon, traffic),
             Control::FrameEnd => passed(1, Signal::FrameEnd),
             Control::CodeBook(_) => nothing(1),
         }
     }
 
-    /// Processes 15, 92, 17 and 20.
-    fn decide(&mut self, polygon: Arc<Polygon>) -> Out {
-        let mut cycles = self.set(&polygon);
+    /// Processes 15, 92 and 17.
+    fn decide(&mut self, polygon: Arc<Polygon>, traffic: &mut Traffic) -> Out {
+        let number = self.state.polygons;
+        self.state.polygons += 1;
+        let buffer = self.buffer(number);
+        let mut cycles = self.set(&polygon, traffic);
         let normals = normals_of(&polygon);
-        let (flat, flat_cycles) = self.judge_flatness(&polygon, &normals);
-        let (reused, plane_cycles) = if flat { self.judge_plane(&polygon, &normals) } else { (false, 0) };
-        let (specular, specular_cycles) = if reused { (true, 0) } else { self.judge_specular(&normals) };
+        let (flat, flat_cycles) = self.judge_flatness(&polygon, &normals, buffer, traffic);
+        let (reused, plane_cycles) = if flat { self.judge_plane(&polygon, &normals, buffer, traffic) } else { (false, 0) };
+        let (specular, specular_cycles) = if reused { (true, 0) } else { self.judge_specular(&normals, buffer, traffic) };
         cycles += flat_cycles + plane_cycles + specular_cycles;
-        let registers = Registers { mode: self.shading.mode, flat, specular };
-        let (load, start_cycles) = self.start(&polygon, normals, registers);
-        cycles += start_cycles;
-        self.state.phase = Phase::Shade(Decided { polygon, registers, reused });
+        let registers = Registers { mode: self.state.settings.mode, flat, specular };
+        self.state.phase = Phase::WriteFlat(Decided { polygon, number, registers, reused });
+        nothing(cycles)
+    }
+
+    /// Process 20.
+    fn start_50(&mut self, decided: Decided, traffic: &mut Traffic) -> Out {
+        let (load, cycles) = self.start(&decided, traffic);
+        self.state.phase = Phase::Shade(decided);
         Step::after(cycles, (None, load, None, None)).busy(cycles.max(1))
     }
 
+    /// What comes next, where no dot is put out.
+    fn go_on(&mut self, phase: Phase, traffic: &mut Traffic) -> Out {
+        match phase {
+            Phase::WriteMode => self.write(Process::Mode, RegisterWrite::Mode(self.state.settings.mode)),
+            Phase::WriteFlat(decided) => {
+                let flat = decided.registers.flat;
+                self.state.phase = Phase::WriteSpecular(decided);
+                self.write(Process::Flatness, RegisterWrite::Flat(flat))
+            }
+            Phase::WriteSpecular(decided) => {
+                let specular = decided.registers.specular;
+                self.state.phase = Phase::Start(decided);
+                self.write(Process::Specular, RegisterWrite::Specular(specular))
+            }
+            Phase::Start(decided) => self.start_50(decided, traffic),
+            Phase::Shade(decided) => self.shade(decided, traffic),
+            Phase::Idle | Phase::Output { .. } => nothing(1),
+        }
+    }
+
     /// Processes 22 and 23 or 24, up to the first dot.
-    fn shade(&mut self, decided: Decided) -> Out {
-        let Decided { polygon, registers, reused } = decided;
-        let (mut brightness, mut cycles) = if reused { (Vec::new(), 0) } else { self.sample_points(&polygon, registers) };
+    fn shade(&mut self, decided: Decided, traffic: &mut Traffic) -> Out {
+        let (registers, reused, buffer) = (decided.registers, decided.reused, self.buffer(decided.number));
+        let (mut brightness, mut cycles) =
+            if reused { (Vec::new(), 0) } else { self.sample_points(&decided.polygon, registers, buffer, traffic) };
         let mean = (registers.selection() == Selection::Mean).then(|| {
-            let (mean, mean_cycles) = self.mean(&polygon, &brightness, reused);
-            cycles += mean_cycles;
+            let (mean, mean_cycles) = self.mean(&decided, &brightness, traffic);
+            cycles += mean_cycles + self.set_up_output(&decided, traffic);
             brightness.clear();
             mean
         });
         if mean.is_none() {
-            cycles += self.transfer(&brightness);
+            cycles += self.transfer(&brightness, buffer, traffic);
         }
+        let polygon = decided.polygon;
         let route = Route::of(registers, reused);
         let raster = self.state.raster;
         let figure = Arc::new(Figure { polygon, raster, registers, route, brightness });
@@ -119,6 +194,25 @@ impl Microcomputer {
             self.state.phase = Phase::Output { figure: Arc::clone(&figure), brightness };
         }
         passed(cycles, Signal::Figure(figure))
+    }
+}
+
+impl Microcomputer {
+    fn tell_hardware(&self, facts: &mut Facts) {
+        for (kind, about) in [
+            (HardwareKind::Multiplier, "floating-point unit of the CPU (11)"),
+            (HardwareKind::Adder, "the same; comparisons"),
+            (HardwareKind::Divider, "the same"),
+        ] {
+            facts.hardware(kind, about, 1_u64, NUMBER);
+        }
+        let numbers = local_memory::numbers(self.buffers);
+        facts.hardware(
+            HardwareKind::Table,
+            "memory (12): settings, lights, plane, polygons",
+            numbers,
+            8 * self.port.number_bytes,
+        );
     }
 }
 
@@ -133,18 +227,20 @@ impl Unit for Microcomputer {
     }
 
     #[inline]
-    fn step(&mut self, input: Self::In, _: &mut Traffic) -> Out {
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Out {
         if let Some(control) = input {
-            return self.take(control);
+            return self.take(control, traffic);
         }
         // Looked at before it is taken: process 24 comes this way for every dot.
-        if !matches!(self.state.phase, Phase::Shade(_)) {
+        if matches!(self.state.phase, Phase::Output { .. }) {
             return self.put_out();
         }
-        match std::mem::take(&mut self.state.phase) {
-            Phase::Shade(decided) => self.shade(decided),
-            Phase::Idle | Phase::Output { .. } => nothing(1),
-        }
+        let phase = std::mem::take(&mut self.state.phase);
+        self.go_on(phase, traffic)
+    }
+
+    fn largest_step(&self, client: usize) -> u32 {
+        if client == LocalPort::CLIENT as usize { MOST_REQUESTS } else { 0 }
     }
 
     fn is_empty(&self) -> bool {
@@ -152,10 +248,11 @@ impl Unit for Microcomputer {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        let dot = self.config.dot_cycles;
+        let dot = self.dot_cycles;
         // Process 24 draws dots: flat polygons to selector (53), polygons of polyhedron mode to selector (28).
         facts.rate(2, dot, dot);
         facts.rate(3, dot, dot);
+        self.tell_hardware(facts);
         let c = &self.state.counters;
         facts.figure(
             "short_cut_specular_negligible",

@@ -1,11 +1,11 @@
 //! Polygons through microcomputer and circuits, step by step, without time.
 
 use basrelief_figure_shading::{
-    Adder, BrightnessInterpolation, CircuitConfig, Dot, Figure, Highlight, Highlights, InterpolationConfig, Microcomputer,
-    MicrocomputerConfig, NormalInterpolation, NormalInterpolationConfig, NormalLoad, ScanConfig, ShadingConfig, ShortCutConfigs,
-    Signal,
+    Adder, BrightnessInterpolation, CircuitConfig, CpuConfig, Dot, Figure, Highlight, Highlights, HostConfig,
+    InterpolationConfig, Microcomputer, NormalInterpolation, NormalInterpolationConfig, NormalLoad, Order, RegisterBank,
+    ScanConfig, ShadingConfig, ShortCutConfigs, Signal,
 };
-use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_kernel::{Demand, OperatorConfig, Operators, Traffic, Unit};
 use basrelief_signals::{Camera, Control, Frame, Light, LightKind, Lighting, Material, Polygon, Vertex};
 use glam::Vec3;
 use proptest::prelude::*;
@@ -21,16 +21,17 @@ pub struct Config {
     pub short_cuts: ShortCutConfigs,
     pub scan: ScanConfig,
     pub circuit_50: NormalInterpolationConfig,
+    pub cpu: CpuConfig,
 }
 
 impl Config {
     pub fn microcomputer(&self) -> Microcomputer {
-        let Self { shading, short_cuts, scan, circuit_50 } = self.clone();
-        Microcomputer::new(MicrocomputerConfig::default(), shading, short_cuts, scan, &circuit_50)
+        let Self { shading, short_cuts, scan, circuit_50, cpu } = self.clone();
+        Microcomputer::new(cpu, &HostConfig::default(), shading, short_cuts, scan, &circuit_50, &operators())
     }
 
     pub fn circuit_50(&self) -> NormalInterpolation {
-        NormalInterpolation::new(self.circuit_50.clone(), self.shading.renormalise)
+        NormalInterpolation::new(self.circuit_50.clone(), self.shading.renormalise, operators())
     }
 
     /// Without short cuts.
@@ -38,6 +39,18 @@ impl Config {
         self.short_cuts.specular_negligible.enabled = false;
         self.short_cuts.flatness.enabled = false;
         self
+    }
+}
+
+/// Those of the machine by default.
+pub fn operators() -> Operators {
+    let pipelined = OperatorConfig::new(2, 1);
+    Operators {
+        multiply: pipelined.clone(),
+        add: pipelined,
+        divide: OperatorConfig::new(8, 8),
+        square_root: OperatorConfig::new(11, 11),
+        power: OperatorConfig::new(1, 1),
     }
 }
 
@@ -90,11 +103,13 @@ pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> Sha
     }
     shaded.mean = dots(mean);
     let mut linear = Vec::new();
-    for signal in figures {
+    let mut registers = RegisterBank::default();
+    let mode = Order::Write(basrelief_figure_shading::RegisterWrite::Mode(config.shading.mode));
+    for signal in feed(&mut registers, [mode].into_iter().chain(figures)).into_iter().flatten() {
         if let Signal::Figure(figure) = &signal {
             shaded.figure = Some(Arc::clone(figure));
         }
-        let out = feed(&mut BrightnessInterpolation::new(InterpolationConfig::default()), [signal]);
+        let out = feed(&mut BrightnessInterpolation::new(InterpolationConfig::default(), operators()), [signal]);
         linear.extend(out.into_iter().flat_map(|(a, b)| a.into_iter().chain(b)));
     }
     let highlights: Vec<Highlights> = feed(&mut config.circuit_50(), shaded.load.clone()).into_iter().flatten().skip(1).collect();
@@ -108,7 +123,7 @@ pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> Sha
 
 /// Through the adder (52).
 fn add(linear: Vec<Signal>, highlights: Vec<Highlights>) -> Vec<Signal> {
-    let mut adder = Adder::new(CircuitConfig::default());
+    let mut adder = Adder::new(CircuitConfig::default(), operators());
     let (mut highlights, mut out) = (highlights.into_iter(), Vec::new());
     for signal in linear {
         let highlight = if adder.demand() == Demand::All { highlights.next() } else { None };
@@ -129,7 +144,15 @@ pub fn draw(config: &Config, lights: Vec<Light>, polygon: Control) -> Shaded {
 
 pub fn frame(lights: Vec<Light>) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
-    Control::Frame(Arc::new(Frame { index: 0, width: SIDE, height: SIDE, camera, lights, textures: Vec::new() }))
+    Control::Frame(Arc::new(Frame {
+        index: 0,
+        width: SIDE,
+        height: SIDE,
+        camera,
+        lights,
+        textures: Vec::new(),
+        shading: Default::default(),
+    }))
 }
 
 pub fn sun(to_light: Vec3) -> Light {

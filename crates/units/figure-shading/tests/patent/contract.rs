@@ -1,10 +1,10 @@
 //! Every unit keeps the unit contract; what the adder does when it is not kept.
 
-use crate::chain::{Config, feed, frame, polygon, sun};
+use crate::chain::{Config, feed, frame, operators, polygon, sun};
 use basrelief_figure_shading::{
     Adder, BrightnessInterpolation, CircuitConfig, Dot, Finished, Gate, Highlight, Highlights, HostConfig, HostInterface,
-    InterpolationConfig, Microcomputer, Mode, NormalInterpolationConfig, NormalLoad, PowerMethod, Selector28, Selector53, Signal,
-    SpecularSkip,
+    InterpolationConfig, Microcomputer, Mode, NormalInterpolationConfig, NormalLoad, Order, PowerMethod, RegisterBank,
+    Selector28, Selector53, Signal, SpecularSkip,
 };
 use basrelief_kernel::{Demand, Step, Traffic, Unit, unit_contract};
 use basrelief_signals::{Control, Flow, Lighting, ObjectInfo, Pixel, Stamp};
@@ -17,8 +17,14 @@ fn display_list() -> Vec<Control> {
     let triangle = [[1.0, 2.0], [14.0, 3.0], [5.0, 12.0]];
     let curved = [Vec3::Z, Vec3::new(0.2, 0.0, 1.0).normalize(), Vec3::new(0.0, -0.3, 1.0).normalize()];
     let dark = curved.map(|n| Vec3::new(n.z, n.y, -n.x));
-    let object =
-        Control::Object(Arc::new(ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None, bias: None }));
+    let object = Control::Object(Arc::new(ObjectInfo {
+        id: 0,
+        name: String::new(),
+        centre: [0.0; 3],
+        entries: None,
+        bias: None,
+        shading: Default::default(),
+    }));
     let frame = [
         frame(vec![sun(Vec3::new(0.1, 0.2, 1.0)), sun(Vec3::Z)]),
         object,
@@ -43,7 +49,8 @@ fn config(mode: Mode) -> Config {
 
 /// What the microcomputer and the circuits put on each wire.
 struct Wires {
-    figures: Vec<Signal>,
+    figures: Vec<Order>,
+    selections: Vec<Signal>,
     normals: Vec<Arc<NormalLoad>>,
     flat_dots: Vec<Signal>,
     constant_dots: Vec<Signal>,
@@ -77,14 +84,15 @@ fn wires(mode: Mode) -> Wires {
         flat_dots.extend(flat);
         constant_dots.extend(constant);
     }
-    let linear = feed(&mut BrightnessInterpolation::new(InterpolationConfig::default()), figures.clone());
+    let selections: Vec<Signal> = feed(&mut RegisterBank::default(), figures.clone()).into_iter().flatten().collect();
+    let linear = feed(&mut BrightnessInterpolation::new(InterpolationConfig::default(), operators()), selections.clone());
     let (interpolated, brightness_dots): (Vec<_>, Vec<_>) = linear.into_iter().unzip();
     let [interpolated, brightness_dots] = [interpolated, brightness_dots].map(|wire| wire.into_iter().flatten().collect());
     let highlights: Vec<_> = feed(&mut config.circuit_50(), normals.clone()).into_iter().flatten().collect();
     let gated: Vec<_> = feed(&mut Gate::default(), highlights.clone()).into_iter().flatten().collect();
     let interpolated: Vec<Signal> = interpolated;
     let sums = join(&mut Adder::default(), interpolated.clone(), gated.clone());
-    Wires { figures, normals, flat_dots, constant_dots, interpolated, brightness_dots, highlights, gated, sums }
+    Wires { figures, selections, normals, flat_dots, constant_dots, interpolated, brightness_dots, highlights, gated, sums }
 }
 
 fn selected(mode: Mode) -> Vec<Signal> {
@@ -122,6 +130,10 @@ impl Unit for OneWire {
     fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
+
+    fn largest_step(&self, client: usize) -> u32 {
+        self.0.largest_step(client)
+    }
 }
 
 /// Selector (28) with two of its three inputs connected, as a mode uses them.
@@ -153,6 +165,7 @@ unit_contract! {
     name: contract_of_the_host_interface,
     unit: HostInterface::new(HostConfig { buffers: 2, ..HostConfig::default() }),
     inputs: (display_list(), vec![Finished; 14]),
+    clients: [ClientKind::Port],
     state,
 }
 
@@ -160,6 +173,7 @@ unit_contract! {
     name: contract_of_the_microcomputer,
     unit: OneWire(config(Mode::Normal).microcomputer()),
     inputs: display_list(),
+    clients: [ClientKind::Port],
     state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
 }
 
@@ -167,20 +181,28 @@ unit_contract! {
     name: contract_of_the_microcomputer_in_polyhedron_mode,
     unit: OneWire(config(Mode::Polyhedron).microcomputer()),
     inputs: display_list(),
+    clients: [ClientKind::Port],
     state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
 }
 
 unit_contract! {
-    name: contract_of_circuit_21,
-    unit: BrightnessInterpolation::new(InterpolationConfig::default()),
+    name: contract_of_the_registers,
+    unit: RegisterBank::default(),
     inputs: wires(Mode::Normal).figures,
     state,
 }
 
 unit_contract! {
+    name: contract_of_circuit_21,
+    unit: BrightnessInterpolation::new(InterpolationConfig::default(), operators()),
+    inputs: wires(Mode::Normal).selections,
+    state,
+}
+
+unit_contract! {
     name: contract_of_circuit_21_in_brightness_mode,
-    unit: BrightnessInterpolation::new(InterpolationConfig { initiation_interval: 3, ..InterpolationConfig::default() }),
-    inputs: wires(Mode::Brightness).figures,
+    unit: BrightnessInterpolation::new(InterpolationConfig { initiation_interval: 3 }, operators()),
+    inputs: wires(Mode::Brightness).selections,
     state,
 }
 
@@ -194,7 +216,7 @@ unit_contract! {
 unit_contract! {
     name: contract_of_circuit_50_with_a_table,
     unit: basrelief_figure_shading::NormalInterpolation::new(
-        NormalInterpolationConfig { power: PowerMethod::Table, table_entries: 64, ..NormalInterpolationConfig::default() }, true,
+        NormalInterpolationConfig { power: PowerMethod::Table, table_entries: 64, ..NormalInterpolationConfig::default() }, true, operators(),
     ),
     inputs: wires(Mode::Normal).normals,
     state,
@@ -209,7 +231,7 @@ unit_contract! {
 
 unit_contract! {
     name: contract_of_the_adder,
-    unit: Adder::new(CircuitConfig { latency: 3, ..CircuitConfig::default() }),
+    unit: Adder::new(CircuitConfig { latency: 3, ..CircuitConfig::default() }, operators()),
     inputs: (wires(Mode::Normal).interpolated, wires(Mode::Normal).gated),
     state,
 }

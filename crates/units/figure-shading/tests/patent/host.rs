@@ -26,7 +26,14 @@ fn square(n: f32) -> Control {
 }
 
 fn object() -> Control {
-    Control::Object(Arc::new(ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None, bias: None }))
+    Control::Object(Arc::new(ObjectInfo {
+        id: 0,
+        name: String::new(),
+        centre: [0.0; 3],
+        entries: None,
+        bias: None,
+        shading: Default::default(),
+    }))
 }
 
 #[test]

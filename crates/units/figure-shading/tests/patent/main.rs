@@ -2,8 +2,10 @@
 
 mod chain;
 mod contract;
+mod costs;
 mod degenerate;
 mod equations;
 mod host;
+mod said;
 mod short_cuts;
 mod specular;

@@ -122,6 +122,7 @@ impl Scene {
             camera,
             lights: vec![self.light],
             textures: Vec::new(),
+            shading: Default::default(),
         }))
     }
 

@@ -7,7 +7,15 @@ use std::sync::Arc;
 
 fn frame(index: u32, width: u32, height: u32) -> Flow<Stamp<Pixel>> {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    Flow::Control(Control::Frame(Arc::new(Frame { index, width, height, camera, lights: Vec::new(), textures: Vec::new() })))
+    Flow::Control(Control::Frame(Arc::new(Frame {
+        index,
+        width,
+        height,
+        camera,
+        lights: Vec::new(),
+        textures: Vec::new(),
+        shading: Default::default(),
+    })))
 }
 
 fn pixel(x: u16, y: u16, rgb: [u8; 3]) -> Flow<Stamp<Pixel>> {

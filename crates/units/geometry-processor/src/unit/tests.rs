@@ -13,7 +13,15 @@ const PERSPECTIVE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
 fn frame(view_projection: [f64; 16]) -> Draw {
     let camera = Camera { view_projection, to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let lights = vec![Light { kind: LightKind::Directional { to_light: [0.0, 0.0, 1.0] }, intensity: 1.0 }];
-    Draw::Frame(Arc::new(Frame { index: 0, width: 64, height: 32, camera, lights, textures: Vec::new() }))
+    Draw::Frame(Arc::new(Frame {
+        index: 0,
+        width: 64,
+        height: 32,
+        camera,
+        lights,
+        textures: Vec::new(),
+        shading: Default::default(),
+    }))
 }
 
 fn texture(side: u32) -> Arc<Texture> {
@@ -35,7 +43,17 @@ fn mesh() -> Mesh {
 
 fn object(mesh: Mesh, world: [f64; 16], material: Material, bump: Option<bool>) -> Draw {
     let (mesh, material) = (Arc::new(mesh), Arc::new(material));
-    Draw::Object(Arc::new(Object { id: 5, name: "o".into(), mesh, world, material, entries: Some(64), bias: None, bump }))
+    Draw::Object(Arc::new(Object {
+        id: 5,
+        name: "o".into(),
+        mesh,
+        world,
+        material,
+        entries: Some(64),
+        bias: None,
+        bump,
+        shading: Default::default(),
+    }))
 }
 
 /// What the bump-mapping processor takes.

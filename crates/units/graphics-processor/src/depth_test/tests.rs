@@ -13,7 +13,15 @@ const PLAIN: DepthConfig = DepthConfig { write_lines: 1, clear_flags: false, fla
 
 fn frame(width: u32, height: u32) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    Control::Frame(Arc::new(Frame { index: 0, width, height, camera, lights: Vec::new(), textures: Vec::new() }))
+    Control::Frame(Arc::new(Frame {
+        index: 0,
+        width,
+        height,
+        camera,
+        lights: Vec::new(),
+        textures: Vec::new(),
+        shading: Default::default(),
+    }))
 }
 
 fn configured(config: DepthConfig, z_bits: u32, line_bytes: u32) -> Early {

@@ -13,7 +13,15 @@ use std::sync::Arc;
 
 pub fn frame(width: u32, height: u32) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    Control::Frame(Arc::new(Frame { index: 0, width, height, camera, lights: Vec::new(), textures: Vec::new() }))
+    Control::Frame(Arc::new(Frame {
+        index: 0,
+        width,
+        height,
+        camera,
+        lights: Vec::new(),
+        textures: Vec::new(),
+        shading: Default::default(),
+    }))
 }
 
 /// A textured polygon of corners (x, y, 1 / w), u and v as x and y over the size of a picture of 64 x 64.

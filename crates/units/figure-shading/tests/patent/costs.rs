@@ -1,0 +1,205 @@
+//! What is paid: operations of the CPU (11), its registers, memory (12), operators of the circuits.
+
+use crate::chain::{Config, Shaded, feed, frame, operators, polygon, shade, sun};
+use basrelief_figure_shading::{
+    CpuConfig, HostConfig, HostInterface, Microcomputer, Mode, NormalInterpolation, NormalInterpolationConfig, Order, Process,
+    RegisterBank, RegisterWrite, Registers,
+};
+use basrelief_kernel::{OperatorConfig, Operators, Traffic, Unit};
+use basrelief_signals::{Control, Light, Lighting};
+use glam::Vec3;
+
+const SQUARE: [[f32; 2]; 4] = [[2.0, 2.0], [10.0, 2.0], [10.0, 10.0], [2.0, 10.0]];
+const CURVED: [Vec3; 4] = [Vec3::Z, Vec3::new(0.1, 0.0, 0.995), Vec3::new(0.1, 0.1, 0.99), Vec3::new(0.0, 0.1, 0.995)];
+
+fn shiny(n: f32) -> Lighting {
+    Lighting { ka: 0.1, kd: 0.5, ks: 0.3, n }
+}
+
+fn lights(count: usize) -> Vec<Light> {
+    vec![sun(Vec3::new(0.0, 0.1, 1.0)); count]
+}
+
+/// A microcomputer that has its frame and has drawn these.
+fn drawn(config: &Config, lights: Vec<Light>, polygons: &[Control]) -> (Microcomputer, Vec<Shaded>) {
+    let mut unit = config.microcomputer();
+    feed(&mut unit, [frame(lights)]);
+    let shaded = polygons.iter().map(|p| shade(&mut unit, config, p.clone())).collect();
+    (unit, shaded)
+}
+
+fn cycles(unit: &Microcomputer, process: Process) -> u64 {
+    unit.state.counters.processes[process as usize].cycles
+}
+
+/// Cycles of a process for a curved square, and for a flat one.
+fn of_square(cpu: CpuConfig, normals: [Vec3; 4], process: Process) -> u64 {
+    let config = Config { cpu, ..Config::default() };
+    cycles(&drawn(&config, lights(1), &[polygon(&SQUARE, &normals, shiny(50.0))]).0, process)
+}
+
+#[test]
+fn each_process_takes_its_operations_from_the_one_table_of_the_cpu() {
+    for (normals, flat) in [(CURVED, false), ([Vec3::Z; 4], true)] {
+        for (process, name) in Process::ALL {
+            let own = of_square(CpuConfig::default(), normals, process);
+            assert_eq!(of_square(CpuConfig { scale: 40, ..CpuConfig::default() }, normals, process), 40 * own, "{name}");
+            let runs = match process {
+                Process::Start | Process::Transfer => !flat,
+                Process::Mean | Process::SamePlane => flat,
+                _ => true,
+            };
+            assert_eq!(own > 0, runs, "{name}");
+        }
+    }
+    let more = |change: fn(&mut CpuConfig), normals, process| {
+        let mut cpu = CpuConfig::default();
+        change(&mut cpu);
+        of_square(cpu, normals, process) - of_square(CpuConfig::default(), normals, process)
+    };
+    // Four points: three differences and two sums; three squares; a comparison; and the register.
+    assert_eq!(more(|c| c.add += 1, CURVED, Process::Flatness), 4 * 5);
+    assert_eq!(more(|c| c.multiply += 1, CURVED, Process::Flatness), 4 * 3);
+    assert_eq!(more(|c| c.compare += 1, CURVED, Process::Flatness), 4);
+    assert_eq!(more(|c| c.store += 1, CURVED, Process::Flatness), 1);
+    // Colour and Kd, N.L and Is; where process 22 adds the specular term N.H, Is, seven of the power, Ks.
+    assert_eq!(more(|c| c.multiply += 1, CURVED, Process::Brightness), 4 * (4 + 4));
+    assert_eq!(more(|c| c.multiply += 1, [Vec3::Z; 4], Process::Brightness), 4 * (4 + 4 + 4 + 7 + 1));
+    assert_eq!(more(|c| c.square_root += 1, CURVED, Process::Mode), 1, "H of a light");
+    assert_eq!(more(|c| c.divide += 1, [Vec3::Z; 4], Process::Mean), 1 + 2, "a share, and an area of each triangle");
+}
+
+#[test]
+fn process_17_takes_no_power_per_polygon_and_finds_its_limit_once_per_material() {
+    let square = |n| polygon(&SQUARE, &CURVED, shiny(n));
+    let config = Config::default();
+    let spent = |polygons: &[Control]| cycles(&drawn(&config, lights(1), polygons).0, Process::Specular);
+    let each = |n| spent(&[square(n), square(n), square(n)]) - spent(&[square(n), square(n)]);
+    assert_eq!(each(2.0), each(200.0), "a comparison, whatever n");
+    // Four points: three loads, an inner product and a comparison; H, the limit and a comparison; the register.
+    let cpu = &config.cpu;
+    let inner_product = 3 * cpu.multiply + 2 * cpu.add;
+    let point = 3 * cpu.load + inner_product + cpu.compare;
+    assert_eq!(each(50.0), u64::from(4 * point + 4 * cpu.load + cpu.compare + cpu.store));
+    let search = |n| spent(&[square(n)]) - each(n);
+    assert!(search(200.0) > search(2.0) && search(2.0) > each(2.0), "{} {}", search(200.0), search(2.0));
+    let changed = spent(&[square(50.0), square(40.0), square(40.0)]);
+    assert_eq!(changed, search(50.0) + search(40.0) + 3 * each(50.0));
+    assert_eq!(cycles(&drawn(&config, lights(3), &[square(50.0)]).0, Process::Specular), 3 * (search(50.0) + each(50.0)) - 2);
+}
+
+#[test]
+fn renormalising_costs_process_17_a_normalisation() {
+    let mut config = Config::default();
+    let square = || [polygon(&SQUARE, &CURVED, shiny(50.0))];
+    let plain = cycles(&drawn(&config, lights(1), &square()).0, Process::Specular);
+    config.shading.renormalise = true;
+    let renormalised = cycles(&drawn(&config, lights(1), &square()).0, Process::Specular);
+    assert!(renormalised > plain + u64::from(config.cpu.square_root));
+}
+
+#[test]
+fn process_24_pays_set_up_and_address_depth_and_store_of_each_dot() {
+    let config = Config::default();
+    let flat = |side: f32| {
+        let square = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
+        let (unit, shaded) = drawn(&config, lights(1), &[polygon(&square, &[Vec3::Z; 4], shiny(50.0))]);
+        (cycles(&unit, Process::Mean), shaded[0].mean.len() as u64)
+    };
+    let ((small, few), (large, many)) = (flat(4.0), flat(20.0));
+    let cpu = &config.cpu;
+    // Three edges, address, depth, a branch; address and depth are stored.
+    assert_eq!(large - small, (many - few) * u64::from(6 * cpu.integer + 2 * cpu.store));
+    let before_dots = small - few * u64::from(6 * cpu.integer + 2 * cpu.store);
+    assert!(before_dots > 2 * u64::from(cpu.divide + 18 * cpu.multiply), "two triangles are set up: {before_dots}");
+    let mut unit = config.microcomputer();
+    unit.step(Some(frame(lights(1))), &mut Traffic::default());
+    let slow = Config { cpu: CpuConfig { scale: 5, ..CpuConfig::default() }, ..Config::default() };
+    let occupancy = |config: &Config| {
+        let mut unit = config.microcomputer();
+        feed(&mut unit, [frame(lights(1))]);
+        let mut step = unit.step(Some(polygon(&SQUARE, &[Vec3::Z; 4], shiny(50.0))), &mut Traffic::default());
+        while step.out.2.is_none() {
+            step = unit.step(None, &mut Traffic::default());
+        }
+        step.occupancy
+    };
+    assert_eq!((occupancy(&config), occupancy(&slow)), (8, 40), "the dot's step itself takes that long");
+}
+
+/// Cycles of each step of circuit (50) for a dot.
+fn dot_of_50(renormalise: bool, operators: Operators, power_pipelined: bool) -> u64 {
+    let config = NormalInterpolationConfig { pipelined: power_pipelined, ..NormalInterpolationConfig::default() };
+    let (_, shaded) = drawn(&Config::default().plain(), lights(1), &[polygon(&SQUARE, &CURVED, shiny(50.0))]);
+    let mut unit = NormalInterpolation::new(config, renormalise, operators);
+    unit.step(shaded[0].load.clone(), &mut Traffic::default());
+    unit.step(None, &mut Traffic::default()).occupancy
+}
+
+#[test]
+fn renormalising_keeps_circuit_50_as_long_as_its_square_root_not_only_later() {
+    assert_eq!(dot_of_50(false, operators(), true), 1);
+    assert_eq!(dot_of_50(true, operators(), true), 11, "the root is not in a pipeline");
+    let slow_division = Operators { divide: OperatorConfig::new(20, 20), ..operators() };
+    assert_eq!(dot_of_50(true, slow_division, true), 20);
+    assert_eq!(dot_of_50(true, operators(), false), 14, "the power takes longer");
+}
+
+#[test]
+fn registers_14_16_and_18_are_written_in_a_step_each_and_a_polygon_takes_what_they_say() {
+    let mut unit = Config::default().microcomputer();
+    let orders: Vec<Order> = feed(&mut unit, [frame(lights(1)), polygon(&SQUARE, &CURVED, shiny(50.0))])
+        .into_iter()
+        .filter_map(|(order, ..)| order)
+        .collect();
+    let writes: Vec<_> = orders.iter().filter_map(|o| if let Order::Write(write) = o { Some(*write) } else { None }).collect();
+    assert_eq!(writes, [RegisterWrite::Mode(Mode::Normal), RegisterWrite::Flat(false), RegisterWrite::Specular(true)]);
+    let mut registers = RegisterBank::default();
+    for order in orders {
+        let is_write = matches!(order, Order::Write(_));
+        let step = registers.step(Some(order), &mut Traffic::default());
+        assert_eq!((step.occupancy, step.out.is_none()), (1, is_write));
+    }
+    assert_eq!(registers.state.registers, Registers { mode: Mode::Normal, flat: false, specular: true });
+    let mut others = RegisterBank::default();
+    others.step(Some(Order::Write(RegisterWrite::Mode(Mode::Brightness))), &mut Traffic::default());
+    let (_, shaded) = drawn(&Config::default(), lights(1), &[polygon(&SQUARE, &CURVED, shiny(50.0))]);
+    let figure = basrelief_figure_shading::Signal::Figure(shaded[0].figure.clone().expect("a figure"));
+    let out = others.step(Some(Order::Pass(figure)), &mut Traffic::default()).out;
+    let Some(basrelief_figure_shading::Signal::Figure(figure)) = out else { panic!("it passes") };
+    assert_eq!(figure.registers.mode, Mode::Brightness, "what selects is the register, not what was meant");
+}
+
+/// Bytes that a unit of one input reads and writes in memory (12).
+fn traffic_of(unit: &mut Microcomputer, control: Control) -> [u64; 2] {
+    let (mut sums, mut input) = ([0; 2], Some(control));
+    loop {
+        let mut traffic = Traffic::default();
+        unit.step(input.take(), &mut traffic);
+        assert!(traffic.requests().len() as u32 <= unit.largest_step(0));
+        traffic.requests().iter().for_each(|r| sums[usize::from(r.write)] += u64::from(r.bytes));
+        if unit.is_empty() {
+            return sums;
+        }
+    }
+}
+
+#[test]
+fn the_host_writes_memory_12_and_the_processes_read_it() {
+    let square = || polygon(&SQUARE, &CURVED, shiny(50.0));
+    let mut host = HostInterface::new(HostConfig::default());
+    let mut written = Vec::new();
+    for control in [frame(lights(1)), square()] {
+        let mut traffic = Traffic::default();
+        host.step((Some(control), None), &mut traffic);
+        assert!(traffic.requests().iter().all(|r| r.write && r.client == 0));
+        assert!(traffic.requests().len() as u32 <= host.largest_step(0));
+        written.push(traffic.requests().iter().map(|r| u64::from(r.bytes)).sum::<u64>());
+    }
+    assert_eq!(written, [4 * (5 + 8), 4 * (8 + 1 + 4 * 6)], "settings and a light; coefficients, count, points and normals");
+    let mut unit = Config::default().microcomputer();
+    traffic_of(&mut unit, frame(lights(1)));
+    traffic_of(&mut unit, square());
+    // Of four points: normals by 15, 17, 20 and 22, places by 20 and 23, brightness by 23; a light by 17, 20 and 22.
+    assert_eq!(traffic_of(&mut unit, square()), [4 * (4 * (4 + 2 + 1) * 3 + 3 * 8), 4 * 4 * 3]);
+}
