@@ -39,12 +39,14 @@ pub enum Command {
     Expect(Box<Expectation>),
     /// Closes the trace.
     End(End),
+    /// Selects the accuracy criterion of the texel value generator.
+    Criterion(Criterion),
 }
 
 impl Command {
     /// Names of all commands, in the order of their numbers in the binary form.
-    pub const NAMES: [&'static str; 9] =
-        ["begin", "texture", "material", "frame", "object", "polygon", "frame_end", "expect", "end"];
+    pub const NAMES: [&'static str; 10] =
+        ["begin", "texture", "material", "frame", "object", "polygon", "frame_end", "expect", "end", "criterion"];
 
     /// Name, as it stands in a line.
     pub fn name(&self) -> &'static str {
@@ -58,6 +60,7 @@ impl Command {
             Self::FrameEnd(_) => "frame_end",
             Self::Expect(_) => "expect",
             Self::End(_) => "end",
+            Self::Criterion(_) => "criterion",
         }
     }
 }
@@ -318,6 +321,20 @@ fields! {
         /// Brightness of a polygon that is no bump target: ambient + diffuse, specular. Default: 1, 0.
         brightness: Vec<[f32; 2]>,
     }
+}
+
+/// Selects the accuracy criterion e of the texel value generator (its step 442), in a frame: behind `frame` for all of it, behind
+/// `object` for that object. It holds until another is selected; ahead of the first it is `texel.error_bound`. Other machines do
+/// not ask.
+///
+/// A command of its own, and no field of `frame` and `object`: records of the binary form have no field names, so that one more
+/// field would have made every trace recorded before unreadable.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Criterion {
+    /// Largest displacement of a texel \[pixels\], 0.001..=1024.
+    #[schemars(range(min = 0.001, max = 1024.0))]
+    pub error_bound: f64,
 }
 
 /// Closes a frame.

@@ -10,6 +10,7 @@
 //! | `texture`, `material` | before their first use | definitions, by number |
 //! | `frame` ... `frame_end` | | a picture: camera, lights; colour textures defined ahead of it since the frame before are declared with it, used or not |
 //! | `object` | in a frame | the polygons that follow belong to it |
+//! | `criterion` | in a frame | the texel value generator keeps this bound from here on |
 //! | `polygon` | behind its object | a convex polygon in window coordinates |
 //! | `expect` | outside frames | what a machine should make of the trace |
 //! | `end` | last | count of commands before it; without it a trace is truncated |
@@ -68,8 +69,8 @@ mod writer;
 
 pub use check::GUARD_BAND;
 pub use command::{
-    Begin, Command, End, Expectation, ExpectedTraffic, FORMAT, FrameBegin, FrameEnd, LightRecord, MAX_SIDE, MAX_VERTICES,
-    MaterialDefinition, ObjectBegin, PolygonRecord, TextureDefinition, TextureKind, VERSION,
+    Begin, Command, Criterion, End, Expectation, ExpectedTraffic, FORMAT, FrameBegin, FrameEnd, LightRecord, MAX_SIDE,
+    MAX_VERTICES, MaterialDefinition, ObjectBegin, PolygonRecord, TextureDefinition, TextureKind, VERSION,
 };
 pub use data::{Digest, Texels};
 pub use error::{ErrorKind, Place, TraceError};

@@ -145,6 +145,9 @@ pub fn controls() -> impl Strategy<Value = Vec<Control>> {
                 let object = id as u32;
                 let name = format!("object {id}");
                 controls.push(Control::Object(Arc::new(ObjectInfo { id: object, name, centre, entries })));
+                if entries.is_some() {
+                    controls.push(Control::Criterion(0.001 + f64::from(object)));
+                }
                 controls.extend(shapes.into_iter().map(|(vertices, which, lod, bump, wait)| {
                     cycle += wait;
                     let material = Arc::clone(&materials[which]);

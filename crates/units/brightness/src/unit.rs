@@ -59,7 +59,7 @@ impl BrightnessFetch {
             }
             Control::Polygon(polygon) => state.wanted.lighting = polygon.material.lighting,
             Control::CodeBook(book) => state.wanted.book = Some(Arc::clone(book)),
-            Control::FrameEnd => {}
+            Control::FrameEnd | Control::Criterion(_) => {}
         }
         state.check = true;
         let out = (!matches!(control, Control::CodeBook(_))).then_some(Flow::Control(control));

@@ -98,7 +98,7 @@ impl HostInterface {
                 let numbers = self.polygon_numbers(polygon);
                 self.send(numbers, control)
             }
-            Control::CodeBook(_) => Step::after(0, None),
+            Control::CodeBook(_) | Control::Criterion(_) => Step::after(0, None),
             Control::FrameEnd => {
                 self.state.frame_ends = true;
                 self.end_frame()
