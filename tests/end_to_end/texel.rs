@@ -117,10 +117,15 @@ fn all_methods_are_compared_at_the_same_error() {
     let methods = table["methods"].as_array().expect("methods");
     assert_eq!(methods.len() + 1, place.text("out/methods.csv").lines().count());
     let of = |m: &Value, name: &str| m[name].as_f64().unwrap_or_else(|| panic!("{name}: {m}"));
-    let [adaptive, others @ .., exact] = &methods[..] else { panic!("{table}") };
-    assert_eq!((&adaptive["method"], &exact["method"]), (&Value::from("adaptive"), &Value::from("exact")));
-    assert_eq!(of(exact, "divisions_per_pixel"), 2.0);
-    assert!(of(exact, "displacement_largest") < 1e-6, "rounding of the datapath is left: {exact}");
+    let [adaptive, others @ .., exact, reciprocal] = &methods[..] else { panic!("{table}") };
+    let names = [adaptive, exact, reciprocal].map(|m| m["method"].as_str().expect("a name"));
+    assert_eq!(names, ["adaptive", "exact", "exact by one reciprocal"]);
+    // Beside one or two per pixel there are those of set-up.
+    let [two, one] = [exact, reciprocal].map(|m| of(m, "divisions_per_pixel"));
+    assert!(two > 2.0 && (two - one - 1.0).abs() < 1e-5, "{two} {one}");
+    for method in [exact, reciprocal] {
+        assert!(of(method, "displacement_largest") < 0.01, "rounding of the datapath is left: {method}");
+    }
     assert_eq!(others.len(), 3);
     for other in others {
         assert!(of(other, "displacement_largest") <= 0.5, "{other}");

@@ -17,6 +17,8 @@ const MAX_ARRIVAL: u64 = 1 << 53;
 const MAX_OFFSET: u64 = 1 << 40;
 const MAX_LIGHTS: usize = 1024;
 const MAX_ENTRIES: u32 = 65_536;
+/// Accuracy criteria \[pixels\], as those of `texel.error_bound`.
+const CRITERIA: RangeInclusive<f64> = 0.001..=1024.0;
 const SIDES: RangeInclusive<u32> = 1..=MAX_SIDE;
 
 pub(crate) fn check(command: &Command) -> Result<(), Fault> {
@@ -30,6 +32,7 @@ pub(crate) fn check(command: &Command) -> Result<(), Fault> {
         Command::Expect(expectation) => check_expectation(expectation),
         Command::Shading(shading) => check_shading(&shading.into()),
         Command::Importance(importance) => within("bias", importance.bias, 0..=7),
+        Command::Criterion(criterion) => within("error_bound", criterion.error_bound, CRITERIA),
         Command::FrameEnd(_) | Command::End(_) => Ok(()),
     }
 }

@@ -43,12 +43,26 @@ pub enum Command {
     Shading(ShadingRecord),
     /// How important the object is that the next command begins.
     Importance(Importance),
+    /// Selects the accuracy criterion of the texel value generator.
+    Criterion(Criterion),
 }
 
 impl Command {
     /// Names of all commands, in the order of their numbers in the binary form.
-    pub const NAMES: [&'static str; 11] =
-        ["begin", "texture", "material", "frame", "object", "polygon", "frame_end", "expect", "end", "shading", "importance"];
+    pub const NAMES: [&'static str; 12] = [
+        "begin",
+        "texture",
+        "material",
+        "frame",
+        "object",
+        "polygon",
+        "frame_end",
+        "expect",
+        "end",
+        "shading",
+        "importance",
+        "criterion",
+    ];
 
     /// Name, as it stands in a line.
     pub fn name(&self) -> &'static str {
@@ -64,6 +78,7 @@ impl Command {
             Self::End(_) => "end",
             Self::Shading(_) => "shading",
             Self::Importance(_) => "importance",
+            Self::Criterion(_) => "criterion",
         }
     }
 }
@@ -363,6 +378,20 @@ fields! {
         /// Brightness of a polygon that is no bump target: ambient + diffuse, specular. Default: 1, 0.
         brightness: Vec<[f32; 2]>,
     }
+}
+
+/// Selects the accuracy criterion e of the texel value generator (its step 442), in a frame: behind `frame` for all of it, behind
+/// `object` for that object. It holds until another is selected; ahead of the first it is `texel.error_bound`. Other machines do
+/// not ask.
+///
+/// A command of its own, and no field of `frame` and `object`: records of the binary form have no field names, so that one more
+/// field would have made every trace recorded before unreadable.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Criterion {
+    /// Largest displacement of a texel \[pixels\], 0.001..=1024.
+    #[schemars(range(min = 0.001, max = 1024.0))]
+    pub error_bound: f64,
 }
 
 /// Closes a frame.

@@ -30,7 +30,7 @@ impl Lent {
             Control::Polygon(polygon) => {
                 self.polygons.lend(polygon, size_of_val(&*polygon.vertices), "polygons under way", "position")
             }
-            Control::FrameEnd | Control::CodeBook(_) => Ok(()),
+            Control::FrameEnd | Control::CodeBook(_) | Control::Criterion(_) => Ok(()),
         }
     }
 }

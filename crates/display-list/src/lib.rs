@@ -12,6 +12,7 @@
 //! | `object` | in a frame | the polygons that follow belong to it |
 //! | `shading` | directly ahead of `frame` or `object` | mode, Ia and Is of the figure shading device for it |
 //! | `importance` | directly ahead of `object` | levels by which its VQ table and CLUT are coarser |
+//! | `criterion` | in a frame | the texel value generator keeps this bound from here on |
 //! | `polygon` | behind its object | a convex polygon in window coordinates |
 //! | `expect` | outside frames | what a machine should make of the trace |
 //! | `end` | last | count of commands before it; without it a trace is truncated |
@@ -70,8 +71,9 @@ mod writer;
 
 pub use check::GUARD_BAND;
 pub use command::{
-    Begin, Command, End, Expectation, ExpectedTraffic, FORMAT, FrameBegin, FrameEnd, Importance, LightRecord, MAX_SIDE,
-    MAX_VERTICES, MaterialDefinition, ObjectBegin, PolygonRecord, ShadingRecord, TextureDefinition, TextureKind, VERSION,
+    Begin, Command, Criterion, End, Expectation, ExpectedTraffic, FORMAT, FrameBegin, FrameEnd, Importance, LightRecord,
+    MAX_SIDE, MAX_VERTICES, MaterialDefinition, ObjectBegin, PolygonRecord, ShadingRecord, TextureDefinition, TextureKind,
+    VERSION,
 };
 pub use data::{Digest, Texels};
 pub use error::{ErrorKind, Place, TraceError};

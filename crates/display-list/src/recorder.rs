@@ -155,6 +155,7 @@ impl Describer {
                 self.define_material(&polygon.material, emit)?;
                 Command::Polygon(polygon_record(polygon))
             }
+            Control::Criterion(error_bound) => Command::Criterion(Criterion { error_bound: *error_bound }),
             Control::FrameEnd => Command::FrameEnd(FrameEnd {}),
             Control::CodeBook(_) => {
                 let fault = Fault::new("", "is made behind the geometry processor and belongs in no display list");

@@ -149,6 +149,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
                 Control::Object(Arc::new(ObjectInfo { id, name, centre, entries, bias: self.bias.take(), shading }))
             }
             Command::Polygon(polygon) => Control::Polygon(Arc::new(self.polygon(&polygon)?)),
+            Command::Criterion(Criterion { error_bound }) => Control::Criterion(error_bound),
             Command::FrameEnd(_) => Control::FrameEnd,
             other => return self.keep(other).map(|()| None),
         };

@@ -78,6 +78,7 @@ impl Nesting {
                 self.object = Some(object.id);
                 self.inside()
             }
+            Command::Criterion(_) => self.inside(),
             Command::Polygon(polygon) => self.draw(polygon.object, polygon.arrival),
             Command::FrameEnd(_) => {
                 self.inside()?;

@@ -424,6 +424,20 @@ fn what_cannot_be_read_back_is_not_recorded() {
 }
 
 #[test]
+fn a_criterion_that_no_machine_could_keep_is_refused() {
+    let controls = resolve(SAMPLE.as_bytes()).unwrap();
+    for (error_bound, is_kept) in [(0.001, true), (1024.0, true), (0.0, false), (-1.0, false), (f64::NAN, false), (1e9, false)] {
+        let mut recorder = Recorder::new(Vec::new(), Form::default(), Begin::new(8, 8)).unwrap();
+        recorder.record(&controls[0]).unwrap();
+        let recorded = recorder.record(&Control::Criterion(error_bound));
+        assert_eq!(recorded.is_ok(), is_kept, "{error_bound}");
+        if let Err(error) = recorded {
+            assert!(error.to_string().contains("expected 0.001..=1024"), "{error}");
+        }
+    }
+}
+
+#[test]
 fn a_recorder_keeps_the_order_of_frames() {
     let controls = resolve(SAMPLE.as_bytes()).unwrap();
     let recorder = || Recorder::new(Vec::new(), Form::default(), Begin::new(8, 8)).unwrap();
@@ -435,6 +449,8 @@ fn a_recorder_keeps_the_order_of_frames() {
     assert!(open_frame.finish(Vec::new()).unwrap_err().to_string().contains("inside a frame"));
     let mut other_size = Recorder::new(Vec::new(), Form::default(), Begin::new(9, 8)).unwrap();
     assert!(other_size.record(&controls[0]).unwrap_err().to_string().contains("is 8 x 8, expected 9 x 8"));
+    let criterion = Control::Criterion(0.5);
+    assert!(recorder().record(&criterion).unwrap_err().to_string().contains("criterion: stands outside a frame"));
     let code_book = Control::CodeBook(Arc::new(Vec::new()));
     assert!(recorder().record(&code_book).unwrap_err().to_string().contains("belongs in no display list"));
 }

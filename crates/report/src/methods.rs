@@ -33,7 +33,7 @@ pub struct Method {
     pub method: String,
     /// What makes the machine run like this.
     pub settings: Vec<String>,
-    /// Divisions and reciprocals per pixel with a texture.
+    /// All divisions and reciprocals per pixel with a texture, set-up and steps included.
     pub divisions_per_pixel: f64,
     /// Of the run.
     pub cycles: u64,

@@ -95,7 +95,7 @@ impl<R: Read, F: Files> Tee<R, F> {
                 let held = held.map_err(|error| self.resolver.over_budget(&error))?;
                 seen.exact.push_back((renderer.finish(), held));
             }
-            Control::CodeBook(_) => {}
+            Control::CodeBook(_) | Control::Criterion(_) => {}
         }
         Ok(())
     }

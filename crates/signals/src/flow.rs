@@ -18,6 +18,9 @@ pub enum Control {
     CodeBook(Arc<Vec<Vec<[i16; 3]>>>),
     /// The frame is complete; who gathers, flushes.
     FrameEnd,
+    /// Accuracy criterion e of the texel value generator \[pixels\], for spans until another is selected. Other machines do not
+    /// ask.
+    Criterion(f64),
 }
 
 /// What a wire carries behind the geometry processor: control, or an item of its own kind.

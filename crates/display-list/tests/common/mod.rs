@@ -152,7 +152,17 @@ pub fn controls() -> impl Strategy<Value = Vec<Control>> {
             for (id, (centre, entries, shading, shapes)) in objects.into_iter().enumerate() {
                 let object = id as u32;
                 let name = format!("object {id}");
-                controls.push(Control::Object(Arc::new(ObjectInfo { id: object, name, centre, entries, bias: (id % 3 == 1).then_some(id as u8 % 8), shading })));
+                controls.push(Control::Object(Arc::new(ObjectInfo {
+                    id: object,
+                    name,
+                    centre,
+                    entries,
+                    bias: (id % 3 == 1).then_some(id as u8 % 8),
+                    shading,
+                })));
+                if entries.is_some() {
+                    controls.push(Control::Criterion(0.001 + f64::from(object)));
+                }
                 controls.extend(shapes.into_iter().map(|(vertices, which, lod, bump, wait)| {
                     cycle += wait;
                     let material = Arc::clone(&materials[which]);

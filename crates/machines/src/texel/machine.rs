@@ -14,8 +14,8 @@ use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_signals::{PixelPacket, Widths};
 use basrelief_texel_value_generator::signals::TexelPacket;
 use basrelief_texel_value_generator::{
-    ApproximateCalculator, Combiner, Divider, FrameLog, IlluminanceValueGenerator, MipMapSelector, MipMode, ScanConverter,
-    StepCalculator, TextureLookUpTable,
+    ApproximateCalculator, Combiner, Divider, FrameLog, IlluminanceValueGenerator, Method, MipMapSelector, MipMode,
+    ScanConverter, StepCalculator, TextureLookUpTable,
 };
 
 /// Texture mapping system (300) with the texel value generator (310).
@@ -52,19 +52,26 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         check(config)?;
         let (memories, clients) = build(config);
         let gradients = (c.mip.mode != MipMode::Off).then_some(c.mip.per);
-        let approximate_calculator = ApproximateCalculator::new(c.approximation, c.scan.z_bits, gradients);
+        let (bits, radix, operators) = (c.texel.coordinate_bits, c.divider.bits_per_cycle, c.operators.clone());
+        let own = operators.clone();
+        let approximate_calculator =
+            ApproximateCalculator::new(c.approximation, &c.texel, [radix, c.scan.z_bits], gradients, operators.clone());
+        let under_way = lines_under_way(config);
         wired(Self {
             front,
-            fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, ..Widths::default() }),
+            fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, texture: bits, ..Widths::default() }),
             depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, c.scan.z_bits, c.cache.depth.line_bytes)),
-            scan_converter: Stage::new("scan-converter", ScanConverter::new(c.scan, c.texel.snap, c.texel.march)),
-            step_calculator: Stage::new("step-calculator", StepCalculator::new(c.texel)),
-            divider: Stage::new("divider", Divider::new(c.divider)),
+            scan_converter: Stage::new(
+                "scan-converter",
+                ScanConverter::new(c.scan, c.texel.snap, c.texel.march, operators.clone()),
+            ),
+            step_calculator: Stage::new("step-calculator", StepCalculator::new(c.texel, radix, operators.clone())),
+            divider: Stage::new("divider", Divider::new(c.divider, bits, operators)),
             approximate_calculator: Stage::new("approximate-calculator", approximate_calculator),
             mip_map_selector: Stage::new("mip-map-selector", MipMapSelector::new(c.mip)),
             look_up: Stage::new("texture-look-up", look_up),
-            illuminance: Stage::new("illuminance", IlluminanceValueGenerator::new(c.illuminance)),
-            combiner: Stage::new("combiner", Combiner::new(c.combiner)),
+            illuminance: Stage::new("illuminance", IlluminanceValueGenerator::new(c.illuminance, own)),
+            combiner: Stage::new("combiner", Combiner::new(c.combiner, under_way)),
             buffer: Stage::new("pixel-value-buffer", FrameBuffer::new(c.frame_buffer)),
             dacs: Stage::new("dacs", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
             memories,
@@ -90,17 +97,40 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
     }
 }
 
+/// Lines of pixels that can be between the combiner (350) and the memory of (360): those of packets that the combiner and the FIFO
+/// behind it have, those that gather, and those of writes that were posted. A write is posted when its port has a credit for it,
+/// so that all but as many as it has credits are done.
+fn lines_under_way(config: &TexelMachineConfig) -> u32 {
+    1 + config.fifo.pixels.depth + config.frame_buffer.write_lines + config.memory.pixel.outstanding
+}
+
 impl<F: FrontEnd> Draws for TextureMappingSystem<F> {
     fn finished(&mut self) -> &mut Vec<FinishedFrame> {
         &mut self.buffer.unit.state.finished
     }
 
-    /// The price of the division points, per pixel.
+    /// The price of the division points, per pixel: every division of the system, and where it is made.
     fn derive(&self, facts: &mut Facts) {
         let pixels = facts.count("textured_fragments").max(1) as f64;
-        let divisions = facts.count("divisions") + facts.count("reciprocals");
-        let points = facts.count("points_divided");
-        facts.figure("divisions_per_pixel", divisions as f64 / pixels, "", "Divisions and reciprocals per pixel with a texture");
+        let (points, inner) = (facts.count("points_divided"), facts.count("division_points"));
+        let of_points = facts.count("divisions") + facts.count("reciprocals");
+        // One or two per point, whatever point it is.
+        let of = |some: u64| some * of_points.checked_div(points).unwrap_or(0);
+        let exact = self.step_calculator.unit.config.method == Method::Exact;
+        let split = [
+            ("divisions_of_span_ends", of(points.saturating_sub(inner)), "Divisions per pixel: u, v at the ends of spans"),
+            ("divisions_of_points", if exact { 0 } else { of(inner) }, "The same: u, v at division points between them"),
+            ("divisions_of_exact_pixels", if exact { of(inner) } else { 0 }, "The same: u, v at every pixel between them"),
+            ("divisions_of_steps", facts.count("step_divisions"), "The same: e / |dw| of steps"),
+            ("divisions_of_gradients", facts.count("gradient_reciprocals"), "The same: 1 / W for du, dv of a pixel"),
+            ("divisions_of_setup", facts.count("setup_divisions"), "The same: set-up of triangles"),
+        ];
+        let all: u64 = split.iter().map(|(_, count, _)| count).sum();
+        for (name, count, about) in split {
+            facts.figure(name, count as f64 / pixels, "", about);
+        }
+        let about = "Divisions and reciprocals per pixel with a texture, all of those above";
+        facts.figure("divisions_per_pixel", all as f64 / pixels, "", about);
         facts.figure("points_per_pixel", points as f64 / pixels, "", "Points divided per pixel with a texture");
     }
 }

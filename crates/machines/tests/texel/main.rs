@@ -6,3 +6,4 @@ mod common;
 mod engines;
 mod recipe;
 mod runs;
+mod width;

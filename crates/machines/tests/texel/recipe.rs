@@ -85,6 +85,9 @@ pub fn display_lists() -> impl Strategy<Value = Vec<Control>> {
                 if i % 3 == 0 {
                     list.push(object(i as u32 / 3));
                 }
+                if i % 4 == 1 {
+                    list.push(Control::Criterion(0.1 * (i + 1) as f64));
+                }
                 list.push(polygon(&corners, &uv, &materials[which], bump));
             }
             list.push(Control::FrameEnd);
@@ -105,7 +108,8 @@ const MEANING: &[Axis] = &[
     ],
     &[&[], &[("texel.error_bound", "0.05")], &[("texel.error_bound", "4")]],
     &[&[], &[("texel.step_form", "approximate")], &[("texel.step_table", "32")]],
-    &[&[], &[("texel.min_span", "9")]],
+    &[&[], &[("texel.min_span", "9")], &[("texel.longest_segment", "16")]],
+    &[&[], &[("texel.coordinate_bits", "16"), ("texel.step_bits", "8"), ("approximation.reciprocal_bits", "6")]],
     &[&[], &[("texel.snap", "round")], &[("texel.snap", "floor")]],
     &[&[], &[("texel.march", "right_to_left")]],
     &[&[], &[("divider.division", "reciprocal")]],
@@ -119,15 +123,13 @@ const MEANING: &[Axis] = &[
 
 /// When it computes it: none of this may change a picture.
 const TIMING: &[Axis] = &[
-    &[&[], &[("divider.count", "1")], &[("divider.count", "5"), ("divider.latency", "40")]],
-    &[&[], &[("divider.initiation_interval", "1")], &[("divider.multiply_cycles", "0"), ("divider.latency", "1")]],
-    &[&[], &[("texel.root_cycles", "1"), ("texel.latency", "0")], &[("texel.root_cycles", "40"), ("texel.table_cycles", "9")]],
-    &[&[], &[("scan.setup_cycles", "0"), ("scan.cycles_per_span", "1")], &[("scan.cycles_per_span", "9"), ("scan.latency", "0")]],
-    &[&[], &[("texel.division_cycles", "0")], &[("texel.division_cycles", "50")]],
-    &[&[], &[("approximation.initiation_interval", "3"), ("approximation.latency", "0")]],
-    &[&[], &[("approximation.reciprocal_cycles", "1")], &[("approximation.reciprocal_cycles", "5")]],
-    &[&[], &[("mip.latency", "20"), ("look_up.initiation_interval", "2"), ("look_up.latency", "0")]],
-    &[&[], &[("illuminance.initiation_interval", "3"), ("illuminance.latency", "9")]],
+    &[&[], &[("divider.count", "1")], &[("divider.count", "5"), ("divider.bits_per_cycle", "1")]],
+    &[&[], &[("divider.pipelined", "true")], &[("operators.multiply.latency", "1"), ("operators.add.latency", "40")]],
+    &[&[], &[("texel.multipliers", "1")], &[("operators.divide.interval", "40"), ("texel.table_cycles", "9")]],
+    &[&[], &[("scan.dividers", "1"), ("scan.adders", "13")], &[("scan.adders", "1"), ("scan.latency", "0")]],
+    &[&[], &[("approximation.initiation_interval", "3")]],
+    &[&[], &[("mip.latency", "20"), ("look_up.samples_per_cycle", "2"), ("look_up.latency", "0")]],
+    &[&[], &[("illuminance.initiation_interval", "3"), ("illuminance.latency", "9"), ("illuminance.multipliers", "1")]],
     &[&[], &[("combiner.initiation_interval", "2"), ("combiner.latency", "0")]],
     &[
         &[],

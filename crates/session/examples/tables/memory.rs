@@ -62,9 +62,9 @@ fn texture_alone() -> Settings {
         ("look_up.filter", "bilinear"),
     ];
     let words: Settings = words.iter().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect();
-    let look_up = [("texel_bytes", TEXEL), ("initiation_interval", 1), ("latency", 6)];
+    let look_up = [("texel_bytes", TEXEL), ("samples_per_cycle", 2), ("latency", 6)];
     let cache = [("line_bytes", 64), ("sets", 64), ("ways", WAYS), ("hit_latency", HIT_LATENCY), ("lookups_per_cycle", 16)];
-    let divider = [("count", 8), ("latency", 16), ("initiation_interval", 1)];
+    let divider = [("count", 32), ("bits_per_cycle", 2)];
     let others = [pipelined("depth", 0, 1, 64), pipelined("pixel", 0, 1, 64)].concat();
     [words, below("look_up", &look_up), below("cache.texture", &cache), below("divider", &divider), others].concat()
 }

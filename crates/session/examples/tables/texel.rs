@@ -25,8 +25,9 @@ const OTHERS: [(&str, Set<'static>); 11] = [
     ("exact, reciprocal", &[("texel.method", "exact"), ("divider.division", "reciprocal")]),
 ];
 
-/// Dividers: how many, latency, initiation interval.
-const DIVIDERS: [[&str; 3]; 5] = [["1", "32", "32"], ["1", "16", "16"], ["2", "16", "16"], ["2", "32", "32"], ["2", "32", "1"]];
+/// Dividers: how many, bits of a quotient that a cycle finds, pipelined.
+const DIVIDERS: [[&str; 3]; 5] =
+    [["1", "1", "false"], ["1", "2", "false"], ["2", "2", "false"], ["2", "1", "false"], ["2", "1", "true"]];
 
 /// Cycles in which the interpolator had a segment and no quotients.
 fn starved(report: &Report) -> f64 {
@@ -93,16 +94,16 @@ fn hidden(scene: &Arc<Scene>, dividers: Set<'_>, method: (&str, &str)) -> Result
 pub fn dividers(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let bounds = BOUNDS.map(|e| format!("e {e}"));
     let head: Vec<&str> =
-        ["dividers, latency, interval"].into_iter().chain(bounds.iter().map(String::as_str)).chain(["exact"]).collect();
+        ["dividers, bits per cycle, pipelined"].into_iter().chain(bounds.iter().map(String::as_str)).chain(["exact"]).collect();
     let mut text = String::new();
     for name in of {
         let scene = inputs.open(name, 1)?;
         let mut table = Table::new(&head, 1);
-        for [count, latency, interval] in DIVIDERS {
-            let set = [("divider.count", count), ("divider.latency", latency), ("divider.initiation_interval", interval)];
+        for [count, bits, pipelined] in DIVIDERS {
+            let set = [("divider.count", count), ("divider.bits_per_cycle", bits), ("divider.pipelined", pipelined)];
             let methods = BOUNDS.map(|e| ("texel.error_bound", e)).into_iter().chain([("texel.method", "exact")]);
             let cells: Vec<String> = methods.map(|method| hidden(&scene, &set, method)).collect::<Result<_, _>>()?;
-            table.row(&[vec![format!("{count}, {latency}, {interval}")], cells].concat());
+            table.row(&[vec![format!("{count}, {bits}, {pipelined}")], cells].concat());
         }
         text.push_str(&format!("### {name}\n\n{}\n", table.text()));
     }

@@ -10,7 +10,7 @@ use basrelief_machines::texel::{self, TexelMachineConfig, TextureMappingSystem};
 use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
 use basrelief_reference::{LevelRule, Options, Shading, Style, TextureFilter};
 use basrelief_signals::Filter;
-use basrelief_texel_value_generator::{IlluminanceMode, Method, MipMode};
+use basrelief_texel_value_generator::{Division, IlluminanceMode, Method, MipMode};
 
 impl MachineSpec for TexelMachineConfig {
     const NAME: &'static str = texel::NAME;
@@ -60,7 +60,7 @@ impl MachineSpec for TexelMachineConfig {
 }
 
 /// The ways to choose division points. Those at fixed places divide as seldom as the bound allows.
-const METHODS: [MethodSpec<TexelMachineConfig>; 5] = [
+const METHODS: [MethodSpec<TexelMachineConfig>; 6] = [
     MethodSpec {
         name: |_| "adaptive".into(),
         settings: |_| vec!["texel.method=adaptive".into()],
@@ -87,8 +87,14 @@ const METHODS: [MethodSpec<TexelMachineConfig>; 5] = [
     },
     MethodSpec {
         name: |_| "exact".into(),
-        settings: |_| vec!["texel.method=exact".into()],
-        set: |c, _| c.texel.method = Method::Exact,
+        settings: |_| vec!["texel.method=exact".into(), "divider.division=two".into()],
+        set: |c, _| (c.texel.method, c.divider.division) = (Method::Exact, Division::Two),
+        number: Number::Absent,
+    },
+    MethodSpec {
+        name: |_| "exact by one reciprocal".into(),
+        settings: |_| vec!["texel.method=exact".into(), "divider.division=reciprocal".into()],
+        set: |c, _| (c.texel.method, c.divider.division) = (Method::Exact, Division::Reciprocal),
         number: Number::Absent,
     },
 ];

@@ -68,7 +68,7 @@ impl BrightnessFetch {
                 state.wanted.book = Some(Arc::clone(book));
                 state.sets.drop_books();
             }
-            Control::FrameEnd => {}
+            Control::FrameEnd | Control::Criterion(_) => {}
         }
         state.sets.lose_sight();
         let out = (!matches!(control, Control::CodeBook(_))).then_some(Flow::Control(control));

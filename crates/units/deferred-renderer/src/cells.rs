@@ -187,7 +187,7 @@ impl Cells {
             }
             Control::Polygon(polygon) => self.begin(&polygon, traffic),
             Control::FrameEnd => Some(CellFlow::FrameEnd),
-            Control::Object(_) | Control::CodeBook(_) => None,
+            Control::Object(_) | Control::CodeBook(_) | Control::Criterion(_) => None,
         }
     }
 

@@ -191,7 +191,7 @@ impl Server {
                 self.state.frames += 1;
                 self.state.phase = Phase::Tiles;
             }
-            Control::Object(_) | Control::CodeBook(_) => {}
+            Control::Object(_) | Control::CodeBook(_) | Control::Criterion(_) => {}
         }
         Parcel { bytes, content: Content::Mesh(control) }
     }

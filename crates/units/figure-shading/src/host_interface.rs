@@ -140,7 +140,7 @@ impl HostInterface {
                 self.state.counters.textured += u64::from(polygon.material.color_texture.is_some());
                 self.send(numbers, control)
             }
-            Control::CodeBook(_) => Step::after(0, None),
+            Control::CodeBook(_) | Control::Criterion(_) => Step::after(0, None),
             Control::FrameEnd => {
                 self.state.frame_ends = true;
                 self.end_frame()

@@ -43,7 +43,7 @@ impl Rasterizer {
                 1
             }
             Control::Polygon(polygon) => self.begin(polygon),
-            Control::Object(_) | Control::CodeBook(_) | Control::FrameEnd => 1,
+            Control::Object(_) | Control::CodeBook(_) | Control::Criterion(_) | Control::FrameEnd => 1,
         }
     }
 

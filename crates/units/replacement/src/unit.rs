@@ -93,7 +93,7 @@ impl Replacement {
             // A polygon that is no bump target waits beside this unit for what is ahead of it: a batch never stamps one.
             Control::Polygon(ref polygon) => !polygon.bump || self.config.codebook == CodeBookMode::PerPolygon,
             Control::Frame(_) | Control::Object(_) | Control::FrameEnd => true,
-            Control::CodeBook(_) => false,
+            Control::CodeBook(_) | Control::Criterion(_) => false,
         };
         if ends { self.end_batch(control) } else { self.hold(control, traffic) }
     }

@@ -5,8 +5,9 @@ use crate::log::DisplacementMap;
 use crate::signals::{IlluminancePacket, TexturePacket};
 use crate::twins::{Pair, pair};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
-use basrelief_signals::{Control, Flow, LINE_PIXELS, PACKET_PIXELS, PixelPacket, layout, line_of};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_signals::width::COLOR;
+use basrelief_signals::{Control, Flow, GatheredLines, LINE_PIXELS, PACKET_PIXELS, PixelPacket, layout, line_of};
 use serde::{Deserialize, Serialize};
 
 /// What the combiner has counted.
@@ -16,8 +17,12 @@ pub struct CombinerCounters {
     pub frames: u64,
     /// Pixels combined.
     pub pixels: u64,
-    /// Pixels read back.
+    /// Pixels combined with their old value.
     pub read_back: u64,
+    /// Lines read for them.
+    pub lines_read: u64,
+    /// Packets whose line was at hand.
+    pub forwarded: u64,
 }
 
 /// Everything the combiner remembers.
@@ -27,6 +32,8 @@ pub struct CombinerState {
     pub size: [u32; 2],
     /// What it wrote last to each pixel: what it reads back. Empty where it never does.
     pub old: Vec<[u8; 3]>,
+    /// Lines whose last values may not be in memory yet.
+    pub held: GatheredLines,
     /// Displacements of the frame, where somebody asked.
     pub map: Option<DisplacementMap>,
     /// Those of frames that are complete and that nobody has fetched.
@@ -36,21 +43,29 @@ pub struct CombinerState {
 }
 
 /// Combiner (350): texture value times illuminance, and with the old pixel value from the buffer (360) where the mode asks for
-/// it (claims 4, 7). Client 0 reads old values, a packet at a time.
+/// it (claims 4, 7). Client 0 reads old values, a line at a time.
+///
+/// Order: between here and memory lie pixels that are on their way to the buffer (360), lines that gather there, and writes that
+/// were posted. A read would overtake them, and find what was there before. So the combiner holds the last lines that it wrote, as
+/// many as these can be, and takes old values from there: a line that is held is not read, and of one that no longer is, so many
+/// others were written since that its own write is done. (To wait for it instead would take less memory, and the whole way to it
+/// and back for every line that two polygons share.)
 ///
 /// Memories give time, never data (law 6): the combiner is the only one that writes pixels, so it knows what it would read.
 #[derive(Clone, Debug, Default)]
 pub struct Combiner {
     /// Parameters.
     pub config: CombinerConfig,
+    /// Lines that it holds: at least as many as can be under way from here to memory.
+    pub lines: u32,
     /// Everything it remembers.
     pub state: CombinerState,
 }
 
 impl Combiner {
-    /// A combiner at power-on.
-    pub fn new(config: CombinerConfig) -> Self {
-        Self { config, state: CombinerState::default() }
+    /// A combiner at power-on, from which up to `lines` lines are under way to memory.
+    pub fn new(config: CombinerConfig, lines: u32) -> Self {
+        Self { config, lines, state: CombinerState::default() }
     }
 
     /// Keeps a map of displacements from now on.
@@ -66,6 +81,7 @@ impl Combiner {
                 let fits = layout::fits(frame.width, frame.height);
                 state.size = if fits { [frame.width, frame.height] } else { [0, 0] };
                 let pixels = state.size[0] as usize * state.size[1] as usize;
+                state.held = GatheredLines::default();
                 state.old.clear();
                 state.old.resize(if self.config.mode == CombineMode::Replace { 0 } else { pixels }, [0; 3]);
                 if let Some(map) = &mut state.map {
@@ -78,17 +94,24 @@ impl Combiner {
                     state.finished.push(std::mem::take(map));
                 }
             }
-            Control::Object(_) | Control::Polygon(_) | Control::CodeBook(_) => {}
+            Control::Object(_) | Control::Polygon(_) | Control::CodeBook(_) | Control::Criterion(_) => {}
         }
     }
 
-    /// Reads the old values of a packet's line; frames take two buffers in turn.
+    /// Reads the line that a packet lies in, unless it is held; frames take two buffers in turn.
     fn read_back(&mut self, packet: &TexturePacket, traffic: &mut Traffic) {
         let line = line_of::<PixelPacket>(self.state.size[0], [u32::from(packet.packet.x), u32::from(packet.packet.y)]);
-        let bytes = LINE_PIXELS * self.config.pixel_bytes;
-        let base = layout::COLOR_BUFFERS + self.state.counters.frames % 2 * layout::COLOR_BUFFER_STRIDE;
-        traffic.read(0, base + line * u64::from(bytes), bytes);
-        self.state.counters.read_back += packet.packet.pixels() as u64;
+        let state = &mut self.state;
+        state.counters.read_back += packet.packet.pixels() as u64;
+        if state.held.contains(line) {
+            state.counters.forwarded += 1;
+        } else {
+            let bytes = LINE_PIXELS * self.config.pixel_bytes;
+            let base = layout::COLOR_BUFFERS + state.counters.frames % 2 * layout::COLOR_BUFFER_STRIDE;
+            traffic.read(0, base + line * u64::from(bytes), bytes);
+            state.counters.lines_read += 1;
+        }
+        state.held.touch(line, self.lines);
     }
 
     #[inline(always)]
@@ -125,6 +148,29 @@ impl Combiner {
             ((of_255 + 127) / 255) as u8
         });
         *new = *old;
+    }
+}
+
+/// A texture value or an illuminance.
+const FACTOR_BITS: u32 = 16;
+/// A component of a pixel, or its weight.
+const PIXEL_BITS: u32 = 8;
+/// Number of a line, and its place in the order of writes.
+const LINE_TAG_BITS: u32 = 32;
+
+impl Combiner {
+    fn tell_hardware(&self, facts: &mut Facts) {
+        facts.hardware(HardwareKind::Multiplier, "texture by illuminance", 4_u32, FACTOR_BITS);
+        let (products, sums) = match self.config.mode {
+            CombineMode::Replace => return,
+            CombineMode::Modulate => (3_u32, 0_u32),
+            CombineMode::Blend => (6, 3),
+        };
+        facts.hardware(HardwareKind::Multiplier, "with the old value", products, PIXEL_BITS);
+        facts.hardware(HardwareKind::Adder, "with the old value", sums, PIXEL_BITS);
+        facts.hardware(HardwareKind::Table, "lines on their way to memory", self.lines, LINE_PIXELS * COLOR);
+        facts.hardware(HardwareKind::Adder, "whether a line is held", self.lines, LINE_TAG_BITS);
+        facts.hardware(HardwareKind::Registers, "which lines are held", self.lines, LINE_TAG_BITS);
     }
 }
 
@@ -170,7 +216,16 @@ impl Unit for Combiner {
 
     fn tell(&self, facts: &mut Facts) {
         facts.rate(0, self.config.latency, 1_u64);
-        facts.figure("pixels_read_back", self.state.counters.read_back, "pixels", "Pixels whose old value was read");
+        facts.figure("pixels_read_back", self.state.counters.read_back, "pixels", "Pixels combined with their old value");
+        let c = &self.state.counters;
+        facts.figure("pixel_lines_read", c.lines_read, "lines", "Lines of pixels read for that");
+        facts.figure(
+            "pixel_lines_forwarded",
+            c.forwarded,
+            "packets",
+            "Packets whose line was still on its way to memory, and was not read",
+        );
+        self.tell_hardware(facts);
     }
 }
 

@@ -126,10 +126,12 @@ parameters! {
         subpixel_bits: u32 = 8, unit: "bits", Assumed("as the bump-mapping processor's rasterizer"), range: 1..=10;
         /// Depth values.
         z_bits: u32 = 24, unit: "bits", Assumed("as the bump-mapping processor's rasterizer"), range: 16..=32;
-        /// The unit is kept this long by each triangle of a polygon's fan.
-        setup_cycles: u32 = 16, unit: "cycles", Assumed("slopes of three edges, one reciprocal"), range: 0..=4096;
-        /// The unit is kept this long by each span: both ends of U, V, W.
-        cycles_per_span: u32 = 2, unit: "cycles", Assumed("an addition to each of six end values, three adders"), range: 1..=4096;
+        /// Dividers (`operators.divide`) for the set-up of a triangle: slopes of its three edges, reciprocal of its area.
+        dividers: u32 = 4, unit: "dividers", Assumed("all four at a time; a single one would keep the unit four times as long by each triangle"), range: 1..=4;
+        /// Multipliers for the set-up of a triangle.
+        multipliers: u32 = 4, unit: "multipliers", Derived("46 products take 12 cycles, within the 16 of a division"), range: 1..=64;
+        /// Adders, for set-up and for the ends of spans.
+        adders: u32 = 7, unit: "adders", Derived("13 additions per span take 2 cycles"), range: 1..=64;
         /// From start to delivery.
         latency: u32 = 4, unit: "cycles", Assumed("addition and step 410"), range: 0..=4096;
     }
@@ -140,12 +142,14 @@ parameters! {
     pub struct TexelConfig {
         /// Where division points lie: adaptive, exact, fixed or subpolygon.
         method: Method = Method::Adaptive, unit: "", Stated("claims 1 to 3, Figures 4A, 4B, 5 and 6; the others are what the patent compares itself with");
-        /// Accuracy criterion e, in the storage element (step 442): no texel is from farther away than this.
+        /// Accuracy criterion e, in the storage element (step 442): no texel is from farther away than this. A frame or an object of a display list may select another.
         error_bound: f64 = 0.5, unit: "pixels", Stated("a fitting value of e is 0.5, half a pixel"), range: 0.001..=1024.0;
         /// The equation of the step: exact or approximate.
         step_form: StepForm = StepForm::Exact, unit: "", Derived("the longest step that keeps e, by the sign of dw; the patent's second equation leaves e out of the sum");
         /// Spans of at most this many pixels are not subdivided (step 430).
         min_span: u32 = 2, unit: "pixels", Assumed("between the ends of two pixels there is nothing to interpolate; the patent says: too short to gain much"), range: 1..=16_384;
+        /// Segments are at most this long: reciprocals of so many lengths stand in a table of (310a).
+        longest_segment: u32 = 1024, unit: "pixels", Assumed("a scan line of a workstation's screen of the time, 1,280 pixels, has two; 16,384 words would be sixteen times the table"), range: 16..=16_384;
         /// Division points between the ends of every scan line, with `fixed`; 0: one every `interval` pixels.
         points: u32 = 0, unit: "points", Assumed("Figure 2 draws seven; an interval is the common variant"), range: 0..=16_384;
         /// Distance of division points with `fixed`; longest edge of a child polygon with `subpolygon`.
@@ -154,16 +158,16 @@ parameters! {
         snap: Snap = Snap::Ceil, unit: "", Assumed("the patent names truncation, rounding down and rounding up; only up covers the pixels whose centres are inside");
         /// Direction of marching: left_to_right or right_to_left.
         march: March = March::LeftToRight, unit: "", Stated("step 444 begins at one end of the scan line");
+        /// u and v, with a sign: quotients, and what is interpolated between them. The binary point is that of their triangle.
+        coordinate_bits: u32 = 29, unit: "bits", Derived("the narrowest that keeps the bound of 0.5 pixel on the demos"), range: 12..=44;
+        /// Significant bits of e / |dw| and of the root of a step, rounded down.
+        step_bits: u32 = 16, unit: "bits", Assumed("a step is whole pixels, at most 16,384: 14 bits, and two that rounding down twice may cost"), range: 6..=32;
         /// Entries of a table in place of the square root; 0: a square root unit.
         step_table: u32 = 0, unit: "entries", Assumed("the patent leaves it open"), range: 0..=65_536;
-        /// Square root: latency of the unit; the next step waits for it.
-        root_cycles: u32 = 12, unit: "cycles", Assumed("iterative, two bits per cycle"), range: 1..=4096;
         /// Table of steps: latency of a look-up.
         table_cycles: u32 = 2, unit: "cycles", Assumed("normalisation, look-up"), range: 1..=4096;
-        /// e / |dw|, once for each span that is subdivided: its first step waits for it.
-        division_cycles: u32 = 16, unit: "cycles", Assumed("a divider of its own, as those of u and v: iterative, two bits per cycle"), range: 0..=4096;
-        /// From the start of a step, or the root's answer, to delivery.
-        latency: u32 = 2, unit: "cycles", Assumed("a product, a sum"), range: 0..=4096;
+        /// Multipliers of the step calculator, beside those of its points.
+        multipliers: u32 = 2, unit: "multipliers", Derived("the four products that decide about a span take 2 cycles, as a span of the scan converter"), range: 1..=16;
     }
 }
 
@@ -172,14 +176,12 @@ parameters! {
     pub struct DividerConfig {
         /// How many.
         count: u32 = 2, unit: "dividers", Assumed("one each for u and v"), range: 1..=64;
-        /// From start to quotient.
-        latency: u32 = 16, unit: "cycles", Assumed("iterative, two bits per cycle"), range: 1..=4096;
-        /// A divider may start this often: as often as `latency` is iterative, 1 is pipelined.
-        initiation_interval: u32 = 16, unit: "cycles", Assumed("iterative"), range: 1..=4096;
+        /// Bits of a quotient or a root that an iteration finds: one of w bits takes w over this, up. Of all dividers and roots of the generator.
+        bits_per_cycle: u32 = 2, unit: "bits", Assumed("radix 4, of the class of iterative dividers of the time"), range: 1..=8;
+        /// A division may start every cycle; off: iterative, when the one before is done.
+        pipelined: bool = false, unit: "", Assumed("iterative; a pipeline has the iteration's hardware as often as it has cycles");
         /// How u and v are formed: two (divisions) or reciprocal (and two multiplications).
         division: Division = Division::Two, unit: "", Stated("two divisions, or an equivalent such as a reciprocal and multiplication");
-        /// A multiplication behind a reciprocal.
-        multiply_cycles: u32 = 2, unit: "cycles", Assumed("pipelined"), range: 0..=4096;
     }
 }
 
@@ -188,10 +190,8 @@ parameters! {
     pub struct ApproximationConfig {
         /// A pixel may start this often.
         initiation_interval: u32 = 1, unit: "cycles", Assumed("two adders step u and v"), range: 1..=4096;
-        /// From start to delivery of a pixel.
-        latency: u32 = 3, unit: "cycles", Assumed("reciprocal of the length by table, product, sum"), range: 0..=4096;
-        /// Reciprocal of w for the gradient of a pixel: where gradients are per pixel, one may start this often.
-        reciprocal_cycles: u32 = 16, unit: "cycles", Assumed("a divider of its own, as those of u and v: iterative, two bits per cycle"), range: 1..=4096;
+        /// Significant bits of the reciprocal of w for the gradient of a pixel, on a divider of its own: where gradients are per pixel, one may start as often as that takes.
+        reciprocal_bits: u32 = 12, unit: "bits", Derived("a relative error of 2^-12 moves a level by 2^-11.5, less than its fraction of 8 bits tells"), range: 6..=48;
     }
 }
 
@@ -214,8 +214,8 @@ parameters! {
         filter: Filter = Filter::Bilinear, unit: "", Assumed("the patent leaves it open");
         /// A texel.
         texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each"), range: 1..=16;
-        /// The table is kept this long by each pixel, beside what its ports need (`cache.texture.lookups_per_cycle`).
-        initiation_interval: u32 = 1, unit: "cycles", Assumed("pipelined"), range: 1..=1024;
+        /// Samples filtered per cycle, each of one level: the two of a trilinear pixel take two cycles with 1. A pixel takes at least a cycle, and what its ports need (`cache.texture.lookups_per_cycle`).
+        samples_per_cycle: u32 = 1, unit: "samples", Assumed("one bilinear filter"), range: 1..=2;
         /// From start to delivery, texels in the cache.
         latency: u32 = 6, unit: "cycles", Assumed("addressing and filter"), range: 0..=4096;
     }
@@ -228,6 +228,10 @@ parameters! {
         mode: IlluminanceMode = IlluminanceMode::Gouraud, unit: "", Assumed("the usual one; the patent leaves it open");
         /// A pixel may start this often.
         initiation_interval: u32 = 1, unit: "cycles", Assumed("adders step the components along the line"), range: 1..=4096;
+        /// Multipliers for the set-up of a span.
+        multipliers: u32 = 8, unit: "multipliers", Derived("20 products per span take 3 cycles, and a packet behind it hides them"), range: 1..=64;
+        /// Adders for the set-up of a span.
+        adders: u32 = 8, unit: "adders", Derived("20 sums per span, as the products"), range: 1..=64;
         /// From start to delivery of a pixel.
         latency: u32 = 3, unit: "cycles", Assumed("product and sum"), range: 0..=4096;
     }

@@ -1,11 +1,15 @@
 //! Dividers: exact u and v at division points.
 
 use crate::config::{DividerConfig, Division};
-use crate::signals::{Points, Quotients};
+use crate::fixed::{iterations, nearest, to_fixed};
+use crate::signals::{Coordinates, Point, Points, Quotients};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit, Work};
 use basrelief_signals::Flow;
 use serde::{Deserialize, Serialize};
+
+/// The two products behind a reciprocal, one multiplier each.
+const PRODUCTS: Work = Work { multiply: 2, ..Work::NONE };
 
 /// What the dividers have counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -30,45 +34,63 @@ pub struct DividerState {
 /// The dividers of the texel value generator (310): steps 610 and 620, exact values at end points and division points.
 ///
 /// The points of a token are divided in order; all are there when the last one is. A divider that is free takes whatever
-/// division is next.
+/// division is next. Quotients are rounded to the nearest step of fixed point; of a reciprocal as many bits are found as a
+/// quotient has, and it is the product that is rounded then.
 #[derive(Clone, Debug, Default)]
 pub struct Divider {
     /// Parameters.
     pub config: DividerConfig,
+    /// Width of u and v \[bits\].
+    pub bits: u32,
+    /// Times of arithmetic.
+    pub operators: Operators,
     /// Everything they remember.
     pub state: DividerState,
 }
 
 impl Divider {
-    /// Dividers at power-on.
-    pub fn new(config: DividerConfig) -> Self {
-        Self { config, state: DividerState::default() }
+    /// Dividers at power-on, for u and v of so many bits.
+    pub fn new(config: DividerConfig, bits: u32, operators: Operators) -> Self {
+        Self { config, bits, operators, state: DividerState::default() }
+    }
+
+    /// Cycles of a division, and from one to the next in a divider.
+    fn division(&self) -> [u64; 2] {
+        let latency = iterations(self.bits, self.config.bits_per_cycle).into();
+        [latency, if self.config.pipelined { 1 } else { latency }]
     }
 
     /// Cycles that so many divisions keep the dividers, and from their start to the last quotient.
     pub fn cycles(&self, divisions: u64) -> (u64, u64) {
-        let DividerConfig { count, latency, initiation_interval, .. } = self.config;
-        let [count, interval] = [count, initiation_interval].map(u64::from);
-        let occupancy = (divisions * interval).div_ceil(count.max(1)).max(1);
-        (occupancy, u64::from(latency) + divisions.saturating_sub(1) / count.max(1) * interval)
+        let ([latency, interval], count) = (self.division(), u64::from(self.config.count.max(1)));
+        let occupancy = (divisions * interval).div_ceil(count).max(1);
+        (occupancy, latency + divisions.saturating_sub(1) / count * interval)
+    }
+
+    /// Divisions of a point.
+    fn per_point(&self) -> u64 {
+        if self.config.division == Division::Two { 2 } else { 1 }
     }
 
     fn divide(&mut self, points: &Points) -> (Quotients, u64, u64) {
-        let count = points.len() as u64;
-        self.state.counters.points += count;
+        let (count, bits) = (points.len() as u64, self.bits);
+        let (occupancy, latency) = self.cycles(self.per_point() * count);
+        let counters = &mut self.state.counters;
+        counters.points += count;
         if self.config.division == Division::Two {
-            self.state.counters.divisions += 2 * count;
-            let (occupancy, latency) = self.cycles(2 * count);
-            return (points.iter().map(|[u, v, w]| [u / w, v / w]).collect(), occupancy, latency);
+            counters.divisions += 2 * count;
+            let quotient = |Point([u, v, w]): &Point| Coordinates([u / w, v / w].map(|c| to_fixed(c, bits)));
+            return (points.iter().map(quotient).collect(), occupancy, latency);
         }
-        self.state.counters.reciprocals += count;
-        self.state.counters.multiplications += 2 * count;
-        let (occupancy, latency) = self.cycles(count);
-        let quotient = |[u, v, w]: &[f64; 3]| {
-            let reciprocal = 1.0 / w;
-            [u * reciprocal, v * reciprocal]
+        counters.reciprocals += count;
+        counters.multiplications += 2 * count;
+        let quotient = |Point([u, v, w]): &Point| {
+            let reciprocal = nearest(1.0 / w, bits);
+            Coordinates([u * reciprocal, v * reciprocal].map(|c| to_fixed(c, bits)))
         };
-        (points.iter().map(quotient).collect(), occupancy, latency + u64::from(self.config.multiply_cycles))
+        let products = self.operators.interval(PRODUCTS, PRODUCTS) * count;
+        let latency = latency + self.operators.latency(Work { multiply: 1, ..Work::NONE });
+        (points.iter().map(quotient).collect(), occupancy.max(products), latency)
     }
 }
 
@@ -97,12 +119,11 @@ impl Unit for Divider {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        // Two divisions keep so many dividers.
-        let interval = (2 * self.config.initiation_interval).div_ceil(self.config.count);
-        facts.rate(0, self.config.latency, interval);
+        let (interval, latency) = self.cycles(self.per_point());
+        facts.rate(0, latency, interval);
         let c = &self.state.counters;
         facts.figure("points_divided", c.points, "points", "Points whose u, v were divided");
-        facts.figure("divisions", c.divisions, "divisions", "Divisions");
+        facts.figure("divisions", c.divisions, "divisions", "Divisions U / W and V / W");
         facts.figure("reciprocals", c.reciprocals, "reciprocals", "Reciprocals in their place");
         facts.figure(
             "multiplications",
@@ -110,5 +131,11 @@ impl Unit for Divider {
             "multiplications",
             "Multiplications of dividers and approximate calculator",
         );
+        // A pipeline has the hardware of an iteration as often as it has cycles.
+        let copies = if self.config.pipelined { iterations(self.bits, self.config.bits_per_cycle) } else { 1 };
+        facts.hardware(HardwareKind::Divider, "u and v at division points", self.config.count * copies, self.bits);
+        if self.config.division == Division::Reciprocal {
+            facts.hardware(HardwareKind::Multiplier, "U and V by a reciprocal", PRODUCTS.multiply, self.bits);
+        }
     }
 }

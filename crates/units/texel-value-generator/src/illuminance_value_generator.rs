@@ -3,8 +3,9 @@
 use crate::config::{IlluminanceConfig, IlluminanceMode};
 use crate::signals::{IlluminancePacket, LitSpan, to_16_bits};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit, Work};
 use basrelief_shading::{LightVector, brightness, fan_triangle, light_vectors};
+use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Flow, Frame, PACKET_PIXELS, Packet, Polygon, Vertex};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -12,6 +13,17 @@ use std::sync::Arc;
 
 /// 1, in the format of [`IlluminancePacket::rgba`].
 pub const ONE: f32 = (1 << 14) as f32;
+
+/// RGBA at the corners of a triangle: base colour by vertex colour, RGB by brightness.
+const CORNERS: Work = Work { multiply: 3 * (4 + 3), ..Work::NONE };
+/// Differences of these, once per triangle.
+const DIFFERENCES: Work = Work { add: 2 * 4, ..Work::NONE };
+/// RGBA at the ends of a span by two weights, and their change per pixel, which is that of the triangle.
+const SPAN: Work = Work { multiply: 2 * 4 * 2 + 4, add: 2 * 4 * 2 + 4, ..Work::NONE };
+/// Brightness of a corner by one light: N.L, N.H, a power; intensity and sums.
+const LIGHT: Work = Work { multiply: 2 * 3 + 2, add: 2 * 2 + 2, power: 1, ..Work::NONE };
+/// What the interpolation is calculated with: 2 bits and 14 of a fraction, and as many behind them as a line has pixels.
+const SUM_BITS: u32 = 16 + 14;
 
 /// What the illuminance value generator has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -49,14 +61,28 @@ pub struct IlluminanceValueGeneratorState {
 pub struct IlluminanceValueGenerator {
     /// Parameters.
     pub config: IlluminanceConfig,
+    /// Times of arithmetic.
+    pub operators: Operators,
     /// Everything it remembers.
     pub state: IlluminanceValueGeneratorState,
 }
 
 impl IlluminanceValueGenerator {
     /// An illuminance value generator at power-on.
-    pub fn new(config: IlluminanceConfig) -> Self {
-        Self { config, state: IlluminanceValueGeneratorState::default() }
+    pub fn new(config: IlluminanceConfig, operators: Operators) -> Self {
+        Self { config, operators, state: IlluminanceValueGeneratorState::default() }
+    }
+
+    /// Multipliers and adders for set-up; vertices of bump targets are lit by a single power.
+    fn have(&self) -> Work {
+        Work { multiply: self.config.multipliers, add: self.config.adders, power: 1, ..Work::NONE }
+    }
+
+    /// What the corners of a triangle take.
+    fn corners(&self) -> Work {
+        let lit = self.config.mode == IlluminanceMode::Gouraud && self.state.polygon.as_deref().is_some_and(|p| p.bump);
+        let lights = if lit { 3 * self.state.lights.len() as u32 } else { 0 };
+        CORNERS.and(DIFFERENCES).and(LIGHT.times(lights))
     }
 
     fn take(&mut self, control: &Control) {
@@ -73,7 +99,7 @@ impl IlluminanceValueGenerator {
                 state.polygon = Some(Arc::clone(polygon));
                 state.corners.1 = None;
             }
-            Control::CodeBook(_) | Control::FrameEnd => {}
+            Control::CodeBook(_) | Control::Criterion(_) | Control::FrameEnd => {}
         }
     }
 
@@ -95,9 +121,12 @@ impl IlluminanceValueGenerator {
         [r * light, g * light, b * light, a]
     }
 
-    fn begin(&mut self, span: LitSpan) {
+    /// Sets a span up; the cycles that it takes, pixels of the one before being walked meanwhile.
+    fn begin(&mut self, span: LitSpan) -> u64 {
         let LitSpan { triangle, weights, count, .. } = span;
+        let mut work = SPAN;
         if self.state.corners.1 != Some(triangle) {
+            work = work.and(self.corners());
             let polygon = self.state.polygon.clone();
             let corners = polygon.as_deref().and_then(|p| Some(fan_triangle(p, triangle)?.map(|v| self.vertex(v, p))));
             self.state.corners = (corners.unwrap_or([[0.0; 4]; 3]), Some(triangle));
@@ -109,6 +138,7 @@ impl IlluminanceValueGenerator {
         self.state.line = [first, std::array::from_fn(|i| (last[i] - first[i]) * per_pixel)];
         self.state.span = Some(span);
         self.state.done = 0;
+        self.operators.interval(work, self.have())
     }
 
     /// The next packet of the span.
@@ -148,17 +178,19 @@ impl Unit for IlluminanceValueGenerator {
     #[inline(always)]
     fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
-        match input {
+        let setup = match input {
             Some(Flow::Control(control)) => {
                 self.take(&control);
                 return Step::after(latency, Some(Flow::Control(control)));
             }
             Some(Flow::Item(span)) => self.begin(span),
-            None => {}
-        }
+            None => 1,
+        };
         let packet = self.packet();
         let pixels = packet.map_or(0, |s| s.packet.pixels());
-        Step::over(pixels, u64::from(self.config.initiation_interval), latency, packet.map(Flow::Item))
+        let step = Step::over(pixels, u64::from(self.config.initiation_interval), latency, packet.map(Flow::Item));
+        let kept = step.occupancy.max(setup);
+        Step { latency: step.latency + kept - step.occupancy, ..step }.busy(kept)
     }
 
     fn is_empty(&self) -> bool {
@@ -167,5 +199,13 @@ impl Unit for IlluminanceValueGenerator {
 
     fn tell(&self, facts: &mut Facts) {
         facts.rate(0, self.config.latency, 1_u64);
+        let IlluminanceConfig { multipliers, adders, mode, .. } = self.config;
+        facts.hardware(HardwareKind::Multiplier, "set-up of triangles and spans", multipliers, NUMBER);
+        facts.hardware(HardwareKind::Adder, "set-up of triangles and spans", adders, NUMBER);
+        let power = u32::from(mode == IlluminanceMode::Gouraud);
+        facts.hardware(HardwareKind::Power, "highlights of bump targets", power, NUMBER);
+        facts.hardware(HardwareKind::Adder, "interpolation of RGBA", 4_u32, SUM_BITS);
+        facts.hardware(HardwareKind::Registers, "RGBA: sum and change", 2 * 4_u32, SUM_BITS);
+        facts.hardware(HardwareKind::Registers, "corners: RGBA and its differences", 3 * 4_u32, NUMBER);
     }
 }

@@ -21,6 +21,7 @@ mod approximate_calculator;
 mod combiner;
 mod config;
 mod divider;
+mod fixed;
 mod illuminance_value_generator;
 mod log;
 mod mip_map_selector;
@@ -41,6 +42,7 @@ pub use config::{
     March, Method, MipConfig, MipMode, MipPer, ScanConverterConfig, Snap, StepForm, TexelConfig,
 };
 pub use divider::{Divider, DividerCounters, DividerState};
+pub use fixed::iterations;
 pub use illuminance_value_generator::{
     IlluminanceValueGenerator, IlluminanceValueGeneratorCounters, IlluminanceValueGeneratorState,
 };
@@ -49,7 +51,7 @@ pub use mip_map_selector::{MipMapSelector, MipMapSelectorCounters, MipMapSelecto
 pub use scan_converter::{ScanConverter, ScanConverterCounters, ScanConverterState};
 pub use step_calculator::{
     BINS, Reach, RootTable, StepCalculator, StepCalculatorCounters, StepCalculatorState, StepEquation, Subdivision, bin_of,
-    largest_displacement,
+    keeps_bound, largest_displacement,
 };
 pub use storage_element::StorageElement;
 pub use texture_look_up_table::{TextureLookUpTable, TextureLookUpTableCounters, TextureLookUpTableState};

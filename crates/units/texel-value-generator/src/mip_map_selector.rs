@@ -3,9 +3,14 @@
 use crate::config::{MipConfig, MipMode};
 use crate::signals::{GradientPacket, LevelPacket};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, Texture};
 use serde::{Deserialize, Serialize};
+
+/// Bits of the fraction of a level, and of what it is looked up by.
+const FRACTION_BITS: u32 = 8;
+/// A level: 4 bits, and the fraction.
+const LEVEL_BITS: u32 = 4 + FRACTION_BITS;
 
 /// What the MIP-map selector has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -114,6 +119,11 @@ impl Unit for MipMapSelector {
     fn tell(&self, facts: &mut Facts) {
         facts.rate(0, self.config.latency, 1_u64);
         facts.figure("mip_selections", self.state.counters.selections, "pixels", "Pixels for which a level was selected");
+        if self.config.mode != MipMode::Off {
+            facts.hardware(HardwareKind::Multiplier, "du, dv by the size", 2_u32, LEVEL_BITS);
+            facts.hardware(HardwareKind::Adder, "the larger of two, clamp", 2_u32, LEVEL_BITS);
+            facts.hardware(HardwareKind::Table, "fraction of the logarithm", 1_u32 << FRACTION_BITS, FRACTION_BITS);
+        }
     }
 }
 

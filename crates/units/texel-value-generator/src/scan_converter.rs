@@ -1,20 +1,44 @@
 //! Scan converter: polygons in, spans with exact ends out.
 
 use crate::config::{March, ScanConverterConfig, Snap};
-use crate::signals::{LitSpan, Span, Uvw};
+use crate::signals::{LitSpan, Span, Uvw, scale_of};
 use basrelief_kernel::facts::{Facts, Part};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit, Work};
 use basrelief_shading::{Raster, Spans, fan_triangle, fan_triangles};
+use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Flow, Polygon, Vertex};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// Values that are linear on the screen: U, V, W, depth, two weights.
+const VALUES: u32 = 6;
+/// Divisions at the set-up of a triangle: slopes of its three edges, reciprocal of its area.
+const SETUP_DIVISIONS: u32 = 4;
+
+/// What the set-up of a triangle takes:
+/// - differences of its corners (6), its area (2 products, a sum), slopes of three edges and a reciprocal (4 divisions);
+/// - U and V of its corners (6 products), tiles off and the largest of each (12 sums and comparisons);
+/// - edges times the reciprocal (4 products), which are the changes of the weights; of each of the other four values its change
+///   per pixel and per line (2 differences, 4 products, 2 sums);
+/// - of each value its change per line along three edges (a product and a sum each).
+const SETUP: Work = Work {
+    multiply: 2 + 6 + 4 + 4 * 4 + 3 * VALUES,
+    add: 6 + 1 + 12 + 4 * 4 + 3 * VALUES,
+    divide: SETUP_DIVISIONS,
+    ..Work::NONE
+};
+/// What a span takes: two edges go on, and with them U, V, W and the weights at both ends, and depth at the first.
+const SPAN: Work = Work { add: 2 + 2 * (VALUES - 1) + 1, ..Work::NONE };
+/// Words that a triangle is set up in: place and slope of three edges; of each value both ends, its change per pixel, and along
+/// three edges.
+const SETUP_WORDS: u32 = 2 * 3 + VALUES * (2 + 1 + 3);
 
 /// What the scan converter has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ScanConverterCounters {
     /// Polygons scanned.
     pub polygons: u64,
-    /// Triangles of their fans; one reciprocal of an area each.
+    /// Triangles of their fans, each of which is set up.
     pub triangles: u64,
     /// Polygons without a span (step 420: nothing between the snapped ends).
     pub empty: u64,
@@ -37,6 +61,8 @@ pub struct ScanConverterState {
     pub next: Option<[i32; 3]>,
     /// U, V, W at the vertices of the triangle of this number.
     pub corners: ([Uvw; 3], Option<u16>),
+    /// Its scales of u and v; see [`Span::scale`].
+    pub scale: [i16; 2],
     /// What it has counted.
     pub counters: ScanConverterCounters,
 }
@@ -55,6 +81,8 @@ pub struct ScanConverter {
     pub snap: Snap,
     /// Direction of marching.
     pub march: March,
+    /// Times of arithmetic.
+    pub operators: Operators,
     /// Everything it remembers.
     pub state: ScanConverterState,
 }
@@ -73,8 +101,14 @@ impl Snap {
 
 impl ScanConverter {
     /// A scan converter at power-on.
-    pub fn new(config: ScanConverterConfig, snap: Snap, march: March) -> Self {
-        Self { config, snap, march, state: ScanConverterState::default() }
+    pub fn new(config: ScanConverterConfig, snap: Snap, march: March, operators: Operators) -> Self {
+        Self { config, snap, march, operators, state: ScanConverterState::default() }
+    }
+
+    /// The operators that work side by side.
+    fn have(&self) -> Work {
+        let ScanConverterConfig { dividers, multipliers, adders, .. } = self.config;
+        Work { multiply: multipliers, add: adders, divide: dividers, ..Work::NONE }
     }
 
     /// Takes a control token; the cycles that it keeps the unit.
@@ -82,7 +116,7 @@ impl ScanConverter {
         match control {
             Control::Frame(frame) => self.state.screen = [frame.width, frame.height],
             Control::Polygon(polygon) => return self.begin(polygon, traffic),
-            Control::Object(_) | Control::CodeBook(_) | Control::FrameEnd => {}
+            Control::Object(_) | Control::CodeBook(_) | Control::Criterion(_) | Control::FrameEnd => {}
         }
         1
     }
@@ -105,7 +139,7 @@ impl ScanConverter {
         state.counters.empty += u64::from(state.next.is_none());
         state.corners.1 = None;
         state.polygon = state.next.is_some().then_some(snapped);
-        (u64::from(self.config.setup_cycles) * u64::from(triangles)).max(1)
+        (self.operators.interval(SETUP, self.have()) * u64::from(triangles)).max(1)
     }
 
     /// The span that is next, and on to the one after it.
@@ -115,7 +149,9 @@ impl ScanConverter {
         let [y, left, right] = state.next?;
         let triangle = state.spans.triangle;
         if state.corners.1 != Some(triangle.number()) {
-            state.corners = (corners(polygon, triangle.number()), Some(triangle.number()));
+            let (corners, scale) = scaled(corners(polygon, triangle.number()));
+            state.corners = (corners, Some(triangle.number()));
+            state.scale = scale;
         }
         let backwards = self.march == March::RightToLeft;
         let ends = if backwards { [right, left] } else { [left, right] };
@@ -123,7 +159,7 @@ impl ScanConverter {
         let shares = ends.map(|x| triangle.shares(x, y));
         let depths = shares.map(|share| triangle.exact_depth(share));
         let uvw = shares.map(|share| mixed(&state.corners.0, share, triangle.inverse_area()));
-        // Lengths are whole: their reciprocals stand in a table.
+        // It is the same all over the triangle: set-up has found it.
         let per_pixel = if count > 1 { 1.0 / f64::from(count - 1) } else { 0.0 };
         let weights = shares.map(|[_, b, c]| [b, c].map(|share| (share * triangle.inverse_area()) as f32));
         let span = Span {
@@ -133,6 +169,7 @@ impl ScanConverter {
             backwards,
             textured: polygon.material.color_texture.is_some(),
             triangle: triangle.number(),
+            scale: state.scale,
             ends: uvw,
             step: std::array::from_fn(|i| (uvw[1][i] - uvw[0][i]) * per_pixel),
             depth: [depths[0], (depths[1] - depths[0]) * per_pixel],
@@ -175,6 +212,13 @@ fn corners(polygon: &Polygon, triangle: u16) -> [Uvw; 3] {
     })
 }
 
+/// U and V over the least 2^n that the u and v of the triangle are below, and these n.
+fn scaled(corners: [Uvw; 3]) -> ([Uvw; 3], [i16; 2]) {
+    let scale = [0, 1].map(|i| scale_of(corners.iter().map(|c| (c[i] / c[2]).abs()).fold(0.0, f64::max)));
+    let over = |c: f64, n: i16| libm::ldexp(c, -i32::from(n));
+    (corners.map(|[u, v, w]| [over(u, scale[0]), over(v, scale[1]), w]), scale)
+}
+
 /// Values at the vertices, weighted with their shares.
 fn mixed(corners: &[Uvw; 3], share: [f64; 3], inverse_area: f64) -> Uvw {
     std::array::from_fn(|i| (share[0] * corners[0][i] + share[1] * corners[1][i] + share[2] * corners[2][i]) * inverse_area)
@@ -201,7 +245,7 @@ impl Unit for ScanConverter {
         let lit = span.map(|Span { y, x, count, backwards, triangle, weights, .. }| {
             Flow::Item(LitSpan { y, x, count, backwards, triangle, weights })
         });
-        Step::after(latency, (span.map(Flow::Item), lit)).busy(u64::from(self.config.cycles_per_span))
+        Step::after(latency, (span.map(Flow::Item), lit)).busy(self.operators.interval(SPAN, self.have()))
     }
 
     fn is_empty(&self) -> bool {
@@ -209,11 +253,22 @@ impl Unit for ScanConverter {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        facts.rate(0, self.config.latency, self.config.cycles_per_span);
+        facts.rate(0, self.config.latency, self.operators.interval(SPAN, self.have()));
         let c = &self.state.counters;
         facts.figure("triangles_scanned", c.triangles, "triangles", "Triangles scanned");
         facts.figure("polygons_empty", c.empty, "polygons", "Polygons without a pixel");
         facts.figure("fragments", c.fragments, "fragments", "Pixels of spans").part(Part::Work);
-        facts.figure("setup_reciprocals", c.triangles, "reciprocals", "Reciprocals at set-up, one per triangle");
+        let divisions = u64::from(SETUP_DIVISIONS) * c.triangles;
+        facts.figure(
+            "setup_divisions",
+            divisions,
+            "divisions",
+            "Divisions at set-up of triangles: slopes of edges, reciprocals of areas",
+        );
+        let ScanConverterConfig { dividers, multipliers, adders, .. } = self.config;
+        facts.hardware(HardwareKind::Divider, "set-up of triangles", dividers, NUMBER);
+        facts.hardware(HardwareKind::Multiplier, "set-up of triangles", multipliers, NUMBER);
+        facts.hardware(HardwareKind::Adder, "set-up of triangles, ends of spans", adders, NUMBER);
+        facts.hardware(HardwareKind::Registers, "a triangle that is set up", SETUP_WORDS, NUMBER);
     }
 }

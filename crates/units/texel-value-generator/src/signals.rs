@@ -1,19 +1,27 @@
 //! What travels between the units of the texture mapping system (300).
 //!
 //! # Number formats
-//! - U, V, W and u, v up to the approximate calculator (310a): binary floating point, 53 bits. Whole tiles common to a
-//!   polygon's vertices are taken off ahead of it, so that a texture that repeats a thousand times leaves its fraction as many
-//!   bits as one that does not.
-//! - u, v to the look-up table (330): whole tiles off again, for each packet, then 24 bits: of a texture of 4,096 texels at least
-//!   12 bits of fraction.
+//! - U, V, W: binary floating point. The scan converter has 53 bits of them, which stand for accumulators with guard bits; points
+//!   go to the dividers with as many significant bits as quotients have (`texel.coordinate_bits`) and an exponent.
+//! - u, v in dividers and approximate calculator (310a): fixed point of `texel.coordinate_bits`, its binary point where the largest
+//!   of the triangle's vertices needs it ([`Span::scale`]). Whole tiles that they have in common are taken off ahead of it, so that
+//!   a texture that repeats a thousand times leaves its fraction as many bits as one that does not.
+//! - u, v to the look-up table (330): whole tiles off again, for each packet. Its address is that of 24 bits: of a texture of 4,096
+//!   texels at least 12 bits of fraction.
 //! - texels to the combiner (350): 8 bits and 8 bits of fraction; illuminance: 2 bits and 14 bits of fraction.
 
+use crate::fixed::nearest;
 use basrelief_signals::{DepthToken, PACKET_PIXELS, Packet, PixelToken};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 /// U, V and W of a point: `u = U / W`, `v = V / W`, and all three are linear on the screen. W is |1 / w| of clip space.
 pub type Uvw = [f64; 3];
+
+/// n of the least 2^n above this |u|: what scales u into fixed point. 0 for 0, and for what is no number.
+pub fn scale_of(largest: f64) -> i16 {
+    if largest > 0.0 && largest.is_finite() { libm::frexp(largest).1 as i16 } else { 0 }
+}
 
 /// What of a scan line lies in a triangle: scan converter to step calculator. In the direction of marching.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -30,6 +38,8 @@ pub struct Span {
     pub textured: bool,
     /// Triangle of the polygon's fan.
     pub triangle: u16,
+    /// u and v of its triangle are below 2^n of these; U and V here are over that.
+    pub scale: [i16; 2],
     /// Exact values at the first and the last pixel.
     pub ends: [Uvw; 2],
     /// Change per pixel.
@@ -54,6 +64,12 @@ impl Span {
             return self.ends[1];
         }
         std::array::from_fn(|i| self.ends[0][i] + f64::from(k) * self.step[i])
+    }
+
+    /// The point at pixel `k`, with so many significant bits.
+    #[inline]
+    pub fn point(&self, k: u16, bits: u32) -> Point {
+        Point(self.value(k).map(|c| nearest(c, bits)))
     }
 
     /// Column of pixel `k`.
@@ -106,12 +122,20 @@ pub struct Segment {
     pub fresh: bool,
 }
 
+/// A point to divide at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Point(pub Uvw);
+
+/// u and v of a point in fixed point: in steps of 2^-(`texel.coordinate_bits` - 1), of u over 2^n (see [`Span::scale`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Coordinates(pub [i64; 2]);
+
 /// Points to divide at: step calculator to divider. One per segment, two where nothing is known of its start, all of them
 /// where every pixel is one, none without a texture.
-pub type Points = SmallVec<[Uvw; 2]>;
+pub type Points = SmallVec<[Point; 2]>;
 
 /// u and v at these points: divider to approximate calculator (310a).
-pub type Quotients = SmallVec<[[f64; 2]; 2]>;
+pub type Quotients = SmallVec<[Coordinates; 2]>;
 
 /// Texture coordinates of pixels: approximate calculator (310a) to texture look-up table (330).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StorageElement {
     error_bound: f64,
+    /// The largest that was selected \[pixels\].
+    pub largest: f64,
     /// Times that a criterion was selected.
     pub selected: u64,
 }
@@ -15,6 +17,7 @@ impl StorageElement {
     /// Step 442: selects e \[pixels\], > 0.
     pub fn select(&mut self, error_bound: f64) {
         self.error_bound = error_bound;
+        self.largest = self.largest.max(error_bound);
         self.selected += 1;
     }
 

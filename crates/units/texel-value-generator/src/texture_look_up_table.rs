@@ -4,7 +4,7 @@ use crate::config::LookUpConfig;
 use crate::signals::{LevelPacket, TexelPacket, TexturePacket, to_16_bits};
 use crate::twins::{Pair, pair};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_shading::{Taps, level_offset, tap_offsets, taps};
 use basrelief_signals::{Control, Filter, Flow, Image, PACKET_PIXELS, Texture};
 use serde::{Deserialize, Serialize};
@@ -18,6 +18,8 @@ const WHITE: [u16; 4] = [255 << 8; 4];
 pub struct TextureLookUpTableCounters {
     /// Pixels with a texture.
     pub pixels: u64,
+    /// Samples of a level filtered for them: two for a pixel between levels.
+    pub samples: u64,
     /// Texels read for them.
     pub texels: u64,
 }
@@ -71,27 +73,54 @@ impl TextureLookUpTable {
         }
     }
 
+    /// The texture values of a packet, and the cycles that its pixels take.
     #[inline(always)]
-    fn look_up(&mut self, packet: TexelPacket, levels: &LevelPacket, traffic: &mut Traffic) -> TexturePacket {
+    fn look_up(&mut self, packet: TexelPacket, levels: &LevelPacket, traffic: &mut Traffic) -> (TexturePacket, usize) {
         let TexelPacket { packet, points, uv, displacement, .. } = packet;
         let mut out = TexturePacket { packet, points, rgba: [WHITE; PACKET_PIXELS], displacement };
         let Self { config, trilinear, state, shared, .. } = self;
-        let Some(texture) = state.texture.as_deref() else { return out };
+        let Some(texture) = state.texture.as_deref() else { return (out, packet.pixels()) };
+        let (mut second, pixels) = (0, packet.pixels());
         let mut port = Port { config, texture, offsets: &state.offsets, shared: *shared, recent: [u64::MAX; 4], texels: 0 };
         for i in packet.positions() {
             let level = levels.level[i];
             let (fine, share) = (level as usize, level - (level as usize) as f32);
             let mut value = port.sample(fine, uv[i], traffic);
             if *trilinear && share > 0.0 {
+                second += 1;
                 let coarse = port.sample(fine + 1, uv[i], traffic);
                 value = std::array::from_fn(|c| value[c] + share * (coarse[c] - value[c]));
             }
             let [r, g, b, a] = value;
             out.rgba[i] = to_16_bits([256.0 * r, 256.0 * g, 256.0 * b, 256.0 * a]);
         }
-        state.counters.pixels += packet.pixels() as u64;
+        state.counters.pixels += pixels as u64;
+        state.counters.samples += (pixels + second) as u64;
         state.counters.texels += port.texels;
-        out
+        // With two filters a pixel's two samples are one cycle, but no cycle is shared by two pixels.
+        let cycles = if config.samples_per_cycle >= 2 { pixels } else { pixels + second };
+        (out, cycles)
+    }
+}
+
+/// Components of a texel.
+const COMPONENTS: u32 = 4;
+/// 8 bits of a component, or of a weight, and 8 of a fraction.
+const COMPONENT_BITS: u32 = 16;
+/// Width of u, v as an address.
+const ADDRESS_BITS: u32 = 24;
+
+impl TextureLookUpTable {
+    /// A weighted mean of two is a difference, a product and a sum; a bilinear sample is three for each component, and two levels
+    /// are one more.
+    fn tell_hardware(&self, facts: &mut Facts) {
+        let means = if self.config.filter == Filter::Nearest { 0 } else { 3 * self.config.samples_per_cycle };
+        let levels = u32::from(self.trilinear);
+        facts.hardware(HardwareKind::Multiplier, "u, v to texels", 2 * self.config.samples_per_cycle, ADDRESS_BITS);
+        facts.hardware(HardwareKind::Multiplier, "filters", means * COMPONENTS, COMPONENT_BITS);
+        facts.hardware(HardwareKind::Adder, "filters", 2 * means * COMPONENTS, COMPONENT_BITS);
+        facts.hardware(HardwareKind::Multiplier, "between levels", levels * COMPONENTS, COMPONENT_BITS);
+        facts.hardware(HardwareKind::Adder, "between levels", 2 * levels * COMPONENTS, COMPONENT_BITS);
     }
 }
 
@@ -167,9 +196,8 @@ impl Unit for TextureLookUpTable {
         let latency = u64::from(self.config.latency);
         match pair("texture look-up table", input, traffic) {
             Pair::Items(packet, levels) => {
-                let pixels = packet.packet.pixels();
-                let out = self.look_up(packet, &levels, traffic);
-                Step::over(pixels, u64::from(self.config.initiation_interval), latency, Some(Flow::Item(out)))
+                let (out, cycles) = self.look_up(packet, &levels, traffic);
+                Step::over(cycles, 1, latency, Some(Flow::Item(out)))
             }
             Pair::Control(control) => {
                 self.take(&control);
@@ -193,6 +221,8 @@ impl Unit for TextureLookUpTable {
         facts.rate(0, self.config.latency, 1_u64);
         let c = &self.state.counters;
         facts.figure("pixels_textured", c.pixels, "pixels", "Pixels with a texture");
+        facts.figure("samples_filtered", c.samples, "samples", "Samples of a level filtered for them");
         facts.figure("texels_read", c.texels, "texels", "Texels read for them");
+        self.tell_hardware(facts);
     }
 }

@@ -1,6 +1,8 @@
 //! How wide the generator's signals are.
 
-use crate::signals::{GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Segment, Span, TexelPacket, TexturePacket};
+use crate::signals::{
+    Coordinates, GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Point, Segment, Span, TexelPacket, TexturePacket,
+};
 use basrelief_signals::width::{COORDINATE, NUMBER};
 use basrelief_signals::{PACKET_PIXELS, Packet, Signal, Widths};
 
@@ -8,14 +10,28 @@ use basrelief_signals::{PACKET_PIXELS, Packet, Signal, Widths};
 const PIXELS: u32 = PACKET_PIXELS as u32;
 /// Component of a colour with a fraction.
 const COMPONENT: u32 = 16;
-/// U, V, W of a point.
-const POINT: u32 = 3 * NUMBER;
+/// Exponent of a number in floating point, and the scale of u and v: as of single precision.
+const EXPONENT: u32 = 8;
 
-/// Row, first column, pixels, triangle and two flags; U, V, W at both ends and per pixel; depth and its change; two weights at
-/// both ends.
+/// U, V, W, as many significant bits as their quotients have.
+impl Signal for Point {
+    fn bits(widths: &Widths) -> u32 {
+        3 * (widths.texture + EXPONENT)
+    }
+}
+
+/// u and v.
+impl Signal for Coordinates {
+    fn bits(widths: &Widths) -> u32 {
+        2 * widths.texture
+    }
+}
+
+/// Row, first column, pixels, triangle and two flags; two scales; U, V, W at both ends and per pixel; depth and its change; two
+/// weights at both ends.
 impl Signal for Span {
     fn bits(widths: &Widths) -> u32 {
-        4 * COORDINATE + 2 + 3 * POINT + 2 * widths.depth + 4 * NUMBER
+        4 * COORDINATE + 2 + 2 * EXPONENT + 3 * Point::bits(widths) + 2 * widths.depth + 4 * NUMBER
     }
 }
 
@@ -65,5 +81,23 @@ impl Signal for TexturePacket {
 impl Signal for IlluminancePacket {
     fn bits(widths: &Widths) -> u32 {
         Packet::bits(widths) + PIXELS * 4 * COMPONENT
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signals::{Points, Quotients};
+
+    #[test]
+    fn the_width_of_u_and_v_is_that_of_every_signal_that_carries_them() {
+        let [narrow, wide] = [20, 32].map(|texture| Widths { texture, ..Widths::default() });
+        let wider = |bits: fn(&Widths) -> u32| bits(&wide) - bits(&narrow);
+        assert_eq!(wider(Quotients::bits), 2 * 2 * 12, "two points");
+        assert_eq!(wider(Points::bits), 2 * 3 * 12);
+        assert_eq!(wider(Span::bits), 3 * 3 * 12);
+        assert_eq!(wider(Segment::bits), 3 * 3 * 12);
+        assert_eq!(wider(TexelPacket::bits), PIXELS * 2 * 12);
+        assert_eq!(wider(GradientPacket::bits), PIXELS * 2 * 12);
     }
 }

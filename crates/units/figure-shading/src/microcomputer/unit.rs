@@ -124,7 +124,7 @@ impl Microcomputer {
             }
             Control::Polygon(polygon) => self.decide(polygon, traffic),
             Control::FrameEnd => passed(1, Signal::FrameEnd),
-            Control::CodeBook(_) => nothing(1),
+            Control::CodeBook(_) | Control::Criterion(_) => nothing(1),
         }
     }
 

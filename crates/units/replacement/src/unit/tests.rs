@@ -220,6 +220,7 @@ fn shape(steps: &[Out]) -> String {
         Flow::Control(Control::CodeBook(_)) => 'B',
         Flow::Control(Control::Frame(_)) => 'F',
         Flow::Control(Control::FrameEnd) => 'E',
+        Flow::Control(Control::Criterion(_)) => 'C',
     };
     out(steps).iter().map(letter).collect()
 }
@@ -336,7 +337,7 @@ fn table_loads_do_not_depend_on_the_size_of_a_stamp() {
 fn an_object_may_be_less_important_than_others() {
     let level = |bias| {
         let mut unit = Replacement::new(ReplacementConfig { vq_bias: 1, ..config() }, 16, &Operators::default()).unwrap();
-        let object = ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None, bias };
+        let object = ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None, bias, shading: Default::default() };
         let input = vec![Flow::Control(Control::Object(Arc::new(object))), Flow::Item(sample(0, &[(1, [0, 0, 1])]))];
         indexes(&run(&mut unit, input).0)[0].samples[0].level
     };
@@ -357,6 +358,7 @@ fn a_policy_gives_an_object_as_many_entries_as_it_drew_fragments_in_the_last_fra
             camera,
             lights,
             textures,
+            shading: Default::default(),
         })))
     };
     let mut entries = |fragments: usize| {

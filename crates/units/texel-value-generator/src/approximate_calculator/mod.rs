@@ -1,5 +1,6 @@
 //! Approximate calculator (310a): the pixels between division points (Figure 6, step 630).
 
+mod cost;
 mod displacement;
 mod state;
 mod unit;

@@ -1,7 +1,7 @@
 //! Everything the approximate calculator (310a) remembers.
 
 use super::Displacements;
-use crate::signals::{GradientPacket, Quotients, Segment, TexelPacket};
+use crate::signals::{Coordinates, GradientPacket, Quotients, Segment, TexelPacket};
 use basrelief_signals::{Flow, PACKET_PIXELS, Packet};
 use serde::{Deserialize, Serialize};
 
@@ -26,11 +26,11 @@ pub struct ApproximateCalculatorState {
     /// Some are not.
     pub is_walking: bool,
     /// u, v at its start.
-    pub start: [f64; 2],
+    pub start: Coordinates,
     /// u, v at its end.
-    pub end: [f64; 2],
-    /// Change per pixel.
-    pub slope: [f64; 2],
+    pub end: Coordinates,
+    /// Change per pixel, with guard bits behind.
+    pub slope: [i64; 2],
     /// Of u (0) and v (1) the one that changes more.
     pub axis: usize,
     /// All quotients that came with it.

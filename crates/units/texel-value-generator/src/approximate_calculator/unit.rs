@@ -1,11 +1,12 @@
 //! The unit and its step.
 
 use super::{ApproximateCalculatorState, displacement};
-use crate::config::{ApproximationConfig, MipPer};
-use crate::signals::{GradientPacket, Quotients, Segment, TexelPacket};
+use crate::config::{ApproximationConfig, Method, MipPer, TexelConfig};
+use crate::fixed::{down, nearest};
+use crate::signals::{Coordinates, GradientPacket, Quotients, Segment, TexelPacket};
 use crate::twins::{Pair, pair};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, Operators, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, PACKET_PIXELS, Packet, Wrap};
 
 /// Approximate calculator (310a): takes segments and the exact u, v at their ends, interpolates between them, one pixel after
@@ -13,14 +14,23 @@ use basrelief_signals::{Control, Flow, PACKET_PIXELS, Packet, Wrap};
 ///
 /// A step walks one segment as far as a cell of the picture reaches; a packet goes out with the last pixel of its cell or of its
 /// span. While it walks, the dividers work ahead: what it then still has to wait for is charged as starved of `quotients`.
+///
+/// u and v are in fixed point. Their change per pixel has as many bits more as the longest segment needs, and is rounded towards
+/// 0: at its end it is short by less than a step, and never beyond it.
 #[derive(Clone, Debug, Default)]
 pub struct ApproximateCalculator {
     /// Parameters.
     pub config: ApproximationConfig,
-    /// What gradients are for.
-    pub per: MipPer,
-    /// Gradients are asked for.
-    pub gradients: bool,
+    /// Width of u and v \[bits\].
+    pub bits: u32,
+    /// Longest segment \[pixels\].
+    pub longest: u32,
+    /// Bits of a reciprocal that a cycle finds.
+    pub bits_per_cycle: u32,
+    /// Times of arithmetic.
+    pub operators: Operators,
+    /// Gradients are asked for: of a segment or of a pixel.
+    pub gradients: Option<MipPer>,
     /// Largest depth value.
     pub z_max: u32,
     /// Displacements go with the packets.
@@ -29,20 +39,40 @@ pub struct ApproximateCalculator {
     pub state: ApproximateCalculatorState,
 }
 
-/// Gradients of the segment take a reciprocal for each pixel.
+/// 2^n; `ldexp` is exact, too, and several times slower.
 #[inline]
-fn divides(per: MipPer, segment: &Segment) -> bool {
-    per == MipPer::Pixel || segment.exact
+fn power_of_2(n: i16) -> f64 {
+    f64::from_bits(((1023 + i64::from(n)).clamp(1, 2046) as u64) << 52)
+}
+
+/// A step of fixed point of so many bits with the sign.
+#[inline]
+fn unit(bits: u32) -> f64 {
+    power_of_2(1 - bits as i16)
 }
 
 type Out = Step<(Option<Flow<TexelPacket>>, Option<Flow<GradientPacket>>)>;
 
 impl ApproximateCalculator {
-    /// An approximate calculator at power-on, for depth values of `z_bits` bits; `gradients`: per segment, per pixel or not.
-    pub fn new(config: ApproximationConfig, z_bits: u32, gradients: Option<MipPer>) -> Self {
+    /// An approximate calculator at power-on, for u and v as `texel` has them, quotients of `bits_per_cycle` and depth values of
+    /// `z_bits` bits; `gradients`: per segment, per pixel or not.
+    pub fn new(
+        config: ApproximationConfig,
+        texel: &TexelConfig,
+        [bits_per_cycle, z_bits]: [u32; 2],
+        gradients: Option<MipPer>,
+        operators: Operators,
+    ) -> Self {
         let z_max = u32::MAX >> (32 - z_bits.clamp(1, 32));
-        let (per, gradients) = (gradients.unwrap_or_default(), gradients.is_some());
-        Self { config, per, gradients, z_max, log: false, state: ApproximateCalculatorState::default() }
+        // Where every pixel is divided, no segment has a change.
+        let gradients = gradients.map(|per| if texel.method == Method::Exact { MipPer::Pixel } else { per });
+        let (bits, longest, state) = (texel.coordinate_bits, texel.longest_segment, ApproximateCalculatorState::default());
+        Self { config, bits, longest, bits_per_cycle, operators, gradients, z_max, log: false, state }
+    }
+
+    /// Bits of a change per pixel behind those of u and v: of the length of the longest segment, and one for rounding towards 0.
+    pub(super) fn guard(&self) -> u32 {
+        u32::BITS - self.longest.leading_zeros() + 1
     }
 
     fn take(&mut self, control: &Control) {
@@ -54,16 +84,19 @@ impl ApproximateCalculator {
 
     /// The next segment.
     fn begin(&mut self, segment: Segment, quotients: Quotients) {
-        let state = &mut self.state;
+        let (bits, guard, state) = (self.bits, self.guard(), &mut self.state);
         if segment.span.textured {
             let from = if segment.fresh { quotients.first() } else { Some(&state.end) };
             state.start = from.copied().unwrap_or_default();
             state.end = quotients.last().copied().unwrap_or_default();
             // Lengths are whole: their reciprocals stand in a table.
             let length = segment.to - segment.from;
-            let per_pixel = if length > 0 { 1.0 / f64::from(length) } else { 0.0 };
-            state.slope = std::array::from_fn(|i| (state.end[i] - state.start[i]) * per_pixel);
-            state.axis = usize::from(state.slope[1].abs() > state.slope[0].abs());
+            let per_pixel = if length > 0 { down(1.0 / f64::from(length), bits) } else { 0.0 };
+            let (Coordinates(from), Coordinates(to)) = (state.start, state.end);
+            // The conversion rounds towards 0.
+            state.slope = std::array::from_fn(|i| (((to[i] - from[i]) << guard) as f64 * per_pixel) as i64);
+            let change = [0, 1].map(|i| libm::ldexp(state.slope[i].abs() as f64, segment.span.scale[i].into()));
+            state.axis = usize::from(change[1] > change[0]);
             state.counters.multiplications += if segment.exact || length == 0 { 0 } else { 2 };
         }
         state.quotients = quotients;
@@ -96,19 +129,23 @@ impl ApproximateCalculator {
     /// u and v of pixel `k`.
     #[inline(always)]
     fn texel(&mut self, segment: &Segment, k: u16, position: usize) {
-        let state = &mut self.state;
+        let (unit, guard, state) = (unit(self.bits), self.guard(), &mut self.state);
         let (span, along) = (&segment.span, k - segment.from);
         let is_point = segment.exact || k == segment.from || k == segment.to;
-        let uv = match segment.exact {
+        let Coordinates(uv) = match segment.exact {
             true => state.quotients.get(usize::from(along)).copied().unwrap_or_default(),
             false if k == segment.to => state.end,
-            false => std::array::from_fn(|i| state.start[i] + f64::from(along) * state.slope[i]),
+            false => Coordinates(std::array::from_fn(|i| {
+                state.start.0[i] + ((i64::from(along) * state.slope[i] + (1 << (guard - 1))) >> guard)
+            })),
         };
+        let uv = uv.map(|c| c as f64 * unit);
+        let tiled: [f64; 2] = std::array::from_fn(|i| uv[i] * power_of_2(span.scale[i]));
         if state.fresh_packet {
             state.fresh_packet = false;
-            state.tiles = std::array::from_fn(|i| if state.repeats[i] { 2.0 * (0.5 * uv[i]).floor() } else { 0.0 });
+            state.tiles = std::array::from_fn(|i| if state.repeats[i] { 2.0 * (0.5 * tiled[i]).floor() } else { 0.0 });
         }
-        state.packet.uv[position] = std::array::from_fn(|i| (uv[i] - state.tiles[i]) as f32);
+        state.packet.uv[position] = std::array::from_fn(|i| (tiled[i] - state.tiles[i]) as f32);
         state.packet.points |= u16::from(is_point) << position;
         let exact = std::array::from_fn(|i| span.ends[0][i] + f64::from(k) * span.step[i]);
         let away = displacement(uv[state.axis], &exact, &span.step, state.axis);
@@ -116,15 +153,23 @@ impl ApproximateCalculator {
         if let Some(displacements) = &mut state.packet.displacement {
             displacements[position] = away as f32;
         }
-        if self.gradients {
-            let slope = if divides(self.per, segment) {
-                state.counters.gradient_reciprocals += 1;
-                std::array::from_fn(|i| (span.step[i] - uv[i] * span.step[2]) / exact[2])
-            } else {
-                state.slope
-            };
-            state.gradient.gradient[position] = slope.map(|c| c as f32);
+        if self.gradients.is_some() {
+            self.gradient(segment, position, uv, exact[2]);
         }
+    }
+
+    /// Change of u and v per pixel, at a pixel with these values.
+    fn gradient(&mut self, segment: &Segment, position: usize, uv: [f64; 2], w: f64) {
+        let (bits, state, span) = (self.bits + self.guard(), &mut self.state, &segment.span);
+        let change: [f64; 2] = if self.gradients == Some(MipPer::Pixel) {
+            state.counters.gradient_reciprocals += 1;
+            let reciprocal = nearest(1.0 / w, self.config.reciprocal_bits);
+            std::array::from_fn(|i| (span.step[i] - uv[i] * span.step[2]) * reciprocal)
+        } else {
+            let unit = unit(bits);
+            state.slope.map(|c| c as f64 * unit)
+        };
+        state.gradient.gradient[position] = std::array::from_fn(|i| (change[i] * power_of_2(span.scale[i])) as f32);
     }
 
     fn advance(&mut self) -> Out {
@@ -137,10 +182,9 @@ impl ApproximateCalculator {
         let whole =
             next >= span.count || span.column(next) / PACKET_PIXELS as u16 != self.state.packet.packet.x / PACKET_PIXELS as u16;
         let out = if whole { self.state.close() } else { (None, None) };
-        let ApproximationConfig { initiation_interval, latency, reciprocal_cycles } = self.config;
-        let divides = self.gradients && span.textured && divides(self.per, &segment);
-        let interval = if divides { initiation_interval.max(reciprocal_cycles) } else { initiation_interval };
-        Step::over(usize::from(pixels), interval.into(), latency.into(), out)
+        let divides = span.textured && self.gradients == Some(MipPer::Pixel);
+        let interval = self.config.initiation_interval.max(if divides { self.reciprocal() } else { 1 });
+        Step::over(usize::from(pixels), interval.into(), self.latency(divides), out)
     }
 }
 
@@ -162,7 +206,7 @@ impl Unit for ApproximateCalculator {
                 Pair::Control(control) => {
                     self.take(&control);
                     let twin = Some(Flow::Control(control.clone()));
-                    return Step::after(u64::from(self.config.latency), (Some(Flow::Control(control)), twin));
+                    return Step::after(self.latency(false), (Some(Flow::Control(control)), twin));
                 }
                 Pair::Nothing => return Step::after(0, (None, None)),
             }
@@ -176,8 +220,9 @@ impl Unit for ApproximateCalculator {
 
     fn tell(&self, facts: &mut Facts) {
         for output in 0..2 {
-            facts.rate(output, self.config.latency, 1_u64);
+            facts.rate(output, self.latency(false), 1_u64);
         }
+        self.tell_hardware(facts);
         let c = &self.state.counters;
         facts.figure(
             "multiplications",
@@ -185,7 +230,7 @@ impl Unit for ApproximateCalculator {
             "multiplications",
             "Multiplications of dividers and approximate calculator",
         );
-        facts.figure("gradient_reciprocals", c.gradient_reciprocals, "reciprocals", "Reciprocals for du, dv");
+        facts.figure("gradient_reciprocals", c.gradient_reciprocals, "reciprocals", "Reciprocals 1 / W for du, dv");
         facts.figure(
             "displacement_largest",
             c.displacements.largest,

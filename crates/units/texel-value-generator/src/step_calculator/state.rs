@@ -30,6 +30,8 @@ pub struct StepCalculatorCounters {
     pub single: u64,
     /// Spans that were too short to be subdivided (step 430).
     pub short: u64,
+    /// Spans of which two products said that the bound holds to their end.
+    pub free: u64,
     /// Spans without a texture.
     pub untextured: u64,
     /// Segments.

@@ -1,6 +1,7 @@
 //! The step: how far the next division point may be.
 
 use crate::config::StepForm;
+use crate::fixed::down;
 use serde::{Deserialize, Serialize};
 
 /// How far a step of a scan line may go.
@@ -27,14 +28,29 @@ pub enum Reach {
 pub struct StepEquation {
     dw: f64,
     e: f64,
-    /// e / |dw|, the one division per scan line.
+    /// e / |dw|, the one division per scan line that is subdivided.
     ratio: f64,
 }
 
+/// Whether the bound holds for a segment from where W is `wl` to where it is `wr`, `t` pixels on: neither a division nor a root
+/// is needed to tell.
+///
+/// ```text
+/// (sqrt(wr) - sqrt(wl))^2 / |dw| <= e    exactly where    t <= e    or    W (t - e)^2 <= w (t + e)^2
+/// ```
+///
+/// with W the larger of the two and w the smaller: two squares of lengths, two products, and a comparison.
+pub fn keeps_bound(wl: f64, wr: f64, t: f64, e: f64) -> bool {
+    let (small, large) = if wl < wr { (wl, wr) } else { (wr, wl) };
+    let (less, more) = (t - e, t + e);
+    less <= 0.0 || large * (less * less) <= small * (more * more)
+}
+
 impl StepEquation {
-    /// For a scan line along which W changes by `dw` per pixel in the direction of marching, under the criterion `e` \[pixels\].
-    pub fn new(dw: f64, e: f64) -> Self {
-        let ratio = if dw == 0.0 { 0.0 } else { e / dw.abs() };
+    /// For a scan line along which W changes by `dw` per pixel in the direction of marching, under the criterion `e` \[pixels\];
+    /// of the quotient so many bits are found, so that it is never too large.
+    pub fn new(dw: f64, e: f64, bits: u32) -> Self {
+        let ratio = if dw == 0.0 { 0.0 } else { down(e / dw.abs(), bits) };
         Self { dw, e, ratio }
     }
 

@@ -1,12 +1,14 @@
 //! The unit and its step.
 
+use super::cost::{FIRST_STEP, NEXT_STEP};
 use super::state::BINS;
-use super::{Reach, RootTable, StepCalculatorState, StepEquation};
+use super::{Reach, RootTable, StepCalculatorState, StepEquation, keeps_bound};
 use crate::config::{Method, TexelConfig};
+use crate::fixed::down;
 use crate::log::SpanRecord;
 use crate::signals::{Points, Segment, Span};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, Operators, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow};
 use smallvec::smallvec;
 use std::sync::Arc;
@@ -17,21 +19,30 @@ use std::sync::Arc;
 /// A step of this unit is a turn of Figure 4B: from the current point the next one. It takes a square root, or a look-up, and
 /// the next turn waits for it; the first of a span waits for e / |dw|, too. Division points of a span are thus found ahead of
 /// the quotients, and no division waits for the interpolation in front of it.
+///
+/// Whether a span needs division points at all, products and a comparison decide ([`keeps_bound`]): they work in a pipeline ahead
+/// of the turns, so that spans which need none pass at its rate. (Dividing for each span first, and seeing then that the step
+/// reaches its end, would keep a span of a dozen pixels for longer than they take to walk.)
 #[derive(Clone, Debug, Default)]
 pub struct StepCalculator {
     /// Parameters.
     pub config: TexelConfig,
+    /// Bits of a quotient or root that a cycle finds.
+    pub bits_per_cycle: u32,
+    /// Times of arithmetic.
+    pub operators: Operators,
     /// Everything it remembers.
     pub state: StepCalculatorState,
     /// Follows from the parameters.
-    table: Option<RootTable>,
+    pub(super) table: Option<RootTable>,
 }
 
 impl StepCalculator {
-    /// A step calculator at power-on; its criterion is selected (step 442) when the first token comes.
-    pub fn new(config: TexelConfig) -> Self {
+    /// A step calculator at power-on; the configured criterion is selected when the first token comes, others by the
+    /// display list (step 442).
+    pub fn new(config: TexelConfig, bits_per_cycle: u32, operators: Operators) -> Self {
         let table = (config.step_table > 0).then(|| RootTable::new(config.step_table));
-        Self { config, state: StepCalculatorState::default(), table }
+        Self { config, bits_per_cycle, operators, state: StepCalculatorState::default(), table }
     }
 
     /// The table in place of the square root, if there is one.
@@ -46,24 +57,28 @@ impl StepCalculator {
 
     /// A control token takes effect.
     fn take(&mut self, control: &Control) {
+        let state = &mut self.state;
         match control {
+            // Step 442.
+            Control::Criterion(error_bound) => state.storage.select(*error_bound),
             Control::Polygon(polygon) => {
-                self.state.polygon = Some(Arc::clone(polygon));
-                self.state.subdivision.forget();
+                state.polygon = Some(Arc::clone(polygon));
+                state.subdivision.forget();
             }
             Control::FrameEnd => {
-                if let Some(log) = &mut self.state.log {
-                    self.state.finished.push(std::mem::take(log));
+                if let Some(log) = &mut state.log {
+                    state.finished.push(std::mem::take(log));
                 }
             }
             Control::Frame(_) | Control::Object(_) | Control::CodeBook(_) => {}
         }
     }
 
-    /// Figure 4A from step 420 on; the cycles that e / |dw| takes.
+    /// Figure 4A from step 420 on; the cycles that it takes beyond the first turn.
     fn begin(&mut self, span: Span) -> u64 {
         let state = &mut self.state;
         state.from = 0;
+        state.equation = None;
         state.counters.spans += 1;
         state.counters.pixels += u64::from(span.count);
         state.counters.single += u64::from(span.count == 1);
@@ -71,41 +86,54 @@ impl StepCalculator {
         if !span.textured {
             state.counters.untextured += 1;
         } else if self.config.method == Method::Adaptive {
-            // Step 430, or 440.
-            let short = u32::from(span.count) <= self.config.min_span;
-            state.counters.short += u64::from(short);
-            state.equation = (!short).then(|| StepEquation::new(span.step[2], state.storage.criterion()));
-            if !short && span.step[2] != 0.0 {
-                state.counters.step_divisions += 1;
-                cycles = u64::from(self.config.division_cycles);
-            }
+            cycles = self.begin_adaptive(&span);
         } else if self.config.method == Method::Subpolygon {
             state.subdivision.enter(state.polygon.as_deref(), span.triangle, self.config.interval);
         }
-        if let Some(log) = state.log.as_mut().filter(|_| span.textured) {
+        if let Some(log) = self.state.log.as_mut().filter(|_| span.textured) {
             log.push(SpanRecord::new(&span));
         }
-        state.span = Some(span);
+        self.state.span = Some(span);
         cycles
+    }
+
+    /// Step 430, or 440 where the bound does not hold to the end anyway.
+    fn begin_adaptive(&mut self, span: &Span) -> u64 {
+        let (decision, iterations) = (self.decision(), self.iterations());
+        let state = &mut self.state;
+        let e = state.storage.criterion();
+        if u32::from(span.count) <= self.config.min_span {
+            state.counters.short += 1;
+            return 0;
+        }
+        if keeps_bound(span.ends[0][2], span.ends[1][2], f64::from(span.last()), e) {
+            state.counters.free += 1;
+            return decision - 1;
+        }
+        state.counters.step_divisions += 1;
+        state.equation = Some(StepEquation::new(span.step[2], e, self.config.step_bits));
+        decision - 1 + iterations
     }
 
     /// Step 444: the next division point behind `from`, and the cycles that it takes to find it.
     fn next_point(&mut self, span: &Span, from: u16) -> (u16, u64) {
         let Some(equation) = self.state.equation else { return (span.last(), 1) };
+        let products = self.operators.latency(if from == 0 { FIRST_STEP } else { NEXT_STEP });
         let wl = span.value(from)[2];
         if equation.is_free(wl) {
-            return (span.last(), 1);
+            return (span.last(), products);
         }
         self.state.counters.roots += 1;
-        let reach = equation.reach(wl, self.config.step_form, |x| self.table.as_ref().map_or_else(|| x.sqrt(), |t| t.root(x)));
-        let cycles = if self.table.is_some() { self.config.table_cycles } else { self.config.root_cycles };
+        let bits = self.config.step_bits;
+        let root = |x: f64| down(self.table.as_ref().map_or_else(|| x.sqrt(), |t| t.root(x)), bits);
+        let reach = equation.reach(wl, self.config.step_form, root);
         let rest = span.last() - from;
         let step = match reach {
             Reach::End => rest,
             // The conversion saturates.
             Reach::Pixels(t) => (t as u16).max(1).min(rest),
         };
-        (from + step, u64::from(cycles))
+        (from + step, products + self.root())
     }
 
     /// The end of the segment that begins at `from`, and the cycles that it takes to find it.
@@ -130,18 +158,20 @@ impl StepCalculator {
         let span = self.state.span?;
         let from = self.state.from;
         let (to, cycles) = self.end_of(&span, from);
+        let to = to.min(from.saturating_add(self.config.longest_segment as u16));
         let exact = self.config.method == Method::Exact && span.textured;
         // Child polygons share no pixel, other segments share their division point.
         let apart = exact || self.config.method == Method::Subpolygon;
         let ends = to == span.last();
         let walk = to - from + u16::from(apart || ends);
         let fresh = from == 0 || apart;
+        let point = |k: u16| span.point(k, self.config.coordinate_bits);
         let points: Points = match (span.textured, exact, fresh) {
             (false, ..) => Points::new(),
-            (_, true, _) => (from..=to).map(|k| span.value(k)).collect(),
-            (_, _, false) => smallvec![span.value(to)],
-            _ if from == to => smallvec![span.value(from)],
-            _ => smallvec![span.value(from), span.value(to)],
+            (_, true, _) => (from..=to).map(point).collect(),
+            (_, _, false) => smallvec![point(to)],
+            _ if from == to => smallvec![point(from)],
+            _ => smallvec![point(from), point(to)],
         };
         let segment = Segment { span, from, to, walk, exact, fresh };
         self.state.note(&segment, apart);
@@ -174,11 +204,11 @@ impl Unit for StepCalculator {
 
     #[inline(always)]
     fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
-        let latency = u64::from(self.config.latency);
+        let latency = self.latency();
         if self.state.storage.selected == 0 {
             self.state.storage.select(self.config.error_bound);
         }
-        let division = match input {
+        let beginning = match input {
             Some(Flow::Control(control)) => {
                 self.take(&control);
                 return Step::after(latency, (Some(Flow::Control(control.clone())), Some(Flow::Control(control))));
@@ -187,7 +217,7 @@ impl Unit for StepCalculator {
             None => 0,
         };
         let Some((segment, points, cycles)) = self.segment() else { return Step::after(latency, (None, None)) };
-        let cycles = division + cycles;
+        let cycles = beginning + cycles;
         let out = (Some(Flow::Item(segment)), Some(Flow::Item(points)));
         Step::after(latency + cycles - 1, out).busy(cycles)
     }
@@ -197,10 +227,11 @@ impl Unit for StepCalculator {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        let root = if self.table.is_some() { self.config.table_cycles } else { self.config.root_cycles };
+        let turn = if self.config.method == Method::Adaptive { self.operators.latency(NEXT_STEP) + self.root() } else { 1 };
         for output in 0..2 {
-            facts.rate(output, self.config.latency + root, root);
+            facts.rate(output, self.latency() + turn - 1, turn);
         }
+        self.tell_hardware(facts);
         let c = &self.state.counters;
         let (roots, look_ups) = if self.table.is_some() { (0, c.roots) } else { (c.roots, 0) };
         let bins = c.lengths.iter().rposition(|n| *n > 0).map_or(0, |i| i + 1).min(BINS);
@@ -208,7 +239,8 @@ impl Unit for StepCalculator {
         facts.figure("spans", c.spans, "spans", "Spans with a texture");
         facts.figure("spans_untextured", c.untextured, "spans", "Spans without");
         facts.figure("spans_of_one_pixel", c.single, "spans", "Spans of one pixel");
-        facts.figure("spans_not_subdivided", c.short, "spans", "Spans that one segment covers");
+        facts.figure("spans_not_subdivided", c.short, "spans", "Spans too short to be subdivided");
+        facts.figure("spans_without_division", c.free, "spans", "Spans that products decided to need no division point");
         facts.figure("segments", c.segments, "segments", "Segments between division points");
         facts.figure(
             "segment_lengths_up_to",
@@ -221,8 +253,14 @@ impl Unit for StepCalculator {
         facts.figure("division_points", c.division_points, "points", "Division points");
         facts.figure("square_roots", roots, "roots", "Square roots calculated");
         facts.figure("step_table_look_ups", look_ups, "look-ups", "Square roots looked up in their place");
-        facts.figure("step_divisions", c.step_divisions, "divisions", "Divisions of the step calculator");
-        facts.figure("displacement_bound", self.config.error_bound, "pixels", "Largest displacement that the criterion allows");
+        facts.figure("step_divisions", c.step_divisions, "divisions", "Divisions e / |dw| of the step calculator");
+        let bound = if self.state.storage.selected > 0 { self.state.storage.largest } else { self.config.error_bound };
+        facts.figure(
+            "displacement_bound",
+            bound,
+            "pixels",
+            "Largest displacement that the criterion allows, of all that were selected",
+        );
         if let Some(table) = &self.table {
             facts.figure("step_table_largest_error", table.largest_error(), "", "Largest relative error of the table of roots");
         }

@@ -1,8 +1,8 @@
 //! Spans on their way through step calculator, dividers and approximate calculator (310a), and random spans.
 
-use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_kernel::{Demand, OperatorConfig, Operators, Traffic, Unit};
 use basrelief_signals::{Control, Flow, Image, Material, Polygon, Sampler, Texture, Vertex, Wrap};
-use basrelief_texel_value_generator::signals::{GradientPacket, Segment, Span, TexelPacket};
+use basrelief_texel_value_generator::signals::{GradientPacket, Segment, Span, TexelPacket, scale_of};
 use basrelief_texel_value_generator::{
     ApproximateCalculator, ApproximationConfig, Divider, DividerConfig, MipPer, StepCalculator, StepCalculatorCounters,
     TexelConfig,
@@ -10,12 +10,20 @@ use basrelief_texel_value_generator::{
 use proptest::prelude::*;
 use std::sync::Arc;
 
+/// As in 1994.
+pub fn operators() -> Operators {
+    let (multiply, add) = (OperatorConfig::new(3, 1), OperatorConfig::new(3, 1));
+    Operators { multiply, add, divide: OperatorConfig::new(16, 16), ..Operators::default() }
+}
+
 /// A span of pixels 0 .. count, with these W, u, v at its ends.
 pub fn span(count: u16, w: [f64; 2], uv: [[f64; 2]; 2]) -> Span {
-    let ends = [0, 1].map(|i| [uv[i][0] * w[i], uv[i][1] * w[i], w[i]]);
+    let scale = [0, 1].map(|i| scale_of(uv[0][i].abs().max(uv[1][i].abs())));
+    let scaled = |i: usize, k: usize| uv[i][k] * w[i] / 2f64.powi(scale[k].into());
+    let ends = [0, 1].map(|i| [scaled(i, 0), scaled(i, 1), w[i]]);
     let per_pixel = if count > 1 { 1.0 / f64::from(count - 1) } else { 0.0 };
     let step = std::array::from_fn(|i| (ends[1][i] - ends[0][i]) * per_pixel);
-    Span { y: 3, x: 0, count, textured: true, ends, step, ..Span::default() }
+    Span { y: 3, x: 0, count, textured: true, scale, ends, step, ..Span::default() }
 }
 
 /// What came of a span.
@@ -36,6 +44,12 @@ impl Walked {
         let mut all: Vec<u16> = self.segments.iter().flat_map(|s| [s.from, s.to]).collect();
         all.dedup();
         all
+    }
+
+    /// u, v of pixel `k` of the span, exactly.
+    pub fn exact(span: &Span, k: u16) -> [f64; 2] {
+        let value = span.value(k);
+        [0, 1].map(|i| value[i] / value[2] * 2f64.powi(span.scale[i].into()))
     }
 
     /// u, v by column, some whole tiles less.
@@ -65,9 +79,9 @@ pub fn walk(config: &TexelConfig, span: Span) -> Walked {
 }
 
 pub fn walk_on(config: &TexelConfig, span: Span, polygon: &Arc<Polygon>, gradients: Option<MipPer>) -> Walked {
-    let mut steps = StepCalculator::new(config.clone());
-    let mut divider = Divider::new(DividerConfig::default());
-    let mut approximate = ApproximateCalculator::new(ApproximationConfig::default(), 24, gradients);
+    let mut steps = StepCalculator::new(config.clone(), 2, operators());
+    let mut divider = Divider::new(DividerConfig::default(), config.coordinate_bits, operators());
+    let mut approximate = ApproximateCalculator::new(ApproximationConfig::default(), config, [2, 24], gradients, operators());
     let (mut segments, mut packets, mut out_gradients) = (Vec::new(), Vec::new(), Vec::new());
     let (mut none, mut kept) = (Traffic::default(), (Vec::new(), 0));
     for token in [Flow::Control(Control::Polygon(Arc::clone(polygon))), Flow::Item(span)] {
@@ -121,6 +135,7 @@ pub fn bounds() -> impl Strategy<Value = f64> {
     prop_oneof![3 => 0.05f64..4.0, 1 => Just(0.5), 1 => 0.05f64..0.2]
 }
 
+/// Segments of any length, and so many bits that u, v of any span are as good as exact.
 pub fn config(error_bound: f64) -> TexelConfig {
-    TexelConfig { error_bound, ..TexelConfig::default() }
+    TexelConfig { error_bound, longest_segment: 16_384, coordinate_bits: 44, step_bits: 32, ..TexelConfig::default() }
 }

@@ -1,6 +1,6 @@
 //! Every unit keeps the unit contract.
 
-use crate::chain::textured;
+use crate::chain::{operators, textured};
 use crate::figures::{frame, polygon};
 use basrelief_kernel::{Demand, Traffic, Unit, unit_contract};
 use basrelief_signals::{Control, Flow, ObjectInfo, Polygon, Wrap};
@@ -18,6 +18,7 @@ fn display_list() -> Vec<Control> {
     let plain = Control::Polygon(Arc::new(Polygon { vertices: shape.vertices.clone(), ..plain }));
     let one = [
         frame(64, 64),
+        Control::Criterion(0.25),
         Control::Object(Arc::new(object)),
         polygon(&[[1.3, 1.1, 1.0], [60.6, 2.2, 0.1], [14.9, 29.7, 0.3]]),
         plain,
@@ -71,8 +72,16 @@ fn texel(method: Method) -> TexelConfig {
     TexelConfig { method, interval: 7, ..TexelConfig::default() }
 }
 
-fn approximate() -> ApproximateCalculator {
-    ApproximateCalculator::new(ApproximationConfig::default(), 24, Some(MipPer::Segment))
+fn approximate(method: Method) -> ApproximateCalculator {
+    ApproximateCalculator::new(ApproximationConfig::default(), &texel(method), [2, 24], Some(MipPer::Segment), operators())
+}
+
+fn steps(method: Method) -> StepCalculator {
+    StepCalculator::new(texel(method), 2, operators())
+}
+
+fn divider() -> Divider {
+    Divider::new(DividerConfig::default(), 32, operators())
 }
 
 fn selector() -> MipMapSelector {
@@ -84,14 +93,14 @@ fn look_up() -> TextureLookUpTable {
 }
 
 fn blend() -> Combiner {
-    Combiner::new(CombinerConfig { mode: CombineMode::Blend, ..CombinerConfig::default() })
+    Combiner::new(CombinerConfig { mode: CombineMode::Blend, ..CombinerConfig::default() }, 4)
 }
 
 fn wires(method: Method) -> Wires {
     let (spans, lit_spans) = fork(&mut ScanConverter::default(), display_list());
-    let (segments, points) = fork(&mut StepCalculator::new(texel(method)), spans.clone());
-    let quotients = chain(&mut Divider::default(), points.clone());
-    let mut unit = approximate();
+    let (segments, points) = fork(&mut steps(method), spans.clone());
+    let quotients = chain(&mut divider(), points.clone());
+    let mut unit = approximate(method);
     let mut pairs = segments.clone().into_iter().zip(quotients.clone());
     let (mut texels, mut gradients) = (Vec::new(), Vec::new());
     loop {
@@ -146,35 +155,35 @@ unit_contract! {
 
 unit_contract! {
     name: step_calculator,
-    unit: StepCalculator::new(texel(Method::Adaptive)),
+    unit: steps(Method::Adaptive),
     inputs: wires(Method::Adaptive).spans,
     state,
 }
 
 unit_contract! {
     name: step_calculator_of_child_polygons,
-    unit: StepCalculator::new(texel(Method::Subpolygon)),
+    unit: steps(Method::Subpolygon),
     inputs: wires(Method::Adaptive).spans,
     state,
 }
 
 unit_contract! {
     name: divider,
-    unit: Divider::default(),
+    unit: divider(),
     inputs: wires(Method::Adaptive).points,
     state,
 }
 
 unit_contract! {
     name: approximate_calculator,
-    unit: approximate(),
+    unit: approximate(Method::Adaptive),
     inputs: { let w = wires(Method::Adaptive); (w.segments, w.quotients) },
     state,
 }
 
 unit_contract! {
     name: approximate_calculator_of_exact_pixels,
-    unit: approximate(),
+    unit: approximate(Method::Exact),
     inputs: { let w = wires(Method::Exact); (w.segments, w.quotients) },
     state,
 }

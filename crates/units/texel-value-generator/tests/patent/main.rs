@@ -5,5 +5,6 @@ mod contract;
 mod figures;
 mod lines;
 mod mip;
+mod read_back;
 mod spans;
 mod timing;

@@ -2,23 +2,57 @@
 
 use crate::chain::{config, span, textured, walk, walk_on};
 use basrelief_signals::Wrap;
-use basrelief_texel_value_generator::{Method, MipPer, TexelConfig};
+use basrelief_texel_value_generator::{Method, MipPer, TexelConfig, keeps_bound, largest_displacement};
+use proptest::prelude::*;
 
 const UV: [[f64; 2]; 2] = [[0.0, 0.0], [1.0, 0.0]];
+/// Cycles of a product, of a sum.
+const OPERATION: u64 = 3;
+
+/// Behind the control token.
+fn kept(config: &TexelConfig, w: [f64; 2]) -> Vec<u64> {
+    walk(config, span(200, w, UV)).kept.0.split_off(1)
+}
 
 #[test]
 fn section_5_a_step_takes_a_root_and_the_first_of_a_span_the_division_of_e_by_dw_too() {
-    // Behind the control token.
-    let kept = |config: &TexelConfig, w| walk(config, span(200, w, UV)).kept.0.split_off(1);
-    let rising = kept(&config(0.5), [0.1, 1.0]);
-    assert!(rising.len() > 4, "{rising:?}");
-    assert_eq!((rising[0], &rising[1..]), (16 + 12, &vec![12; rising.len() - 1][..]));
-    let other = TexelConfig { division_cycles: 5, step_table: 64, ..config(0.5) };
-    assert_eq!(kept(&other, [0.1, 1.0])[..2], [5 + 2, 2]);
-    assert_eq!(kept(&config(0.5), [0.4, 0.4]), [1], "w is constant: neither is needed");
-    assert_eq!(kept(&TexelConfig { min_span: 200, ..config(0.5) }, [0.1, 1.0]), [1], "step 430: nothing is subdivided");
+    for (step_bits, iterations) in [(16, 8), (17, 9), (32, 16)] {
+        let rising = kept(&TexelConfig { step_bits, ..config(0.5) }, [0.1, 1.0]);
+        assert!(rising.len() > 4, "{rising:?}");
+        // Two cycles for the products of the decision, of which the first is also that of the turn.
+        assert_eq!(rising[0], 1 + iterations + 2 * OPERATION + iterations);
+        assert_eq!(&rising[1..], vec![3 * OPERATION + iterations; rising.len() - 1]);
+    }
+    let table = kept(&TexelConfig { step_table: 64, step_bits: 16, ..config(0.5) }, [0.1, 1.0]);
+    assert_eq!(table[..2], [1 + 8 + 2 * OPERATION + 2, 3 * OPERATION + 2]);
     let fixed = TexelConfig { method: Method::Fixed, interval: 100, ..TexelConfig::default() };
     assert_eq!(kept(&fixed, [0.1, 1.0]), [1; 2]);
+}
+
+#[test]
+fn section_5_a_span_that_needs_no_division_pays_its_products_and_neither_division_nor_root() {
+    for w in [[0.4, 0.4], [0.4, 0.401], [0.401, 0.4]] {
+        for (multipliers, cycles) in [(1, 4), (2, 2), (4, 1)] {
+            let config = TexelConfig { multipliers, step_bits: 16, ..config(0.5) };
+            assert_eq!(kept(&config, w), [cycles], "{w:?}");
+            let walked = walk(&config, span(200, w, UV));
+            assert_eq!((walked.counters.step_divisions, walked.counters.roots, walked.counters.free), (0, 0, 1));
+        }
+    }
+    let short = TexelConfig { min_span: 200, ..config(0.5) };
+    assert_eq!(kept(&short, [0.1, 1.0]), [1], "step 430: nothing is subdivided, nor decided");
+}
+
+proptest! {
+    #[test]
+    fn section_3_products_decide_as_the_formula_does(
+        w in prop::array::uniform2(0.001f64..1.0), t in 1u16..4096, e in 0.05f64..4.0,
+    ) {
+        let (t, [wl, wr]) = (f64::from(t), w);
+        let displacement = largest_displacement(wl, wr, t);
+        prop_assume!((displacement - e).abs() > 1e-9 * e);
+        prop_assert_eq!(keeps_bound(wl, wr, t, e), displacement <= e);
+    }
 }
 
 #[test]
@@ -26,9 +60,10 @@ fn section_5_the_interpolator_takes_a_pixel_per_cycle_and_a_reciprocal_for_each_
     let span = span(200, [0.1, 1.0], UV);
     // Behind the control token, which takes one.
     let kept = |config: &TexelConfig, gradients| walk_on(config, span, &textured(Wrap::Repeat), gradients).kept.1 - 1;
-    for (gradients, cycles) in [(None, 200), (Some(MipPer::Segment), 200), (Some(MipPer::Pixel), 200 * 16)] {
+    // Reciprocals of 12 bits take 6 cycles.
+    for (gradients, cycles) in [(None, 200), (Some(MipPer::Segment), 200), (Some(MipPer::Pixel), 200 * 6)] {
         assert_eq!(kept(&config(0.5), gradients), cycles, "{gradients:?}");
     }
     let exact = TexelConfig { method: Method::Exact, ..TexelConfig::default() };
-    assert_eq!((kept(&exact, None), kept(&exact, Some(MipPer::Segment))), (200, 200 * 16), "no segment has a slope");
+    assert_eq!((kept(&exact, None), kept(&exact, Some(MipPer::Segment))), (200, 200 * 6), "no segment has a slope");
 }

@@ -1,0 +1,46 @@
+//! What the approximate calculator (310a) takes: cycles and hardware.
+
+use super::ApproximateCalculator;
+use crate::config::MipPer;
+use crate::fixed::iterations;
+use crate::signals::Segment;
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{HardwareKind, Work};
+use basrelief_signals::{Signal, Widths};
+
+/// From the ends of a segment to a pixel: their difference, times a reciprocal from the table, times the place or step by step,
+/// and the start.
+const CHAIN: Work = Work { multiply: 1, add: 2, ..Work::NONE };
+/// From 1 / W to du, dv: a product.
+const GRADIENT: Work = Work { multiply: 1, ..Work::NONE };
+
+impl ApproximateCalculator {
+    /// Cycles of a reciprocal 1 / W.
+    pub(super) fn reciprocal(&self) -> u32 {
+        iterations(self.config.reciprocal_bits, self.bits_per_cycle)
+    }
+
+    /// Cycles from start to delivery of a pixel; `divides`: its gradient takes a reciprocal.
+    pub(super) fn latency(&self, divides: bool) -> u64 {
+        let reciprocal = u64::from(self.reciprocal()) + self.operators.latency(GRADIENT);
+        let chain = self.operators.latency(CHAIN);
+        if divides { chain.max(reciprocal) } else { chain }
+    }
+
+    pub(super) fn tell_hardware(&self, facts: &mut Facts) {
+        let (bits, words) = (self.bits, Widths { texture: self.bits, ..Widths::default() });
+        facts.hardware(HardwareKind::Table, "reciprocals of lengths", self.longest, bits);
+        facts.hardware(HardwareKind::Multiplier, "u, v per pixel", 2_u32, bits);
+        facts.hardware(HardwareKind::Adder, "difference of the ends", 2_u32, bits);
+        facts.hardware(HardwareKind::Adder, "interpolation of u, v", 2_u32, bits + self.guard());
+        facts.hardware(HardwareKind::Adder, "interpolation of depth", 1_u32, words.depth);
+        facts.hardware(HardwareKind::Registers, "the segment", 1_u32, Segment::bits(&words));
+        facts.hardware(HardwareKind::Registers, "u, v: start, end", 4_u32, bits);
+        facts.hardware(HardwareKind::Registers, "u, v: change and sum", 4_u32, bits + self.guard());
+        if self.gradients == Some(MipPer::Pixel) {
+            facts.hardware(HardwareKind::Divider, "1 / W for du, dv", 1_u32, self.config.reciprocal_bits);
+            facts.hardware(HardwareKind::Multiplier, "du, dv of a pixel", 4_u32, self.config.reciprocal_bits);
+            facts.hardware(HardwareKind::Adder, "du, dv of a pixel", 2_u32, self.config.reciprocal_bits);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Combiner (350): the old value from the buffer (360), and when it is read.
+
+use crate::figures::frame;
+use basrelief_kernel::{Traffic, Unit};
+use basrelief_signals::{Flow, GatheredLines};
+use basrelief_texel_value_generator::signals::{IlluminancePacket, TexturePacket};
+use basrelief_texel_value_generator::{CombineMode, Combiner, CombinerConfig};
+use proptest::prelude::*;
+use std::collections::VecDeque;
+
+/// Illuminance 1.
+const ONE: u16 = 1 << 14;
+
+fn combiner(mode: CombineMode, lines: u32) -> Combiner {
+    let mut unit = Combiner::new(CombinerConfig { mode, ..CombinerConfig::default() }, lines);
+    unit.step((Some(Flow::Control(frame(40, 3))), Some(Flow::Control(frame(40, 3)))), &mut Traffic::default());
+    unit
+}
+
+/// Combines a packet of one pixel; its colour, and the addresses read.
+fn combine(unit: &mut Combiner, [x, y]: [u16; 2], [value, alpha]: [u16; 2]) -> ([u8; 3], Vec<u64>) {
+    let (mut texture, mut light) = (TexturePacket::default(), IlluminancePacket::default());
+    (texture.packet.x, texture.packet.y, texture.packet.mask) = (x, y, 0b1000);
+    texture.rgba[3] = [value << 8, value << 8, value << 8, alpha << 8];
+    light.rgba[3] = [ONE, ONE / 2, 0, ONE];
+    let mut traffic = Traffic::default();
+    let out = unit.step((Some(Flow::Item(texture)), Some(Flow::Item(light))), &mut traffic).out;
+    let Some(Flow::Item(packet)) = out else { panic!() };
+    assert!(traffic.requests().iter().all(|r| !r.write && r.bytes == 64));
+    (packet.rgb[3], traffic.requests().iter().map(|r| r.address).collect())
+}
+
+#[test]
+fn the_combiner_replaces_modulates_and_blends_with_the_old_value() {
+    let drawn = |mode| {
+        let mut unit = combiner(mode, 4);
+        [[200, 255], [100, 51]].map(|value| combine(&mut unit, [16, 2], value))
+    };
+    let line = vec![(2 * 3 + 1) * 64];
+    assert_eq!(drawn(CombineMode::Replace), [([200, 100, 0], vec![]), ([100, 50, 0], vec![])]);
+    assert_eq!(drawn(CombineMode::Modulate), [([0; 3], line.clone()), ([0; 3], vec![])], "the buffer begins black");
+    // A fifth of the new one, four fifths of the old one.
+    assert_eq!(drawn(CombineMode::Blend), [([200, 100, 0], line), ([180, 90, 0], vec![])]);
+}
+
+#[test]
+fn a_line_that_is_held_is_not_read_and_one_that_has_gone_is() {
+    let mut unit = combiner(CombineMode::Blend, 2);
+    let mut read = |place| combine(&mut unit, place, [9, 9]).1.len();
+    assert_eq!([[0, 0], [16, 0], [0, 0], [32, 0], [0, 0], [16, 0]].map(&mut read), [1, 1, 0, 1, 0, 1]);
+    assert_eq!((unit.state.counters.lines_read, unit.state.counters.forwarded, unit.state.counters.read_back), (4, 2, 6));
+}
+
+proptest! {
+    /// The buffer (360) behind a FIFO of `depth` packets, which it takes as late as it can; it gathers `gathering` lines, and the
+    /// last `posted` writes are not done yet.
+    #[test]
+    fn no_line_is_read_whose_last_value_is_not_in_memory(
+        places in prop::collection::vec((0u16..3, 0u16..3), 1..200), depth in 1usize..5, gathering in 1u32..4, posted in 1usize..4,
+    ) {
+        let mut unit = combiner(CombineMode::Blend, 1 + depth as u32 + gathering + posted as u32);
+        let (mut fifo, mut lines, mut writes) = (VecDeque::new(), GatheredLines::default(), VecDeque::new());
+        for (column, y) in places {
+            let line = u64::from(y * 3 + column);
+            for address in combine(&mut unit, [16 * column, y], [9, 9]).1 {
+                prop_assert_eq!(address, 64 * line);
+                prop_assert!(!fifo.contains(&line) && !lines.contains(line) && !writes.contains(&line), "{}", line);
+            }
+            fifo.push_back(line);
+            if fifo.len() > depth {
+                writes.extend(fifo.pop_front().and_then(|line| lines.touch(line, gathering)));
+            }
+            if writes.len() > posted {
+                writes.pop_front();
+            }
+        }
+    }
+}
