@@ -138,8 +138,8 @@ impl<R: Read, F: Files> Resolver<R, F> {
         self.nesting.accept(&command)?;
         let control = match command {
             Command::Frame(frame) => Control::Frame(Arc::new(self.frame(&frame))),
-            Command::Object(ObjectBegin { id, name, centre, entries }) => {
-                Control::Object(Arc::new(ObjectInfo { id, name, centre, entries }))
+            Command::Object(ObjectBegin { id, name, centre, entries, mesh }) => {
+                Control::Object(Arc::new(ObjectInfo { id, name, centre, entries, mesh }))
             }
             Command::Polygon(polygon) => Control::Polygon(Arc::new(self.polygon(&polygon)?)),
             Command::FrameEnd(_) => Control::FrameEnd,

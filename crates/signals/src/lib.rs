@@ -41,5 +41,5 @@ pub use model::{
 pub use packet::{
     ColorToken, DepthToken, LINE_PIXELS, PACKET_PIXELS, Packet, PixelPacket, PixelPlace, PixelToken, line_of, lines,
 };
-pub use polygon::{ObjectInfo, Polygon, Vertex};
+pub use polygon::{MeshInfo, ObjectInfo, Polygon, Vertex};
 pub use width::{Signal, Widths};

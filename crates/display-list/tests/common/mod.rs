@@ -3,8 +3,8 @@
 
 use basrelief_display_list::{Begin, CanonicalHash, Digest, Form, NoFiles, Recorder, Resolver, TraceError, Writer, open};
 use basrelief_signals::{
-    Camera, Control, Filter, Frame, Image, Light, LightKind, Lighting, Material, ObjectInfo, Polygon, Sampler, Texture, Vertex,
-    Wrap,
+    Camera, Control, Filter, Frame, Image, Light, LightKind, Lighting, Material, MeshInfo, ObjectInfo, Polygon, Sampler, Texture,
+    Vertex, Wrap,
 };
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -144,7 +144,8 @@ pub fn controls() -> impl Strategy<Value = Vec<Control>> {
             for (id, (centre, entries, shapes)) in objects.into_iter().enumerate() {
                 let object = id as u32;
                 let name = format!("object {id}");
-                controls.push(Control::Object(Arc::new(ObjectInfo { id: object, name, centre, entries })));
+                let mesh = entries.map(|n| MeshInfo { vertices: n, indices: 3 * n, uv: n % 2 == 0, colors: n % 3 == 0 });
+                controls.push(Control::Object(Arc::new(ObjectInfo { id: object, name, centre, entries, mesh })));
                 controls.extend(shapes.into_iter().map(|(vertices, which, lod, bump, wait)| {
                     cycle += wait;
                     let material = Arc::clone(&materials[which]);

@@ -8,6 +8,7 @@
 
 mod check;
 mod config;
+mod events;
 mod machine;
 mod memories;
 

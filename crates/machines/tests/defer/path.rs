@@ -72,8 +72,8 @@ impl TileSource for Damaged {
         if self.lost { Err(format!("{}: the server is gone", place_of(page, tile))) } else { Ok(bytes[..bytes.len() / 2].into()) }
     }
 
-    fn conventional_bytes(&self, cut: Cut) -> u64 {
-        self.good.conventional_bytes(cut)
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+        self.good.finest_bytes(texture, cut)
     }
 }
 
@@ -147,8 +147,8 @@ impl TileSource for Recording {
         self.good.tile(page, tile)
     }
 
-    fn conventional_bytes(&self, cut: Cut) -> u64 {
-        self.good.conventional_bytes(cut)
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+        self.good.finest_bytes(texture, cut)
     }
 }
 
@@ -173,7 +173,7 @@ fn asked(order: &str) -> (Vec<Tile>, Vec<(Tile, [u32; 2])>) {
 fn reads_of(cell: &Cell, filled: &FilledBuffer) -> Vec<Tile> {
     let Some(page) = cell.page().map(|p| &filled.pages[usize::from(p)]) else { return vec![] };
     let (coarse, _, fine) = layers_of(page, cell);
-    let placed = page.placed(cell.coordinates);
+    let placed = page.placed(cell.coordinates, cell.wrap);
     let tiles = [Some(coarse), fine].into_iter().flatten().flat_map(|layer| page.marked(layer, placed));
     tiles.map(|tile| (page.texture, tile)).collect()
 }

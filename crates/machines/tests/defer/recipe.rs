@@ -17,7 +17,7 @@ pub fn frame(index: u32) -> Control {
 }
 
 pub fn object(id: u32) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries: None }))
+    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries: None, mesh: None }))
 }
 
 /// A texture of noise, its only level the finest.
@@ -168,7 +168,7 @@ const TIMING: &[Axis] = &[
     ],
     &[&[("path.latency_us", "0")], &[("path.latency_us", "3")]],
     &[&[], &[("path.requests", "1")], &[("path.requests", "40")]],
-    &[&[], &[("path.vertex_bytes", "0"), ("path.texture_size_bytes", "0")]],
+    &[&[], &[("path.number_bytes", "0"), ("path.texture_size_bytes", "0")]],
     &[&[], &[("defer.depth_pixel", "separate")]],
     &[
         &[],

@@ -22,7 +22,13 @@ pub fn sun(to_light: V3, intensity: f32) -> Light {
 }
 
 pub fn object(id: u32) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [id as f32, 0.0, 0.0], entries: None }))
+    Control::Object(Arc::new(ObjectInfo {
+        id,
+        name: format!("object {id}"),
+        centre: [id as f32, 0.0, 0.0],
+        entries: None,
+        mesh: None,
+    }))
 }
 
 /// A polygon of points (x, y, depth) with their normals.

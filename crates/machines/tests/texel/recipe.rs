@@ -14,7 +14,13 @@ pub fn frame(index: u32, size: [u32; 2]) -> Control {
 }
 
 pub fn object(id: u32) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [id as f32, 0.0, 0.0], entries: None }))
+    Control::Object(Arc::new(ObjectInfo {
+        id,
+        name: format!("object {id}"),
+        centre: [id as f32, 0.0, 0.0],
+        entries: None,
+        mesh: None,
+    }))
 }
 
 /// A texture of noise, 16 x 8 texels and all levels, somewhat transparent.

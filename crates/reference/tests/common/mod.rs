@@ -148,6 +148,6 @@ pub fn polygons(object: &Object, frame: &Frame) -> (ObjectInfo, Vec<Polygon>) {
         (b[0] - a[0]) * (c[1] - a[1]) < (c[0] - a[0]) * (b[1] - a[1])
     };
     let centre = basrelief_reference::object_centre(object);
-    let info = ObjectInfo { id: object.id, name: String::new(), centre, entries: None };
+    let info = ObjectInfo { id: object.id, name: String::new(), centre, entries: None, mesh: None };
     (info, mesh.indices.chunks_exact(3).map(polygon).filter(front).collect())
 }

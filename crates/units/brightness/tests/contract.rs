@@ -21,7 +21,7 @@ fn frame() -> Control {
 }
 
 fn object(x: f32) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre: [x, 0.0, 0.0], entries: None }))
+    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre: [x, 0.0, 0.0], entries: None, mesh: None }))
 }
 
 fn polygon() -> Control {

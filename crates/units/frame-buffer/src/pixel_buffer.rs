@@ -4,7 +4,7 @@ use crate::config::PixelBufferConfig;
 use crate::state::FinishedFrame;
 use crate::unit::FrameDone;
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_signals::{Frame, PictureFlow, PixelBlock, layout};
 use serde::{Deserialize, Serialize};
 
@@ -44,6 +44,9 @@ pub struct PixelBufferState {
 /// Pixel buffer (124): takes blocks of pixels, and shows the picture when it is complete; with the progressive mode several
 /// times per frame, and each picture ends a frame in the sense of law 11. Client 0 writes blocks of pixels whole: a block comes
 /// once per picture, so there is nothing to gather.
+///
+/// Where nothing is drawn the memory holds what was there before: depth values, or another picture. So a block without pixels is
+/// written too, all of it background, in one cycle; in the first picture of a frame, since later ones leave it as it is.
 ///
 /// Outputs: to the video output; and, behind the last picture of a frame, to the server, since the next frame's depth values
 /// take the place of the pixels.
@@ -89,6 +92,9 @@ impl PixelBuffer {
     #[inline]
     fn write(&mut self, block: &PixelBlock, traffic: &mut Traffic) {
         let Some(picture) = &mut self.state.picture else { return };
+        if block.mask == 0 && self.state.round > 0 {
+            return;
+        }
         let [left, top] = block.at.map(|b| u32::from(b) * BLOCK);
         for (i, rgb) in (0..).zip(&block.rgb).filter(|(i, _)| block.mask & 1 << i != 0) {
             let (x, y) = (left + i % BLOCK, top + i / BLOCK);
@@ -166,5 +172,42 @@ impl Unit for PixelBuffer {
             "bytes",
             "Memory that pixels take in place of depth values, where they share one",
         );
+        facts.hardware(HardwareKind::Registers, "block of pixels", BLOCK_PIXELS, 8 * self.config.pixel_bytes);
+        facts.hardware(HardwareKind::Adder, "address of a block", 2_u32, 32);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use basrelief_signals::Camera;
+    use std::sync::Arc;
+
+    /// Addresses and bytes that a picture of 8 x 4 pixels writes, of which the left block is drawn; twice.
+    fn writes(shared: bool) -> Vec<(u64, u32)> {
+        let mut unit = PixelBuffer::new(PixelBufferConfig::default(), shared);
+        let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+        let frame = Frame { index: 0, width: 8, height: 4, camera, lights: Vec::new(), textures: Vec::new() };
+        let block = |x, mask| PictureFlow::Pixels(PixelBlock { at: [x, 0], mask, rgb: [[9; 3]; 16] });
+        let picture = |last| [block(0, 0x00ff), block(1, 0), PictureFlow::Show { last }];
+        let tokens = [PictureFlow::Frame(Arc::new(frame))].into_iter().chain(picture(false)).chain(picture(true));
+        let mut all = Vec::new();
+        for token in tokens {
+            let mut traffic = Traffic::default();
+            unit.step(Some(token), &mut traffic);
+            assert!(traffic.requests().len() as u32 <= unit.largest_step(0));
+            all.extend(traffic.requests().iter().map(|r| (r.address, r.bytes)));
+        }
+        assert_eq!(unit.state.finished[0].covered.iter().filter(|c| **c).count(), 8);
+        all
+    }
+
+    #[test]
+    fn the_video_output_reads_no_depth_values_background_is_written_once_a_frame() {
+        for (shared, base) in [(true, layout::Z_BUFFER), (false, layout::COLOR_BUFFERS)] {
+            let block = u64::from(BLOCK_PIXELS * PixelBufferConfig::default().pixel_bytes);
+            let at = |number: u64| (base + number * block, block as u32);
+            assert_eq!(writes(shared), [at(0), at(1), at(0)], "all that is shown; then only what may be better");
+        }
     }
 }

@@ -7,7 +7,7 @@ use crate::transform::{Corner, Transform, centre};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_shading::{brightness, doubled_area, light_vectors, polygon_lod};
-use basrelief_signals::{Control, Draw, Frame, Object, ObjectInfo, Polygon, Vertex};
+use basrelief_signals::{Control, Draw, Frame, MeshInfo, Object, ObjectInfo, Polygon, Vertex};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -50,7 +50,13 @@ impl GeometryProcessor {
             self.state.lights = light_vectors(frame, centre);
         }
         self.state.cache.clear();
-        let info = ObjectInfo { id: object.id, name: object.name.clone(), centre, entries: object.entries };
+        let info = ObjectInfo {
+            id: object.id,
+            name: object.name.clone(),
+            centre,
+            entries: object.entries,
+            mesh: Some(mesh_of(&object)),
+        };
         self.state.object = Some(object);
         info
     }
@@ -160,6 +166,17 @@ impl GeometryProcessor {
     fn is_target(&self, object: &Object, lod: u8) -> bool {
         let candidate = self.bump.targets == Targets::All || object.material.normal_map.is_some();
         candidate && lod <= self.bump.max_lod
+    }
+}
+
+/// What the mesh of an object consists of, as far as the picture needs it.
+fn mesh_of(object: &Object) -> MeshInfo {
+    let mesh = &object.mesh;
+    MeshInfo {
+        vertices: mesh.positions.len() as u32,
+        indices: mesh.indices.len() as u32,
+        uv: !mesh.uv.is_empty() && object.material.color_texture.is_some(),
+        colors: !mesh.colors.is_empty(),
     }
 }
 

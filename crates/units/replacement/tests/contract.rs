@@ -6,7 +6,7 @@ use basrelief_signals::{Control, Flow, Fragment, ObjectInfo, Polygon, PseudoNorm
 use std::sync::Arc;
 
 fn object(id: u32) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries: None }))
+    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries: None, mesh: None }))
 }
 
 fn polygon() -> Control {

@@ -37,7 +37,7 @@ fn lamp() -> Control {
 }
 
 fn object(centre: [f32; 3], entries: Option<u32>) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre, entries }))
+    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre, entries, mesh: None }))
 }
 
 fn polygon(lighting: Lighting) -> Control {

@@ -17,7 +17,8 @@ fn display_list() -> Vec<Control> {
     let triangle = [[1.0, 2.0], [14.0, 3.0], [5.0, 12.0]];
     let curved = [Vec3::Z, Vec3::new(0.2, 0.0, 1.0).normalize(), Vec3::new(0.0, -0.3, 1.0).normalize()];
     let dark = curved.map(|n| Vec3::new(n.z, n.y, -n.x));
-    let object = Control::Object(Arc::new(ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None }));
+    let object =
+        Control::Object(Arc::new(ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None, mesh: None }));
     let frame = [
         frame(vec![sun(Vec3::new(0.1, 0.2, 1.0)), sun(Vec3::Z)]),
         object,

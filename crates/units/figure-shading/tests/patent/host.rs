@@ -26,7 +26,7 @@ fn square(n: f32) -> Control {
 }
 
 fn object() -> Control {
-    Control::Object(Arc::new(ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None }))
+    Control::Object(Arc::new(ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None, mesh: None }))
 }
 
 #[test]

@@ -20,7 +20,7 @@ fn sample(x: u16, samples: &[(u8, [i16; 3])]) -> PseudoNormals {
 }
 
 fn object(id: u32, entries: Option<u32>) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries }))
+    Control::Object(Arc::new(ObjectInfo { id, name: format!("object {id}"), centre: [0.0; 3], entries, mesh: None }))
 }
 
 fn polygon() -> Control {
