@@ -68,7 +68,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let cut = cut(config);
         let format = CellFormat::new(&c.cell, brightness_range(c.defer.lighting));
         let leaving = Leaving::new(&c.defer);
-        let shared = c.defer.depth_pixel == DepthPixel::Shared;
+        let shared = (c.defer.depth_pixel == DepthPixel::Shared).then(|| (c.video_out.clone(), c.clock.hz));
         let sizes = Sizes::new(&c.cell, cut, &engine);
         let cells = Cells::new((engine.clone(), c.operators.clone()), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
         let tile_bytes = 3 * c.tile.width * c.tile.height;

@@ -154,7 +154,7 @@ fn from_picture_to_picture_no_pixel_becomes_coarser() {
             let page = &filled.pages[usize::from(cell.page()?)];
             let there = ran.seen.acquired(0);
             let wished = *layers(page, cell.depth).last()?;
-            (0..=wished).rev().find(|l| read(page, *l, cell.coordinates).iter().all(|t| there.contains(t)))
+            (0..=wished).rev().find(|l| read(page, *l, cell).iter().all(|t| there.contains(t)))
         };
         let own: Vec<Vec<u8>> = filled.cells.iter().map(|c| finest(c).into_iter().collect()).collect();
         if let Some(before) = &before {

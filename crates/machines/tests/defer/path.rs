@@ -40,8 +40,9 @@ fn requests_in_flight_hide_the_latency_of_the_path() {
 fn what_travels_is_what_is_counted() {
     let ran = timed(&views(&[0.0, 2.0]), &[FAST, SMALL].concat());
     let seen = &ran.seen;
-    // Seven polygons of 4, 4, 4, 3, 4 and 3 corners: only in the first frame.
-    assert_eq!(seen.count("path_polygon_bytes"), 32 * (4 * 4 + 2 * 3));
+    // Polygons of 4, 4, 4, 3 and 4 corners with textures and one of 3 without, of objects that tell no mesh: only in the first frame.
+    assert_eq!(seen.count("path_polygon_bytes"), 4 * (5 * (4 * 4 + 3) + 3 * 3));
+    assert_eq!(seen.count("path_command_bytes"), 2 * 4 * (21 + 5 + 2 * 13), "a frame with a light, and two objects: in both");
     assert_eq!(seen.count("path_texture_size_bytes"), 8 * 5);
     let texels = |frame: usize| -> u64 {
         let loaded = seen.tiles[frame].iter().filter(|r| r.acquired == Some(basrelief_deferred_renderer::How::Loaded));

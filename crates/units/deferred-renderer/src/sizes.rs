@@ -33,12 +33,12 @@ impl Sizes {
     /// Those of a configuration.
     pub fn new(cell: &CellConfig, cut: Cut, engine: &EngineConfig) -> Self {
         let [width, height] = cut.tile;
-        let layers = (LONGEST_SIDE / width.min(height).max(1)).max(1).ilog2() + 1;
+        let layers = (LONGEST_SIDE / width.min(height)).max(1).ilog2() + 1;
         let tile_texels = u64::from(width) * u64::from(height);
         Self {
             cell_bits: cell.bits(),
             page_bits: cell.page_bits,
-            layers: layers.min(u32::from(cut.most_depth) + 1),
+            layers,
             tiles: engine.texture_memory / (4 * tile_texels).max(1),
             tile_texels,
         }
@@ -66,6 +66,19 @@ impl Sizes {
     /// Bits of a gathered block: its cells, its number, and which of them are there.
     pub(crate) fn gathered_bits(self) -> u32 {
         BLOCK_CELLS * (1 + self.cell_bits) + ADDRESS
+    }
+
+    /// The tile load lists (136); where tiles are asked for in an order, what each is wanted for too, and the order.
+    pub(crate) fn tell_lists(self, is_ordered: bool, facts: &mut Facts) {
+        let tiles = self.tiles;
+        facts.hardware(HardwareKind::Table, "tile load lists (136): N, L or E; two ports", tiles, 2);
+        facts.hardware(HardwareKind::Registers, "pitch (138) and base (140) of a page's layers", self.layers, SIDE + ADDRESS);
+        facts.hardware(HardwareKind::Adder, "numbers of sources", 4_u32, ADDRESS);
+        if is_ordered {
+            facts.hardware(HardwareKind::Table, "pixels and distance of tiles", tiles, 2 * 32);
+            facts.hardware(HardwareKind::Table, "tiles to acquire, in order, twice for merging", 2 * tiles, self.tile_bits() + 1);
+            facts.hardware(HardwareKind::Adder, "order of tiles", 2_u32, 32);
+        }
     }
 
     /// Wrap modes and page of a surface, and a texture's size \[bits\].

@@ -5,7 +5,7 @@ use crate::config::{EngineConfig, RenderMode, TileOrder};
 use crate::tokens::{Mark, MarkFlow, Order, Request, Round};
 use crate::{Leaving, Page, Sizes};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::collections::VecDeque;
@@ -228,24 +228,6 @@ impl TileLists {
         }
     }
 
-    /// The lists, and beside each entry what a tile is wanted for where the order asks.
-    fn tell_hardware(&self, facts: &mut Facts) {
-        let Sizes { tiles, layers, .. } = self.sizes;
-        facts.hardware(HardwareKind::Table, "tile load lists (136): N, L or E; two ports", tiles, 2);
-        facts.hardware(HardwareKind::Registers, "page and layer worked on: pitch (138), base (140)", u64::from(layers), 16 + 32);
-        facts.hardware(HardwareKind::Adder, "numbers of sources", 4_u32, 32);
-        if self.order != TileOrder::Listed {
-            facts.hardware(HardwareKind::Table, "pixels and distance of tiles", tiles, 64);
-            facts.hardware(
-                HardwareKind::Table,
-                "tiles to acquire, in order, twice for merging",
-                2 * tiles,
-                self.sizes.tile_bits() + 1,
-            );
-            facts.hardware(HardwareKind::Adder, "order of tiles", 2_u32, 32);
-        }
-    }
-
     fn take(&mut self, token: MarkFlow) -> (u64, Out) {
         match token {
             MarkFlow::Frame => self.forget(),
@@ -296,6 +278,6 @@ impl Unit for TileLists {
         facts.figure("tiles_loaded", c.loaded, "tiles", "Tiles loaded");
         facts.figure("tiles_synthesized", c.synthesized, "tiles", "Tiles synthesized");
         facts.figure("acquisitions", c.acquisitions, "acquisitions", "Times that the lists were worked off");
-        self.tell_hardware(facts);
+        self.sizes.tell_lists(self.order != TileOrder::Listed, facts);
     }
 }
