@@ -125,7 +125,7 @@ fn commands(c: &mut Choices<'_>) -> Vec<Command> {
         for id in 0..c.below(3) {
             let (name, centre) = (format!("o{id}"), [(); 3].map(|()| c.signed()));
             let entries = c.some(|c| 1 + c.below(64));
-            all.push(Command::Object(ObjectBegin { id, name, centre, entries }));
+            all.push(Command::Object(ObjectBegin { id, name, centre, entries, mesh: None }));
             all.extend((0..c.below(4)).map(|_| Command::Polygon(polygon(c, id, &mut arrival))));
         }
         all.push(Command::FrameEnd(FrameEnd {}));

@@ -126,7 +126,7 @@ pub fn generate(polygons: u64, out: impl Write) -> Result<(), TraceError> {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let lights = vec![LightRecord::Directional { to_light: [0.0, 0.0, 1.0], intensity: 1.0 }];
     writer.write(&Command::Frame(FrameBegin { index: 0, camera, lights }))?;
-    writer.write(&Command::Object(ObjectBegin { id: 0, name, centre: [0.0; 3], entries: None }))?;
+    writer.write(&Command::Object(ObjectBegin { id: 0, name, centre: [0.0; 3], entries: None, mesh: None }))?;
     (0..polygons).try_for_each(|n| writer.write(&Command::Polygon(triangle(n))))?;
     writer.write(&Command::FrameEnd(FrameEnd {}))?;
     writer.finish().map(drop)

@@ -2,7 +2,7 @@
 
 use crate::data::{Digest, Texels};
 use crate::parameter_value::ParameterValue;
-use basrelief_signals::{Camera, Light, LightKind, Lighting, Mode, Sampler, Shading};
+use basrelief_signals::{Camera, Light, LightKind, Lighting, MeshInfo, Mode, Sampler, Shading};
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
@@ -342,6 +342,8 @@ fields! {
         /// Number of reference normals, where the model fixes it, 1..=65536.
         #[schemars(range(min = 1, max = 65_536))]
         entries: Option<u32>,
+        /// What the indexed mesh consists of that the polygons are made of. A binary record may end ahead of it: then it is none.
+        mesh: Option<MeshInfo>,
     }
 }
 

@@ -229,8 +229,11 @@ impl<R: Read> Reader<R> {
             let message = format!("not a valid record ({what}): the file is damaged, or not of this version");
             TraceError::new(place, ErrorKind::Malformed, name.copied().unwrap_or("unknown command"), message)
         };
+        // An object's record from before it told its mesh ends ahead of that: as if it said that there is none.
+        let spare = usize::from(name == Some(&"object"));
+        self.buffer.resize(self.buffer.len() + spare, 0);
         match postcard::take_from_bytes(&self.buffer) {
-            Ok((_, rest)) if !rest.is_empty() => Err(malformed(format!("{} bytes too many", rest.len()))),
+            Ok((_, rest)) if rest.len() > spare => Err(malformed(format!("{} bytes too many", rest.len() - spare))),
             Ok((command, _)) => Ok(command),
             Err(error) => Err(malformed(error.to_string())),
         }

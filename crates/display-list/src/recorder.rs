@@ -305,7 +305,7 @@ fn material_definition(material: &Material) -> MaterialDefinition {
 }
 
 fn object_begin(object: &ObjectInfo) -> ObjectBegin {
-    ObjectBegin { id: object.id, name: object.name.clone(), centre: object.centre, entries: object.entries }
+    ObjectBegin { id: object.id, name: object.name.clone(), centre: object.centre, entries: object.entries, mesh: object.mesh }
 }
 
 fn polygon_record(polygon: &Polygon) -> PolygonRecord {

@@ -144,9 +144,9 @@ impl<R: Read, F: Files> Resolver<R, F> {
         self.nesting.accept(&command)?;
         let control = match command {
             Command::Frame(frame) => Control::Frame(Arc::new(self.frame(&frame))),
-            Command::Object(ObjectBegin { id, name, centre, entries }) => {
+            Command::Object(ObjectBegin { id, name, centre, entries, mesh }) => {
                 let shading = std::mem::take(&mut self.shading);
-                Control::Object(Arc::new(ObjectInfo { id, name, centre, entries, bias: self.bias.take(), shading }))
+                Control::Object(Arc::new(ObjectInfo { id, name, centre, entries, bias: self.bias.take(), shading, mesh }))
             }
             Command::Polygon(polygon) => Control::Polygon(Arc::new(self.polygon(&polygon)?)),
             Command::Criterion(Criterion { error_bound }) => Control::Criterion(error_bound),

@@ -219,3 +219,26 @@ fn texels_may_lie_in_a_file_beside_the_trace() {
     let none = Resolver::new(beside.as_slice(), NoFiles).unwrap().find_map(Result::err).unwrap();
     assert_eq!((none.kind, none.path.as_str()), (ErrorKind::Io, "texture.file"));
 }
+
+/// A binary trace with the records of its objects as they were before objects told their meshes: without the last byte.
+fn without_meshes(trace: &[u8]) -> Vec<u8> {
+    let (mut out, mut rest) = (trace[..12].to_vec(), &trace[12..]);
+    while let Some((length, after)) = rest.split_first_chunk() {
+        let (record, next) = after.split_at(u32::from_le_bytes(*length) as usize);
+        let is_object = Command::NAMES[usize::from(record[0])] == "object";
+        let kept = &record[..record.len() - usize::from(is_object)];
+        assert!(!is_object || record.ends_with(&[0]), "no mesh");
+        out.extend((kept.len() as u32).to_le_bytes());
+        out.extend(kept);
+        rest = next;
+    }
+    out
+}
+
+#[test]
+fn an_objects_record_from_before_it_told_its_mesh_is_read_as_if_there_were_none() {
+    let trace = sample_as(Form { encoding: Encoding::Binary, compressed: false });
+    let older = without_meshes(&trace);
+    assert!(older.len() < trace.len());
+    assert!(same(&commands(&older), &commands(&trace)));
+}

@@ -22,7 +22,7 @@ pub enum HardwareKind {
     SquareRoot,
     /// Power with any exponent.
     Power,
-    /// Table or buffer in memory cells: VQ tables, CLUTs, gathered lines, flags.
+    /// Table or buffer in memory cells: look-up tables, gathered lines, flags.
     Table,
     /// Registers: what is set up or kept from step to step.
     Registers,

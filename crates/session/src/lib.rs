@@ -30,6 +30,7 @@ mod methods;
 mod observer;
 mod outcome;
 mod record;
+mod rehearsal;
 mod run;
 mod settings;
 mod tee;

@@ -7,6 +7,7 @@ use crate::machines::{MachineConfig, MachineSpec, for_machine};
 use crate::observer::Observer;
 use crate::outcome::{Run, SessionError};
 use crate::record::{Drawn, HashedDraws};
+use crate::rehearsal::rehearsed;
 use crate::settings::{RunInput, RunOptions};
 use crate::tee::{Tee, TraceNotes};
 use basrelief_deferred_renderer::TileSource;
@@ -111,6 +112,7 @@ fn run_scene<S: MachineSpec, P: Probe>(
     probe: &mut P,
 ) -> Result<Run, SessionError> {
     let _textures = held::textures(scene, S::TEXTURE_COPIES, &settings.budget)?;
+    let spec = &rehearsed(scene, spec, settings, observer)?;
     let drawn = Rc::new(RefCell::new(Drawn::default()));
     let draws = HashedDraws::new(scene, spec.front(), Rc::clone(&drawn), settings.clock);
     let machine = spec.build(SceneFront::new(draws, spec.front()))?;
@@ -142,6 +144,11 @@ fn run_trace<S: MachineSpec, P: Probe>(
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
+    if spec.rehearsed(&[]).is_some() {
+        // It is read once, as a stream; and a real server would be asked for its tiles more than once.
+        let message = "a display list has no times of its own to act at: give counts of pictures, `defer.pictures_of_views`";
+        return Err(SessionError::Fault(message.into()));
+    }
     let resolver = Resolver::within(reader, move |name: &str| files.open(name), &settings.budget)?;
     let resolver = resolver.with_texture_copies(S::TEXTURE_COPIES);
     let pictures = held::pictures(settings, resolver.begin());

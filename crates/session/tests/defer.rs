@@ -106,3 +106,46 @@ fn section_3_the_exact_picture_goes_on_beyond_the_edges_of_odd_textures_as_the_d
         }
     }
 }
+
+/// A figure of a report that is a count or counts, as text.
+fn figure(report: &Report, name: &str) -> String {
+    format!("{:?}", report.figures.get(name))
+}
+
+#[test]
+fn gouraud_lights_a_model_with_normal_maps_as_the_exact_picture_has_it() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/patch.gltf");
+    let scene = load_path(&path, &ViewOptions { size: [160, 120], ..ViewOptions::default() }).unwrap();
+    assert!(scene.objects.iter().any(|o| o.material.normal_map.is_some()), "its polygons are bump targets");
+    let config: DeferConfig = basrelief_parameters::load("", &[("defer.lighting", "gouraud")]).unwrap();
+    let settings = RunOptions { config: config.into(), engine: None, ..RunOptions::default() };
+    let report = run(RunInput::Scene(Arc::new(scene)), &settings, &mut Unobserved, None).unwrap().report;
+    let db = report.quality.map_or(0.0, |quality| quality.last.psnr_db);
+    assert!(db >= 40.0, "{db:.2} dB");
+}
+
+#[test]
+fn times_of_user_input_become_counts_that_hold_475() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/alcove.gltf");
+    let options = ViewOptions { size: [160, 120], frames: Some(2), orbit_degrees: Some(40.0), ..ViewOptions::default() };
+    let scene = Arc::new(load_path(&path, &options).unwrap());
+    let with = |set: &[(&str, &str)]| {
+        let small = [("defer.mode", "progressive"), ("tile.width", "4"), ("tile.height", "4"), ("video_out.enabled", "false")];
+        let config: DeferConfig = basrelief_parameters::load("", &[&small[..], set].concat()).unwrap();
+        report(RunInput::Scene(Arc::clone(&scene)), &config)
+    };
+    let views_of = |report: &Report| report.config["defer"]["pictures_of_views"].to_string();
+    let never = with(&[]);
+    let pictures = |report: &Report| figure(report, "pictures");
+    let by_counts = with(&[("defer.pictures_of_views", "[1, 1]")]);
+    assert_ne!(pictures(&never), pictures(&by_counts), "there is something to leave");
+    // Just before the first picture of each viewpoint is shown.
+    let marks = by_counts.cycles.as_ref().unwrap().frames.clone();
+    let at = |pictures: usize| marks[..pictures].iter().sum::<u64>() as f64 / 1e5 - 1e-4;
+    let events = format!("[{}, {}]", at(1), at(2));
+    let by_times = with(&[("defer.events_ms", &events)]);
+    assert_eq!(views_of(&by_times), "[1,1]", "a run ahead settles the first viewpoint, another the second");
+    assert!(figure(&by_times, "events_moved").contains("(0)"), "{}", figure(&by_times, "events_moved"));
+    assert_eq!((by_times.image, by_times.cycles), (by_counts.image, by_counts.cycles));
+    assert!(by_times.warnings.is_empty(), "{:?}", by_times.warnings);
+}

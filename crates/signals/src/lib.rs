@@ -41,5 +41,5 @@ pub use model::{
 pub use packet::{
     ColorToken, DepthToken, LINE_NUMBER, LINE_PIXELS, PACKET_PIXELS, Packet, PixelPacket, PixelPlace, PixelToken, line_of, lines,
 };
-pub use polygon::{Attributes, Lit, ObjectInfo, Polygon, Taken, Vertex};
+pub use polygon::{Attributes, Lit, MeshInfo, ObjectInfo, Polygon, Taken, Vertex};
 pub use width::{Signal, Widths};

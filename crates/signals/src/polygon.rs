@@ -153,6 +153,22 @@ pub struct ObjectInfo {
     pub bias: Option<u8>,
     /// How the figure shading device shades it.
     pub shading: Shading,
+    /// What its mesh consists of, where that is known.
+    pub mesh: Option<MeshInfo>,
+}
+
+/// What an indexed mesh consists of: what there is to send of it before any of its triangles is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshInfo {
+    /// Vertices.
+    pub vertices: u32,
+    /// Indices: three per triangle.
+    pub indices: u32,
+    /// Vertices have coordinates of the colour texture.
+    pub uv: bool,
+    /// Vertices have colours.
+    pub colors: bool,
 }
 
 #[cfg(test)]

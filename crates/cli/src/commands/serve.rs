@@ -71,13 +71,14 @@ fn hash_of_textures(scene: &Scene) -> String {
     hex(hash)
 }
 
-/// The scene with black texels: the list then tells the sizes of textures and takes no room for them.
+/// The scene with plain textures in place of its own: the list then tells their sizes, and which are the same picture, and takes no
+/// room for them.
 fn without_texels(scene: &Scene) -> Arc<Scene> {
     let mut materials: BTreeMap<u32, Arc<Material>> = BTreeMap::new();
-    let mut black = BTreeMap::new();
+    let mut plain = PlainTextures::default();
     let mut object = |object: &Arc<Object>| {
         let material = materials.entry(object.material.id).or_insert_with(|| {
-            let color_texture = object.material.color_texture.as_ref().map(|t| blackened(t, &mut black));
+            let color_texture = object.material.color_texture.as_ref().map(|t| plain.of(t));
             Arc::new(Material { color_texture, normal_map: None, ..Material::clone(&object.material) })
         });
         Arc::new(Object { material: Arc::clone(material), ..Object::clone(object) })
@@ -85,8 +86,29 @@ fn without_texels(scene: &Scene) -> Arc<Scene> {
     Arc::new(Scene { objects: scene.objects.iter().map(&mut object).collect(), ..scene.clone() })
 }
 
-fn blackened(texture: &Arc<Texture>, black: &mut BTreeMap<u32, Arc<Texture>>) -> Arc<Texture> {
-    let image = |i: &Image| Image { texels: vec![[0, 0, 0, 255]; i.texels.len()], ..*i };
-    let empty = || Texture { levels: texture.levels.iter().map(image).collect(), name: texture.name.clone(), ..**texture };
-    Arc::clone(black.entry(texture.id).or_insert_with(|| Arc::new(empty())))
+/// Textures of one colour each, which is the number of the picture: two of them are equal where the pictures are.
+#[derive(Default)]
+struct PlainTextures {
+    /// The first texture of each picture.
+    pictures: Vec<Arc<Texture>>,
+    plain: BTreeMap<u32, Arc<Texture>>,
+}
+
+impl PlainTextures {
+    fn of(&mut self, texture: &Arc<Texture>) -> Arc<Texture> {
+        if let Some(plain) = self.plain.get(&texture.id) {
+            return Arc::clone(plain);
+        }
+        let number = self.pictures.iter().position(|known| known.levels.first() == texture.levels.first());
+        let number = number.unwrap_or_else(|| {
+            self.pictures.push(Arc::clone(texture));
+            self.pictures.len() - 1
+        });
+        let [r, g, b, ..] = (number as u32).to_le_bytes();
+        let image = |i: &Image| Image { texels: vec![[r, g, b, 255]; i.texels.len()], ..*i };
+        let levels = texture.levels.iter().map(image).collect();
+        let plain = Arc::new(Texture { levels, name: texture.name.clone(), ..**texture });
+        self.plain.insert(texture.id, Arc::clone(&plain));
+        plain
+    }
 }

@@ -161,7 +161,6 @@ impl Worker {
 /// Tiles of a server, fetched as they are announced, several at a time.
 #[derive(Debug)]
 pub struct RemoteTiles {
-    textures: BTreeMap<u32, [u32; 2]>,
     /// Tiles announced that nobody has taken yet.
     announced: BTreeSet<Key>,
     worker: Worker,
@@ -183,15 +182,13 @@ impl RemoteTiles {
             thread::spawn(move || worker.work())
         };
         let threads = (0..in_flight.clamp(1, MOST_IN_FLIGHT)).map(start).collect();
-        Self { textures: BTreeMap::new(), announced: BTreeSet::new(), worker, threads }
+        Self { announced: BTreeSet::new(), worker, threads }
     }
 }
 
 impl TileSource for RemoteTiles {
-    fn offer(&mut self, texture: &Arc<Texture>) {
-        let size = texture.levels.first().map_or([1; 2], |image| [image.width, image.height]);
-        self.textures.insert(texture.id, size);
-    }
+    /// The server has them all.
+    fn offer(&mut self, _: &Arc<Texture>) {}
 
     fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
         self.announced.extend(tiles.iter().map(|(page, tile)| (page.texture, *tile)));
@@ -208,9 +205,8 @@ impl TileSource for RemoteTiles {
         self.worker.exchange.wait(key).map_err(|e| format!("{}: {e}", place_of(page, tile)))
     }
 
-    /// As raw tiles: what they take otherwise, only the server knows.
-    fn conventional_bytes(&self, cut: Cut) -> u64 {
-        self.textures.values().map(|size| cut.raw_bytes(*size)).sum()
+    fn finest_bytes(&self, _: &Arc<Texture>, _: Cut) -> Option<u64> {
+        None
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! | address | what |
 //! |---|---|
-//! | `/polygons` | a display list, binary and compressed; of its textures the sizes are right and the texels black |
+//! | `/polygons` | a display list, binary and compressed; of its textures the sizes are right and the texels the number of the picture |
 //! | `/tile/TEXTURE/WIDTHxHEIGHT/ENCODING/QUALITY/NUMBER` | a tile of a texture that is cut into tiles of this size |
 //!
 //! Every answer carries the SHA-256 of its body in [`HASH`], and that of all textures in [`TEXTURES`].

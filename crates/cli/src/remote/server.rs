@@ -4,7 +4,7 @@ use super::hash_of;
 use super::http::Answer;
 use super::listen::{Answers, Limits, ListeningServer, listen};
 use basrelief_deferred_renderer::{Cut, Page, ServedTexture, TileEncoding};
-use basrelief_signals::{Texture, Wrap};
+use basrelief_signals::Texture;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -44,7 +44,7 @@ impl TileService {
             AskedTile::parse(asked).ok_or((400, "expected /tile/TEXTURE/WIDTHxHEIGHT/ENCODING/QUALITY/NUMBER".to_owned()))?;
         let offered = self.textures.get(&tile.texture).ok_or((404, format!("there is no texture {}", tile.texture)))?;
         let cut = Cut { tile: tile.size, ..Cut::default() };
-        let page = Page::new(0, &offered.texture, [Wrap::Clamp; 2], cut, 0);
+        let page = Page::new(0, &offered.texture, cut, 0);
         if tile.number >= page.tiles() {
             return Err((404, format!("texture {} has {} tiles", tile.texture, page.tiles())));
         }

@@ -3,8 +3,8 @@
 
 use basrelief_display_list::{Begin, CanonicalHash, Digest, Form, NoFiles, Recorder, Resolver, TraceError, Writer, open};
 use basrelief_signals::{
-    Camera, Control, Filter, Frame, Image, Light, LightKind, Lighting, Material, Mode, ObjectInfo, Polygon, Sampler, Shading,
-    Texture, Vertex, Wrap,
+    Camera, Control, Filter, Frame, Image, Light, LightKind, Lighting, Material, MeshInfo, Mode, ObjectInfo, Polygon, Sampler,
+    Shading, Texture, Vertex, Wrap,
 };
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -152,6 +152,7 @@ pub fn controls() -> impl Strategy<Value = Vec<Control>> {
             for (id, (centre, entries, shading, shapes)) in objects.into_iter().enumerate() {
                 let object = id as u32;
                 let name = format!("object {id}");
+                let mesh = entries.map(|n| MeshInfo { vertices: n, indices: 3 * n, uv: n % 2 == 0, colors: n % 3 == 0 });
                 controls.push(Control::Object(Arc::new(ObjectInfo {
                     id: object,
                     name,
@@ -159,6 +160,7 @@ pub fn controls() -> impl Strategy<Value = Vec<Control>> {
                     entries,
                     bias: (id % 3 == 1).then_some(id as u8 % 8),
                     shading,
+                    mesh,
                 })));
                 if entries.is_some() {
                     controls.push(Control::Criterion(0.001 + f64::from(object)));

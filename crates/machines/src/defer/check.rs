@@ -3,8 +3,11 @@
 use super::DeferConfig;
 use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
-use basrelief_deferred_renderer::NumberFormat;
+use basrelief_deferred_renderer::{NumberFormat, RenderMode};
 use basrelief_kernel::facts::Facts;
+
+/// Latest time that a user acts at: three months \[ms\].
+const LATEST_MS: f64 = 8e9;
 
 /// Checks what spans parameters.
 pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
@@ -16,6 +19,7 @@ pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
             return problem(key, format!("is {side}, expected a power of two"));
         }
     }
+    check_events(c)?;
     let cell = &c.cell;
     let fields = [
         ("cell.coordinate_fraction_bits", cell.coordinate_format, cell.coordinate_bits, cell.coordinate_fraction_bits),
@@ -36,6 +40,21 @@ pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
     Ok(())
 }
 
+/// Times of the user.
+fn check_events(c: &DeferConfig) -> Result<(), ConfigProblem> {
+    let events = &c.defer.events_ms;
+    if !events.iter().all(|ms| (0.0..=LATEST_MS).contains(ms)) || !events.is_sorted() {
+        return problem("defer.events_ms", format!("is {events:?}, expected rising times of 0 to {LATEST_MS} ms"));
+    }
+    if !events.is_empty() && c.defer.mode != RenderMode::Progressive {
+        return problem(
+            "defer.events_ms",
+            "is given, but only progressive pictures are left for better ones; set `defer.mode`".into(),
+        );
+    }
+    Ok(())
+}
+
 /// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, and what of the input the machine
 /// has no use for.
 pub fn warnings(facts: &Facts) -> Vec<String> {
@@ -45,5 +64,10 @@ pub fn warnings(facts: &Facts) -> Vec<String> {
 /// What of the input the renderer has no use for: one sentence each.
 fn input_warnings(facts: &Facts) -> Vec<String> {
     let none = facts.count("cells_direct") > 0 && facts.count("cells_textured") == 0;
-    none.then(|| "no pixel has a colour texture: no tile was needed".to_owned()).into_iter().collect()
+    let moved = facts.count("events_moved");
+    let events = format!(
+        "`defer.events_ms`: in {moved} viewpoints an event does not fall behind the picture that runs ahead had found; set `defer.pictures_of_views`"
+    );
+    let unused = "no pixel has a colour texture: no tile was needed".to_owned();
+    [none.then_some(unused), (moved > 0).then_some(events)].into_iter().flatten().collect()
 }

@@ -83,7 +83,7 @@ fifos! {
         /// Z-test to the making of cells: fragments in front.
         tested_fragments: Flow<Stamp<Fragment>> = 64,
         /// To reference buffer (126): cells.
-        cells: CellFlow = 32,
+        cells: CellFlow = 72,
         /// Reference buffer (126) to identification (461): blocks of cells.
         marking: PassFlow = 8,
         /// Reference buffer (126) to final rasterization (463, 472): blocks of cells.

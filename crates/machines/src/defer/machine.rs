@@ -10,8 +10,8 @@ use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
 use basrelief_deferred_renderer::tokens::EncodedTile;
 use basrelief_deferred_renderer::{
-    CellFormat, Cells, Cut, DepthPixel, Expander, FilledBuffer, Identification, Page, Path, Rasterization, ReferenceBuffer,
-    Server, TextureMemory, TileList, TileLists, TileRecord, TileSource, brightness_range,
+    CellFormat, Cells, Cut, DepthPixel, Expander, FilledBuffer, Identification, Leaving, Page, Path, Rasterization,
+    ReferenceBuffer, Server, Sizes, TextureMemory, TileList, TileLists, TileRecord, TileSource, brightness_range,
 };
 use basrelief_frame_buffer::{FinishedFrame, PixelBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
@@ -67,24 +67,26 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let (mode, engine) = (c.defer.mode, c.engine.clone());
         let cut = cut(config);
         let format = CellFormat::new(&c.cell, brightness_range(c.defer.lighting));
-        let shown = c.defer.pictures_per_view;
-        let shared = c.defer.depth_pixel == DepthPixel::Shared;
-        let cells = Cells::new(engine.clone(), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
+        let leaving = Leaving::new(&c.defer);
+        let shared = (c.defer.depth_pixel == DepthPixel::Shared).then(|| (c.video_out.clone(), c.clock.hz));
+        let sizes = Sizes::new(&c.cell, cut, &engine);
+        let cells = Cells::new((engine.clone(), c.operators.clone()), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
+        let tile_bytes = 3 * c.tile.width * c.tile.height;
         let widths = Widths { depth: c.rasterizer.z_bits, stamp: c.rasterizer.stamp, ..Widths::default() };
         wired(Self {
             front,
             fifos: Fifos::new(&c.fifo, &widths),
             tiles: fifo("tiles", &slots(c.path.requests), &widths),
-            server: Stage::new("server", Server::new(c.path.clone(), source)),
-            path: Stage::new("path", Path::new(&c.path, c.clock.hz)),
-            expander: Stage::new("expander", Expander::new(c.tile.clone(), engine.latency)),
+            server: Stage::new("server", Server::new(c.path.clone(), c.defer.lighting, source)),
+            path: Stage::new("path", Path::new(&c.path, c.clock.hz, tile_bytes)),
+            expander: Stage::new("expander", Expander::new(c.tile.clone(), engine.latency, c.fifo.expanded.depth)),
             depth: Stage::new("z-test", DepthTest::new(c.depth, &c.operators, c.rasterizer.z_bits, c.cache.depth.line_bytes)),
             rasterizer: Stage::new("rasterizer", Rasterizer::new(c.rasterizer, c.operators)),
             cell_maker: Stage::new("cells", cells),
-            reference_buffer: Stage::new("reference-buffer", ReferenceBuffer::new(engine.clone(), mode, format.bytes)),
-            identification: Stage::new("identification", Identification::new(engine.clone())),
-            tile_lists: Stage::new("tile-lists", TileLists::new(engine.clone(), mode, c.tile.order, shown)),
-            rasterization: Stage::new("final-rasterization", Rasterization::new(engine, mode, shown, format)),
+            reference_buffer: Stage::new("reference-buffer", ReferenceBuffer::new(engine.clone(), mode, (format.bytes, sizes))),
+            identification: Stage::new("identification", Identification::new(engine.clone(), sizes)),
+            tile_lists: Stage::new("tile-lists", TileLists::new(engine.clone(), mode, (c.tile.order, sizes), leaving.clone())),
+            rasterization: Stage::new("final-rasterization", Rasterization::new(engine, mode, leaving, (format, sizes))),
             pixel_buffer: Stage::new("pixel-buffer", PixelBuffer::new(c.frame_buffer, shared)),
             video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
             memories,
@@ -143,12 +145,27 @@ impl<F: FrontEnd> Draws for DeferredRenderer<F> {
 
     /// The size of a cell; and what a renderer would take that loads all textures whole, which only the cut into tiles tells.
     fn derive(&self, facts: &mut Facts) {
-        let (conventional, tile_bytes) = (self.server.unit.conventional_bytes(self.cut()), facts.count("path_tile_bytes"));
+        // Raw bytes are held against raw ones, encoded against encoded.
+        let conventional = self.server.unit.conventional(self.cut());
+        let (conventional, tile_bytes) = match conventional.encoded_bytes {
+            Some(encoded) => (encoded, facts.count("path_tile_bytes")),
+            None => (conventional.raw_bytes, facts.count("path_tile_raw_bytes")),
+        };
         let share = if conventional == 0 { 0.0 } else { tile_bytes as f64 / conventional as f64 };
         facts.figure("cell_bits", u64::from(self.config.cell.bits()), "bits", "A cell of the reference buffer");
-        facts.figure("conventional_tile_bytes", conventional, "bytes", "All tiles of all textures, sent whole");
+        facts.figure(
+            "conventional_tile_bytes",
+            conventional,
+            "bytes",
+            "All tiles of all pictures at full resolution, each once; raw where only the server knows their encoding",
+        );
         let share = (share * 1e6).round() / 1e6;
-        facts.figure("tile_bytes_of_conventional", share, "", "`path_tile_bytes` as a share of `conventional_tile_bytes`");
+        facts.figure(
+            "tile_bytes_of_conventional",
+            share,
+            "",
+            "What was loaded, encoded or raw alike, as a share of `conventional_tile_bytes`",
+        );
     }
 }
 

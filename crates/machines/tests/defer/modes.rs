@@ -3,7 +3,7 @@
 use crate::recipe::{FAST, SMALL, display_lists, floor, frame, object, texture, views};
 use crate::runs::{Ran, Seen, Tile, timed};
 use basrelief_deferred_renderer::cell::split_depth;
-use basrelief_deferred_renderer::{How, Page};
+use basrelief_deferred_renderer::{Cell, How, Page};
 use basrelief_machines::defer::warnings;
 use basrelief_signals::{Control, Frame, Material, Wrap};
 use proptest::prelude::*;
@@ -28,9 +28,9 @@ fn pictures(seen: &Seen) -> Vec<&[[u8; 3]]> {
 /// Tiles that the pixels of a filled reference buffer read, from its cells.
 fn wanted(seen: &Seen, frame: usize) -> BTreeSet<Tile> {
     let filled = &seen.filled[frame];
-    let of_cell = |cell: &basrelief_deferred_renderer::Cell| -> Vec<Tile> {
+    let of_cell = |cell: &Cell| -> Vec<Tile> {
         let Some(page) = cell.page().map(|p| &filled.pages[usize::from(p)]) else { return vec![] };
-        layers(page, cell.depth).into_iter().flat_map(|layer| read(page, layer, cell.coordinates)).collect()
+        layers(page, cell.depth).into_iter().flat_map(|layer| read(page, layer, cell)).collect()
     };
     filled.cells.iter().flat_map(of_cell).collect()
 }
@@ -41,8 +41,8 @@ fn layers(page: &Page, depth: f32) -> Vec<u8> {
 }
 
 /// Tiles of the texels that weigh anything, texel by texel.
-fn read(page: &Page, layer: u8, coordinates: [f32; 2]) -> Vec<Tile> {
-    let [x, y] = page.taps(layer, page.placed(coordinates));
+fn read(page: &Page, layer: u8, cell: &Cell) -> Vec<Tile> {
+    let [x, y] = page.taps(layer, page.placed(cell.coordinates, cell.wrap));
     let texels = [[x.first, y.first], [x.second, y.first], [x.first, y.second], [x.second, y.second]];
     texels.map(|texel| (page.texture, page.tile_of(layer, texel))).to_vec()
 }
@@ -150,11 +150,11 @@ fn from_picture_to_picture_no_pixel_becomes_coarser() {
         let pictures = pictures.to_string();
         let ran = timed(&list, &mode("progressive", &[("defer.pictures_per_view", &pictures)]));
         let filled = &ran.seen.filled[0];
-        let finest = |cell: &basrelief_deferred_renderer::Cell| {
+        let finest = |cell: &Cell| {
             let page = &filled.pages[usize::from(cell.page()?)];
             let there = ran.seen.acquired(0);
             let wished = *layers(page, cell.depth).last()?;
-            (0..=wished).rev().find(|l| read(page, *l, cell.coordinates).iter().all(|t| there.contains(t)))
+            (0..=wished).rev().find(|l| read(page, *l, cell).iter().all(|t| there.contains(t)))
         };
         let own: Vec<Vec<u8>> = filled.cells.iter().map(|c| finest(c).into_iter().collect()).collect();
         if let Some(before) = &before {

@@ -40,8 +40,9 @@ fn requests_in_flight_hide_the_latency_of_the_path() {
 fn what_travels_is_what_is_counted() {
     let ran = timed(&views(&[0.0, 2.0]), &[FAST, SMALL].concat());
     let seen = &ran.seen;
-    // Seven polygons of 4, 4, 4, 3, 4 and 3 corners: only in the first frame.
-    assert_eq!(seen.count("path_polygon_bytes"), 32 * (4 * 4 + 2 * 3));
+    // Polygons of 4, 4, 4, 3 and 4 corners with textures and one of 3 without, of objects that tell no mesh: only in the first frame.
+    assert_eq!(seen.count("path_polygon_bytes"), 4 * (5 * (4 * 4 + 3) + 3 * 3));
+    assert_eq!(seen.count("path_command_bytes"), 2 * 4 * (21 + 5 + 2 * 13), "a frame with a light, and two objects: in both");
     assert_eq!(seen.count("path_texture_size_bytes"), 8 * 5);
     let texels = |frame: usize| -> u64 {
         let loaded = seen.tiles[frame].iter().filter(|r| r.acquired == Some(basrelief_deferred_renderer::How::Loaded));
@@ -72,8 +73,8 @@ impl TileSource for Damaged {
         if self.lost { Err(format!("{}: the server is gone", place_of(page, tile))) } else { Ok(bytes[..bytes.len() / 2].into()) }
     }
 
-    fn conventional_bytes(&self, cut: Cut) -> u64 {
-        self.good.conventional_bytes(cut)
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+        self.good.finest_bytes(texture, cut)
     }
 }
 
@@ -147,8 +148,8 @@ impl TileSource for Recording {
         self.good.tile(page, tile)
     }
 
-    fn conventional_bytes(&self, cut: Cut) -> u64 {
-        self.good.conventional_bytes(cut)
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+        self.good.finest_bytes(texture, cut)
     }
 }
 
@@ -173,7 +174,7 @@ fn asked(order: &str) -> (Vec<Tile>, Vec<(Tile, [u32; 2])>) {
 fn reads_of(cell: &Cell, filled: &FilledBuffer) -> Vec<Tile> {
     let Some(page) = cell.page().map(|p| &filled.pages[usize::from(p)]) else { return vec![] };
     let (coarse, _, fine) = layers_of(page, cell);
-    let placed = page.placed(cell.coordinates);
+    let placed = page.placed(cell.coordinates, cell.wrap);
     let tiles = [Some(coarse), fine].into_iter().flatten().flat_map(|layer| page.marked(layer, placed));
     tiles.map(|tile| (page.texture, tile)).collect()
 }

@@ -32,6 +32,7 @@ pub fn object(id: u32) -> Control {
         entries: None,
         bias: None,
         shading: Default::default(),
+        mesh: None,
     }))
 }
 
@@ -183,7 +184,7 @@ const TIMING: &[Axis] = &[
     ],
     &[&[("path.latency_us", "0")], &[("path.latency_us", "3")]],
     &[&[], &[("path.requests", "1")], &[("path.requests", "40")]],
-    &[&[], &[("path.vertex_bytes", "0"), ("path.texture_size_bytes", "0")]],
+    &[&[], &[("path.number_bytes", "0"), ("path.texture_size_bytes", "0")]],
     &[&[], &[("defer.depth_pixel", "separate")]],
     &[
         &[],

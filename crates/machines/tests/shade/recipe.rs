@@ -37,6 +37,7 @@ pub fn object(id: u32) -> Control {
         entries: None,
         bias: None,
         shading: Default::default(),
+        mesh: None,
     }))
 }
 

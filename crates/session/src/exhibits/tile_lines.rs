@@ -74,13 +74,13 @@ pub(super) fn write_tiles(frame: u32, tiles: &[TileRecord], out: &mut dyn Write)
 mod tests {
     use super::*;
     use basrelief_deferred_renderer::{Cell, Cut, Page};
-    use basrelief_signals::{Image, Sampler, Texture, Wrap};
+    use basrelief_signals::{Image, Sampler, Texture};
     use std::sync::Arc;
 
     fn page() -> Arc<Page> {
         let levels = vec![Image { width: 100, height: 60, texels: vec![] }];
         let texture = Texture { id: 5, name: "t".into(), sampler: Sampler::default(), levels, offset: 0 };
-        Arc::new(Page::new(0, &texture, [Wrap::Repeat; 2], Cut::default(), 0))
+        Arc::new(Page::new(0, &texture, Cut::default(), 0))
     }
 
     fn buffer(frame: u32) -> FilledBuffer {

@@ -133,12 +133,12 @@ fn fill(picture: &mut Picture, [left, top]: [u32; 2], colour: [u8; 3]) {
 mod tests {
     use super::*;
     use basrelief_deferred_renderer::Cut;
-    use basrelief_signals::{Image, Sampler, Texture, Wrap};
+    use basrelief_signals::{Image, Sampler, Texture};
 
     fn page([width, height]: [u32; 2]) -> Arc<Page> {
         let levels = vec![Image { width, height, texels: vec![] }];
         let texture = Texture { id: 5, name: "t".into(), sampler: Sampler::default(), levels, offset: 0 };
-        Arc::new(Page::new(0, &texture, [Wrap::Repeat; 2], Cut::default(), 0))
+        Arc::new(Page::new(0, &texture, Cut::default(), 0))
     }
 
     #[test]

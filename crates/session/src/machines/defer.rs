@@ -78,6 +78,11 @@ impl MachineSpec for DeferConfig {
         }
         let psnr_db = shown.iter().map(|s| s.psnr_db).collect::<Vec<_>>();
         column("psnr_db", psnr_db.into(), "dB", "How far it is from the last picture of its frame");
+        if let Some(run) = summary.run.filter(|_| self.has_events()) {
+            let left = self.views_left(run.marks.iter().copied().zip(shown.iter().map(|s| s.last)));
+            let moved = left.iter().zip(&self.defer.pictures_of_views).filter(|(a, b)| a != b).count() as u64;
+            facts.figure("events_moved", moved, "viewpoints", "Viewpoints left behind another picture than the times ask for");
+        }
         let cycles = cycles.unwrap_or_default();
         let last = shown.iter().position(|s| s.last).and_then(|i| cycles.get(i));
         if let Some((&first, &last)) = cycles.first().zip(last) {
@@ -86,6 +91,14 @@ impl MachineSpec for DeferConfig {
             facts.figure("final_picture_cycles", last, "cycles", "Cycles to the last picture of the first frame");
             facts.figure("final_picture_ms", ms(last), "ms", "The same, as time");
         }
+    }
+
+    fn rehearsed(&self, shown: &[(u64, bool)]) -> Option<Self> {
+        self.has_events().then(|| {
+            let mut told = self.clone();
+            told.defer.pictures_of_views = self.views_left(shown.iter().copied());
+            told
+        })
     }
 
     fn shows_rounds(&self) -> bool {

@@ -85,6 +85,13 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'st
         let _ = (summary, facts);
     }
 
+    /// This machine, told after which pictures the user acts, by what a run of it has shown: cycles of each picture from the one before,
+    /// and whether it was the last of its frame. None where nobody acts at a time.
+    fn rehearsed(&self, shown: &[(u64, bool)]) -> Option<Self> {
+        let _ = shown;
+        None
+    }
+
     /// Whether each frame may be shown in several pictures, each better than the one before.
     fn shows_rounds(&self) -> bool {
         false

@@ -36,6 +36,7 @@ fn object(x: f32) -> Control {
         entries: None,
         bias: None,
         shading: Default::default(),
+        mesh: None,
     }))
 }
 

@@ -2,6 +2,7 @@
 
 use crate::config::{CellConfig, NumberFormat};
 use crate::page::Page;
+use basrelief_signals::Wrap;
 use serde::{Deserialize, Serialize};
 
 /// What a pixel of the reference buffer (126) holds. Numbers are those that its fields can hold.
@@ -15,6 +16,8 @@ pub struct Cell {
     pub coordinates: [f32; 2],
     /// Layer depth D (314).
     pub depth: f32,
+    /// How the coordinates are mapped back into the texture, in u and in v.
+    pub wrap: [Wrap; 2],
 }
 
 /// Nothing was drawn.
@@ -24,7 +27,7 @@ const DIRECT: u16 = u16::MAX - 1;
 
 impl Default for Cell {
     fn default() -> Self {
-        Self { page: EMPTY, coefficients: [0; 3], coordinates: [0.0; 2], depth: 0.0 }
+        Self { page: EMPTY, coefficients: [0; 3], coordinates: [0.0; 2], depth: 0.0, wrap: [Wrap::Repeat; 2] }
     }
 }
 
@@ -35,10 +38,17 @@ impl Cell {
         Self { page: DIRECT, coefficients: rgb.map(u16::from), ..Self::default() }
     }
 
-    /// Figure 3B: a textured pixel.
+    /// Figure 3B: a textured pixel; its texture repeats.
     #[inline]
     pub fn textured(page: u16, coordinates: [f32; 2], depth: f32, coefficients: [u16; 3]) -> Self {
-        Self { page, coefficients, coordinates, depth }
+        Self { page, coefficients, coordinates, depth, ..Self::default() }
+    }
+
+    /// The same pixel, with these wrap modes.
+    #[inline]
+    #[must_use]
+    pub fn wrapped(self, wrap: [Wrap; 2]) -> Self {
+        Self { wrap, ..self }
     }
 
     /// Whether anything was drawn.

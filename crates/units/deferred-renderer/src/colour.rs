@@ -3,7 +3,7 @@
 use crate::Cell;
 use crate::cell::CellFormat;
 use crate::identification::layers_of;
-use crate::page::Tap;
+use crate::page::{Placed, Tap};
 use crate::texels::PageTexels;
 use basrelief_shading::saturated;
 
@@ -16,29 +16,37 @@ pub struct Choice {
     pub upper: Option<(u8, f32)>,
     /// The layer whose tiles would improve it.
     pub improve: Option<u8>,
+    /// Words of the tile load list (136) that were read to find it: one for each layer looked at, two where its tiles lie in two.
+    pub words: u32,
 }
 
 /// Figure 7A: everything is there.
 #[inline]
 pub fn best(texels: &PageTexels, cell: &Cell) -> Choice {
     let (coarse, fraction, fine) = layers_of(&texels.page, cell);
-    Choice { lower: coarse, upper: fine.map(|f| (f, fraction)), improve: None }
+    Choice { lower: coarse, upper: fine.map(|f| (f, fraction)), improve: None, words: 0 }
 }
 
 /// Figure 7B: the finest layer that is there, up to D_G, and what would improve it. (Where D_f = 0 the search starts at D_L:
-/// the text would fetch a layer of weight zero.) None where not even the top tile is there.
+/// the text would fetch a layer of weight zero.) None where not even the top tile is there. A word of the tile load list (136) has
+/// `entries`.
 #[inline]
-pub fn progressive(texels: &PageTexels, cell: &Cell, placed: [f32; 2]) -> Option<Choice> {
+pub fn progressive(texels: &PageTexels, cell: &Cell, placed: Placed, entries: u32) -> Option<Choice> {
     let (coarse, fraction, fine) = layers_of(&texels.page, cell);
     let wished = fine.unwrap_or(coarse);
-    let found = (0..=wished).rev().find(|&layer| texels.can_sample(layer, placed))?;
-    let alone = |improve| Some(Choice { lower: found, upper: None, improve });
+    let mut words = 0;
+    let mut is_there = |layer: u8| {
+        let (is_there, read) = texels.look_up(layer, placed, entries);
+        words += read;
+        is_there
+    };
+    let found = (0..=wished).rev().find(|&layer| is_there(layer))?;
+    let both = found == wished && fine.is_some() && is_there(coarse);
+    let alone = |improve| Some(Choice { lower: found, upper: None, improve, words });
     match fine {
         _ if found < wished => alone(Some(found + 1)),
         None => alone(None),
-        Some(fine) if texels.can_sample(coarse, placed) => {
-            Some(Choice { lower: coarse, upper: Some((fine, fraction)), improve: None })
-        }
+        Some(fine) if both => Some(Choice { lower: coarse, upper: Some((fine, fraction)), improve: None, words }),
         // With tiles of an earlier view the coarser may be missing while the finer is there.
         Some(_) => alone(Some(coarse)),
     }
@@ -55,7 +63,7 @@ pub struct Sample {
 
 /// R0 = R1 + (R2 - R1) * D_f, with R1 of the coarser layer, R2 of the finer: the same whatever the mode.
 #[inline]
-pub fn sample(texels: &PageTexels, choice: &Choice, placed: [f32; 2]) -> Sample {
+pub fn sample(texels: &PageTexels, choice: &Choice, placed: Placed) -> Sample {
     let taps = texels.page.taps(choice.lower, placed);
     let lower = texels.bilinear(choice.lower, &taps);
     let first = Some((choice.lower, taps));

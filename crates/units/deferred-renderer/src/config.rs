@@ -109,6 +109,11 @@ parameters! {
         wrap: WrapMode = WrapMode::Sampler, unit: "", Assumed("the scene knows");
         /// The viewpoint is left after this many progressive pictures (475: user input); 0: never.
         pictures_per_view: u32 = 0, unit: "pictures", Assumed("the user looks until the picture is as good as it gets"), range: 0..=64;
+        /// The same for single viewpoints, from the first on; 0, and beyond the list: `pictures_per_view`.
+        pictures_of_views: Vec<u32> = Vec::new(), unit: "pictures", Assumed("all viewpoints alike");
+        /// Times from the start, rising, at which the user acts (475): after the first picture that is shown then or later, the viewpoint
+        /// is left. Runs ahead of the run find which pictures these are; they take the place of `pictures_of_views`.
+        events_ms: Vec<f64> = Vec::new(), unit: "ms", Assumed("the user looks until the picture is as good as it gets");
     }
 }
 
@@ -139,8 +144,8 @@ parameters! {
         latency_us: u64 = 1000, unit: "us", Assumed("a local network; a modem has 100,000"), range: 0_u64..=10_000_000;
         /// Requests in flight.
         requests: u32 = 8, unit: "requests", Assumed("as a browser keeps connections"), range: 1..=4096;
-        /// What one vertex of a polygon mesh takes on the path (451); 0: the mesh is in the device.
-        vertex_bytes: u32 = 32, unit: "bytes", Assumed("position, texture coordinates and colour"), range: 0..=1024;
+        /// What a number of a mesh (451) or of the command of a frame or an object takes on the path; 0: all of them are in the device.
+        number_bytes: u32 = 4, unit: "bytes", Assumed("single precision; indices into up to 65,536 vertices take half of it"), range: 0..=16;
         /// What the size of one texture takes on the path (452).
         texture_size_bytes: u32 = 8, unit: "bytes", Assumed("two words"), range: 0..=1024;
     }
@@ -150,7 +155,7 @@ parameters! {
     /// Cell of the reference buffer (126), Figures 3A and 3B.
     pub struct CellConfig {
         /// Texture page pointer (310).
-        page_bits: u32 = 15, unit: "bits", Assumed("the cell then has 128 bits"), range: 1..=15;
+        page_bits: u32 = 11, unit: "bits", Assumed("2,048 pictures; the cell then has 128 bits"), range: 1..=15;
         /// Format of S and T (312): fixed or float.
         coordinate_format: NumberFormat = NumberFormat::Float, unit: "", Stated("[0092]: fixed or floating point");
         /// S and T (312), each.
@@ -168,10 +173,13 @@ parameters! {
     }
 }
 
+/// Wrap modes of a cell: three, in u and in v \[bits\].
+pub(crate) const WRAP_BITS: u32 = 2 * 2;
+
 impl CellConfig {
     /// Bits of a cell: the larger of Figures 3A and 3B.
     pub fn bits(&self) -> u32 {
-        let textured = self.page_bits + 2 * self.coordinate_bits + self.depth_bits + 3 * self.brightness_bits;
+        let textured = self.page_bits + WRAP_BITS + 2 * self.coordinate_bits + self.depth_bits + 3 * self.brightness_bits;
         1 + textured.max(24)
     }
 }
@@ -182,7 +190,11 @@ parameters! {
         /// From start to delivery of each of its units.
         latency: u32 = 8, unit: "cycles", Assumed("as the units of the other machines"), range: 0..=4096;
         /// Cells made per cycle by the initial rasterization (454).
-        fill_rate: u32 = 1, unit: "cells/cycle", Assumed("one division and one logarithm per cycle"), range: 1..=16;
+        fill_rate: u32 = 1, unit: "cells/cycle", Assumed("one pixel per cycle; more than dividers let pass it is not"), range: 1..=16;
+        /// Dividers for the footprint of a pixel, which take turns.
+        dividers: u32 = 17, unit: "dividers", Derived("one that starts every 17 cycles (operators.divide) for each of 17: a cell per cycle"), range: 1..=1024;
+        /// Multipliers, and as many adders, that set triangles up, beside one divider.
+        setup_units: u32 = 4, unit: "operators", Assumed("as many as geometry processing has"), range: 1..=256;
         /// Cells read per cycle by a pass over the reference buffer (126).
         scan_rate: u32 = 1, unit: "cells/cycle", Assumed("one pixel per cycle"), range: 1..=16;
         /// Blocks of 4 x 4 cells of the reference buffer (126) that gather writes; the least recently written one goes.

@@ -4,7 +4,8 @@ use crate::config::TileConfig;
 use crate::encoding::TileEncoding;
 use crate::server::place_of;
 use crate::tokens::{EncodedTile, ExpandedTile};
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 
 /// Expands tiles. Raw ones pass. It remembers nothing: there is no state.
 #[derive(Clone, Debug)]
@@ -12,12 +13,33 @@ pub struct Expander {
     /// Parameters.
     pub config: TileConfig,
     latency: u64,
+    /// Expanded tiles that wait to be stored.
+    waiting: u32,
 }
 
 impl Expander {
-    /// An expander of tiles that are encoded so.
-    pub fn new(config: TileConfig, latency: u32) -> Self {
-        Self { config, latency: latency.into() }
+    /// An expander of tiles that are encoded so, with room for so many that wait to be stored.
+    pub fn new(config: TileConfig, latency: u32, waiting: u32) -> Self {
+        Self { config, latency: latency.into(), waiting }
+    }
+
+    /// Inverse cosine transform of 8 x 8 samples: 5 products and 29 sums for each row and each column (Arai, Agui, Nakajima, 1988),
+    /// and a product for each sample, with which it is quantized; so for 4 samples 9 and 29. Then colours: 4 products, 6 sums.
+    fn tell_jpeg(&self, facts: &mut Facts) {
+        let rate = self.config.expand_rate;
+        facts.hardware(HardwareKind::Multiplier, "inverse cosine transform, colours", (3 * 9 * rate).div_ceil(4) + 4 * rate, 16);
+        facts.hardware(HardwareKind::Adder, "inverse cosine transform, colours", (3 * 29 * rate).div_ceil(4) + 6 * rate, 16);
+        facts.hardware(HardwareKind::Table, "Huffman codes: 4 of 256", 4 * 256_u32, 8 + 16);
+        facts.hardware(HardwareKind::Table, "quantization: 2 of 64", 2 * 64_u32, 8);
+        facts.hardware(HardwareKind::Table, "blocks between rows and columns", 3 * 64_u32, 16);
+    }
+
+    /// Inflation: what was expanded last, and two codes; then the filter of a row, of which Paeth's takes most.
+    fn tell_png(&self, facts: &mut Facts) {
+        facts.hardware(HardwareKind::Table, "inflation: last 32 KiB", 32 * 1024_u32, 8);
+        facts.hardware(HardwareKind::Table, "inflation: codes of 288 and 32", 288_u32 + 32, 16);
+        facts.hardware(HardwareKind::Table, "row above", self.config.width, 24);
+        facts.hardware(HardwareKind::Adder, "filters of a row", 3 * 7 * self.config.expand_rate, 8);
     }
 }
 
@@ -45,6 +67,16 @@ impl Unit for Expander {
                 traffic.fault(format!("{}: {error}", place_of(&page, tile)));
                 Step::after(0, None)
             }
+        }
+    }
+
+    fn tell(&self, facts: &mut Facts) {
+        let texels = self.config.width * self.config.height;
+        facts.hardware(HardwareKind::Table, "expanded tiles", self.waiting + 1, 24 * texels);
+        match self.config.encoding {
+            TileEncoding::Raw => {}
+            TileEncoding::Png => self.tell_png(facts),
+            TileEncoding::Jpeg => self.tell_jpeg(facts),
         }
     }
 }

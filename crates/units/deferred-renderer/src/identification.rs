@@ -3,7 +3,7 @@
 use crate::cell::split_depth;
 use crate::config::EngineConfig;
 use crate::tokens::{CellBlock, Mark, MarkFlow, Marks, PassFlow};
-use crate::{Cell, Page};
+use crate::{Cell, Page, Sizes, interpolators};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::Frame;
@@ -76,14 +76,15 @@ pub struct IdentificationState {
 pub struct Identification {
     /// Parameters.
     pub config: EngineConfig,
+    sizes: Sizes,
     /// Everything it remembers.
     pub state: IdentificationState,
 }
 
 impl Identification {
     /// At power-on.
-    pub fn new(config: EngineConfig) -> Self {
-        Self { config, state: IdentificationState::default() }
+    pub fn new(config: EngineConfig, sizes: Sizes) -> Self {
+        Self { config, sizes, state: IdentificationState::default() }
     }
 
     /// Figure 5A for every textured pixel of a block; its token, and the layers looked at.
@@ -93,7 +94,7 @@ impl Identification {
         let mut looked_at = 0;
         for (_, cell) in block.drawn() {
             let Some(page) = cell.page().and_then(|p| self.state.pages.get(usize::from(p))) else { continue };
-            let placed = page.placed(cell.coordinates);
+            let placed = page.placed(cell.coordinates, cell.wrap);
             let (coarse, _, fine) = layers_of(page, cell);
             for layer in [Some(coarse), fine].into_iter().flatten() {
                 looked_at += 1;
@@ -141,5 +142,9 @@ impl Unit for Identification {
 
     fn tell(&self, facts: &mut Facts) {
         facts.figure("tiles_marked", self.state.counters.marked, "tiles", "Tiles marked, each time");
+        self.sizes.tell_block(facts);
+        self.sizes.tell_pages(facts);
+        interpolators::tell_find(self.config.scan_rate, facts);
+        interpolators::tell_marks(self.sizes, facts);
     }
 }

@@ -19,8 +19,6 @@ pub struct Page {
     pub texture_size: [u32; 2],
     /// For messages.
     pub name: String,
-    /// Wrap mode in u, then in v.
-    pub wrap: [Wrap; 2],
     /// How it is cut.
     pub cut: Cut,
     /// From coarsest to finest.
@@ -52,6 +50,15 @@ pub struct Tap {
     pub fraction: f32,
 }
 
+/// Texture coordinates (312) mapped back into the texture by the wrap modes of their cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placed {
+    /// 0 ..= size \[finest texels\].
+    pub coordinates: [f32; 2],
+    /// The texture repeats: beyond its last texel comes its first.
+    pub repeats: [bool; 2],
+}
+
 /// Round towards minus infinity; the library function would be a call.
 #[inline]
 fn floor(x: f32) -> f32 {
@@ -61,7 +68,7 @@ fn floor(x: f32) -> f32 {
 
 impl Page {
     /// The page of a texture; `address` is free in the texture-data memory (130) from there on.
-    pub fn new(number: u16, texture: &Texture, wrap: [Wrap; 2], cut: Cut, address: u64) -> Self {
+    pub fn new(number: u16, texture: &Texture, cut: Cut, address: u64) -> Self {
         let texture_size = texture.levels.first().map_or([1, 1], |image| [image.width.max(1), image.height.max(1)]);
         let (layers, left_out) = cut.layers(texture_size);
         // Not the finest layer's own size: that is rounded up, and its last texel then reaches beyond the texture.
@@ -73,7 +80,6 @@ impl Page {
             texture: texture.id,
             texture_size,
             name: texture.name.clone(),
-            wrap,
             cut,
             layers,
             left_out,
@@ -135,6 +141,12 @@ impl Page {
         (first, [0, 1].map(|i| (first[i] + self.cut.tile[i]).min(layer.size[i])))
     }
 
+    /// Texels of a tile: how many.
+    pub fn texels_in(&self, tile: u32) -> u64 {
+        let (first, end) = self.texels_of(tile);
+        u64::from(end[0] - first[0]) * u64::from(end[1] - first[1])
+    }
+
     /// The tiles of the next finer layer that a tile is the average of: four, or two or one at the right and lower edge;
     /// none in the finest layer.
     pub fn sources(&self, tile: u32) -> Tiles {
@@ -158,18 +170,18 @@ impl Page {
         self.address + tile + u64::from(block * 64 + (y & 3) * 16 + (x & 3) * 4)
     }
 
-    /// Texture coordinates (312) mapped back into the texture by its wrap modes \[finest texels\], 0 ..= size. NaN
-    /// becomes 0.
+    /// Texture coordinates (312) mapped back into the texture. NaN becomes 0.
     #[inline]
-    pub fn placed(&self, st: [f32; 2]) -> [f32; 2] {
+    pub fn placed(&self, st: [f32; 2], wrap: [Wrap; 2]) -> Placed {
         // (Not by `map`: it and its closure become calls.)
-        [self.placed_along(0, st[0]), self.placed_along(1, st[1])]
+        let coordinates = [self.placed_along(0, st[0], wrap[0]), self.placed_along(1, st[1], wrap[1])];
+        Placed { coordinates, repeats: [wrap[0] == Wrap::Repeat, wrap[1] == Wrap::Repeat] }
     }
 
     #[inline(always)]
-    fn placed_along(&self, axis: usize, s: f32) -> f32 {
+    fn placed_along(&self, axis: usize, s: f32, wrap: Wrap) -> f32 {
         let size = self.size[axis];
-        let inside = match self.wrap[axis] {
+        let inside = match wrap {
             Wrap::Repeat => {
                 let rest = s - size * floor(s * self.inverse[axis]);
                 // The quotient is rounded: the rest may be off by one texture.
@@ -187,16 +199,16 @@ impl Page {
 
     /// What a bilinear sample at `placed` coordinates reads of a layer, by axis.
     #[inline]
-    pub fn taps(&self, layer: u8, placed: [f32; 2]) -> [Tap; 2] {
+    pub fn taps(&self, layer: u8, placed: Placed) -> [Tap; 2] {
         let l = &self.layers[usize::from(layer)];
-        [self.tap(l, 0, placed[0]), self.tap(l, 1, placed[1])]
+        [self.tap(l, 0, placed), self.tap(l, 1, placed)]
     }
 
     #[inline(always)]
-    fn tap(&self, layer: &Layer, axis: usize, placed: f32) -> Tap {
-        let x = placed * layer.scale - self.offset;
+    fn tap(&self, layer: &Layer, axis: usize, placed: Placed) -> Tap {
+        let x = placed.coordinates[axis] * layer.scale - self.offset;
         let whole = floor(x);
-        tap(whole as i32, x - whole, layer.size[axis] as i32, self.wrap[axis] == Wrap::Repeat)
+        tap(whole as i32, x - whole, layer.size[axis] as i32, placed.repeats[axis])
     }
 
     /// Figure 5A with the border check of Figure 5B, corrected: the tiles that a bilinear sample at `placed` coordinates
@@ -205,7 +217,7 @@ impl Page {
     /// A neighbour is read where the fraction is above 0. It lies in the next tile where the texel is the last of its tile;
     /// at the edge of the layer it lies in column (row) 0 where the texture repeats, and nowhere else.
     #[inline]
-    pub fn marked(&self, layer: u8, placed: [f32; 2]) -> Tiles {
+    pub fn marked(&self, layer: u8, placed: Placed) -> Tiles {
         self.tiles_of(layer, &self.taps(layer, placed))
     }
 

@@ -3,7 +3,7 @@
 use crate::config::PathConfig;
 use crate::tokens::{Content, EncodedTile, Parcel};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_signals::Control;
 use serde::{Deserialize, Serialize};
 
@@ -34,15 +34,23 @@ pub struct Path {
     bits_per_second: u128,
     hz: u128,
     latency: u64,
+    /// Tiles in flight, and bytes of the largest.
+    receives: [u32; 2],
     /// Everything it remembers.
     pub state: PathState,
 }
 
 impl Path {
-    /// A path seen from a device with a clock of `hz`.
-    pub fn new(config: &PathConfig, hz: u64) -> Self {
+    /// A path seen from a device with a clock of `hz`, that takes tiles of up to `tile_bytes`.
+    pub fn new(config: &PathConfig, hz: u64, tile_bytes: u32) -> Self {
         let latency = u64::try_from(u128::from(config.latency_us) * u128::from(hz) / 1_000_000).unwrap_or(u64::MAX);
-        Self { bits_per_second: config.bits_per_second.into(), hz: hz.into(), latency, state: PathState::default() }
+        Self {
+            bits_per_second: config.bits_per_second.into(),
+            hz: hz.into(),
+            latency,
+            receives: [config.requests, tile_bytes],
+            state: PathState::default(),
+        }
     }
 
     /// Cycles that the path is kept by this many bytes.
@@ -82,5 +90,7 @@ impl Unit for Path {
 
     fn tell(&self, facts: &mut Facts) {
         facts.figure("path_bytes", self.state.counters.bytes, "bytes", "What the path carried");
+        let [tiles, bytes] = self.receives;
+        facts.hardware(HardwareKind::Table, "receive buffer of the I/O port (104): tiles", tiles, 8 * bytes);
     }
 }

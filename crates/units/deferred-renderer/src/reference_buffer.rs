@@ -2,9 +2,9 @@
 
 use crate::config::{EngineConfig, RenderMode};
 use crate::tokens::{CellBlock, CellFlow, PassFlow, PlacedCell, Round};
-use crate::{Cell, Page};
+use crate::{Cell, Page, Sizes};
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_shading::texture::{BLOCK, texel_offset};
 use basrelief_signals::{Frame, GatheredLines, Stamp, layout};
 use serde::{Deserialize, Serialize};
@@ -76,7 +76,8 @@ pub struct ReferenceBufferState {
 }
 
 /// Reference buffer (126). It is filled by the initial rasterization; then passes go over it: in the mode of best resolution
-/// one to identify tiles and one to colour, in the progressive mode one for each picture.
+/// one to identify tiles and one to colour, in the progressive mode one for each picture. A pass to colour hands on blocks in which
+/// nothing is drawn too: the picture has its background there.
 ///
 /// Inputs: cells, and whether another round follows. Outputs: passes to identification and to the final rasterization.
 /// Client 0 reads, client 1 writes: 4 x 4 cells at a time. Writes gather in some blocks (`engine.write_lines`).
@@ -86,6 +87,7 @@ pub struct ReferenceBuffer {
     pub config: EngineConfig,
     mode: RenderMode,
     cell_bytes: u32,
+    sizes: Sizes,
     /// Filled buffers are kept for who wants to look at them.
     pub keep: bool,
     /// Everything it remembers.
@@ -96,8 +98,8 @@ type Out = (Option<PassFlow>, Option<PassFlow>);
 
 impl ReferenceBuffer {
     /// At power-on; `cell_bytes`: of a cell in memory.
-    pub fn new(config: EngineConfig, mode: RenderMode, cell_bytes: u32) -> Self {
-        Self { config, mode, cell_bytes, keep: false, state: ReferenceBufferState::default() }
+    pub fn new(config: EngineConfig, mode: RenderMode, (cell_bytes, sizes): (u32, Sizes)) -> Self {
+        Self { config, mode, cell_bytes, sizes, keep: false, state: ReferenceBufferState::default() }
     }
 
     /// Buffers filled since the last call, where they are kept.
@@ -190,9 +192,9 @@ impl ReferenceBuffer {
         }
     }
 
-    /// Reads one block; none where nothing is drawn in it.
+    /// Reads one block.
     #[inline]
-    fn read(&mut self, block: usize, traffic: &mut Traffic) -> Option<PassFlow> {
+    fn read(&mut self, block: usize, traffic: &mut Traffic) -> Option<CellBlock> {
         let cells: &[Cell; BLOCK_CELLS] = self.state.cells[block * BLOCK_CELLS..].first_chunk()?;
         let bytes = BLOCK_CELLS as u32 * self.cell_bytes;
         traffic.read(0, block as u64 * u64::from(bytes), bytes);
@@ -200,17 +202,19 @@ impl ReferenceBuffer {
         let mask = cells.iter().enumerate().fold(0, |mask, (i, c)| mask | u16::from(c.is_drawn()) << i);
         let columns = self.state.frame.as_ref()?.width.div_ceil(BLOCK) as usize;
         let at = [(block % columns) as u16, (block / columns) as u16];
-        (mask != 0).then_some(PassFlow::Cells(CellBlock { at, mask, cells: *cells }))
+        Some(CellBlock { at, mask, cells: *cells })
     }
 
     /// The next block of a pass, or its end; the cycles that it takes, and whether it was the end.
     #[inline]
     fn pass(&mut self, block: usize, traffic: &mut Traffic) -> (Option<PassFlow>, u64, bool) {
+        let wants_all = matches!(self.state.phase, Phase::Colour(_));
         if (block + 1) * BLOCK_CELLS > self.state.cells.len() {
             return (Some(PassFlow::End), 1, true);
         }
         let cycles = (BLOCK_CELLS as u64).div_ceil(self.config.scan_rate.into());
-        (self.read(block, traffic), cycles, false)
+        let cells = self.read(block, traffic).filter(|cells| wants_all || cells.mask != 0);
+        (cells.map(PassFlow::Cells), cycles, false)
     }
 }
 
@@ -274,5 +278,10 @@ impl Unit for ReferenceBuffer {
             facts.rate(output, self.config.latency, interval);
         }
         facts.figure("reference_passes", self.state.counters.passes, "passes", "Passes over the reference buffer");
+        let bytes = self.state.cells.len() as u64 * u64::from(self.cell_bytes);
+        facts.figure("reference_buffer_bytes", bytes, "bytes", "Memory that its cells take");
+        facts.hardware(HardwareKind::Table, "gathered blocks", self.config.write_lines, self.sizes.gathered_bits());
+        facts.hardware(HardwareKind::Adder, "place and number of a block", 4_u32, 32);
+        self.sizes.tell_block(facts);
     }
 }

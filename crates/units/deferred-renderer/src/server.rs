@@ -1,13 +1,14 @@
 //! Server (110): polygon memory (112) and texture memory (114).
 
-use crate::config::PathConfig;
+use crate::config::{Lighting, PathConfig};
 use crate::encoding::TileEncoding;
-use crate::pyramid::ServedTexture;
+use crate::polygon_memory::PolygonMemory;
+use crate::pyramid::{ServedTexture, is_same_picture};
 use crate::tokens::{Content, EncodedTile, Parcel, Request};
 use crate::{Page, page::Cut};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Derived, Step, Traffic, Unit};
-use basrelief_signals::{Control, Polygon, Texture};
+use basrelief_signals::{Control, Texture};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -26,8 +27,8 @@ pub trait TileSource: Debug {
     /// # Errors
     /// Why there is none: a sentence that names texture, layer and tile.
     fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String>;
-    /// Bytes of all tiles of the finest layers of all textures offered: the conventional total.
-    fn conventional_bytes(&self, cut: Cut) -> u64;
+    /// Bytes of all tiles of the finest layer of a texture, as they are encoded; none where only a server elsewhere knows.
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64>;
 }
 
 /// Texture memory (114): textures by number, their pyramids built when asked for.
@@ -69,20 +70,26 @@ impl TileSource for TextureMemory {
         self.encode(&texels, page, tile).map(Arc::from)
     }
 
-    fn conventional_bytes(&self, cut: Cut) -> u64 {
-        let bytes = |texture: &ServedTexture| {
-            let page = Page::new(0, texture.texture(), texture.texture().sampler.wrap, cut, 0);
-            if self.encoding == TileEncoding::Raw {
-                return cut.raw_bytes(page.texture_size);
-            }
-            let finest = page.layers[usize::from(page.dmax())];
-            // Another one, since layers are built when they are asked for: where nothing is left out, none is.
-            let mut texture = ServedTexture::new(Arc::clone(texture.texture()));
-            let encoded = |tile| self.encode(&texture.tile(&page, tile), &page, tile).map_or(0, |bytes| bytes.len() as u64);
-            (finest.base..page.tiles()).map(encoded).sum()
-        };
-        self.textures.values().map(bytes).sum()
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+        let page = Page::new(0, texture, cut, 0);
+        if self.encoding == TileEncoding::Raw {
+            return Some(cut.raw_bytes(page.texture_size));
+        }
+        let finest = page.layers[usize::from(page.dmax())];
+        // Not the one that was offered, since layers are built when they are asked for: where nothing is left out, none is.
+        let mut texture = ServedTexture::new(Arc::clone(texture));
+        let encoded = |tile| self.encode(&texture.tile(&page, tile), &page, tile).map_or(0, |bytes| bytes.len() as u64);
+        Some((finest.base..page.tiles()).map(encoded).sum())
     }
+}
+
+/// What a renderer would load that takes all pictures whole, at their finest layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Conventional {
+    /// As raw texels \[bytes\].
+    pub raw_bytes: u64,
+    /// As tiles are encoded \[bytes\]; none where only a server elsewhere knows.
+    pub encoded_bytes: Option<u64>,
 }
 
 /// What the server does: one phase of a frame after the other.
@@ -100,12 +107,12 @@ enum Phase {
 /// What the server has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ServerCounters {
-    /// Bytes of polygons.
-    pub polygon_bytes: u64,
     /// Bytes of sizes of textures.
     pub size_bytes: u64,
     /// Bytes of tiles.
     pub tile_bytes: u64,
+    /// Bytes that they would take as raw texels.
+    pub raw_tile_bytes: u64,
     /// Tiles.
     pub tiles: u64,
 }
@@ -116,6 +123,8 @@ pub struct ServerState {
     phase: Phase,
     /// Frames sent.
     pub frames: u64,
+    /// Polygon memory (112).
+    pub polygons: PolygonMemory,
     /// Textures that the source of tiles was offered, by number.
     pub known: BTreeMap<u32, Arc<Texture>>,
     /// This source was offered them; a state that was put in brings its own textures.
@@ -129,48 +138,49 @@ pub struct ServerState {
 
 /// Server (110). Inputs: polygons, requests for tiles, and the news that a picture is shown.
 ///
-/// Polygons take their bytes on the path in the first frame; with the following ones the device has them (451 is not repeated
-/// by 482).
+/// Meshes take their bytes on the path once; with the following frames the device has them (451 is not repeated by 482), and the
+/// commands of frames and objects travel alone.
 ///
 /// Where a tile cannot be had, nothing comes from it any more: the device finishes what it has got, and then stands still.
 #[derive(Debug)]
 pub struct Server {
     /// Parameters.
     pub config: PathConfig,
+    lighting: Lighting,
     source: Box<dyn TileSource>,
     /// Everything it remembers.
     pub state: ServerState,
 }
 
 impl Server {
-    /// A server that takes its tiles from `source`.
-    pub fn new(config: PathConfig, source: Box<dyn TileSource>) -> Self {
-        Self { config, source, state: ServerState::default() }
+    /// A server that takes its tiles from `source`; normals travel where something lights them.
+    pub fn new(config: PathConfig, lighting: Lighting, source: Box<dyn TileSource>) -> Self {
+        Self { config, lighting, source, state: ServerState::default() }
     }
 
-    /// Bytes of all tiles of the finest layers of all textures offered.
-    pub fn conventional_bytes(&self, cut: Cut) -> u64 {
-        self.source.conventional_bytes(cut)
+    /// What all pictures offered take, each of them once.
+    pub fn conventional(&self, cut: Cut) -> Conventional {
+        let mut sum = Conventional { raw_bytes: 0, encoded_bytes: Some(0) };
+        let known: Vec<&Arc<Texture>> = self.state.known.values().collect();
+        let pictures = known.iter().enumerate().filter(|(i, texture)| !known[..*i].iter().any(|t| is_same_picture(t, texture)));
+        for (_, texture) in pictures {
+            sum.raw_bytes += cut.raw_bytes(texture.levels.first().map_or([1; 2], |image| [image.width, image.height]));
+            let bytes = self.source.finest_bytes(texture, cut);
+            sum.encoded_bytes = sum.encoded_bytes.zip(bytes).map(|(a, b)| a + b);
+        }
+        sum
     }
 
-    /// Offers a texture that it has not offered before; bytes that its size takes on the path (452).
+    /// Offers a texture that it has not offered before; bytes that the size of a new picture takes on the path (452).
     fn size_of(&mut self, texture: &Arc<Texture>) -> u64 {
-        if self.state.known.insert(texture.id, Arc::clone(texture)).is_some() {
+        if self.state.known.contains_key(&texture.id) {
             return 0;
         }
+        let is_new = !self.state.known.values().any(|known| is_same_picture(known, texture));
+        self.state.known.insert(texture.id, Arc::clone(texture));
         self.source.offer(texture);
-        let bytes = u64::from(self.config.texture_size_bytes);
+        let bytes = if is_new { u64::from(self.config.texture_size_bytes) } else { 0 };
         self.state.counters.size_bytes += bytes;
-        bytes
-    }
-
-    /// Bytes that a polygon takes (451): none once the device has it.
-    fn vertices_of(&mut self, polygon: &Polygon) -> u64 {
-        if self.state.frames > 0 {
-            return 0;
-        }
-        let bytes = u64::from(self.config.vertex_bytes) * polygon.vertices.len() as u64;
-        self.state.counters.polygon_bytes += bytes;
         bytes
     }
 
@@ -178,11 +188,12 @@ impl Server {
         let mut bytes = 0;
         match &control {
             Control::Polygon(polygon) => {
-                bytes = self.vertices_of(polygon);
+                bytes = self.state.polygons.polygon(polygon, (&self.config, self.lighting));
                 bytes += polygon.material.color_texture.as_ref().map_or(0, |texture| self.size_of(texture));
             }
             Control::Frame(frame) => {
-                bytes = frame.textures.iter().map(|texture| self.size_of(texture)).sum();
+                bytes = self.state.polygons.frame(frame, &self.config);
+                bytes += frame.textures.iter().map(|texture| self.size_of(texture)).sum::<u64>();
                 if self.state.frames == 0 {
                     return Parcel { bytes, content: Content::Asked(control) };
                 }
@@ -191,7 +202,8 @@ impl Server {
                 self.state.frames += 1;
                 self.state.phase = Phase::Tiles;
             }
-            Control::Object(_) | Control::CodeBook(_) | Control::Criterion(_) => {}
+            Control::Object(object) => bytes = self.state.polygons.object(object, (&self.config, self.lighting)),
+            Control::CodeBook(_) | Control::Criterion(_) => {}
         }
         Parcel { bytes, content: Content::Mesh(control) }
     }
@@ -209,6 +221,7 @@ impl Server {
             Request::Tile(page, tile) => match self.source.tile(page, *tile) {
                 Ok(bytes) => {
                     self.state.counters.tile_bytes += bytes.len() as u64;
+                    self.state.counters.raw_tile_bytes += 3 * page.texels_in(*tile);
                     self.state.counters.tiles += 1;
                     let encoded = EncodedTile { page: Arc::clone(page), tile: *tile, bytes };
                     Some(Parcel { bytes: encoded.bytes.len() as u64, content: Content::Tile(encoded) })
@@ -248,10 +261,12 @@ impl Unit for Server {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        let c = &self.state.counters;
-        facts.figure("path_polygon_bytes", c.polygon_bytes, "bytes", "Polygons sent on the path");
+        let (c, polygons) = (&self.state.counters, &self.state.polygons.counters);
+        facts.figure("path_polygon_bytes", polygons.mesh_bytes, "bytes", "Meshes and surfaces sent on the path");
+        facts.figure("path_command_bytes", polygons.command_bytes, "bytes", "Commands of frames and objects sent on it");
         facts.figure("path_texture_size_bytes", c.size_bytes, "bytes", "Sizes of textures sent on it");
         facts.figure("path_tile_bytes", c.tile_bytes, "bytes", "Tiles sent on it");
+        facts.figure("path_tile_raw_bytes", c.raw_tile_bytes, "bytes", "The same tiles as raw texels");
         facts.figure("path_tiles", c.tiles, "tiles", "Tiles sent on it");
     }
 }

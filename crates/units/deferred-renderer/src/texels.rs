@@ -2,9 +2,10 @@
 
 use crate::Page;
 use crate::acquisition::How;
-use crate::page::Tap;
+use crate::page::{Placed, Tap};
 use crate::pyramid::LayerTexels;
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 use std::sync::Arc;
 use wide::f32x4;
 
@@ -82,10 +83,15 @@ impl PageTexels {
         self.history[tile as usize].acquired.is_some()
     }
 
-    /// Whether all tiles are there that a sample reads of a layer.
+    /// Whether all tiles are there that a sample reads of a layer, and how many words of the tile load list (136), of so many entries
+    /// each, tell it.
     #[inline]
-    pub fn can_sample(&self, layer: u8, placed: [f32; 2]) -> bool {
-        self.page.marked(layer, placed).iter().all(|&tile| self.exists(tile))
+    pub fn look_up(&self, layer: u8, placed: Placed, entries: u32) -> (bool, u32) {
+        let tiles = self.page.marked(layer, placed);
+        let mut words: SmallVec<[u32; 4]> = tiles.iter().map(|tile| tile / entries).collect();
+        words.sort_unstable();
+        words.dedup();
+        (tiles.iter().all(|&tile| self.exists(tile)), words.len() as u32)
     }
 
     /// Stores a tile that has come over the path.

@@ -1,9 +1,9 @@
 //! Tile load lists (136) of all pages, and the acquisition of tiles (462, 477), Figure 6.
 
-use crate::Page;
 use crate::acquisition::{Acquired, How, TileList};
 use crate::config::{EngineConfig, RenderMode, TileOrder};
 use crate::tokens::{Mark, MarkFlow, Order, Request, Round};
+use crate::{Leaving, Page, Sizes};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
@@ -59,6 +59,8 @@ pub struct TileListsState {
     pages: Vec<Listed>,
     /// What is to be acquired, in order: page and tile.
     pub plan: VecDeque<(u16, Acquired)>,
+    /// Frames begun.
+    pub frames: u64,
     /// Pictures of the current frame whose marks have been taken.
     pub pictures: u32,
     /// What they have counted.
@@ -71,14 +73,16 @@ pub struct TileListsState {
 /// texture-data memory (130), and whether another round follows. The path keeps the order of requests; so a tile that is
 /// asked for exists for all that is ordered after it.
 ///
-/// Two bits per tile: the lists are kept in the unit, and are no traffic of the texture-data memory (assumed).
+/// Two bits per tile: the lists are kept in the unit, in words of `engine.list_rate` entries, and are no traffic of the texture-data
+/// memory (assumed). The final rasterization reads them through a port of its own.
 #[derive(Clone, Debug)]
 pub struct TileLists {
     /// Parameters.
     pub config: EngineConfig,
     mode: RenderMode,
     order: TileOrder,
-    pictures_per_view: u32,
+    leaving: Leaving,
+    sizes: Sizes,
     /// Everything they remember.
     pub state: TileListsState,
 }
@@ -86,9 +90,9 @@ pub struct TileLists {
 type Out = (Option<Request>, Option<Order>, Option<Round>);
 
 impl TileLists {
-    /// At power-on; `pictures_per_view`: progressive pictures after which the viewpoint is left, 0 for never.
-    pub fn new(config: EngineConfig, mode: RenderMode, order: TileOrder, pictures_per_view: u32) -> Self {
-        Self { config, mode, order, pictures_per_view, state: TileListsState::default() }
+    /// At power-on.
+    pub fn new(config: EngineConfig, mode: RenderMode, (order, sizes): (TileOrder, Sizes), leaving: Leaving) -> Self {
+        Self { config, mode, order, leaving, sizes, state: TileListsState::default() }
     }
 
     /// Pages and their lists.
@@ -114,6 +118,7 @@ impl TileLists {
 
     /// A new viewpoint (482): what was to be loaded is not any more. Tiles in flight are E already.
     fn forget(&mut self) {
+        self.state.frames += 1;
         self.state.pictures = 0;
         for listed in &mut self.state.pages {
             listed.list.forget();
@@ -132,7 +137,7 @@ impl TileLists {
         }
     }
 
-    /// Figure 6 for every page; cycles that looking at the lists takes.
+    /// Figure 6 for every page; cycles that looking at the lists, and sorting what is found, takes.
     fn acquire(&mut self) -> u64 {
         let mut looked_at = 0;
         for listed in &mut self.state.pages {
@@ -140,17 +145,16 @@ impl TileLists {
             let number = listed.page.number;
             self.state.plan.extend(listed.list.acquire(&listed.page).into_iter().map(|a| (number, a)));
         }
-        if self.order != TileOrder::Listed {
-            self.sort();
-        }
+        let sorted = if self.order == TileOrder::Listed { 0 } else { self.sort() };
         if !self.state.plan.is_empty() {
             self.state.counters.acquisitions += 1;
         }
-        looked_at.div_ceil(self.config.list_rate.into()).max(1)
+        looked_at.div_ceil(self.config.list_rate.into()).max(1) + sorted
     }
 
-    /// Loads in the order wished for, then what is averaged from them. Those wished for alike stay as listed.
-    fn sort(&mut self) {
+    /// Loads in the order wished for, then what is averaged from them. Those wished for alike stay as listed. Cycles that it takes: one
+    /// for each comparison of merging, n log2 n of them.
+    fn sort(&mut self) -> u64 {
         let pages = &self.state.pages;
         let order = self.order;
         self.state.plan.make_contiguous().sort_by_key(|(page, acquired)| {
@@ -161,6 +165,8 @@ impl TileLists {
                 (How::Loaded, TileOrder::Pixels) => (0, 0, Reverse(wanted.pixels)),
             }
         });
+        let planned = self.state.plan.len() as u64;
+        planned * u64::from(planned.max(1).next_power_of_two().trailing_zeros())
     }
 
     /// What a real server may be told ahead.
@@ -183,7 +189,7 @@ impl TileLists {
     /// All marks of a progressive picture are taken (476): another round, unless none is marked or the user moves on (475).
     fn end_of_picture(&mut self) -> (u64, Out) {
         self.state.pictures += 1;
-        if self.state.pictures == self.pictures_per_view {
+        if self.leaving.is_left(self.state.frames.saturating_sub(1), self.state.pictures) {
             self.state.phase = Phase::Identified;
             return (1, (Some(Request::End), None, Some(Round::Done)));
         }
@@ -272,5 +278,6 @@ impl Unit for TileLists {
         facts.figure("tiles_loaded", c.loaded, "tiles", "Tiles loaded");
         facts.figure("tiles_synthesized", c.synthesized, "tiles", "Tiles synthesized");
         facts.figure("acquisitions", c.acquisitions, "acquisitions", "Times that the lists were worked off");
+        self.sizes.tell_lists(self.order != TileOrder::Listed, facts);
     }
 }

@@ -58,7 +58,7 @@ pub enum PassFlow {
     Page(Arc<Page>),
     /// A pass begins.
     Begin,
-    /// A block that holds drawn pixels.
+    /// A block; to the identification (461) only if it holds drawn pixels.
     Cells(CellBlock),
     /// The pass is complete.
     End,

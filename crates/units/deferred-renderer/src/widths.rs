@@ -1,5 +1,6 @@
 //! How wide the renderer's signals are.
 
+use crate::config::WRAP_BITS;
 use crate::tokens::{
     CellBlock, CellFlow, EncodedTile, ExpandedTile, Mark, MarkFlow, Order, Parcel, PassFlow, PlacedCell, Request, Round,
 };
@@ -7,7 +8,7 @@ use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER};
 use basrelief_signals::{Signal, Stamp, Widths};
 
 /// Cell of the reference buffer (126), on the way there.
-const CELL: u32 = 16 + 3 * 16 + 3 * NUMBER;
+const CELL: u32 = 16 + WRAP_BITS + 3 * 16 + 3 * NUMBER;
 /// Page and number of a tile.
 const TILE: u32 = 16 + NUMBER;
 /// Marks that travel side by side.

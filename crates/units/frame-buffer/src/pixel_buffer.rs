@@ -1,10 +1,10 @@
 //! Pixel/depth buffer (124) of the rate-limited renderer, in its second job: keeps the picture and shows it.
 
-use crate::config::PixelBufferConfig;
+use crate::config::{PixelBufferConfig, VideoOutConfig};
 use crate::state::FinishedFrame;
 use crate::unit::FrameDone;
 use basrelief_kernel::facts::Facts;
-use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_signals::{Frame, PictureFlow, PixelBlock, layout};
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +31,8 @@ pub struct PixelBufferState {
     pub picture: Option<FinishedFrame>,
     /// Pictures of the current frame.
     pub round: u32,
+    /// The last picture of a frame is shown, and the next step says so.
+    pub is_shown: bool,
     /// What the last picture takes in memory \[bytes\].
     pub bytes: u64,
     /// Pictures that a better one of the same frame follows and that nobody has fetched yet, in order.
@@ -45,13 +47,19 @@ pub struct PixelBufferState {
 /// times per frame, and each picture ends a frame in the sense of law 11. Client 0 writes blocks of pixels whole: a block comes
 /// once per picture, so there is nothing to gather.
 ///
+/// Where nothing is drawn the memory holds what was there before: depth values, or another picture. So a block without pixels is
+/// written too, all of it background, in one cycle; in the first picture of a frame, since later ones leave it as it is.
+///
 /// Outputs: to the video output; and, behind the last picture of a frame, to the server, since the next frame's depth values
-/// take the place of the pixels.
+/// take the place of the pixels. In a shared memory nothing takes their place before the video output has read the picture: for as
+/// long as that takes, the unit is kept.
 #[derive(Clone, Debug)]
 pub struct PixelBuffer {
     /// Parameters.
     pub config: PixelBufferConfig,
     base: u64,
+    /// The video output that reads the memory while nothing is written, where it is shared; and cycles per second.
+    display: Option<(VideoOutConfig, u64)>,
     /// Everything it remembers.
     pub state: PixelBufferState,
 }
@@ -59,10 +67,11 @@ pub struct PixelBuffer {
 type Out = (Option<FrameDone>, Option<()>);
 
 impl PixelBuffer {
-    /// At power-on; `shared`: in the place of the depth values.
-    pub fn new(config: PixelBufferConfig, shared: bool) -> Self {
-        let base = if shared { layout::Z_BUFFER } else { layout::COLOR_BUFFERS };
-        Self { config, base, state: PixelBufferState::default() }
+    /// At power-on. `shared`: in the place of the depth values, read by this video output, in a device with a clock of so many
+    /// cycles per second.
+    pub fn new(config: PixelBufferConfig, shared: Option<(VideoOutConfig, u64)>) -> Self {
+        let base = if shared.is_some() { layout::Z_BUFFER } else { layout::COLOR_BUFFERS };
+        Self { config, base, display: shared, state: PixelBufferState::default() }
     }
 
     /// Bytes that the last picture takes in memory.
@@ -89,6 +98,9 @@ impl PixelBuffer {
     #[inline]
     fn write(&mut self, block: &PixelBlock, traffic: &mut Traffic) {
         let Some(picture) = &mut self.state.picture else { return };
+        if block.mask == 0 && self.state.round > 0 {
+            return;
+        }
         let [left, top] = block.at.map(|b| u32::from(b) * BLOCK);
         for (i, rgb) in (0..).zip(&block.rgb).filter(|(i, _)| block.mask & 1 << i != 0) {
             let (x, y) = (left + i % BLOCK, top + i / BLOCK);
@@ -105,9 +117,9 @@ impl PixelBuffer {
     }
 
     /// Shows the picture (465, 474); nothing where no frame has begun.
-    fn show(&mut self, last: bool) -> Out {
+    fn show(&mut self, last: bool) -> Option<FrameDone> {
         let picture = if last { self.state.picture.take() } else { self.state.picture.clone() };
-        let Some(picture) = picture else { return (None, None) };
+        let picture = picture?;
         let picture = FinishedFrame { round: self.state.round, ..picture };
         let FinishedFrame { index, width, height, .. } = picture;
         if last { &mut self.state.finished } else { &mut self.state.rounds }.push(picture);
@@ -116,7 +128,17 @@ impl PixelBuffer {
         self.state.round += 1;
         self.state.counters.pictures += 1;
         self.state.counters.frames += u64::from(last);
-        (Some(FrameDone { index, width, height, address: self.base, bytes: self.state.bytes }), last.then_some(()))
+        self.state.is_shown = last;
+        Some(FrameDone { index, width, height, address: self.base, bytes: self.state.bytes })
+    }
+
+    /// Cycles that the video output takes to read a picture of so many bytes; 0 where nothing waits for that.
+    fn read_cycles(&self, bytes: u64) -> u64 {
+        let Some((video, hz)) = self.display.as_ref().filter(|(video, _)| video.enabled) else { return 0 };
+        let reads = bytes.div_ceil(u64::from(video.burst_bytes)) * u64::from(video.cycles_per_read);
+        let per_second = u128::from(video.pixel_hz) * u128::from(self.config.pixel_bytes);
+        let shown = (u128::from(bytes) * u128::from(*hz)).checked_div(per_second).unwrap_or(0);
+        reads.max(u64::try_from(shown).unwrap_or(u64::MAX))
     }
 }
 
@@ -127,7 +149,7 @@ impl Unit for PixelBuffer {
 
     #[inline]
     fn demand(&self) -> Demand {
-        Demand::All
+        if self.state.is_shown { Demand::Nothing } else { Demand::All }
     }
 
     #[inline(always)]
@@ -140,13 +162,20 @@ impl Unit for PixelBuffer {
             }
             Some(PictureFlow::Frame(frame)) => self.begin(&frame, traffic),
             Some(PictureFlow::Show { last }) => {
-                let out = self.show(last);
-                let step = Step::after(latency, out);
-                return if out.0.is_some() { step.marked() } else { step };
+                let Some(done) = self.show(last) else { return Step::after(latency, (None, None)) };
+                let kept = match self.read_cycles(done.bytes) {
+                    0 => 1,
+                    read => latency + read,
+                };
+                return Step::after(latency, (Some(done), None)).busy(kept).marked();
             }
-            None => {}
+            None => return Step::after(latency, (None, std::mem::take(&mut self.state.is_shown).then_some(()))),
         }
         Step::after(latency, (None, None))
+    }
+
+    fn is_empty(&self) -> bool {
+        !self.state.is_shown
     }
 
     /// One block.
@@ -166,5 +195,75 @@ impl Unit for PixelBuffer {
             "bytes",
             "Memory that pixels take in place of depth values, where they share one",
         );
+        facts.hardware(HardwareKind::Registers, "block of pixels", BLOCK_PIXELS, 8 * self.config.pixel_bytes);
+        facts.hardware(HardwareKind::Adder, "address of a block", 2_u32, 32);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use basrelief_signals::Camera;
+    use std::sync::Arc;
+
+    fn buffer(shared: bool) -> PixelBuffer {
+        PixelBuffer::new(PixelBufferConfig::default(), shared.then(|| (VideoOutConfig::default(), 100_000_000)))
+    }
+
+    /// Addresses and bytes that a picture of 8 x 4 pixels writes, of which the left block is drawn; twice.
+    fn writes(shared: bool) -> Vec<(u64, u32)> {
+        let mut unit = buffer(shared);
+        let frame = frame(8, 4);
+        let block = |x, mask| PictureFlow::Pixels(PixelBlock { at: [x, 0], mask, rgb: [[9; 3]; 16] });
+        let picture = |last| [block(0, 0x00ff), block(1, 0), PictureFlow::Show { last }];
+        let tokens = [frame].into_iter().chain(picture(false)).chain(picture(true));
+        let mut all = Vec::new();
+        for token in tokens {
+            let mut traffic = Traffic::default();
+            unit.step(Some(token), &mut traffic);
+            assert!(traffic.requests().len() as u32 <= unit.largest_step(0));
+            all.extend(traffic.requests().iter().map(|r| (r.address, r.bytes)));
+        }
+        assert_eq!(unit.state.finished[0].covered.iter().filter(|c| **c).count(), 8);
+        all
+    }
+
+    #[test]
+    fn the_video_output_reads_no_depth_values_background_is_written_once_a_frame() {
+        for (shared, base) in [(true, layout::Z_BUFFER), (false, layout::COLOR_BUFFERS)] {
+            let block = u64::from(BLOCK_PIXELS * PixelBufferConfig::default().pixel_bytes);
+            let at = |number: u64| (base + number * block, block as u32);
+            assert_eq!(writes(shared), [at(0), at(1), at(0)], "all that is shown; then only what may be better");
+        }
+    }
+
+    fn frame(width: u32, height: u32) -> PictureFlow {
+        let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
+        PictureFlow::Frame(Arc::new(Frame {
+            index: 0,
+            width,
+            height,
+            camera,
+            lights: Vec::new(),
+            textures: Vec::new(),
+            shading: Default::default(),
+        }))
+    }
+
+    #[test]
+    fn nothing_takes_the_place_of_pixels_that_the_video_output_still_reads() {
+        let kept = |shared: bool| {
+            let mut unit = buffer(shared);
+            let mut step = |token: Option<PictureFlow>| unit.step(token, &mut Traffic::default());
+            step(Some(frame(640, 480)));
+            let shown = step(Some(PictureFlow::Show { last: true }));
+            assert!(shown.out.0.is_some() && shown.out.1.is_none() && shown.marked);
+            assert_eq!(step(None).out, (None, Some(())), "then the next frame may come");
+            assert!(unit.is_empty() && unit.demand() == Demand::All);
+            shown.occupancy
+        };
+        let latency = u64::from(PixelBufferConfig::default().latency);
+        assert_eq!(kept(true), latency + 100_000_000 / 60, "a picture of the display: 1/60 s at 100 MHz");
+        assert_eq!(kept(false), 1);
     }
 }

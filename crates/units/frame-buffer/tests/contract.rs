@@ -57,7 +57,7 @@ fn blocks() -> Vec<PictureFlow> {
 
 unit_contract! {
     name: pixel_buffer,
-    unit: PixelBuffer::new(PixelBufferConfig { pixel_bytes: 3, latency: 4 }, true),
+    unit: PixelBuffer::new(PixelBufferConfig { pixel_bytes: 3, latency: 4 }, Some((VideoOutConfig::default(), 100_000_000))),
     inputs: blocks(),
     clients: [ClientKind::Port],
     state,

@@ -11,7 +11,7 @@ use crate::work;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Operators, Step, Traffic, Unit};
 use basrelief_shading::{brightness, doubled_area, light_vectors, polygon_lod};
-use basrelief_signals::{Control, Draw, Frame, Lit, Object, ObjectInfo, Polygon, Taken, Vertex};
+use basrelief_signals::{Control, Draw, Frame, Lit, MeshInfo, Object, ObjectInfo, Polygon, Taken, Vertex};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -69,6 +69,7 @@ impl GeometryProcessor {
             entries: object.entries,
             bias: object.bias,
             shading: object.shading,
+            mesh: Some(mesh_of(&object)),
         };
         self.state.object = Some(object);
         info
@@ -226,6 +227,17 @@ impl GeometryProcessor {
 fn indices(object: &Object, number: u32) -> Option<[u32; 3]> {
     let first = (number as usize).checked_mul(3)?;
     object.mesh.indices.get(first..first.checked_add(3)?)?.try_into().ok()
+}
+
+/// What the mesh of an object consists of, as far as the picture needs it.
+fn mesh_of(object: &Object) -> MeshInfo {
+    let mesh = &object.mesh;
+    MeshInfo {
+        vertices: mesh.positions.len() as u32,
+        indices: mesh.indices.len() as u32,
+        uv: !mesh.uv.is_empty() && object.material.color_texture.is_some(),
+        colors: !mesh.colors.is_empty(),
+    }
 }
 
 /// Turns the surface round: normal, tangent and bitangent = cross(normal, tangent) * w.

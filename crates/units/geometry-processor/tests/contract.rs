@@ -108,7 +108,15 @@ fn display_list() -> Vec<Result<(Control, Option<u64>), String>> {
         let (vertices, material) = (vec![Vertex::default(); 3], Arc::default());
         Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: true, arrival }))
     };
-    let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None, bias: None, shading: Default::default() };
+    let object = ObjectInfo {
+        id: 0,
+        name: "o".into(),
+        centre: [0.0; 3],
+        entries: None,
+        bias: None,
+        shading: Default::default(),
+        mesh: None,
+    };
     let mut list = vec![(Control::Frame(Arc::clone(&frames()[0])), None), (Control::Object(Arc::new(object)), None)];
     list.extend([40, 44, 44, 90, 3, 91].map(|arrival| (polygon(arrival), Some(arrival))));
     list.push((Control::FrameEnd, None));

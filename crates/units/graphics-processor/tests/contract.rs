@@ -60,7 +60,15 @@ type Plain = Vec<Flow<Stamp<Fragment>>>;
 fn both_ways() -> (Shading, Plain) {
     let textured = Material { id: 1, color_texture: Some(texture()), ..Material::default() };
     let bare = Material { base_color: [0.9, 0.4, 0.1, 1.0], ..Material::default() };
-    let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None, bias: None, shading: Default::default() };
+    let object = ObjectInfo {
+        id: 0,
+        name: "o".into(),
+        centre: [0.0; 3],
+        entries: None,
+        bias: None,
+        shading: Default::default(),
+        mesh: None,
+    };
     let (mut bump_way, mut plain_way) = (Vec::new(), Vec::new());
     let mut after_plain = false;
     let mut control = |c: Control, plain: bool, ways: (&mut Shading, &mut Plain)| {

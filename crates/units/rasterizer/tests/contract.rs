@@ -18,7 +18,15 @@ fn polygon(bump: bool, corners: &[[f32; 2]]) -> Control {
 /// Two frames: a triangle, a pentagon that sticks out, one without pixels, one without area, a folded one.
 fn display_list() -> Vec<Control> {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-    let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None, bias: None, shading: Default::default() };
+    let object = ObjectInfo {
+        id: 0,
+        name: "o".into(),
+        centre: [0.0; 3],
+        entries: None,
+        bias: None,
+        shading: Default::default(),
+        mesh: None,
+    };
     let frame = |index| {
         [
             Control::Frame(Arc::new(Frame {

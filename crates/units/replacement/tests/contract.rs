@@ -13,6 +13,7 @@ fn object(id: u32) -> Control {
         entries: None,
         bias: None,
         shading: Default::default(),
+        mesh: None,
     }))
 }
 

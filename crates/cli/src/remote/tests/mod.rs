@@ -7,7 +7,7 @@ mod serving;
 use super::{Fetcher, HASH, Patience, RemoteTiles, TEXTURES, TileCache, TileService, TileStore, hash_of};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource};
-use basrelief_signals::{Image, Sampler, Texture, Wrap};
+use basrelief_signals::{Image, Sampler, Texture};
 use std::io::{BufRead, BufReader, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
@@ -60,7 +60,7 @@ fn served() -> TileService {
 }
 
 fn page() -> Arc<Page> {
-    Arc::new(Page::new(0, &texture(), [Wrap::Repeat; 2], Cut::default(), 0))
+    Arc::new(Page::new(0, &texture(), Cut::default(), 0))
 }
 
 /// Answers a request, with a fault.

@@ -38,7 +38,15 @@ fn lamp() -> Control {
 }
 
 fn object(centre: [f32; 3], entries: Option<u32>) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id: 0, name: "ball".into(), centre, entries, bias: None, shading: Default::default() }))
+    Control::Object(Arc::new(ObjectInfo {
+        id: 0,
+        name: "ball".into(),
+        centre,
+        entries,
+        bias: None,
+        shading: Default::default(),
+        mesh: None,
+    }))
 }
 
 fn polygon(lighting: Lighting) -> Control {

@@ -29,6 +29,8 @@ pub struct RasterizationCounters {
     pub interpolations: u64,
     /// Interpolations between two layers.
     pub between_layers: u64,
+    /// Words of the tile load lists (136) that searches read.
+    pub words: u64,
     /// Most pictures of one frame.
     pub most_pictures: u64,
 }

@@ -10,7 +10,7 @@ use crate::server::place_of;
 use crate::texels::PageTexels;
 use crate::tokens::{CellBlock, ExpandedTile, MarkFlow, Order, PassFlow};
 use crate::touched::{MOST_LINES, Touched};
-use crate::{Cell, Page};
+use crate::{Cell, Leaving, Sizes, interpolators};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{PictureFlow, PixelBlock};
@@ -32,8 +32,9 @@ pub struct Rasterization {
     /// Parameters.
     pub config: EngineConfig,
     mode: RenderMode,
-    pictures_per_view: u32,
+    leaving: Leaving,
     format: CellFormat,
+    sizes: Sizes,
     /// What became of tiles is kept, frame by frame, for who wants to look at it.
     pub keep: bool,
     /// Everything it remembers.
@@ -43,9 +44,9 @@ pub struct Rasterization {
 type Out = (Option<MarkFlow>, Option<PictureFlow>);
 
 impl Rasterization {
-    /// At power-on; `pictures_per_view` as of the tile load lists.
-    pub fn new(config: EngineConfig, mode: RenderMode, pictures_per_view: u32, format: CellFormat) -> Self {
-        Self { config, mode, pictures_per_view, format, keep: false, state: RasterizationState::default() }
+    /// At power-on.
+    pub fn new(config: EngineConfig, mode: RenderMode, leaving: Leaving, (format, sizes): (CellFormat, Sizes)) -> Self {
+        Self { config, mode, leaving, format, sizes, keep: false, state: RasterizationState::default() }
     }
 
     /// Pages and what has come of their pyramids.
@@ -76,7 +77,7 @@ impl Rasterization {
             traffic.read(SOURCES, address(source), bytes as u32);
         }
         traffic.write(STORE, address(tile), bytes as u32);
-        let cycles = area(&texels.page, tile).div_ceil(self.config.average_rate.into());
+        let cycles = texels.page.texels_in(tile).div_ceil(self.config.average_rate.into());
         texels.synthesize(tile, self.state.frame);
         Step::after(0, (None, None)).busy(cycles)
     }
@@ -125,7 +126,7 @@ impl Rasterization {
         self.state.pictures += 1;
         self.state.counters.pictures += 1;
         self.state.counters.most_pictures = self.state.counters.most_pictures.max(self.state.pictures.into());
-        let last = !self.state.improvable || self.state.pictures == self.pictures_per_view;
+        let last = !self.state.improvable || self.leaving.is_left(self.state.frame.saturating_sub(1), self.state.pictures);
         if last && self.keep {
             self.state.records.push((self.state.frame as u32 - 1, records_of(&self.state.pages, self.state.frame)));
         }
@@ -133,13 +134,16 @@ impl Rasterization {
         (marks, Some(PictureFlow::Show { last }))
     }
 
-    /// Colours the drawn pixels of a block.
+    /// Colours the drawn pixels of a block. One without any passes: the picture has its background there.
+    ///
+    /// The search of Figure 7B, a stage ahead of the interpolation, takes a cycle for each word of the tile load list (136) that it
+    /// reads: so one for each layer, as the identification (461) does, or more.
     #[inline]
     fn colour(&mut self, block: &CellBlock, traffic: &mut Traffic) -> Step<Out> {
         let mut pixels = PixelBlock { at: block.at, mask: block.mask, rgb: [[0; 3]; 16] };
         let mut marks = BlockMarks::new(block.at, self.state.centre);
         let mut touched = [Touched::default(); 2];
-        let mut interpolations = 0;
+        let (mut interpolations, mut words) = (0, 0);
         for (i, cell) in block.drawn() {
             pixels.rgb[i] = match cell.page() {
                 None => {
@@ -147,20 +151,23 @@ impl Rasterization {
                     cell.rgb()
                 }
                 Some(page) => {
-                    let (rgb, layers) = self.textured(usize::from(page), cell, (&mut marks, &mut touched), traffic);
+                    let (rgb, layers, read) = self.textured(usize::from(page), cell, (&mut marks, &mut touched), traffic);
                     interpolations += layers;
+                    words += read;
                     rgb
                 }
             };
         }
         self.state.counters.interpolations += interpolations as u64;
+        self.state.counters.words += u64::from(words);
         let marks = marks.finish();
         self.state.improvable |= marks.is_some();
-        let cycles = interpolations.max(block.mask.count_ones() as usize).div_ceil(self.config.interpolation_rate as usize);
+        let coloured = interpolations.max(block.mask.count_ones() as usize).div_ceil(self.config.interpolation_rate as usize);
+        let cycles = coloured.max(words.div_ceil(self.config.scan_rate) as usize);
         Step::over(cycles, 1, self.config.latency.into(), (marks, Some(PictureFlow::Pixels(pixels))))
     }
 
-    /// Colours a textured pixel, and says how many layers that took.
+    /// Colours a textured pixel, and says how many layers that took, and how many words of the tile load list.
     #[inline]
     fn textured(
         &mut self,
@@ -168,15 +175,15 @@ impl Rasterization {
         cell: &Cell,
         (marks, touched): (&mut BlockMarks, &mut [Touched; 2]),
         traffic: &mut Traffic,
-    ) -> ([u8; 3], usize) {
-        let Some(texels) = self.state.pages.get_mut(page) else { return ([0; 3], 0) };
-        let placed = texels.page.placed(cell.coordinates);
+    ) -> ([u8; 3], usize, u32) {
+        let Some(texels) = self.state.pages.get_mut(page) else { return ([0; 3], 0, 0) };
+        let placed = texels.page.placed(cell.coordinates, cell.wrap);
         let choice = match self.mode {
-            RenderMode::Progressive => progressive(texels, cell, placed),
+            RenderMode::Progressive => progressive(texels, cell, placed, self.config.list_rate),
             RenderMode::Best | RenderMode::Conventional => Some(best(texels, cell)),
         };
-        let Some(choice) = choice else { return ([0; 3], 0) };
-        let Choice { improve, .. } = choice;
+        let Some(choice) = choice else { return ([0; 3], 0, 0) };
+        let Choice { improve, words, .. } = choice;
         if let Some(layer) = improve {
             for tile in texels.page.marked(layer, placed).into_iter().filter(|t| !texels.exists(*t)) {
                 marks.add(texels.page.number, tile);
@@ -193,14 +200,8 @@ impl Rasterization {
         }
         self.state.counters.textured += 1;
         self.state.counters.between_layers += u64::from(choice.upper.is_some());
-        (shaded(&self.format, cell, sample.colour), layers)
+        (shaded(&self.format, cell, sample.colour), layers, words)
     }
-}
-
-/// Texels of a tile.
-fn area(page: &Page, tile: u32) -> u64 {
-    let (first, end) = page.texels_of(tile);
-    u64::from(end[0] - first[0]) * u64::from(end[1] - first[1])
 }
 
 impl Unit for Rasterization {
@@ -247,7 +248,16 @@ impl Unit for Rasterization {
         facts.figure("pixels_direct", c.direct, "pixels", "Pixels coloured by their cell");
         facts.figure("interpolations_within_layers", c.interpolations, "interpolations", "Bilinear interpolations");
         facts.figure("interpolations_between_layers", c.between_layers, "interpolations", "Interpolations between two layers");
+        facts.figure("tile_list_words", c.words, "words", "Words of the tile load lists that searches read");
         facts.figure("most_pictures_per_frame", c.most_pictures, "pictures", "Most pictures of a frame");
         crate::layer_figures::tell(self.pages(), facts);
+        self.sizes.tell_block(facts);
+        self.sizes.tell_pages(facts);
+        interpolators::tell_find(self.config.interpolation_rate, facts);
+        interpolators::tell_interpolate(self.config.interpolation_rate, facts);
+        interpolators::tell_average(self.config.average_rate, facts);
+        if self.mode == RenderMode::Progressive {
+            interpolators::tell_marks(self.sizes, facts);
+        }
     }
 }

@@ -7,10 +7,10 @@ use basrelief_deferred_renderer::tokens::{
     CellFlow, Content, EncodedTile, ExpandedTile, Mark, MarkFlow, Order, Parcel, PassFlow, PlacedCell, Request, Round,
 };
 use basrelief_deferred_renderer::{
-    Cell, CellConfig, CellFormat, Cells, Cut, EngineConfig, Expander, Identification, Lighting, Path, PathConfig, Rasterization,
-    ReferenceBuffer, RenderMode, TileConfig, TileLists, TileOrder, WrapMode,
+    Cell, CellConfig, CellFormat, Cells, Cut, EngineConfig, Expander, Identification, Leaving, Lighting, Path, PathConfig,
+    Rasterization, ReferenceBuffer, RenderMode, Sizes, TileConfig, TileLists, TileOrder, WrapMode,
 };
-use basrelief_kernel::{Demand, Traffic, Unit, unit_contract};
+use basrelief_kernel::{Demand, Operators, Traffic, Unit, unit_contract};
 use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, Material, Polygon, Stamp, Vertex};
 use std::sync::Arc;
 
@@ -100,28 +100,33 @@ fn engine() -> EngineConfig {
 
 fn cells() -> Cells {
     let cut = Cut { tile: [8, 8], ..Cut::default() };
-    Cells::new(engine(), &CellConfig::default(), (Lighting::None, WrapMode::Sampler), cut)
+    Cells::new((engine(), Operators::default()), &CellConfig::default(), (Lighting::None, WrapMode::Sampler), cut)
 }
 
 fn reference_buffer(mode: RenderMode) -> ReferenceBuffer {
-    ReferenceBuffer::new(engine(), mode, 16)
+    ReferenceBuffer::new(engine(), mode, (16, Sizes::default()))
 }
 
 fn tile_lists(mode: RenderMode) -> TwoOutputs {
-    TwoOutputs(TileLists::new(engine(), mode, TileOrder::Pixels, 0))
+    TwoOutputs(TileLists::new(engine(), mode, (TileOrder::Pixels, Sizes::default()), Leaving::default()))
 }
 
 fn expander() -> Expander {
-    Expander::new(TileConfig::default(), 8)
+    Expander::new(TileConfig::default(), 8, 2)
 }
 
 fn path() -> Path {
     // Few bits a cycle, and not a whole number of cycles a byte.
-    Path::new(&PathConfig { bits_per_second: 777_777_777, latency_us: 1, ..PathConfig::default() }, 200_000_000)
+    Path::new(&PathConfig { bits_per_second: 777_777_777, latency_us: 1, ..PathConfig::default() }, 200_000_000, 3 * 64 * 64)
 }
 
 fn rasterization(mode: RenderMode) -> TwoInputs {
-    TwoInputs(Rasterization::new(engine(), mode, 0, CellFormat::new(&CellConfig::default(), 1.0)))
+    TwoInputs(Rasterization::new(
+        engine(),
+        mode,
+        Leaving::default(),
+        (CellFormat::new(&CellConfig::default(), 1.0), Sizes::default()),
+    ))
 }
 
 /// What the final rasterization would ask for: in the first frame some tiles, then no more; in the second none.
@@ -148,7 +153,8 @@ fn wires(mode: RenderMode) -> Wires {
     let (marking, colouring): (Vec<_>, Vec<_>) =
         drive(reference_buffer(mode), two(cell_flow.clone(), rounds.clone())).into_iter().unzip();
     let [marking, colouring] = [marking, colouring].map(|tokens| tokens.into_iter().flatten().collect::<Vec<_>>());
-    let marks: Vec<_> = drive(Identification::new(engine()), one(marking.clone())).into_iter().flatten().collect();
+    let marks: Vec<_> =
+        drive(Identification::new(engine(), Sizes::default()), one(marking.clone())).into_iter().flatten().collect();
     let (requests, orders): (Vec<_>, Vec<_>) =
         drive(tile_lists(mode), two(marks.clone(), improvements.clone())).into_iter().unzip();
     let asked = |request: Request| {
@@ -169,8 +175,8 @@ fn the_tokens_of_the_contracts_say_something() {
         let wires = wires(mode);
         let blocks = |tokens: &[PassFlow]| tokens.iter().filter(|t| matches!(t, PassFlow::Cells(_))).count();
         let passes = if mode == RenderMode::Best { 2 } else { 3 };
-        // 20 x 12 pixels are 15 blocks.
-        assert_eq!(blocks(&wires.colouring), 15 * passes, "{mode:?}");
+        // 20 x 12 pixels are 15 blocks, the picture is 24 of them.
+        assert_eq!(blocks(&wires.colouring), 24 * passes, "{mode:?}: those without pixels are background");
         assert_eq!(blocks(&wires.marking), if mode == RenderMode::Best { 30 } else { 0 });
         let tiles = wires.parcels.iter().filter(|p| matches!(p.content, Content::Tile(_))).count();
         assert!(tiles == wires.encoded.len() && tiles >= 5, "{mode:?}: {tiles} tiles");
@@ -228,7 +234,7 @@ unit_contract! {
 
 unit_contract! {
     name: reference_buffer_that_gathers_one_block,
-    unit: ReferenceBuffer::new(EngineConfig { write_lines: 1, ..engine() }, RenderMode::Best, 16),
+    unit: ReferenceBuffer::new(EngineConfig { write_lines: 1, ..engine() }, RenderMode::Best, (16, Sizes::default())),
     inputs: { let w = wires(RenderMode::Best); (w.cells, w.rounds) },
     clients: [ClientKind::Port, ClientKind::Port],
     state,
@@ -236,7 +242,7 @@ unit_contract! {
 
 #[test]
 fn the_reference_buffer_writes_the_least_recently_written_block_and_all_at_the_end() {
-    let mut unit = ReferenceBuffer::new(EngineConfig { write_lines: 2, ..engine() }, RenderMode::Best, 16);
+    let mut unit = ReferenceBuffer::new(EngineConfig { write_lines: 2, ..engine() }, RenderMode::Best, (16, Sizes::default()));
     let mut input = |token: Option<CellFlow>| {
         let demand = if token.is_some() { Demand::Only(0) } else { Demand::Nothing };
         assert_eq!((unit.demand(), unit.is_empty()), (demand, token.is_some()));
@@ -261,7 +267,7 @@ fn the_reference_buffer_writes_the_least_recently_written_block_and_all_at_the_e
 
 unit_contract! {
     name: identification,
-    unit: Identification::new(engine()),
+    unit: Identification::new(engine(), Sizes::default()),
     inputs: wires(RenderMode::Best).marking,
     state,
 }

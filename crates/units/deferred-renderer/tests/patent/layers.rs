@@ -1,7 +1,7 @@
 //! Depth of layers, tile pitch, tile base, tile numbers.
 
 use crate::{SIZES, page, page_of, texture};
-use basrelief_deferred_renderer::{Cut, ServedTexture};
+use basrelief_deferred_renderer::{Cut, Page, ServedTexture};
 use basrelief_signals::Wrap;
 use std::collections::BTreeSet;
 
@@ -79,7 +79,7 @@ fn erratum_0063_the_tile_pitch_of_a_square_texture_is_2_to_the_d() {
 fn depth_of_layers_0033_a_cap_on_dmax_leaves_out_the_finest_layers_and_changes_nothing_of_the_others() {
     for (size, cap) in SIZES.into_iter().flat_map(|size| [0, 1, 3, 31].map(|cap| (size, cap))) {
         let all = page(size, [16, 16]);
-        let capped = page_of(size, [Wrap::Repeat; 2], Cut { tile: [16, 16], most_depth: cap, ..Cut::default() });
+        let capped = page_of(size, Cut { tile: [16, 16], most_depth: cap, ..Cut::default() });
         assert_eq!(capped.dmax(), all.dmax().min(cap), "{size:?}");
         assert_eq!(capped.left_out, all.dmax() - capped.dmax());
         assert_eq!(capped.texture_size, size);
@@ -90,9 +90,9 @@ fn depth_of_layers_0033_a_cap_on_dmax_leaves_out_the_finest_layers_and_changes_n
                 assert_eq!(served.tile(&all, tile), served.tile(&capped, tile), "{size:?}, cap {cap}, tile {tile}");
             }
             for u in [-1.3, 0.0, 0.372, 0.999, 1.0, 2.45] {
-                let placed = |size: [f32; 2]| size.map(|n| u * n);
-                let of_all = all.taps(depth, all.placed(placed(all.size())));
-                assert_eq!(of_all, capped.taps(depth, capped.placed(placed(capped.size()))), "{size:?}, layer {depth}, {u}");
+                let placed = |page: &Page| page.placed(page.size().map(|n| u * n), [Wrap::Repeat; 2]);
+                let of_all = all.taps(depth, placed(&all));
+                assert_eq!(of_all, capped.taps(depth, placed(&capped)), "{size:?}, layer {depth}, {u}");
             }
         }
         let kept = capped.layers.last().unwrap();

@@ -3,13 +3,14 @@
 
 mod acquisition;
 mod contract;
+mod costs;
 mod layers;
 mod marking;
 mod pixels;
 mod two_wires;
 
 use basrelief_deferred_renderer::{Cut, Page};
-use basrelief_signals::{Image, Sampler, Texture, Wrap};
+use basrelief_signals::{Image, Sampler, Texture};
 use std::sync::Arc;
 
 /// A texture of noise.
@@ -24,12 +25,12 @@ fn texture(size: [u32; 2]) -> Arc<Texture> {
     Arc::new(Texture { id: 7, name: "noise".into(), sampler: Sampler::default(), levels, offset: 0 })
 }
 
-fn page_of(size: [u32; 2], wrap: [Wrap; 2], cut: Cut) -> Arc<Page> {
-    Arc::new(Page::new(0, &texture(size), wrap, cut, 0))
+fn page_of(size: [u32; 2], cut: Cut) -> Arc<Page> {
+    Arc::new(Page::new(0, &texture(size), cut, 0))
 }
 
 fn page(size: [u32; 2], tile: [u32; 2]) -> Arc<Page> {
-    page_of(size, [Wrap::Repeat; 2], Cut { tile, ..Cut::default() })
+    page_of(size, Cut { tile, ..Cut::default() })
 }
 
 const SIZES: [[u32; 2]; 12] =

@@ -52,8 +52,8 @@ proptest! {
         (size, s, t) in (1u32..80, 1u32..80).prop_flat_map(|(w, h)| (Just([w, h]), coordinate(w), coordinate(h))),
         wrap in [wraps(), wraps()], centre in centres(),
     ) {
-        let page = page_of(size, wrap, Cut { tile: [8, 8], centre, ..Cut::default() });
-        let placed = page.placed([s, t]);
+        let page = page_of(size, Cut { tile: [8, 8], centre, ..Cut::default() });
+        let placed = page.placed([s, t], wrap);
         for (depth, layer) in page.layers.iter().enumerate() {
             let shift = page.dmax() as u32 - depth as u32;
             let axis = |i: usize, c: f32| read(f64::from(c), size[i], layer.size[i], shift, wrap[i], centre);
@@ -72,9 +72,9 @@ proptest! {
     fn taps_are_the_texels_of_the_filter_and_their_shares(
         (size, s) in (1u32..80).prop_flat_map(|w| (Just(w), coordinate(w))), wrap in wraps(), centre in centres(),
     ) {
-        let page = page_of([size, 1], [wrap; 2], Cut { tile: [8, 8], centre, ..Cut::default() });
+        let page = page_of([size, 1], Cut { tile: [8, 8], centre, ..Cut::default() });
         for (depth, layer) in page.layers.iter().enumerate() {
-            let [tap, _] = page.taps(depth as u8, page.placed([s, 0.0]));
+            let [tap, _] = page.taps(depth as u8, page.placed([s, 0.0], [wrap; 2]));
             let expected = read(f64::from(s), size, layer.size[0], page.dmax() as u32 - depth as u32, wrap, centre);
             let used: BTreeSet<i64> = [i64::from(tap.first), i64::from(tap.second)].into();
             prop_assert_eq!(used, expected);
@@ -86,8 +86,8 @@ proptest! {
     fn coordinates_that_are_no_numbers_or_far_away_stay_inside(
         s in any::<f32>(), t in any::<f32>(), wrap in [wraps(), wraps()], centre in centres(),
     ) {
-        let page = page_of([37, 50], wrap, Cut { tile: [8, 8], centre, ..Cut::default() });
-        let placed = page.placed([s, t]);
+        let page = page_of([37, 50], Cut { tile: [8, 8], centre, ..Cut::default() });
+        let placed = page.placed([s, t], wrap);
         for depth in 0..=page.dmax() {
             let [x, y] = page.taps(depth, placed);
             let size = page.layers[usize::from(depth)].size;
@@ -100,25 +100,28 @@ proptest! {
 #[test]
 fn erratum_5b_the_last_column_and_row_mark_no_tile_of_the_next_row_or_layer() {
     for (wrap, right, below) in [(Wrap::Clamp, None, None), (Wrap::Mirror, None, None), (Wrap::Repeat, Some(0), Some(0))] {
-        let page = page_of([128, 128], [wrap; 2], Cut::default());
+        let page = page_of([128, 128], Cut::default());
         let finest = page.layers[1];
         // Beyond the middle of the last texel.
-        let placed = page.placed([127.75, 32.5]);
+        let placed = page.placed([127.75, 32.5], [wrap; 2]);
         let own = finest.base + 1;
         let expected: Vec<u32> = std::iter::once(own).chain(right.map(|column: u32| finest.base + column)).collect();
         assert_eq!(page.marked(1, placed).as_slice(), expected, "{wrap:?}");
-        let placed = page.placed([32.5, 127.75]);
+        let placed = page.placed([32.5, 127.75], [wrap; 2]);
         let own = finest.base + finest.pitch;
         let expected: Vec<u32> = std::iter::once(own).chain(below.map(|row: u32| finest.base + row)).collect();
         assert_eq!(page.marked(1, placed).as_slice(), expected, "{wrap:?}");
-        assert!(page.marked(1, page.placed([127.9, 127.9])).iter().all(|t| *t < page.tiles()), "past the end of the list");
+        assert!(
+            page.marked(1, page.placed([127.9, 127.9], [wrap; 2])).iter().all(|t| *t < page.tiles()),
+            "past the end of the list"
+        );
     }
 }
 
 #[test]
 fn erratum_0104_the_finer_layer_has_twice_the_coordinates_of_the_coarser() {
-    let page = page_of([256, 256], [Wrap::Clamp; 2], Cut { tile: [64, 64], centre: TexelCentre::Integer, ..Cut::default() });
-    let placed = page.placed([100.0, 60.0]);
+    let page = page_of([256, 256], Cut { tile: [64, 64], centre: TexelCentre::Integer, ..Cut::default() });
+    let placed = page.placed([100.0, 60.0], [Wrap::Clamp; 2]);
     for depth in 0..=page.dmax() {
         let shift = page.dmax() - depth;
         let [x, y] = page.taps(depth, placed);
@@ -129,9 +132,9 @@ fn erratum_0104_the_finer_layer_has_twice_the_coordinates_of_the_coarser() {
 #[test]
 fn coarse_layers_lie_on_top_of_fine_ones_with_centres_at_halves_and_are_shifted_with_centres_at_integers() {
     for (centre, shift) in [(TexelCentre::Half, 0.0), (TexelCentre::Integer, 1.5)] {
-        let page = page_of([256, 256], [Wrap::Clamp; 2], Cut { tile: [64, 64], centre, ..Cut::default() });
+        let page = page_of([256, 256], Cut { tile: [64, 64], centre, ..Cut::default() });
         let middle = |depth: u8, s: f32| {
-            let [x, _] = page.taps(depth, page.placed([s, 0.0]));
+            let [x, _] = page.taps(depth, page.placed([s, 0.0], [Wrap::Clamp; 2]));
             let texels = f32::from(1u8 << (page.dmax() - depth));
             // Middle of the covered finest texels, weighted, counted from the middle of texel 0.
             (x.first as f32 + x.fraction) * texels + 0.5 * (texels - 1.0)

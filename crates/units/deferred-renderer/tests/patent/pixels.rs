@@ -36,7 +36,7 @@ fn embodiment_10_and_20_an_integer_depth_takes_one_interpolation_a_fraction_two_
     let at = |depth: f32| {
         let cell = Cell::textured(0, [40.3, 71.9], depth, [255; 3]);
         let choice = best(&texels, &cell);
-        sample(&texels, &choice, texels.page.placed(cell.coordinates))
+        sample(&texels, &choice, texels.page.placed(cell.coordinates, cell.wrap))
     };
     let [one, half, two] = [1.0, 1.5, 2.0].map(at);
     assert_eq!([one, half, two].map(|s| s.read.iter().flatten().count()), [1, 2, 1]);
@@ -51,8 +51,8 @@ fn figure_7b_colours_from_the_finest_layer_that_is_there_and_marks_the_next() {
     let choose = |there: &[u8], depth: f32| {
         let texels = with_layers([128, 128], there);
         let cell = Cell::textured(0, [40.3, 71.9], depth, [255; 3]);
-        let placed = texels.page.placed(cell.coordinates);
-        progressive(&texels, &cell, placed).map(|c| (c.lower, c.upper.map(|u| u.0), c.improve))
+        let placed = texels.page.placed(cell.coordinates, cell.wrap);
+        progressive(&texels, &cell, placed, 16).map(|c| (c.lower, c.upper.map(|u| u.0), c.improve))
     };
     assert_eq!(choose(&[], 1.5), None);
     assert_eq!(choose(&[0], 2.5), Some((0, None, Some(1))));

@@ -1,7 +1,7 @@
 //! Units of three inputs or outputs with two of them on one wire: the unit contract knows up to two.
 
 use basrelief_deferred_renderer::tokens::{ExpandedTile, MarkFlow, Order, Parcel, PassFlow, Request, Round};
-use basrelief_deferred_renderer::{PathConfig, Rasterization, Server, TextureMemory, TileEncoding, TileLists};
+use basrelief_deferred_renderer::{Lighting, PathConfig, Rasterization, Server, TextureMemory, TileEncoding, TileLists};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::Control;
 
@@ -83,7 +83,7 @@ pub struct Requested(pub Server);
 
 impl Requested {
     pub fn new() -> Self {
-        Self(Server::new(PathConfig::default(), Box::new(TextureMemory::new(TileEncoding::Raw, 85))))
+        Self(Server::new(PathConfig::default(), Lighting::None, Box::new(TextureMemory::new(TileEncoding::Raw, 85))))
     }
 }
 

@@ -24,6 +24,7 @@ fn display_list() -> Vec<Control> {
         entries: None,
         bias: None,
         shading: Default::default(),
+        mesh: None,
     }));
     let frame = [
         frame(vec![sun(Vec3::new(0.1, 0.2, 1.0)), sun(Vec3::Z)]),

@@ -33,6 +33,7 @@ fn object() -> Control {
         entries: None,
         bias: None,
         shading: Default::default(),
+        mesh: None,
     }))
 }
 

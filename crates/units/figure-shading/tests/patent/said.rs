@@ -16,7 +16,15 @@ fn frame(shading: Shading) -> Control {
 }
 
 fn object(shading: Shading) -> Control {
-    Control::Object(Arc::new(ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None, bias: None, shading }))
+    Control::Object(Arc::new(ObjectInfo {
+        id: 0,
+        name: String::new(),
+        centre: [0.0; 3],
+        entries: None,
+        bias: None,
+        shading,
+        mesh: None,
+    }))
 }
 
 fn square() -> Control {

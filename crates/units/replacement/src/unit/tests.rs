@@ -27,6 +27,7 @@ fn object(id: u32, entries: Option<u32>) -> Control {
         entries,
         bias: None,
         shading: Default::default(),
+        mesh: None,
     }))
 }
 
@@ -337,7 +338,15 @@ fn table_loads_do_not_depend_on_the_size_of_a_stamp() {
 fn an_object_may_be_less_important_than_others() {
     let level = |bias| {
         let mut unit = Replacement::new(ReplacementConfig { vq_bias: 1, ..config() }, 16, &Operators::default()).unwrap();
-        let object = ObjectInfo { id: 0, name: String::new(), centre: [0.0; 3], entries: None, bias, shading: Default::default() };
+        let object = ObjectInfo {
+            id: 0,
+            name: String::new(),
+            centre: [0.0; 3],
+            entries: None,
+            bias,
+            shading: Default::default(),
+            mesh: None,
+        };
         let input = vec![Flow::Control(Control::Object(Arc::new(object))), Flow::Item(sample(0, &[(1, [0, 0, 1])]))];
         indexes(&run(&mut unit, input).0)[0].samples[0].level
     };

@@ -12,7 +12,15 @@ use std::sync::Arc;
 
 /// Two frames of polygons, with and without texture, some without spans.
 fn display_list() -> Vec<Control> {
-    let object = ObjectInfo { id: 0, name: "o".into(), centre: [0.0; 3], entries: None, bias: None, shading: Default::default() };
+    let object = ObjectInfo {
+        id: 0,
+        name: "o".into(),
+        centre: [0.0; 3],
+        entries: None,
+        bias: None,
+        shading: Default::default(),
+        mesh: None,
+    };
     let plain = Polygon { material: Arc::default(), ..Polygon::clone(&textured(Wrap::Repeat)) };
     let Control::Polygon(shape) = polygon(&[[30.0, 2.0, 1.0], [50.0, 9.0, 1.0], [33.0, 20.0, 1.0]]) else { unreachable!() };
     let plain = Control::Polygon(Arc::new(Polygon { vertices: shape.vertices.clone(), ..plain }));

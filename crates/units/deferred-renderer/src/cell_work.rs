@@ -1,0 +1,110 @@
+//! What the arithmetic of the initial rasterization (454) takes.
+
+use crate::config::{EngineConfig, Lighting};
+use crate::sizes::Sizes;
+use basrelief_kernel::facts::Facts;
+use basrelief_kernel::{HardwareKind, Operators, Work};
+
+/// A number in single precision \[bits\].
+const NUMBER: u32 = 32;
+/// Words of the table of logarithms: between two of 256 a straight line is off by 1 / (8 ln 2 * 256^2) = 2^-18.5 at most, less than
+/// the last of the 18 bits behind the point of D (314).
+const LOGARITHMS: u32 = 256;
+/// A logarithm and how much the next is larger \[bits\].
+const LOGARITHM_BITS: u32 = 24 + 16;
+/// A triangle that is set up: planes of R, G, B, S, T (3 numbers each), and the footprint: origin (2), 1/w and its slopes (3), slopes of
+/// S/w and T/w (4).
+const SLOPES: u32 = 5 * 3 + 9;
+
+/// One cell. Footprint: 18 products, 13 sums, and the reciprocal of the interpolated 1/w; logarithm: a product and two sums behind a
+/// table; D from it: a difference and two bounds; R, G, B, S, T: two products and two sums each; three coefficients: a product and
+/// a sum each.
+const CELL: Work = Work { multiply: 18 + 1 + 10 + 3, add: 13 + 2 + 3 + 10 + 3, divide: 1, ..Work::NONE };
+/// The longest chain in it: difference to the first corner, two terms of 1/w, reciprocal, S/w by it, an axis, its square, by the
+/// reciprocal twice, logarithm, D.
+const CELL_CHAIN: Work = Work { multiply: 7, add: 8, divide: 1, ..Work::NONE };
+/// Set-up of a triangle: 1/w brought to the largest (a quotient, 3 products), twice the area (2 products, a difference) and its
+/// reciprocal, three planes (6 products and 2 sums each), their differences (16 sums, 4 products), S and T in texels (6 products),
+/// colours (18 products), planes of R, G, B, S, T (10 differences).
+const SETUP: Work = Work { multiply: 3 + 2 + 18 + 4 + 6 + 18, add: 5 + 1 + 6 + 16 + 10, divide: 2, ..Work::NONE };
+/// A vertex lit by one light: N.L, N.H, the power of it, intensity and coefficients.
+const LIT: Work = Work { multiply: 3, add: 4, power: 1, ..Work::NONE }.and(Work::INNER_PRODUCT.times(2));
+
+/// The operators of the initial rasterization, and how long they are kept.
+#[derive(Clone, Debug)]
+pub(crate) struct CellWork {
+    operators: Operators,
+    fill_rate: u32,
+    dividers: u32,
+    setup_units: u32,
+}
+
+impl CellWork {
+    pub(crate) fn new(config: &EngineConfig, operators: Operators) -> Self {
+        let &EngineConfig { fill_rate, dividers, setup_units, .. } = config;
+        Self { operators, fill_rate, dividers, setup_units }
+    }
+
+    /// Cycles from one group of cells to the next: dividers take turns; of the others there are as many as a group needs.
+    pub(crate) fn interval(&self) -> u64 {
+        let Operators { multiply, add, divide, .. } = &self.operators;
+        let quotients = (self.fill_rate * divide.interval).div_ceil(self.dividers);
+        u64::from(quotients.max(multiply.interval).max(add.interval))
+    }
+
+    /// Cycles from a fragment to its cell.
+    pub(crate) fn latency(&self, least: u32) -> u64 {
+        self.operators.latency(CELL_CHAIN).max(least.into())
+    }
+
+    /// Cycles that set-up of so many triangles takes, of which so many vertices are lit by so many lights each.
+    pub(crate) fn setup(&self, triangles: u32, vertices: u32, lights: u32) -> u64 {
+        let work = SETUP.times(triangles).and(LIT.times(vertices.saturating_mul(lights)));
+        self.operators.interval(work, self.setup_operators())
+    }
+
+    fn setup_operators(&self) -> Work {
+        Work { multiply: self.setup_units, add: self.setup_units, divide: 1, power: 1, ..Work::NONE }
+    }
+
+    pub(crate) fn tell(&self, lighting: Lighting, sizes: Sizes, facts: &mut Facts) {
+        let cells = CELL.times(self.fill_rate);
+        facts.hardware(HardwareKind::Multiplier, "cells: footprint, planes, logarithm", cells.multiply, NUMBER);
+        facts.hardware(HardwareKind::Adder, "cells: footprint, planes, logarithm", cells.add, NUMBER);
+        facts.hardware(HardwareKind::Divider, "cells: perspective of the footprint", self.dividers, NUMBER);
+        facts.hardware(HardwareKind::Table, "cells: logarithms", LOGARITHMS * self.fill_rate, LOGARITHM_BITS);
+        let setup = self.setup_operators();
+        facts.hardware(HardwareKind::Multiplier, "set-up of triangles", setup.multiply, NUMBER);
+        facts.hardware(HardwareKind::Adder, "set-up of triangles", setup.add, NUMBER);
+        facts.hardware(HardwareKind::Divider, "set-up of triangles", setup.divide, NUMBER);
+        facts.hardware(HardwareKind::Registers, "triangle that is set up", SLOPES, NUMBER);
+        facts.hardware(HardwareKind::Registers, "its page and wrap modes", 1_u32, sizes.surface_bits());
+        if lighting == Lighting::Gouraud {
+            facts.hardware(HardwareKind::Power, "brightness of vertices of bump targets", setup.power, NUMBER);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use basrelief_kernel::OperatorConfig;
+
+    fn work(dividers: u32) -> CellWork {
+        let divide = OperatorConfig::new(17, 17);
+        let operators = Operators { divide, power: OperatorConfig::new(54, 54), ..Operators::default() };
+        CellWork::new(&EngineConfig { dividers, ..EngineConfig::default() }, operators)
+    }
+
+    #[test]
+    fn a_cell_waits_for_its_division() {
+        assert_eq!([17, 2, 1].map(|dividers| work(dividers).interval()), [1, 9, 17]);
+        assert_eq!(work(1).latency(8), 17 + 7 + 8);
+    }
+
+    #[test]
+    fn set_up_takes_a_divider_and_light_a_power() {
+        assert_eq!(work(17).setup(2, 0, 0), 2 * 2 * 17);
+        assert_eq!(work(17).setup(1, 4, 2), 8 * 54);
+    }
+}

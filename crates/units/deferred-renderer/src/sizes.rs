@@ -1,0 +1,88 @@
+//! How large the device's own tables are: what the configuration makes of them.
+
+use crate::config::{CellConfig, EngineConfig, WRAP_BITS};
+use crate::page::Cut;
+use basrelief_kernel::HardwareKind;
+use basrelief_kernel::facts::Facts;
+
+/// Longest side of a texture \[texels\].
+const LONGEST_SIDE: u32 = 16_384;
+/// Address in a memory, or number of a tile \[bits\].
+const ADDRESS: u32 = 32;
+/// Side of a layer, or tile pitch (138) \[bits\].
+const SIDE: u32 = 15;
+/// Cells of a block.
+const BLOCK_CELLS: u32 = 16;
+
+/// Sizes of tables and registers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sizes {
+    /// Cell of the reference buffer (126) \[bits\].
+    pub cell_bits: u32,
+    /// Page pointer (310) of a cell \[bits\].
+    pub page_bits: u32,
+    /// Most layers of a page.
+    pub layers: u32,
+    /// Tiles that the texture-data memory (130) has room for.
+    pub tiles: u64,
+    /// Texels of a tile.
+    pub tile_texels: u64,
+}
+
+impl Sizes {
+    /// Those of a configuration.
+    pub fn new(cell: &CellConfig, cut: Cut, engine: &EngineConfig) -> Self {
+        let [width, height] = cut.tile;
+        let layers = (LONGEST_SIDE / width.min(height)).max(1).ilog2() + 1;
+        let tile_texels = u64::from(width) * u64::from(height);
+        Self {
+            cell_bits: cell.bits(),
+            page_bits: cell.page_bits,
+            layers,
+            tiles: engine.texture_memory / (4 * tile_texels).max(1),
+            tile_texels,
+        }
+    }
+
+    /// Number of a page and of a tile in it \[bits\].
+    pub(crate) fn tile_bits(self) -> u32 {
+        self.page_bits + ADDRESS
+    }
+
+    /// What a unit needs that finds texels of pages: Dmax (133), place and size of each page; width, height, tile pitch (138) and tile
+    /// base (140) of each layer.
+    pub(crate) fn tell_pages(self, facts: &mut Facts) {
+        let pages = 1_u64 << self.page_bits;
+        facts.hardware(HardwareKind::Table, "pages (132): Dmax (133), place, size", pages, 5 + ADDRESS + 2 * SIDE);
+        let layer = 2 * SIDE + SIDE + ADDRESS;
+        facts.hardware(HardwareKind::Table, "layers: size, pitch (138), base (140)", pages * u64::from(self.layers), layer);
+    }
+
+    /// What a unit holds that works on a block of cells.
+    pub(crate) fn tell_block(self, facts: &mut Facts) {
+        facts.hardware(HardwareKind::Registers, "block of cells", BLOCK_CELLS, self.cell_bits);
+    }
+
+    /// Bits of a gathered block: its cells, its number, and which of them are there.
+    pub(crate) fn gathered_bits(self) -> u32 {
+        BLOCK_CELLS * (1 + self.cell_bits) + ADDRESS
+    }
+
+    /// The tile load lists (136); where tiles are asked for in an order, what each is wanted for too, and the order.
+    pub(crate) fn tell_lists(self, is_ordered: bool, facts: &mut Facts) {
+        let tiles = self.tiles;
+        facts.hardware(HardwareKind::Table, "tile load lists (136): N, L or E; two ports", tiles, 2);
+        facts.hardware(HardwareKind::Registers, "pitch (138) and base (140) of a page's layers", self.layers, SIDE + ADDRESS);
+        facts.hardware(HardwareKind::Adder, "numbers of sources", 4_u32, ADDRESS);
+        if is_ordered {
+            facts.hardware(HardwareKind::Table, "pixels and distance of tiles", tiles, 2 * 32);
+            facts.hardware(HardwareKind::Table, "tiles to acquire, in order, twice for merging", 2 * tiles, self.tile_bits() + 1);
+            facts.hardware(HardwareKind::Adder, "order of tiles", 2_u32, 32);
+        }
+    }
+
+    /// Wrap modes and page of a surface, and a texture's size \[bits\].
+    pub(crate) fn surface_bits(self) -> u32 {
+        self.page_bits + WRAP_BITS + 2 * SIDE + 5
+    }
+}

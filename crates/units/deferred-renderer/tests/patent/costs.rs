@@ -1,0 +1,169 @@
+//! What is paid for: light, meshes on the path, searches, background, pictures under several samplers.
+
+use crate::acquisition::load;
+use crate::{page, texture};
+use basrelief_deferred_renderer::cell::CellFormat;
+use basrelief_deferred_renderer::colour::progressive;
+use basrelief_deferred_renderer::tokens::{CellBlock, CellFlow, Order, Parcel, PassFlow};
+use basrelief_deferred_renderer::{
+    Cell, CellConfig, Cells, Conventional, Cut, EngineConfig, Leaving, Lighting, PageTexels, PathConfig, Rasterization,
+    RenderMode, ServedTexture, Server, Sizes, TextureMemory, TileEncoding, WrapMode,
+};
+use basrelief_kernel::{Operators, Traffic, Unit};
+use basrelief_signals::{
+    Camera, Control, Flow, Fragment, Frame, Light, LightKind, Material, MeshInfo, ObjectInfo, Polygon, Sampler, Stamp, Texture,
+    Vertex, Wrap,
+};
+use std::sync::Arc;
+
+/// A frame lit from +z, seen from there.
+fn frame(index: u32) -> Control {
+    let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
+    let kind = LightKind::Directional { to_light: [0.0, 0.0, 1.0] };
+    let lights = vec![Light { kind, intensity: 1.0 }];
+    Control::Frame(Arc::new(Frame {
+        index,
+        width: 16,
+        height: 16,
+        camera,
+        lights,
+        textures: Vec::new(),
+        shading: Default::default(),
+    }))
+}
+
+fn object(mesh: Option<MeshInfo>) -> Control {
+    Control::Object(Arc::new(ObjectInfo {
+        id: 3,
+        name: "o".into(),
+        centre: [0.0; 3],
+        entries: None,
+        bias: None,
+        shading: Default::default(),
+        mesh,
+    }))
+}
+
+fn triangle(material: Material, normal: [f32; 3], bump: bool) -> Control {
+    let corner = |x, y| Vertex { position: [x, y, 0.5, 1.0], normal, ..Vertex::default() };
+    let vertices = vec![corner(0.0, 0.0), corner(16.0, 0.0), corner(0.0, 16.0)];
+    Control::Polygon(Arc::new(Polygon { vertices, material: Arc::new(material), object: 3, lod: 0, bump, arrival: 0 }))
+}
+
+fn cells(lighting: Lighting) -> Cells {
+    let engine = (EngineConfig::default(), Operators::default());
+    Cells::new(engine, &CellConfig::default(), (lighting, WrapMode::Sampler), Cut::default())
+}
+
+/// The cell that a pixel of these commands' last polygon gets, and the pages that were set up.
+fn cell(unit: &mut Cells, controls: &[Control]) -> (Cell, usize) {
+    let mut step = |token| unit.step(Some(token), &mut Traffic::default()).out;
+    let pages = controls.iter().filter(|c| matches!(step(Flow::Control((*c).clone())), Some(CellFlow::Page(_)))).count();
+    let fragment = Fragment { x: 1, y: 1, weights: [0.1, 0.1], ..Fragment::default() };
+    match step(Flow::Item(Stamp::from_iter([fragment]))) {
+        Some(CellFlow::Cells(cells)) => (cells.iter().next().unwrap().cell, pages),
+        other => panic!("a pixel has a cell: {other:?}"),
+    }
+}
+
+#[test]
+fn a_bump_target_is_lit_at_its_vertices_by_the_formula() {
+    let material = Material { base_color: [0.5; 4], ..Material::default() };
+    let lighting = material.lighting;
+    let slanted = [0.6, 0.0, 0.8];
+    let lit = |bump: bool, light: Lighting| {
+        let polygon = triangle(material.clone(), slanted, bump);
+        cell(&mut cells(light), &[frame(0), object(None), polygon]).0.rgb()[0]
+    };
+    let formula = lighting.ka + lighting.kd * 0.8 + lighting.ks * 0.8_f32.powf(lighting.n);
+    let expected = (0.5 * formula * 255.0 + 0.5) as u8;
+    assert_eq!(lit(true, Lighting::Gouraud), expected, "a bump target has no brightness of its own");
+    assert_eq!(lit(false, Lighting::Gouraud), 128, "others have: 1 here");
+    assert_eq!(lit(true, Lighting::None), 128);
+}
+
+#[test]
+fn one_picture_under_several_samplers_is_one_page() {
+    let one = texture([100, 40]);
+    let sampler = Sampler { wrap: [Wrap::Clamp, Wrap::Mirror], ..Sampler::default() };
+    let other = Arc::new(Texture { id: 8, sampler, ..Texture::clone(&one) });
+    let of = |t: &Arc<Texture>| Material { color_texture: Some(Arc::clone(t)), ..Material::default() };
+    let controls = [frame(0), triangle(of(&one), [0.0; 3], false), triangle(of(&other), [0.0; 3], false)];
+    let mut unit = cells(Lighting::None);
+    let (cell, pages) = cell(&mut unit, &controls);
+    assert_eq!((pages, unit.state.pictures.len()), (1, 1));
+    assert_eq!((cell.page(), cell.wrap), (Some(0), [Wrap::Clamp, Wrap::Mirror]), "a sampler is the cell's");
+
+    let (bytes, conventional) = sent(PathConfig { number_bytes: 0, ..PathConfig::default() }, Lighting::None, &controls);
+    assert_eq!(bytes.iter().sum::<u64>(), 8, "its size travels once");
+    assert_eq!(conventional, Conventional { raw_bytes: 100 * 40 * 3, encoded_bytes: Some(100 * 40 * 3) });
+}
+
+/// Bytes of the parcels of these commands, and what all of their textures take.
+fn sent(config: PathConfig, lighting: Lighting, controls: &[Control]) -> (Vec<u64>, Conventional) {
+    let source = TextureMemory::new(TileEncoding::Raw, 85);
+    let mut server = Server::new(config, lighting, Box::new(source));
+    let mut send = |control: &Control| {
+        // What is between frames does not matter here.
+        let (phase, traffic) = (matches!(control, Control::Frame(_)).then_some(()), &mut Traffic::default());
+        let Some(Parcel { bytes, .. }) = server.step((Some(control.clone()), None, phase), traffic).out else { return 0 };
+        bytes
+    };
+    let bytes = controls.iter().map(&mut send).collect();
+    (bytes, server.conventional(Cut::default()))
+}
+
+#[test]
+fn a_mesh_travels_once_and_indexed_and_later_frames_bring_their_commands_alone_451() {
+    let mesh = MeshInfo { vertices: 100, indices: 300, uv: true, colors: false };
+    let polygon = || triangle(Material::default(), [0.0, 0.0, 1.0], false);
+    let controls = |index, mesh| [frame(index), object(mesh), polygon(), polygon(), Control::FrameEnd];
+    let of = |mesh, lighting| sent(PathConfig::default(), lighting, &[controls(0, mesh), controls(1, mesh)].concat()).0;
+    let (of_frame, of_object) = (4 * (21 + 5), 4 * 13);
+    let once = |mesh| [of_frame, of_object + mesh, 0, 0, 0, of_frame, of_object, 0, 0, 0];
+    assert_eq!(of(Some(mesh), Lighting::None), once(100 * 4 * (3 + 2) + 300 * 2 + 40));
+    assert_eq!(of(Some(mesh), Lighting::Gouraud), once(100 * 4 * (3 + 2 + 3) + 300 * 2 + 40), "normals where something is lit");
+    let large = MeshInfo { vertices: 70_000, indices: 9, uv: false, colors: true };
+    assert_eq!(of(Some(large), Lighting::None), once(70_000 * 4 * (3 + 1) + 9 * 4 + 40), "indices of four bytes");
+    let untold = of(None, Lighting::None);
+    assert_eq!(untold[1..5], [of_object, 3 * 12, 3 * 12, 0], "a list that does not tell: vertex by vertex");
+    assert_eq!(untold[5..], [of_frame, of_object, 0, 0, 0]);
+}
+
+/// A page of 8 x 8 tiles in its finest layer, of which only the top tile is there.
+fn with_top() -> PageTexels {
+    let page = page([512, 512], [64, 64]);
+    let mut texels = PageTexels::new(Arc::clone(&page));
+    load(&mut ServedTexture::new(texture([512, 512])), &mut texels, 0, TileEncoding::Raw);
+    texels
+}
+
+#[test]
+fn the_search_of_figure_7b_reads_a_word_of_the_list_for_each_layer_or_two() {
+    let texels = with_top();
+    let words = |st: [f32; 2], depth: f32, entries: u32| {
+        let cell = Cell::textured(0, st, depth, [255; 3]);
+        progressive(&texels, &cell, texels.page.placed(cell.coordinates, cell.wrap), entries).unwrap().words
+    };
+    assert_eq!(words([10.0, 10.0], 0.0, 64), 1);
+    assert_eq!(words([10.0, 10.0], 2.5, 64), 4, "layers 3, 2, 1, 0");
+    // Tiles 5 + 8 * 3 + 3, and one right, one below, two rows apart.
+    assert_eq!(words([256.0, 256.0], 3.0, 4), 2 + words([256.0, 256.0], 2.0, 4), "four tiles of layer 3 lie in two words of 4");
+}
+
+#[test]
+fn final_rasterization_pays_for_the_search_of_figure_7b() {
+    let cycles = |mode: RenderMode, depth: f32| {
+        let (format, engine) = (CellFormat::new(&CellConfig::default(), 1.0), EngineConfig::default());
+        let mut unit = Rasterization::new(engine, mode, Leaving::default(), (format, Sizes::default()));
+        unit.state.pages.push(with_top());
+        let mut block = CellBlock { mask: u16::MAX, ..CellBlock::default() };
+        block.cells = [Cell::textured(0, [10.0, 10.0], depth, [255; 3]); 16];
+        unit.step((Some(PassFlow::Begin), None, None), &mut Traffic::default());
+        unit.step((None, Some(Order::End), None), &mut Traffic::default());
+        unit.step((Some(PassFlow::Cells(block)), None, None), &mut Traffic::default()).occupancy
+    };
+    assert_eq!(cycles(RenderMode::Progressive, 0.0), 16, "a layer each");
+    assert_eq!(cycles(RenderMode::Progressive, 3.0), 16 * 4, "layers 3, 2, 1, 0");
+    assert_eq!(cycles(RenderMode::Best, 3.0), 16, "all is there: no search");
+}
