@@ -15,6 +15,17 @@ pub enum Targets {
     All,
 }
 
+/// What has one LOD, and so one set of tables.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BumpUnit {
+    /// Each polygon.
+    #[default]
+    Polygon,
+    /// All polygons of an object.
+    Object,
+}
+
 /// When a replayed display list delivers its commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -63,6 +74,8 @@ parameters! {
     pub struct BumpConfig {
         /// Candidates: mapped (surfaces with a normal map) or all.
         targets: Targets = Targets::Mapped, unit: "", Stated("a polygon is marked as bump target in advance by its model");
+        /// What has one LOD, and so one decision and one set of tables: polygon or object.
+        unit: BumpUnit = BumpUnit::Polygon, unit: "", Stated("bump mapping may be switched per object instead of per polygon, as a larger unit");
         /// A candidate is a bump target while its LOD is at or below this; small LOD is fine detail.
         max_lod: u8 = 63, unit: "LOD", Assumed("all; the patent states that a threshold of the LOD may decide while drawing, not its value"), range: 0..=63;
     }

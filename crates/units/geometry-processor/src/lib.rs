@@ -10,6 +10,7 @@ pub mod clip;
 pub mod config;
 pub mod display_list_source;
 mod link;
+mod object_lod;
 pub mod scene_source;
 pub mod state;
 pub mod transform;
@@ -17,7 +18,7 @@ pub mod unit;
 mod window;
 mod work;
 
-pub use config::{Arrival, BumpConfig, DisplayListConfig, GeometryConfig, Targets};
+pub use config::{Arrival, BumpConfig, BumpUnit, DisplayListConfig, GeometryConfig, Targets};
 pub use display_list_source::{DisplayListSource, DisplayListSourceCounters, DisplayListSourceState};
 pub use link::PolygonLink;
 pub use scene_source::{SceneDraws, SceneSource, SceneSourceCounters, SceneSourceState};

@@ -91,6 +91,8 @@ pub struct GeometryProcessorState {
     pub object: Option<Arc<Object>>,
     /// Its matrices in this frame.
     pub transform: Transform,
+    /// Its LOD, where all its polygons have one.
+    pub object_lod: Option<u8>,
     /// The lights as seen from its centre.
     pub lights: Vec<LightVector>,
     /// Its vertices that are kept.

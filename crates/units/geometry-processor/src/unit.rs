@@ -2,8 +2,9 @@
 
 use crate::charge::{Charge, index_bytes, vertex_bytes};
 use crate::clip::{Clipped, clip};
-use crate::config::{BumpConfig, GeometryConfig, Targets};
+use crate::config::{BumpConfig, BumpUnit, GeometryConfig, Targets};
 use crate::link::POLYGON_BYTES;
+use crate::object_lod::{self, object_lod};
 use crate::state::GeometryProcessorState;
 use crate::transform::{Corner, Transform, centre};
 use crate::window::Window;
@@ -62,6 +63,8 @@ impl GeometryProcessor {
             self.state.lights = light_vectors(frame, centre);
         }
         self.state.cache.clear();
+        let by_object = (self.bump.unit == BumpUnit::Object).then_some(self.state.frame.as_ref()).flatten();
+        self.state.object_lod = by_object.map(|frame| object_lod(&object, centre, frame));
         let info = ObjectInfo {
             id: object.id,
             name: object.name.clone(),
@@ -143,6 +146,9 @@ impl GeometryProcessor {
 
     /// LOD of a polygon, charged where the machine has maps that it selects levels of.
     fn lod(&self, object: &Object, vertices: &[Vertex], charge: &mut Charge) -> u8 {
+        if let Some(lod) = self.state.object_lod {
+            return lod;
+        }
         let lod = match (&object.material.normal_map, &object.material.color_texture) {
             (Some(map), _) => polygon_lod(vertices, map, |v| v.uv_normal),
             (None, Some(texture)) => polygon_lod(vertices, texture, |v| v.uv),
@@ -267,7 +273,10 @@ impl Unit for GeometryProcessor {
             }
             Some(Draw::Object(object)) => {
                 let info = self.begin_object(object);
-                let work = work::object(self.state.lights.len() as u32);
+                let mut work = work::object(self.state.lights.len() as u32);
+                if self.state.object_lod.is_some() {
+                    work = work.and(object_lod::WORK);
+                }
                 (Some(Control::Object(Arc::new(info))), self.kept(Charge { work, fetched: 0 }, 0))
             }
             Some(Draw::Triangle(number)) => {

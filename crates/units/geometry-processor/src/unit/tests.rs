@@ -188,7 +188,7 @@ fn lod_and_threshold_decide_what_is_a_bump_target_unless_the_model_says_so() {
     let plain = Material { color_texture: Some(texture(64)), ..Material::default() };
     let decide = |targets, max_lod, material: &Material, bump| {
         let draws = [frame(IDENTITY), object(mesh(), IDENTITY, material.clone(), bump)];
-        let polygon = drawn(BumpConfig { targets, max_lod }, draws).expect("visible");
+        let polygon = drawn(BumpConfig { targets, max_lod, ..BumpConfig::default() }, draws).expect("visible");
         assert_eq!(polygon.lod, 20);
         polygon.bump
     };
@@ -200,6 +200,32 @@ fn lod_and_threshold_decide_what_is_a_bump_target_unless_the_model_says_so() {
     assert!(!decide(Targets::All, 19, &plain, None));
     assert!(decide(Targets::Mapped, 0, &plain, Some(true)));
     assert!(!decide(Targets::All, 63, &mapped, Some(false)));
+}
+
+#[test]
+fn all_polygons_of_an_object_may_have_one_lod() {
+    // Two triangles of one size, one twice as far away as the other.
+    let mut far = mesh();
+    far.positions.extend([[0.0, 0.0, -1.0], [0.5, 0.0, -1.0], [0.0, 0.5, -1.0]]);
+    far.normals.extend([[0.0, 0.0, 1.0]; 3]);
+    far.uv_normal.extend_from_within(..);
+    far.indices.extend([3, 4, 5]);
+    far.uv.clear();
+    let world = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.5, 0.0, 0.0, 0.0, 1.0];
+    let lods = |by| {
+        let mut unit = unit(GeometryConfig::default(), BumpConfig { unit: by, ..BumpConfig::default() });
+        let material = Material { normal_map: Some(texture(64)), ..Material::default() };
+        step(&mut unit, frame(PERSPECTIVE));
+        step(&mut unit, object(far.clone(), world, material, None));
+        [0, 1].map(|number| match step(&mut unit, Draw::Triangle(number)).out {
+            Some(Control::Polygon(polygon)) => polygon.lod,
+            other => panic!("{other:?}"),
+        })
+    };
+    let [near, far] = lods(BumpUnit::Polygon);
+    assert!(near < far);
+    let [a, b] = lods(BumpUnit::Object);
+    assert!(a == b && near < a && a < far, "{near} {a} {far}");
 }
 
 /// Two triangles that share an edge.
