@@ -93,6 +93,56 @@ fn what_is_no_model_is_refused_with_its_name() {
     }
 }
 
+/// Makes a pipe into which nobody writes.
+#[cfg(unix)]
+fn pipe(place: &Place, name: &str) {
+    assert!(Command::new("mkfifo").arg(place.path(name)).status().expect("mkfifo").success());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_that_a_model_refers_to_is_refused_or_left_out_and_not_waited_for() {
+    let place = Place::new();
+    ["pipe", "pipe.png", "pipe.mtl"].iter().for_each(|name| pipe(&place, name));
+    let gltf = |accessor: &str, more: &str| {
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"nodes":[{{"mesh":0}}],"materials":[{{"normalTexture":{{"index":0}}}}],"meshes":[{{"primitives":
+            [{{"attributes":{{"POSITION":0}},"material":0}}]}}],"accessors":[{{"componentType":5126,"count":3,"type":"VEC3"{accessor}}}],
+            "textures":[{{"source":0}}],{more}}}"#
+        )
+    };
+    let buffer =
+        r#""bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"uri":"pipe","byteLength":36}],"images":[{"uri":"x"}]"#;
+    fs::write(place.path("buffer.gltf"), gltf(r#","bufferView":0"#, buffer)).expect("written");
+    fs::write(place.path("image.gltf"), gltf("", r#""images":[{"uri":"pipe.png"}]"#)).expect("written");
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
+    fs::write(place.path("library.obj"), format!("mtllib pipe.mtl\n{triangle}")).expect("written");
+    fs::write(place.path("map.obj"), format!("mtllib map.mtl\n{triangle}")).expect("written");
+    fs::write(place.path("map.mtl"), "newmtl a\nnorm pipe.png\n").expect("written");
+    for (model, pipe) in
+        [("buffer.gltf", "pipe"), ("image.gltf", "pipe.png"), ("library.obj", "pipe.mtl"), ("map.obj", "pipe.png")]
+    {
+        let outcome = place.run(&format!("run {model} --size 16x12 --no-exact"));
+        let said = format!("{}{}", outcome.out, outcome.err);
+        assert!(outcome.code() <= 1 && said.contains(pipe) && said.contains("not a regular file"), "{model}: {said}");
+        assert!(outcome.seconds < PATIENCE_S, "{model}: took {} s", outcome.seconds);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn verify_waits_for_no_pipe_and_follows_no_link_twice() {
+    let place = Place::new();
+    fs::create_dir(place.path("traces")).expect("created");
+    place.ok("record PATCH --size 16x12 --expect --out traces/t.jsonl");
+    pipe(&place, "traces/pipe.jsonl");
+    std::os::unix::fs::symlink(".", place.path("traces/again")).expect("linked");
+    std::os::unix::fs::symlink("/dev/zero", place.path("traces/zero.bdl")).expect("linked");
+    assert_eq!(place.ok("verify traces").out, "ok      traces/t.jsonl\n");
+    let pipe = place.run("verify traces/pipe.jsonl");
+    assert!(pipe.out.is_empty() && pipe.error(1).starts_with("traces/pipe.jsonl: neither a file nor a folder"), "{}", pipe.err);
+}
+
 #[test]
 fn a_trace_cut_short_at_any_byte_is_an_error_and_writes_nothing() {
     let place = Place::new();

@@ -65,6 +65,24 @@ fn pictures_have_a_largest_size_and_frames_a_largest_number() {
     assert!(outcome.error(1).contains("--max-cycles"), "{}", outcome.err);
 }
 
+/// Meshes of many parts, in many places: as many objects as the product.
+#[test]
+fn a_small_file_of_a_million_objects_is_drawn_from_its_first_cycle_on_or_refused() {
+    let place = Place::new();
+    for (primitives, nodes, words) in [(40, 60, "--max-cycles"), (700, 1500, "--max-cycles"), (4000, 4000, "over the limit of")] {
+        let parts = vec![r#"{"attributes":{"POSITION":0}}"#; primitives].join(",");
+        let nodes = vec![r#"{"mesh":0}"#; nodes].join(",");
+        let model = format!(
+            r#"{{"asset":{{"version":"2.0"}},"nodes":[{nodes}],"meshes":[{{"primitives":[{parts}]}}],
+            "accessors":[{{"componentType":5126,"count":3,"type":"VEC3"}}]}}"#
+        );
+        fs::write(place.path("m.gltf"), model).expect("written");
+        let outcome = run(&place, "run m.gltf --max-cycles 2000 --size 64x48 --quiet --no-exact");
+        assert!(outcome.error(1).contains(words), "{primitives}: {}", outcome.err);
+        assert!(outcome.seconds < 20.0, "{primitives}: took {} s", outcome.seconds);
+    }
+}
+
 #[test]
 fn the_limit_of_cycles_holds_however_much_there_is_to_draw() {
     let place = Place::new();

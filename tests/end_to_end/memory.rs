@@ -79,6 +79,25 @@ fn a_picture_is_decoded_within_the_limit() {
     }
 }
 
+/// Without --memory-limit, however little the system grants.
+#[cfg(target_os = "linux")]
+#[test]
+fn no_more_than_the_address_space_is_taken_and_no_run_ends_by_a_signal() {
+    let place = Place::new();
+    DynamicImage::new_luma8(8192, 8192).save_with_format(place.path("large.png"), ImageFormat::Png).expect("written");
+    fs::write(place.path("m.mtl"), "newmtl a\nmap_Kd large.png\n").expect("written");
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
+    fs::write(place.path("m.obj"), format!("mtllib m.mtl\n{triangle}")).expect("written");
+    write_names(&place, "t.bdl.zst", 90);
+    for megabytes in [160, 200, 300, 400, 600] {
+        for (line, file) in [("run m.obj --size 16x12", "m.obj"), ("run t.bdl.zst", "t.bdl.zst")] {
+            let outcome = run(&place, megabytes, &format!("{line} --quiet"));
+            let error = outcome.error(1);
+            assert!(error.starts_with(file) && error.contains("(`ulimit -v`)"), "{megabytes} MiB: {line}: {error}");
+        }
+    }
+}
+
 #[test]
 fn what_a_server_sends_is_held_within_the_limit() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");

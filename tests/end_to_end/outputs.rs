@@ -47,9 +47,11 @@ fn two_outputs_are_never_one_file() {
     fs::create_dir(place.path("d")).expect("created");
     let mut names = vec!["o/report.json", "./o/report.json", "d/../o/image.png", "o/report.csv"];
     if cfg!(unix) {
-        let linked = Command::new("ln").args(["-s", "o", "link"]).current_dir(place.path("")).status().expect("ln");
-        assert!(linked.success());
-        names.push("link/report.json");
+        for (to, name) in [("o", "link"), ("o/report.json", "to-report")] {
+            let linked = Command::new("ln").args(["-s", to, name]).current_dir(place.path("")).status().expect("ln");
+            assert!(linked.success());
+        }
+        names.extend(["link/report.json", "to-report"]);
     }
     for name in names {
         let refused = place.run(&format!("run PATCH --size 16x12 --out o --timeline {name}"));
@@ -62,6 +64,25 @@ fn two_outputs_are_never_one_file() {
     assert_eq!(place.text("o/report.json"), before);
     place.ok("run PATCH --size 16x12 --out o --timeline o/time --quiet");
     assert!(place.path("o/time").exists());
+}
+
+#[test]
+fn what_a_run_reads_is_not_replaced_by_what_it_writes() {
+    let place = Place::new();
+    place.ok("record PATCH --size 16x12 --out t.jsonl");
+    fs::write(place.path("c.toml"), "replacement.entries = 64\n").expect("written");
+    for (line, option, what) in [
+        ("run t.jsonl --timeline ./t.jsonl", "--timeline", "INPUT"),
+        ("run t.jsonl --requests t.jsonl", "--requests", "INPUT"),
+        ("demo --size 16x12 --config c.toml --timeline c.toml", "--timeline", "--config"),
+        ("demo --machine texel --size 16x12 --camera c.toml --dump spans c.toml", "--dump", "--camera"),
+    ] {
+        let (files, refused) = (["c.toml", "t.jsonl"].map(|name| place.text(name)), place.run(line));
+        let error = refused.error(2);
+        assert!(error.starts_with(&format!("{option}: ")) && error.contains(&format!("is what {what} reads")), "{line}: {error}");
+        assert_eq!(["c.toml", "t.jsonl"].map(|name| place.text(name)), files, "{line}");
+    }
+    assert_eq!(place.names(""), ["c.toml", "t.jsonl"]);
 }
 
 #[cfg(target_os = "linux")]

@@ -294,6 +294,57 @@ fn a_server_that_is_interrupted_says_that_it_has_stopped() {
     assert_eq!(last_words(&mut server.0), "stopped serving\n");
 }
 
+/// Set where this process may open as many files as the test below needs.
+#[cfg(unix)]
+const MANY_FILES: &str = "BASRELIEF_TEST_MANY_FILES";
+
+#[cfg(unix)]
+#[test]
+fn a_thousand_idle_and_256_dripping_connections_delay_no_request_by_a_second() {
+    if std::env::var_os(MANY_FILES).is_some() {
+        return crowd();
+    }
+    // The usual limit is 1024 files, and only a shell raises it: this test once more, inside one.
+    let raised = |then: &str| {
+        let mut shell = std::process::Command::new("sh");
+        shell.arg("-c").arg(format!("ulimit -n 4096 && {then}")).env(MANY_FILES, "1");
+        shell
+    };
+    if !raised("true").stderr(Stdio::null()).status().expect("sh").success() {
+        println!("SKIPPED: no process may open 4096 files here");
+        return;
+    }
+    let again = "exec \"$0\" --exact remote::a_thousand_idle_and_256_dripping_connections_delay_no_request_by_a_second";
+    let test = finish(raised(again).arg(std::env::current_exe().expect("this test")));
+    assert!(test.code() == 0 && test.out.contains("1 passed"), "{}{}", test.out, test.err);
+}
+
+#[cfg(unix)]
+fn crowd() {
+    let place = Place::new();
+    let server = serve_triangle(&place, [200, 0, 0]);
+    let address = server.1.trim_start_matches("http://").trim_end_matches('/');
+    let connect = |n: usize| -> Vec<TcpStream> { (0..n).map(|_| TcpStream::connect(address).expect("connects")).collect() };
+    let (idle, mut dripping) = (connect(1000), connect(256));
+    thread::spawn(move || {
+        while !dripping.is_empty() {
+            // Who is let go does not come again.
+            dripping.retain_mut(|client| client.write_all(b"a").is_ok());
+            thread::sleep(std::time::Duration::from_millis(20));
+        }
+    });
+    for _ in 0..5 {
+        let began = std::time::Instant::now();
+        let mut client = TcpStream::connect(address).expect("connects");
+        client.write_all(b"GET /polygons HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n").expect("sent");
+        let mut answer = Vec::new();
+        client.read_to_end(&mut answer).expect("an answer");
+        assert!(answer.starts_with(b"HTTP/1.1 200"), "{}", String::from_utf8_lossy(&answer));
+        assert!(began.elapsed().as_secs_f64() < 1.0, "{:?}", began.elapsed());
+    }
+    drop(idle);
+}
+
 #[test]
 fn who_may_read_is_said_aloud_and_what_does_not_fit_together_is_refused() {
     let place = Place::new();

@@ -2,6 +2,7 @@
 //!
 //! 0 success, 1 bad input or a failed check, 2 wrong usage, 130 interrupted.
 
+mod address_space;
 mod args;
 mod commands;
 mod error;
@@ -16,8 +17,10 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let cli = args::Cli::parse();
+    // In front of all threads, which take address space at times of their own: the same budget in every run.
+    let budget = address_space::budget(cli.memory_limit);
     interrupt::listen();
-    match commands::dispatch(cli) {
+    match commands::dispatch(cli, &budget) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("error: {failure}");

@@ -15,6 +15,8 @@ pub struct Budget(Arc<Account>);
 #[derive(Debug)]
 struct Account {
     limit: u64,
+    /// What to do where that is too little.
+    advice: &'static str,
     /// Atomic, since tiles of a server are fetched by several threads.
     held: AtomicU64,
 }
@@ -29,9 +31,14 @@ impl Budget {
     /// What may be held where nobody says otherwise \[bytes\].
     pub const DEFAULT: u64 = 1 << 30;
 
-    /// So many bytes may be held at a time.
+    /// So many bytes may be held at a time, as the user says.
     pub fn new(limit: u64) -> Self {
-        Self(Arc::new(Account { limit, held: AtomicU64::new(0) }))
+        Self::with_advice(limit, "give more with --memory-limit, if this input is to be trusted")
+    }
+
+    /// So many bytes may be held at a time, with what an error advises where more would be needed.
+    pub fn with_advice(limit: u64, advice: &'static str) -> Self {
+        Self(Arc::new(Account { limit, advice, held: AtomicU64::new(0) }))
     }
 
     /// What may still be taken \[bytes\].
@@ -68,10 +75,10 @@ impl Held {
     /// # Errors
     /// More than is left; then nothing is taken.
     pub fn grow(&mut self, bytes: u64, what: impl Display) -> Result<(), OverBudget> {
-        let Account { limit, held } = &*self.budget.0;
+        let Account { limit, advice, held } = &*self.budget.0;
         let more = |before: u64| before.checked_add(bytes).filter(|sum| sum <= limit);
         let taken = held.fetch_update(Relaxed, Relaxed, more);
-        taken.map_err(|held| OverBudget { what: what.to_string(), bytes, held, limit: *limit })?;
+        taken.map_err(|held| OverBudget { what: what.to_string(), bytes, held, limit: *limit, advice })?;
         self.bytes += bytes;
         Ok(())
     }
@@ -132,13 +139,14 @@ pub struct OverBudget {
     /// Before.
     held: u64,
     limit: u64,
+    advice: &'static str,
 }
 
 impl Display for OverBudget {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let [bytes, held, limit] = [self.bytes, self.held, self.limit].map(Size);
-        write!(f, "would hold {bytes} of {}, with {held} held already: over the limit of {limit}; ", self.what)?;
-        f.write_str("give more with --memory-limit, if this input is to be trusted")
+        let (what, advice) = (&self.what, self.advice);
+        write!(f, "would hold {bytes} of {what}, with {held} held already: over the limit of {limit}; {advice}")
     }
 }
 
@@ -269,6 +277,8 @@ mod tests {
             "would hold 1.5 MiB of names, with 512 KiB held already: over the limit of 1 MiB; give more with --memory-limit, if \
              this input is to be trusted"
         );
+        let other = Budget::with_advice(5, "buy more").take(6, "names").unwrap_err().to_string();
+        assert_eq!(other, "would hold 6 bytes of names, with 0 bytes held already: over the limit of 5 bytes; buy more");
     }
 
     #[test]

@@ -57,7 +57,7 @@ impl Given<'_> {
 /// A setting's value is TOML (`32`, `[256, 128]`, `true`); what is no TOML is taken as a string, so that
 /// `replacement.codebook=fixed` needs no quotes.
 pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result<C, ConfigError> {
-    let mut tree: Table = toml_text.parse().map_err(|e: toml::de::Error| ConfigError::Syntax(e.to_string()))?;
+    let mut tree: Table = toml_text.parse().map_err(|e| ConfigError::Syntax(syntax(toml_text, &e)))?;
     let known: Vec<String> = C::table().into_iter().map(|p| p.key).collect();
     for (key, value) in settings {
         check_known(key, &known)?;
@@ -70,6 +70,22 @@ pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result
     config.complete(&Given(&tree))?;
     config.check("")?;
     Ok(config)
+}
+
+/// Longest that a message may be that shows the line it is about: a line can be as long as the file \[bytes\].
+const LONGEST: usize = 1000;
+
+fn syntax(text: &str, error: &toml::de::Error) -> String {
+    let whole = error.to_string();
+    if whole.len() <= LONGEST {
+        return whole.trim_end().into();
+    }
+    let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+    let line = before.bytes().filter(|b| *b == b'\n').count() + 1;
+    let column = before.len() - before.rfind('\n').map_or(0, |at| at + 1) + 1;
+    // Its own words are short, but for names that it quotes.
+    let words: String = error.message().chars().take(LONGEST).collect();
+    format!("line {line}, column {column}: {words}")
 }
 
 fn hint(nearest: &Option<String>) -> String {
@@ -273,6 +289,9 @@ mod tests {
         says("", &[("search.lanes", "0")], "`search.lanes` is 0, expected 1..=4096");
         says("", &[("search.lanes", "many")], "expected 1..=4096 inner products/cycle");
         says("[search", &[], "not valid TOML");
+        let long = format!("a = 1\nb = {}", "[".repeat(100_000));
+        let message = load::<All>(&long, &[]).unwrap_err().to_string();
+        assert!(message.starts_with("not valid TOML: line 2, column ") && message.len() < 1100, "{message:.200}");
         says("", &[("search.lanes", "-1")], "expected 1..=4096");
         says("", &[("zzz", "1")], "unknown parameter `zzz` (`basrelief describe` lists all)");
     }

@@ -1,6 +1,7 @@
 //! Reports as JSON, there and back, and the schema that they keep to.
 
 use crate::model::Report;
+use basrelief_input::JsonFault;
 use std::io::{self, Write};
 
 /// Format and version of a report.
@@ -14,7 +15,7 @@ pub enum ReadError {
     Format {
         /// Path of the field.
         field: String,
-        /// What was expected, and line and column.
+        /// Line and column, what stands there, and what was expected.
         message: String,
     },
     /// A report of another version.
@@ -48,11 +49,10 @@ impl Report {
     /// # Errors
     /// If the text is no report, or one of another version.
     pub fn from_json(text: &str) -> Result<Self, ReadError> {
-        let mut json = serde_json::Deserializer::from_str(text);
-        let format = |field: String, message: String| ReadError::Format { field, message };
-        let report: Self =
-            serde_path_to_error::deserialize(&mut json).map_err(|e| format(e.path().to_string(), e.inner().to_string()))?;
-        json.end().map_err(|e| format(".".into(), e.to_string()))?;
+        let report: Self = basrelief_input::from_str(text).map_err(|fault| {
+            let JsonFault { path, line, column, message, .. } = fault;
+            ReadError::Format { field: path.to_string(), message: format!("line {line}, column {column}: {message}") }
+        })?;
         if report.schema == SCHEMA { Ok(report) } else { Err(ReadError::Version { found: report.schema }) }
     }
 }
@@ -112,10 +112,12 @@ mod tests {
             let message = Report::from_json(text).unwrap_err().to_string();
             assert!(message.contains(part), "{message}");
         };
-        says("", "line 1");
+        says("", "line 1, column 0: the text ends within a value");
+        says("[[", "at `.`: line 1, column 0: a list stands here, expected an object");
         let good = samples::balanced().to_json().unwrap();
         says(&good.replace("basrelief-report/2", "basrelief-report/9"), "`basrelief-report/9`");
-        says(&good.replacen("\"total\": 1", "\"total\": -1", 1), "cycles.total");
+        says(&good.replacen("\"total\": 1", "\"total\": -1", 1), "at `cycles.total`: line ");
+        says(&good.replacen("\"total\": 1", "\"total\": -1", 1), "the number -1");
         says(&format!("{good} x"), "trailing");
     }
 }

@@ -62,12 +62,12 @@ const FILE: &str = "a file";
 
 /// Reads a regular file; pipes and devices are refused, since reading them may never end.
 pub(crate) fn read_regular(path: &Path, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
-    let mut file = std::fs::File::open(path)?;
-    let facts = file.metadata()?;
+    // Looked at before it is opened: opening a pipe waits for somebody who writes into it.
+    let facts = std::fs::metadata(path)?;
     if !facts.is_file() {
         return Err(io::Error::other("not a regular file"));
     }
-    read_to_end(&mut file, facts.len(), budget, FILE)
+    read_to_end(&mut std::fs::File::open(path)?, facts.len(), budget, FILE)
 }
 
 /// Turns a reference in a model into a name for [`Files::read`]: relative paths only. `..` is allowed, since models
@@ -122,6 +122,16 @@ mod tests {
         assert_eq!(files.read("a", &budget).unwrap().0, b"xyz");
         assert!(files.read(".", &budget).is_err());
         assert_eq!(files.read("b", &budget).unwrap_err().kind(), io::ErrorKind::NotFound);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_no_file_and_nobody_waits_for_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status();
+        assert!(made.unwrap().success());
+        let error = Directory::new(folder.path()).read("pipe", &Budget::default()).unwrap_err();
+        assert_eq!(error.to_string(), "not a regular file");
     }
 
     #[test]

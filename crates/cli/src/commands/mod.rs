@@ -20,8 +20,7 @@ use crate::error::Done;
 use basrelief_input::Budget;
 
 /// Runs the command.
-pub fn dispatch(cli: Cli) -> Done {
-    let budget = &Budget::new(cli.memory_limit.0);
+pub fn dispatch(cli: Cli, budget: &Budget) -> Done {
     match cli.command {
         Command::Demo(args) => run::demo(&args, budget, cli.quiet),
         Command::Run(args) => run::run(&args, budget, cli.quiet),

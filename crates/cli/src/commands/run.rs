@@ -1,7 +1,7 @@
 //! `basrelief run` and `basrelief demo`.
 
 use super::from::run_from;
-use super::simulate::{seconds, settings_of, simulate_source};
+use super::simulate::{seconds, settings_of, simulate_source, spare_inputs};
 use super::tables::{ablate, compare_methods};
 use crate::args::{DemoArgs, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure};
@@ -16,6 +16,7 @@ use std::rc::Rc;
 /// Draws an embedded scene.
 pub fn demo(args: &DemoArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
+    spare_inputs(&args.simulation, None, &args.machine, &args.view)?;
     let machine = args.machine.machine.unwrap_or(&MACHINES[0]);
     let name = args.name.as_deref().unwrap_or(machine.demos[0]);
     let scene = input::demo_scene(name, &args.view, budget)?;
@@ -26,6 +27,7 @@ pub fn demo(args: &DemoArgs, budget: &Budget, quiet: bool) -> Done {
 /// Draws a model or replays a display list.
 pub fn run(args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
+    spare_inputs(&args.simulation, args.input.as_deref(), &args.machine, &args.view)?;
     if let Some(url) = &args.from {
         return run_from(url, args, budget, quiet);
     }

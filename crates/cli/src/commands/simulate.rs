@@ -3,9 +3,9 @@
 use super::dump::DumpFiles;
 use super::output_files::OutputFiles;
 use super::requests::RequestsFile;
-use crate::args::{EngineName, SimulationArgs};
+use crate::args::{EngineName, MachineArgs, SimulationArgs, ViewArgs};
 use crate::error::{Done, Failure, print};
-use crate::outputs::{Outputs, PartialFile, check_distinct};
+use crate::outputs::{Outputs, PartialFile, check_distinct, check_not_read};
 use crate::progress::Progress;
 use basrelief_input::Budget;
 use basrelief_kernel::{Engine, Probe, StageTopology};
@@ -102,6 +102,16 @@ pub fn simulate_source(
         }
     }
     show(&report, (&kinds, &extra), simulation, quiet)
+}
+
+/// Refuses an output that is one of these files, which the run reads; beside them, what its machine and its view are read from.
+///
+/// # Errors
+/// Wrong usage.
+pub fn spare_inputs(simulation: &SimulationArgs, input: Option<&Path>, machine: &MachineArgs, view: &ViewArgs) -> Done {
+    let options = [("INPUT", input), ("--config", machine.config.as_deref()), ("--camera", view.camera.as_deref())];
+    let read: Vec<(&str, &Path)> = options.into_iter().filter_map(|(option, path)| Some((option, path?))).collect();
+    check_not_read(&named_outputs(simulation), &read).map_err(Failure::Usage)
 }
 
 /// Options that name a file, and their files.

@@ -10,15 +10,15 @@ use basrelief_input::{Budget, Held};
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
 use basrelief_session::{MACHINES, MachineInfo, check_expectation, expectation_of};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Checks, or blesses, every trace.
 pub fn verify(args: &VerifyArgs, budget: &Budget, quiet: bool) -> Done {
-    let mut traces = Vec::new();
-    for path in &args.paths {
-        collect(path, &mut traces)?;
-    }
+    let mut traces = Traces::default();
+    args.paths.iter().try_for_each(|path| traces.add(path))?;
+    let traces = traces.found;
     if traces.is_empty() {
         return Err(Failure::Bad("no display lists there: expected .jsonl or .bdl files, or either with .zst behind".into()));
     }
@@ -57,27 +57,52 @@ fn conclude(wrong: usize, failed: usize, of: usize) -> Done {
     if sentences.is_empty() { Ok(()) } else { Err(Failure::Bad(sentences.join("\n"))) }
 }
 
-/// Traces of a folder, in order of name, or the trace itself.
-fn collect(path: &Path, traces: &mut Vec<PathBuf>) -> Done {
-    if path == Path::new("-") {
-        return Err(Failure::Usage("verify reads a trace several times: it takes files and folders, not standard input".into()));
-    }
-    if !path.is_dir() {
-        traces.push(path.to_path_buf());
-        return Ok(());
-    }
-    let failed = || Failure::file(path, "be read");
-    let mut inside: Vec<PathBuf> =
-        fs::read_dir(path).map_err(failed())?.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>().map_err(failed())?;
-    inside.sort();
-    for path in inside {
-        if path.is_dir() {
-            collect(&path, traces)?;
-        } else if Form::for_file_name(&path.to_string_lossy()).is_some() {
-            traces.push(path);
+/// The traces that paths name.
+#[derive(Default)]
+struct Traces {
+    found: Vec<PathBuf>,
+    /// Folders that were looked through: a link can lead back to one.
+    seen: BTreeSet<PathBuf>,
+}
+
+impl Traces {
+    /// Traces of a folder, in order of name, or the trace itself.
+    fn add(&mut self, path: &Path) -> Done {
+        if path == Path::new("-") {
+            return Err(Failure::Usage(
+                "verify reads a trace several times: it takes files and folders, not standard input".into(),
+            ));
+        }
+        match fs::metadata(path) {
+            Ok(found) if found.is_dir() => self.add_folder(path),
+            Ok(found) if !found.is_file() => {
+                Err(within(path)("neither a file nor a folder: verify reads a trace several times, so copy it into a file"))
+            }
+            // What is not there is told when it is read.
+            _ => {
+                self.found.push(path.to_path_buf());
+                Ok(())
+            }
         }
     }
-    Ok(())
+
+    fn add_folder(&mut self, folder: &Path) -> Done {
+        let failed = || Failure::file(folder, "be read");
+        if !self.seen.insert(folder.canonicalize().map_err(failed())?) {
+            return Ok(());
+        }
+        let entries = fs::read_dir(folder).map_err(failed())?;
+        let mut inside: Vec<PathBuf> = entries.map(|e| e.map(|e| e.path())).collect::<Result<_, _>>().map_err(failed())?;
+        inside.sort();
+        for path in inside {
+            if path.is_dir() {
+                self.add_folder(&path)?;
+            } else if Form::for_file_name(&path.to_string_lossy()).is_some() && fs::metadata(&path).is_ok_and(|m| m.is_file()) {
+                self.found.push(path);
+            }
+        }
+        Ok(())
+    }
 }
 
 fn within<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure + use<E> {

@@ -16,8 +16,11 @@ pub fn check_distinct(out: &Path, named: &[(&str, &Path)]) -> Result<(), String>
     let mut seen: Vec<(PathBuf, &str, &Path)> = Vec::new();
     for &(option, path) in named {
         let place = place(path);
-        if place.parent() == out_folder.as_deref() && place.file_name().is_some_and(is_own) {
-            let name = place.file_name().unwrap_or_default().display();
+        // A link in `out` that has the name of a report is replaced by it; one from elsewhere leads to it.
+        let named = beside(path);
+        let own = [&place, &named].into_iter().filter(|at| at.parent() == out_folder.as_deref());
+        if let Some(name) = own.filter_map(|at| at.file_name()).find(|name| is_own(name)) {
+            let name = name.display();
             return Err(format!(
                 "{option}: {} is the run's own {name} in --out {}; give it another name",
                 path.display(),
@@ -39,8 +42,25 @@ fn is_own(name: &OsStr) -> bool {
     Path::new(name).extension().is_some_and(|e| e == "png") || REPORTS.iter().any(|report| name == *report)
 }
 
-/// A file's one name: links of its folder followed, the file itself not, since a link is what is replaced.
+/// Whether each output is something else than what the run reads: an input that is replaced is lost.
+///
+/// # Errors
+/// A sentence with the option to change.
+pub fn check_not_read(named: &[(&str, &Path)], read: &[(&str, &Path)]) -> Result<(), String> {
+    let wrong = |(option, output): &(&str, &Path)| {
+        let (what, _) = read.iter().find(|(_, input)| input.is_file() && place(input) == place(output))?;
+        Some(format!("{option}: {} is what {what} reads, and would be replaced; give it another name", output.display()))
+    };
+    named.iter().find_map(wrong).map_or(Ok(()), Err)
+}
+
+/// A file's one name, as [`PartialFile`](super::PartialFile) takes it: links followed.
 fn place(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| beside(path))
+}
+
+/// A file's name in its folder: links of the folder followed, the file itself not.
+fn beside(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     match (absolute.parent().map(Path::canonicalize), absolute.file_name()) {
         (Some(Ok(folder)), Some(name)) => folder.join(name),

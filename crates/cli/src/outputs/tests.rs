@@ -167,3 +167,25 @@ fn a_link_to_a_folder_is_that_folder() {
     assert!(check_distinct(&link, &[("--timeline", &out.join("report.json"))]).unwrap_err().contains("the run's own"));
     assert!(check_distinct(&out, &[("--timeline", &link.join("x")), ("--dump", &out.join("x"))]).is_err());
 }
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_file_is_that_file() {
+    let base = tempfile::tempdir().unwrap();
+    let at = |name: &str| base.path().join(name);
+    fs::create_dir(at("o")).unwrap();
+    ["o/report.json", "x"].iter().for_each(|name| fs::write(at(name), "").unwrap());
+    for (to, name) in [("o/report.json", "to-report"), ("x", "to-x"), ("../x", "o/report.csv")] {
+        std::os::unix::fs::symlink(to, at(name)).unwrap();
+    }
+    let check = |names: [&str; 2]| {
+        let paths = names.map(at);
+        check_distinct(&at("o"), &[("--timeline", &paths[0]), ("--dump", &paths[1])])
+    };
+    assert!(check(["to-report", "d"]).unwrap_err().contains("the run's own report.json"));
+    assert!(check(["o/report.csv", "d"]).unwrap_err().contains("the run's own report.csv"), "a link that the run replaces");
+    assert!(check(["x", "to-x"]).unwrap_err().contains("is named twice"));
+    let read = |input: &str| check_not_read(&[("--timeline", &at("to-x"))], &[("INPUT", &at(input))]);
+    assert!(read("x").unwrap_err().contains("is what INPUT reads") && read("to-x").is_err());
+    assert_eq!((read("o/report.json"), read("none")), (Ok(()), Ok(())));
+}

@@ -13,6 +13,7 @@ use crate::textures::{Content, TextureStore};
 use basrelief_input::Held;
 use basrelief_signals::{Filter, Material, Sampler, Texture, Wrap};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// What a material takes beside its name \[bytes\].
@@ -31,8 +32,8 @@ pub(crate) struct Materials<'a> {
     pub buffers: &'a Buffers<'a>,
     outside: &'a Outside<'a>,
     pub store: TextureStore,
-    /// Textures made so far, by picture, sampler and use.
-    shared: Vec<(usize, Sampler, Content, Arc<Texture>)>,
+    /// Textures made so far, by picture: of each a few, by sampler and use.
+    shared: BTreeMap<usize, Vec<(Sampler, Content, Arc<Texture>)>>,
     /// By number in the document; the last is the default material.
     surfaces: Vec<Option<Surface>>,
 }
@@ -40,7 +41,7 @@ pub(crate) struct Materials<'a> {
 impl<'a> Materials<'a> {
     pub(crate) fn new(document: &'a Document, buffers: &'a Buffers<'a>, outside: &'a Outside<'a>) -> Self {
         let surfaces = vec![None; document.materials.len() + 1];
-        Self { document, buffers, outside, store: TextureStore::default(), shared: Vec::new(), surfaces }
+        Self { document, buffers, outside, store: TextureStore::default(), shared: BTreeMap::new(), surfaces }
     }
 
     /// The material of a primitive; built at its first use, so that textures of unused ones are not decoded.
@@ -119,14 +120,13 @@ impl<'a> Materials<'a> {
             return Ok(None);
         };
         let sampler = self.sampler(texture.sampler)?;
-        let same =
-            |(s, w, c, _): &&(usize, Sampler, Content, Arc<Texture>)| *s == source.index() && *w == sampler && *c == content;
-        if let Some((_, _, _, shared)) = self.shared.iter().find(same) {
+        let of_picture = self.shared.get(&source.index()).into_iter().flatten();
+        if let Some((.., shared)) = of_picture.into_iter().find(|(s, c, _)| *s == sampler && *c == content) {
             return Ok(Some(shared.clone()));
         }
         let (bytes, name, _held) = self.image(source)?;
         let texture = self.store.decode(&bytes, &name, sampler, content, self.outside).map_err(|e| named(e, source))?;
-        self.shared.push((source.index(), sampler, content, texture.clone()));
+        self.shared.entry(source.index()).or_default().push((sampler, content, texture.clone()));
         Ok(Some(texture))
     }
 
@@ -189,7 +189,7 @@ impl<'a> Materials<'a> {
     /// Looks at the pictures that no drawn material uses: a missing or unknown one is worth a warning, but no more.
     pub(crate) fn check_unused(&self, warnings: &mut Warnings) {
         for i in 0..self.document.images.len() {
-            if self.shared.iter().any(|(used, ..)| *used == i) {
+            if self.shared.contains_key(&i) {
                 continue;
             }
             match self.image(Int(i as u64)) {

@@ -364,13 +364,17 @@ fn what_can_be_understood_in_two_ways_is_refused() {
 /// Columns of a matrix of bytes begin at multiples of four; behind the last one nothing need follow.
 #[test]
 fn a_matrix_of_bytes_needs_no_padding_at_its_end() {
-    let matrix = |bytes: &[u8], count: usize| {
-        let accessor = json!({"componentType": 5121, "count": count, "type": "MAT2"});
+    let of = |bytes: &[u8], count: usize, component: u32, kind: &str| {
+        let accessor = json!({"componentType": component, "count": count, "type": kind});
         let mut document = with_attribute("_MATRIX", bytes, json!({}), accessor);
         document["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("_MATRIX");
         document
     };
+    let matrix = |bytes: &[u8], count| of(bytes, count, 5121, "MAT2");
     assert!(import(&matrix(&[1; 6], 1)).is_ok() && import(&matrix(&[1; 14], 2)).is_ok());
+    assert!(import(&of(&[1; 23], 2, 5120, "MAT3")).is_ok() && import(&of(&[1; 46], 2, 5123, "MAT3")).is_ok());
+    refuses(&of(&[1; 22], 2, 5120, "MAT3"), "/accessors/4/count");
+    refuses(&of(&[1; 45], 2, 5123, "MAT3"), "/accessors/4/count");
     refuses(&matrix(&[1; 5], 1), "/accessors/4/count");
     refuses(&matrix(&[1; 13], 2), "/accessors/4/count");
 }

@@ -49,8 +49,10 @@ pub(crate) fn import(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warning
             .cure("export the model with its faces")
             .with_notes(warnings.sentences()));
     }
-    let mut materials = Materials { outside, store: TextureStore::default(), shared: Vec::new() };
-    let library = materials.libraries(&obj.libraries, warnings)?;
+    let mut materials = Materials { outside, store: TextureStore::default(), shared: BTreeMap::new() };
+    let definitions = materials.libraries(&obj.libraries, warnings)?;
+    // Of two with the same name the first.
+    let library: Library<'_> = definitions.iter().rev().map(|m| (m.name.as_str(), m)).collect();
     let (smooth, _smooth) = smooth_normals(&obj, outside)?;
     let mut by_name: BTreeMap<&str, Arc<Material>> = BTreeMap::new();
     let mut objects = Vec::new();
@@ -149,12 +151,27 @@ fn build_mesh(
     Ok(mesh)
 }
 
+/// Materials by name: a file can have as many as lines.
+type Library<'a> = BTreeMap<&'a str, &'a MtlMaterial>;
+
+/// File, whether it is clamped, kind of content, and the bits of its height.
+type TextureKey = (String, bool, u8, u64);
+
 /// Builds materials and loads their pictures.
 struct Materials<'a> {
     outside: &'a Outside<'a>,
     store: TextureStore,
     /// Textures made so far; `None` for a picture that is missing.
-    shared: Vec<(Map, Content, Option<Arc<Texture>>)>,
+    shared: BTreeMap<TextureKey, Option<Arc<Texture>>>,
+}
+
+fn texture_key(map: &Map, content: Content) -> TextureKey {
+    let (kind, bits) = match content {
+        Content::Color => (0, 0),
+        Content::Normals => (1, 0),
+        Content::Heights(height) => (2, height.to_bits()),
+    };
+    (map.file.clone(), map.clamp, kind, bits)
 }
 
 impl Materials<'_> {
@@ -183,13 +200,13 @@ impl Materials<'_> {
         &mut self,
         id: u32,
         name: &str,
-        library: &[MtlMaterial],
+        library: &Library<'_>,
         warnings: &mut Warnings,
     ) -> Result<Arc<Material>, SceneError> {
         self.outside.hold(OBJECT + 2 * name.len() as u64, "", "materials and their names")?;
         // Without culling: OBJ does not say which side of a face is meant.
         let plain = Material { id, name: name.into(), double_sided: true, ..Material::default() };
-        let Some(definition) = library.iter().find(|m| m.name == name) else {
+        let Some(definition) = library.get(name) else {
             if !name.is_empty() && !library.is_empty() {
                 warnings.add(format!("material `{}` is in no library: drawn white", shorten(name)));
             }
@@ -214,7 +231,8 @@ impl Materials<'_> {
         warnings: &mut Warnings,
     ) -> Result<Option<Arc<Texture>>, SceneError> {
         let Some(map) = map else { return Ok(None) };
-        if let Some((_, _, texture)) = self.shared.iter().find(|(m, c, _)| m == map && *c == content) {
+        let key = texture_key(map, content);
+        if let Some(texture) = self.shared.get(&key) {
             return Ok(texture.clone());
         }
         let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
@@ -227,7 +245,9 @@ impl Materials<'_> {
                 None
             }
         };
-        self.shared.push((map.clone(), content, texture.clone()));
+        // A key, and its place in the table.
+        self.outside.hold(256 + map.file.len() as u64, "MTL", "names of pictures")?;
+        self.shared.insert(key, texture.clone());
         Ok(texture)
     }
 }

@@ -71,6 +71,26 @@ fn nothing_to_draw_is_an_error() {
     assert!(import("", &Memory::default()).is_err());
 }
 
+/// As many materials as lines, each used once: looked for one by one in a list, they took minutes.
+#[test]
+fn many_materials_are_found_in_no_time() {
+    const MATERIALS: usize = 100_000;
+    let library: String = (0..MATERIALS).map(|i| format!("newmtl m{i}\nKd 0 0 1\nmap_Kd {i}.png\n")).collect();
+    let faces: String = (0..MATERIALS).map(|i| format!("usemtl m{i}\nf 1 2 3\n")).collect();
+    let text = format!("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let began = std::time::Instant::now();
+    let scene = import(&text, &Memory::default().with("m.mtl", library)).unwrap();
+    assert_eq!(scene.objects.len(), MATERIALS);
+    assert_eq!(scene.objects[MATERIALS - 1].material.base_color, [0.0, 0.0, 1.0, 1.0]);
+    assert!(began.elapsed().as_secs() < 15, "{:?}", began.elapsed());
+}
+
+#[test]
+fn of_two_materials_with_one_name_the_first_is_meant() {
+    let files = Memory::default().with("lib/m.mtl", "newmtl stone\nKd 1 0 0\nnewmtl stone\nKd 0 1 0\n");
+    assert_eq!(import(SQUARE, &files).unwrap().objects[0].material.base_color, [1.0, 0.0, 0.0, 1.0]);
+}
+
 proptest! {
     #[test]
     fn any_text_is_read_or_refused(text in "([vfou#][tn]?( [-0-9/.x\\\\]{1,6}){0,5}\n){0,20}") {
