@@ -151,8 +151,18 @@ impl Bus {
     }
 
     /// Counts data that move from one cycle to the one before another, later one.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn moved(&mut self, from: Cycle, to: Cycle) {
+        let [first, last] = [from.0, to.0 - 1].map(|at| at >> self.shift);
+        // Mostly they move within an interval.
+        match self.busy.get_mut(last as usize) {
+            Some(busy) if first == last => *busy += to.0 - from.0,
+            _ => self.moved_across(from, to),
+        }
+    }
+
+    #[inline(never)]
+    fn moved_across(&mut self, from: Cycle, to: Cycle) {
         while (to.0 - 1) >> self.shift >= INTERVALS as u64 {
             self.double();
         }

@@ -136,12 +136,16 @@ impl Flights {
             let Some(mut cached) = system.cached(client) else { continue };
             let pending = &mut self.look_ups[own];
             self.lines.clear();
+            // A bit for all lines of the same rest by 64: mostly a line is new, and no other of the step has its bit.
+            let mut seen = 0;
             for r in traffic.look_ups.iter().filter(|r| r.client as usize == own) {
                 made += 1;
                 let (mut line, last) = cached.cache.lines(r.address, r.bytes);
                 // Not a range: mostly it is one line, and a range asks twice whether it is over.
                 loop {
-                    if !self.lines.contains(&line) {
+                    let bit = 1_u64 << (line % 64);
+                    if seen & bit == 0 || !self.lines.contains(&line) {
+                        seen |= bit;
                         self.lines.push(line);
                         let look_up = cached.look_up(line, start);
                         if look_up.fill.is_known() && pending.is_empty() {
@@ -316,15 +320,10 @@ fn resolve(
     system: &mut MemorySystem,
 ) {
     for (i, (queue, &client)) in queues.iter_mut().zip(ids).enumerate() {
-        while flight.look_ups[i] > 0 && *stuck & 1 << i == 0 {
-            let answer = queue.front().and_then(|look_up| system.resolve(client, look_up));
-            let Some(answer) = answer else {
-                *stuck |= 1 << i;
-                break;
-            };
-            queue.pop_front();
-            flight.answers[i] = answer;
-            flight.look_ups[i] -= 1;
+        let left = &mut flight.look_ups[i];
+        if *left > 0 && *stuck & 1 << i == 0 {
+            system.resolve(client, queue, left, &mut flight.answers[i]);
+            *stuck |= u32::from(*left > 0) << i;
         }
     }
 }

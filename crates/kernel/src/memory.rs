@@ -5,7 +5,6 @@ use crate::counts::{Bus, ChannelCounts};
 use crate::memory_system::Client;
 use crate::port::{Arrived, Port};
 use crate::{Cycle, MemoryConfig};
-use std::ops::RangeInclusive;
 
 /// A request, as the memory took it in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +25,8 @@ impl MemoryRequest {
     /// Addresses of the aligned bursts of `burst_bytes` (>= 1) into which it is split, ascending.
     pub fn bursts(&self, burst_bytes: u32) -> impl Iterator<Item = u64> + use<> {
         let burst = Divisor::new(burst_bytes);
-        burst.touched(self.address, self.bytes).map(move |number| number * burst.by)
+        let (first, last) = burst.touched(self.address, self.bytes);
+        (first..=last).map(move |number| number * burst.by)
     }
 }
 
@@ -52,17 +52,11 @@ impl Divisor {
         }
     }
 
-    /// Numbers of the aligned pieces of this size that `bytes` (>= 1) from `address` on touch.
+    /// First and last of the numbers of the aligned pieces of this size that `bytes` (>= 1) from `address` on touch.
     #[inline(always)]
-    fn touched(self, address: u64, bytes: u32) -> RangeInclusive<u64> {
-        self.split(address).0..=self.split(address + u64::from(bytes) - 1).0
+    pub(crate) fn touched(self, address: u64, bytes: u32) -> (u64, u64) {
+        (self.split(address).0, self.split(address + u64::from(bytes) - 1).0)
     }
-}
-
-/// How many these are.
-#[inline(always)]
-fn count(numbers: &RangeInclusive<u64>) -> u64 {
-    numbers.end() - numbers.start() + 1
 }
 
 /// One memory.
@@ -123,28 +117,6 @@ impl Memory {
         self.arrived + self.bursts == 0
     }
 
-    /// Splits a request, the next in order of (arrival, port number, issue), into bursts in their channels.
-    #[inline]
-    fn split(&mut self, client: usize, port: &mut Port) {
-        let size = self.burst;
-        let touched = |r: &Arrived| size.touched(r.address, r.bytes);
-        let Some((request, r)) = port.split(|r| count(&touched(r))) else { return };
-        self.arrived -= 1;
-        if let Some(log) = &mut self.log {
-            log.push(MemoryRequest { arrival: r.arrival, client, write: r.write, address: r.address, bytes: r.bytes });
-        }
-        let bursts = touched(&r);
-        self.bursts += count(&bursts);
-        for number in bursts {
-            let (channel, address) = self.place(number * self.burst.by);
-            let (row_number, _) = self.row.split(address);
-            let (row, bank) = self.banks_by.split(row_number);
-            let (bank, client) = (bank as u32, client as u32);
-            let burst = Burst { bank, row, write: r.write, arrival: r.arrival, client, request };
-            self.channels[channel].push(burst);
-        }
-    }
-
     /// The channel of an address, and the address there.
     #[inline]
     fn place(&self, address: u64) -> (usize, u64) {
@@ -159,20 +131,60 @@ impl Memory {
     /// Splits what arrived before `horizon`, in order; the numbers of this memory's ports are those of their clients.
     fn split_before(&mut self, clients: &mut [Client], horizon: Cycle) {
         if let [client] = self.ports[..] {
-            let port = &mut clients[client].port;
-            while port.next_arrival().is_some_and(|arrival| arrival < horizon) {
-                self.split(client, port);
-            }
-            return;
+            return self.split_from(client, &mut clients[client].port, horizon);
         }
         while self.arrived > 0 {
-            let waiting = self.ports.iter().filter_map(|&p| Some((clients[p].port.next_arrival()?, p)));
-            // `min_by_key` returns the first of equals, and ports stand in order of number.
-            match waiting.min_by_key(|&(arrival, _)| arrival) {
-                Some((arrival, client)) if arrival < horizon => self.split(client, &mut clients[client].port),
-                _ => break,
+            let Some((client, until)) = self.next_port(clients, horizon) else { return };
+            self.split_from(client, &mut clients[client].port, until);
+        }
+    }
+
+    /// The port whose request is the next in order of (arrival, port number, issue), and until when its requests go ahead of those
+    /// of the others; none where the next arrived at `horizon` or later.
+    fn next_port(&self, clients: &[Client], horizon: Cycle) -> Option<(usize, Cycle)> {
+        let mut next = None;
+        let mut until = horizon;
+        for &client in &self.ports {
+            let Some(arrival) = clients[client].port.next_arrival() else { continue };
+            match next {
+                // Ports stand in order of number: of equals the one before goes first.
+                Some((_, first)) if first <= arrival => until = until.min(arrival + 1),
+                Some((_, first)) => (next, until) = (Some((client, arrival)), until.min(first)),
+                None => next = Some((client, arrival)),
             }
         }
+        next.filter(|(_, arrival)| *arrival < horizon).map(|(client, _)| (client, until))
+    }
+
+    /// Splits the requests of a port that arrived before `until` into bursts in their channels.
+    #[inline]
+    fn split_from(&mut self, client: usize, port: &mut Port, until: Cycle) {
+        while let Some((request, r, (first, last))) = port.split(until, self.burst) {
+            self.arrived -= 1;
+            if let Some(log) = &mut self.log {
+                log.push(MemoryRequest { arrival: r.arrival, client, write: r.write, address: r.address, bytes: r.bytes });
+            }
+            self.bursts += last - first + 1;
+            // Not a range: mostly it is one burst, and a range asks twice whether it is over.
+            let mut number = first;
+            loop {
+                self.push(number, client, request, &r);
+                if number == last {
+                    break;
+                }
+                number += 1;
+            }
+        }
+    }
+
+    /// Hands a burst of a request to its channel.
+    #[inline(always)]
+    fn push(&mut self, number: u64, client: usize, request: u64, r: &Arrived) {
+        let (channel, address) = self.place(number * self.burst.by);
+        let (row_number, _) = self.row.split(address);
+        let (row, bank) = self.banks_by.split(row_number);
+        let (bank, client) = (bank as u32, client as u32);
+        self.channels[channel].push(Burst { bank, row, write: r.write, arrival: r.arrival, client, request });
     }
 
     /// Serves whatever is final when all that is still to come arrives at `horizon` or later; whether there was any.
@@ -188,7 +200,7 @@ impl Memory {
                 self.bus.moved(Cycle(end.0 - self.burst_cycles), end);
                 let port = &mut clients[burst.client as usize].port;
                 port.counts.rows.count(row);
-                port.counts.queue_wait += column.since(burst.arrival + 1);
+                port.counts.queue_wait += column.since(burst.arrival) - 1;
                 port.moved(burst.request, end);
             }
         }

@@ -4,6 +4,7 @@ use crate::cache::{Cache, LookUp};
 use crate::memory::{Memory, MemoryRequest};
 use crate::port::Port;
 use crate::{CacheConfig, Cycle, MemoryConfig};
+use std::collections::VecDeque;
 
 /// A client: a port, with or without a cache in front of it.
 #[derive(Clone, Debug)]
@@ -202,12 +203,23 @@ impl MemorySystem {
         Some(Cached { cache: cache.as_mut()?, memory: &mut self.memories[port.memory], port })
     }
 
-    /// The answer of a look-up, if its fill is known by now. To be asked in order of look-up.
-    #[inline(always)]
-    pub(crate) fn resolve(&mut self, client: usize, look_up: &LookUp) -> Option<Cycle> {
+    /// Takes out the first look-ups whose fills are known by now, as many as there are `left` to take; the last of them has this
+    /// `answer`. To be asked in order of look-up.
+    #[inline]
+    pub(crate) fn resolve(&mut self, client: usize, look_ups: &mut VecDeque<LookUp>, left: &mut u32, answer: &mut Cycle) {
         let Client { port, cache } = &mut self.clients[client];
-        let fill = if look_up.fill.is_known() { look_up.fill } else { port.answer(look_up.request) };
-        if fill.is_known() { Some(cache.as_mut()?.resolve(look_up, fill)) } else { None }
+        let Some(cache) = cache else { return };
+        let mut taken = 0;
+        for look_up in look_ups.iter().take(*left as usize) {
+            let fill = if look_up.fill.is_known() { look_up.fill } else { port.answer(look_up.request) };
+            if !fill.is_known() {
+                break;
+            }
+            *answer = cache.resolve(look_up, fill);
+            taken += 1;
+        }
+        look_ups.drain(..taken);
+        *left -= taken as u32;
     }
 
     /// Serves what is final of a client's memory if no other stage uses it and this one makes no step before `horizon`; whether

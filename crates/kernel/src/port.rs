@@ -2,6 +2,7 @@
 
 use crate::Cycle;
 use crate::counts::PortCounts;
+use crate::memory::Divisor;
 
 /// A request that has arrived.
 #[derive(Clone, Copy, Debug, Default)]
@@ -129,47 +130,51 @@ impl Port {
         self.last_answer
     }
 
-    /// The oldest request that is not split yet, and its number; it is counted, and waits for as many bursts as `bursts` says.
-    #[inline]
-    pub(crate) fn split(&mut self, bursts: impl FnOnce(&Arrived) -> u64) -> Option<(u64, Arrived)> {
+    /// The oldest request that is not split yet, if it arrived before `until`, with its number and the first and last of the bursts
+    /// of size `burst` that it touches; it is counted, and waits for these.
+    #[inline(always)]
+    pub(crate) fn split(&mut self, until: Cycle, burst: Divisor) -> Option<(u64, Arrived, (u64, u64))> {
         if self.split == self.issued {
             return None;
         }
         let number = self.split;
         let slot = self.slot(number);
-        let request = &mut self.requests[slot];
-        request.left = bursts(&request.arrived);
-        self.counts.arrived(request.arrived.write, request.arrived.bytes);
+        let Request { arrived, left, .. } = &mut self.requests[slot];
+        if arrived.arrival >= until {
+            return None;
+        }
+        let (first, last) = burst.touched(arrived.address, arrived.bytes);
+        *left = last - first + 1;
+        self.counts.arrived(arrived.write, arrived.bytes);
         self.split += 1;
-        Some((number, request.arrived))
+        Some((number, *arrived, (first, last)))
     }
 
     /// Takes in that a burst of request `number` has moved its data by `end`; an answer is there when all its bursts have,
     /// not before the answer ahead of it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn moved(&mut self, number: u64, end: Cycle) {
         let slot = self.slot(number);
-        let request = &mut self.requests[slot];
+        let mut request = &mut self.requests[slot];
         request.left -= 1;
         request.end = request.end.max(end);
-        if number == self.served && request.left == 0 {
-            self.answer_served();
+        if number != self.served || request.left > 0 {
+            return;
         }
-    }
-
-    /// Answers the oldest request, and those behind it that waited for that only.
-    #[inline]
-    fn answer_served(&mut self) {
-        while self.served < self.split {
-            let slot = self.slot(self.served);
-            let request = &mut self.requests[slot];
-            if request.left > 0 {
-                break;
-            }
+        // It is answered, and those behind it that waited for that only.
+        loop {
             self.last_answer = self.last_answer.max(request.end);
             request.end = self.last_answer;
             self.counts.answered(request.arrived.arrival, self.last_answer);
             self.served += 1;
+            if self.served == self.split {
+                return;
+            }
+            let slot = self.slot(self.served);
+            request = &mut self.requests[slot];
+            if request.left > 0 {
+                return;
+            }
         }
     }
 }

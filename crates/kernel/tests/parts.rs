@@ -1,4 +1,5 @@
-//! Memory parts against what their sheets say, written down here a second time, and their rounding at any clock.
+//! Memory parts against what their sheets say, or parts of their class have, written down here a second time, and their rounding at
+//! any clock.
 
 use basrelief_kernel::parts::MOST_BURST_BYTES;
 use basrelief_kernel::{MemoryConfig, Part};
@@ -11,7 +12,7 @@ fn at(part: Part, hz: u64) -> MemoryConfig {
     memory
 }
 
-/// Nanoseconds, as the sheets have them: cl, rcd, rp, ras, refi, rfc; and GB/s of a channel.
+/// Nanoseconds, as the sheets have them or as they are assumed: cl, rcd, rp, ras, refi, rfc; and GB/s of a channel.
 const SHEETS: &[(Part, [f64; 6], f64)] = &[
     (Part::Fpm80, [40.0, 40.0, 60.0, 80.0, 15625.0, 150.0], 0.32),
     (Part::Edo60, [30.0, 30.0, 40.0, 60.0, 15625.0, 104.0], 0.64),
@@ -37,6 +38,26 @@ fn every_part_with_a_clock_of_its_own_has_the_times_and_the_rate_of_its_sheet() 
     let own_clock = |part: &Part| part.bytes_per_second(1) == part.bytes_per_second(2);
     let listed: Vec<Part> = SHEETS.iter().map(|sheet| sheet.0).collect();
     assert_eq!(Part::ALL.iter().copied().filter(own_clock).collect::<Vec<_>>(), listed, "a part is not in the list");
+}
+
+#[test]
+fn what_was_not_read_in_a_sheet_says_so() {
+    let assumed = |part: Part| -> Vec<&str> {
+        let numbers = part.numbers(200_000_000, [None; 2]).unwrap_or_else(|e| panic!("{e}"));
+        let is_assumed = |text: &str| text.contains("; typical of the class, not in the sheet cited (");
+        numbers.iter().for_each(|n| {
+            assert_eq!(matches!(n.provenance, Provenance::Assumed(_)), is_assumed(n.provenance.text()), "{n:?}");
+        });
+        numbers.iter().filter(|n| is_assumed(n.provenance.text())).map(|n| n.name).collect()
+    };
+    assert_eq!(assumed(Part::Fpm80), ["refi"]);
+    assert_eq!(assumed(Part::Edo60), ["rp", "refi", "rfc", "banks", "row_bytes"]);
+    assert_eq!(assumed(Part::Sdr100), ["cl", "refi", "banks", "row_bytes"]);
+    assert_eq!(assumed(Part::Sdr133), ["cl", "refi", "banks", "row_bytes"]);
+    assert_eq!(assumed(Part::Ddr400), ["banks", "row_bytes"]);
+    assert_eq!(assumed(Part::Ddr2At667), ["rtp", "wr", "wtr", "faw", "rfc"]);
+    assert_eq!(assumed(Part::Gddr3At1400), ["cwl", "wr", "faw", "rfc"]);
+    assert!(["banks", "row_bytes", "rcd"].iter().all(|name| assumed(Part::EdramPs2).contains(name)));
 }
 
 #[test]

@@ -80,14 +80,33 @@ impl<T: PixelPlace> PixelToken for Stamp<T> {
 impl<T: PixelPlace> DepthToken for Stamp<T> {
     const KEPT_WHEN_EMPTY: bool = false;
 
+    /// (Not by `ArrayVec::retain` alone, which asks in two places and guards against a panic in either: 30 instructions more for a
+    /// stamp of one pixel.)
     #[inline(always)]
     fn retain(&mut self, mut passes: impl FnMut(u16, u16, u32) -> bool) -> bool {
-        Stamp::retain(self, |item| {
+        let mut left = 0_u32;
+        for (i, item) in self.iter().enumerate() {
             let (x, y, z) = item.place();
-            passes(x, y, z)
-        });
-        !self.is_empty()
+            left |= u32::from(passes(x, y, z)) << i;
+        }
+        // Mostly all or none are.
+        if left == 0 {
+            self.clear();
+        } else if left + 1 < 1 << self.len() {
+            keep(self, left);
+        }
+        left != 0
     }
+}
+
+/// Drops the items of a stamp whose bit in `left` is not set.
+#[inline(never)]
+fn keep<T>(stamp: &mut Stamp<T>, mut left: u32) {
+    stamp.retain(|_| {
+        let is_left = left & 1 == 1;
+        left >>= 1;
+        is_left
+    });
 }
 
 impl ColorToken for Stamp<Pixel> {
@@ -166,6 +185,21 @@ mod tests {
         assert_eq!(line_of::<PixelPacket>(20, [17, 3]), 7);
         assert_eq!(lines::<Stamp<Pixel>>(10, 5), 6);
         assert_eq!(lines::<PixelPacket>(20, 5), 10);
+    }
+
+    #[test]
+    fn a_stamp_is_asked_in_order_and_keeps_the_order_of_what_is_left() {
+        let stamp = Stamp::from_iter([10, 11, 12, 13].map(|x| Pixel { x, y: 5, z: 7, ..Pixel::default() }));
+        for kept in 0..16_u16 {
+            let (mut left, mut asked) = (stamp.clone(), Vec::new());
+            let any = DepthToken::retain(&mut left, |x, y, z| {
+                asked.push((x, y, z));
+                kept >> (x - 10) & 1 == 1
+            });
+            assert_eq!(asked, [10, 11, 12, 13].map(|x| (x, 5, 7)));
+            assert!(left.iter().map(|p| p.x).eq((10..14).filter(|x| kept >> (x - 10) & 1 == 1)));
+            assert_eq!(any, kept > 0);
+        }
     }
 
     #[test]

@@ -103,6 +103,8 @@ struct Sheet {
     rfc: Time,
     banks: u32,
     row_bytes: u32,
+    /// These two are not in the sheet.
+    chips_assumed: bool,
     /// What it takes of the board to be what it is called.
     board: &'static [(&'static str, u32)],
 }
@@ -242,8 +244,12 @@ impl Sheet {
     }
 
     fn from(&self, text: String, assumed: bool) -> Provenance {
-        let text = format!("{text} ({})", self.source).into();
-        if assumed { Provenance::Assumed(text) } else { Provenance::Derived(text) }
+        let source = self.source;
+        if assumed {
+            Provenance::Assumed(format!("{text}; typical of the class, not in the sheet cited ({source})").into())
+        } else {
+            Provenance::Derived(format!("{text} ({source})").into())
+        }
     }
 
     fn of_rate(&self) -> String {
@@ -291,22 +297,24 @@ impl Part {
                 [found[0], cycles.unwrap_or(found[1])]
             }
         };
-        let rate = |bytes: u32, cycles: u32| rounded(f64::from(bytes) / f64::from(cycles) * hz as f64 / 1e9);
+        let moved = |bytes: u32, cycles: u32| rounded(f64::from(bytes) / f64::from(cycles) * hz as f64 / 1e9);
         let (of_part, per) = sheet.bytes_per_second(hz);
         let of_part = rounded(of_part as f64 / per as f64 / 1e9);
         let text = format!(
             "{bytes} bytes in {cycles} cycles: {} GB/s; the part has {of_part}: {}",
-            rate(bytes, cycles),
+            moved(bytes, cycles),
             sheet.of_rate()
         );
-        let fixed = [("burst_bytes", bytes), ("burst_cycles", cycles)].map(|(name, value)| (name, value, text.clone()));
-        let chips =
-            [("banks", sheet.banks), ("row_bytes", sheet.row_bytes)].map(|(name, value)| (name, value, sheet.about.into()));
-        let board = sheet.board.iter().map(|&(name, value)| (name, value, sheet.about.into()));
-        let fixed = fixed.into_iter().chain(chips).chain(board);
-        let numbers = fixed.map(|(name, value, text)| Number { name, value, provenance: sheet.from(text, false) });
+        let derived = |name, value, text: &str| Number { name, value, provenance: sheet.from(text.into(), false) };
+        let rate = [("burst_bytes", bytes), ("burst_cycles", cycles)].map(|(name, value)| derived(name, value, &text));
+        let chips = [("banks", sheet.banks), ("row_bytes", sheet.row_bytes)].map(|(name, value)| Number {
+            name,
+            value,
+            provenance: sheet.from(sheet.about.into(), sheet.chips_assumed),
+        });
+        let board = sheet.board.iter().map(|&(name, value)| derived(name, value, sheet.about));
         let times = sheet.times().into_iter().map(|(name, time)| sheet.time(name, time, hz, cycles));
-        let numbers: Vec<Number> = times.chain(numbers).collect();
+        let numbers: Vec<Number> = times.chain(rate).chain(chips).chain(board).collect();
         can_be(&numbers).map(|()| numbers)
     }
 }

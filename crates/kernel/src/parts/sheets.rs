@@ -2,6 +2,9 @@
 //!
 //! A sheet is of one *channel*: chips side by side that take one command together. How many channels there are, and how requests
 //! wait for them, the board and its controller decide, not the part.
+//!
+//! What is *assumed* was not read in the sheet cited, nor does arithmetic from what was read give it: it is what parts of the
+//! class have.
 
 use super::Rate::{Device, Own};
 use super::{Sheet, Time, clocks, cycles, ns, ps};
@@ -23,10 +26,11 @@ pub(super) const FPM_80: Sheet = Sheet {
     wtr: ns(0, "the last page cycle holds it"),
     rrd: cycles(0, "each bank has a RAS of its own"),
     faw: cycles(0, "each bank has a RAS of its own"),
-    refi: ps(15_625_000, "512 rows in 8 ms"),
+    refi: ps(15_625_000, "512 rows in 8 ms").assumed(),
     rfc: ns(150, "tRC: a refresh is a row cycle"),
     banks: 2,
     row_bytes: 8192,
+    chips_assumed: false,
     board: &[],
 };
 
@@ -38,17 +42,18 @@ pub(super) const EDO_60: Sheet = Sheet {
     cl: ns(30, "tAA, column address to data"),
     cwl: cycles(0, "early write: data come with the address"),
     rcd: ns(30, "tRAC 60 ns less tAA 30 ns"),
-    rp: ns(40, "tRP"),
+    rp: ns(40, "tRP").assumed(),
     ras: ns(60, "tRAS"),
     rtp: ns(0, "the last page cycle ends it; beyond the burst"),
     wr: ns(0, "the last page cycle holds tRWL"),
     wtr: ns(0, "the last page cycle holds it"),
     rrd: cycles(0, "each bank has a RAS of its own"),
     faw: cycles(0, "each bank has a RAS of its own"),
-    refi: ps(15_625_000, "512 rows in 8 ms"),
-    rfc: ns(104, "tRC: a refresh is a row cycle"),
+    refi: ps(15_625_000, "512 rows in 8 ms").assumed(),
+    rfc: ns(104, "tRC: a refresh is a row cycle").assumed(),
     banks: 2,
     row_bytes: 8192,
+    chips_assumed: true,
     board: &[],
 };
 
@@ -57,7 +62,7 @@ pub(super) const SDR_100: Sheet = Sheet {
     source: "Elpida HB52F649E1, data sheet E0021H10, column PC100; Samsung K4S641632",
     rate: Own { bytes: 8, hz: (100_000_000, 1), of: "64 bits per clock" },
     burst_bytes: 64,
-    cl: clocks(3, "CL"),
+    cl: clocks(3, "CL").assumed(),
     cwl: cycles(0, "data come with the command"),
     rcd: ns(20, "tRCD"),
     rp: ns(20, "tRP"),
@@ -67,10 +72,11 @@ pub(super) const SDR_100: Sheet = Sheet {
     wtr: ns(0, "a read may follow the last data"),
     rrd: ns(20, "tRRD"),
     faw: NONE,
-    refi: ps(15_625_000, "4,096 rows in 64 ms"),
+    refi: ps(15_625_000, "4,096 rows in 64 ms").assumed(),
     rfc: ns(70, "tRC"),
     banks: 4,
     row_bytes: 2048,
+    chips_assumed: true,
     board: &[],
 };
 
@@ -79,7 +85,7 @@ pub(super) const SDR_133: Sheet = Sheet {
     source: "Elpida HB52F649E1, data sheet E0021H10, column PC133; Samsung K4S281632",
     rate: Own { bytes: 8, hz: (400_000_000, 3), of: "64 bits per clock" },
     burst_bytes: 64,
-    cl: clocks(3, "CL"),
+    cl: clocks(3, "CL").assumed(),
     cwl: cycles(0, "data come with the command"),
     rcd: ns(20, "tRCD"),
     rp: ns(20, "tRP"),
@@ -89,16 +95,17 @@ pub(super) const SDR_133: Sheet = Sheet {
     wtr: ns(0, "a read may follow the last data"),
     rrd: ns(15, "tRRD"),
     faw: NONE,
-    refi: ps(15_625_000, "4,096 rows in 64 ms"),
+    refi: ps(15_625_000, "4,096 rows in 64 ms").assumed(),
     rfc: ps(67_500, "tRC"),
     banks: 4,
     row_bytes: 4096,
+    chips_assumed: true,
     board: &[],
 };
 
 pub(super) const DDR_400: Sheet = Sheet {
     about: "DDR-400 3-3-3: a 64-bit channel of two chips of 4M x 32",
-    source: "Samsung K4H560838E and kin, grade CC; JEDEC JESD79, DDR400B; rows of K4D263238: 256 columns",
+    source: "Samsung K4H560838E and kin, grade CC; JEDEC JESD79, DDR400B",
     rate: Own { bytes: 16, hz: (200_000_000, 1), of: "64 bits twice per clock" },
     burst_bytes: 64,
     cl: clocks(3, "CL"),
@@ -115,6 +122,7 @@ pub(super) const DDR_400: Sheet = Sheet {
     rfc: ns(70, "tRFC"),
     banks: 4,
     row_bytes: 2048,
+    chips_assumed: true,
     board: &[],
 };
 
@@ -128,15 +136,16 @@ pub(super) const DDR2_667: Sheet = Sheet {
     rcd: ns(15, "tRCD"),
     rp: ns(15, "tRP"),
     ras: ns(45, "tRAS"),
-    rtp: ps(1_500, "tRTP 7.5 ns from the last four transfers on; beyond the burst"),
-    wr: ns(15, "tWR"),
-    wtr: ps(7_500, "tWTR"),
+    rtp: ps(1_500, "tRTP 7.5 ns from the last four transfers on; beyond the burst").assumed(),
+    wr: ns(15, "tWR").assumed(),
+    wtr: ps(7_500, "tWTR").assumed(),
     rrd: ns(10, "tRRD, pages of 2 KiB"),
-    faw: ns(50, "tFAW, pages of 2 KiB"),
+    faw: ns(50, "tFAW, pages of 2 KiB").assumed(),
     refi: ps(7_800_000, "tREFI"),
-    rfc: ps(127_500, "tRFC, 1 Gbit"),
+    rfc: ps(127_500, "tRFC, 1 Gbit").assumed(),
     banks: 8,
     row_bytes: 8192,
+    chips_assumed: false,
     board: &[],
 };
 
@@ -151,14 +160,15 @@ pub(super) const GDDR3_1400: Sheet = Sheet {
     rp: clocks(12, "tRP"),
     ras: clocks(18, "tRAS"),
     rtp: ns(0, "half a burst's transfers after the command; beyond the burst"),
-    wr: clocks(8, "tWR"),
+    wr: clocks(8, "tWR").assumed(),
     wtr: clocks(5, "tWTR"),
     rrd: clocks(7, "tRRD"),
-    faw: NONE,
+    faw: cycles(0, "tFAW, taken to be none").assumed(),
     refi: ps(3_900_000, "tREFI"),
-    rfc: ns(52, "tRFC"),
+    rfc: ns(52, "tRFC").assumed(),
     banks: 8,
     row_bytes: 2048,
+    chips_assumed: false,
     board: &[],
 };
 
@@ -181,12 +191,13 @@ pub(super) const XDR_3200: Sheet = Sheet {
     rfc: clocks(16, "tRC").assumed(),
     banks: 8,
     row_bytes: 2048,
+    chips_assumed: false,
     board: &[],
 };
 
 pub(super) const EDRAM_PS2: Sheet = Sheet {
     about: "DRAM on the device's own chip, as in the Graphics Synthesizer of the PlayStation 2: a 1,024-bit bus",
-    source: "bus and page of the Graphics Synthesizer (1,024 bits to read, 1,024 to write, pages of 8 KiB); times of its rows are not published",
+    source: "bus of the Graphics Synthesizer: 1,024 bits to read, 1,024 to write; its rows and their times are not published",
     rate: Device { bytes: 128, of: "1,024 bits per cycle of the device" },
     burst_bytes: 128,
     cl: ns(14, "two cycles of 147 MHz").assumed(),
@@ -203,12 +214,13 @@ pub(super) const EDRAM_PS2: Sheet = Sheet {
     rfc: ns(65, "a row cycle").assumed(),
     banks: 4,
     row_bytes: 8192,
+    chips_assumed: true,
     board: &[],
 };
 
 pub(super) const SRAM: Sheet = Sheet {
     about: "static RAM on the device's own chip: 128 bits, no rows, no refresh",
-    source: "a synchronous macro: address in one cycle, data in the next",
+    source: "no sheet: a synchronous macro, address in one cycle, data in the next",
     rate: Device { bytes: 16, of: "128 bits per cycle of the device" },
     burst_bytes: 16,
     cl: cycles(1, "data in the cycle after the address").assumed(),
@@ -249,5 +261,6 @@ const NO_TIME: Sheet = Sheet {
     rfc: NONE,
     banks: 1,
     row_bytes: 0,
+    chips_assumed: false,
     board: &[],
 };

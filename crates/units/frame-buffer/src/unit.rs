@@ -82,8 +82,9 @@ impl<T: ColorToken> FrameBuffer<T> {
         layout::COLOR_BUFFERS + self.state.counters.frames % 2 * layout::COLOR_BUFFER_STRIDE
     }
 
+    /// Writes a pixel of a token. `is_open`: the line in which they all lie is the one written last, as it is after the first.
     #[inline(always)]
-    fn write(&mut self, (x, y, color): (u16, u16, [u8; 3]), traffic: &mut Traffic) {
+    fn write(&mut self, (x, y, color): (u16, u16, [u8; 3]), is_open: &mut bool, traffic: &mut Traffic) {
         let Some(picture) = &mut self.state.picture else { return };
         let (x, y, width) = (u32::from(x), u32::from(y), picture.width);
         let place = y as usize * width as usize + x as usize;
@@ -94,7 +95,19 @@ impl<T: ColorToken> FrameBuffer<T> {
         *rgb = color;
         *covered = true;
         self.state.counters.pixels += 1;
-        if let Some(gone) = self.state.lines.touch(line_of::<T>(width, [x, y]), self.config.write_lines) {
+        if !*is_open {
+            *is_open = true;
+            let line = line_of::<T>(width, [x, y]);
+            if !self.state.lines.is_newest(line) {
+                self.gather(line, traffic);
+            }
+        }
+    }
+
+    /// Gathers a line, and writes the one that has to go for it, if any. (Not inlined: once per token at most.)
+    #[inline(never)]
+    fn gather(&mut self, line: u64, traffic: &mut Traffic) {
+        if let Some(gone) = self.state.lines.touch(line, self.config.write_lines) {
             self.write_line(gone, traffic);
         }
     }
@@ -143,7 +156,8 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
         let latency = u64::from(self.config.latency);
         match input {
             Some(Flow::Item(token)) => {
-                token.each(|x, y, rgb| self.write((x, y, rgb), traffic));
+                let mut is_open = false;
+                token.each(|x, y, rgb| self.write((x, y, rgb), &mut is_open, traffic));
                 return Step::over(token.pixels(), 1, latency, None);
             }
             Some(Flow::Control(Control::Frame(frame))) => self.begin(&frame, traffic),

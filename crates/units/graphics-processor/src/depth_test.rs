@@ -144,8 +144,10 @@ impl<T: DepthToken> DepthTest<T> {
         self.state.counters.lines_written += 1;
     }
 
+    /// Tests a pixel of a token. `is_open`: the line in which all its pixels lie is known to be the one written last, so that
+    /// nothing else is to do.
     #[inline(always)]
-    fn passes(&mut self, (x, y, z): (u16, u16, u32), traffic: &mut Traffic) -> bool {
+    fn passes(&mut self, (x, y, z): (u16, u16, u32), is_open: &mut bool, traffic: &mut Traffic) -> bool {
         let (x, y) = (u32::from(x), u32::from(y));
         if x >= self.state.width {
             return false;
@@ -155,23 +157,30 @@ impl<T: DepthToken> DepthTest<T> {
         };
         let passes = z < *nearest;
         *nearest = z.min(*nearest);
-        let line = line_of::<T>(self.state.width, [x, y]);
-        let [columns, rows] = T::LINE;
-        // All pixels of a token lie in one line: mostly it is the one written last, and nothing else is to do.
-        let is_open = self.state.lines.is_newest(line);
-        if is_open {
-            self.state.counters.gathered += 1;
-        } else {
-            self.look_up((line, y % rows * columns + x % columns), passes, traffic);
-        }
         self.state.counters.tested += 1;
-        if passes {
-            self.state.counters.passed += 1;
-            if !is_open {
-                self.gather(line, traffic);
+        self.state.counters.passed += u64::from(passes);
+        if !*is_open {
+            let line = line_of::<T>(self.state.width, [x, y]);
+            if !self.state.lines.is_newest(line) {
+                *is_open = passes;
+                self.test_in_another(line, [x, y], passes, traffic);
+                return passes;
             }
+            *is_open = true;
         }
+        self.state.counters.gathered += 1;
         passes
+    }
+
+    /// Looks a z value up in a line that is not the one written last, and gathers the line if it `passes`. (Not inlined: few
+    /// pixels come here, and with this in the loop over the pixels its body was a call for each of them.)
+    #[inline(never)]
+    fn test_in_another(&mut self, line: u64, [x, y]: [u32; 2], passes: bool, traffic: &mut Traffic) {
+        let [columns, rows] = T::LINE;
+        self.look_up((line, y % rows * columns + x % columns), passes, traffic);
+        if passes {
+            self.gather(line, traffic);
+        }
     }
 
     /// Writes a gathered line, one per step; the end of the frame goes on with the last of them.
@@ -200,7 +209,8 @@ impl<T: DepthToken> Unit for DepthTest<T> {
         match input {
             Some(Flow::Item(mut token)) => {
                 let tested = token.pixels();
-                let any = token.retain(|x, y, z| self.passes((x, y, z), traffic));
+                let mut is_open = false;
+                let any = token.retain(|x, y, z| self.passes((x, y, z), &mut is_open, traffic));
                 Step::over(tested, 1, latency, (any || T::KEPT_WHEN_EMPTY).then_some(Flow::Item(token)))
             }
             Some(Flow::Control(Control::FrameEnd)) => Step::after(latency, self.end(traffic)),

@@ -1,0 +1,76 @@
+//! What a channel's commands go by: the times that follow from its parameters, its banks, and what is found out of a command.
+
+use crate::counts::Row;
+use crate::{Cycle, MemoryConfig};
+
+/// Row of a closed bank: more than any row can be, as rows have 4 bytes and more.
+pub(super) const CLOSED: u64 = u64::MAX;
+
+/// One bank.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bank {
+    pub(super) row: u64,
+    /// The first column command since its activation.
+    pub(super) ready: Cycle,
+    /// It may be precharged or, closed, activated.
+    pub(super) free: Cycle,
+    /// The next refresh, which closes it.
+    pub(super) until: Cycle,
+}
+
+/// When the column command of a burst can go, were it the next, and what goes before it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Column {
+    pub(super) at: Cycle,
+    pub(super) row: Row,
+    pub(super) activation: Cycle,
+    /// The refresh after it.
+    pub(super) until: Cycle,
+}
+
+/// The times of a channel that follow from its parameters, by direction where there are two: read, write.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Timing {
+    /// From a column command in one direction to the next, in each.
+    pub(super) gaps: [[u64; 2]; 2],
+    /// From column command to the end of its data.
+    pub(super) data: [u64; 2],
+    /// From column command to precharge.
+    pub(super) recovery: [u64; 2],
+    pub(super) rcd: u64,
+    pub(super) rp: u64,
+    pub(super) ras: u64,
+    pub(super) rrd: u64,
+    pub(super) faw: u64,
+    pub(super) refi: u64,
+    pub(super) rfc: u64,
+    pub(super) burst_cycles: u64,
+}
+
+impl Timing {
+    pub(super) fn new(c: &MemoryConfig) -> Self {
+        let [cl, cwl, burst] = [c.cl, c.cwl, c.burst_cycles].map(u64::from);
+        let read_to_write = burst.max((cl + burst + 1).saturating_sub(cwl));
+        let write_to_read = cwl + burst + u64::from(c.wtr);
+        Self {
+            gaps: [[burst, read_to_write], [write_to_read, burst]],
+            data: [cl + burst, cwl + burst],
+            recovery: [c.rtp.into(), cwl + burst + u64::from(c.wr)],
+            rcd: c.rcd.into(),
+            rp: c.rp.into(),
+            ras: c.ras.into(),
+            rrd: c.rrd.into(),
+            faw: c.faw.into(),
+            refi: c.refi.into(),
+            rfc: c.rfc.into(),
+            burst_cycles: burst,
+        }
+    }
+
+    /// A bank after the last refresh up to cycle `at`.
+    #[cold]
+    pub(super) fn refreshed(&self, at: Cycle) -> Bank {
+        let last = Cycle(at.0 / self.refi * self.refi);
+        Bank { row: CLOSED, ready: Cycle::ZERO, free: last + self.rfc, until: last + self.refi }
+    }
+}
