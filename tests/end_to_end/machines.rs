@@ -93,7 +93,9 @@ fn a_replay_gives_the_same_picture_to_the_bit_whichever_machine_recorded_it() {
         for list in ["b.jsonl", "s.bdl.zst", "t.bdl"] {
             place.ok(&format!("run {list} --machine {machine} --out replay"));
             assert_eq!(place.report("replay")["image"], place.report("scene")["image"], "{machine}, {list}");
-            assert_eq!(place.report("replay")["input"]["sha256"], place.report("scene")["input"]["sha256"], "{machine}, {list}");
+            // Arrivals are those of the geometry processor that recorded the list.
+            let is_same = place.report("replay")["input"]["sha256"] == place.report("scene")["input"]["sha256"];
+            assert_eq!(is_same, list.starts_with(&machine[..1]), "{machine}, {list}");
         }
     }
 }

@@ -102,7 +102,7 @@ fn with_quad() -> Place {
 #[test]
 fn a_trace_for_dramsim3_is_as_reviewed() {
     let place = with_quad();
-    place.ok(&format!("{QUAD} --requests t --requests-format dramsim3"));
+    place.ok(&format!("{QUAD} --requests t --requests-format dramsim3 --requests-memory frame"));
     assert_eq!(place.text("t"), GOLDEN);
 }
 
@@ -110,7 +110,7 @@ fn a_trace_for_dramsim3_is_as_reviewed() {
 fn the_traces_of_other_simulators_hold_aligned_bursts_of_one_memory() {
     let place = with_quad();
     for format in ["csv", "dramsim3", "ramulator", "ramulator2"] {
-        place.ok(&format!("{QUAD} --requests {format} --requests-format {format}"));
+        place.ok(&format!("{QUAD} --requests {format} --requests-format {format} --requests-memory frame"));
     }
     let csv = place.text("csv");
     let all = lines(&csv);

@@ -156,7 +156,8 @@ fn every_memory_has_a_part_by_default_and_the_credits_of_its_machine() {
         value["memory"].as_object().unwrap().values().map(|memory| memory["part"].clone()).collect()
     }
     assert_eq!(parts::<BumpProcessorConfig>(), ["ddr-400", "edram-ps2", "sram"]);
-    assert_eq!(parts::<ShadeConfig>(), ["fpm-80"]);
+    // Static RAM of the microcomputer (12), by its own numbers.
+    assert_eq!(parts::<ShadeConfig>(), ["fpm-80", "custom"]);
     assert_eq!(parts::<TexelMachineConfig>(), ["edo-60"; 3]);
     assert_eq!(parts::<DeferConfig>(), ["sdr-100"; 3]);
     // Defaults are what loading nothing gives: at every machine's own clock its parts fit.

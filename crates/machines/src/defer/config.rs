@@ -79,7 +79,7 @@ fifos! {
         /// Expander to texture-data memory (130): tiles.
         expanded: ExpandedTile = 2,
         /// Rasterizer to z-test: fragments.
-        fragments: Flow<Stamp<Fragment>> = 32,
+        fragments: Flow<Stamp<Fragment>> = 96,
         /// Z-test to the making of cells: fragments in front.
         tested_fragments: Flow<Stamp<Fragment>> = 64,
         /// To reference buffer (126): cells.
