@@ -44,7 +44,8 @@ fn both(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) ->
 
 /// Figures of the units behind the display list.
 fn behind_the_list(report: &Report) -> Vec<(&String, &Figure)> {
-    let front = ["triangles", "polygons", "bump_polygons", "vertices", "vertex_cache_hits", "display_list_commands", "vertex_bytes"];
+    let front =
+        ["triangles", "polygons", "bump_polygons", "vertices", "vertex_cache_hits", "display_list_commands", "vertex_bytes"];
     let in_front = |name: &str| front.contains(&name) || name.starts_with("triangles_") || name.starts_with("vertices_");
     report.figures.iter().filter(|(name, _)| !in_front(name) && *name != "polygons_clipped").collect()
 }

@@ -9,6 +9,7 @@ use basrelief_graphics_processor::{GraphicsProcessor, HeldEntry};
 use basrelief_kernel::Unit;
 use basrelief_kernel::facts::Facts;
 use basrelief_normal_mapping::NormalMapping;
+use basrelief_replacement::CodeBookMode;
 use basrelief_signals::MAX_SAMPLES;
 
 /// There is no VQ table as configured.
@@ -79,7 +80,16 @@ pub fn warnings(c: &BumpProcessorConfig, facts: &Facts) -> Vec<String> {
     let stamps = (fewer < c.rasterizer.stamp).then(|| {
         format!("stamps of {fewer} instead of {} fragments: a step of more needs more requests in flight (memory.*.outstanding) than there may be", c.rasterizer.stamp)
     });
-    slow_fifos(facts).into_iter().chain(stamps).chain(claim_3_warning(c, facts)).collect()
+    slow_fifos(facts).into_iter().chain(stamps).chain(few_tables(c)).chain(claim_3_warning(c, facts)).collect()
+}
+
+/// A fragment needs a table for each level that it is interpolated from: a unit that holds fewer loads them anew for each.
+fn few_tables(c: &BumpProcessorConfig) -> Option<String> {
+    let (needed, held) = (u32::from(c.brightness.levels), c.replacement.resident_tables);
+    let searches_tables = c.replacement.codebook == CodeBookMode::Fixed;
+    (searches_tables && held < needed).then(|| {
+        format!("a fragment of {needed} levels needs as many VQ tables, and the unit holds {held}: it loads them anew for every fragment (replacement.resident_tables)")
+    })
 }
 
 /// Claim 3 wants fewer reference normals in a table than distinct pseudo-normals on the surface: says where a run was

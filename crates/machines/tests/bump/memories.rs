@@ -55,6 +55,8 @@ fn slow_fifos_small_stamps_and_needless_tables_are_warned_of() {
     assert!(slow.len() == 1 && slow[0].contains("fifo.shaded.depth = 2 allows 2 tokens in"), "{slow:?}");
     let small = said(&[("memory.graphics.outstanding", "8")]);
     assert!(small.len() == 1 && small[0].starts_with("stamps of 2 instead of 4 fragments"), "{small:?}");
+    let few = said(&[("brightness.levels", "3")]);
+    assert!(few.len() == 1 && few[0].contains("needs as many VQ tables, and the unit holds 2"), "{few:?}");
     let needless = said(&[("replacement.entries", "16384")]);
     assert!(needless.iter().any(|w| w.contains("claim 3 wants fewer entries")), "{needless:?}");
 }
