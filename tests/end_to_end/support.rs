@@ -11,7 +11,7 @@ use tempfile::TempDir;
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_basrelief");
 
 /// Longest that any run here may take: ten times what the slowest needs when built for debugging.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(240);
 
 /// Top folder of the workspace.
 pub fn workspace() -> PathBuf {
