@@ -6,6 +6,7 @@
 //! | ratios within one run, as a table and as JSON | `cargo run --release -p basrelief-bench --example measure -- ratios --json FILE` |
 //! | instructions against the committed budgets | `cargo run --release -p basrelief-bench --example measure -- instructions` |
 //! | new budgets | `cargo run --release -p basrelief-bench --example measure -- instructions --bless` |
+//! | hostile runs of the program, as a table | `cargo run --release -p basrelief-bench --example hostile -- target/release/basrelief` |
 //! | a trace of N polygons on standard output | `cargo run --release -p basrelief-bench --example measure -- trace N` |
 //!
 //! `measure` is an example, not a binary: the workspace has one binary, so that `cargo run` knows what is meant.
@@ -13,6 +14,7 @@
 //! docs/performance.md has the figures.
 
 pub mod graphs;
+pub mod hostile;
 pub mod instructions;
 pub mod machines;
 pub mod models;

@@ -1,0 +1,273 @@
+//! What is run: a file that was spoiled, and a command line.
+
+use super::chance::Chance;
+use super::{mutate, options};
+use basrelief_display_list::{Form, convert};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// Kinds of inputs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u64)]
+pub enum Kind {
+    /// Traces in JSON Lines.
+    TraceText,
+    /// Traces in binary.
+    TraceBinary,
+    /// Traces in zstd.
+    TraceCompressed,
+    /// glTF as JSON.
+    Gltf,
+    /// GLB.
+    Glb,
+    /// OBJ and its library.
+    Obj,
+    /// PNG and JPEG.
+    Picture,
+    /// Configurations and cameras.
+    Settings,
+    /// Command lines.
+    Options,
+}
+
+/// A run to be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// Files that lie in its folder.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// Behind the program's name.
+    pub arguments: Vec<String>,
+}
+
+/// What is spoiled.
+#[derive(Clone, Debug)]
+pub struct Sources {
+    traces: Vec<String>,
+    gltf: Vec<Value>,
+    obj: String,
+    mtl: String,
+    pictures: Vec<Vec<u8>>,
+    configurations: Vec<String>,
+}
+
+const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+/// Of every run of a file: short, and without what is measured elsewhere.
+const SHORT: &str = "--max-cycles 200000 --out out";
+const CAMERA: &str = r#"{"view_projection":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"to_light":[0,0,1],"to_viewer":[0,0.5,1]}"#;
+
+impl Sources {
+    /// Reads the samples of the workspace.
+    ///
+    /// # Errors
+    /// One that cannot be read.
+    pub fn load() -> Result<Self, String> {
+        let bytes = |name: &str| fs::read(Path::new(WORKSPACE).join(name)).map_err(|e| format!("{name}: {e}"));
+        let text = |name: &str| bytes(name).map(|b| String::from_utf8_lossy(&b).into_owned());
+        let json = |name: &str| text(name).and_then(|t| serde_json::from_str(&t).map_err(|e| format!("{name}: {e}")));
+        Ok(Self {
+            traces: vec![text("crates/session/src/quad.dl.jsonl")?, text("traces/patch-per-polygon.jsonl")?],
+            gltf: vec![json("tests/models/patch.gltf")?, json("tests/models/alcove.gltf")?],
+            obj: text("tests/models/patch.obj")?,
+            mtl: text("tests/models/patch.mtl")?,
+            pictures: ["tests/models/bumps.png", "tests/models/checks.png", "fuzz/seeds/image/tile.jpg"]
+                .map(bytes)
+                .into_iter()
+                .collect::<Result<_, _>>()?,
+            configurations: ["bump-1998", "shade-1989", "texel-1994", "defer-1998"]
+                .map(|name| text(&format!("presets/{name}.toml")))
+                .into_iter()
+                .collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+impl Kind {
+    /// All.
+    pub const ALL: [Self; 9] = [
+        Self::TraceText,
+        Self::TraceBinary,
+        Self::TraceCompressed,
+        Self::Gltf,
+        Self::Glb,
+        Self::Obj,
+        Self::Picture,
+        Self::Settings,
+        Self::Options,
+    ];
+
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TraceText => "traces, JSON Lines",
+            Self::TraceBinary => "traces, binary",
+            Self::TraceCompressed => "traces, zstd",
+            Self::Gltf => "glTF",
+            Self::Glb => "GLB",
+            Self::Obj => "OBJ and MTL",
+            Self::Picture => "PNG and JPEG",
+            Self::Settings => "configurations and cameras",
+            Self::Options => "command lines",
+        }
+    }
+
+    /// One case.
+    pub fn case(self, sources: &Sources, chance: &mut Chance) -> Case {
+        match self {
+            Self::TraceText => trace("t.jsonl", spoiled_lines(chance.one::<String>(&sources.traces), chance), chance),
+            Self::TraceBinary => trace("t.bdl", spoiled_form("t.bdl", sources, chance), chance),
+            Self::TraceCompressed => {
+                let name = *chance.one(&["t.jsonl.zst", "t.bdl.zst"]);
+                trace(name, spoiled_form(name, sources, chance), chance)
+            }
+            Self::Gltf => model("m.gltf", spoiled_gltf(sources, chance).into_bytes(), vec![], chance),
+            Self::Glb => model("m.glb", spoiled_glb(sources, chance), vec![], chance),
+            Self::Obj => obj(sources, chance),
+            Self::Picture => picture(sources, chance),
+            Self::Settings => settings(sources, chance),
+            Self::Options => command_line(sources, chance),
+        }
+    }
+}
+
+/// Words between spaces.
+fn words(line: &str) -> Vec<String> {
+    line.split_whitespace().map(str::to_owned).collect()
+}
+
+fn machine(chance: &mut Chance) -> &'static str {
+    chance.one::<&str>(&["bump", "shade", "texel", "defer"])
+}
+
+fn trace(name: &str, bytes: Vec<u8>, chance: &mut Chance) -> Case {
+    let line = match chance.below(8) {
+        0 => format!("verify {name}"),
+        1 => format!("convert {name} back.bdl.zst"),
+        2 => format!("run {name} --functional --out out"),
+        _ => format!("run {name} {SHORT} --machine {}", machine(chance)),
+    };
+    Case { files: vec![(name.into(), bytes)], arguments: words(&line) }
+}
+
+fn model(name: &str, bytes: Vec<u8>, mut files: Vec<(String, Vec<u8>)>, chance: &mut Chance) -> Case {
+    let line = match chance.below(8) {
+        0 => format!("record {name} --size 32x24 --out t.jsonl"),
+        1 => format!("run {name} --size 32x24 {SHORT} --frames 2 --orbit 30"),
+        _ => format!("run {name} --size 32x24 {SHORT} --machine {}", machine(chance)),
+    };
+    files.push((name.into(), bytes));
+    Case { files, arguments: words(&line) }
+}
+
+/// A line is spoiled as JSON, or the text as text, or its bytes.
+fn spoiled_lines(text: &str, chance: &mut Chance) -> Vec<u8> {
+    if chance.once_in(4) {
+        return mutate::text(text, chance).into_bytes();
+    }
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let at = chance.below(lines.len());
+    if let Ok(mut value) = serde_json::from_str::<Value>(&lines[at]) {
+        mutate::document(&mut value, chance);
+        lines[at] = value.to_string();
+    }
+    let mut bytes = (lines.join("\n") + "\n").into_bytes();
+    if chance.once_in(4) {
+        mutate::bytes(&mut bytes, chance);
+    }
+    bytes
+}
+
+fn spoiled_form(name: &str, sources: &Sources, chance: &mut Chance) -> Vec<u8> {
+    let form = Form::for_file_name(name).unwrap_or_default();
+    let mut bytes = Vec::new();
+    // The samples are sound.
+    convert(chance.one(&sources.traces).as_bytes(), &mut bytes, form).unwrap_or_default();
+    mutate::bytes(&mut bytes, chance);
+    bytes
+}
+
+fn spoiled_gltf(sources: &Sources, chance: &mut Chance) -> String {
+    let mut document = chance.one(&sources.gltf).clone();
+    mutate::document(&mut document, chance);
+    document.to_string()
+}
+
+/// The container of a document, with a few bytes behind it; either is spoiled.
+fn spoiled_glb(sources: &Sources, chance: &mut Chance) -> Vec<u8> {
+    let mut json = if chance.once_in(2) { spoiled_gltf(sources, chance) } else { chance.one(&sources.gltf).to_string() };
+    json.push_str(&" ".repeat(json.len().next_multiple_of(4) - json.len()));
+    let data: Vec<u8> = (0..64).map(|_| chance.byte()).collect();
+    let length = |bytes: &[u8]| (bytes.len() as u32).to_le_bytes();
+    let chunks = [&length(json.as_bytes())[..], b"JSON", json.as_bytes(), &length(&data), b"BIN\0", &data].concat();
+    let total = (chunks.len() as u32 + 12).to_le_bytes();
+    let mut all = [b"glTF", &2u32.to_le_bytes(), &total, &chunks[..]].concat();
+    if !chance.once_in(3) {
+        mutate::bytes(&mut all, chance);
+    }
+    all
+}
+
+fn pictures(sources: &Sources) -> Vec<(String, Vec<u8>)> {
+    vec![("bumps.png".into(), sources.pictures[0].clone()), ("checks.png".into(), sources.pictures[1].clone())]
+}
+
+fn obj(sources: &Sources, chance: &mut Chance) -> Case {
+    let (mut object, mut library) = (sources.obj.clone(), sources.mtl.clone());
+    if chance.once_in(3) {
+        library = mutate::text(&library, chance);
+    } else {
+        object = mutate::text(&object, chance);
+    }
+    let mut object = object.into_bytes();
+    if chance.once_in(4) {
+        mutate::bytes(&mut object, chance);
+    }
+    let mut files = pictures(sources);
+    files.push(("patch.mtl".into(), library.into_bytes()));
+    model("m.obj", object, files, chance)
+}
+
+/// As a colour texture and as a normal map.
+fn picture(sources: &Sources, chance: &mut Chance) -> Case {
+    let mut files = pictures(sources);
+    let mut bytes = chance.one(&sources.pictures).clone();
+    mutate::bytes(&mut bytes, chance);
+    files[chance.below(2)].1 = bytes;
+    files.push(("patch.mtl".into(), sources.mtl.clone().into_bytes()));
+    model("m.obj", sources.obj.clone().into_bytes(), files, chance)
+}
+
+fn settings(sources: &Sources, chance: &mut Chance) -> Case {
+    let spoiled = |text: &str, chance: &mut Chance| {
+        let mut bytes = mutate::text(text, chance).into_bytes();
+        if chance.once_in(3) {
+            mutate::bytes(&mut bytes, chance);
+        }
+        bytes
+    };
+    let (mut config, mut camera) = (chance.one::<String>(&sources.configurations).clone().into_bytes(), CAMERA.into());
+    let which = if chance.once_in(3) {
+        camera = spoiled(CAMERA, chance);
+        "--camera c.json"
+    } else if chance.once_in(2) {
+        config = spoiled(&String::from_utf8_lossy(&config), chance);
+        "--config c.toml"
+    } else {
+        let setting = options::setting(chance);
+        config = setting.replacen('=', " = ", 1).into_bytes();
+        "--config c.toml"
+    };
+    let line = format!("demo --machine {} --size 32x24 {SHORT} {which}", machine(chance));
+    Case { files: vec![("c.toml".into(), config), ("c.json".into(), camera)], arguments: words(&line) }
+}
+
+fn command_line(sources: &Sources, chance: &mut Chance) -> Case {
+    let model = serde_json::to_vec(&sources.gltf[0]).unwrap_or_default();
+    let files = vec![("t0.jsonl".into(), sources.traces[0].clone().into_bytes()), ("m.gltf".into(), model)];
+    let named = |word: String| match word.as_str() {
+        "FILE" => "t0.jsonl".into(),
+        "MODEL" => "m.gltf".into(),
+        _ => word,
+    };
+    Case { files, arguments: options::command_line(chance).into_iter().map(named).collect() }
+}

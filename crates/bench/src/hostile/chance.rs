@@ -1,0 +1,47 @@
+//! Chance that is the same for everyone.
+
+/// A generator of numbers (SplitMix64).
+#[derive(Clone, Debug)]
+pub struct Chance(u64);
+
+impl Chance {
+    /// That of one case.
+    pub fn of(seed: u64, kind: u64, number: u64) -> Self {
+        let mut chance = Self(seed);
+        for part in [kind, number] {
+            chance.0 = chance.next() ^ part;
+        }
+        chance
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Below `end`; 0 where that is 0.
+    pub fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+
+    /// Once in `times`.
+    pub fn once_in(&mut self, times: usize) -> bool {
+        self.below(times) == 0
+    }
+
+    /// One of these.
+    ///
+    /// # Panics
+    /// If there is none.
+    pub fn one<'a, T>(&mut self, of: &'a [T]) -> &'a T {
+        &of[self.below(of.len())]
+    }
+
+    /// Any byte, odd ones more often.
+    pub fn byte(&mut self) -> u8 {
+        const ODD: [u8; 8] = [0, 1, 0x20, 0x7f, 0x80, 0xfe, 0xff, b'9'];
+        if self.once_in(2) { *self.one(&ODD) } else { self.next() as u8 }
+    }
+}

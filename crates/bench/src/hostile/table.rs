@@ -1,0 +1,73 @@
+//! What the runs came to, as a table in Markdown.
+
+use super::cases::Kind;
+use super::{Ended, Finding};
+use std::fmt::{self, Display, Formatter};
+
+/// One row for each kind, and one for all.
+#[derive(Clone, Debug, Default)]
+pub struct Table(Vec<(&'static str, Row)>);
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    runs: u64,
+    /// By exit code.
+    codes: [u64; 3],
+    crashes: u64,
+    hangs: u64,
+    over: u64,
+    unequal: u64,
+    mebibytes: u64,
+    seconds: f64,
+}
+
+impl Table {
+    /// Counts a case.
+    pub fn add(&mut self, kind: Kind, run: &Ended, finding: Option<Finding>) {
+        for name in [kind.name(), "all"] {
+            let row = self.row(name);
+            row.runs += 1;
+            if let Some(count) = usize::try_from(run.code).ok().and_then(|code| row.codes.get_mut(code)) {
+                *count += 1;
+            }
+            match finding {
+                Some(Finding::Crash) => row.crashes += 1,
+                Some(Finding::Hang) => row.hangs += 1,
+                Some(Finding::Memory) => row.over += 1,
+                Some(Finding::Unequal) => row.unequal += 1,
+                None => {}
+            }
+            row.mebibytes = row.mebibytes.max(run.mebibytes);
+            row.seconds = row.seconds.max(run.seconds);
+        }
+    }
+
+    fn row(&mut self, name: &'static str) -> &mut Row {
+        // That of all stands last.
+        let at = self.0.iter().position(|(n, _)| *n == name).unwrap_or_else(|| {
+            let at = self.0.len() - usize::from(self.0.last().is_some_and(|(n, _)| *n == "all"));
+            self.0.insert(at, (name, Row::default()));
+            at
+        });
+        &mut self.0[at].1
+    }
+}
+
+impl Display for Table {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "| what was spoiled | inputs, each run twice | exit code 0 | 1 | 2 | panics and signals | hangs | over the memory | \
+             second run differs | largest memory MiB | longest run s |"
+        )?;
+        writeln!(f, "|---|{}", "---:|".repeat(10))?;
+        for (name, row) in &self.0 {
+            let Row { runs, codes: [done, bad, usage], crashes, hangs, over, unequal, mebibytes, seconds } = row;
+            writeln!(
+                f,
+                "| {name} | {runs} | {done} | {bad} | {usage} | {crashes} | {hangs} | {over} | {unequal} | {mebibytes} | {seconds:.2} |"
+            )?;
+        }
+        Ok(())
+    }
+}
