@@ -13,32 +13,20 @@ pub struct Connections<I, O, C> {
     pub clients: C,
 }
 
-/// The memory clients of one stage, in the order in which its unit numbers them. The type tells at compile time whether
-/// there are any: stages without memory pay nothing for those that have it.
+/// The memory clients of one stage, in the order in which its unit numbers them.
 pub trait Clients {
-    /// Whether there can be any.
-    const HAS_MEMORY: bool;
     /// Their numbers among the machine's memories.
     fn ids(&self) -> &[usize];
     /// The machine's memories.
     fn memories(&self) -> Option<&MemorySystem>;
-    /// Both at once.
-    fn open(&mut self) -> Option<(&[usize], &mut MemorySystem)>;
 }
 
 /// None.
 impl Clients for () {
-    const HAS_MEMORY: bool = false;
-    #[inline(always)]
     fn ids(&self) -> &[usize] {
         &[]
     }
-    #[inline(always)]
     fn memories(&self) -> Option<&MemorySystem> {
-        None
-    }
-    #[inline(always)]
-    fn open(&mut self) -> Option<(&[usize], &mut MemorySystem)> {
         None
     }
 }
@@ -51,17 +39,10 @@ pub struct MemoryClients<'m> {
 }
 
 impl Clients for MemoryClients<'_> {
-    const HAS_MEMORY: bool = true;
-    #[inline(always)]
     fn ids(&self) -> &[usize] {
         self.ids
     }
-    #[inline(always)]
     fn memories(&self) -> Option<&MemorySystem> {
         Some(self.memories)
-    }
-    #[inline(always)]
-    fn open(&mut self) -> Option<(&[usize], &mut MemorySystem)> {
-        Some((self.ids, self.memories))
     }
 }

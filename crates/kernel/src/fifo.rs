@@ -1,6 +1,6 @@
 //! Bounded FIFOs: the wires between units.
 
-use crate::{Cycle, Link};
+use crate::Link;
 use std::collections::VecDeque;
 
 /// A bounded FIFO of tokens.
@@ -26,36 +26,17 @@ impl<T> Fifo<T> {
         self
     }
 
-    /// Reserves a slot at the start of the step that emits `token`, if it emits one; 1 if it did, else 0.
+    /// Takes `token` in, if there is one; 1 if there was, else 0.
     #[inline(always)]
-    pub(crate) fn reserve(&mut self, start: Cycle, token: Option<T>) -> u32 {
+    pub(crate) fn put(&mut self, token: Option<T>) -> u32 {
         let Some(token) = token else { return 0 };
         self.tokens.push_back(token);
-        self.link.reserve(start);
+        self.link.count_push();
         1
     }
 
     /// Takes the front token out, if it is declared.
     #[inline(always)]
-    pub(crate) fn pop_if(&mut self, declared: bool, at: Cycle) -> Option<T> {
-        if !declared {
-            return None;
-        }
-        self.link.pop(at);
-        self.tokens.pop_front()
-    }
-
-    /// As [`Fifo::reserve`] and delivery, without time.
-    #[inline]
-    pub(crate) fn put(&mut self, token: Option<T>) {
-        if let Some(token) = token {
-            self.tokens.push_back(token);
-            self.link.count_push();
-        }
-    }
-
-    /// As [`Fifo::pop_if`], without time.
-    #[inline]
     pub(crate) fn take_if(&mut self, declared: bool) -> Option<T> {
         if !declared {
             return None;

@@ -110,13 +110,13 @@
 //! 1. **FIFO.** Its depth and its latency f are at least 1. A token delivered at d is visible from
 //!    max(d + f, visible time of the token before it + 1). Tokens never overtake.
 //!
-//!    *Enforced by [`Fifo::new`] and [`Link`]; test `laws/law_1_fifo`.*
+//!    *Enforced by [`Fifo::new`] and `Slots::deliver`; test `laws/law_1_fifo`.*
 //! 2. **Slots.** A slot is *reserved at the start* of the step that fills it: what is in flight holds slots, as under credit
 //!    flow control. It is free again the cycle after the pop. So full rate needs
 //!    depth >= ceil((latency + f + 1) / occupancy), or the loaded memory latency. Defaults are computed so; a config below it
 //!    is a warning that names the rate it allows.
 //!
-//!    *Enforced by [`Link::room_at`]; test `laws/law_2_slots`.*
+//!    *Enforced by `Slots::room_at`; test `laws/law_2_slots`.*
 //! 3. **Start.** A unit declares, from its own state alone, which inputs its next step takes: none, some, or all. The step
 //!    starts at the first cycle at which the unit is free, every declared input has a visible token, *every* output has a slot
 //!    (also when the step turns out to emit nothing there), and every memory port it uses has credits for its largest step.
@@ -124,7 +124,7 @@
 //!    hardware is a wider token. No choice depends on which token came first; what must, such as an arbiter, is a memory or a
 //!    kernel unit.
 //!
-//!    *Enforced by [`Stage`], from [`Unit::demand`] and [`Unit::largest_step`], whose word is held by [`check_wiring`] and in
+//!    *Enforced by `Time::next_start`, from [`Unit::demand`] and [`Unit::largest_step`], whose word is held by [`check_wiring`] and in
 //!    every step; tests `laws/law_3_start`, `wiring`.*
 //! 4. **Memory.** All requests of a step arrive at its start, and are split into aligned bursts, ascending. A memory has
 //!    `channels`, which share nothing: a burst at byte address a belongs to channel (a div `channel_bytes`) mod `channels`. In a
@@ -236,12 +236,10 @@ mod derived;
 mod engine;
 pub mod facts;
 mod fifo;
-mod flight;
 mod hardware;
 mod link;
 mod memory;
 mod memory_system;
-mod occupancy;
 mod operators;
 mod outcome;
 pub mod parts;
@@ -251,8 +249,9 @@ pub mod plan;
 mod port;
 mod probe;
 mod report;
+mod shape;
 mod stage;
-mod start;
+mod time;
 mod topology;
 pub mod traffic;
 pub mod unit;

@@ -142,9 +142,9 @@ impl MemorySystem {
     }
 
     /// Marks the memories that a single stage uses; `stages` lists each stage's clients.
-    pub(crate) fn find_private(&mut self, stages: &[Vec<usize>]) {
+    pub(crate) fn find_private<'a>(&mut self, stages: impl Iterator<Item = &'a [usize]> + Clone) {
         for m in 0..self.memories.len() {
-            let users = stages.iter().filter(|ids| ids.iter().any(|&c| self.port(c).memory == m)).count();
+            let users = stages.clone().filter(|ids| ids.iter().any(|&c| self.port(c).memory == m)).count();
             self.memories[m].private = users <= 1;
         }
     }

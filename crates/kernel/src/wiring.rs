@@ -1,6 +1,6 @@
 //! Wiring: how a machine shows its block diagram to the visitors that run, account for and describe it.
 
-use crate::{Cycle, Demand, Fifo, Link, MemorySystem, Place};
+use crate::{Demand, Fifo, Link, MemorySystem, Place};
 
 /// Most inputs or outputs of one unit.
 pub const MAX_LINKS: usize = 8;
@@ -11,9 +11,9 @@ pub const MAX_CLIENTS: usize = 4;
 pub trait Wires {
     /// Number of FIFOs.
     fn count(&self) -> usize;
-    /// Times of FIFO `i`.
+    /// FIFO `i`, without its tokens.
     fn link(&self, i: usize) -> &Link;
-    /// Mutable times of FIFO `i`.
+    /// The same, to be changed.
     fn link_mut(&mut self, i: usize) -> &mut Link;
 }
 
@@ -21,20 +21,16 @@ pub trait Wires {
 pub trait Inputs: Wires {
     /// What a step is given.
     type Item;
-    /// Pops what `demand` declares, at `at`.
-    fn pop(&mut self, demand: Demand, at: Cycle) -> Self::Item;
-    /// Pops what `demand` declares, without time.
-    fn take(&mut self, demand: Demand) -> Self::Item;
+    /// Pops what `demand` declares.
+    fn pop(&mut self, demand: Demand) -> Self::Item;
 }
 
 /// What a unit pushes to.
 pub trait Outputs: Wires {
     /// What a step emits.
     type Item;
-    /// Reserves slots for what is emitted; bit i of the answer: FIFO i got a token.
-    fn reserve(&mut self, start: Cycle, item: Self::Item) -> u32;
-    /// Puts what is emitted, without time.
-    fn put(&mut self, item: Self::Item);
+    /// Pushes what is emitted; bit i of the answer: FIFO i got a token.
+    fn push(&mut self, item: Self::Item) -> u32;
 }
 
 impl Wires for () {
@@ -51,16 +47,14 @@ impl Wires for () {
 
 impl Inputs for () {
     type Item = ();
-    fn pop(&mut self, _: Demand, _: Cycle) {}
-    fn take(&mut self, _: Demand) {}
+    fn pop(&mut self, _: Demand) {}
 }
 
 impl Outputs for () {
     type Item = ();
-    fn reserve(&mut self, _: Cycle, (): ()) -> u32 {
+    fn push(&mut self, (): ()) -> u32 {
         0
     }
-    fn put(&mut self, (): ()) {}
 }
 
 impl<T> Wires for &mut Fifo<T> {
@@ -81,11 +75,7 @@ impl<T> Wires for &mut Fifo<T> {
 impl<T> Inputs for &mut Fifo<T> {
     type Item = Option<T>;
     #[inline(always)]
-    fn pop(&mut self, demand: Demand, at: Cycle) -> Option<T> {
-        self.pop_if(demand.takes(0), at)
-    }
-    #[inline]
-    fn take(&mut self, demand: Demand) -> Option<T> {
+    fn pop(&mut self, demand: Demand) -> Option<T> {
         self.take_if(demand.takes(0))
     }
 }
@@ -93,12 +83,8 @@ impl<T> Inputs for &mut Fifo<T> {
 impl<T> Outputs for &mut Fifo<T> {
     type Item = Option<T>;
     #[inline(always)]
-    fn reserve(&mut self, start: Cycle, item: Option<T>) -> u32 {
-        Fifo::reserve(self, start, item)
-    }
-    #[inline]
-    fn put(&mut self, item: Option<T>) {
-        Fifo::put(self, item);
+    fn push(&mut self, item: Option<T>) -> u32 {
+        self.put(item)
     }
 }
 
@@ -129,11 +115,7 @@ macro_rules! tuple_of_fifos {
         impl<$($token),*> Inputs for ($(&mut Fifo<$token>,)*) {
             type Item = ($(Option<$token>,)*);
             #[inline(always)]
-            fn pop(&mut self, demand: Demand, at: Cycle) -> Self::Item {
-                ($(self.$i.pop_if(demand.takes($i), at),)*)
-            }
-            #[inline]
-            fn take(&mut self, demand: Demand) -> Self::Item {
+            fn pop(&mut self, demand: Demand) -> Self::Item {
                 ($(self.$i.take_if(demand.takes($i)),)*)
             }
         }
@@ -141,12 +123,8 @@ macro_rules! tuple_of_fifos {
         impl<$($token),*> Outputs for ($(&mut Fifo<$token>,)*) {
             type Item = ($(Option<$token>,)*);
             #[inline(always)]
-            fn reserve(&mut self, start: Cycle, item: Self::Item) -> u32 {
-                0 $(| Fifo::reserve(self.$i, start, item.$i) << $i)*
-            }
-            #[inline]
-            fn put(&mut self, item: Self::Item) {
-                $(Fifo::put(self.$i, item.$i);)*
+            fn push(&mut self, item: Self::Item) -> u32 {
+                0 $(| self.$i.put(item.$i) << $i)*
             }
         }
     };
@@ -173,21 +151,15 @@ impl<T> Wires for Vec<&mut Fifo<T>> {
 
 impl<T> Inputs for Vec<&mut Fifo<T>> {
     type Item = Vec<Option<T>>;
-    fn pop(&mut self, demand: Demand, at: Cycle) -> Self::Item {
-        self.iter_mut().enumerate().map(|(i, f)| f.pop_if(demand.takes(i), at)).collect()
-    }
-    fn take(&mut self, demand: Demand) -> Self::Item {
+    fn pop(&mut self, demand: Demand) -> Self::Item {
         self.iter_mut().enumerate().map(|(i, f)| f.take_if(demand.takes(i))).collect()
     }
 }
 
 impl<T> Outputs for Vec<&mut Fifo<T>> {
     type Item = Vec<Option<T>>;
-    fn reserve(&mut self, start: Cycle, item: Self::Item) -> u32 {
-        self.iter_mut().zip(item).enumerate().fold(0, |mask, (i, (f, x))| mask | Fifo::reserve(f, start, x) << i)
-    }
-    fn put(&mut self, item: Self::Item) {
-        self.iter_mut().zip(item).for_each(|(f, x)| Fifo::put(f, x));
+    fn push(&mut self, item: Self::Item) -> u32 {
+        self.iter_mut().zip(item).enumerate().fold(0, |mask, (i, (f, x))| mask | f.put(x) << i)
     }
 }
 

@@ -1,10 +1,9 @@
 //! The functional model: the same steps, without time; memories answer at once (law 6).
 
 use super::fault_of;
-use crate::connections::Connections;
 use crate::place::Place;
 use crate::wiring::{Inputs, Machine, Outputs, Visitor, Wires};
-use crate::{Demand, Traffic, Unit};
+use crate::{Connections, Demand, Traffic, Unit};
 
 struct Walk {
     traffic: Traffic,
@@ -24,9 +23,8 @@ impl Visitor for Walk {
             if !ready {
                 return;
             }
-            let step = stage.unit.step(inputs.take(demand), &mut self.traffic);
-            outputs.put(step.out);
-            stage.clock.steps += 1;
+            let step = stage.unit.step(inputs.pop(demand), &mut self.traffic);
+            outputs.push(step.out);
             self.stepped = true;
             if self.traffic.fault.is_some() {
                 self.fault = fault_of(&mut self.traffic, stage.name(), None);

@@ -3,13 +3,15 @@
 mod functional;
 mod ticked;
 mod timed;
+mod work;
 
 use crate::check::check_wiring;
-use crate::connections::Clients;
-use crate::place::Place;
-use crate::report::{RunReport, conclude};
-use crate::wiring::{Machine, Visitor};
+use crate::report::RunReport;
+use crate::shape::Shape;
+use crate::time::Time;
+use crate::wiring::Machine;
 use crate::{Cycle, Probe, Traffic};
+use work::Survey;
 
 /// How to run a machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,12 +42,16 @@ pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &m
     if let Err(error) = check_wiring(machine) {
         return RunReport::of_fault(error.to_string());
     }
-    attach(machine);
+    let mut time = Time::new(Shape::of(machine));
     let halt = match engine {
-        Engine::Timed => timed::run(machine, probe, limits),
-        Engine::Ticked => ticked::run(machine, probe, limits),
+        Engine::Timed => timed::run(machine, &mut time, probe, limits),
+        Engine::Ticked => ticked::run(machine, &mut time, probe, limits),
     };
-    conclude(machine, halt)
+    let mut rests = Survey::default();
+    machine.wire(&mut rests);
+    let report = time.conclude(&rests.0, halt);
+    *machine.memories() = time.memories;
+    report
 }
 
 /// Runs the same steps without time, with memories that answer at once: the functional model (law 6). Returns the
@@ -55,30 +61,12 @@ pub fn run_functional<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut
     functional::run(machine, progress)
 }
 
-/// Learns what does not change, before the first step: who has which clients and needs how many credits, and which
-/// memories are private.
-fn attach(machine: &mut impl Machine) {
-    #[derive(Default)]
-    struct Attach(Vec<Vec<usize>>);
-    impl Visitor for Attach {
-        fn stage<P: Place>(&mut self, mut place: P) {
-            let (stage, connections) = place.open();
-            stage.clock.attach(&stage.unit, connections);
-            self.0.push(connections.clients.ids().to_vec());
-        }
-    }
-    let mut all = Attach::default();
-    machine.wire(&mut all);
-    machine.memories().find_private(&all.0);
-}
-
-/// Delivers what is known by now, for every stage; used after the last memory answers.
-struct Land;
-impl Visitor for Land {
-    fn stage<P: Place>(&mut self, mut place: P) {
-        let (stage, connections) = place.open();
-        stage.clock.land_known(connections);
-    }
+/// Shows the machine to who looks on, with its memories as they are by now: they are the engine's while it runs.
+fn look<M: Machine>(machine: &mut M, time: &mut Time, progress: &mut dyn FnMut(&mut M) -> bool) -> bool {
+    std::mem::swap(machine.memories(), &mut time.memories);
+    let goes_on = progress(machine);
+    std::mem::swap(machine.memories(), &mut time.memories);
+    goes_on
 }
 
 /// A fault, prefixed with the unit that raised it and, where there is time, the cycle in which its step started.

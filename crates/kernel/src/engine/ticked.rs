@@ -1,76 +1,74 @@
 //! `ticked`: every unit in every cycle. It asks for the cause of a wait one cycle at a time, and counts the slots held at the end
 //! of each cycle; `timed` does both by intervals.
 //!
-//! What it shares with `timed`: when a step can start (`Connections::next_start`), the causes of a wait
-//! (`Connections::split_wait`), the making of a step (`Stage::fire`), the steps in flight, the links and the memories. It is the
+//! What it shares with `timed`: when a step can start (`Time::next_start`), the causes of a wait
+//! (`Time::split_wait`), the making of a step (`Time::step`), the steps in flight, the links and the memories. It is the
 //! oracle of the *order* in which things are done, and of what is added up over intervals; an error in what both share it cannot
 //! see. For that there is an executable reading of the laws that shares no code with this crate. Its results stand in
 //! `tests/vectors/laws.jsonl`, one plan and result per line, and `tests/vectors.rs` holds both engines against them. To
 //! repeat it with another reading: give it the `plan` of each line, and compare; `examples/plan.rs` runs one plan, or a
 //! folder of such vectors, from the command line.
 
-use super::{Land, Limits, fault_of};
-use crate::connections::{Clients, Connections};
+use super::work::{Live, Work};
+use super::{Limits, fault_of, look};
 use crate::place::Place;
-use crate::report::Halt;
-use crate::stage::{Clock, Start, Wait, charge};
-use crate::wiring::{Inputs, Machine, Outputs, Visitor, Wires};
-use crate::{Cycle, Probe, Stage, Traffic, Unit};
+use crate::time::{Halt, Slots, Time, Wait, charge};
+use crate::wiring::{Machine, Visitor};
+use crate::{Cycle, Demand, Probe, Traffic, Unit};
 
 /// One cycle of all stages.
-struct Tick<'p, SomeProbe> {
-    probe: &'p mut SomeProbe,
+struct Tick<'a, SomeProbe> {
+    time: &'a mut Time,
+    probe: &'a mut SomeProbe,
     traffic: Traffic,
     now: Cycle,
     stage: usize,
     fired: bool,
-    /// The last cycle in which something already decided still happens.
-    horizon: Cycle,
     fault: Option<String>,
+    /// Waits of each stage since its last step.
+    waits: Vec<Vec<Wait>>,
 }
 
 impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
-    fn work<U, I, O, C>(&mut self, stage: &mut Stage<U>, start: &Start, connections: &mut Connections<I, O, C>)
-    where
-        U: Unit,
-        I: Inputs<Item = U::In>,
-        O: Outputs<Item = U::Out>,
-        C: Clients,
-    {
-        for wait in std::mem::take(&mut stage.clock.waits) {
-            charge(&mut stage.clock.account, self.probe, self.stage, wait);
+    /// Makes a step that starts now.
+    fn make(&mut self, number: usize, demand: Demand, work: &mut impl Work) {
+        for wait in self.waits[number].drain(..) {
+            charge(&mut self.time.accounts[number], self.probe, number, wait);
         }
-        stage.fire(start, connections, &mut self.traffic);
+        let made = work.step(demand, &mut self.traffic);
+        self.time.step(number, self.now, demand, &made, &mut self.traffic);
         self.fired = true;
         if SomeProbe::is_on() {
-            self.probe.worked(self.stage, self.now, stage.clock.free);
+            self.probe.worked(number, self.now, self.time.stages[number].free);
         }
         if self.traffic.fault.is_some() && self.fault.is_none() {
-            self.fault = fault_of(&mut self.traffic, stage.name(), Some(self.now));
+            let name = &self.time.shape.stages[number].names.name;
+            self.fault = fault_of(&mut self.traffic, name, Some(self.now));
         }
+    }
+
+    /// Counts a cycle of waiting.
+    fn wait(&mut self, number: usize, demand: Demand) {
+        let waits = &mut self.waits[number];
+        self.time.split_wait(number, demand, (self.now, self.now + 1), |wait| join(waits, wait));
     }
 }
 
 impl<SomeProbe: Probe> Visitor for Tick<'_, SomeProbe> {
     fn stage<P: Place>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
-        let now = self.now;
-        if stage.clock.free <= now
-            && let Some(next) = connections.next_start(&stage.unit, &stage.clock)
-        {
-            if next.at <= now {
-                self.work(stage, &Start { at: now, ..next }, connections);
-            } else {
-                let Clock { waits, needs, .. } = &mut stage.clock;
-                connections.split_wait(needs, next.demand, (now, now + 1), |wait| join(waits, wait));
-            }
-        }
-        self.horizon = self.horizon.max(stage.clock.free);
-        let outputs = &connections.outputs;
-        for i in 0..outputs.count() {
-            self.horizon = self.horizon.max(outputs.link(i).last_visible().unwrap_or_default());
-        }
+        let number = self.stage;
         self.stage += 1;
+        let demand = stage.unit.demand();
+        if self.time.stages[number].free > self.now || demand == Demand::Finished {
+            return;
+        }
+        if self.time.next_start(number, demand) <= self.now {
+            let work = &mut Live { unit: &mut stage.unit, inputs: &mut connections.inputs, outputs: &mut connections.outputs };
+            self.make(number, demand, work);
+        } else {
+            self.wait(number, demand);
+        }
     }
 }
 
@@ -81,67 +79,62 @@ fn join(waits: &mut Vec<Wait>, (cause, from, to): Wait) {
     }
 }
 
-/// Counts slots held at the end of a cycle.
-struct CountHeld(Cycle);
-impl Visitor for CountHeld {
-    fn stage<P: Place>(&mut self, mut place: P) {
-        let (_, Connections { outputs, .. }) = place.open();
-        for i in 0..outputs.count() {
-            outputs.link_mut(i).count_held(self.0);
-        }
-    }
-}
-
 /// Notes what is known of the answers that slots wait for: `timed` asks when all are known, and this engine in every cycle.
-struct NoteAwaits;
-impl Visitor for NoteAwaits {
-    fn stage<P: Place>(&mut self, mut place: P) {
-        let (stage, connections) = place.open();
-        stage.clock.note_awaits(connections);
-    }
+fn note_awaits(time: &mut Time) {
+    let Time { stages, fifos, memories, .. } = time;
+    stages.iter().for_each(|clock| clock.note_awaits(fifos, memories));
 }
 
 /// Whether any stage has a known next start.
-struct AnyStart(bool);
-impl Visitor for AnyStart {
+struct AnyStart<'a> {
+    time: &'a Time,
+    stage: usize,
+    any: bool,
+}
+
+impl Visitor for AnyStart<'_> {
     fn stage<P: Place>(&mut self, mut place: P) {
-        let (stage, connections) = place.open();
-        let next = connections.next_start(&stage.unit, &stage.clock);
-        self.0 |= next.is_some_and(|next| next.at.is_known());
+        let (stage, _) = place.open();
+        self.any |= self.time.next_start(self.stage, stage.unit.demand()).is_known();
+        self.stage += 1;
     }
 }
 
-pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, probe: &mut P, limits: Limits<'_, M>) -> Halt {
-    machine.memories().share_all();
-    let mut tick =
-        Tick { probe, traffic: Traffic::default(), now: Cycle::ZERO, stage: 0, fired: false, horizon: Cycle::ZERO, fault: None };
+pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, time: &mut Time, probe: &mut P, limits: Limits<'_, M>) -> Halt {
+    time.memories.share_all();
+    let (traffic, waits) = (Traffic::default(), vec![Vec::new(); time.stages.len()]);
+    let mut tick = Tick { time, probe, traffic, now: Cycle::ZERO, stage: 0, fired: false, fault: None, waits };
     loop {
         if tick.now.0 >= limits.max_cycles {
             // No request is still to come.
-            machine.memories().serve_before(Cycle::UNKNOWN);
-            machine.wire(&mut Land);
-            let mut any = AnyStart(false);
-            machine.wire(&mut any);
-            if any.0 {
+            tick.time.memories.serve_before(Cycle::UNKNOWN);
+            tick.time.land_all();
+            let mut starts = AnyStart { time: &*tick.time, stage: 0, any: false };
+            machine.wire(&mut starts);
+            if starts.any {
                 return Halt::Limit(limits.max_cycles);
             }
             // No step will ever start: what has started runs out, and is counted.
         }
-        (tick.stage, tick.fired, tick.horizon) = (0, false, Cycle::ZERO);
+        (tick.stage, tick.fired) = (0, false);
         machine.wire(&mut tick);
         if let Some(fault) = tick.fault {
             return Halt::Fault(fault);
         }
-        machine.memories().serve_before(tick.now + 1);
-        machine.wire(&mut Land);
-        machine.wire(&mut NoteAwaits);
-        machine.wire(&mut CountHeld(tick.now));
-        let horizon = tick.horizon.max(machine.memories().last_answer());
-        if !tick.fired && horizon <= tick.now && machine.memories().is_idle() {
+        let time = &mut *tick.time;
+        time.memories.serve_before(tick.now + 1);
+        // The last cycle in which something already decided still happens.
+        let busy = time.stages.iter().map(|clock| clock.free).max();
+        let visible = time.fifos.iter().filter_map(Slots::last_visible).max();
+        time.land_all();
+        note_awaits(time);
+        time.fifos.iter_mut().for_each(|fifo| fifo.count_held(tick.now));
+        let horizon = busy.max(visible).unwrap_or_default().max(time.memories.last_answer());
+        if !tick.fired && horizon <= tick.now && time.memories.is_idle() {
             return Halt::Quiet;
         }
         tick.now = tick.now + 1;
-        if tick.now.0.is_multiple_of(4096) && !(limits.progress)(machine) {
+        if tick.now.0.is_multiple_of(4096) && !look(machine, tick.time, limits.progress) {
             return Halt::Stopped;
         }
     }

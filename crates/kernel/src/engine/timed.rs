@@ -41,60 +41,73 @@
 //! By 1 both engines make the same steps; by 2, 3 and 5 to 7 at the same times, in which all requests are served in the order
 //! of law 4; by 8 both come to rest, where nothing can start: so their reports are equal.
 
-use super::{Land, Limits, fault_of};
-use crate::connections::{Clients, Connections};
+use super::work::{Live, Work};
+use super::{Limits, fault_of, look};
 use crate::place::Place;
-use crate::report::Halt;
-use crate::stage::{Clock, charge};
-use crate::wiring::{Inputs, Machine, Outputs, Visitor};
-use crate::{Cycle, Probe, Stage, Traffic, Unit};
+use crate::time::{Halt, Time};
+use crate::wiring::{Machine, Visitor};
+use crate::{Cycle, Demand, Probe, Traffic};
 
 /// One walk over all stages.
-struct RunAhead<'p, SomeProbe> {
-    probe: &'p mut SomeProbe,
+pub(super) struct RunAhead<'a, SomeProbe> {
+    time: &'a mut Time,
+    probe: &'a mut SomeProbe,
     traffic: Traffic,
     end: Cycle,
     stage: usize,
     moved: bool,
     limited: bool,
     fault: Option<String>,
-    /// Whether stages promise how far they have come.
+    /// Whether there are memories, so that promises are worth their while.
     promises: bool,
 }
 
 impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     /// Makes all steps of a stage whose starts are known.
     #[inline(always)]
-    fn fire_known<U, I, O, C>(&mut self, number: usize, stage: &mut Stage<U>, connections: &mut Connections<I, O, C>)
-    where
-        U: Unit,
-        I: Inputs<Item = U::In>,
-        O: Outputs<Item = U::Out>,
-        C: Clients,
-    {
-        while let Some(next) = connections.next_start(&stage.unit, &stage.clock) {
-            if next.at >= self.end {
-                self.limited |= next.at.is_known();
-                break;
+    fn fire_known(&mut self, number: usize, work: &mut impl Work) -> Demand {
+        loop {
+            let demand = work.demand();
+            let at = self.time.next_start(number, demand);
+            if at >= self.end || !work.has_step() {
+                self.limited |= at.is_known();
+                return demand;
             }
-            let free = stage.clock.free;
-            if next.at > free {
-                let (Clock { needs, account, .. }, probe) = (&mut stage.clock, &mut *self.probe);
-                connections.split_wait(needs, next.demand, (free, next.at), |wait| charge(account, probe, number, wait));
-            }
-            stage.fire(&next, connections, &mut self.traffic);
+            self.time.charge_wait(number, demand, at, self.probe);
+            let made = work.step(demand, &mut self.traffic);
+            self.time.step(number, at, demand, &made, &mut self.traffic);
             self.moved = true;
+            let free = self.time.stages[number].free;
             if SomeProbe::is_on() {
-                self.probe.worked(number, next.at, stage.clock.free);
+                self.probe.worked(number, at, free);
             }
             if self.traffic.fault.is_some() {
-                self.fault = fault_of(&mut self.traffic, stage.name(), Some(next.at));
+                let name = &self.time.shape.stages[number].names.name;
+                self.fault = fault_of(&mut self.traffic, name, Some(at));
                 self.end = Cycle::ZERO;
+                return demand;
+            }
+            if self.time.serve_private(number, free) {
+                self.time.land_known(number);
+            }
+        }
+    }
+
+    /// Runs a stage ahead.
+    #[inline(always)]
+    fn advance(&mut self, number: usize, work: &mut impl Work) {
+        self.moved |= self.time.land_known(number);
+        loop {
+            let demand = self.fire_known(number, work);
+            if !self.promises {
                 break;
             }
-            if connections.serve_private(stage.clock.free) {
-                stage.clock.land_known(connections);
+            let start = self.time.promise(number, demand);
+            if !self.time.serve_private(number, start) {
+                break;
             }
+            self.moved = true;
+            self.time.land_known(number);
         }
     }
 }
@@ -105,41 +118,30 @@ impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
         let (stage, connections) = place.open();
         let number = self.stage;
         self.stage += 1;
-        self.moved |= stage.clock.land_known(connections);
-        loop {
-            self.fire_known(number, stage, connections);
-            if !self.promises {
-                break;
-            }
-            let start = connections.promise(stage.unit.demand(), stage.clock.free);
-            if !connections.serve_private(start) {
-                break;
-            }
-            self.moved = true;
-            stage.clock.land_known(connections);
-        }
+        let work = &mut Live { unit: &mut stage.unit, inputs: &mut connections.inputs, outputs: &mut connections.outputs };
+        self.advance(number, work);
     }
 }
 
-pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, probe: &mut P, limits: Limits<'_, M>) -> Halt {
+pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, time: &mut Time, probe: &mut P, limits: Limits<'_, M>) -> Halt {
     let end = Cycle(limits.max_cycles);
-    let promises = machine.memories().has_any();
+    let promises = time.memories.has_any();
     let (traffic, fault) = (Traffic::default(), None);
-    let mut walk = RunAhead { probe, traffic, end, stage: 0, moved: false, limited: false, fault, promises };
+    let mut walk = RunAhead { time, probe, traffic, end, stage: 0, moved: false, limited: false, fault, promises };
     for round in 1_u64.. {
         (walk.stage, walk.moved, walk.limited) = (0, false, false);
         machine.wire(&mut walk);
         if let Some(fault) = walk.fault {
             return Halt::Fault(fault);
         }
-        let served = machine.memories().serve_promised();
-        if !walk.moved && !served && !machine.memories().serve_safe() {
+        let served = walk.time.memories.serve_promised();
+        if !walk.moved && !served && !walk.time.memories.serve_safe() {
             break;
         }
-        if round.is_multiple_of(16) && !(limits.progress)(machine) {
+        if round.is_multiple_of(16) && !look(machine, walk.time, limits.progress) {
             return Halt::Stopped;
         }
     }
-    machine.wire(&mut Land);
+    walk.time.land_all();
     if walk.limited { Halt::Limit(limits.max_cycles) } else { Halt::Quiet }
 }

@@ -1,7 +1,6 @@
 //! What a stage has in flight: steps that wait for memory answers, or behind such a step (laws 4 and 5).
 
 use crate::cache::LookUp;
-use crate::connections::Clients;
 use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
 use crate::{Cycle, MemorySystem, Request, Traffic};
 use std::collections::VecDeque;
@@ -95,7 +94,7 @@ impl Flights {
     /// Issues the traffic of a step that starts at `start`; the least occupancy that its look-ups need (law 5), and
     /// whether all its answers are known and nothing is ahead of it, so that it can deliver at once. `None` where the traffic
     /// is not what the unit declared and the machine wired: `largest` is what the largest step needs, by client.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn issue(
         &mut self,
         flight: &mut Flight,
@@ -281,16 +280,19 @@ fn issue_requests(
 
 /// What is wrong with traffic that could not be issued: not what the unit declared, or not what the machine wired.
 #[cold]
-pub(crate) fn objection(clients: &mut impl Clients, largest: &[u32; MAX_CLIENTS], traffic: &Traffic) -> String {
-    let wired = clients.ids().len();
+pub(crate) fn objection(
+    (ids, system): (&[usize], &mut MemorySystem),
+    largest: &[u32; MAX_CLIENTS],
+    traffic: &Traffic,
+) -> String {
+    let wired = ids.len();
     if let Some(r) = traffic.requests.iter().chain(&traffic.look_ups).find(|r| r.client as usize >= wired) {
         return format!("a step uses memory client {}, but the wiring gives it {wired}", r.client);
     }
-    let is_cached = |r: &Request| clients.memories().is_some_and(|m| m.cache_name(clients.ids()[r.client as usize]).is_some());
+    let is_cached = |r: &Request| system.cache_name(ids[r.client as usize]).is_some();
     if let Some(r) = traffic.look_ups.iter().find(|r| !is_cached(r)) {
         return format!("a step looks up a line in memory client {}, which has no cache", r.client);
     }
-    let Some((ids, system)) = clients.open() else { return String::new() };
     let needs = ids.iter().enumerate().map(|(own, &client)| credits_needed(traffic, own, client, system));
     let beyond = (0..).zip(needs).zip(largest).find(|((_, needs), declared)| needs > *declared);
     beyond.map_or_else(String::new, |((own, needs), declared)| {

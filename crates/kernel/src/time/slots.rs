@@ -1,0 +1,194 @@
+//! The times of a FIFO: laws 1, 2 and 10.
+
+use super::occupancy::Occupancy;
+use crate::Cycle;
+use crate::wiring::MAX_CLIENTS;
+
+/// Times of one slot.
+#[derive(Clone, Copy, Debug)]
+struct Times {
+    /// When its token can be popped.
+    visible: Cycle,
+    /// When its token was popped: the slot is held up to and including this cycle.
+    popped: Cycle,
+}
+
+/// The times of one FIFO.
+///
+/// The ring keeps, for each slot, when its token becomes visible and when it was popped. So the
+/// start of the next step at either end is known without any clock.
+#[derive(Clone, Debug)]
+pub(crate) struct Slots {
+    depth: u64,
+    latency: u64,
+    ring: Box<[Times]>,
+    pushed: u64,
+    delivered: u64,
+    popped: u64,
+    /// The next token delivered is not visible before.
+    next_visible: Cycle,
+    /// The producer makes no step before, as far as it has promised.
+    no_push_before: Cycle,
+    /// The consumer makes no step before, as far as it has promised.
+    no_pop_before: Cycle,
+    /// Per slot, the answers that the producer's step waits for, by client; kept after the pop (law 9). Empty where the
+    /// producer has no memory client.
+    awaits: Box<[[Cycle; MAX_CLIENTS]]>,
+    occupancy: Occupancy,
+}
+
+impl Slots {
+    /// Of a FIFO of `depth` slots whose tokens are visible `latency` cycles after delivery; `awaits`: whether its producer has
+    /// memory clients, so that each slot keeps their answers.
+    pub(crate) fn new(depth: usize, latency: u64, awaits: bool) -> Self {
+        let empty = Times { visible: Cycle::UNKNOWN, popped: Cycle::UNKNOWN };
+        let ring = depth.next_power_of_two();
+        Self {
+            depth: depth as u64,
+            latency,
+            ring: vec![empty; ring].into(),
+            pushed: 0,
+            delivered: 0,
+            popped: 0,
+            next_visible: Cycle::ZERO,
+            no_push_before: Cycle::ZERO,
+            no_pop_before: Cycle::ZERO,
+            awaits: vec![[Cycle::ZERO; MAX_CLIENTS]; if awaits { ring } else { 0 }].into(),
+            occupancy: Occupancy::new(depth),
+        }
+    }
+
+    /// Tokens inside, delivered or not.
+    #[inline]
+    pub(crate) fn len(&self) -> usize {
+        (self.pushed - self.popped) as usize
+    }
+
+    /// Whether no token is inside.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Tokens pushed so far.
+    pub(crate) fn tokens(&self) -> u64 {
+        self.pushed
+    }
+
+    /// The last cycle in which a token became visible.
+    pub(crate) fn last_visible(&self) -> Option<Cycle> {
+        self.next_visible.0.checked_sub(1).map(Cycle)
+    }
+
+    #[inline(always)]
+    pub(crate) fn slot(&self, token: u64) -> usize {
+        token as usize & (self.ring.len() - 1)
+    }
+
+    /// When the front token is visible; unknown while there is none or its delivery is not known.
+    #[inline(always)]
+    pub(crate) fn front_visible(&self) -> Cycle {
+        if self.popped < self.delivered { self.ring[self.slot(self.popped)].visible } else { Cycle::UNKNOWN }
+    }
+
+    /// The first cycle in which the next push finds a slot (law 2): the cycle after the pop of token n - depth.
+    #[inline(always)]
+    pub(crate) fn room_at(&self) -> Cycle {
+        match self.pushed.checked_sub(self.depth) {
+            None => Cycle::ZERO,
+            Some(oldest) if oldest < self.popped => self.ring[self.slot(oldest)].popped + 1,
+            Some(_) => Cycle::UNKNOWN,
+        }
+    }
+
+    /// As [`Link::front_visible`]; where that is unknown, the front token is not visible before.
+    #[inline]
+    pub(crate) fn no_front_before(&self) -> Cycle {
+        match self.front_visible() {
+            Cycle::UNKNOWN if self.delivered < self.pushed => self.next_visible,
+            Cycle::UNKNOWN => (self.no_push_before + self.latency).max(self.next_visible),
+            visible => visible,
+        }
+    }
+
+    /// As [`Link::room_at`]; where that is unknown, no slot is free before.
+    #[inline]
+    pub(crate) fn no_room_before(&self) -> Cycle {
+        match self.room_at() {
+            Cycle::UNKNOWN => self.no_pop_before + 1,
+            room => room,
+        }
+    }
+
+    /// The producer makes no step before `start`.
+    #[inline]
+    pub(crate) fn promise_push(&mut self, start: Cycle) {
+        self.no_push_before = start;
+    }
+
+    /// The consumer makes no step before `start`.
+    #[inline]
+    pub(crate) fn promise_pop(&mut self, start: Cycle) {
+        self.no_pop_before = start;
+    }
+
+    /// Law 9: until when the oldest slot holder, which keeps the next push waiting, waits itself for `client`'s answer.
+    /// Meaningful while the FIFO is full; unknown while the answer is.
+    #[inline]
+    pub(crate) fn oldest_awaits(&self, client: usize) -> Cycle {
+        match self.pushed.checked_sub(self.depth) {
+            Some(oldest) => self.awaits.get(self.slot(oldest)).map_or(Cycle::ZERO, |answers| answers[client]),
+            None => Cycle::ZERO,
+        }
+    }
+
+    /// Records until when the next token to be delivered waits for each client's answer.
+    #[inline]
+    pub(crate) fn set_awaits(&mut self, answers: [Cycle; MAX_CLIENTS]) {
+        let slot = self.slot(self.delivered);
+        if let Some(awaits) = self.awaits.get_mut(slot) {
+            *awaits = answers;
+        }
+    }
+
+    /// Reserves a slot at the start of the step that fills it.
+    #[inline(always)]
+    pub(crate) fn reserve(&mut self, start: Cycle) {
+        self.occupancy.push(start);
+        let slot = self.slot(self.pushed);
+        if let Some(awaits) = self.awaits.get_mut(slot) {
+            *awaits = [Cycle::ZERO; MAX_CLIENTS];
+        }
+        self.pushed += 1;
+    }
+
+    /// Delivers the oldest reserved token (law 1): visible from max(d + f, visible time of the token before it + 1).
+    #[inline(always)]
+    pub(crate) fn deliver(&mut self, delivered: Cycle) {
+        let visible = (delivered + self.latency).max(self.next_visible);
+        let slot = self.slot(self.delivered);
+        self.ring[slot].visible = visible;
+        self.next_visible = visible + 1;
+        self.delivered += 1;
+    }
+
+    /// Pops the front token.
+    #[inline(always)]
+    pub(crate) fn pop(&mut self, at: Cycle) {
+        let slot = self.slot(self.popped);
+        self.ring[slot].popped = at;
+        self.occupancy.pop(at);
+        self.popped += 1;
+    }
+
+    /// Settles a run of `total` cycles and returns the histogram: `histogram[k]` cycles with k slots held (law 10).
+    pub(crate) fn finish(&mut self, total: u64) -> &[u64] {
+        self.occupancy.finish(Cycle(total))
+    }
+
+    /// Counts the slots held in cycle `now`, after the actions of that cycle: law 10 read literally.
+    pub(crate) fn count_held(&mut self, now: Cycle) {
+        let last = self.popped.checked_sub(1).map(|last| self.ring[self.slot(last)].popped);
+        let held = self.len() + usize::from(last == Some(now));
+        self.occupancy.count(held, now);
+    }
+}
