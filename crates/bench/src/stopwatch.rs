@@ -32,8 +32,8 @@ impl Visitor for Stopwatch {
         let began = Instant::now();
         let mut steps = 0;
         while let Some(demand) = ready(&stage.unit, inputs, outputs) {
-            let step = stage.unit.step(inputs.take(demand), &mut self.traffic);
-            outputs.put(step.out);
+            let step = stage.unit.step(inputs.pop(demand), &mut self.traffic);
+            outputs.push(step.out);
             self.traffic.clear();
             steps += 1;
         }

@@ -13,8 +13,11 @@ pub struct Connections<I, O, C> {
     pub clients: C,
 }
 
-/// The memory clients of one stage, in the order in which its unit numbers them.
+/// The memory clients of one stage, in the order in which its unit numbers them. The type tells at compile time whether
+/// there are any: stages without memory pay nothing for those that have it.
 pub trait Clients {
+    /// Whether there can be any.
+    const HAS_MEMORY: bool;
     /// Their numbers among the machine's memories.
     fn ids(&self) -> &[usize];
     /// The machine's memories.
@@ -23,6 +26,7 @@ pub trait Clients {
 
 /// None.
 impl Clients for () {
+    const HAS_MEMORY: bool = false;
     fn ids(&self) -> &[usize] {
         &[]
     }
@@ -39,6 +43,7 @@ pub struct MemoryClients<'m> {
 }
 
 impl Clients for MemoryClients<'_> {
+    const HAS_MEMORY: bool = true;
     fn ids(&self) -> &[usize] {
         self.ids
     }

@@ -136,6 +136,11 @@ impl MemorySystem {
         &self.clients[client].port
     }
 
+    /// Bytes of a line of each client's cache, where it has one.
+    pub(crate) fn line_bytes(&self) -> impl Iterator<Item = Option<u32>> {
+        self.clients.iter().map(|client| client.cache.as_ref().map(|cache| cache.config.line_bytes))
+    }
+
     /// Memory and port of a client: the order in which a step's answers are listed.
     pub(crate) fn service_rank(&self, client: usize) -> (usize, usize) {
         (self.port(client).memory, client)

@@ -1,5 +1,6 @@
 //! The shape of a machine: what its wiring says, as plain data. With it time can be told without the machine.
 
+use crate::check::{WiringError, check_wiring};
 use crate::connections::Clients;
 use crate::place::Place;
 use crate::topology::StageTopology;
@@ -37,13 +38,40 @@ pub(crate) struct FifoShape {
 }
 
 impl Shape {
-    /// Of a machine whose wiring has been checked.
-    pub(crate) fn of(machine: &mut impl Machine) -> Self {
+    /// Of a machine.
+    ///
+    /// # Errors
+    /// If its wiring is wrong.
+    pub fn of(machine: &mut impl Machine) -> Result<Self, WiringError> {
+        check_wiring(machine)?;
         let mut number = Number(0);
         machine.wire(&mut number);
         let mut walk = Walk::default();
         machine.wire(&mut walk);
-        Self { stages: walk.stages, fifos: walk.fifos, memories: machine.memories().clone() }
+        Ok(Self { stages: walk.stages, fifos: walk.fifos, memories: machine.memories().clone() })
+    }
+
+    /// Whether the units of another machine do the same as those of this one, as far as a shape tells: the same stages, joined in the
+    /// same way, with the same largest steps and lines. (Of what else a unit derives from its parameters the shape knows nothing.)
+    ///
+    /// # Errors
+    /// What differs, in words.
+    pub fn same_work(&self, other: &Self) -> Result<(), String> {
+        let wires = |shape: &Self| shape.fifos.iter().map(|f| (f.name.clone(), f.producer, f.consumer)).collect::<Vec<_>>();
+        if wires(self) != wires(other) || self.stages.len() != other.stages.len() {
+            return Err("its units are joined in another way".into());
+        }
+        for (ours, theirs) in self.stages.iter().zip(&other.stages) {
+            let name = &ours.names.name;
+            if ours.names != theirs.names {
+                return Err(format!("in place of `{name}` there is `{}`, or it uses other memories", theirs.names.name));
+            }
+            if ours.credits != theirs.credits {
+                return Err(format!("the largest step of `{name}` is another: what it does follows from what was changed"));
+            }
+        }
+        let lines = |shape: &Self| shape.memories.line_bytes().collect::<Vec<_>>();
+        if lines(self) == lines(other) { Ok(()) } else { Err("the lines of its caches are others".into()) }
     }
 }
 

@@ -26,6 +26,16 @@ impl Demand {
             Demand::Nothing | Demand::Finished => false,
         }
     }
+
+    /// The inputs that are declared, of so many, one bit each.
+    #[inline(always)]
+    pub(crate) fn of(self, inputs: usize) -> u32 {
+        match self {
+            Demand::All => (1 << inputs) - 1,
+            Demand::Only(k) => 1 << k,
+            Demand::Nothing | Demand::Finished => 0,
+        }
+    }
 }
 
 /// What a step did.

@@ -21,6 +21,8 @@ pub trait Wires {
 pub trait Inputs: Wires {
     /// What a step is given.
     type Item;
+    /// How many FIFOs there are, where the type tells.
+    const COUNT: Option<usize>;
     /// Pops what `demand` declares.
     fn pop(&mut self, demand: Demand) -> Self::Item;
 }
@@ -29,6 +31,8 @@ pub trait Inputs: Wires {
 pub trait Outputs: Wires {
     /// What a step emits.
     type Item;
+    /// How many FIFOs there are, where the type tells.
+    const COUNT: Option<usize>;
     /// Pushes what is emitted; bit i of the answer: FIFO i got a token.
     fn push(&mut self, item: Self::Item) -> u32;
 }
@@ -47,11 +51,13 @@ impl Wires for () {
 
 impl Inputs for () {
     type Item = ();
+    const COUNT: Option<usize> = Some(0);
     fn pop(&mut self, _: Demand) {}
 }
 
 impl Outputs for () {
     type Item = ();
+    const COUNT: Option<usize> = Some(0);
     fn push(&mut self, (): ()) -> u32 {
         0
     }
@@ -74,6 +80,7 @@ impl<T> Wires for &mut Fifo<T> {
 
 impl<T> Inputs for &mut Fifo<T> {
     type Item = Option<T>;
+    const COUNT: Option<usize> = Some(1);
     #[inline(always)]
     fn pop(&mut self, demand: Demand) -> Option<T> {
         self.take_if(demand.takes(0))
@@ -82,6 +89,7 @@ impl<T> Inputs for &mut Fifo<T> {
 
 impl<T> Outputs for &mut Fifo<T> {
     type Item = Option<T>;
+    const COUNT: Option<usize> = Some(1);
     #[inline(always)]
     fn push(&mut self, item: Option<T>) -> u32 {
         self.put(item)
@@ -114,6 +122,7 @@ macro_rules! tuple_of_fifos {
 
         impl<$($token),*> Inputs for ($(&mut Fifo<$token>,)*) {
             type Item = ($(Option<$token>,)*);
+            const COUNT: Option<usize> = Some($count);
             #[inline(always)]
             fn pop(&mut self, demand: Demand) -> Self::Item {
                 ($(self.$i.take_if(demand.takes($i)),)*)
@@ -122,6 +131,7 @@ macro_rules! tuple_of_fifos {
 
         impl<$($token),*> Outputs for ($(&mut Fifo<$token>,)*) {
             type Item = ($(Option<$token>,)*);
+            const COUNT: Option<usize> = Some($count);
             #[inline(always)]
             fn push(&mut self, item: Self::Item) -> u32 {
                 0 $(| self.$i.put(item.$i) << $i)*
@@ -151,6 +161,7 @@ impl<T> Wires for Vec<&mut Fifo<T>> {
 
 impl<T> Inputs for Vec<&mut Fifo<T>> {
     type Item = Vec<Option<T>>;
+    const COUNT: Option<usize> = None;
     fn pop(&mut self, demand: Demand) -> Self::Item {
         self.iter_mut().enumerate().map(|(i, f)| f.take_if(demand.takes(i))).collect()
     }
@@ -158,6 +169,7 @@ impl<T> Inputs for Vec<&mut Fifo<T>> {
 
 impl<T> Outputs for Vec<&mut Fifo<T>> {
     type Item = Vec<Option<T>>;
+    const COUNT: Option<usize> = None;
     fn push(&mut self, item: Self::Item) -> u32 {
         self.iter_mut().zip(item).enumerate().fold(0, |mask, (i, (f, x))| mask | f.put(x) << i)
     }

@@ -1,6 +1,7 @@
 //! The engines: three ways to run the same unit code.
 
 mod functional;
+mod retime;
 mod ticked;
 mod timed;
 mod work;
@@ -8,9 +9,11 @@ mod work;
 use crate::check::check_wiring;
 use crate::report::RunReport;
 use crate::shape::Shape;
-use crate::time::Time;
+use crate::tape::{Frame, Writer};
+use crate::time::{Halt, Rest, Time};
 use crate::wiring::Machine;
 use crate::{Cycle, Probe, Traffic};
+pub use retime::{RetimeError, retime};
 use work::Survey;
 
 /// How to run a machine.
@@ -39,19 +42,65 @@ pub fn run<M: Machine>(machine: &mut M, engine: Engine) -> RunReport {
 
 /// Runs `machine` under a probe, within limits.
 pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &mut P, limits: Limits<'_, M>) -> RunReport {
-    if let Err(error) = check_wiring(machine) {
-        return RunReport::of_fault(error.to_string());
-    }
-    let mut time = Time::new(Shape::of(machine));
-    let halt = match engine {
-        Engine::Timed => timed::run(machine, &mut time, probe, limits),
-        Engine::Ticked => ticked::run(machine, &mut time, probe, limits),
+    run_on(machine, probe, |machine, time, probe| match engine {
+        Engine::Timed => timed::run(machine, time, probe, limits, None),
+        Engine::Ticked => ticked::run(machine, time, probe, limits),
+    })
+}
+
+/// The same with the timed engine, and hands the run's [tape](crate::tape) to `keep`, in frames of `frame_bytes` and somewhat more.
+/// There is no last frame where the run is stopped, or a unit cannot go on.
+pub fn run_recorded<M: Machine, P: Probe>(
+    machine: &mut M,
+    probe: &mut P,
+    limits: Limits<'_, M>,
+    frame_bytes: usize,
+    keep: &mut dyn FnMut(Frame),
+) -> RunReport {
+    run_on(machine, probe, |machine, time, probe| {
+        let mut writer = Writer::new(time.stages.len(), frame_bytes);
+        let halt = timed::run(machine, time, probe, limits, Some(Recording { writer: &mut writer, keep: &mut *keep }));
+        if matches!(halt, Halt::Quiet | Halt::Limit(_)) {
+            keep(writer.frame(rests(machine), true));
+        }
+        halt
+    })
+}
+
+fn run_on<M: Machine, P: Probe>(
+    machine: &mut M,
+    probe: &mut P,
+    engine: impl FnOnce(&mut M, &mut Time, &mut P) -> Halt,
+) -> RunReport {
+    let shape = match Shape::of(machine) {
+        Ok(shape) => shape,
+        Err(error) => return RunReport::of_fault(error.to_string()),
     };
-    let mut rests = Survey::default();
-    machine.wire(&mut rests);
-    let report = time.conclude(&rests.0, halt);
+    let mut time = Time::new(shape);
+    let halt = engine(machine, &mut time, probe);
+    let report = time.conclude(&rests(machine), halt);
     *machine.memories() = time.memories;
     report
+}
+
+/// What is left of each unit.
+fn rests(machine: &mut impl Machine) -> Vec<Rest> {
+    let mut survey = Survey::default();
+    machine.wire(&mut survey);
+    survey.0
+}
+
+/// A tape under way.
+struct Recording<'a> {
+    writer: &'a mut Writer,
+    keep: &'a mut dyn FnMut(Frame),
+}
+
+/// Hands on what has been written, where it is worth a frame.
+fn hand_on(machine: &mut impl Machine, writer: &mut Writer, keep: &mut dyn FnMut(Frame)) {
+    if writer.is_full() {
+        keep(writer.frame(rests(machine), false));
+    }
 }
 
 /// Runs the same steps without time, with memories that answer at once: the functional model (law 6). Returns the

@@ -12,7 +12,7 @@
 use super::work::{Live, Work};
 use super::{Limits, fault_of, look};
 use crate::place::Place;
-use crate::time::{Halt, Slots, Time, Wait, charge};
+use crate::time::{Halt, Slots, Time, Unknown, Wait, charge};
 use crate::wiring::{Machine, Visitor};
 use crate::{Cycle, Demand, Probe, Traffic, Unit};
 
@@ -36,7 +36,7 @@ impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
             charge(&mut self.time.accounts[number], self.probe, number, wait);
         }
         let made = work.step(demand, &mut self.traffic);
-        self.time.step(number, self.now, demand, &made, &mut self.traffic);
+        self.time.step::<Unknown>(number, self.now, demand, &made, &mut self.traffic);
         self.fired = true;
         if SomeProbe::is_on() {
             self.probe.worked(number, self.now, self.time.stages[number].free);
@@ -63,8 +63,8 @@ impl<SomeProbe: Probe> Visitor for Tick<'_, SomeProbe> {
         if self.time.stages[number].free > self.now || demand == Demand::Finished {
             return;
         }
-        if self.time.next_start(number, demand) <= self.now {
-            let work = &mut Live { unit: &mut stage.unit, inputs: &mut connections.inputs, outputs: &mut connections.outputs };
+        if self.time.next_start::<Unknown>(number, demand) <= self.now {
+            let work = &mut Live::new(stage, connections);
             self.make(number, demand, work);
         } else {
             self.wait(number, demand);
@@ -95,7 +95,7 @@ struct AnyStart<'a> {
 impl Visitor for AnyStart<'_> {
     fn stage<P: Place>(&mut self, mut place: P) {
         let (stage, _) = place.open();
-        self.any |= self.time.next_start(self.stage, stage.unit.demand()).is_known();
+        self.any |= self.time.next_start::<Unknown>(self.stage, stage.unit.demand()).is_known();
         self.stage += 1;
     }
 }

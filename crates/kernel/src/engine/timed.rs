@@ -42,40 +42,74 @@
 //! of law 4; by 8 both come to rest, where nothing can start: so their reports are equal.
 
 use super::work::{Live, Work};
-use super::{Limits, fault_of, look};
+use super::{Limits, Recording, fault_of, hand_on, look};
 use crate::place::Place;
+use crate::tape::Writer;
 use crate::time::{Halt, Time};
 use crate::wiring::{Machine, Visitor};
 use crate::{Cycle, Demand, Probe, Traffic};
 
 /// One walk over all stages.
 pub(super) struct RunAhead<'a, SomeProbe> {
-    time: &'a mut Time,
+    pub(super) time: &'a mut Time,
     probe: &'a mut SomeProbe,
     traffic: Traffic,
     end: Cycle,
     stage: usize,
     moved: bool,
-    limited: bool,
-    fault: Option<String>,
+    pub(super) limited: bool,
+    pub(super) fault: Option<String>,
+    /// A stage could make its next step, but it is not known here yet.
+    pub(super) hungry: bool,
     /// Whether there are memories, so that promises are worth their while.
     promises: bool,
+    /// Writes down what is done, where it is wanted.
+    tape: Option<&'a mut Writer>,
+}
+
+impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
+    pub(super) fn new(time: &'a mut Time, probe: &'a mut SomeProbe, max_cycles: u64, tape: Option<&'a mut Writer>) -> Self {
+        let promises = time.memories.has_any();
+        let (traffic, end, fault) = (Traffic::default(), Cycle(max_cycles), None);
+        let (stage, moved, limited, hungry) = (0, false, false, false);
+        Self { time, probe, traffic, end, stage, moved, limited, fault, hungry, promises, tape }
+    }
+
+    /// Begins a round.
+    pub(super) fn begin(&mut self) {
+        (self.stage, self.moved, self.limited, self.hungry) = (0, false, false, false);
+    }
+
+    /// After a round: whether anything moved, once the memories have served what was promised, or what is safe.
+    pub(super) fn goes_on(&mut self) -> bool {
+        let served = self.time.memories.serve_promised();
+        self.moved || served || (!self.hungry && self.time.memories.serve_safe())
+    }
 }
 
 impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     /// Makes all steps of a stage whose starts are known.
     #[inline(always)]
-    fn fire_known(&mut self, number: usize, work: &mut impl Work) -> Demand {
+    fn fire_known<W: Work>(&mut self, number: usize, work: &mut W) -> Demand {
         loop {
             let demand = work.demand();
-            let at = self.time.next_start(number, demand);
-            if at >= self.end || !work.has_step() {
+            let at = self.time.next_start::<W>(number, demand);
+            if at >= self.end {
                 self.limited |= at.is_known();
                 return demand;
             }
-            self.time.charge_wait(number, demand, at, self.probe);
+            if !work.has_step() {
+                self.hungry = true;
+                return demand;
+            }
+            if at > self.time.stages[number].free {
+                self.time.charge_wait(number, demand, at, self.probe);
+            }
             let made = work.step(demand, &mut self.traffic);
-            self.time.step(number, at, demand, &made, &mut self.traffic);
+            if let Some(tape) = &mut self.tape {
+                tape.step(number, demand, &made, &self.traffic);
+            }
+            self.time.step::<W>(number, at, demand, &made, &mut self.traffic);
             self.moved = true;
             let free = self.time.stages[number].free;
             if SomeProbe::is_on() {
@@ -87,27 +121,27 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 self.end = Cycle::ZERO;
                 return demand;
             }
-            if self.time.serve_private(number, free) {
-                self.time.land_known(number);
+            if self.time.serve_private::<W>(number, free) {
+                self.time.land_known::<W>(number);
             }
         }
     }
 
     /// Runs a stage ahead.
     #[inline(always)]
-    fn advance(&mut self, number: usize, work: &mut impl Work) {
-        self.moved |= self.time.land_known(number);
+    pub(super) fn advance<W: Work>(&mut self, number: usize, work: &mut W) {
+        self.moved |= self.time.land_known::<W>(number);
         loop {
             let demand = self.fire_known(number, work);
             if !self.promises {
                 break;
             }
-            let start = self.time.promise(number, demand);
-            if !self.time.serve_private(number, start) {
+            let start = self.time.promise::<W>(number, demand);
+            if !self.time.serve_private::<W>(number, start) {
                 break;
             }
             self.moved = true;
-            self.time.land_known(number);
+            self.time.land_known::<W>(number);
         }
     }
 }
@@ -118,28 +152,36 @@ impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
         let (stage, connections) = place.open();
         let number = self.stage;
         self.stage += 1;
-        let work = &mut Live { unit: &mut stage.unit, inputs: &mut connections.inputs, outputs: &mut connections.outputs };
+        let work = &mut Live::new(stage, connections);
         self.advance(number, work);
     }
 }
 
-pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, time: &mut Time, probe: &mut P, limits: Limits<'_, M>) -> Halt {
-    let end = Cycle(limits.max_cycles);
-    let promises = time.memories.has_any();
-    let (traffic, fault) = (Traffic::default(), None);
-    let mut walk = RunAhead { time, probe, traffic, end, stage: 0, moved: false, limited: false, fault, promises };
+pub(super) fn run<M: Machine, P: Probe>(
+    machine: &mut M,
+    time: &mut Time,
+    probe: &mut P,
+    limits: Limits<'_, M>,
+    recording: Option<Recording<'_>>,
+) -> Halt {
+    let (tape, mut keep) = recording.map(|Recording { writer, keep }| (writer, keep)).unzip();
+    let mut walk = RunAhead::new(time, probe, limits.max_cycles, tape);
     for round in 1_u64.. {
-        (walk.stage, walk.moved, walk.limited) = (0, false, false);
+        walk.begin();
         machine.wire(&mut walk);
         if let Some(fault) = walk.fault {
             return Halt::Fault(fault);
         }
-        let served = walk.time.memories.serve_promised();
-        if !walk.moved && !served && !walk.time.memories.serve_safe() {
+        if !walk.goes_on() {
             break;
         }
-        if round.is_multiple_of(16) && !look(machine, walk.time, limits.progress) {
-            return Halt::Stopped;
+        if round.is_multiple_of(16) {
+            if let (Some(writer), Some(keep)) = (&mut walk.tape, &mut keep) {
+                hand_on(machine, writer, keep);
+            }
+            if !look(machine, walk.time, limits.progress) {
+                return Halt::Stopped;
+            }
         }
     }
     walk.time.land_all();

@@ -1,12 +1,13 @@
 //! Work: what the steps of a stage do, one after the other, without time.
 
-use crate::time::{Made, Rest};
-use crate::wiring::{Inputs, Outputs, Visitor};
+use crate::connections::Clients;
 use crate::place::Place;
-use crate::{Demand, Traffic, Unit};
+use crate::time::{Known, Made, Rest};
+use crate::wiring::{Inputs, Outputs, Visitor};
+use crate::{Connections, Demand, Stage, Traffic, Unit};
 
 /// The steps of one stage, in order.
-pub(crate) trait Work {
+pub(crate) trait Work: Known {
     /// What the next step takes.
     fn demand(&self) -> Demand;
     /// Whether the next step can be made here, once time lets it start.
@@ -16,17 +17,29 @@ pub(crate) trait Work {
 }
 
 /// Steps that a unit makes now.
-pub(super) struct Live<'a, U, I, O> {
-    pub(super) unit: &'a mut U,
-    pub(super) inputs: &'a mut I,
-    pub(super) outputs: &'a mut O,
+pub(super) struct Live<'a, U, I, O, C> {
+    unit: &'a mut U,
+    connections: &'a mut Connections<I, O, C>,
 }
 
-impl<U, I, O> Work for Live<'_, U, I, O>
+impl<'a, U, I, O, C> Live<'a, U, I, O, C> {
+    pub(super) fn new(stage: &'a mut Stage<U>, connections: &'a mut Connections<I, O, C>) -> Self {
+        Self { unit: &mut stage.unit, connections }
+    }
+}
+
+impl<U, I: Inputs, O: Outputs, C: Clients> Known for Live<'_, U, I, O, C> {
+    const INPUTS: Option<usize> = I::COUNT;
+    const OUTPUTS: Option<usize> = O::COUNT;
+    const HAS_MEMORY: bool = C::HAS_MEMORY;
+}
+
+impl<U, I, O, C> Work for Live<'_, U, I, O, C>
 where
     U: Unit,
     I: Inputs<Item = U::In>,
     O: Outputs<Item = U::Out>,
+    C: Clients,
 {
     #[inline(always)]
     fn demand(&self) -> Demand {
@@ -40,11 +53,11 @@ where
 
     #[inline(always)]
     fn step(&mut self, demand: Demand, traffic: &mut Traffic) -> Made {
-        let step = self.unit.step(self.inputs.pop(demand), traffic);
+        let step = self.unit.step(self.connections.inputs.pop(demand), traffic);
         if step.occupancy == 0 {
             traffic.fault("a step kept its unit for 0 cycles, expected at least 1 (law 3)".into());
         }
-        let outputs = self.outputs.push(step.out);
+        let outputs = self.connections.outputs.push(step.out);
         Made { occupancy: step.occupancy, latency: step.latency, outputs, marked: step.marked }
     }
 }

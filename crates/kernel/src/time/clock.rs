@@ -1,7 +1,8 @@
 //! The times of a stage: when it is free, what it has in flight, where its cycles went.
 
-use super::Slots;
+use super::ends::Ends;
 use super::flight::{Delivery, Flight, Flights, MARKED, objection};
+use super::{Known, Made, Slots};
 use crate::account::{Account, Cause};
 use crate::probe::Probe;
 use crate::shape::StageShape;
@@ -16,9 +17,11 @@ pub(crate) type Wait = (Cause, Cycle, Cycle);
 pub(crate) struct Clock {
     pub(crate) free: Cycle,
     pub(crate) steps: u64,
-    /// Numbers of its FIFOs and memory clients.
-    pub(super) inputs: Box<[usize]>,
-    pub(super) outputs: Box<[usize]>,
+    pub(super) busy: u64,
+    /// Its FIFOs.
+    pub(super) inputs: Ends,
+    pub(super) outputs: Ends,
+    /// Numbers of its memory clients.
     pub(super) clients: Box<[usize]>,
     pub(super) needs: Needs,
     pub(super) flights: Flights,
@@ -43,8 +46,9 @@ impl Clock {
         Self {
             free: Cycle::ZERO,
             steps: 0,
-            inputs: inputs.as_slice().into(),
-            outputs: outputs.as_slice().into(),
+            busy: 0,
+            inputs: Ends::new(inputs),
+            outputs: Ends::new(outputs),
             clients: clients.as_slice().into(),
             needs: Needs { credits: *credits, served_in_order },
             flights: Flights::default(),
@@ -52,10 +56,30 @@ impl Clock {
         }
     }
 
-    /// Delivers to these of its outputs.
+    /// Makes a step that starts at `at` and takes these `inputs`: takes it into the times of its FIFOs, and issues its traffic.
     #[inline(always)]
-    pub(super) fn deliver(&mut self, to: u32, at: Cycle, fifos: &mut [Slots]) {
-        deliver(&mut self.marks, &self.outputs, to, at, fifos);
+    pub(super) fn step<K: Known>(
+        &mut self,
+        (at, inputs): (Cycle, u32),
+        made: &Made,
+        (fifos, memories): (&mut [Slots], &mut MemorySystem),
+        traffic: &mut Traffic,
+    ) {
+        self.inputs.each(inputs, K::INPUTS, |fifo| fifos[fifo].pop(at));
+        self.outputs.each(made.outputs, K::OUTPUTS, |fifo| fifos[fifo].reserve(at));
+        let mut occupancy = made.occupancy;
+        if traffic.is_empty() && (!K::HAS_MEMORY || self.flights.is_empty()) {
+            self.outputs.each(made.outputs, K::OUTPUTS, |fifo| fifos[fifo].deliver(at + made.latency));
+            if made.marked {
+                self.marks.push(at + made.latency);
+            }
+        } else {
+            let outputs = made.outputs | if made.marked { MARKED } else { 0 };
+            occupancy = occupancy.max(self.depart(at, (at + made.latency, outputs), (fifos, memories), traffic));
+        }
+        self.busy += occupancy;
+        self.free = at + occupancy;
+        self.steps += 1;
     }
 
     /// Issues a step's traffic, and delivers it if all answers are known; the least occupancy that its look-ups need.
@@ -77,7 +101,7 @@ impl Clock {
         };
         traffic.clear();
         if at_once {
-            deliver_answered(&mut self.marks, &self.outputs, &flight, outputs, fifos);
+            deliver_answered(&mut self.marks, self.outputs, &flight, outputs, fifos);
         } else {
             self.flights.push(flight, (&self.clients, memories));
         }
@@ -90,8 +114,7 @@ impl Clock {
     /// token must not seem to wait for their answers, or requests that it leads to would be served too late.
     pub(super) fn land(&mut self, fifos: &mut [Slots], memories: &mut MemorySystem) -> bool {
         let Self { flights, marks, outputs, clients, .. } = self;
-        let all = (1 << outputs.len()) - 1;
-        flights.land(all, (clients, memories), |flight, to| deliver_answered(marks, outputs, flight, to, fifos))
+        flights.land(outputs.all(), (clients, memories), |flight, to| deliver_answered(marks, *outputs, flight, to, fifos))
     }
 
     /// Notes what the oldest slot holders wait for, as far as it is known by now: for who asks in every cycle.
@@ -100,31 +123,18 @@ impl Clock {
             return;
         }
         self.flights.oldest(|flight, to| {
-            for (_, &fifo) in taking(&self.outputs, to) {
+            for (_, fifo) in self.outputs.of(to & self.outputs.all()) {
                 fifos[fifo].set_awaits(flight.awaited(&self.clients, memories));
             }
         });
     }
 }
 
-/// Those of the outputs that get a token.
-#[inline(always)]
-fn taking(outputs: &[usize], to: u32) -> impl Iterator<Item = (usize, &usize)> {
-    outputs.iter().enumerate().filter(move |(i, _)| to & 1 << i != 0)
-}
-
 /// Delivers a step that has its answers, to these of its outputs.
-#[inline]
-fn deliver_answered(marks: &mut Vec<Cycle>, outputs: &[usize], flight: &Flight, to: u32, fifos: &mut [Slots]) {
-    for (_, &fifo) in taking(outputs, to) {
+fn deliver_answered(marks: &mut Vec<Cycle>, outputs: Ends, flight: &Flight, to: u32, fifos: &mut [Slots]) {
+    let at = flight.delivered();
+    for (_, fifo) in outputs.of(to & outputs.all()) {
         fifos[fifo].set_awaits(flight.answers);
-    }
-    deliver(marks, outputs, to, flight.delivered(), fifos);
-}
-
-#[inline(always)]
-fn deliver(marks: &mut Vec<Cycle>, outputs: &[usize], to: u32, at: Cycle, fifos: &mut [Slots]) {
-    for (_, &fifo) in taking(outputs, to) {
         fifos[fifo].deliver(at);
     }
     if to & MARKED != 0 {

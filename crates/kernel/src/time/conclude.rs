@@ -49,9 +49,7 @@ impl Time {
         let name = |stage: usize| self.shape.stages[stage].names.name.clone();
         let outcome = match halt {
             Halt::Quiet if complete => Outcome::Complete,
-            Halt::Quiet => {
-                Outcome::Deadlock(Deadlock { total, stuck, circle: circle(&waits).into_iter().map(name).collect() })
-            }
+            Halt::Quiet => Outcome::Deadlock(Deadlock { total, stuck, circle: circle(&waits).into_iter().map(name).collect() }),
             Halt::Limit(_) => Outcome::Limit,
             Halt::Stopped => Outcome::Stopped,
             Halt::Fault(text) => Outcome::Fault(text),
@@ -81,9 +79,9 @@ impl Time {
 
     /// A unit's part, and what holds it for ever, with the stage that could give it.
     fn unit_report(&self, stage: usize, demand: Demand, complete: bool, total: Cycle) -> (UnitReport, Option<HeldBy>) {
-        let Clock { free, steps, .. } = &self.stages[stage];
+        let Clock { free, steps, busy, .. } = &self.stages[stage];
         let mut account = self.accounts[stage].clone();
-        account.busy -= free.since(total);
+        account.busy = busy - free.since(total);
         let mut held_by = None;
         if demand == Demand::Finished || (complete && *steps > 0) {
             account.done += total.since(*free);

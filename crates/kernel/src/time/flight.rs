@@ -280,11 +280,7 @@ fn issue_requests(
 
 /// What is wrong with traffic that could not be issued: not what the unit declared, or not what the machine wired.
 #[cold]
-pub(crate) fn objection(
-    (ids, system): (&[usize], &mut MemorySystem),
-    largest: &[u32; MAX_CLIENTS],
-    traffic: &Traffic,
-) -> String {
+pub(crate) fn objection((ids, system): (&[usize], &mut MemorySystem), largest: &[u32; MAX_CLIENTS], traffic: &Traffic) -> String {
     let wired = ids.len();
     if let Some(r) = traffic.requests.iter().chain(&traffic.look_ups).find(|r| r.client as usize >= wired) {
         return format!("a step uses memory client {}, but the wiring gives it {wired}", r.client);

@@ -3,6 +3,7 @@
 
 mod clock;
 mod conclude;
+mod ends;
 mod flight;
 mod occupancy;
 mod slots;
@@ -15,7 +16,6 @@ pub(crate) use slots::Slots;
 use crate::shape::Shape;
 use crate::unit::Demand;
 use crate::{Account, Cycle, MemorySystem, Probe, Traffic};
-use flight::MARKED;
 
 /// What a step did, as far as time depends on it. What it asked of memories stands in [`Traffic`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -28,6 +28,26 @@ pub(crate) struct Made {
     pub(crate) outputs: u32,
     /// Whether its delivery passes a mark.
     pub(crate) marked: bool,
+}
+
+/// What the compiler knows of a stage: how many FIFOs it has on its two sides, and whether it uses memory. A step is some dozens of
+/// instructions, and takes two thirds more where it must ask for these.
+pub(crate) trait Known {
+    /// Inputs, where it is known how many.
+    const INPUTS: Option<usize>;
+    /// Outputs, where it is known how many.
+    const OUTPUTS: Option<usize>;
+    /// Whether it may have memory clients.
+    const HAS_MEMORY: bool;
+}
+
+/// Nothing is known.
+pub(crate) struct Unknown;
+
+impl Known for Unknown {
+    const INPUTS: Option<usize> = None;
+    const OUTPUTS: Option<usize> = None;
+    const HAS_MEMORY: bool = true;
 }
 
 /// The times of a run.
@@ -51,56 +71,34 @@ impl Time {
         Self { accounts: vec![Account::default(); shape.stages.len()], shape, stages, fifos, memories }
     }
 
-    /// Makes a step of a stage, which starts at `at`: takes it into the times of its FIFOs, and issues its traffic.
-    #[inline]
-    pub(crate) fn step(&mut self, stage: usize, at: Cycle, demand: Demand, made: &Made, traffic: &mut Traffic) {
-        let Self { stages, accounts, fifos, memories, .. } = self;
+    /// Makes a step of a stage that starts at `at`.
+    #[inline(always)]
+    pub(crate) fn step<K: Known>(&mut self, stage: usize, at: Cycle, demand: Demand, made: &Made, traffic: &mut Traffic) {
+        let Self { stages, fifos, memories, .. } = self;
         let clock = &mut stages[stage];
-        for (i, &fifo) in clock.inputs.iter().enumerate() {
-            if demand.takes(i) {
-                fifos[fifo].pop(at);
-            }
-        }
-        for (i, &fifo) in clock.outputs.iter().enumerate() {
-            if made.outputs & 1 << i != 0 {
-                fifos[fifo].reserve(at);
-            }
-        }
-        let outputs = made.outputs | if made.marked { MARKED } else { 0 };
-        let mut occupancy = made.occupancy;
-        if traffic.is_empty() && clock.flights.is_empty() {
-            clock.deliver(outputs, at + made.latency, fifos);
-        } else {
-            occupancy = occupancy.max(clock.depart(at, (at + made.latency, outputs), (fifos, memories), traffic));
-        }
-        accounts[stage].busy += occupancy;
-        clock.free = at + occupancy;
-        clock.steps += 1;
+        clock.step::<K>((at, demand.of(clock.inputs.count(K::INPUTS))), made, (fifos, memories), traffic);
     }
 
     /// Charges the cycles that a stage waits from the end of its last step to the start of the next, at `at`.
-    #[inline]
     pub(crate) fn charge_wait<P: Probe>(&mut self, stage: usize, demand: Demand, at: Cycle, probe: &mut P) {
         let Self { stages, accounts, fifos, memories, .. } = self;
         let clock = &stages[stage];
-        if at > clock.free {
-            let account = &mut accounts[stage];
-            clock.split_wait(fifos, memories, demand, (clock.free, at), |wait| charge(account, probe, stage, wait));
-        }
+        let account = &mut accounts[stage];
+        clock.split_wait(fifos, memories, demand, (clock.free, at), |wait| charge(account, probe, stage, wait));
     }
 
     /// Delivers the steps of a stage in flight whose answers are known by now, and tells whether there were any. To be called
     /// before looking at the next start.
-    #[inline]
-    pub(crate) fn land_known(&mut self, stage: usize) -> bool {
+    #[inline(always)]
+    pub(crate) fn land_known<K: Known>(&mut self, stage: usize) -> bool {
         let clock = &mut self.stages[stage];
-        !clock.flights.is_empty() && clock.land(&mut self.fifos, &mut self.memories)
+        K::HAS_MEMORY && !clock.flights.is_empty() && clock.land(&mut self.fifos, &mut self.memories)
     }
 
     /// The same for all stages.
     pub(crate) fn land_all(&mut self) {
         for stage in 0..self.stages.len() {
-            self.land_known(stage);
+            self.land_known::<Unknown>(stage);
         }
     }
 }

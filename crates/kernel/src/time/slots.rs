@@ -7,26 +7,28 @@ use crate::wiring::MAX_CLIENTS;
 /// Times of one slot.
 #[derive(Clone, Copy, Debug)]
 struct Times {
-    /// When its token can be popped.
+    /// When the token in it can be popped; unknown until that is, and while there is none.
     visible: Cycle,
-    /// When its token was popped: the slot is held up to and including this cycle.
-    popped: Cycle,
+    /// From when on it is free: the cycle after the last pop; unknown while a token is in it.
+    free: Cycle,
 }
 
 /// The times of one FIFO.
 ///
-/// The ring keeps, for each slot, when its token becomes visible and when it was popped. So the
-/// start of the next step at either end is known without any clock.
+/// A ring of as many entries as there are slots keeps, for each, when its token becomes visible and when it was popped. So the
+/// start of the next step at either end is known without any clock, each with one look.
 #[derive(Clone, Debug)]
 pub(crate) struct Slots {
-    depth: u64,
-    latency: u64,
     ring: Box<[Times]>,
-    pushed: u64,
-    delivered: u64,
-    popped: u64,
+    /// Places in the ring of the next push, delivery and pop.
+    push: usize,
+    delivery: usize,
+    pop: usize,
+    latency: u64,
     /// The next token delivered is not visible before.
     next_visible: Cycle,
+    pushed: u64,
+    popped: u64,
     /// The producer makes no step before, as far as it has promised.
     no_push_before: Cycle,
     /// The consumer makes no step before, as far as it has promised.
@@ -41,19 +43,19 @@ impl Slots {
     /// Of a FIFO of `depth` slots whose tokens are visible `latency` cycles after delivery; `awaits`: whether its producer has
     /// memory clients, so that each slot keeps their answers.
     pub(crate) fn new(depth: usize, latency: u64, awaits: bool) -> Self {
-        let empty = Times { visible: Cycle::UNKNOWN, popped: Cycle::UNKNOWN };
-        let ring = depth.next_power_of_two();
+        let empty = Times { visible: Cycle::UNKNOWN, free: Cycle::ZERO };
         Self {
-            depth: depth as u64,
+            ring: vec![empty; depth].into(),
+            push: 0,
+            delivery: 0,
+            pop: 0,
             latency,
-            ring: vec![empty; ring].into(),
-            pushed: 0,
-            delivered: 0,
-            popped: 0,
             next_visible: Cycle::ZERO,
+            pushed: 0,
+            popped: 0,
             no_push_before: Cycle::ZERO,
             no_pop_before: Cycle::ZERO,
-            awaits: vec![[Cycle::ZERO; MAX_CLIENTS]; if awaits { ring } else { 0 }].into(),
+            awaits: vec![[Cycle::ZERO; MAX_CLIENTS]; if awaits { depth } else { 0 }].into(),
             occupancy: Occupancy::new(depth),
         }
     }
@@ -79,38 +81,35 @@ impl Slots {
         self.next_visible.0.checked_sub(1).map(Cycle)
     }
 
+    /// The place after another in the ring.
     #[inline(always)]
-    pub(crate) fn slot(&self, token: u64) -> usize {
-        token as usize & (self.ring.len() - 1)
+    fn after(&self, place: usize) -> usize {
+        if place + 1 == self.ring.len() { 0 } else { place + 1 }
     }
 
     /// When the front token is visible; unknown while there is none or its delivery is not known.
     #[inline(always)]
     pub(crate) fn front_visible(&self) -> Cycle {
-        if self.popped < self.delivered { self.ring[self.slot(self.popped)].visible } else { Cycle::UNKNOWN }
+        self.ring[self.pop].visible
     }
 
     /// The first cycle in which the next push finds a slot (law 2): the cycle after the pop of token n - depth.
     #[inline(always)]
     pub(crate) fn room_at(&self) -> Cycle {
-        match self.pushed.checked_sub(self.depth) {
-            None => Cycle::ZERO,
-            Some(oldest) if oldest < self.popped => self.ring[self.slot(oldest)].popped + 1,
-            Some(_) => Cycle::UNKNOWN,
-        }
+        self.ring[self.push].free
     }
 
-    /// As [`Link::front_visible`]; where that is unknown, the front token is not visible before.
+    /// As [`Slots::front_visible`]; where that is unknown, the front token is not visible before.
     #[inline]
     pub(crate) fn no_front_before(&self) -> Cycle {
         match self.front_visible() {
-            Cycle::UNKNOWN if self.delivered < self.pushed => self.next_visible,
+            Cycle::UNKNOWN if self.popped < self.pushed => self.next_visible,
             Cycle::UNKNOWN => (self.no_push_before + self.latency).max(self.next_visible),
             visible => visible,
         }
     }
 
-    /// As [`Link::room_at`]; where that is unknown, no slot is free before.
+    /// As [`Slots::room_at`]; where that is unknown, no slot is free before.
     #[inline]
     pub(crate) fn no_room_before(&self) -> Cycle {
         match self.room_at() {
@@ -135,17 +134,13 @@ impl Slots {
     /// Meaningful while the FIFO is full; unknown while the answer is.
     #[inline]
     pub(crate) fn oldest_awaits(&self, client: usize) -> Cycle {
-        match self.pushed.checked_sub(self.depth) {
-            Some(oldest) => self.awaits.get(self.slot(oldest)).map_or(Cycle::ZERO, |answers| answers[client]),
-            None => Cycle::ZERO,
-        }
+        self.awaits.get(self.push).map_or(Cycle::ZERO, |answers| answers[client])
     }
 
     /// Records until when the next token to be delivered waits for each client's answer.
     #[inline]
     pub(crate) fn set_awaits(&mut self, answers: [Cycle; MAX_CLIENTS]) {
-        let slot = self.slot(self.delivered);
-        if let Some(awaits) = self.awaits.get_mut(slot) {
+        if let Some(awaits) = self.awaits.get_mut(self.delivery) {
             *awaits = answers;
         }
     }
@@ -154,10 +149,11 @@ impl Slots {
     #[inline(always)]
     pub(crate) fn reserve(&mut self, start: Cycle) {
         self.occupancy.push(start);
-        let slot = self.slot(self.pushed);
-        if let Some(awaits) = self.awaits.get_mut(slot) {
+        if let Some(awaits) = self.awaits.get_mut(self.push) {
             *awaits = [Cycle::ZERO; MAX_CLIENTS];
         }
+        self.ring[self.push].free = Cycle::UNKNOWN;
+        self.push = self.after(self.push);
         self.pushed += 1;
     }
 
@@ -165,19 +161,18 @@ impl Slots {
     #[inline(always)]
     pub(crate) fn deliver(&mut self, delivered: Cycle) {
         let visible = (delivered + self.latency).max(self.next_visible);
-        let slot = self.slot(self.delivered);
-        self.ring[slot].visible = visible;
+        self.ring[self.delivery].visible = visible;
         self.next_visible = visible + 1;
-        self.delivered += 1;
+        self.delivery = self.after(self.delivery);
     }
 
     /// Pops the front token.
     #[inline(always)]
     pub(crate) fn pop(&mut self, at: Cycle) {
-        let slot = self.slot(self.popped);
-        self.ring[slot].popped = at;
-        self.occupancy.pop(at);
+        self.ring[self.pop] = Times { visible: Cycle::UNKNOWN, free: at + 1 };
+        self.pop = self.after(self.pop);
         self.popped += 1;
+        self.occupancy.pop(at);
     }
 
     /// Settles a run of `total` cycles and returns the histogram: `histogram[k]` cycles with k slots held (law 10).
@@ -187,8 +182,10 @@ impl Slots {
 
     /// Counts the slots held in cycle `now`, after the actions of that cycle: law 10 read literally.
     pub(crate) fn count_held(&mut self, now: Cycle) {
-        let last = self.popped.checked_sub(1).map(|last| self.ring[self.slot(last)].popped);
-        let held = self.len() + usize::from(last == Some(now));
+        let last = if self.pop == 0 { self.ring.len() - 1 } else { self.pop - 1 };
+        let is_held = |times: &Times| times.free == now + 1;
+        // The slot of the last pop may have been reserved again in the same cycle: not before the one after, by law 2.
+        let held = self.len() + usize::from(self.popped > 0 && is_held(&self.ring[last]));
         self.occupancy.count(held, now);
     }
 }

@@ -5,7 +5,8 @@ pub mod random;
 
 use basrelief_kernel::plan::{Kind, Plan, PlanCache, PlanFifo, PlanMachine, PlanMemory, PlanPort, PlannedUnit, Token};
 use basrelief_kernel::{
-    Cause, Cycle, Engine, Limits, MemoryConfig, Part, Probe, Recorder, RunReport, UnitReport, run, run_functional, run_with,
+    Cause, Cycle, Engine, Limits, MemoryConfig, NoProbe, Part, Probe, Recorder, RunReport, Shape, UnitReport, retime, run,
+    run_functional, run_recorded, run_with, tape::Frame,
 };
 
 /// Adds to a plan, one line per box or wire.
@@ -80,7 +81,26 @@ pub fn run_both(plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
         (run_with(&mut machine(plan), engine, &mut intervals, limits), intervals)
     });
     assert_eq!(timed, ticked, "timed, left, and ticked, right, of\n{}", serde_json::to_string(plan).unwrap());
+    let again = retimed(&tape(plan, max_cycles), plan, max_cycles);
+    assert_eq!(timed, again, "timed, left, and from its tape, right, of\n{}", serde_json::to_string(plan).unwrap());
     timed
+}
+
+/// The tape of a run.
+pub fn tape(plan: &Plan, max_cycles: u64) -> Vec<Frame> {
+    let mut frames = Vec::new();
+    let limits = Limits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
+    run_recorded(&mut machine(plan), &mut NoProbe, limits, 64, &mut |frame| frames.push(frame));
+    frames
+}
+
+/// The same work on a machine by `plan`: the report and what every unit did when.
+pub fn retimed(tape: &[Frame], plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
+    let mut intervals = Recorder::default();
+    let mut frames = tape.iter().cloned();
+    let shape = Shape::of(&mut machine(plan)).unwrap();
+    let report = retime(shape, &mut || Ok(frames.next()), &mut intervals, max_cycles);
+    (report.unwrap_or_else(|error| panic!("{error}: {}", serde_json::to_string(plan).unwrap())), intervals)
 }
 
 /// The report of both engines.

@@ -1,0 +1,127 @@
+//! Times the work on a tape again: the timed engine, with steps from a tape in place of those of units.
+
+use super::timed::RunAhead;
+use super::work::Work;
+use crate::report::RunReport;
+use crate::shape::Shape;
+use crate::tape::{Frame, Reader, TapeError};
+use crate::time::{Halt, Known, Made, Rest, Time, Unknown};
+use crate::{Demand, Probe, Traffic};
+
+/// Why a tape cannot be timed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RetimeError {
+    /// What is on the tape is no work.
+    #[error(transparent)]
+    Tape(#[from] TapeError),
+    /// It is the work of another machine.
+    #[error("the tape has {found} stages, but the machine has {expected}")]
+    Stages {
+        /// Stages of the tape.
+        found: usize,
+        /// Stages of the machine.
+        expected: usize,
+    },
+    /// A stage can go on, but the run that was recorded did not go so far.
+    #[error("under these parameters `{0}` goes on beyond what was recorded: record a run that is complete, or that goes as far")]
+    EndsEarly(String),
+    /// A step does what its stage cannot.
+    #[error("{0}")]
+    Fault(String),
+    /// The tape could not be read.
+    #[error("{0}")]
+    Read(String),
+}
+
+/// A stage's steps on a tape.
+struct Recorded<'a>(&'a mut Reader);
+
+impl Known for Recorded<'_> {
+    const INPUTS: Option<usize> = None;
+    const OUTPUTS: Option<usize> = None;
+    const HAS_MEMORY: bool = true;
+}
+
+impl Work for Recorded<'_> {
+    #[inline]
+    fn demand(&self) -> Demand {
+        self.0.demand().unwrap_or(Demand::Finished)
+    }
+
+    #[inline]
+    fn has_step(&self) -> bool {
+        self.0.has_step()
+    }
+
+    #[inline]
+    fn step(&mut self, _: Demand, traffic: &mut Traffic) -> Made {
+        // There is one: it was asked.
+        self.0.step(traffic).unwrap_or(Made { occupancy: 1, latency: 0, outputs: 0, marked: false })
+    }
+}
+
+/// Times the work on a tape on a machine of this shape: the report that a run of it gives. `frames` gives the frames of the tape in
+/// order, and none after the last.
+///
+/// The tape must be of the same machine with the same [work](Shape::same_work).
+///
+/// # Errors
+/// See [`RetimeError`].
+pub fn retime<P: Probe>(
+    shape: Shape,
+    frames: &mut dyn FnMut() -> Result<Option<Frame>, String>,
+    probe: &mut P,
+    max_cycles: u64,
+) -> Result<RunReport, RetimeError> {
+    let mut readers: Vec<Reader> = shape.stages.iter().map(|s| Reader::new(s.inputs.len(), s.outputs.len())).collect();
+    let mut time = Time::new(shape);
+    feed(&mut readers, frames, &time)?;
+    let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
+    let halt = loop {
+        walk.begin();
+        for (number, reader) in readers.iter_mut().enumerate() {
+            walk.advance(number, &mut Recorded(reader));
+        }
+        if let Some(fault) = walk.fault.take() {
+            return Err(RetimeError::Fault(fault));
+        }
+        if let Some(error) = readers.iter_mut().find_map(|reader| reader.error.take()) {
+            return Err(error.into());
+        }
+        if walk.goes_on() {
+            continue;
+        }
+        if !walk.hungry {
+            break if walk.limited { Halt::Limit(max_cycles) } else { Halt::Quiet };
+        }
+        feed(&mut readers, frames, walk.time)?;
+    };
+    time.land_all();
+    let rest = |reader: &Reader| Rest {
+        demand: reader.demand().unwrap_or(Demand::Finished),
+        empty: reader.is_empty() && !reader.has_step(),
+    };
+    let rests: Vec<Rest> = readers.iter().map(rest).collect();
+    Ok(time.conclude(&rests, halt))
+}
+
+/// Goes on with the next frame, which a stage needs.
+fn feed(
+    readers: &mut [Reader],
+    frames: &mut dyn FnMut() -> Result<Option<Frame>, String>,
+    time: &Time,
+) -> Result<(), RetimeError> {
+    let Some(frame) = frames().map_err(RetimeError::Read)? else {
+        let needs = |&stage: &usize| {
+            let demand = readers[stage].demand().unwrap_or(Demand::Finished);
+            !readers[stage].has_step() && time.next_start::<Unknown>(stage, demand).is_known()
+        };
+        let stage = (0..readers.len()).find(needs).unwrap_or_default();
+        return Err(RetimeError::EndsEarly(time.shape.stages[stage].names.name.clone()));
+    };
+    if frame.stages.len() != readers.len() {
+        return Err(RetimeError::Stages { found: frame.stages.len(), expected: readers.len() });
+    }
+    frame.feed(readers);
+    Ok(())
+}

@@ -1,0 +1,65 @@
+//! Frames of a tape.
+
+use super::bytes::{TapeError, get, get_up_to, put};
+use super::class::{code, demand_of};
+use crate::time::Rest;
+use crate::wiring::MAX_LINKS;
+
+/// A piece of each stage's stream, whole steps; and what the step after it takes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Frame {
+    pub(crate) stages: Vec<Vec<u8>>,
+    pub(crate) rests: Vec<Rest>,
+    pub(crate) last: bool,
+}
+
+impl Frame {
+    /// Whether no stage makes a step beyond.
+    pub fn is_last(&self) -> bool {
+        self.last
+    }
+
+    /// The piece of each stage's stream, in the order of the wiring. Where a stream is cut into pieces depends on times; what it comes
+    /// to does not.
+    pub fn streams(&self) -> impl Iterator<Item = &[u8]> {
+        self.stages.iter().map(Vec::as_slice)
+    }
+
+    /// As bytes.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        put(&mut bytes, self.last.into());
+        put(&mut bytes, self.stages.len() as u64);
+        for (stream, rest) in self.stages.iter().zip(&self.rests) {
+            put(&mut bytes, code(rest.demand) << 1 | u64::from(rest.empty));
+            put(&mut bytes, stream.len() as u64);
+            bytes.extend_from_slice(stream);
+        }
+        bytes
+    }
+
+    /// From bytes.
+    ///
+    /// # Errors
+    /// If they are no frame.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, TapeError> {
+        let mut at = 0;
+        let last = get_up_to(bytes, &mut at, ("whether a frame is the last", 1, "0 or 1"))? == 1;
+        let count = get_up_to(bytes, &mut at, ("the number of stages", 4096, "at most 4096"))?;
+        let mut frame = Self { stages: Vec::new(), rests: Vec::new(), last };
+        for _ in 0..count {
+            let rest = get(bytes, &mut at, "what is left of a stage")?;
+            frame.rests.push(Rest { demand: demand_of(rest >> 1, MAX_LINKS)?, empty: rest & 1 != 0 });
+            let length = get(bytes, &mut at, "the length of a stream")?;
+            let end = usize::try_from(length).ok().and_then(|length| at.checked_add(length));
+            let stream = end.and_then(|end| bytes.get(at..end)).ok_or(TapeError::BreaksOff("a stream"))?;
+            frame.stages.push(stream.to_vec());
+            at += stream.len();
+        }
+        if at < bytes.len() {
+            let value = (bytes.len() - at) as u64;
+            return Err(TapeError::Value { what: "what follows a frame", value, expected: "nothing" });
+        }
+        Ok(frame)
+    }
+}

@@ -1,0 +1,118 @@
+//! The tape: work does not depend on time, and time follows from work.
+
+mod common;
+
+use basrelief_kernel::plan::Plan;
+use basrelief_kernel::tape::Frame;
+use basrelief_kernel::{NoProbe, Outcome, RetimeError, RunReport, Shape, retime};
+use common::random::{Recipe, recipe};
+use common::{machine, run_both, tape};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+/// The same units with the FIFOs, memories and caches of another recipe.
+fn other_times(plan: &Plan, other: &Recipe) -> Plan {
+    let mut plan = plan.clone();
+    for (fifo, &(depth, latency)) in plan.fifos.iter_mut().zip(other.fifos.iter().cycle()) {
+        (fifo.depth, fifo.latency) = (depth, latency);
+    }
+    for (memory, from) in plan.memories.iter_mut().zip(&other.memories) {
+        memory.config = from.config.clone();
+    }
+    for (cache, &(depth, latency)) in plan.caches.iter_mut().zip(other.fifos.iter().cycle()) {
+        (cache.sets, cache.ways) = (depth as u32, latency as u32);
+        (cache.hit_latency, cache.lookups_per_cycle) = (latency as u32, depth as u32);
+    }
+    plan
+}
+
+/// The stream of each stage, in one piece.
+fn streams(tape: &[Frame]) -> Vec<Vec<u8>> {
+    let stages = tape[0].streams().count();
+    let whole = |stage| tape.iter().flat_map(|frame| frame.streams().nth(stage).unwrap().iter().copied()).collect();
+    (0..stages).map(whole).collect()
+}
+
+fn timed_again(tape: &[Frame], plan: &Plan) -> Result<RunReport, RetimeError> {
+    let mut frames = tape.iter().cloned();
+    retime(Shape::of(&mut machine(plan)).unwrap(), &mut || Ok(frames.next()), &mut NoProbe, u64::MAX)
+}
+
+proptest! {
+    /// Law 6, of the units of plans: what they do is the same under any times.
+    #[test]
+    fn the_tape_is_the_same_under_any_times(recipe in recipe(), other in recipe()) {
+        let (plan, _) = recipe.plan();
+        let slower = other_times(&plan, &other);
+        let [here, there] = [&plan, &slower].map(|plan| run_both(plan, u64::MAX).0.outcome);
+        if [here, there] == [Outcome::Complete, Outcome::Complete] {
+            prop_assert_eq!(streams(&tape(&plan, u64::MAX)), streams(&tape(&slower, u64::MAX)));
+        }
+    }
+
+    #[test]
+    fn timing_a_tape_again_gives_what_a_run_gives(recipe in recipe(), other in recipe()) {
+        let (plan, _) = recipe.plan();
+        let slower = other_times(&plan, &other);
+        let (recorded, ran) = (run_both(&plan, u64::MAX).0, run_both(&slower, u64::MAX).0);
+        match timed_again(&tape(&plan, u64::MAX), &slower) {
+            Ok(again) => prop_assert_eq!(again, ran),
+            // The one that was recorded stood still, and this one goes on.
+            Err(error) => prop_assert!(
+                matches!(error, RetimeError::EndsEarly(_)) && recorded.outcome != Outcome::Complete, "{}", error
+            ),
+        }
+    }
+
+    #[test]
+    fn frames_come_back_from_their_bytes(recipe in recipe()) {
+        for frame in tape(&recipe.plan().0, u64::MAX) {
+            prop_assert_eq!(Frame::from_bytes(&frame.to_bytes()), Ok(frame));
+        }
+    }
+
+    /// Whatever a tape says, timing it ends, in a report or an error.
+    #[test]
+    fn a_spoiled_tape_hurts_nobody(recipe in recipe(), changes in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), cut: bool) {
+        let (plan, _) = recipe.plan();
+        let mut spoiled = Vec::new();
+        for frame in tape(&plan, u64::MAX) {
+            let mut bytes = frame.to_bytes();
+            for (index, byte) in &changes {
+                let at = index.index(bytes.len());
+                bytes[at] = *byte;
+            }
+            if cut {
+                bytes.truncate(changes[0].0.index(bytes.len()));
+            }
+            spoiled.extend(Frame::from_bytes(&bytes));
+        }
+        let mut frames = spoiled.into_iter();
+        let shape = Shape::of(&mut machine(&plan)).unwrap();
+        // A limit, since a spoiled step may keep its unit for 2^32 cycles; what a report says of it is nobody's business.
+        let _ = retime(shape, &mut || Ok(frames.next()), &mut NoProbe, 1 << 20);
+    }
+}
+
+#[test]
+fn a_tape_that_ends_early_names_the_unit_that_could_go_on() {
+    let plan: Plan = serde_json::from_str(include_str!("laws/merged_late.json")).unwrap();
+    let whole = tape(&plan, u64::MAX);
+    let cut = tape(&plan, run_both(&plan, u64::MAX).0.total / 2);
+    assert!(timed_again(&whole, &plan).is_ok());
+    let Err(RetimeError::EndsEarly(unit)) = timed_again(&cut, &plan) else { panic!("expected an early end") };
+    assert!(plan.units.iter().any(|u| u.name == unit), "{unit}");
+}
+
+#[test]
+fn a_shape_tells_other_work() {
+    let plan: Plan = serde_json::from_str(include_str!("laws/merged_late.json")).unwrap();
+    let shape = |plan: &Plan| Shape::of(&mut machine(plan)).unwrap();
+    let mut longer = plan.clone();
+    longer.caches[0].line_bytes *= 2;
+    assert_eq!(shape(&plan).same_work(&shape(&plan)), Ok(()));
+    assert_eq!(shape(&plan).same_work(&shape(&longer)), Err("the lines of its caches are others".into()));
+    let mut renamed = plan.clone();
+    renamed.units[0].name = "other".into();
+    assert!(shape(&plan).same_work(&shape(&renamed)).unwrap_err().contains("there is `other`"));
+}
