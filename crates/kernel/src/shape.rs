@@ -24,6 +24,8 @@ pub(crate) struct StageShape {
     pub(crate) clients: Vec<usize>,
     /// Credits that the largest step needs, by client.
     pub(crate) credits: [u32; MAX_CLIENTS],
+    /// Whether its unit is ideal.
+    pub(crate) ideal: bool,
 }
 
 /// A FIFO.
@@ -32,6 +34,8 @@ pub(crate) struct FifoShape {
     pub(crate) name: String,
     pub(crate) depth: usize,
     pub(crate) latency: u64,
+    /// Width of a slot \[bits\].
+    bits: u32,
     /// Numbers of the stages at its ends.
     pub(crate) producer: usize,
     pub(crate) consumer: usize,
@@ -57,9 +61,10 @@ impl Shape {
     /// # Errors
     /// What differs, in words.
     pub fn same_work(&self, other: &Self) -> Result<(), String> {
-        let wires = |shape: &Self| shape.fifos.iter().map(|f| (f.name.clone(), f.producer, f.consumer)).collect::<Vec<_>>();
+        let wires =
+            |shape: &Self| shape.fifos.iter().map(|f| (f.name.clone(), f.bits, f.producer, f.consumer)).collect::<Vec<_>>();
         if wires(self) != wires(other) || self.stages.len() != other.stages.len() {
-            return Err("its units are joined in another way".into());
+            return Err("its units are joined in another way, or hand on wider or narrower tokens".into());
         }
         for (ours, theirs) in self.stages.iter().zip(&other.stages) {
             let name = &ours.names.name;
@@ -100,12 +105,12 @@ impl Visitor for Walk {
         let clients = connections.clients.ids().to_vec();
         let credits = std::array::from_fn(|i| if i < clients.len() { stage.unit.largest_step(i) } else { 0 });
         let (inputs, outputs) = (numbers(&connections.inputs), numbers(&connections.outputs));
-        let names = StageTopology::of(stage, connections);
-        self.stages.push(StageShape { names, inputs, outputs, clients, credits });
+        let (names, ideal) = (StageTopology::of(stage, connections), stage.is_ideal());
+        self.stages.push(StageShape { names, inputs, outputs, clients, credits, ideal });
         for link in (0..connections.outputs.count()).map(|i| connections.outputs.link(i)) {
             let (producer, consumer) = (link.producer().unwrap_or_default(), link.consumer().unwrap_or_default());
-            let (depth, latency) = (link.depth(), link.latency());
-            self.fifos.push(FifoShape { name: link.name().into(), depth, latency, producer, consumer });
+            let (depth, latency, bits) = (link.depth(), link.latency(), link.bits());
+            self.fifos.push(FifoShape { name: link.name().into(), depth, latency, bits, producer, consumer });
         }
     }
 }

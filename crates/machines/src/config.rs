@@ -13,6 +13,15 @@ parameters! {
 }
 
 parameters! {
+    /// What costs nothing: to find what something costs.
+    pub struct IdealConfig {
+        /// Names of units, with commas between, whose steps keep them for one cycle and deliver as much earlier as they keep them
+        /// shorter; what they ask of memories stays.
+        units: String = String::new(), unit: "", Assumed("no unit is"), effect: Timing;
+    }
+}
+
+parameters! {
     /// The exact picture: float64, no quantization.
     pub struct ReferenceConfig {
         /// Texture filter of the exact picture: nearest, bilinear (both on level 0) or trilinear.

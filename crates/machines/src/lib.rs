@@ -22,7 +22,7 @@ pub mod texel;
 mod unit_info;
 
 pub use basrelief_kernel::facts::Facts;
-pub use config::{ClockConfig, ReferenceConfig, ReferenceFilter};
+pub use config::{ClockConfig, IdealConfig, ReferenceConfig, ReferenceFilter};
 pub use draws::Draws;
 pub use front::{FrontConfig, FrontEnd, SceneFront, TraceFront};
 pub use problem::{ConfigProblem, slow_fifos};

@@ -1,7 +1,8 @@
 //! What no single parameter's range can say, as every machine finds it.
 
+use crate::config::IdealConfig;
 use basrelief_kernel::facts::{Facts, SlowFifo};
-use basrelief_kernel::{Machine, WiringError, check_wiring};
+use basrelief_kernel::{Machine, Place, Visitor, WiringError, check_wiring};
 
 /// Parameters that do not fit together.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -13,10 +14,12 @@ pub struct ConfigProblem {
     pub message: String,
 }
 
-/// The machine as it is built, its wiring checked. Where a memory has fewer credits than a step needs (law 3), its parameter
+/// The machine as it is built, its wiring checked and its ideal units made so. Where a memory has fewer credits than a step needs (law 3), its parameter
 /// is at fault.
-pub(crate) fn wired<M: Machine>(mut machine: M) -> Result<M, ConfigProblem> {
-    let Err(error) = check_wiring(&mut machine) else { return Ok(machine) };
+pub(crate) fn wired<M: Machine>(mut machine: M, ideal: &IdealConfig) -> Result<M, ConfigProblem> {
+    let Err(error) = check_wiring(&mut machine) else {
+        return make_ideal(&mut machine, &ideal.units).map(|()| machine);
+    };
     let (key, message) = match &error {
         WiringError::TooFewCredits { memory, port, needed, outstanding, .. } => (
             format!("memory.{memory}.outstanding"),
@@ -25,6 +28,29 @@ pub(crate) fn wired<M: Machine>(mut machine: M) -> Result<M, ConfigProblem> {
         other => ("wiring".into(), other.to_string()),
     };
     Err(ConfigProblem { key, message })
+}
+
+/// Makes the units ideal that are named, with commas between.
+fn make_ideal(machine: &mut impl Machine, names: &str) -> Result<(), ConfigProblem> {
+    /// What is to be made ideal, and all that there is.
+    struct Idealize<'a>(Vec<&'a str>, Vec<String>);
+    impl Visitor for Idealize<'_> {
+        fn stage<P: Place>(&mut self, mut place: P) {
+            let (stage, _) = place.open();
+            if self.0.contains(&stage.name()) {
+                stage.make_ideal();
+            }
+            self.1.push(stage.name().into());
+        }
+    }
+    let wanted: Vec<&str> = names.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+    let mut visitor = Idealize(wanted, vec![]);
+    machine.wire(&mut visitor);
+    let Idealize(wanted, all) = visitor;
+    match wanted.iter().find(|name| !all.iter().any(|unit| unit == *name)) {
+        Some(name) => problem("ideal.units", format!("has `{name}`, expected units of this machine: {}", all.join(", "))),
+        None => Ok(()),
+    }
 }
 
 /// `key` is at fault.

@@ -33,7 +33,7 @@ mod load;
 mod table;
 
 pub use load::{ConfigError, Given, load};
-pub use table::{Parameter, Parameters, Provenance, RangeError, resolved};
+pub use table::{Effect, Parameter, Parameters, Provenance, RangeError, resolved};
 
 /// Used by the macros; not part of the interface.
 #[doc(hidden)]

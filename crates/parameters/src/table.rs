@@ -33,6 +33,25 @@ impl Provenance {
     }
 }
 
+/// What a parameter changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// What the units do: pictures, traffic, how long each step takes.
+    Work,
+    /// Only when they do it: a recorded run can be timed again with another value.
+    Timing,
+}
+
+impl Effect {
+    /// `work` or `timing`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Work => "work",
+            Self::Timing => "timing",
+        }
+    }
+}
+
 /// Every fact about one parameter.
 #[derive(Clone, Debug)]
 pub struct Parameter {
@@ -48,6 +67,8 @@ pub struct Parameter {
     pub default: serde_json::Value,
     /// Where the default comes from.
     pub provenance: Provenance,
+    /// What it changes.
+    pub effect: Effect,
 }
 
 /// A value outside its range.
@@ -107,7 +128,7 @@ pub fn resolved<C: Parameters>(config: &C) -> Vec<Parameter> {
 macro_rules! parameters {
     ($(#[doc = $about:literal])* pub struct $name:ident {
         $($(#[doc = $doc:literal])* $field:ident : $type:ty = $default:expr, unit: $unit:literal,
-          $kind:ident($why:literal) $(, range: $range:expr)?;)*
+          $kind:ident($why:literal) $(, range: $range:expr)? $(, effect: $effect:ident)?;)*
     }) => {
         $(#[doc = $about])*
         #[derive(Clone, Debug, PartialEq, $crate::private::serde::Serialize, $crate::private::serde::Deserialize, $crate::private::schemars::JsonSchema)]
@@ -131,6 +152,7 @@ macro_rules! parameters {
                     range: String::new() $(+ &format!("{:?}", $range))?,
                     default: $crate::private::serde_json::to_value(&default.$field).unwrap_or_default(),
                     provenance: $crate::Provenance::$kind($why.into()),
+                    effect: [$($crate::Effect::$effect,)? $crate::Effect::Work][0],
                 }),*]
             }
 

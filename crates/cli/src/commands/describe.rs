@@ -5,7 +5,7 @@ use crate::args::DescribeArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::config_of;
 use basrelief_input::Budget;
-use basrelief_parameters::Parameter;
+use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::model::Hardware;
 use basrelief_scene::DEMOS;
 use basrelief_session::{MachineConfig, MachineInfo};
@@ -54,6 +54,7 @@ fn hardware(config: &MachineConfig, json: bool) -> Done {
 fn as_json(p: &Parameter, default: &Value) -> Value {
     json!({
         "key": p.key, "value": p.default, "default": default, "unit": p.unit, "range": p.range, "about": p.doc,
+        "effect": p.effect.name(),
         "provenance": {"kind": p.provenance.kind(), "text": p.provenance.text()},
     })
 }
@@ -67,4 +68,7 @@ fn entry(text: &mut String, p: &Parameter) {
     let range = if p.range.is_empty() { String::new() } else { format!("   [{}]", p.range) };
     let _ = writeln!(text, "\n  {} = {value}{unit}{range}", p.key);
     let _ = writeln!(text, "      {}\n      {}: {}", p.doc, p.provenance.kind(), p.provenance.text());
+    if p.effect == Effect::Timing {
+        text.push_str("      changes times only\n");
+    }
 }

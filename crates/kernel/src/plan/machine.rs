@@ -65,6 +65,7 @@ fn add_memories<'p>(plan: &'p Plan, memories: &mut MemorySystem) -> BTreeMap<&'p
                         ways: c.ways,
                         hit_latency: c.hit_latency,
                         lookups_per_cycle: c.lookups_per_cycle,
+                        always_hits: false,
                     };
                     memories.add_cached_client(&p.name, memory, p.outstanding, &c.name, &cache)
                 }

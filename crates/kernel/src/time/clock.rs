@@ -21,6 +21,8 @@ pub(crate) struct Clock {
     /// Its FIFOs.
     pub(super) inputs: Ends,
     pub(super) outputs: Ends,
+    /// Its steps keep it for a cycle, and deliver as much earlier.
+    ideal: bool,
     /// Numbers of its memory clients.
     pub(super) clients: Box<[usize]>,
     pub(super) needs: Needs,
@@ -40,13 +42,14 @@ pub(super) struct Needs {
 
 impl Clock {
     pub(super) fn new(shape: &StageShape, memories: &MemorySystem) -> Self {
-        let StageShape { inputs, outputs, clients, credits, .. } = shape;
+        let StageShape { inputs, outputs, clients, credits, ideal, .. } = shape;
         let mut served_in_order = std::array::from_fn(|i| i);
         served_in_order[..clients.len()].sort_by_key(|&i| memories.service_rank(clients[i]));
         Self {
             free: Cycle::ZERO,
             steps: 0,
             busy: 0,
+            ideal: *ideal,
             inputs: Ends::new(inputs),
             outputs: Ends::new(outputs),
             clients: clients.as_slice().into(),
@@ -67,15 +70,18 @@ impl Clock {
     ) {
         self.inputs.each(inputs, K::INPUTS, |fifo| fifos[fifo].pop(at));
         self.outputs.each(made.outputs, K::OUTPUTS, |fifo| fifos[fifo].reserve(at));
-        let mut occupancy = made.occupancy;
+        let Made { mut occupancy, mut latency, .. } = *made;
+        if self.ideal {
+            (occupancy, latency) = (1, latency.saturating_sub(occupancy - 1));
+        }
         if traffic.is_empty() && (!K::HAS_MEMORY || self.flights.is_empty()) {
-            self.outputs.each(made.outputs, K::OUTPUTS, |fifo| fifos[fifo].deliver(at + made.latency));
+            self.outputs.each(made.outputs, K::OUTPUTS, |fifo| fifos[fifo].deliver(at + latency));
             if made.marked {
-                self.marks.push(at + made.latency);
+                self.marks.push(at + latency);
             }
         } else {
             let outputs = made.outputs | if made.marked { MARKED } else { 0 };
-            occupancy = occupancy.max(self.depart(at, (at + made.latency, outputs), (fifos, memories), traffic));
+            occupancy = occupancy.max(self.depart(at, (at + latency, outputs), (fifos, memories), traffic));
         }
         self.busy += occupancy;
         self.free = at + occupancy;

@@ -1,6 +1,6 @@
 //! All parameters of the bump-mapping processor, in the order of its block diagram, and its FIFOs.
 
-use crate::config::{ClockConfig, ReferenceConfig};
+use crate::config::{ClockConfig, IdealConfig, ReferenceConfig};
 use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
@@ -141,6 +141,8 @@ parameter_groups! {
         memory: MemoryConfigs = MemoryConfigs::default(),
         /// Caches.
         cache: CacheConfigs = CacheConfigs::default(),
+        /// What costs nothing.
+        ideal: IdealConfig = IdealConfig::default(),
         /// The exact picture that the machine's is compared with.
         reference: ReferenceConfig = ReferenceConfig::default(),
     }

@@ -53,40 +53,43 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let separate = c.brightness.components == Components::Separate;
         let (z_bits, stamp) = (c.rasterizer.z_bits, check::stamp(config));
         let levels = c.brightness.levels;
-        wired(Self {
-            front,
-            fifos: Fifos::new(&c.fifo, &widths(config, stamp)),
-            early_z: c.rasterizer.early_z,
-            rasterizer: Stage::new(
-                "rasterizer",
-                Rasterizer::new(RasterizerConfig { stamp, ..c.rasterizer }, c.operators.clone()),
-            ),
-            early_depth: Stage::new(
-                "depth-test",
-                DepthTest::new(c.depth.clone(), &c.operators, z_bits, c.cache.depth.line_bytes),
-            ),
-            distributor: Stage::new("distributor", Distributor::default()),
-            mapping: Stage::new(
-                "normal-mapping",
-                NormalMapping::new(c.normal_mapping.clone(), &c.operators, levels, stamp, c.cache.normal_map.line_bytes),
-            ),
-            replacement: Stage::new("replacement", replacement),
-            brightness: Stage::new("brightness", BrightnessFetch::new(c.brightness, tables, stamp * samples, &c.operators)),
-            graphics: Stage::new(
-                "graphics",
-                GraphicsProcessor::new(
-                    c.graphics,
-                    c.operators.clone(),
-                    separate,
-                    [stamp, c.cache.color_texture.line_bytes, check::entry_bits(config)],
+        wired(
+            Self {
+                front,
+                fifos: Fifos::new(&c.fifo, &widths(config, stamp)),
+                early_z: c.rasterizer.early_z,
+                rasterizer: Stage::new(
+                    "rasterizer",
+                    Rasterizer::new(RasterizerConfig { stamp, ..c.rasterizer }, c.operators.clone()),
                 ),
-            ),
-            late_depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, z_bits, c.cache.depth.line_bytes)),
-            frame_buffer: Stage::new("frame-buffer", FrameBuffer::new(c.frame_buffer)),
-            video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
-            memories,
-            clients,
-        })
+                early_depth: Stage::new(
+                    "depth-test",
+                    DepthTest::new(c.depth.clone(), &c.operators, z_bits, c.cache.depth.line_bytes),
+                ),
+                distributor: Stage::new("distributor", Distributor::default()),
+                mapping: Stage::new(
+                    "normal-mapping",
+                    NormalMapping::new(c.normal_mapping.clone(), &c.operators, levels, stamp, c.cache.normal_map.line_bytes),
+                ),
+                replacement: Stage::new("replacement", replacement),
+                brightness: Stage::new("brightness", BrightnessFetch::new(c.brightness, tables, stamp * samples, &c.operators)),
+                graphics: Stage::new(
+                    "graphics",
+                    GraphicsProcessor::new(
+                        c.graphics,
+                        c.operators.clone(),
+                        separate,
+                        [stamp, c.cache.color_texture.line_bytes, check::entry_bits(config)],
+                    ),
+                ),
+                late_depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, z_bits, c.cache.depth.line_bytes)),
+                frame_buffer: Stage::new("frame-buffer", FrameBuffer::new(c.frame_buffer)),
+                video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
+                memories,
+                clients,
+            },
+            &config.ideal,
+        )
     }
 }
 

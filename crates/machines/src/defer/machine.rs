@@ -73,26 +73,35 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let cells = Cells::new((engine.clone(), c.operators.clone()), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
         let tile_bytes = 3 * c.tile.width * c.tile.height;
         let widths = Widths { depth: c.rasterizer.z_bits, stamp: c.rasterizer.stamp, ..Widths::default() };
-        wired(Self {
-            front,
-            fifos: Fifos::new(&c.fifo, &widths),
-            tiles: fifo("tiles", &slots(c.path.requests), &widths),
-            server: Stage::new("server", Server::new(c.path.clone(), c.defer.lighting, source)),
-            path: Stage::new("path", Path::new(&c.path, c.clock.hz, tile_bytes)),
-            expander: Stage::new("expander", Expander::new(c.tile.clone(), engine.latency, c.fifo.expanded.depth)),
-            depth: Stage::new("z-test", DepthTest::new(c.depth, &c.operators, c.rasterizer.z_bits, c.cache.depth.line_bytes)),
-            rasterizer: Stage::new("rasterizer", Rasterizer::new(c.rasterizer, c.operators)),
-            cell_maker: Stage::new("cells", cells),
-            reference_buffer: Stage::new("reference-buffer", ReferenceBuffer::new(engine.clone(), mode, (format.bytes, sizes))),
-            identification: Stage::new("identification", Identification::new(engine.clone(), sizes)),
-            tile_lists: Stage::new("tile-lists", TileLists::new(engine.clone(), mode, (c.tile.order, sizes), leaving.clone())),
-            rasterization: Stage::new("final-rasterization", Rasterization::new(engine, mode, leaving, (format, sizes))),
-            pixel_buffer: Stage::new("pixel-buffer", PixelBuffer::new(c.frame_buffer, shared)),
-            video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
-            memories,
-            clients,
-            config: config.clone(),
-        })
+        wired(
+            Self {
+                front,
+                fifos: Fifos::new(&c.fifo, &widths),
+                tiles: fifo("tiles", &slots(c.path.requests), &widths),
+                server: Stage::new("server", Server::new(c.path.clone(), c.defer.lighting, source)),
+                path: Stage::new("path", Path::new(&c.path, c.clock.hz, tile_bytes)),
+                expander: Stage::new("expander", Expander::new(c.tile.clone(), engine.latency, c.fifo.expanded.depth)),
+                depth: Stage::new("z-test", DepthTest::new(c.depth, &c.operators, c.rasterizer.z_bits, c.cache.depth.line_bytes)),
+                rasterizer: Stage::new("rasterizer", Rasterizer::new(c.rasterizer, c.operators)),
+                cell_maker: Stage::new("cells", cells),
+                reference_buffer: Stage::new(
+                    "reference-buffer",
+                    ReferenceBuffer::new(engine.clone(), mode, (format.bytes, sizes)),
+                ),
+                identification: Stage::new("identification", Identification::new(engine.clone(), sizes)),
+                tile_lists: Stage::new(
+                    "tile-lists",
+                    TileLists::new(engine.clone(), mode, (c.tile.order, sizes), leaving.clone()),
+                ),
+                rasterization: Stage::new("final-rasterization", Rasterization::new(engine, mode, leaving, (format, sizes))),
+                pixel_buffer: Stage::new("pixel-buffer", PixelBuffer::new(c.frame_buffer, shared)),
+                video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
+                memories,
+                clients,
+                config: config.clone(),
+            },
+            &config.ideal,
+        )
     }
 
     /// How textures are cut into tiles.

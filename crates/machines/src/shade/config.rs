@@ -1,6 +1,6 @@
 //! All parameters of the figure shading device, in the order of its block diagram, and its FIFOs.
 
-use crate::config::ClockConfig;
+use crate::config::{ClockConfig, IdealConfig};
 use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
@@ -190,6 +190,8 @@ parameter_groups! {
         memory: MemoryConfigs = MemoryConfigs::default(),
         /// Caches.
         cache: CacheConfigs = CacheConfigs::default(),
+        /// What costs nothing.
+        ideal: IdealConfig = IdealConfig::default(),
     }
 }
 

@@ -51,25 +51,28 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
         let normal_interpolation = NormalInterpolation::new(c.normal_interpolation.clone(), c.shade.renormalise, o.clone());
         let scan = c.scan.clone();
         let microcomputer = Microcomputer::new(c.cpu, &c.host, c.shade, c.shortcut, scan, &c.normal_interpolation, o);
-        wired(Self {
-            front,
-            fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, stamp: 1, ..Widths::default() }),
-            host: Stage::new("host-interface", HostInterface::new(c.host)),
-            microcomputer: Stage::new("microcomputer", microcomputer),
-            registers: Stage::new("registers", RegisterBank::default()),
-            interpolation: Stage::new("interpolation", BrightnessInterpolation::new(c.interpolation, o.clone())),
-            normal_interpolation: Stage::new("normal-interpolation", normal_interpolation),
-            gate: Stage::new("gate", Gate::new(c.gate)),
-            adder: Stage::new("adder", Adder::new(c.adder, o.clone())),
-            selector_53: Stage::new("selector-53", Selector53::new(c.selector_53)),
-            selector_28: Stage::new("selector-28", Selector28::new(c.selector_28)),
-            depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, c.scan.z_bits, c.cache.depth.line_bytes)),
-            frame_memory: Stage::new("frame-memory", FrameBuffer::new(c.frame_buffer)),
-            video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
-            memories,
-            clients,
-            depth_test: c.frame_memory.depth_test,
-        })
+        wired(
+            Self {
+                front,
+                fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, stamp: 1, ..Widths::default() }),
+                host: Stage::new("host-interface", HostInterface::new(c.host)),
+                microcomputer: Stage::new("microcomputer", microcomputer),
+                registers: Stage::new("registers", RegisterBank::default()),
+                interpolation: Stage::new("interpolation", BrightnessInterpolation::new(c.interpolation, o.clone())),
+                normal_interpolation: Stage::new("normal-interpolation", normal_interpolation),
+                gate: Stage::new("gate", Gate::new(c.gate)),
+                adder: Stage::new("adder", Adder::new(c.adder, o.clone())),
+                selector_53: Stage::new("selector-53", Selector53::new(c.selector_53)),
+                selector_28: Stage::new("selector-28", Selector28::new(c.selector_28)),
+                depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, c.scan.z_bits, c.cache.depth.line_bytes)),
+                frame_memory: Stage::new("frame-memory", FrameBuffer::new(c.frame_buffer)),
+                video_out: Stage::new("video-out", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
+                memories,
+                clients,
+                depth_test: c.frame_memory.depth_test,
+            },
+            &config.ideal,
+        )
     }
 }
 

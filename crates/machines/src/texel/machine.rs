@@ -57,27 +57,30 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         let approximate_calculator =
             ApproximateCalculator::new(c.approximation, &c.texel, [radix, c.scan.z_bits], gradients, operators.clone());
         let under_way = lines_under_way(config);
-        wired(Self {
-            front,
-            fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, texture: bits, ..Widths::default() }),
-            depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, c.scan.z_bits, c.cache.depth.line_bytes)),
-            scan_converter: Stage::new(
-                "scan-converter",
-                ScanConverter::new(c.scan, c.texel.snap, c.texel.march, operators.clone()),
-            ),
-            step_calculator: Stage::new("step-calculator", StepCalculator::new(c.texel, radix, operators.clone())),
-            divider: Stage::new("divider", Divider::new(c.divider, bits, operators)),
-            approximate_calculator: Stage::new("approximate-calculator", approximate_calculator),
-            mip_map_selector: Stage::new("mip-map-selector", MipMapSelector::new(c.mip)),
-            look_up: Stage::new("texture-look-up", look_up),
-            illuminance: Stage::new("illuminance", IlluminanceValueGenerator::new(c.illuminance, own)),
-            combiner: Stage::new("combiner", Combiner::new(c.combiner, under_way)),
-            buffer: Stage::new("pixel-value-buffer", FrameBuffer::new(c.frame_buffer)),
-            dacs: Stage::new("dacs", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
-            memories,
-            clients,
-            depth_test: c.pixel_value_buffer.depth_test,
-        })
+        wired(
+            Self {
+                front,
+                fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, texture: bits, ..Widths::default() }),
+                depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, c.scan.z_bits, c.cache.depth.line_bytes)),
+                scan_converter: Stage::new(
+                    "scan-converter",
+                    ScanConverter::new(c.scan, c.texel.snap, c.texel.march, operators.clone()),
+                ),
+                step_calculator: Stage::new("step-calculator", StepCalculator::new(c.texel, radix, operators.clone())),
+                divider: Stage::new("divider", Divider::new(c.divider, bits, operators)),
+                approximate_calculator: Stage::new("approximate-calculator", approximate_calculator),
+                mip_map_selector: Stage::new("mip-map-selector", MipMapSelector::new(c.mip)),
+                look_up: Stage::new("texture-look-up", look_up),
+                illuminance: Stage::new("illuminance", IlluminanceValueGenerator::new(c.illuminance, own)),
+                combiner: Stage::new("combiner", Combiner::new(c.combiner, under_way)),
+                buffer: Stage::new("pixel-value-buffer", FrameBuffer::new(c.frame_buffer)),
+                dacs: Stage::new("dacs", VideoOut::new(c.video_out, pixel_bytes, c.clock.hz)),
+                memories,
+                clients,
+                depth_test: c.pixel_value_buffer.depth_test,
+            },
+            &config.ideal,
+        )
     }
 
     /// Keeps a log of spans and displacements from now on. To be called before the first step.
