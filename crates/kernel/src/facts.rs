@@ -3,6 +3,7 @@
 use crate::hardware::{Hardware, HardwareKind};
 use crate::wiring::{Machine, Outputs, Visitor, Wires};
 use crate::{Link, Place, Unit, Work};
+use serde::{Deserialize, Serialize};
 
 /// What the units of a machine tell, each in [`Unit::tell`], in the order of the wiring. See [`facts`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,7 +33,7 @@ pub struct Figure {
 }
 
 /// How many, or how much.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Value {
     /// How many.
     Count(u64),
@@ -187,6 +188,15 @@ impl Facts {
     /// The figure of this name.
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.figures.iter().find(|f| f.name == name).map(|f| &f.value)
+    }
+
+    /// Puts values in the place of those of the same names; the others stay.
+    pub fn put(&mut self, values: &[(String, Value)]) {
+        for figure in &mut self.figures {
+            if let Some((_, value)) = values.iter().find(|(name, _)| *name == figure.name) {
+                figure.value = value.clone();
+            }
+        }
     }
 
     /// A count; 0 where there is none of this name.

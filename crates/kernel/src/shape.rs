@@ -55,6 +55,11 @@ impl Shape {
         Ok(Self { stages: walk.stages, fifos: walk.fifos, memories: machine.memories().clone() })
     }
 
+    /// All stages, in the order of the wiring.
+    pub fn topology(&self) -> Vec<StageTopology> {
+        self.stages.iter().map(|stage| stage.names.clone()).collect()
+    }
+
     /// Whether the units of another machine do the same as those of this one, as far as a shape tells: the same stages, joined in the
     /// same way, with the same largest steps and lines. (Of what else a unit derives from its parameters the shape knows nothing.)
     ///

@@ -9,6 +9,7 @@ use common::random::{Recipe, recipe};
 use common::{machine, run_both, tape};
 use proptest::collection::vec;
 use proptest::prelude::*;
+use std::borrow::Cow;
 
 /// The same units with the FIFOs, memories and caches of another recipe.
 fn other_times(plan: &Plan, other: &Recipe) -> Plan {
@@ -34,7 +35,7 @@ fn streams(tape: &[Frame]) -> Vec<Vec<u8>> {
 }
 
 fn timed_again(tape: &[Frame], plan: &Plan) -> Result<RunReport, RetimeError> {
-    let mut frames = tape.iter().cloned();
+    let mut frames = tape.iter().map(Cow::Borrowed);
     retime(Shape::of(&mut machine(plan)).unwrap(), &mut || Ok(frames.next()), &mut NoProbe, u64::MAX)
 }
 
@@ -87,7 +88,7 @@ proptest! {
             }
             spoiled.extend(Frame::from_bytes(&bytes));
         }
-        let mut frames = spoiled.into_iter();
+        let mut frames = spoiled.into_iter().map(Cow::Owned);
         let shape = Shape::of(&mut machine(&plan)).unwrap();
         // A limit, since a spoiled step may keep its unit for 2^32 cycles; what a report says of it is nobody's business.
         let _ = retime(shape, &mut || Ok(frames.next()), &mut NoProbe, 1 << 20);

@@ -71,6 +71,7 @@ impl Report {
             fifos: None,
             memories: None,
             caches: None,
+            limits: None,
             hardware: context.hardware,
             figures: context.figures,
             legend: context.legend,

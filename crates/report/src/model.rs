@@ -41,6 +41,10 @@ pub struct Report {
     /// What each cache's look-ups found, by name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caches: Option<IndexMap<String, Cache>>,
+    /// What limits the run, most first: what it would take with one thing made ideal. Measured, by timing the same work again; absent
+    /// where it was not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<Vec<Limit>>,
     /// What the machine is built of, unit by unit, each before the FIFOs that it fills; then caches.
     #[serde(default)]
     pub hardware: Vec<Hardware>,
@@ -251,6 +255,21 @@ pub struct Cache {
     pub misses: u64,
     /// The line was on its way.
     pub merged: u64,
+}
+
+/// What a run would take with something made ideal. A full run with `set` takes exactly `cycles`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Limit {
+    /// What is made ideal: name of a unit, FIFO, memory or cache; or two of them.
+    pub resource: String,
+    /// How.
+    pub what: String,
+    /// Parameters, as `--set` takes them.
+    pub set: Vec<String>,
+    /// Cycles that the run takes then.
+    pub cycles: u64,
+    /// Cycles fewer than as it was.
+    pub saved: u64,
 }
 
 /// Equal pieces of hardware: no area and no energy, but counts that one can multiply.

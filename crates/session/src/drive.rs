@@ -1,29 +1,69 @@
 //! A run under way: the engine, the pictures it finishes, and the report in the end.
 
 use crate::difference::difference;
+use crate::ended::Ended;
 use crate::exact::Exact;
 use crate::exhibits::content::{ExhibitInfo, Form};
 use crate::exhibits::spec::show_round;
 use crate::held;
-use crate::machines::{Logs, MachineSpec, PictureRecord, RunSummary};
+use crate::limits::Recorded;
+use crate::machines::{Logs, MachineSpec, PictureRecord};
 use crate::observer::{MemoryRequests, Observer, Pictures, picture_name};
 use crate::outcome::{Run, SessionError};
-use crate::settings::RunOptions;
+use crate::run::Way;
+use crate::settings::{self, RunOptions};
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_input::{Held, OverBudget};
+use basrelief_kernel::tape::Frame;
 use basrelief_kernel::{self as kernel, Limits, Machine, Outcome, Probe, RunReport};
-use basrelief_machines::{Facts, drawn_units};
+use basrelief_machines::Facts;
 use basrelief_reference::{Picture, Quality, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
-use basrelief_report::{Context, Report};
-use basrelief_signals::{Camera, Frame};
+use basrelief_signals::{Camera, Frame as SceneFrame};
 use sha2::{Digest as _, Sha256};
 
 /// What the engine came to, and what the units counted.
 pub(crate) struct EngineResult {
     facts: Facts,
     report: Option<RunReport>,
+    /// What the units did, where it was kept.
+    tape: Vec<Frame>,
+}
+
+/// Bytes of a frame of a tape, about.
+const FRAME_BYTES: usize = 1 << 20;
+
+/// The tape of a run that is timed again when it is over.
+struct Tape {
+    frames: Vec<Frame>,
+    /// Bytes that are left to keep; none once it was too long.
+    left: Option<usize>,
+}
+
+impl Tape {
+    /// Bytes of a tape that is short: a step takes some four.
+    const SHORT: usize = 8 << 20;
+
+    fn new(limits: settings::Limits) -> Option<Self> {
+        let left = match limits {
+            settings::Limits::Never => return None,
+            settings::Limits::IfShort => Self::SHORT,
+            settings::Limits::Always => usize::MAX,
+        };
+        Some(Self { frames: vec![], left: Some(left) })
+    }
+
+    /// Keeps a frame; none at all once there are too many.
+    fn keep(&mut self, frame: Frame) {
+        let bytes: usize = frame.streams().map(<[u8]>::len).sum();
+        self.left = self.left.and_then(|left| left.checked_sub(bytes));
+        if self.left.is_some() {
+            self.frames.push(frame);
+        } else {
+            self.frames = vec![];
+        }
+    }
 }
 
 /// A run under way.
@@ -91,12 +131,20 @@ impl<'a> Session<'a> {
         self.keep_requests(&mut machine);
         let began = clock();
         let mut aside = 0.0;
+        // Where a user acts at times, what is drawn follows from times.
+        let mut tape = Tape::new(self.settings.limits).filter(|_| spec.rehearsed(&[]).is_none());
         let report = {
             let mut progress = |machine: &mut M| self.look(spec, machine, &mut aside);
             match engine {
                 Some(engine) => {
                     let limits = Limits { max_cycles, progress: &mut progress };
-                    Some(kernel::run_with(&mut machine, engine, probe, limits))
+                    Some(match &mut tape {
+                        None => kernel::run_with(&mut machine, engine, probe, limits),
+                        Some(tape) => {
+                            let keep = &mut |frame| tape.keep(frame);
+                            kernel::run_recorded(&mut machine, engine, probe, limits, (FRAME_BYTES, keep))
+                        }
+                    })
                 }
                 None => match kernel::run_functional(&mut machine, &mut progress) {
                     Ok(()) => None,
@@ -122,7 +170,7 @@ impl<'a> Session<'a> {
         }
         match self.failed.take() {
             Some(failed) => Err(SessionError::Observer(failed)),
-            None => Ok(EngineResult { facts: machine.facts(), report }),
+            None => Ok(EngineResult { facts: machine.facts(), report, tape: tape.map_or(vec![], |tape| tape.frames) }),
         }
     }
 
@@ -243,9 +291,9 @@ impl<'a> Session<'a> {
 
     pub(crate) fn finish<S: MachineSpec>(
         self,
-        spec: &S,
+        (spec, way): (&S, Way),
         input: Input,
-        frame: Option<&Frame>,
+        frame: Option<&SceneFrame>,
         result: EngineResult,
         warnings: &[String],
         expectations: Vec<Expectation>,
@@ -253,33 +301,25 @@ impl<'a> Session<'a> {
         let several = self.images.len() > 1;
         let image = self.images.into_iter().enumerate();
         let no_view = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
-        let summary = RunSummary { run: result.report.as_ref(), pictures: &self.shown };
-        let mut facts = result.facts;
-        spec.figures(&summary, &mut facts);
-        let drawn = drawn_units(S::DIAGRAM).into_iter();
-        let context = Context {
-            machine: S::NAME.into(),
+        let ended = Ended {
             input,
-            config: serde_json::to_value(spec).unwrap_or_default(),
             camera: frame.map_or(no_view, |f| f.camera),
             size: frame.map_or(Size { width: 0, height: 0 }, |f| Size { width: f.width, height: f.height }),
-            numerals: drawn.filter_map(|(name, numeral)| Some((name.to_owned(), numeral.parse().ok()?))).collect(),
-            figures: facts.figures().map(|f| (f.name.clone(), (&f.value).into())).collect(),
-            hardware: facts.all_hardware().iter().map(Into::into).collect(),
-            legend: facts.figures().map(|f| (f.name.clone(), f.into())).collect(),
             quality: self.quality.last().map(|&last| PictureQuality {
                 last,
                 difference: self.difference,
                 frames: if several { self.quality.clone() } else { vec![] },
             }),
             image: image.map(|(i, sha256)| PictureFile { file: picture_name("image", i, several), sha256 }).collect(),
-            warnings: warnings.iter().cloned().chain(spec.warnings(&facts)).collect(),
+            warnings: warnings.to_vec(),
+            shown: self.shown,
         };
-        let report = match &result.report {
-            Some(run) => Report::timed(context, run),
-            None => Report::functional(context, &Outcome::Complete),
-        };
-        Run { report, timing: result.report, expectations, simulate_s: self.simulate_s }
+        let EngineResult { facts, report: run, tape } = result;
+        let mut report = ended.report(spec, facts, run.as_ref());
+        if let Some(run) = run.as_ref().filter(|run| run.outcome == Outcome::Complete && !tape.is_empty()) {
+            report.limits = Some(Recorded { spec, way, frames: &tape, run }.limits());
+        }
+        Run { report, timing: run, expectations, simulate_s: self.simulate_s }
     }
 }
 

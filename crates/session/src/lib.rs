@@ -21,14 +21,17 @@
 mod ablation;
 mod difference;
 mod drive;
+mod ended;
 mod exact;
 mod exhibits;
 mod expectation;
 mod held;
+mod limits;
 mod machines;
 mod methods;
 mod observer;
 mod outcome;
+mod parallel;
 mod record;
 mod rehearsal;
 mod run;
@@ -45,7 +48,7 @@ pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name}
 pub use outcome::{Run, SessionError};
 pub use record::{begin_of, display_list};
 pub use run::{run, stages};
-pub use settings::{RunInput, RunOptions};
+pub use settings::{Limits, RunInput, RunOptions};
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]

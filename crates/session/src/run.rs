@@ -12,7 +12,7 @@ use crate::settings::{RunInput, RunOptions};
 use crate::tee::{Tee, TraceNotes};
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles, Resolver};
-use basrelief_kernel::{self as kernel, Machine, NoProbe, Probe, StageTopology};
+use basrelief_kernel::{Machine, NoProbe, Probe, Shape, StageTopology};
 use basrelief_machines::{ConfigProblem, SceneFront, TraceFront};
 use basrelief_report::model::Input;
 use basrelief_signals::{Control, Draw, Scene};
@@ -31,15 +31,31 @@ pub fn stages(source: &RunInput, settings: &RunOptions) -> Result<Vec<StageTopol
 }
 
 fn stages_of<S: MachineSpec>(spec: &S, source: &RunInput) -> Result<Vec<StageTopology>, ConfigProblem> {
-    match source {
-        RunInput::Scene(_) => {
-            let front = SceneFront::new(std::iter::empty::<Draw>(), spec.front());
-            spec.build(front).map(|mut m| kernel::topology(&mut m))
-        }
-        RunInput::Trace { .. } | RunInput::Remote { .. } => {
-            let front = TraceFront::new(std::iter::empty::<Result<(Control, Option<u64>), String>>(), spec.front());
-            spec.build(front).map(|mut m| kernel::topology(&mut m))
-        }
+    let way = match source {
+        RunInput::Scene(_) => Way::Scene,
+        RunInput::Trace { .. } | RunInput::Remote { .. } => Way::Trace,
+    };
+    Ok(way.shape(spec)?.topology())
+}
+
+/// The way in: what draws at the front of a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Way {
+    /// The geometry processor.
+    Scene,
+    /// A display list.
+    Trace,
+}
+
+impl Way {
+    /// The machine behind this way in, without its units.
+    pub(crate) fn shape<S: MachineSpec>(self, spec: &S) -> Result<Shape, ConfigProblem> {
+        let shape = match self {
+            Self::Scene => Shape::of(&mut unfed(spec)?),
+            Self::Trace => Shape::of(&mut unfed_trace(spec)?),
+        };
+        // Its wiring was checked when it was built.
+        shape.map_err(|error| ConfigProblem { key: "wiring".into(), message: error.to_string() })
     }
 }
 
@@ -67,6 +83,11 @@ impl MachineConfig {
 /// The machine with nothing to draw.
 fn unfed<S: MachineSpec>(spec: &S) -> Result<impl Machine + use<S>, ConfigProblem> {
     spec.build(SceneFront::new(std::iter::empty::<Draw>(), spec.front()))
+}
+
+/// The same behind a display list.
+fn unfed_trace<S: MachineSpec>(spec: &S) -> Result<impl Machine + use<S>, ConfigProblem> {
+    spec.build(TraceFront::new(std::iter::empty::<Result<(Control, Option<u64>), String>>(), spec.front()))
 }
 
 /// Runs `source` on the machine: draws it, draws it exactly, measures, reports; `probe` watches every stage.
@@ -133,7 +154,7 @@ fn run_scene<S: MachineSpec, P: Probe>(
     let sha256 = passed.digest.map(|d| d.to_string()).unwrap_or_default();
     let input = Input { kind: "scene".into(), name: file_name(&scene.name), sha256 };
     let frame = scene.frames.last().map(|f| &**f);
-    Ok(session.finish(spec, input, frame, result, &scene.warnings, vec![]))
+    Ok(session.finish((spec, Way::Scene), input, frame, result, &scene.warnings, vec![]))
 }
 
 fn run_trace<S: MachineSpec, P: Probe>(
@@ -174,7 +195,7 @@ fn run_trace<S: MachineSpec, P: Probe>(
     session.simulate_s -= passed.seconds - ahead;
     let sha256 = passed.digest.map(|d| d.to_string()).unwrap_or_default();
     let input = Input { kind: "trace".into(), name: file_name(&name), sha256 };
-    Ok(session.finish(spec, input, passed.frame.as_deref(), result, &[], passed.expectations))
+    Ok(session.finish((spec, Way::Trace), input, passed.frame.as_deref(), result, &[], passed.expectations))
 }
 
 /// A name without its folders: reports do not differ between them.

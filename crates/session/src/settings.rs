@@ -50,6 +50,18 @@ impl RunInput {
     }
 }
 
+/// Whether what [limits](basrelief_report::model::Limit) a run is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Limits {
+    /// No.
+    #[default]
+    Never,
+    /// If the run makes no more steps than are timed again, some twenty times, in the time that pictures and metrics take.
+    IfShort,
+    /// Yes, however long it takes.
+    Always,
+}
+
 /// How to run.
 #[derive(Clone, Debug)]
 pub struct RunOptions {
@@ -64,6 +76,8 @@ pub struct RunOptions {
     /// What the observer is shown beside the finished pictures, of what the machine has
     /// ([`MachineInfo::exhibits`](crate::MachineInfo::exhibits)); costs nothing where it is empty.
     pub exhibits: Vec<ExhibitInfo>,
+    /// Whether what limits the run is measured; of the timed and the ticked engine, and of a run that comes to its end.
+    pub limits: Limits,
     /// Show the observer every [request](crate::Observer::requests) that a memory takes in; costs nothing otherwise.
     pub requests: bool,
     /// Seconds on a clock that does not run backwards, for the host figures; libraries read none themselves. It must
@@ -83,6 +97,7 @@ impl Default for RunOptions {
             max_cycles: u64::MAX,
             exact: true,
             exhibits: vec![],
+            limits: Limits::Never,
             requests: false,
             clock: || 0.0,
             budget: Budget::default(),

@@ -91,6 +91,13 @@ pub struct SimulationArgs {
     /// Do not draw the exact picture and measure against it: faster where only cycles matter.
     #[arg(long)]
     pub no_exact: bool,
+    /// Measure what limits the run however many steps it makes: each unit, FIFO, memory and cache is made ideal in turn, and the run
+    /// timed again. By itself it is measured where that takes little time beside the pictures.
+    #[arg(long, conflicts_with = "no_limits")]
+    pub limits: bool,
+    /// Do not measure what limits the run.
+    #[arg(long)]
+    pub no_limits: bool,
     /// Write the tables as report.csv too.
     #[arg(long)]
     pub csv: bool,

@@ -12,7 +12,7 @@ use basrelief_kernel::{Engine, Probe, StageTopology};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, Form, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved, picture_name,
+    self as session, Form, Limits, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved, picture_name,
 };
 use std::cell::Cell;
 use std::io::{BufWriter, IsTerminal, Write};
@@ -44,6 +44,11 @@ pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs, budget: &
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
         exhibits: vec![],
+        limits: match (simulation.limits, simulation.no_limits) {
+            (true, _) => Limits::Always,
+            (_, true) => Limits::Never,
+            _ => Limits::IfShort,
+        },
         requests: simulation.requests.is_some(),
         clock: seconds,
         budget: budget.clone(),

@@ -13,7 +13,7 @@ use crate::tape::{Frame, Writer};
 use crate::time::{Halt, Rest, Time};
 use crate::wiring::Machine;
 use crate::{Cycle, Probe, Traffic};
-pub use retime::{RetimeError, retime};
+pub use retime::{Frames, RetimeError, retime};
 use work::Survey;
 
 /// How to run a machine.
@@ -42,29 +42,40 @@ pub fn run<M: Machine>(machine: &mut M, engine: Engine) -> RunReport {
 
 /// Runs `machine` under a probe, within limits.
 pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &mut P, limits: Limits<'_, M>) -> RunReport {
-    run_on(machine, probe, |machine, time, probe| match engine {
-        Engine::Timed => timed::run(machine, time, probe, limits, None),
-        Engine::Ticked => ticked::run(machine, time, probe, limits),
-    })
+    run_on(machine, probe, |machine, time, probe| run_engine(machine, engine, (time, probe), limits, None))
 }
 
-/// The same with the timed engine, and hands the run's [tape](crate::tape) to `keep`, in frames of `frame_bytes` and somewhat more.
+/// The same, and hands the run's [tape](crate::tape) to `keep`, in frames of `frame_bytes` and somewhat more.
 /// There is no last frame where the run is stopped, or a unit cannot go on.
 pub fn run_recorded<M: Machine, P: Probe>(
     machine: &mut M,
+    engine: Engine,
     probe: &mut P,
     limits: Limits<'_, M>,
-    frame_bytes: usize,
-    keep: &mut dyn FnMut(Frame),
+    (frame_bytes, keep): (usize, &mut dyn FnMut(Frame)),
 ) -> RunReport {
     run_on(machine, probe, |machine, time, probe| {
         let mut writer = Writer::new(time.stages.len(), frame_bytes);
-        let halt = timed::run(machine, time, probe, limits, Some(Recording { writer: &mut writer, keep: &mut *keep }));
+        let recording = Some(Recording { writer: &mut writer, keep: &mut *keep });
+        let halt = run_engine(machine, engine, (time, probe), limits, recording);
         if matches!(halt, Halt::Quiet | Halt::Limit(_)) {
             keep(writer.frame(rests(machine), true));
         }
         halt
     })
+}
+
+fn run_engine<M: Machine, P: Probe>(
+    machine: &mut M,
+    engine: Engine,
+    (time, probe): (&mut Time, &mut P),
+    limits: Limits<'_, M>,
+    recording: Option<Recording<'_>>,
+) -> Halt {
+    match engine {
+        Engine::Timed => timed::run(machine, time, probe, limits, recording),
+        Engine::Ticked => ticked::run(machine, time, probe, limits, recording),
+    }
 }
 
 fn run_on<M: Machine, P: Probe>(

@@ -7,6 +7,7 @@ use crate::shape::Shape;
 use crate::tape::{Frame, Reader, TapeError};
 use crate::time::{Halt, Known, Made, Rest, Time, Unknown};
 use crate::{Demand, Probe, Traffic};
+use std::borrow::Cow;
 
 /// Why a tape cannot be timed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -32,6 +33,9 @@ pub enum RetimeError {
     #[error("{0}")]
     Read(String),
 }
+
+/// Gives the frames of a tape in order, and none after the last; or says why it cannot be read.
+pub type Frames<'a, 'f> = dyn FnMut() -> Result<Option<Cow<'f, Frame>>, String> + 'a;
 
 /// A stage's steps on a tape.
 struct Recorded<'a>(&'a mut Reader);
@@ -60,8 +64,7 @@ impl Work for Recorded<'_> {
     }
 }
 
-/// Times the work on a tape on a machine of this shape: the report that a run of it gives. `frames` gives the frames of the tape in
-/// order, and none after the last.
+/// Times the work on a tape on a machine of this shape: the report that a run of it gives.
 ///
 /// The tape must be of the same machine with the same [work](Shape::same_work).
 ///
@@ -69,7 +72,7 @@ impl Work for Recorded<'_> {
 /// See [`RetimeError`].
 pub fn retime<P: Probe>(
     shape: Shape,
-    frames: &mut dyn FnMut() -> Result<Option<Frame>, String>,
+    frames: &mut Frames<'_, '_>,
     probe: &mut P,
     max_cycles: u64,
 ) -> Result<RunReport, RetimeError> {
@@ -106,11 +109,7 @@ pub fn retime<P: Probe>(
 }
 
 /// Goes on with the next frame, which a stage needs.
-fn feed(
-    readers: &mut [Reader],
-    frames: &mut dyn FnMut() -> Result<Option<Frame>, String>,
-    time: &Time,
-) -> Result<(), RetimeError> {
+fn feed(readers: &mut [Reader], frames: &mut Frames<'_, '_>, time: &Time) -> Result<(), RetimeError> {
     let Some(frame) = frames().map_err(RetimeError::Read)? else {
         let needs = |&stage: &usize| {
             let demand = readers[stage].demand().unwrap_or(Demand::Finished);

@@ -10,8 +10,9 @@
 //! folder of such vectors, from the command line.
 
 use super::work::{Live, Work};
-use super::{Limits, fault_of, look};
+use super::{Limits, Recording, fault_of, hand_on, look};
 use crate::place::Place;
+use crate::tape::Writer;
 use crate::time::{Halt, Slots, Time, Unknown, Wait, charge};
 use crate::wiring::{Machine, Visitor};
 use crate::{Cycle, Demand, Probe, Traffic, Unit};
@@ -27,6 +28,8 @@ struct Tick<'a, SomeProbe> {
     fault: Option<String>,
     /// Waits of each stage since its last step.
     waits: Vec<Vec<Wait>>,
+    /// Writes down what is done, where it is wanted.
+    tape: Option<&'a mut Writer>,
 }
 
 impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
@@ -36,6 +39,9 @@ impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
             charge(&mut self.time.accounts[number], self.probe, number, wait);
         }
         let made = work.step(demand, &mut self.traffic);
+        if let Some(tape) = &mut self.tape {
+            tape.step(number, demand, &made, &self.traffic);
+        }
         self.time.step::<Unknown>(number, self.now, demand, &made, &mut self.traffic);
         self.fired = true;
         if SomeProbe::is_on() {
@@ -100,10 +106,17 @@ impl Visitor for AnyStart<'_> {
     }
 }
 
-pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, time: &mut Time, probe: &mut P, limits: Limits<'_, M>) -> Halt {
+pub(super) fn run<M: Machine, P: Probe>(
+    machine: &mut M,
+    time: &mut Time,
+    probe: &mut P,
+    limits: Limits<'_, M>,
+    recording: Option<Recording<'_>>,
+) -> Halt {
+    let (tape, mut keep) = recording.map(|Recording { writer, keep }| (writer, keep)).unzip();
     time.memories.share_all();
     let (traffic, waits) = (Traffic::default(), vec![Vec::new(); time.stages.len()]);
-    let mut tick = Tick { time, probe, traffic, now: Cycle::ZERO, stage: 0, fired: false, fault: None, waits };
+    let mut tick = Tick { time, probe, traffic, now: Cycle::ZERO, stage: 0, fired: false, fault: None, waits, tape };
     loop {
         if tick.now.0 >= limits.max_cycles {
             // No request is still to come.
@@ -134,8 +147,13 @@ pub(super) fn run<M: Machine, P: Probe>(machine: &mut M, time: &mut Time, probe:
             return Halt::Quiet;
         }
         tick.now = tick.now + 1;
-        if tick.now.0.is_multiple_of(4096) && !look(machine, tick.time, limits.progress) {
-            return Halt::Stopped;
+        if tick.now.0.is_multiple_of(4096) {
+            if let (Some(writer), Some(keep)) = (&mut tick.tape, &mut keep) {
+                hand_on(machine, writer, keep);
+            }
+            if !look(machine, tick.time, limits.progress) {
+                return Halt::Stopped;
+            }
         }
     }
 }

@@ -8,6 +8,7 @@ use basrelief_kernel::{
     Cause, Cycle, Engine, Limits, MemoryConfig, NoProbe, Part, Probe, Recorder, RunReport, Shape, UnitReport, retime, run,
     run_functional, run_recorded, run_with, tape::Frame,
 };
+use std::borrow::Cow;
 
 /// Adds to a plan, one line per box or wire.
 #[derive(Clone, Debug, Default)]
@@ -90,14 +91,14 @@ pub fn run_both(plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
 pub fn tape(plan: &Plan, max_cycles: u64) -> Vec<Frame> {
     let mut frames = Vec::new();
     let limits = Limits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
-    run_recorded(&mut machine(plan), &mut NoProbe, limits, 64, &mut |frame| frames.push(frame));
+    run_recorded(&mut machine(plan), Engine::Timed, &mut NoProbe, limits, (64, &mut |frame| frames.push(frame)));
     frames
 }
 
 /// The same work on a machine by `plan`: the report and what every unit did when.
 pub fn retimed(tape: &[Frame], plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
     let mut intervals = Recorder::default();
-    let mut frames = tape.iter().cloned();
+    let mut frames = tape.iter().map(Cow::Borrowed);
     let shape = Shape::of(&mut machine(plan)).unwrap();
     let report = retime(shape, &mut || Ok(frames.next()), &mut intervals, max_cycles);
     (report.unwrap_or_else(|error| panic!("{error}: {}", serde_json::to_string(plan).unwrap())), intervals)

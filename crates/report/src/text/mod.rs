@@ -4,6 +4,7 @@
 //! of exactly nothing is left blank. Colour is off unless asked for.
 
 mod hardware;
+mod limits;
 pub mod number;
 mod sections;
 mod table;
@@ -62,8 +63,10 @@ impl Style {
 
 /// The whole report, sections parted by empty lines, with a line feed at the end.
 pub fn to_text(report: &Report, style: Style) -> String {
-    let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report))), style.wrap(&blame(report).sentence)];
+    let limits = limits::sentence(report).unwrap_or_else(|| blame(report).sentence);
+    let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report))), style.wrap(&limits)];
     let mut tables = vec![
+        limits::table(report),
         sections::units(report),
         sections::fifos(report),
         sections::memories(report),

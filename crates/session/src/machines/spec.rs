@@ -10,13 +10,14 @@ use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
 use basrelief_signals::Control;
 use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 
 /// A short cut: its name, and what switches it off.
 pub type ShortCut<S> = (&'static str, fn(&mut S));
 
 /// A machine, as its configuration: names it, and builds it behind either way in.
-pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + 'static {
+pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Sync + 'static {
     /// As `--machine` names it.
     const NAME: &'static str;
     /// What it is, in a sentence.
@@ -110,7 +111,7 @@ pub struct TileFetch {
 }
 
 /// A picture that was shown.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PictureRecord {
     /// Number of its frame.
     pub frame: u32,

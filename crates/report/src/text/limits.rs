@@ -1,0 +1,72 @@
+//! What limits a run, as it was measured: a sentence, and a table.
+
+use super::number::{about, percent, thousands};
+use super::{Align, Table};
+use crate::model::{Limit, Report};
+use Align::{Left, Right};
+
+/// Most rows of the table.
+const ROWS: usize = 8;
+/// What is worth a word beside the first \[share of the cycles\].
+const WORTH: f64 = 0.01;
+
+/// The first two in words; none where nothing was measured.
+pub(super) fn sentence(report: &Report) -> Option<String> {
+    let limits = report.limits.as_ref()?;
+    let total = report.cycles.as_ref()?.total;
+    let share = |limit: &Limit| limit.saved as f64 / total.max(1) as f64;
+    // Another way to better the same thing says nothing new.
+    let others = |first: &Limit| limits.iter().skip(1).find(|l| !alike(first, l) && share(l) >= WORTH).cloned();
+    let words = |limit: &Limit| format!("{} with {}", limit.resource, limit.what);
+    let Some(first) = limits.first() else {
+        return Some(
+            "Nothing limits this run by itself: it takes as many cycles with any unit, FIFO, memory or cache made ideal.".into(),
+        );
+    };
+    let second = others(first).map_or(String::new(), |l| format!("; {} saves {}", words(&l), about(share(&l))));
+    Some(format!("{} limits this run: {} saves {} of the cycles{second}.", first.resource, first.what, about(share(first))))
+}
+
+fn alike(a: &Limit, b: &Limit) -> bool {
+    b.resource.split(" and ").any(|name| a.resource.split(" and ").any(|other| name == other))
+}
+
+/// The first few.
+pub(super) fn table(report: &Report) -> Table {
+    let mut table = Table::new(&[("Made ideal", Left, 0), ("how", Left, 0), ("cycles", Right, 0), ("saved %", Right, 0)]);
+    let total = report.cycles.as_ref().map_or(0, |cycles| cycles.total);
+    for limit in report.limits.iter().flatten().take(ROWS) {
+        let Limit { resource, what, cycles, saved, .. } = limit;
+        table.row([resource.clone(), what.clone(), thousands(*cycles), percent(*saved, total)]);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+    use crate::text::Style;
+
+    fn limit(resource: &str, what: &str, saved: u64, total: u64) -> Limit {
+        let set = vec![format!("ideal.units={resource}")];
+        Limit { resource: resource.into(), what: what.into(), set, cycles: total - saved, saved }
+    }
+
+    #[test]
+    fn the_first_two_stand_in_a_sentence_and_the_rest_in_the_table() {
+        let mut report = samples::simulated();
+        let total = report.cycles.as_ref().unwrap().total;
+        assert_eq!(sentence(&report), None);
+        report.limits = Some(vec![]);
+        assert!(sentence(&report).unwrap().starts_with("Nothing limits"));
+        report.limits = Some(vec![
+            limit("search", "a cycle per step", total / 2, total),
+            limit("search and reader", "a cycle per step", total / 2, total),
+            limit("texels", "no latency", total / 4, total),
+        ]);
+        let expected = "search limits this run: a cycle per step saves 50 % of the cycles; texels with no latency saves 25 %.";
+        assert_eq!(sentence(&report).unwrap(), expected);
+        assert_eq!(table(&report).render(Style::default()).lines().count(), 5);
+    }
+}

@@ -1,0 +1,156 @@
+//! What limits a run, measured: each thing that could is made ideal in turn, and the run timed again from its tape.
+
+use crate::machines::MachineSpec;
+use crate::parallel;
+use crate::run::Way;
+use basrelief_kernel::tape::Frame;
+use basrelief_kernel::{NoProbe, RunReport, retime};
+use basrelief_report::model::Limit;
+use serde_json::{Map, Value};
+use std::borrow::Cow;
+
+/// Slots that are as good as without bound.
+const SLOTS: u32 = 65_536;
+/// How many single limits are tried in pairs.
+const PAIRED: usize = 4;
+/// What two must save together, beyond what each saves alone, to be worth a line \[1/1000 of the cycles\].
+const TOGETHER: u64 = 10;
+
+/// Something made ideal.
+#[derive(Clone, Debug)]
+struct Ideal {
+    resource: String,
+    what: &'static str,
+    /// Parameters, as `--set` takes them.
+    set: Vec<(String, Value)>,
+}
+
+/// The tape of a run that is complete, and the machine that made it.
+pub(crate) struct Recorded<'a, S> {
+    pub(crate) spec: &'a S,
+    pub(crate) way: Way,
+    pub(crate) frames: &'a [Frame],
+    pub(crate) run: &'a RunReport,
+}
+
+impl<S: MachineSpec> Recorded<'_, S> {
+    /// What could be saved, most first: each alone, then pairs that save more together than each for itself. What saves nothing is left
+    /// out.
+    pub(crate) fn limits(&self) -> Vec<Limit> {
+        let singles = self.ideals();
+        let cycles = parallel::each(&singles, |ideal| self.cycles(&ideal.set));
+        let mut timed: Vec<(Ideal, u64)> = singles.into_iter().zip(cycles).filter_map(|(i, c)| Some((i, c?))).collect();
+        // Stable: of equals the first in the block diagram is first.
+        timed.sort_by_key(|(_, cycles)| *cycles);
+        let pairs = self.pairs(&timed);
+        let mut limits: Vec<Limit> =
+            timed.into_iter().chain(pairs).filter_map(|(ideal, cycles)| self.limit(ideal, cycles)).collect();
+        limits.sort_by_key(|limit| limit.cycles);
+        limits
+    }
+
+    fn limit(&self, ideal: Ideal, cycles: u64) -> Option<Limit> {
+        let saved = self.run.total.checked_sub(cycles).filter(|saved| *saved > 0)?;
+        let Ideal { resource, what, set } = ideal;
+        let text = |(key, value): (String, Value)| match value {
+            Value::String(text) => format!("{key}={text}"),
+            value => format!("{key}={value}"),
+        };
+        Some(Limit { resource, what: what.into(), set: set.into_iter().map(text).collect(), cycles, saved })
+    }
+
+    /// Pairs of the first few that save more together.
+    fn pairs(&self, timed: &[(Ideal, u64)]) -> Vec<(Ideal, u64)> {
+        let first = &timed[..timed.len().min(PAIRED)];
+        let all: Vec<_> = first.iter().enumerate().flat_map(|(n, a)| first[n + 1..].iter().map(move |b| (a, b))).collect();
+        let apart: Vec<_> = all.into_iter().filter(|((a, _), (b, _))| a.resource != b.resource).collect();
+        let both = parallel::each(&apart, |((a, _), (b, _))| {
+            let ideal = together(a, b);
+            self.cycles(&ideal.set).map(|cycles| (ideal, cycles))
+        });
+        let total = self.run.total;
+        let is_more = |cycles: u64, of: [u64; 2]| {
+            let alone: u64 = of.into_iter().map(|cycles| total.saturating_sub(cycles)).sum();
+            total.saturating_sub(cycles) > alone + total * TOGETHER / 1000
+        };
+        let found =
+            apart.iter().zip(both).filter_map(|(((_, a), (_, b)), both)| both.filter(|(_, cycles)| is_more(*cycles, [*a, *b])));
+        found.collect()
+    }
+
+    /// Cycles with these parameters; none where they change what the units do, or do not fit.
+    fn cycles(&self, set: &[(String, Value)]) -> Option<u64> {
+        let mut config = serde_json::to_value(self.spec).ok()?;
+        for (key, value) in set {
+            *config.pointer_mut(&format!("/{}", key.replace('.', "/")))? = value.clone();
+        }
+        let spec: S = serde_json::from_value(config).ok()?;
+        let shape = self.way.shape(&spec).ok()?;
+        self.way.shape(self.spec).ok()?.same_work(&shape).ok()?;
+        let mut frames = self.frames.iter().map(Cow::Borrowed);
+        retime(shape, &mut || Ok(frames.next()), &mut NoProbe, u64::MAX).ok().map(|report| report.total)
+    }
+
+    /// All that could limit the run, in the order of the block diagram. What was never in the way is left out: a unit whose steps take
+    /// a cycle, a FIFO that was never full, a memory that moved nothing, a cache that always hit.
+    fn ideals(&self) -> Vec<Ideal> {
+        let mut all = Vec::new();
+        for unit in self.run.units.iter().filter(|unit| unit.account.busy > unit.steps) {
+            let set = vec![("ideal.units".to_owned(), Value::from(unit.name.clone()))];
+            all.push(Ideal { resource: unit.name.clone(), what: "a cycle per step", set });
+        }
+        let config = serde_json::to_value(self.spec).unwrap_or_default();
+        let empty = Map::new();
+        let group = |name: &str| config.get(name).and_then(Value::as_object).unwrap_or(&empty).clone();
+        for name in group("fifo").keys() {
+            if self.run.fifos.iter().any(|fifo| fifo.name == *name && fifo.high_water() == fifo.depth) {
+                let set = vec![(format!("fifo.{name}.depth"), SLOTS.into())];
+                all.push(Ideal { resource: name.clone(), what: "slots without bound", set });
+            }
+        }
+        for name in group("memory").keys() {
+            if self.run.memories.iter().any(|m| m.name == *name && m.ports.iter().any(|port| port.counts.requests() > 0)) {
+                all.extend(of_memory(name));
+            }
+        }
+        for name in group("cache").keys() {
+            if self.run.caches.iter().any(|c| c.name == *name && c.counts.misses + c.counts.merged > 0) {
+                let set = vec![(format!("cache.{name}.always_hits"), true.into())];
+                all.push(Ideal { resource: name.clone(), what: "every look-up hits", set });
+            }
+        }
+        all
+    }
+}
+
+/// What a memory may be without.
+fn of_memory(name: &str) -> [Ideal; 4] {
+    let latency: &[(&str, u32)] = &[("cl", 0), ("cwl", 0)];
+    let rows: &[(&str, u32)] =
+        &[("rcd", 0), ("rp", 0), ("ras", 0), ("rtp", 0), ("wr", 0), ("rrd", 0), ("faw", 0), ("refi", 0), ("rfc", 0)];
+    let bus: &[(&str, u32)] = &[("burst_cycles", 1), ("wtr", 0)];
+    let ideal = |what, parts: &[&[(&str, u32)]]| {
+        let set = parts.iter().copied().flatten().map(|(key, value)| (format!("memory.{name}.{key}"), (*value).into())).collect();
+        Ideal { resource: name.to_owned(), what, set }
+    };
+    [
+        ideal("no latency", &[latency]),
+        ideal("no row commands", &[rows]),
+        ideal("a cycle per burst", &[bus]),
+        ideal("no latency, no row commands, a cycle per burst", &[latency, rows, bus]),
+    ]
+}
+
+/// Both.
+fn together(a: &Ideal, b: &Ideal) -> Ideal {
+    let mut set = a.set.clone();
+    for (key, value) in &b.set {
+        match set.iter_mut().find(|(other, _)| other == key) {
+            // Names of units: the only parameter that two of them share.
+            Some((_, Value::String(names))) => *names = format!("{names},{}", value.as_str().unwrap_or_default()),
+            _ => set.push((key.clone(), value.clone())),
+        }
+    }
+    let what = if a.what == b.what { a.what } else { "both ideal" };
+    Ideal { resource: format!("{} and {}", a.resource, b.resource), what, set }
+}
