@@ -257,7 +257,8 @@ pub struct Cache {
     pub merged: u64,
 }
 
-/// What a run would take with something made ideal. A full run with `set` takes exactly `cycles`.
+/// What a run would take with something made ideal: cycles of its frames, without the drain behind the last. A full run with `set`
+/// takes exactly these.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Limit {
     /// What is made ideal: name of a unit, FIFO, memory or cache; or two of them.
@@ -266,7 +267,7 @@ pub struct Limit {
     pub what: String,
     /// Parameters, as `--set` takes them.
     pub set: Vec<String>,
-    /// Cycles that the run takes then.
+    /// Cycles of the frames then.
     pub cycles: u64,
     /// Cycles fewer than as it was.
     pub saved: u64,

@@ -317,7 +317,7 @@ impl<'a> Session<'a> {
         let EngineResult { facts, report: run, tape } = result;
         let mut report = ended.report(spec, facts, run.as_ref());
         if let Some(run) = run.as_ref().filter(|run| run.outcome == Outcome::Complete && !tape.is_empty()) {
-            report.limits = Some(Recorded { spec, way, frames: &tape, run }.limits());
+            report.limits = Recorded { spec, way, frames: &tape, run }.limits().ok();
         }
         Run { report, timing: run, expectations, simulate_s: self.simulate_s }
     }

@@ -4,7 +4,8 @@ use crate::machines::MachineSpec;
 use crate::parallel;
 use crate::run::Way;
 use basrelief_kernel::tape::Frame;
-use basrelief_kernel::{NoProbe, RunReport, retime};
+use basrelief_kernel::{NoProbe, RunReport, Shape, retime};
+use basrelief_machines::ConfigProblem;
 use basrelief_report::model::Limit;
 use serde_json::{Map, Value};
 use std::borrow::Cow;
@@ -34,23 +35,27 @@ pub(crate) struct Recorded<'a, S> {
 }
 
 impl<S: MachineSpec> Recorded<'_, S> {
-    /// What could be saved, most first: each alone, then pairs that save more together than each for itself. What saves nothing is left
+    /// What could be saved, most first: each alone, and pairs that save more together than each for itself. What saves nothing is left
     /// out.
-    pub(crate) fn limits(&self) -> Vec<Limit> {
+    ///
+    /// # Errors
+    /// Parameters that do not fit together; those of a run do.
+    pub(crate) fn limits(&self) -> Result<Vec<Limit>, ConfigProblem> {
+        let shape = self.way.shape(self.spec)?;
         let singles = self.ideals();
-        let cycles = parallel::each(&singles, |ideal| self.cycles(&ideal.set));
+        let cycles = parallel::each(&singles, |ideal| self.cycles(&shape, &ideal.set));
         let mut timed: Vec<(Ideal, u64)> = singles.into_iter().zip(cycles).filter_map(|(i, c)| Some((i, c?))).collect();
         // Stable: of equals the first in the block diagram is first.
         timed.sort_by_key(|(_, cycles)| *cycles);
-        let pairs = self.pairs(&timed);
+        let pairs = self.pairs(&shape, &timed);
         let mut limits: Vec<Limit> =
             timed.into_iter().chain(pairs).filter_map(|(ideal, cycles)| self.limit(ideal, cycles)).collect();
         limits.sort_by_key(|limit| limit.cycles);
-        limits
+        Ok(limits)
     }
 
     fn limit(&self, ideal: Ideal, cycles: u64) -> Option<Limit> {
-        let saved = self.run.total.checked_sub(cycles).filter(|saved| *saved > 0)?;
+        let saved = frame_cycles(self.run).checked_sub(cycles).filter(|saved| *saved > 0)?;
         let Ideal { resource, what, set } = ideal;
         let text = |(key, value): (String, Value)| match value {
             Value::String(text) => format!("{key}={text}"),
@@ -60,35 +65,34 @@ impl<S: MachineSpec> Recorded<'_, S> {
     }
 
     /// Pairs of the first few that save more together.
-    fn pairs(&self, timed: &[(Ideal, u64)]) -> Vec<(Ideal, u64)> {
+    fn pairs(&self, shape: &Shape, timed: &[(Ideal, u64)]) -> Vec<(Ideal, u64)> {
         let first = &timed[..timed.len().min(PAIRED)];
-        let all: Vec<_> = first.iter().enumerate().flat_map(|(n, a)| first[n + 1..].iter().map(move |b| (a, b))).collect();
-        let apart: Vec<_> = all.into_iter().filter(|((a, _), (b, _))| a.resource != b.resource).collect();
+        let all = first.iter().enumerate().flat_map(|(n, a)| first[n + 1..].iter().map(move |b| (a, b)));
+        let apart: Vec<_> = all.filter(|((a, _), (b, _))| a.resource != b.resource).collect();
         let both = parallel::each(&apart, |((a, _), (b, _))| {
             let ideal = together(a, b);
-            self.cycles(&ideal.set).map(|cycles| (ideal, cycles))
+            self.cycles(shape, &ideal.set).map(|cycles| (ideal, cycles))
         });
-        let total = self.run.total;
+        let total = frame_cycles(self.run);
         let is_more = |cycles: u64, of: [u64; 2]| {
             let alone: u64 = of.into_iter().map(|cycles| total.saturating_sub(cycles)).sum();
             total.saturating_sub(cycles) > alone + total * TOGETHER / 1000
         };
-        let found =
-            apart.iter().zip(both).filter_map(|(((_, a), (_, b)), both)| both.filter(|(_, cycles)| is_more(*cycles, [*a, *b])));
-        found.collect()
+        let found = apart.iter().zip(both);
+        found.filter_map(|(((_, a), (_, b)), both)| both.filter(|(_, cycles)| is_more(*cycles, [*a, *b]))).collect()
     }
 
-    /// Cycles with these parameters; none where they change what the units do, or do not fit.
-    fn cycles(&self, set: &[(String, Value)]) -> Option<u64> {
+    /// Cycles of the frames with these parameters; none where they change what the units do, or do not fit.
+    fn cycles(&self, recorded: &Shape, set: &[(String, Value)]) -> Option<u64> {
         let mut config = serde_json::to_value(self.spec).ok()?;
         for (key, value) in set {
             *config.pointer_mut(&format!("/{}", key.replace('.', "/")))? = value.clone();
         }
         let spec: S = serde_json::from_value(config).ok()?;
         let shape = self.way.shape(&spec).ok()?;
-        self.way.shape(self.spec).ok()?.same_work(&shape).ok()?;
+        recorded.same_work(&shape).ok()?;
         let mut frames = self.frames.iter().map(Cow::Borrowed);
-        retime(shape, &mut || Ok(frames.next()), &mut NoProbe, u64::MAX).ok().map(|report| report.total)
+        retime(shape, &mut || Ok(frames.next()), &mut NoProbe, u64::MAX).ok().map(|report| frame_cycles(&report))
     }
 
     /// All that could limit the run, in the order of the block diagram. What was never in the way is left out: a unit whose steps take
@@ -121,6 +125,11 @@ impl<S: MachineSpec> Recorded<'_, S> {
         }
         all
     }
+}
+
+/// Cycles up to the end of the last frame: what is behind it, the display of what was drawn, limits nothing.
+fn frame_cycles(run: &RunReport) -> u64 {
+    if run.marks.is_empty() { run.total } else { run.marks.iter().sum() }
 }
 
 /// What a memory may be without.

@@ -37,16 +37,33 @@ pub enum RetimeError {
 /// Gives the frames of a tape in order, and none after the last; or says why it cannot be read.
 pub type Frames<'a, 'f> = dyn FnMut() -> Result<Option<Cow<'f, Frame>>, String> + 'a;
 
-/// A stage's steps on a tape.
-struct Recorded<'a>(&'a mut Reader);
+/// A number of FIFOs that the compiler does not know.
+const MANY: usize = usize::MAX;
 
-impl Known for Recorded<'_> {
-    const INPUTS: Option<usize> = None;
-    const OUTPUTS: Option<usize> = None;
-    const HAS_MEMORY: bool = true;
+/// The steps on a tape of a stage with so many inputs and outputs.
+struct Recorded<'a, const I: usize, const O: usize, const MEMORY: bool>(&'a mut Reader);
+
+impl<const I: usize, const O: usize, const MEMORY: bool> Known for Recorded<'_, I, O, MEMORY> {
+    const INPUTS: Option<usize> = if I == MANY { None } else { Some(I) };
+    const OUTPUTS: Option<usize> = if O == MANY { None } else { Some(O) };
+    const HAS_MEMORY: bool = MEMORY;
 }
 
-impl Work for Recorded<'_> {
+/// Runs a stage ahead, by code made for its numbers of FIFOs where these are common: a step of code made for any takes two thirds more.
+fn advance<P: Probe>(walk: &mut RunAhead<'_, P>, number: usize, reader: &mut Reader) {
+    let clients = !walk.time.shape.stages[number].clients.is_empty();
+    match (reader.ends(), clients) {
+        ([0, 1], false) => walk.advance(number, &mut Recorded::<0, 1, false>(reader)),
+        ([1, 0], false) => walk.advance(number, &mut Recorded::<1, 0, false>(reader)),
+        ([1, 1], false) => walk.advance(number, &mut Recorded::<1, 1, false>(reader)),
+        ([1, 1], true) => walk.advance(number, &mut Recorded::<1, 1, true>(reader)),
+        ([1, 2], false) => walk.advance(number, &mut Recorded::<1, 2, false>(reader)),
+        ([2, 1], true) => walk.advance(number, &mut Recorded::<2, 1, true>(reader)),
+        _ => walk.advance(number, &mut Recorded::<MANY, MANY, true>(reader)),
+    }
+}
+
+impl<const I: usize, const O: usize, const MEMORY: bool> Work for Recorded<'_, I, O, MEMORY> {
     #[inline]
     fn demand(&self) -> Demand {
         self.0.demand().unwrap_or(Demand::Finished)
@@ -83,7 +100,7 @@ pub fn retime<P: Probe>(
     let halt = loop {
         walk.begin();
         for (number, reader) in readers.iter_mut().enumerate() {
-            walk.advance(number, &mut Recorded(reader));
+            advance(&mut walk, number, reader);
         }
         if let Some(fault) = walk.fault.take() {
             return Err(RetimeError::Fault(fault));

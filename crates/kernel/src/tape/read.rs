@@ -44,6 +44,11 @@ impl Reader {
         }
     }
 
+    /// Inputs and outputs of the stage.
+    pub(crate) fn ends(&self) -> [usize; 2] {
+        [self.inputs, self.outputs]
+    }
+
     /// Whether there is a step.
     #[inline(always)]
     pub(crate) fn has_step(&self) -> bool {

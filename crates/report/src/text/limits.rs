@@ -13,7 +13,7 @@ const WORTH: f64 = 0.01;
 /// The first two in words; none where nothing was measured.
 pub(super) fn sentence(report: &Report) -> Option<String> {
     let limits = report.limits.as_ref()?;
-    let total = report.cycles.as_ref()?.total;
+    let total = report.frame_cycles();
     let share = |limit: &Limit| limit.saved as f64 / total.max(1) as f64;
     // Another way to better the same thing says nothing new.
     let others = |first: &Limit| limits.iter().skip(1).find(|l| !alike(first, l) && share(l) >= WORTH).cloned();
@@ -34,7 +34,7 @@ fn alike(a: &Limit, b: &Limit) -> bool {
 /// The first few.
 pub(super) fn table(report: &Report) -> Table {
     let mut table = Table::new(&[("Made ideal", Left, 0), ("how", Left, 0), ("cycles", Right, 0), ("saved %", Right, 0)]);
-    let total = report.cycles.as_ref().map_or(0, |cycles| cycles.total);
+    let total = report.frame_cycles();
     for limit in report.limits.iter().flatten().take(ROWS) {
         let Limit { resource, what, cycles, saved, .. } = limit;
         table.row([resource.clone(), what.clone(), thousands(*cycles), percent(*saved, total)]);
@@ -56,7 +56,7 @@ mod tests {
     #[test]
     fn the_first_two_stand_in_a_sentence_and_the_rest_in_the_table() {
         let mut report = samples::simulated();
-        let total = report.cycles.as_ref().unwrap().total;
+        let total = report.frame_cycles();
         assert_eq!(sentence(&report), None);
         report.limits = Some(vec![]);
         assert!(sentence(&report).unwrap().starts_with("Nothing limits"));
