@@ -180,6 +180,11 @@ impl Facts {
         &self.hardware
     }
 
+    /// Hardware of units: what they do follows from it, and from nothing that FIFOs and caches have.
+    pub fn hardware_of_units(&self) -> impl Iterator<Item = &Hardware> {
+        self.hardware.iter().filter(|h| !matches!(h.kind, HardwareKind::Fifo | HardwareKind::CacheData | HardwareKind::CacheTags))
+    }
+
     /// All figures, in order.
     pub fn figures(&self) -> impl Iterator<Item = &Figure> {
         self.figures.iter()

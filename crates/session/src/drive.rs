@@ -6,12 +6,13 @@ use crate::exact::Exact;
 use crate::exhibits::content::{ExhibitInfo, Form};
 use crate::exhibits::spec::show_round;
 use crate::held;
-use crate::limits::Recorded;
+use crate::limits::{Kept, Recorded};
 use crate::machines::{Logs, MachineSpec, PictureRecord};
 use crate::observer::{MemoryRequests, Observer, Pictures, picture_name};
 use crate::outcome::{Run, SessionError};
 use crate::run::Way;
-use crate::settings::{self, RunOptions};
+use crate::settings::RunOptions;
+use crate::tape::{self, FRAME_BYTES, WorkHash};
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_input::{Held, OverBudget};
@@ -22,48 +23,14 @@ use basrelief_reference::{Picture, Quality, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_signals::{Camera, Frame as SceneFrame};
 use sha2::{Digest as _, Sha256};
+use std::cell::RefCell;
 
 /// What the engine came to, and what the units counted.
 pub(crate) struct EngineResult {
     facts: Facts,
     report: Option<RunReport>,
     /// What the units did, where it was kept.
-    tape: Vec<Frame>,
-}
-
-/// Bytes of a frame of a tape, about.
-const FRAME_BYTES: usize = 1 << 20;
-
-/// The tape of a run that is timed again when it is over.
-struct Tape {
-    frames: Vec<Frame>,
-    /// Bytes that are left to keep; none once it was too long.
-    left: Option<usize>,
-}
-
-impl Tape {
-    /// Bytes of a tape that is short: a step takes some four.
-    const SHORT: usize = 8 << 20;
-
-    fn new(limits: settings::Limits) -> Option<Self> {
-        let left = match limits {
-            settings::Limits::Never => return None,
-            settings::Limits::IfShort => Self::SHORT,
-            settings::Limits::Always => usize::MAX,
-        };
-        Some(Self { frames: vec![], left: Some(left) })
-    }
-
-    /// Keeps a frame; none at all once there are too many.
-    fn keep(&mut self, frame: Frame) {
-        let bytes: usize = frame.streams().map(<[u8]>::len).sum();
-        self.left = self.left.and_then(|left| left.checked_sub(bytes));
-        if self.left.is_some() {
-            self.frames.push(frame);
-        } else {
-            self.frames = vec![];
-        }
-    }
+    kept: Option<Kept>,
 }
 
 /// A run under way.
@@ -84,6 +51,8 @@ pub(crate) struct Session<'a> {
     over_budget: Option<OverBudget>,
     /// Names of the memory clients, by number, where their requests are shown.
     clients: Vec<String>,
+    /// Of the tape that is shown.
+    work: WorkHash,
     /// Seconds of simulation.
     pub(crate) simulate_s: f64,
 }
@@ -113,6 +82,7 @@ impl<'a> Session<'a> {
             held,
             over_budget,
             clients: Vec::new(),
+            work: WorkHash::default(),
             simulate_s: 0.0,
         }
     }
@@ -120,7 +90,7 @@ impl<'a> Session<'a> {
     /// Simulates to the end.
     pub(crate) fn drive<S: MachineSpec, M: Logs<S::Log>, P: Probe>(
         &mut self,
-        spec: &S,
+        (spec, way): (&S, Way),
         mut machine: M,
         probe: &mut P,
     ) -> Result<EngineResult, SessionError> {
@@ -128,22 +98,31 @@ impl<'a> Session<'a> {
         if !self.settings.exhibits.is_empty() {
             machine.keep_log();
         }
+        if let Some(given) = &self.settings.tape {
+            let head = tape::head::<S>(way, given);
+            self.attempt(|session| session.observer.tape(&head));
+        }
         self.keep_requests(&mut machine);
         let began = clock();
         let mut aside = 0.0;
         // Where a user acts at times, what is drawn follows from times.
-        let mut tape = Tape::new(self.settings.limits).filter(|_| spec.rehearsed(&[]).is_none());
+        let acts_at_times = spec.rehearsed(&[]).is_some();
+        let mut kept = Kept::new(self.settings.limits).filter(|_| !acts_at_times);
+        let frames = RefCell::new(Vec::new());
+        let is_recorded = kept.is_some() || self.settings.tape.is_some();
         let report = {
-            let mut progress = |machine: &mut M| self.look(spec, machine, &mut aside);
+            let mut progress = |machine: &mut M| {
+                self.take_tape(&mut frames.borrow_mut(), &mut kept);
+                self.look(spec, machine, &mut aside)
+            };
             match engine {
                 Some(engine) => {
                     let limits = Limits { max_cycles, progress: &mut progress };
-                    Some(match &mut tape {
-                        None => kernel::run_with(&mut machine, engine, probe, limits),
-                        Some(tape) => {
-                            let keep = &mut |frame| tape.keep(frame);
-                            kernel::run_recorded(&mut machine, engine, probe, limits, (FRAME_BYTES, keep))
-                        }
+                    Some(if is_recorded {
+                        let keep = &mut |frame| frames.borrow_mut().push(frame);
+                        kernel::run_recorded(&mut machine, engine, probe, limits, (FRAME_BYTES, keep))
+                    } else {
+                        kernel::run_with(&mut machine, engine, probe, limits)
                     })
                 }
                 None => match kernel::run_functional(&mut machine, &mut progress) {
@@ -152,6 +131,7 @@ impl<'a> Session<'a> {
                 },
             }
         };
+        self.take_tape(&mut frames.borrow_mut(), &mut kept);
         self.simulate_s = clock() - began - aside;
         self.take_requests(&mut machine);
         self.take_frames(spec, &mut machine);
@@ -170,7 +150,7 @@ impl<'a> Session<'a> {
         }
         match self.failed.take() {
             Some(failed) => Err(SessionError::Observer(failed)),
-            None => Ok(EngineResult { facts: machine.facts(), report, tape: tape.map_or(vec![], |tape| tape.frames) }),
+            None => Ok(EngineResult { facts: machine.facts(), report, kept }),
         }
     }
 
@@ -191,6 +171,19 @@ impl<'a> Session<'a> {
         }
         let (commands, total) = (self.commands)();
         self.failed.is_none() && self.over_budget.is_none() && self.observer.progress(commands, total)
+    }
+
+    /// Takes the frames of the tape since the last call: keeps them, and shows them.
+    fn take_tape(&mut self, frames: &mut Vec<Frame>, kept: &mut Option<Kept>) {
+        for frame in frames.drain(..) {
+            if self.settings.tape.is_some() {
+                self.work.add(&frame);
+                self.attempt(|session| session.observer.tape(&tape::frame(&frame)));
+            }
+            if let Some(kept) = kept {
+                kept.keep(frame);
+            }
+        }
     }
 
     fn keep_requests(&mut self, machine: &mut impl Machine) {
@@ -314,12 +307,18 @@ impl<'a> Session<'a> {
             warnings: warnings.to_vec(),
             shown: self.shown,
         };
-        let EngineResult { facts, report: run, tape } = result;
-        let mut report = ended.report(spec, facts, run.as_ref());
-        if let Some(run) = run.as_ref().filter(|run| run.outcome == Outcome::Complete && !tape.is_empty()) {
-            report.limits = Recorded { spec, way, frames: &tape, run }.limits().ok();
+        let EngineResult { facts, report: run, kept } = result;
+        let complete = run.as_ref().filter(|run| run.outcome == Outcome::Complete);
+        let mut tape_is_whole = false;
+        if let (Some(_), Some(_)) = (complete, &self.settings.tape) {
+            let figures = facts.figures().map(|f| (f.name.clone(), f.value.clone())).collect();
+            tape_is_whole = self.observer.tape(&tape::end(&ended, figures, self.work)).is_ok();
         }
-        Run { report, timing: run, expectations, simulate_s: self.simulate_s }
+        let mut report = ended.report(spec, facts, run.as_ref());
+        if let (Some(run), Some(frames)) = (complete, kept.as_ref().and_then(Kept::frames)) {
+            report.limits = Recorded { spec, way, frames, run }.limits().ok();
+        }
+        Run { report, timing: run, tape_is_whole, expectations, simulate_s: self.simulate_s }
     }
 }
 

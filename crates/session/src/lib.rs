@@ -36,6 +36,7 @@ mod record;
 mod rehearsal;
 mod run;
 mod settings;
+mod tape;
 mod tee;
 
 pub use ablation::ablate;
@@ -49,6 +50,7 @@ pub use outcome::{Run, SessionError};
 pub use record::{begin_of, display_list};
 pub use run::{run, stages};
 pub use settings::{Limits, RunInput, RunOptions};
+pub use tape::{Given, RetimeOptions, TapeFileError, retime};
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]

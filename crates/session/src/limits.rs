@@ -3,6 +3,7 @@
 use crate::machines::MachineSpec;
 use crate::parallel;
 use crate::run::Way;
+use crate::settings::Limits;
 use basrelief_kernel::tape::Frame;
 use basrelief_kernel::{NoProbe, RunReport, Shape, retime};
 use basrelief_machines::ConfigProblem;
@@ -16,6 +17,44 @@ const SLOTS: u32 = 65_536;
 const PAIRED: usize = 4;
 /// What two must save together, beyond what each saves alone, to be worth a line \[1/1000 of the cycles\].
 const TOGETHER: u64 = 10;
+
+/// The tape of a run that is timed again when it is over.
+#[derive(Debug)]
+pub(crate) struct Kept {
+    frames: Vec<Frame>,
+    /// Bytes that are left to keep; none once it was too long.
+    left: Option<usize>,
+}
+
+impl Kept {
+    /// Bytes of a tape that is short: a step takes some five.
+    const SHORT: usize = 8 << 20;
+
+    pub(crate) fn new(limits: Limits) -> Option<Self> {
+        let left = match limits {
+            Limits::Never => return None,
+            Limits::IfShort => Self::SHORT,
+            Limits::Always => usize::MAX,
+        };
+        Some(Self { frames: vec![], left: Some(left) })
+    }
+
+    /// Keeps a frame; none at all once there are too many.
+    pub(crate) fn keep(&mut self, frame: Frame) {
+        let bytes: usize = frame.streams().map(<[u8]>::len).sum();
+        self.left = self.left.and_then(|left| left.checked_sub(bytes));
+        if self.left.is_some() {
+            self.frames.push(frame);
+        } else {
+            self.frames = vec![];
+        }
+    }
+
+    /// All frames; none where there were too many.
+    pub(crate) fn frames(&self) -> Option<&[Frame]> {
+        self.left.map(|_| self.frames.as_slice())
+    }
+}
 
 /// Something made ideal.
 #[derive(Clone, Debug)]

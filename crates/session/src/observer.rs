@@ -53,6 +53,16 @@ pub trait Observer {
         Ok(())
     }
 
+    /// The next bytes of the run's tape, where [`RunOptions::tape`](crate::RunOptions::tape) asks for it: [`retime`](crate::retime)
+    /// reads it, once it is whole.
+    ///
+    /// # Errors
+    /// What keeps the observer from taking them; stops the run.
+    fn tape(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let _ = bytes;
+        Ok(())
+    }
+
     /// A memory has taken requests in, where [`RunOptions::requests`](crate::RunOptions::requests) asks for them. What each
     /// memory takes in comes in its order, whatever the engine; how it is cut, and what comes of other memories between, is not
     /// the same for both.

@@ -13,9 +13,10 @@ use crate::tee::{Tee, TraceNotes};
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles, Resolver};
 use basrelief_kernel::{Machine, NoProbe, Probe, Shape, StageTopology};
-use basrelief_machines::{ConfigProblem, SceneFront, TraceFront};
+use basrelief_machines::{ConfigProblem, Draws, Facts, SceneFront, TraceFront};
 use basrelief_report::model::Input;
 use basrelief_signals::{Control, Draw, Scene};
+use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::io::Read;
 use std::path::Path;
@@ -39,7 +40,8 @@ fn stages_of<S: MachineSpec>(spec: &S, source: &RunInput) -> Result<Vec<StageTop
 }
 
 /// The way in: what draws at the front of a machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub(crate) enum Way {
     /// The geometry processor.
     Scene,
@@ -56,6 +58,14 @@ impl Way {
         };
         // Its wiring was checked when it was built.
         shape.map_err(|error| ConfigProblem { key: "wiring".into(), message: error.to_string() })
+    }
+
+    /// What its units tell before they have done anything.
+    pub(crate) fn facts<S: MachineSpec>(self, spec: &S) -> Result<Facts, ConfigProblem> {
+        match self {
+            Self::Scene => unfed(spec).map(|mut machine| machine.facts()),
+            Self::Trace => unfed_trace(spec).map(|mut machine| machine.facts()),
+        }
     }
 }
 
@@ -81,12 +91,12 @@ impl MachineConfig {
 }
 
 /// The machine with nothing to draw.
-fn unfed<S: MachineSpec>(spec: &S) -> Result<impl Machine + use<S>, ConfigProblem> {
+fn unfed<S: MachineSpec>(spec: &S) -> Result<impl Draws + use<S>, ConfigProblem> {
     spec.build(SceneFront::new(std::iter::empty::<Draw>(), spec.front()))
 }
 
 /// The same behind a display list.
-fn unfed_trace<S: MachineSpec>(spec: &S) -> Result<impl Machine + use<S>, ConfigProblem> {
+fn unfed_trace<S: MachineSpec>(spec: &S) -> Result<impl Draws + use<S>, ConfigProblem> {
     spec.build(TraceFront::new(std::iter::empty::<Result<(Control, Option<u64>), String>>(), spec.front()))
 }
 
@@ -144,7 +154,7 @@ fn run_scene<S: MachineSpec, P: Probe>(
     let ahead = drawn.borrow().seconds;
     let commands = Rc::clone(&drawn);
     let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.borrow().commands, total)));
-    let result = session.drive(spec, machine, probe);
+    let result = session.drive((spec, Way::Scene), machine, probe);
     let passed = std::mem::take(&mut *drawn.borrow_mut());
     if let Some(error) = passed.error {
         return Err(error.into());
@@ -186,7 +196,7 @@ fn run_trace<S: MachineSpec, P: Probe>(
     let exact = if settings.exact { Exact::Trace(Rc::clone(&seen)) } else { Exact::None };
     let commands = Rc::clone(&seen);
     let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.borrow().commands, None)));
-    let result = session.drive(spec, machine, probe);
+    let result = session.drive((spec, Way::Trace), machine, probe);
     if let Some(error) = seen.borrow_mut().error.take() {
         return Err(error.into());
     }

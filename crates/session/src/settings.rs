@@ -2,6 +2,7 @@
 
 use crate::exhibits::content::ExhibitInfo;
 use crate::machines::MachineConfig;
+use crate::tape::Given;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles};
 use basrelief_input::Budget;
@@ -78,6 +79,8 @@ pub struct RunOptions {
     pub exhibits: Vec<ExhibitInfo>,
     /// Whether what limits the run is measured; of the timed and the ticked engine, and of a run that comes to its end.
     pub limits: Limits,
+    /// Show the observer the run's [tape](crate::Observer::tape), with what the user gave of the parameters; costs nothing otherwise.
+    pub tape: Option<Given>,
     /// Show the observer every [request](crate::Observer::requests) that a memory takes in; costs nothing otherwise.
     pub requests: bool,
     /// Seconds on a clock that does not run backwards, for the host figures; libraries read none themselves. It must
@@ -98,6 +101,7 @@ impl Default for RunOptions {
             exact: true,
             exhibits: vec![],
             limits: Limits::Never,
+            tape: None,
             requests: false,
             clock: || 0.0,
             budget: Budget::default(),

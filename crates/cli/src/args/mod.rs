@@ -9,7 +9,7 @@ mod values;
 pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, ViewArgs};
 pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
-pub use run::{DemoArgs, RunArgs, ServeArgs};
+pub use run::{DemoArgs, RetimeArgs, RunArgs, ServeArgs};
 
 use basrelief_input::{Budget, Size};
 use clap::{Parser, Subcommand};
@@ -37,6 +37,8 @@ pub enum Command {
     Demo(DemoArgs),
     /// Draw a model (glTF 2.0, GLB, OBJ) or replay a recorded display list.
     Run(RunArgs),
+    /// Time the recorded work of a run again, under other FIFOs, memories and caches.
+    Retime(RetimeArgs),
     /// Record what the geometry processor hands on as a display list.
     Record(RecordArgs),
     /// Turn a display list from one form into another (JSON Lines or binary, plain or zstd), without loss.

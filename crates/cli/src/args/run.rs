@@ -1,7 +1,7 @@
 //! Arguments of the commands that draw or offer scenes: `demo`, `run`, `serve`.
 
 use super::common::{MachineArgs, SimulationArgs, ViewArgs};
-use super::values::{http, socket};
+use super::values::{http, key_value, socket};
 use clap::Args;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -39,6 +39,31 @@ pub struct RunArgs {
     pub simulation: SimulationArgs,
     #[command(flatten)]
     pub view: ViewArgs,
+}
+
+/// Arguments of `retime`.
+#[derive(Clone, Debug, Args)]
+pub struct RetimeArgs {
+    /// The tape, made by `run --tape`.
+    pub tape: PathBuf,
+    /// One parameter over those of the run, of those that change times only (`basrelief describe`); repeatable.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub settings: Vec<(String, String)>,
+    /// Write report.json into this folder.
+    #[arg(long, short, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the report to standard output, and nothing else.
+    #[arg(long)]
+    pub json: bool,
+    /// Write the tables as report.csv too.
+    #[arg(long, requires = "out")]
+    pub csv: bool,
+    /// Measure what limits the run however many steps it makes.
+    #[arg(long, conflicts_with = "no_limits")]
+    pub limits: bool,
+    /// Do not measure what limits the run.
+    #[arg(long)]
+    pub no_limits: bool,
 }
 
 /// Arguments of `serve`.

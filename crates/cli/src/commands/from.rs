@@ -1,6 +1,7 @@
 //! `basrelief run --from`: renders what a server offers.
 
 use super::simulate::{seconds, settings_of, simulate_source};
+use super::tape::given;
 use crate::args::{MachineArgs, RunArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use crate::input;
@@ -47,6 +48,7 @@ pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done
     let source = RunInput::Remote { reader: Box::new(Cursor::new(polygons)), name: url.into(), tiles };
     let mut settings = settings_of(config, &args.simulation, budget);
     settings.exact = false;
+    settings.tape = args.simulation.tape.as_ref().map(|_| given(&args.machine, budget)).transpose()?;
     let unshown = Progress::new(None, "commands", true);
     let done = simulate_source(began, (source, unshown, None), settings, &args.simulation, quiet);
     if let (Some(why), Some(folder), false) = (failed.get(), &args.tile_cache, quiet) {

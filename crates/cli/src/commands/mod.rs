@@ -13,6 +13,7 @@ mod schema;
 mod serve;
 mod simulate;
 pub mod tables;
+mod tape;
 mod verify;
 
 use crate::args::{Cli, Command};
@@ -24,6 +25,7 @@ pub fn dispatch(cli: Cli, budget: &Budget) -> Done {
     match cli.command {
         Command::Demo(args) => run::demo(&args, budget, cli.quiet),
         Command::Run(args) => run::run(&args, budget, cli.quiet),
+        Command::Retime(args) => tape::retime(&args, budget, cli.quiet),
         Command::Record(args) => record::record(&args, budget, cli.quiet),
         Command::Convert(args) => convert::convert(&args, budget),
         Command::Verify(args) => verify::verify(&args, budget, cli.quiet),

@@ -2,6 +2,7 @@
 
 use super::dump::DumpFiles;
 use super::requests::RequestsFile;
+use super::tape::TapeFile;
 use crate::error::Failure;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
@@ -20,6 +21,8 @@ pub struct OutputFiles {
     pub dumps: DumpFiles,
     /// In front of the outputs likewise.
     pub requests: Option<RequestsFile>,
+    /// Likewise.
+    pub tape: Option<TapeFile>,
     pub outputs: Outputs,
     pub progress: Progress,
     /// Bytes of a trace read so far; a scene counts commands instead.
@@ -66,6 +69,10 @@ impl Observer for OutputFiles {
 
     fn requests(&mut self, requests: &MemoryRequests<'_>) -> Result<(), String> {
         self.requests.as_mut().map_or(Ok(()), |file| file.write(requests))
+    }
+
+    fn tape(&mut self, bytes: &[u8]) -> Result<(), String> {
+        self.tape.as_mut().map_or(Ok(()), |file| file.write(bytes))
     }
 }
 

@@ -3,6 +3,7 @@
 use super::dump::DumpFiles;
 use super::output_files::OutputFiles;
 use super::requests::RequestsFile;
+use super::tape::TapeFile;
 use crate::args::{EngineName, MachineArgs, SimulationArgs, ViewArgs};
 use crate::error::{Done, Failure, print};
 use crate::outputs::{Outputs, PartialFile, check_distinct, check_not_read};
@@ -44,14 +45,20 @@ pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs, budget: &
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
         exhibits: vec![],
-        limits: match (simulation.limits, simulation.no_limits) {
-            (true, _) => Limits::Always,
-            (_, true) => Limits::Never,
-            _ => Limits::IfShort,
-        },
+        limits: limits_of(simulation.limits, simulation.no_limits),
+        tape: None,
         requests: simulation.requests.is_some(),
         clock: seconds,
         budget: budget.clone(),
+    }
+}
+
+/// Whether what limits a run is measured, by `--limits` and `--no-limits`.
+pub fn limits_of(always: bool, never: bool) -> Limits {
+    match (always, never) {
+        (true, _) => Limits::Always,
+        (_, true) => Limits::Never,
+        _ => Limits::IfShort,
     }
 }
 
@@ -68,11 +75,13 @@ pub fn simulate_source(
     check_distinct(&simulation.out, &named_outputs(simulation)).map_err(Failure::Usage)?;
     let dumps = DumpFiles::open(&simulation.dump, &settings.config)?;
     let requests = RequestsFile::open(simulation, &settings.config, &outputs)?;
+    let tape = simulation.tape.as_deref().map(TapeFile::open).transpose()?;
     let pictures = settings.config.machine().exhibits().into_iter().filter(|e| e.form != Form::Lines);
     settings.exhibits = pictures.filter(|e| settings.exact || !e.judges).chain(dumps.exhibits()).collect();
     let mut files = OutputFiles {
         dumps,
         requests,
+        tape,
         outputs,
         progress,
         read,
@@ -89,19 +98,23 @@ pub fn simulate_source(
         Ok(ran) => ran,
         Err(error) => return Err(files.rescue(error)),
     };
+    let tape_is_whole = run.tape_is_whole;
     let report = run.with_host(seconds() - began);
-    let OutputFiles { outputs, progress, mut dumps, requests, frames, kinds, extra, .. } = files;
+    let OutputFiles { outputs, progress, mut dumps, requests, tape, frames, kinds, extra, .. } = files;
     let kinds = kinds.concat();
     drop(progress);
     dumps.flush()?;
     let requests = requests.map(RequestsFile::finish).transpose()?;
+    // Of a run that did not come to its end there is none.
+    let tape = tape.filter(|_| tape_is_whole).map(TapeFile::finish).transpose()?;
     if simulation.json {
         // In front of what is published: where it cannot be printed, nothing is written.
         print(&report.to_json().map_err(Failure::bad)?)?;
     }
     publish(outputs, (frames, &kinds), &report, simulation)?;
     dumps.publish()?;
-    for (file, path) in [(timeline, &simulation.timeline), (requests, &simulation.requests)] {
+    let beside = [(timeline, &simulation.timeline), (requests, &simulation.requests), (tape, &simulation.tape)];
+    for (file, path) in beside {
         if let (Some(file), Some(path)) = (file, path) {
             file.publish().map_err(Failure::file(path, "be written"))?;
         }
@@ -123,8 +136,9 @@ pub fn spare_inputs(simulation: &SimulationArgs, input: Option<&Path>, machine: 
 fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
     let timeline = simulation.timeline.iter().map(|path| ("--timeline", &**path));
     let requests = simulation.requests.iter().map(|path| ("--requests", &**path));
+    let tape = simulation.tape.iter().map(|path| ("--tape", &**path));
     let dumps = simulation.dump.as_chunks::<2>().0.iter().map(|[_, path]| ("--dump", &**path));
-    timeline.chain(requests).chain(dumps).collect()
+    timeline.chain(requests).chain(tape).chain(dumps).collect()
 }
 
 /// A run whose errors name the input, unless it is the parameters or an output that are wrong.
@@ -175,19 +189,30 @@ fn publish(outputs: Outputs, (frames, kinds): (usize, &[&str]), report: &Report,
             outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false)).map_err(failed())?;
         }
     }
-    let mut file = outputs.create("report.json").map_err(failed())?;
-    report.write_json(&mut file).and_then(|()| file.flush()).map_err(failed())?;
-    if simulation.csv {
-        let mut file = outputs.create("report.csv").map_err(failed())?;
-        file.write_all(to_csv(report).as_bytes()).and_then(|()| file.flush()).map_err(failed())?;
-    }
+    write_report(&outputs, report, simulation.csv).map_err(failed())?;
     outputs.publish("report.json").map_err(failed())
+}
+
+/// Writes the report, and its tables where they are wanted.
+pub fn write_report(outputs: &Outputs, report: &Report, csv: bool) -> std::io::Result<()> {
+    let mut file = outputs.create("report.json")?;
+    report.write_json(&mut file).and_then(|()| file.flush())?;
+    if csv {
+        let mut file = outputs.create("report.csv")?;
+        file.write_all(to_csv(report).as_bytes()).and_then(|()| file.flush())?;
+    }
+    Ok(())
+}
+
+/// Prints the report.
+pub fn show_report(report: &Report) -> Done {
+    print(&to_text(report, style()))
 }
 
 /// Prints the report, and decides whether the run was a success.
 fn show(report: &Report, (kinds, extra): (&[&str], &[String]), simulation: &SimulationArgs, quiet: bool) -> Done {
     if !quiet && !simulation.json {
-        print(&to_text(report, style()))?;
+        show_report(report)?;
         print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report, kinds, extra)))?;
     }
     let message = report.outcome.message.clone().unwrap_or_default();

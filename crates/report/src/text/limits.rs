@@ -10,25 +10,26 @@ const ROWS: usize = 8;
 /// What is worth a word beside the first \[share of the cycles\].
 const WORTH: f64 = 0.01;
 
-/// The first two in words; none where nothing was measured.
+/// The first two in words, and what helps most together; none where nothing was measured.
 pub(super) fn sentence(report: &Report) -> Option<String> {
     let limits = report.limits.as_ref()?;
     let total = report.frame_cycles();
     let share = |limit: &Limit| limit.saved as f64 / total.max(1) as f64;
-    // Another way to better the same thing says nothing new.
-    let others = |first: &Limit| limits.iter().skip(1).find(|l| !alike(first, l) && share(l) >= WORTH).cloned();
-    let words = |limit: &Limit| format!("{} with {}", limit.resource, limit.what);
-    let Some(first) = limits.first() else {
-        return Some(
-            "Nothing limits this run by itself: it takes as many cycles with any unit, FIFO, memory or cache made ideal.".into(),
-        );
+    let (pairs, singles): (Vec<&Limit>, Vec<&Limit>) = limits.iter().partition(|limit| is_pair(limit));
+    let says = |limit: &Limit| format!("{} with {} saves {}", limit.resource, limit.what, about(share(limit)));
+    let Some(first) = singles.first().or(pairs.first()) else {
+        let same = "it takes as many cycles with any unit, FIFO, memory or cache made ideal";
+        return Some(format!("Nothing limits this run by itself: {same}."));
     };
-    let second = others(first).map_or(String::new(), |l| format!("; {} saves {}", words(&l), about(share(&l))));
-    Some(format!("{} limits this run: {} saves {} of the cycles{second}.", first.resource, first.what, about(share(first))))
+    // Another way to better the same thing says nothing new.
+    let second = singles.iter().skip(1).find(|l| l.resource != first.resource && share(l) >= WORTH);
+    let pair = pairs.first().filter(|pair| share(pair) >= share(first) + WORTH);
+    let more: String = second.into_iter().chain(pair).map(|limit| format!("; {}", says(limit))).collect();
+    Some(format!("What limits this run: {} of the cycles{more}.", says(first)))
 }
 
-fn alike(a: &Limit, b: &Limit) -> bool {
-    b.resource.split(" and ").any(|name| a.resource.split(" and ").any(|other| name == other))
+fn is_pair(limit: &Limit) -> bool {
+    limit.resource.contains(" and ")
 }
 
 /// The first few.
@@ -65,7 +66,8 @@ mod tests {
             limit("search and reader", "a cycle per step", total / 2, total),
             limit("texels", "no latency", total / 4, total),
         ]);
-        let expected = "search limits this run: a cycle per step saves 50 % of the cycles; texels with no latency saves 25 %.";
+        let expected =
+            "What limits this run: search with a cycle per step saves 50 % of the cycles; texels with no latency saves 25 %.";
         assert_eq!(sentence(&report).unwrap(), expected);
         assert_eq!(table(&report).render(Style::default()).lines().count(), 5);
     }

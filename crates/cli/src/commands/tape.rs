@@ -1,0 +1,89 @@
+//! `--tape`, and `basrelief retime`: the work of a run kept, and timed again.
+
+use super::simulate::{limits_of, seconds, show_report, write_report};
+use crate::args::{MachineArgs, RetimeArgs};
+use crate::error::{Done, Failure, print};
+use crate::input::read_text;
+use crate::outputs::{Outputs, PartialFile};
+use basrelief_input::Budget;
+use basrelief_session::{Given, RetimeOptions, TapeFileError, retime as timed_again};
+use std::fs::File;
+use std::io::{BufReader, Write};
+use std::path::{Path, PathBuf};
+
+/// The file of `--tape`, compressed with zstd.
+pub struct TapeFile {
+    path: PathBuf,
+    encoder: zstd::Encoder<'static, PartialFile>,
+}
+
+impl TapeFile {
+    /// Opens it.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn open(path: &Path) -> Done<Self> {
+        let failed = || Failure::file(path, "be written");
+        let file = PartialFile::create(path).map_err(failed())?;
+        let mut encoder = zstd::Encoder::new(file, zstd::DEFAULT_COMPRESSION_LEVEL).map_err(failed())?;
+        encoder.include_checksum(true).map_err(failed())?;
+        Ok(Self { path: path.into(), encoder })
+    }
+
+    /// Goes on.
+    ///
+    /// # Errors
+    /// A file that cannot be written, in a sentence.
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
+        self.encoder.write_all(bytes).map_err(|e| format!("{}: cannot be written: {e}", self.path.display()))
+    }
+
+    /// The file, to be published.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn finish(self) -> Done<PartialFile> {
+        let mut file = self.encoder.finish().map_err(Failure::file(&self.path, "be written"))?;
+        file.flush().map_err(Failure::file(&self.path, "be written"))?;
+        Ok(file)
+    }
+}
+
+/// The parameters as the command line gives them.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn given(machine: &MachineArgs, budget: &Budget) -> Done<Given> {
+    let toml = match &machine.config {
+        Some(path) => read_text(path, budget)?.0,
+        None => String::new(),
+    };
+    Ok(Given { toml, settings: machine.settings.clone() })
+}
+
+/// Times the work on a tape again.
+pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
+    let began = seconds();
+    let name = args.tape.display().to_string();
+    let file = File::open(&args.tape).map_err(Failure::file(&args.tape, "be read"))?;
+    let mut reader = zstd::Decoder::new(BufReader::new(file)).map_err(Failure::file(&args.tape, "be read"))?;
+    let limits = limits_of(args.limits, args.no_limits);
+    let options = RetimeOptions { settings: args.settings.clone(), limits, budget: budget.clone() };
+    let report = timed_again(&mut reader, &options).map_err(|error| match error {
+        TapeFileError::Work(_) | TapeFileError::OtherWork(_) | TapeFileError::Config(_) => {
+            Failure::Usage(format!("--set: {error}"))
+        }
+        _ => Failure::within(&name)(error),
+    })?;
+    let took = seconds() - began;
+    let report = report.with_host(took, took);
+    if args.json {
+        print(&report.to_json().map_err(Failure::bad)?)?;
+    }
+    if let Some(folder) = &args.out {
+        let outputs = Outputs::begin(folder).map_err(Failure::file(folder, "be written"))?;
+        write_report(&outputs, &report, args.csv).map_err(Failure::file(folder, "be written"))?;
+        outputs.publish("report.json").map_err(Failure::file(folder, "be written"))?;
+    }
+    if quiet || args.json { Ok(()) } else { show_report(&report) }
+}
