@@ -97,6 +97,15 @@ fn pass(mut client: TcpStream, server: &str, passed: &AtomicU64, most: u64) {
     let _ = client.write_all(&answer);
 }
 
+/// What a server answers.
+fn get(address: &str, path: &str) -> String {
+    let mut client = TcpStream::connect(address).expect("connects");
+    write!(client, "GET {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n").expect("sent");
+    let mut answer = Vec::new();
+    client.read_to_end(&mut answer).expect("an answer");
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
 #[test]
 fn a_picture_from_a_server_is_that_from_the_file_to_the_bit() {
     let place = Place::new();
@@ -185,6 +194,26 @@ fn tiles_kept_from_other_texels_are_not_taken() {
         images(&place, "file")
     });
     assert_ne!(drawn[0], drawn[1]);
+}
+
+/// Its list of polygons takes minutes to make, and a client would wait for it.
+#[test]
+fn a_server_of_a_million_frames_listens_at_once_and_serves_tiles() {
+    let place = Place::new();
+    let began = std::time::Instant::now();
+    let server = Server::start(&place, &format!("serve demo:gallery {SMALL} --frames 1000000 --orbit 360 --listen 127.0.0.1:0"));
+    let address = server.1.trim_start_matches("http://").trim_end_matches('/');
+    let later = get(address, "/polygons");
+    assert!(later.starts_with("HTTP/1.1 503") && later.contains("is being made: ask again"), "{later}");
+    assert!(get(address, "/tile/0/64x64/png/85/0").starts_with("HTTP/1.1 200"));
+    assert!(began.elapsed().as_secs_f64() < 20.0, "{:?}", began.elapsed());
+}
+
+#[test]
+fn a_list_that_does_not_fit_ends_the_server_with_an_error() {
+    let place = Place::new();
+    let outcome = place.run("serve demo:gallery --size 64x48 --frames 10000 --orbit 360 --listen 127.0.0.1:0 --memory-limit 24MiB");
+    assert!(outcome.error(1).contains("of a display list, with"), "{}", outcome.err);
 }
 
 /// A server that answers every request with this body, and the hash of it.
@@ -324,6 +353,9 @@ fn crowd() {
     let place = Place::new();
     let server = serve_triangle(&place, [200, 0, 0]);
     let address = server.1.trim_start_matches("http://").trim_end_matches('/');
+    while get(address, "/polygons").starts_with("HTTP/1.1 503") {
+        thread::sleep(std::time::Duration::from_millis(10));
+    }
     let connect = |n: usize| -> Vec<TcpStream> { (0..n).map(|_| TcpStream::connect(address).expect("connects")).collect() };
     let (idle, mut dripping) = (connect(1000), connect(256));
     thread::spawn(move || {
@@ -335,11 +367,8 @@ fn crowd() {
     });
     for _ in 0..5 {
         let began = std::time::Instant::now();
-        let mut client = TcpStream::connect(address).expect("connects");
-        client.write_all(b"GET /polygons HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n").expect("sent");
-        let mut answer = Vec::new();
-        client.read_to_end(&mut answer).expect("an answer");
-        assert!(answer.starts_with(b"HTTP/1.1 200"), "{}", String::from_utf8_lossy(&answer));
+        let answer = get(address, "/polygons");
+        assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
         assert!(began.elapsed().as_secs_f64() < 1.0, "{:?}", began.elapsed());
     }
     drop(idle);

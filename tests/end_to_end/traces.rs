@@ -87,6 +87,25 @@ fn a_tampered_expectation_or_picture_is_found_and_bless_sets_it_right() {
 }
 
 #[test]
+fn a_trace_with_thousands_of_expectations_is_refused_and_not_replayed_for_each() {
+    let place = Place::new();
+    place.ok("record PATCH --size 48x36 --expect --out t.jsonl");
+    let trace = place.text("t.jsonl");
+    let (before, end) = trace.trim_end().rsplit_once('\n').expect("lines");
+    assert!(end.starts_with("{\"end\""), "{end}");
+    let commands = before.lines().count() + 5000;
+    let more = "\n{\"expect\":{\"cycles\":1}}".repeat(5000);
+    fs::write(place.path("t.jsonl"), format!("{before}{more}\n{{\"end\":{{\"commands\":{commands}}}}}\n")).expect("written");
+    for how in ["", "--bless "] {
+        let outcome = place.run(&format!("verify {how}t.jsonl"));
+        outcome.error(1);
+        let line = before.lines().count() + 64;
+        let said = format!("t.jsonl: line {line}: expect: is one too many, expected at most 64");
+        assert!(outcome.out.contains(&said), "{how}: {}", outcome.out);
+    }
+}
+
+#[test]
 fn one_bad_trace_does_not_keep_the_others_from_being_checked() {
     let place = Place::new();
     place.ok("record PATCH --size 48x36 --expect --out z.bdl");

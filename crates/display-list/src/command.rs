@@ -411,6 +411,9 @@ pub struct ExpectedTraffic {
     pub write_bytes: u64,
 }
 
+/// Most expectations of a trace: whoever verifies it replays it for each.
+pub const MAX_EXPECTATIONS: usize = 64;
+
 fields! {
     /// What a machine should make of this trace: replaying the trace is a test of itself. What is left out is not
     /// checked.

@@ -14,7 +14,7 @@
 //! | `importance` | directly ahead of `object` | levels by which its VQ table and CLUT are coarser |
 //! | `criterion` | in a frame | the texel value generator keeps this bound from here on |
 //! | `polygon` | behind its object | a convex polygon in window coordinates |
-//! | `expect` | outside frames | what a machine should make of the trace |
+//! | `expect` | outside frames | what a machine should make of the trace; at most 64 |
 //! | `end` | last | count of commands before it; without it a trace is truncated |
 //!
 //! An unknown command, an unknown field, a number that is not finite and an index out of range are errors. Numbers are
@@ -72,7 +72,7 @@ mod writer;
 pub use check::GUARD_BAND;
 pub use command::{
     Begin, Command, Criterion, End, Expectation, ExpectedTraffic, FORMAT, FrameBegin, FrameEnd, Importance, LightRecord,
-    MAX_SIDE, MAX_VERTICES, MaterialDefinition, ObjectBegin, PolygonRecord, ShadingRecord, TextureDefinition, TextureKind,
+    MAX_EXPECTATIONS, MAX_SIDE, MAX_VERTICES, MaterialDefinition, ObjectBegin, PolygonRecord, ShadingRecord, TextureDefinition, TextureKind,
     VERSION,
 };
 pub use data::{Digest, Texels};

@@ -165,6 +165,10 @@ impl<R: Read, F: Files> Resolver<R, F> {
             Command::Shading(shading) => self.shading = (&shading).into(),
             Command::Importance(importance) => self.bias = Some(importance.bias),
             Command::Expect(expectation) => {
+                if self.expectations.len() == MAX_EXPECTATIONS {
+                    let message = format!("is one too many, expected at most {MAX_EXPECTATIONS}: `verify` replays the trace for each");
+                    return Err(Fault::new("", message));
+                }
                 // Twice: they are given to whoever runs the trace.
                 self.held.grow(2 * expectation.bytes(), "expectations").map_err(Fault::over_budget(""))?;
                 self.expectations.push(*expectation);

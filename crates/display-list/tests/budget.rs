@@ -203,13 +203,34 @@ fn what_is_kept_is_counted_however_small_its_parts() {
         says_so(&error, &format!("{name}.{field}"), "4 MiB");
         assert!(error.path.starts_with(name), "{error}");
     }
-    // Without anything long in them.
-    for name in ["texture", "material", "object", "polygon", "expect"] {
+    // Without anything long in them; of expectations there are never many.
+    for name in ["texture", "material", "object", "polygon"] {
         let line = |i| format!("{}\n", json!({ name: command(name, if name == "polygon" { 0 } else { i }) }));
         let first = usize::from(name == "material" || name == "object");
         let lines = [before(name)].into_iter().chain((first..40_000).map(line));
         says_so(&error_of(lines, 2 * LIMIT), name, "4 MiB");
     }
+}
+
+#[test]
+fn textures_are_counted_together_though_each_of_them_would_fit() {
+    let zeros = vec![0; 256 * 256 * TextureKind::Color.texel_bytes() as usize];
+    let line = |i| {
+        let mut texture = command("texture", i);
+        (texture["data"], texture["file"]) = (Value::Null, "texels".into());
+        (texture["width"], texture["height"], texture["sha256"]) = (256.into(), 256.into(), Digest::of(&zeros).to_string().into());
+        format!("{}\n", json!({ "texture": texture }))
+    };
+    let files = |_: &str| -> io::Result<Box<dyn Read>> { Ok(Box::new(io::repeat(0).take(zeros.len() as u64))) };
+    let trace = |count| before("texture") + &(0..count).map(line).collect::<String>();
+    let read = |count| {
+        let resolver = Resolver::within(trace(count).as_bytes(), files, &Budget::new(LIMIT)).expect("a beginning");
+        resolver.filter_map(Result::err).next().expect("it has no end")
+    };
+    assert_eq!(read(4).kind, ErrorKind::Truncated, "{}", read(4));
+    let error = read(8);
+    says_so(&error, "textures", "2 MiB");
+    assert!(error.path.starts_with("texture"), "{error}");
 }
 
 #[test]

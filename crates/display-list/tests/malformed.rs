@@ -251,6 +251,20 @@ fn an_arrival_never_falls() {
 }
 
 #[test]
+fn a_trace_carries_no_more_expectations_than_anybody_replays() {
+    let with = |count: usize| {
+        let mut lines: Vec<String> = SAMPLE.lines().filter(|l| !l.starts_with("{\"expect\"")).map(str::to_owned).collect();
+        lines.pop();
+        lines.extend(vec!["{\"expect\":{}}".into(); count]);
+        lines.push(format!("{{\"end\":{{\"commands\":{}}}}}\n", lines.len()));
+        resolve(lines.join("\n").as_bytes())
+    };
+    assert!(with(MAX_EXPECTATIONS).is_ok());
+    let error = with(MAX_EXPECTATIONS + 1).unwrap_err().to_string();
+    assert_eq!(error, "line 73: expect: is one too many, expected at most 64: `verify` replays the trace for each");
+}
+
+#[test]
 fn a_trace_without_a_frame_draws_nothing() {
     let begin = SAMPLE.lines().next().unwrap();
     let error = error_of(format!("{begin}\n{{\"end\":{{\"commands\":1}}}}\n").as_bytes());

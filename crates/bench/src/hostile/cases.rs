@@ -1,11 +1,12 @@
 //! What is run: a file that was spoiled, and a command line.
 
 use super::chance::Chance;
-use super::{mutate, options};
+use super::{mutate, options, settings};
 use basrelief_display_list::{Form, convert};
+use basrelief_session::{MACHINES, MachineInfo};
 use serde_json::Value;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Kinds of inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +49,8 @@ pub struct Sources {
     obj: String,
     mtl: String,
     pictures: Vec<Vec<u8>>,
-    configurations: Vec<String>,
+    /// Presets of each machine, in the order of [`MACHINES`].
+    configurations: Vec<Vec<String>>,
 }
 
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
@@ -74,12 +76,21 @@ impl Sources {
                 .map(bytes)
                 .into_iter()
                 .collect::<Result<_, _>>()?,
-            configurations: ["bump-1998", "shade-1989", "texel-1994", "defer-1998"]
-                .map(|name| text(&format!("presets/{name}.toml")))
-                .into_iter()
-                .collect::<Result<_, _>>()?,
+            configurations: MACHINES.iter().map(presets).collect::<Result<_, _>>()?,
         })
     }
+}
+
+/// Presets of a machine: `presets/MACHINE-NAME.toml`, in order of name.
+fn presets(machine: &MachineInfo) -> Result<Vec<String>, String> {
+    let folder = Path::new(WORKSPACE).join("presets");
+    let failed = |e: std::io::Error| format!("{}: {e}", folder.display());
+    let paths = fs::read_dir(&folder).map_err(failed)?.map(|entry| entry.map(|e| e.path()));
+    let mut paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(failed)?;
+    paths.sort();
+    let prefix = format!("{}-", machine.name);
+    let own = paths.iter().filter(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&prefix)));
+    own.map(|path| fs::read_to_string(path).map_err(failed)).collect()
 }
 
 impl Kind {
@@ -136,7 +147,7 @@ fn words(line: &str) -> Vec<String> {
 }
 
 fn machine(chance: &mut Chance) -> &'static str {
-    chance.one::<&str>(&["bump", "shade", "texel", "defer"])
+    chance.one(MACHINES).name
 }
 
 fn trace(name: &str, bytes: Vec<u8>, chance: &mut Chance) -> Case {
@@ -245,20 +256,15 @@ fn settings(sources: &Sources, chance: &mut Chance) -> Case {
         }
         bytes
     };
-    let (mut config, mut camera) = (chance.one::<String>(&sources.configurations).clone().into_bytes(), CAMERA.into());
-    let which = if chance.once_in(3) {
-        camera = spoiled(CAMERA, chance);
-        "--camera c.json"
-    } else if chance.once_in(2) {
-        config = spoiled(&String::from_utf8_lossy(&config), chance);
-        "--config c.toml"
-    } else {
-        let setting = options::setting(chance);
-        config = setting.replacen('=', " = ", 1).into_bytes();
-        "--config c.toml"
+    let number = chance.below(MACHINES.len());
+    let (machine, presets) = (&MACHINES[number], &sources.configurations[number]);
+    let (name, bytes, option) = match chance.below(4) {
+        0 => ("c.json", spoiled(CAMERA, chance), "--camera c.json"),
+        1 => ("c.toml", spoiled(chance.one::<String>(presets), chance), "--config c.toml"),
+        _ => ("c.toml", settings::configuration(machine, chance).into_bytes(), "--config c.toml"),
     };
-    let line = format!("demo --machine {} --size 32x24 {SHORT} {which}", machine(chance));
-    Case { files: vec![("c.toml".into(), config), ("c.json".into(), camera)], arguments: words(&line) }
+    let line = format!("demo --machine {} --size 32x24 {SHORT} {option}", machine.name);
+    Case { files: vec![(name.into(), bytes)], arguments: words(&line) }
 }
 
 fn command_line(sources: &Sources, chance: &mut Chance) -> Case {

@@ -9,6 +9,7 @@ mod chance;
 mod mutate;
 mod options;
 mod program;
+mod settings;
 mod table;
 
 pub use cases::{Case, Kind, Sources};

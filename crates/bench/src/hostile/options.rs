@@ -2,7 +2,8 @@
 
 use super::chance::Chance;
 use super::mutate::ODD_NUMBERS;
-use basrelief_session::MACHINES;
+use super::settings::setting;
+use basrelief_session::{MACHINES, MachineInfo};
 
 /// What may stand on a command line, as `FILE` a trace and as `MODEL` a model.
 const COMMANDS: [&str; 12] = [
@@ -65,8 +66,12 @@ pub fn command_line(chance: &mut Chance) -> Vec<String> {
     for _ in 0..chance.below(3) {
         words.extend(chance.one(&OPTIONS).split(' ').map(str::to_owned));
     }
-    for _ in 0..chance.below(3) {
-        words.extend(["--set".to_owned(), setting(chance)]);
+    if simulates || chance.once_in(4) {
+        let machine = machine_of(&words);
+        for _ in 0..chance.below(3) {
+            let (key, value) = setting(machine, chance);
+            words.extend(["--set".to_owned(), format!("{key}={value}")]);
+        }
     }
     if chance.once_in(8) {
         words.remove(chance.below(words.len()));
@@ -75,16 +80,8 @@ pub fn command_line(chance: &mut Chance) -> Vec<String> {
     words.into_iter().map(|w| if w.contains('N') { number(w, chance) } else { w }).collect()
 }
 
-/// A parameter of some machine, with a value near its default, at the ends of its range, or out of it.
-pub fn setting(chance: &mut Chance) -> String {
-    let parameters = chance.one(MACHINES).parameters();
-    let parameter = chance.one(&parameters);
-    let ends: Vec<&str> = parameter.range.split("..=").collect();
-    let value = match chance.below(5) {
-        0 => parameter.default.to_string(),
-        1 => (*chance.one(&ODD_NUMBERS)).to_owned(),
-        2 => (*chance.one(&["true", "[]", "[1, 2]", "\"x\"", "", "{}", "identical", "per_polygon", "after_list"])).to_owned(),
-        _ => (*chance.one(&ends)).to_owned(),
-    };
-    format!("{}={value}", parameter.key)
+/// The machine that these words choose; the first where they name none that there is.
+fn machine_of(words: &[String]) -> &'static MachineInfo {
+    let named = words.iter().skip_while(|word| *word != "--machine").nth(1);
+    named.and_then(|name| MachineInfo::named(name).ok()).unwrap_or(&MACHINES[0])
 }

@@ -6,10 +6,10 @@ use crate::error::{Done, Failure, print};
 use crate::input::{self, Input, demo_of};
 use crate::interrupt;
 use crate::progress::Progress;
-use crate::remote::{Limits, TileService, hex};
+use crate::remote::{Limits, PolygonList, TileService, hex};
 use basrelief_display_list::{Encoding, Form};
 use basrelief_input::{Budget, Growing};
-use basrelief_session::{begin_of, hold_textures};
+use basrelief_session::{MachineConfig, begin_of, hold_textures};
 use basrelief_signals::{Image, Material, Object, Scene, Texture};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
@@ -29,13 +29,27 @@ pub fn serve(args: &ServeArgs, budget: &Budget, quiet: bool) -> Done {
     let config = input::config(&args.machine, demo_of(&args.input), budget)?;
     // Black ones, and the layers that are asked for: kept to the end of the program.
     hold_textures(&scene, 2, budget).map_err(Failure::within(&scene.name))?.keep();
+    let polygons = PolygonList::default();
+    let served = TileService::new(polygons.clone(), textures(&scene), hash_of_textures(&scene));
+    let (address, server) = served.listen(args.listen, Limits::default()).map_err(Failure::Bad)?;
+    interrupt::say("stopped serving");
+    if !quiet {
+        print(&format!("Serving {} at http://{address}/\n", scene.name))?;
+    }
+    // Many frames take long; tiles are served in the meantime.
+    polygons.offer(list_of(&scene, &config, budget, quiet)?);
+    server.join().map_err(|e| Failure::Bad(format!("{address}: {e}")))
+}
+
+/// The list of polygons, counted to the end of the program.
+fn list_of(scene: &Scene, config: &MachineConfig, budget: &Budget, quiet: bool) -> Done<Vec<u8>> {
     let mut polygons = Growing::new(budget, "a display list");
     let form = Form { encoding: Encoding::Binary, compressed: true };
     write_list(
-        &without_texels(&scene),
-        &config,
+        &without_texels(scene),
+        config,
         &mut polygons,
-        (form, begin_of(&scene)),
+        (form, begin_of(scene)),
         vec![],
         (Progress::new(None, "commands", quiet), budget),
     )?;
@@ -43,13 +57,7 @@ pub fn serve(args: &ServeArgs, budget: &Budget, quiet: bool) -> Done {
     // Once more as it is served.
     budget.take(polygons.len() as u64, "a display list").map_err(Failure::within(&scene.name))?.keep();
     held.keep();
-    let served = TileService::new(polygons, textures(&scene), hash_of_textures(&scene));
-    let (address, server) = served.listen(args.listen, Limits::default()).map_err(Failure::Bad)?;
-    interrupt::say("stopped serving");
-    if !quiet {
-        print(&format!("Serving {} at http://{address}/\n", scene.name))?;
-    }
-    server.join().map_err(|e| Failure::Bad(format!("{address}: {e}")))
+    Ok(polygons)
 }
 
 fn textures(scene: &Scene) -> impl Iterator<Item = Arc<Texture>> + '_ {

@@ -1,6 +1,6 @@
 //! Requests that are made again where they fail.
 
-use super::{DIGITS, HASH, TEXTURES, hash_of};
+use super::{DIGITS, HASH, LATER, TEXTURES, hash_of};
 use basrelief_input::{Budget, Growing, Held, OverBudget};
 use std::io::{self, Read, Write};
 use std::thread;
@@ -20,6 +20,8 @@ pub struct Patience {
     pub pause: Duration,
     /// No further attempt begins later than this behind the first.
     pub whole: Duration,
+    /// Longest that a server may go on making its list of polygons.
+    pub making: Duration,
 }
 
 impl Default for Patience {
@@ -30,6 +32,7 @@ impl Default for Patience {
             attempts: 5,
             pause: Duration::from_millis(100),
             whole: Duration::from_secs(20),
+            making: Duration::from_secs(600),
         }
     }
 }
@@ -56,13 +59,23 @@ type Answer = (Vec<u8>, Held, Option<String>);
 /// Why a request has failed.
 struct Fault {
     sentence: String,
-    /// Another attempt would come to the same.
-    last: bool,
+    then: Then,
+}
+
+/// What another attempt would come to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Then {
+    /// Something else, perhaps.
+    Again,
+    /// The same.
+    Never,
+    /// What was asked for, once the server has made it.
+    Later,
 }
 
 impl From<String> for Fault {
     fn from(sentence: String) -> Self {
-        Self { sentence, last: false }
+        Self { sentence, then: Then::Again }
     }
 }
 
@@ -104,8 +117,8 @@ impl Fetcher {
             true
         };
         let (list, held, textures) =
-            self.retry(pause, || self.once(&url, u64::MAX, &came)).map_err(|Fault { sentence, last }| {
-                let hint = if last { "" } else { "; is `basrelief serve` running there?" };
+            self.made(&pause, || self.once(&url, u64::MAX, &came)).map_err(|Fault { sentence, then }| {
+                let hint = if then == Then::Again { "; is `basrelief serve` running there?" } else { "" };
                 format!("{url}: {sentence}{hint}")
             })?;
         // It is there to the end of the program.
@@ -147,13 +160,28 @@ impl Fetcher {
         self.agent.clone().shutdown();
     }
 
+    /// Asks again, as long as the server says that it is at work on what is asked for.
+    fn made<T>(&self, wait: impl Fn(Duration) -> bool, once: impl Fn() -> Result<T, Fault>) -> Result<T, Fault> {
+        let Patience { making, pause, .. } = self.patience;
+        let began = Instant::now();
+        loop {
+            match self.retry(&wait, &once) {
+                Err(Fault { then: Then::Later, .. }) if began.elapsed() < making && wait(pause) => {}
+                Err(Fault { sentence, then: Then::Later }) => {
+                    return Err(Fault { sentence: format!("{sentence}, after {} s", making.as_secs_f64()), then: Then::Later });
+                }
+                done => return done,
+            }
+        }
+    }
+
     fn retry<T>(&self, wait: impl Fn(Duration) -> bool, once: impl Fn() -> Result<T, Fault>) -> Result<T, Fault> {
         let Patience { attempts, whole, mut pause, .. } = self.patience;
         let (began, mut attempt) = (Instant::now(), 1);
         loop {
             let error = match once() {
                 Ok(done) => return Ok(done),
-                Err(fault) if fault.last => return Err(fault),
+                Err(fault) if fault.then != Then::Again => return Err(fault),
                 Err(Fault { sentence, .. }) => sentence,
             };
             if attempt == attempts || began.elapsed() + pause > whole || !wait(pause) {
@@ -168,15 +196,19 @@ impl Fetcher {
 
     fn once(&self, url: &str, largest: u64, came: &dyn Fn(u64)) -> Result<Answer, Fault> {
         let mut response = self.agent.get(url).call().map_err(|e| self.told(&e))?;
-        if response.status() != 200 {
-            return Err(format!("http status: {}", response.status().as_u16()).into());
+        match response.status().as_u16() {
+            200 => {}
+            LATER if response.headers().contains_key(TEXTURES) => {
+                return Err(Fault { sentence: "the server is still making its list".into(), then: Then::Later });
+            }
+            status => return Err(format!("http status: {status}").into()),
         }
         let header = |name| response.headers().get(name).and_then(|h| h.to_str().ok()).map(str::to_owned);
         let (hash, textures) = (header(HASH), header(TEXTURES));
         let hash = hash.ok_or_else(|| format!("no header {HASH}: not a server of tiles"))?;
         let read = self.read(response.body_mut().as_reader(), largest, came);
         let (body, held) = read.map_err(|e| match OverBudget::within(&e) {
-            Some(error) => Fault { sentence: error.to_string(), last: true },
+            Some(error) => Fault { sentence: error.to_string(), then: Then::Never },
             None => e.downcast::<ureq::Error>().map_or_else(|e| e.to_string(), |e| self.told(&e)).into(),
         })?;
         if hash != hash_of(&body) {

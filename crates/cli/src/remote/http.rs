@@ -1,6 +1,6 @@
 //! As much of HTTP/1.1 as the server needs: GET without a body. The heads of requests are read by `httparse`.
 
-use super::{HASH, TEXTURES, hash_of};
+use super::{HASH, LATER, TEXTURES, hash_of};
 use httparse::{EMPTY_HEADER, Header, Request, Status};
 use std::sync::Arc;
 
@@ -98,19 +98,24 @@ impl Answer {
 
     /// Its head. `last` announces that the connection is closed behind it.
     pub(super) fn head(&self, hash_of_textures: &str, last: bool) -> String {
-        let Self { status, body, hash } = self;
+        let &Self { status, ref body, ref hash } = self;
         let reason = match status {
             200 => "OK",
             400 => "Bad Request",
             404 => "Not Found",
             405 => "Method Not Allowed",
             431 => "Request Header Fields Too Large",
+            LATER => "Service Unavailable",
             _ => "Internal Server Error",
         };
-        let allow = if *status == 405 { "allow: GET\r\n" } else { "" };
+        let more = match status {
+            405 => "allow: GET\r\n",
+            LATER => "retry-after: 1\r\n",
+            _ => "",
+        };
         let close = if last { "connection: close\r\n" } else { "" };
         format!(
-            "HTTP/1.1 {status} {reason}\r\ncontent-length: {}\r\n{HASH}: {hash}\r\n{TEXTURES}: {hash_of_textures}\r\n{allow}{close}\r\n",
+            "HTTP/1.1 {status} {reason}\r\ncontent-length: {}\r\n{HASH}: {hash}\r\n{TEXTURES}: {hash_of_textures}\r\n{more}{close}\r\n",
             body.len()
         )
     }

@@ -2,7 +2,7 @@
 //!
 //! | address | what |
 //! |---|---|
-//! | `/polygons` | a display list, binary and compressed; of its textures the sizes are right and the texels the number of the picture |
+//! | `/polygons` | a display list, binary and compressed; of its textures the sizes are right and the texels the number of the picture; [`LATER`] while it is made |
 //! | `/tile/TEXTURE/WIDTHxHEIGHT/ENCODING/QUALITY/NUMBER` | a tile of a texture that is cut into tiles of this size |
 //!
 //! Every answer carries the SHA-256 of its body in [`HASH`], and that of all textures in [`TEXTURES`].
@@ -20,7 +20,7 @@ pub use cache::TileCache;
 pub use client::{RemoteTiles, TileStore};
 pub use fetch::{Fetcher, Patience};
 pub use listen::Limits;
-pub use server::TileService;
+pub use server::{PolygonList, TileService};
 
 use sha2::{Digest as _, Sha256};
 
@@ -28,6 +28,9 @@ use sha2::{Digest as _, Sha256};
 pub const HASH: &str = "x-content-sha256";
 /// Header with the SHA-256 of all textures of the scene, in hexadecimal: tiles of others are of no use.
 pub const TEXTURES: &str = "x-textures-sha256";
+
+/// Status of `/polygons` while the server makes the list.
+const LATER: u16 = 503;
 
 /// Hexadecimal digits of a hash.
 const DIGITS: usize = 64;

@@ -1,13 +1,13 @@
 //! `basrelief serve`: the server (110) as a program.
 
-use super::hash_of;
+use super::{LATER, hash_of};
 use super::http::Answer;
 use super::listen::{Answers, Limits, ListeningServer, listen};
 use basrelief_deferred_renderer::{Cut, Page, ServedTexture, TileEncoding};
 use basrelief_signals::Texture;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// A texture that is offered.
 #[derive(Debug)]
@@ -17,24 +17,44 @@ pub(super) struct OfferedTexture {
     pub(super) pyramid: Mutex<ServedTexture>,
 }
 
+/// The list of polygons, from when it is made on: the server answers before. Clones are the same list.
+#[derive(Clone, Debug, Default)]
+pub struct PolygonList(Arc<OnceLock<(Arc<[u8]>, String)>>);
+
+impl PolygonList {
+    /// From now on this is the list; the first that is offered stays.
+    pub fn offer(&self, polygons: Vec<u8>) {
+        self.0.get_or_init(|| {
+            let hash = hash_of(&polygons);
+            (polygons.into(), hash)
+        });
+    }
+
+    fn answer(&self) -> Answer {
+        match self.0.get() {
+            Some((polygons, hash)) => Answer::found(Arc::clone(polygons), hash.clone()),
+            None => Answer::refused(LATER, "the list of polygons is being made: ask again\n".into()),
+        }
+    }
+}
+
 /// What is offered.
 #[derive(Debug)]
 pub struct TileService {
-    polygons: Arc<[u8]>,
-    hash_of_polygons: String,
+    polygons: PolygonList,
     hash_of_textures: String,
     pub(super) textures: BTreeMap<u32, OfferedTexture>,
 }
 
 impl TileService {
     /// Offers this list of polygons and these textures, which have this hash.
-    pub fn new(polygons: Vec<u8>, textures: impl IntoIterator<Item = Arc<Texture>>, hash_of_textures: String) -> Self {
+    pub fn new(polygons: PolygonList, textures: impl IntoIterator<Item = Arc<Texture>>, hash_of_textures: String) -> Self {
         let offered = |texture: Arc<Texture>| {
             let pyramid = Mutex::new(ServedTexture::new(Arc::clone(&texture)));
             (texture.id, OfferedTexture { texture, pyramid })
         };
         let textures = textures.into_iter().map(offered).collect();
-        Self { hash_of_polygons: hash_of(&polygons), polygons: polygons.into(), hash_of_textures, textures }
+        Self { polygons, hash_of_textures, textures }
     }
 
     /// The tile at an address, or why there is none, with its status. Encoded without a lock: several at a time.
@@ -66,7 +86,7 @@ impl TileService {
 impl Answers for TileService {
     fn answer(&self, path: &str) -> Answer {
         if path == "/polygons" {
-            return Answer::found(Arc::clone(&self.polygons), self.hash_of_polygons.clone());
+            return self.polygons.answer();
         }
         match self.tile(path) {
             Ok(tile) => Answer::found(tile.as_slice().into(), hash_of(&tile)),

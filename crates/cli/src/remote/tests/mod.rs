@@ -4,7 +4,7 @@ mod faults;
 mod keeping;
 mod serving;
 
-use super::{Fetcher, HASH, Patience, RemoteTiles, TEXTURES, TileCache, TileService, TileStore, hash_of};
+use super::{Fetcher, HASH, Patience, PolygonList, RemoteTiles, TEXTURES, TileCache, TileService, TileStore, hash_of};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource};
 use basrelief_signals::{Image, Sampler, Texture};
@@ -46,6 +46,7 @@ const PATIENCE: Patience = Patience {
     attempts: 3,
     pause: Duration::from_millis(5),
     whole: Duration::from_secs(20),
+    making: Duration::from_secs(20),
 };
 
 fn texture() -> Arc<Texture> {
@@ -56,7 +57,14 @@ fn texture() -> Arc<Texture> {
 
 /// What is served, and the hash of its textures.
 fn served() -> TileService {
-    TileService::new(b"list".to_vec(), [texture()], hash_of(b"textures"))
+    TileService::new(list(b"list".to_vec()), [texture()], hash_of(b"textures"))
+}
+
+/// A list that is made.
+fn list(polygons: Vec<u8>) -> PolygonList {
+    let list = PolygonList::default();
+    list.offer(polygons);
+    list
 }
 
 fn page() -> Arc<Page> {

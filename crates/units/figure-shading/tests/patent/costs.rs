@@ -6,8 +6,9 @@ use basrelief_figure_shading::{
     RegisterBank, RegisterWrite, Registers,
 };
 use basrelief_kernel::{OperatorConfig, Operators, Traffic, Unit};
-use basrelief_signals::{Control, Light, Lighting};
+use basrelief_signals::{Control, Light, Lighting, ObjectInfo, Shading};
 use glam::Vec3;
+use std::sync::Arc;
 
 const SQUARE: [[f32; 2]; 4] = [[2.0, 2.0], [10.0, 2.0], [10.0, 10.0], [2.0, 10.0]];
 const CURVED: [Vec3; 4] = [Vec3::Z, Vec3::new(0.1, 0.0, 0.995), Vec3::new(0.1, 0.1, 0.99), Vec3::new(0.0, 0.1, 0.995)];
@@ -86,6 +87,23 @@ fn process_17_takes_no_power_per_polygon_and_finds_its_limit_once_per_material()
     let changed = spent(&[square(50.0), square(40.0), square(40.0)]);
     assert_eq!(changed, search(50.0) + search(40.0) + 3 * each(50.0));
     assert_eq!(cycles(&drawn(&config, lights(3), &[square(50.0)]).0, Process::Specular), 3 * (search(50.0) + each(50.0)) - 2);
+}
+
+#[test]
+fn process_17_searches_its_limit_only_when_the_material_changes() {
+    let square = |n| polygon(&SQUARE, &CURVED, shiny(n));
+    let object = |id| {
+        let (name, centre, shading) = (String::new(), [id as f32, 0.0, 0.0], Shading::default());
+        Control::Object(Arc::new(ObjectInfo { id, name, centre, entries: None, bias: None, shading, mesh: None }))
+    };
+    let spent = |controls: &[Control]| cycles(&drawn(&Config::default(), lights(2), controls).0, Process::Specular);
+    let same = spent(&[square(50.0), square(50.0)]);
+    assert_eq!(spent(&[square(50.0), object(1), square(50.0)]), same, "another object, where the lights stand otherwise");
+    let once = spent(&[square(50.0)]);
+    let search = 2 * once - same;
+    assert!(search > same - once, "{search}");
+    let other = spent(&[square(40.0)]) + spent(&[square(50.0)]);
+    assert_eq!(spent(&[square(50.0), object(1), square(40.0)]), other, "another material is searched for anew");
 }
 
 #[test]
