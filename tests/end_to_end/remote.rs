@@ -212,7 +212,8 @@ fn a_server_of_a_million_frames_listens_at_once_and_serves_tiles() {
 #[test]
 fn a_list_that_does_not_fit_ends_the_server_with_an_error() {
     let place = Place::new();
-    let outcome = place.run("serve demo:gallery --size 64x48 --frames 10000 --orbit 360 --listen 127.0.0.1:0 --memory-limit 24MiB");
+    let outcome =
+        place.run("serve demo:gallery --size 64x48 --frames 10000 --orbit 360 --listen 127.0.0.1:0 --memory-limit 24MiB");
     assert!(outcome.error(1).contains("of a display list, with"), "{}", outcome.err);
 }
 

@@ -98,8 +98,8 @@ impl<'a> Session<'a> {
         if !self.settings.exhibits.is_empty() {
             machine.keep_log();
         }
-        if let Some(given) = &self.settings.tape {
-            let head = tape::head::<S>(way, given);
+        if self.settings.tape {
+            let head = tape::head::<S>(way, &self.settings.given);
             self.attempt(|session| session.observer.tape(&head));
         }
         self.keep_requests(&mut machine);
@@ -109,7 +109,7 @@ impl<'a> Session<'a> {
         let acts_at_times = spec.rehearsed(&[]).is_some();
         let mut kept = Kept::new(self.settings.limits).filter(|_| !acts_at_times);
         let frames = RefCell::new(Vec::new());
-        let is_recorded = kept.is_some() || self.settings.tape.is_some();
+        let is_recorded = kept.is_some() || self.settings.tape;
         let report = {
             let mut progress = |machine: &mut M| {
                 self.take_tape(&mut frames.borrow_mut(), &mut kept);
@@ -176,7 +176,7 @@ impl<'a> Session<'a> {
     /// Takes the frames of the tape since the last call: keeps them, and shows them.
     fn take_tape(&mut self, frames: &mut Vec<Frame>, kept: &mut Option<Kept>) {
         for frame in frames.drain(..) {
-            if self.settings.tape.is_some() {
+            if self.settings.tape {
                 self.work.add(&frame);
                 self.attempt(|session| session.observer.tape(&tape::frame(&frame)));
             }
@@ -310,13 +310,13 @@ impl<'a> Session<'a> {
         let EngineResult { facts, report: run, kept } = result;
         let complete = run.as_ref().filter(|run| run.outcome == Outcome::Complete);
         let mut tape_is_whole = false;
-        if let (Some(_), Some(_)) = (complete, &self.settings.tape) {
+        if complete.is_some() && self.settings.tape {
             let figures = facts.figures().map(|f| (f.name.clone(), f.value.clone())).collect();
             tape_is_whole = self.observer.tape(&tape::end(&ended, figures, self.work)).is_ok();
         }
         let mut report = ended.report(spec, facts, run.as_ref());
         if let (Some(run), Some(frames)) = (complete, kept.as_ref().and_then(Kept::frames)) {
-            report.limits = Recorded { spec, way, frames, run }.limits().ok();
+            report.limits = Recorded { spec, given: &self.settings.given, way, frames, run }.limits().ok();
         }
         Run { report, timing: run, tape_is_whole, expectations, simulate_s: self.simulate_s }
     }

@@ -4,6 +4,7 @@ use crate::machines::MachineSpec;
 use crate::parallel;
 use crate::run::Way;
 use crate::settings::Limits;
+use crate::tape::Given;
 use basrelief_kernel::tape::Frame;
 use basrelief_kernel::{NoProbe, RunReport, Shape, retime};
 use basrelief_machines::ConfigProblem;
@@ -62,12 +63,14 @@ struct Ideal {
     resource: String,
     what: &'static str,
     /// Parameters, as `--set` takes them.
-    set: Vec<(String, Value)>,
+    set: Vec<(String, String)>,
 }
 
 /// The tape of a run that is complete, and the machine that made it.
 pub(crate) struct Recorded<'a, S> {
     pub(crate) spec: &'a S,
+    /// What the user gave of its parameters: `set` is over these.
+    pub(crate) given: &'a Given,
     pub(crate) way: Way,
     pub(crate) frames: &'a [Frame],
     pub(crate) run: &'a RunReport,
@@ -96,11 +99,8 @@ impl<S: MachineSpec> Recorded<'_, S> {
     fn limit(&self, ideal: Ideal, cycles: u64) -> Option<Limit> {
         let saved = frame_cycles(self.run).checked_sub(cycles).filter(|saved| *saved > 0)?;
         let Ideal { resource, what, set } = ideal;
-        let text = |(key, value): (String, Value)| match value {
-            Value::String(text) => format!("{key}={text}"),
-            value => format!("{key}={value}"),
-        };
-        Some(Limit { resource, what: what.into(), set: set.into_iter().map(text).collect(), cycles, saved })
+        let set = set.into_iter().map(|(key, value)| format!("{key}={value}")).collect();
+        Some(Limit { resource, what: what.into(), set, cycles, saved })
     }
 
     /// Pairs of the first few that save more together.
@@ -122,13 +122,8 @@ impl<S: MachineSpec> Recorded<'_, S> {
     }
 
     /// Cycles of the frames with these parameters; none where they change what the units do, or do not fit.
-    fn cycles(&self, recorded: &Shape, set: &[(String, Value)]) -> Option<u64> {
-        let mut config = serde_json::to_value(self.spec).ok()?;
-        for (key, value) in set {
-            *config.pointer_mut(&format!("/{}", key.replace('.', "/")))? = value.clone();
-        }
-        let spec: S = serde_json::from_value(config).ok()?;
-        let shape = self.way.shape(&spec).ok()?;
+    fn cycles(&self, recorded: &Shape, set: &[(String, String)]) -> Option<u64> {
+        let shape = self.way.shape(&self.given.load::<S>(set).ok()?).ok()?;
         recorded.same_work(&shape).ok()?;
         let mut frames = self.frames.iter().map(Cow::Borrowed);
         retime(shape, &mut || Ok(frames.next()), &mut NoProbe, u64::MAX).ok().map(|report| frame_cycles(&report))
@@ -139,7 +134,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
     fn ideals(&self) -> Vec<Ideal> {
         let mut all = Vec::new();
         for unit in self.run.units.iter().filter(|unit| unit.account.busy > unit.steps) {
-            let set = vec![("ideal.units".to_owned(), Value::from(unit.name.clone()))];
+            let set = vec![("ideal.units".to_owned(), unit.name.clone())];
             all.push(Ideal { resource: unit.name.clone(), what: "a cycle per step", set });
         }
         let config = serde_json::to_value(self.spec).unwrap_or_default();
@@ -147,18 +142,18 @@ impl<S: MachineSpec> Recorded<'_, S> {
         let group = |name: &str| config.get(name).and_then(Value::as_object).unwrap_or(&empty).clone();
         for name in group("fifo").keys() {
             if self.run.fifos.iter().any(|fifo| fifo.name == *name && fifo.high_water() == fifo.depth) {
-                let set = vec![(format!("fifo.{name}.depth"), SLOTS.into())];
+                let set = vec![(format!("fifo.{name}.depth"), SLOTS.to_string())];
                 all.push(Ideal { resource: name.clone(), what: "slots without bound", set });
             }
         }
-        for name in group("memory").keys() {
+        for (name, memory) in &group("memory") {
             if self.run.memories.iter().any(|m| m.name == *name && m.ports.iter().any(|port| port.counts.requests() > 0)) {
-                all.extend(of_memory(name));
+                all.extend(of_memory(name, memory["burst_bytes"].as_u64().unwrap_or_default()));
             }
         }
         for name in group("cache").keys() {
             if self.run.caches.iter().any(|c| c.name == *name && c.counts.misses + c.counts.merged > 0) {
-                let set = vec![(format!("cache.{name}.always_hits"), true.into())];
+                let set = vec![(format!("cache.{name}.always_hits"), "true".into())];
                 all.push(Ideal { resource: name.clone(), what: "every look-up hits", set });
             }
         }
@@ -171,14 +166,15 @@ fn frame_cycles(run: &RunReport) -> u64 {
     if run.marks.is_empty() { run.total } else { run.marks.iter().sum() }
 }
 
-/// What a memory may be without.
-fn of_memory(name: &str) -> [Ideal; 4] {
-    let latency: &[(&str, u32)] = &[("cl", 0), ("cwl", 0)];
-    let rows: &[(&str, u32)] =
+/// What a memory may be without. (Bursts keep their size: by itself a part's would follow from their cycles.)
+fn of_memory(name: &str, burst_bytes: u64) -> [Ideal; 4] {
+    let latency: &[(&str, u64)] = &[("cl", 0), ("cwl", 0)];
+    let rows: &[(&str, u64)] =
         &[("rcd", 0), ("rp", 0), ("ras", 0), ("rtp", 0), ("wr", 0), ("rrd", 0), ("faw", 0), ("refi", 0), ("rfc", 0)];
-    let bus: &[(&str, u32)] = &[("burst_cycles", 1), ("wtr", 0)];
-    let ideal = |what, parts: &[&[(&str, u32)]]| {
-        let set = parts.iter().copied().flatten().map(|(key, value)| (format!("memory.{name}.{key}"), (*value).into())).collect();
+    let bus: &[(&str, u64)] = &[("burst_bytes", burst_bytes), ("burst_cycles", 1), ("wtr", 0)];
+    let ideal = |what, parts: &[&[(&str, u64)]]| {
+        let set =
+            parts.iter().copied().flatten().map(|(key, value)| (format!("memory.{name}.{key}"), value.to_string())).collect();
         Ideal { resource: name.to_owned(), what, set }
     };
     [
@@ -194,9 +190,10 @@ fn together(a: &Ideal, b: &Ideal) -> Ideal {
     let mut set = a.set.clone();
     for (key, value) in &b.set {
         match set.iter_mut().find(|(other, _)| other == key) {
-            // Names of units: the only parameter that two of them share.
-            Some((_, Value::String(names))) => *names = format!("{names},{}", value.as_str().unwrap_or_default()),
-            _ => set.push((key.clone(), value.clone())),
+            // Names of units stand side by side; of a memory's numbers both say the same.
+            Some((key, names)) if key == "ideal.units" => *names = format!("{names},{value}"),
+            Some(_) => {}
+            None => set.push((key.clone(), value.clone())),
         }
     }
     let what = if a.what == b.what { a.what } else { "both ideal" };

@@ -79,8 +79,10 @@ pub struct RunOptions {
     pub exhibits: Vec<ExhibitInfo>,
     /// Whether what limits the run is measured; of the timed and the ticked engine, and of a run that comes to its end.
     pub limits: Limits,
-    /// Show the observer the run's [tape](crate::Observer::tape), with what the user gave of the parameters; costs nothing otherwise.
-    pub tape: Option<Given>,
+    /// What the user gave of the parameters: `config` follows from it. Needed where limits are measured, or a tape is made.
+    pub given: Given,
+    /// Show the observer the run's [tape](crate::Observer::tape); costs nothing otherwise.
+    pub tape: bool,
     /// Show the observer every [request](crate::Observer::requests) that a memory takes in; costs nothing otherwise.
     pub requests: bool,
     /// Seconds on a clock that does not run backwards, for the host figures; libraries read none themselves. It must
@@ -101,7 +103,8 @@ impl Default for RunOptions {
             exact: true,
             exhibits: vec![],
             limits: Limits::Never,
-            tape: None,
+            given: Given::default(),
+            tape: false,
             requests: false,
             clock: || 0.0,
             budget: Budget::default(),

@@ -14,7 +14,7 @@ use basrelief_kernel::facts::Value as FactValue;
 use basrelief_kernel::tape::Frame;
 use basrelief_kernel::{self as kernel, NoProbe, Outcome, RetimeError, Shape};
 use basrelief_machines::ConfigProblem;
-use basrelief_parameters::Effect;
+use basrelief_parameters::{ConfigError, Effect, Parameters};
 use basrelief_report::Report;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
@@ -65,6 +65,14 @@ pub enum TapeFileError {
     /// Too much.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
+}
+
+impl Given {
+    /// The configuration that these come to, with more settings over them.
+    pub(crate) fn load<C: Parameters>(&self, more: &[(String, String)]) -> Result<C, ConfigError> {
+        let all: Vec<(&str, &str)> = self.settings.iter().chain(more).map(|(k, v)| (k.as_str(), v.as_str())).collect();
+        basrelief_parameters::load(&self.toml, &all)
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -199,11 +207,13 @@ pub fn retime(reader: &mut dyn Read, options: &RetimeOptions) -> Result<Report, 
         machine.load(&head.given.toml, &all).map_err(|error| TapeFileError::Config(error.to_string()))
     };
     let recorded = load(&[])?;
-    for_machine!(&load(&options.settings)?, spec => timed_again((&recorded, spec), head.way, pieces, options))
+    let mut given = head.given.clone();
+    given.settings.extend(options.settings.iter().cloned());
+    for_machine!(&load(&options.settings)?, spec => timed_again((&recorded, spec, &given), head.way, pieces, options))
 }
 
 fn timed_again<S: MachineSpec>(
-    (recorded, spec): (&MachineConfig, &S),
+    (recorded, spec, given): (&MachineConfig, &S, &Given),
     way: Way,
     pieces: Pieces<'_>,
     options: &RetimeOptions,
@@ -233,7 +243,7 @@ fn timed_again<S: MachineSpec>(
     let mut facts = way.facts(spec).map_err(config)?;
     facts.put(&figures);
     let mut report = ended.report(spec, facts, Some(&run));
-    report.limits = kept.and_then(|kept| Recorded { spec, way, frames: kept.frames()?, run: &run }.limits().ok());
+    report.limits = kept.and_then(|kept| Recorded { spec, given, way, frames: kept.frames()?, run: &run }.limits().ok());
     Ok(report)
 }
 

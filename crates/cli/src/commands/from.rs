@@ -48,7 +48,7 @@ pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done
     let source = RunInput::Remote { reader: Box::new(Cursor::new(polygons)), name: url.into(), tiles };
     let mut settings = settings_of(config, &args.simulation, budget);
     settings.exact = false;
-    settings.tape = args.simulation.tape.as_ref().map(|_| given(&args.machine, budget)).transpose()?;
+    settings.given = given(&args.machine, budget)?;
     let unshown = Progress::new(None, "commands", true);
     let done = simulate_source(began, (source, unshown, None), settings, &args.simulation, quiet);
     if let (Some(why), Some(folder), false) = (failed.get(), &args.tile_cache, quiet) {

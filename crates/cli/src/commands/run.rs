@@ -22,7 +22,7 @@ pub fn demo(args: &DemoArgs, budget: &Budget, quiet: bool) -> Done {
     let name = args.name.as_deref().unwrap_or(machine.demos[0]);
     let scene = input::demo_scene(name, &args.view, budget)?;
     let mut settings = settings_of(input::config(&args.machine, Some(name), budget)?, &args.simulation, budget);
-    settings.tape = args.simulation.tape.as_ref().map(|_| given(&args.machine, budget)).transpose()?;
+    settings.given = given(&args.machine, budget)?;
     simulate(began, Input::Scene(scene), settings, &args.simulation, quiet)
 }
 
@@ -40,7 +40,7 @@ pub fn run(args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
     let path = args.input.as_deref().unwrap_or(Path::new("-"));
     let input = input::open(path, &args.view, budget)?;
     let mut settings = settings_of(input::config(&args.machine, demo_of(path), budget)?, &args.simulation, budget);
-    settings.tape = args.simulation.tape.as_ref().map(|_| given(&args.machine, budget)).transpose()?;
+    settings.given = given(&args.machine, budget)?;
     simulate(began, input, settings, &args.simulation, quiet)
 }
 

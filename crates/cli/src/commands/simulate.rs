@@ -13,7 +13,8 @@ use basrelief_kernel::{Engine, Probe, StageTopology};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, Form, Limits, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved, picture_name,
+    self as session, Form, Given, Limits, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved,
+    picture_name,
 };
 use std::cell::Cell;
 use std::io::{BufWriter, IsTerminal, Write};
@@ -46,7 +47,8 @@ pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs, budget: &
         exact: !simulation.no_exact,
         exhibits: vec![],
         limits: limits_of(simulation.limits, simulation.no_limits),
-        tape: None,
+        given: Given::default(),
+        tape: simulation.tape.is_some(),
         requests: simulation.requests.is_some(),
         clock: seconds,
         budget: budget.clone(),

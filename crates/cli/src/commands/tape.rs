@@ -73,6 +73,10 @@ pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
         TapeFileError::Work(_) | TapeFileError::OtherWork(_) | TapeFileError::Config(_) => {
             Failure::Usage(format!("--set: {error}"))
         }
+        // What the decoder says in its own words.
+        TapeFileError::Read(e) if e.raw_os_error().is_none() => {
+            Failure::within(&name)("not a tape, or not whole; `basrelief run --tape FILE` makes one")
+        }
         _ => Failure::within(&name)(error),
     })?;
     let took = seconds() - began;
