@@ -19,7 +19,7 @@ pub use table::Table;
 
 use std::path::Path;
 
-/// Longest that a run may take before it counts as a hang \[s\].
+/// Longest that a run may work before it counts as a hang \[s of the processor\]; who does nothing is waited for longer.
 pub const PATIENCE_S: u64 = 20;
 /// What may be resident: what files may take by default, and what the program takes by itself \[MiB\].
 pub const MOST_MEBIBYTES: u64 = 1024 + 64;
@@ -57,6 +57,7 @@ fn judge(run: &Ended) -> Option<Finding> {
     let in_words = run.code == 0 || said.starts_with("error: ") && said.len() > 12;
     match run.code {
         137 => Some(Finding::Hang),
+        _ if run.seconds > PATIENCE_S as f64 => Some(Finding::Hang),
         0..=2 if in_words && !said.contains("panicked") => (run.mebibytes > MOST_MEBIBYTES).then_some(Finding::Memory),
         _ => Some(Finding::Crash),
     }
@@ -80,6 +81,7 @@ mod tests {
         assert_eq!(verdict(134, "memory allocation failed", 10), Some(Finding::Crash));
         assert_eq!(verdict(137, "", 10), Some(Finding::Hang));
         assert_eq!(verdict(0, "", 2000), Some(Finding::Memory));
+        assert_eq!(judge(&Ended { seconds: 21.0, ..ended(0, "", 10) }), Some(Finding::Hang));
     }
 
     #[test]

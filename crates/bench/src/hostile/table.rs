@@ -58,7 +58,7 @@ impl Display for Table {
         writeln!(
             f,
             "| what was spoiled | inputs, each run twice | exit code 0 | 1 | 2 | panics and signals | hangs | over the memory | \
-             second run differs | largest memory MiB | longest run s |"
+             second run differs | largest memory MiB | longest run, s of the processor |"
         )?;
         writeln!(f, "|---|{}", "---:|".repeat(10))?;
         for (name, row) in &self.0 {

@@ -42,12 +42,13 @@ pub fn write_list(
     // Texels as they are recorded, in base64 and in a line that grows by doubling.
     let copies = || (0..4).map(|_| hold_textures(scene, 0, budget)).collect::<Result<Vec<_>, _>>();
     let _copies = copies().map_err(Failure::within(&scene.name))?;
-    let mut recorder = Recorder::new(writer, form, begin).map_err(Failure::bad)?;
+    let failed = Failure::within(&scene.name);
+    let mut recorder = Recorder::new(writer, form, begin).map_err(&failed)?;
     for (n, control) in (1..).zip(display_list(scene, config)) {
-        recorder.record(&control).map_err(Failure::bad)?;
+        recorder.record(&control).map_err(&failed)?;
         progress.at(n);
     }
-    recorder.finish(expectations).map(|_| ()).map_err(Failure::bad)
+    recorder.finish(expectations).map(|_| ()).map_err(failed)
 }
 
 /// What the machine makes of the list now. Not of the scene: there the geometry processor can be held up by what lies

@@ -45,14 +45,8 @@ pub fn serve(args: &ServeArgs, budget: &Budget, quiet: bool) -> Done {
 fn list_of(scene: &Scene, config: &MachineConfig, budget: &Budget, quiet: bool) -> Done<Vec<u8>> {
     let mut polygons = Growing::new(budget, "a display list");
     let form = Form { encoding: Encoding::Binary, compressed: true };
-    write_list(
-        &without_texels(scene),
-        config,
-        &mut polygons,
-        (form, begin_of(scene)),
-        vec![],
-        (Progress::new(None, "commands", quiet), budget),
-    )?;
+    let progress = Progress::new(None, "commands", quiet);
+    write_list(&without_texels(scene), config, &mut polygons, (form, begin_of(scene)), vec![], (progress, budget))?;
     let (polygons, held) = polygons.into_parts();
     // Once more as it is served.
     budget.take(polygons.len() as u64, "a display list").map_err(Failure::within(&scene.name))?.keep();
