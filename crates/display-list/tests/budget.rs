@@ -225,7 +225,8 @@ fn textures_are_counted_together_though_each_of_them_would_fit() {
     let files = |_: &str| -> io::Result<Box<dyn Read>> { Ok(Box::new(io::repeat(0).take(zeros.len() as u64))) };
     let trace = |count| before("texture") + &(0..count).map(line).collect::<String>();
     let read = |count| {
-        let resolver = Resolver::within(trace(count).as_bytes(), files, &Budget::new(LIMIT)).expect("a beginning");
+        let text = trace(count);
+        let resolver = Resolver::within(text.as_bytes(), files, &Budget::new(LIMIT)).expect("a beginning");
         resolver.filter_map(Result::err).next().expect("it has no end")
     };
     assert_eq!(read(4).kind, ErrorKind::Truncated, "{}", read(4));
