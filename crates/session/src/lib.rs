@@ -25,6 +25,7 @@ mod exact;
 mod exhibits;
 mod expectation;
 mod held;
+mod judged;
 mod machines;
 mod methods;
 mod observer;
