@@ -8,9 +8,14 @@ use std::fs;
 /// heap for the thread that waits for Ctrl-C \[bytes\].
 const RESERVE: u64 = 128 << 20;
 
-/// A budget of so much, or of what there is.
+/// A budget of so much, or of what there is. Where that is limited, there will be no threads to help: each would reserve more of it
+/// than most models take.
 pub fn budget(limit: Size) -> Budget {
-    match left() {
+    let left = left();
+    if left.is_some() {
+        basrelief_threads::work_alone();
+    }
+    match left {
         Some(left) if left < limit.0 => {
             Budget::with_advice(left, "the system grants no more (`ulimit -v`): raise that, if this input is to be trusted")
         }

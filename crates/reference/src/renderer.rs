@@ -3,6 +3,7 @@
 use crate::Picture;
 use crate::raster::{Corner, Triangle};
 use crate::surface::{Attributes, Surface};
+use basrelief_threads as threads;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -64,16 +65,21 @@ impl Renderer {
         }
         self.pending.push(Pending { triangle, surface, back });
         if self.pending.len() >= BATCH {
-            self.resolve(rows_per_band(self.picture.height as usize));
+            self.resolve(self.rows_per_band());
         }
     }
 
     /// The picture.
     pub fn finish(mut self) -> Picture {
-        self.resolve(rows_per_band(self.picture.height as usize));
+        self.resolve(self.rows_per_band());
         self.picture
     }
 
+    fn rows_per_band(&self) -> usize {
+        (self.picture.height as usize).div_ceil(threads::workers()).max(1)
+    }
+
+    /// Bands share nothing that is written, so the order in which they are drawn cannot show.
     fn resolve(&mut self, rows: usize) {
         let width = self.picture.width as usize;
         let chunk = (width * rows).max(1);
@@ -89,7 +95,7 @@ impl Renderer {
                 Band { width, rows: i * rows..i * rows + height, rgb, covered, depth, visible }
             });
         let (pending, surfaces) = (&self.pending, &self.surfaces);
-        for_each(bands, |mut band| band.draw(pending, surfaces));
+        threads::map(bands.collect(), |mut band| band.draw(pending, surfaces));
         self.pending.clear();
         self.surfaces.drain(..self.surfaces.len().saturating_sub(1));
     }
@@ -140,32 +146,6 @@ impl Band<'_> {
             self.covered[at] = true;
         }
     }
-}
-
-#[cfg(feature = "threads")]
-fn rows_per_band(height: usize) -> usize {
-    height.div_ceil(std::thread::available_parallelism().map_or(1, usize::from)).max(1)
-}
-
-#[cfg(not(feature = "threads"))]
-fn rows_per_band(height: usize) -> usize {
-    height.max(1)
-}
-
-/// Bands share nothing that is written, so the order in which they are drawn cannot show.
-#[cfg(feature = "threads")]
-fn for_each<'a>(bands: impl Iterator<Item = Band<'a>>, draw: impl Fn(Band<'a>) + Sync) {
-    let draw = &draw;
-    std::thread::scope(|scope| {
-        for band in bands {
-            scope.spawn(move || draw(band));
-        }
-    });
-}
-
-#[cfg(not(feature = "threads"))]
-fn for_each<'a>(bands: impl Iterator<Item = Band<'a>>, draw: impl Fn(Band<'a>)) {
-    bands.for_each(draw);
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 //! 27 to 29 dB so, and is at 36 to 41 now.)
 
 use basrelief_signals::{Image, Wrap};
+use basrelief_threads as threads;
 
 /// Levels of a normal map, 0..=7: what the LOD range 0..=63 can address.
 pub const NORMAL_LEVELS: usize = 8;
@@ -84,7 +85,7 @@ fn levels(base: Image, most: usize, mean: fn(&Image, Covered) -> [u8; 4]) -> Vec
 
 fn halve(image: &Image, mean: fn(&Image, Covered) -> [u8; 4]) -> Image {
     let (width, height) = (half(image.width), half(image.height));
-    let texels = boxes(image.width, image.height).map(|covered| mean(image, covered)).collect();
+    let texels = boxes(image.width, image.height, |covered| mean(image, covered));
     Image { width, height, texels }
 }
 
@@ -119,9 +120,14 @@ impl Cover {
     }
 }
 
-/// Every box of the next level, row by row.
-fn boxes(width: u32, height: u32) -> impl Iterator<Item = Covered> {
-    (0..half(height)).flat_map(move |y| (0..half(width)).map(move |x| [Cover::of(x, width), Cover::of(y, height)]))
+/// A value for every box of the next level, row by row.
+fn boxes<T: Clone + Default + Send>(width: u32, height: u32, mean: impl Fn(Covered) -> T + Sync) -> Vec<T> {
+    threads::plane(half(width) as usize, half(height) as usize, |row, texels| {
+        let rows = Cover::of(row as u32, height);
+        for (column, texel) in (0..).zip(texels) {
+            *texel = mean([Cover::of(column, width), rows]);
+        }
+    })
 }
 
 /// Numbers of the texels in a box, and their weights.
@@ -160,7 +166,7 @@ fn halve_heights(map: &HeightMap) -> HeightMap {
         let (sum, whole) = heights.fold((0.0, 0.0), |(sum, whole), (height, weight)| (sum + height * weight, whole + weight));
         if whole > 0.0 { sum / whole } else { 0.0 }
     };
-    HeightMap { width: half(map.width), height: half(map.height), heights: boxes(map.width, map.height).map(mean).collect() }
+    HeightMap { width: half(map.width), height: half(map.height), heights: boxes(map.width, map.height, mean) }
 }
 
 fn differentiate(map: &HeightMap, scale: f64, wrap: [Wrap; 2]) -> Image {
@@ -168,14 +174,17 @@ fn differentiate(map: &HeightMap, scale: f64, wrap: [Wrap; 2]) -> Image {
         let (x, y) = (wrapped(column, map.width, wrap[0]), wrapped(row, map.height, wrap[1]));
         map.heights.get(y * map.width as usize + x).copied().unwrap_or_default()
     };
-    let normal = |i: u64| {
-        let (column, row) = ((i % u64::from(map.width)) as i64, (i / u64::from(map.width)) as i64);
+    let normal = |column: i64, row: i64| {
         let slope_right = scale * (at(column + 1, row) - at(column - 1, row)) / 2.0;
         let slope_down = scale * (at(column, row + 1) - at(column, row - 1)) / 2.0;
         encode_normal(normalize([-slope_right, slope_down, 1.0]))
     };
-    let count = u64::from(map.width) * u64::from(map.height);
-    Image { width: map.width, height: map.height, texels: (0..count).map(normal).collect() }
+    let texels = threads::plane(map.width as usize, map.height as usize, |row, texels| {
+        for (column, texel) in (0..).zip(texels) {
+            *texel = normal(column, row as i64);
+        }
+    });
+    Image { width: map.width, height: map.height, texels }
 }
 
 fn wrapped(i: i64, size: u32, wrap: Wrap) -> usize {

@@ -1,11 +1,11 @@
 //! A run under way: the engine, the pictures it finishes, and the report in the end.
 
-use crate::difference::difference;
 use crate::ended::Ended;
 use crate::exact::Exact;
 use crate::exhibits::content::{ExhibitInfo, Form};
 use crate::exhibits::spec::show_round;
 use crate::held;
+use crate::judged::{Judged, judged};
 use crate::limits::{Kept, Recorded};
 use crate::machines::{Logs, MachineSpec, PictureRecord};
 use crate::observer::{MemoryRequests, Observer, Pictures, picture_name};
@@ -19,11 +19,12 @@ use basrelief_input::{Held, OverBudget};
 use basrelief_kernel::tape::Frame;
 use basrelief_kernel::{self as kernel, Limits, Machine, Outcome, Probe, RunReport};
 use basrelief_machines::Facts;
-use basrelief_reference::{Picture, Quality, metrics};
+use basrelief_reference::{Picture, Quality, SizeMismatch, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_signals::{Camera, Frame as SceneFrame};
-use sha2::{Digest as _, Sha256};
+use basrelief_threads::Later;
 use std::cell::RefCell;
+use std::collections::VecDeque;
 
 /// What the engine came to, and what the units counted.
 pub(crate) struct EngineResult {
@@ -39,6 +40,10 @@ pub(crate) struct Session<'a> {
     observer: &'a mut dyn Observer,
     exact: Exact,
     commands: Box<dyn Fn() -> (u64, Option<u64>)>,
+    /// Frames finished so far.
+    frames: usize,
+    /// Those that are being judged, or that nobody has looked at yet.
+    judging: VecDeque<Later<Result<Judged, SizeMismatch>>>,
     images: Vec<String>,
     quality: Vec<Quality>,
     difference: Option<Difference>,
@@ -73,6 +78,8 @@ impl<'a> Session<'a> {
             observer,
             exact,
             commands,
+            frames: 0,
+            judging: VecDeque::new(),
             images,
             quality,
             difference,
@@ -110,7 +117,7 @@ impl<'a> Session<'a> {
         let mut kept = Kept::new(self.settings.limits).filter(|_| !acts_at_times);
         let frames = RefCell::new(Vec::new());
         let is_recorded = kept.is_some() || self.settings.tape;
-        let report = {
+        let ran = {
             let mut progress = |machine: &mut M| {
                 self.take_tape(&mut frames.borrow_mut(), &mut kept);
                 self.look(spec, machine, &mut aside)
@@ -118,23 +125,28 @@ impl<'a> Session<'a> {
             match engine {
                 Some(engine) => {
                     let limits = Limits { max_cycles, progress: &mut progress };
-                    Some(if is_recorded {
+                    Ok(Some(if is_recorded {
                         let keep = &mut |frame| frames.borrow_mut().push(frame);
                         kernel::run_recorded(&mut machine, engine, probe, limits, (FRAME_BYTES, keep))
                     } else {
                         kernel::run_with(&mut machine, engine, probe, limits)
-                    })
+                    }))
                 }
-                None => match kernel::run_functional(&mut machine, &mut progress) {
-                    Ok(()) => None,
-                    Err(fault) => return Err(self.fault(fault)),
-                },
+                None => kernel::run_functional(&mut machine, &mut progress).map(|()| None),
             }
         };
         self.take_tape(&mut frames.borrow_mut(), &mut kept);
         self.simulate_s = clock() - began - aside;
+        let report = match ran {
+            Ok(report) => report,
+            Err(fault) => {
+                self.settle(0);
+                return Err(self.fault(fault));
+            }
+        };
         self.take_requests(&mut machine);
         self.take_frames(spec, &mut machine);
+        self.settle(0);
         if !self.settings.exhibits.is_empty() {
             let last = machine.last_log().map(|log| (0, log));
             self.show(spec, last.as_slice());
@@ -217,6 +229,8 @@ impl<'a> Session<'a> {
         self.show(spec, &machine.drain_log(&frames));
         for frame in frames {
             self.attempt(|session| session.take_frame(frame, rounds));
+            // One is judged while the next is drawn.
+            self.settle(1);
         }
     }
 
@@ -251,19 +265,35 @@ impl<'a> Session<'a> {
         if !self.hold(0, held::FRAME, "figures of frames") {
             return Ok(());
         }
-        let index = self.images.len();
         let number = frame.index;
         let machine = picture(frame);
         let round = self.compare_rounds(number, &machine).map_err(|e| e.to_string())?;
         if let Some(info) = rounds {
             show_round(info, [number, round], &machine, self.observer)?;
         }
-        self.images.push(digest(&machine));
-        let exact = self.exact.picture(index);
-        let quality = exact.as_ref().map(|e| Quality::measure(e, &machine)).transpose().map_err(|e| e.to_string())?;
-        self.quality.extend(quality);
-        self.difference = exact.as_ref().map(|e| difference(e, &machine));
-        self.observer.frame(&Pictures { index, machine: &machine, exact: exact.as_ref().zip(quality) })
+        let exact = self.exact.picture(self.frames);
+        self.judging.push_back(judged(self.frames, machine, exact));
+        self.frames += 1;
+        Ok(())
+    }
+
+    /// Hands on the frames that are judged, in their order, until so many are left to be judged.
+    fn settle(&mut self, left: usize) {
+        while self.judging.len() > left {
+            let judged = self.judging.pop_front();
+            self.attempt(|session| judged.map_or(Ok(()), |judged| session.hand_on(judged)));
+        }
+    }
+
+    fn hand_on(&mut self, judged: Later<Result<Judged, SizeMismatch>>) -> Result<(), String> {
+        let Judged { index, machine, digest, exact } = judged.get().map_err(|e| e.to_string())?;
+        self.images.push(digest);
+        if let Some((_, quality, difference)) = exact {
+            self.quality.push(quality);
+            self.difference = Some(difference);
+        }
+        let exact = exact.as_ref().map(|(picture, quality, _)| (picture, *quality));
+        self.observer.frame(&Pictures { index, machine: &machine, exact })
     }
 
     /// Holds the pictures that were shown before against the last one of their frame; the number of that.
@@ -325,11 +355,4 @@ impl<'a> Session<'a> {
 /// A finished frame as a picture.
 pub(crate) fn picture(frame: FinishedFrame) -> Picture {
     Picture { width: frame.width, height: frame.height, rgb: frame.rgb, covered: frame.covered }
-}
-
-/// SHA-256 of the RGB8 rows, top row first.
-fn digest(picture: &Picture) -> String {
-    let mut hash = Sha256::new();
-    hash.update(picture.rgb.as_flattened());
-    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -3,6 +3,7 @@
 use crate::tee::TraceNotes;
 use basrelief_reference::{Picture, Style, draw_scene};
 use basrelief_signals::Scene;
+use basrelief_threads::Later;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -11,19 +12,46 @@ use std::sync::Arc;
 pub(crate) enum Exact {
     /// Nobody wants any.
     None,
-    /// The scene itself.
-    Scene(Arc<Scene>, Style),
+    /// The scene itself: each is drawn while the machine draws the same, or the frame before.
+    Scene(SceneAhead),
     /// The polygons of a trace, drawn as they passed.
     Trace(Rc<RefCell<TraceNotes>>),
 }
 
+/// The exact pictures of a scene, the next one under way.
+pub(crate) struct SceneAhead {
+    scene: Arc<Scene>,
+    style: Style,
+    next: Option<Later<Picture>>,
+}
+
+impl SceneAhead {
+    pub(crate) fn new(scene: &Arc<Scene>, style: Style) -> Self {
+        let mut ahead = Self { scene: Arc::clone(scene), style, next: None };
+        ahead.next = ahead.start(0);
+        ahead
+    }
+
+    fn start(&self, index: usize) -> Option<Later<Picture>> {
+        let frame = Arc::clone(self.scene.frames.get(index)?);
+        let (scene, style) = (Arc::clone(&self.scene), self.style);
+        Some(Later::start(move || draw_scene(&scene, &frame, &style)))
+    }
+}
+
 impl Exact {
     /// The exact picture of frame `index`; frames are asked for in order.
-    pub(crate) fn picture(&self, index: usize) -> Option<Picture> {
+    pub(crate) fn picture(&mut self, index: usize) -> Option<Later<Picture>> {
         match self {
             Self::None => None,
-            Self::Scene(scene, style) => scene.frames.get(index).map(|frame| draw_scene(scene, frame, style)),
-            Self::Trace(seen) => seen.borrow_mut().exact.pop_front().map(|(picture, _)| picture),
+            Self::Scene(ahead) => {
+                let following = ahead.start(index + 1);
+                std::mem::replace(&mut ahead.next, following)
+            }
+            Self::Trace(seen) => {
+                let picture = seen.borrow_mut().exact.pop_front().map(|(picture, _)| picture);
+                picture.map(|picture| Later::on_demand(move || picture))
+            }
         }
     }
 }

@@ -1,7 +1,6 @@
 //! What limits a run, measured: each thing that could is made ideal in turn, and the run timed again from its tape.
 
 use crate::machines::MachineSpec;
-use crate::parallel;
 use crate::run::Way;
 use crate::settings::Limits;
 use crate::tape::Given;
@@ -9,6 +8,7 @@ use basrelief_kernel::tape::Frame;
 use basrelief_kernel::{NoProbe, RunReport, Shape, retime};
 use basrelief_machines::ConfigProblem;
 use basrelief_report::model::Limit;
+use basrelief_threads as threads;
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 
@@ -85,7 +85,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
     pub(crate) fn limits(&self) -> Result<Vec<Limit>, ConfigProblem> {
         let shape = self.way.shape(self.spec)?;
         let singles = self.ideals();
-        let cycles = parallel::each(&singles, |ideal| self.cycles(&shape, &ideal.set));
+        let cycles = threads::map(singles.iter().collect(), |ideal: &Ideal| self.cycles(&shape, &ideal.set));
         let mut timed: Vec<(Ideal, u64)> = singles.into_iter().zip(cycles).filter_map(|(i, c)| Some((i, c?))).collect();
         // Stable: of equals the first in the block diagram is first.
         timed.sort_by_key(|(_, cycles)| *cycles);
@@ -108,7 +108,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
         let first = &timed[..timed.len().min(PAIRED)];
         let all = first.iter().enumerate().flat_map(|(n, a)| first[n + 1..].iter().map(move |b| (a, b)));
         let apart: Vec<_> = all.filter(|((a, _), (b, _))| a.resource != b.resource).collect();
-        let both = parallel::each(&apart, |((a, _), (b, _))| {
+        let both = threads::map(apart.iter().collect(), |((a, _), (b, _)): &(&(Ideal, u64), &(Ideal, u64))| {
             let ideal = together(a, b);
             self.cycles(shape, &ideal.set).map(|cycles| (ideal, cycles))
         });

@@ -34,7 +34,7 @@ pub trait Observer {
         true
     }
 
-    /// A frame is finished.
+    /// A frame is finished and measured. The machine may have gone on meanwhile.
     ///
     /// # Errors
     /// What keeps the observer from taking it; stops the run.

@@ -2,13 +2,15 @@
 
 use crate::machines::MachineConfig;
 use basrelief_display_list::{Begin, CanonicalHash, Digest, TraceError};
-use basrelief_geometry_processor::{GeometryProcessor, SceneDraws};
+use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Demand, Traffic, Unit};
 use basrelief_machines::FrontConfig;
 use basrelief_signals::{Control, Draw, Scene};
-use std::cell::RefCell;
+use basrelief_threads::Later;
+use std::cell::Cell;
 use std::rc::Rc;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The display list of a scene: every control token that the geometry processor emits, in order, with the arrival that
 /// it would have had, had nothing blocked it.
@@ -30,62 +32,79 @@ pub fn begin_of(scene: &Scene) -> Begin {
     scene.frames.first().map_or_else(|| Begin::new(1, 1), |f| Begin::new(f.width, f.height))
 }
 
-/// What is learnt from the draw commands of a scene as they pass.
-#[derive(Default)]
-pub(crate) struct Drawn {
-    /// Draw commands passed.
+/// How far the draw commands of a scene have passed.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Passed {
     pub(crate) commands: u64,
-    /// Hash of the scene's display list, once all have passed: the same as that of the trace recorded from it.
-    pub(crate) digest: Option<Digest>,
-    /// What cannot be hashed.
-    pub(crate) error: Option<TraceError>,
-    /// Time spent here \[s\]: hashing is no part of the simulation.
-    pub(crate) seconds: f64,
+    /// Whether that is all of them.
+    pub(crate) all: bool,
 }
 
-/// Draw commands of a scene, hashed as they pass: hashed ahead of the run, many frames would hold up the first cycle, and
-/// `max_cycles` would not limit them. What has passed goes through a geometry processor of its own, since what the machine's
-/// hands on depends on what holds it up.
-pub(crate) struct HashedDraws {
+/// Draw commands of a scene, counted as they pass.
+pub(crate) struct CountedDraws {
     draws: SceneDraws,
-    geometry: GeometryProcessor,
-    hash: Option<CanonicalHash>,
-    drawn: Rc<RefCell<Drawn>>,
-    clock: fn() -> f64,
+    passed: Rc<Cell<Passed>>,
 }
 
-impl HashedDraws {
-    pub(crate) fn new(scene: &Arc<Scene>, front: FrontConfig, drawn: Rc<RefCell<Drawn>>, clock: fn() -> f64) -> Self {
-        let hash = Some(CanonicalHash::new(&begin_of(scene)));
-        let geometry = front.geometry_processor();
-        Self { draws: SceneDraws::new(Arc::clone(scene)), geometry, hash, drawn, clock }
-    }
-
-    fn pass(&mut self, draw: &Draw, drawn: &mut Drawn) -> Result<(), TraceError> {
-        drawn.commands += 1;
-        let control = self.geometry.step(Some(draw.clone()), &mut Traffic::muted()).out;
-        control.iter().zip(&mut self.hash).try_for_each(|(control, hash)| hash.update(control))
+impl CountedDraws {
+    pub(crate) fn new(scene: &Arc<Scene>, passed: &Rc<Cell<Passed>>) -> Self {
+        Self { draws: SceneDraws::new(Arc::clone(scene)), passed: Rc::clone(passed) }
     }
 }
 
-impl Iterator for HashedDraws {
+impl Iterator for CountedDraws {
     type Item = Draw;
 
     fn next(&mut self) -> Option<Draw> {
-        let began = (self.clock)();
-        let drawn = Rc::clone(&self.drawn);
-        let mut drawn = drawn.borrow_mut();
-        let mut draw = self.draws.next();
-        match &draw {
-            Some(passing) => {
-                if let Err(error) = self.pass(passing, &mut drawn) {
-                    drawn.error = Some(error);
-                    draw = None;
-                }
-            }
-            None => drawn.digest = self.hash.take().map(CanonicalHash::finish),
-        }
-        drawn.seconds += (self.clock)() - began;
+        let draw = self.draws.next();
+        let Passed { commands, .. } = self.passed.get();
+        self.passed.set(Passed { commands: commands + u64::from(draw.is_some()), all: draw.is_none() });
         draw
+    }
+}
+
+/// Hash of a scene's display list, the same as that of the trace recorded from it. It is computed while the machine draws, from a
+/// geometry processor of its own, since what the machine's hands on depends on what holds it up; and it is given up with this: many
+/// frames must not hold up a run that `max_cycles` ends in the first of them.
+pub(crate) struct SceneHash {
+    hash: Later<Result<Option<Digest>, TraceError>>,
+    given_up: GivenUp,
+}
+
+impl SceneHash {
+    pub(crate) fn start(scene: &Arc<Scene>, front: FrontConfig) -> Self {
+        let given_up = GivenUp(Arc::default());
+        let (scene, flag) = (Arc::clone(scene), Arc::clone(&given_up.0));
+        let hash = Later::start(move || {
+            let mut hash = CanonicalHash::new(&begin_of(&scene));
+            for control in controls(&scene, front) {
+                if flag.load(Ordering::Relaxed) {
+                    return Ok(None);
+                }
+                hash.update(&control)?;
+            }
+            Ok(Some(hash.finish()))
+        });
+        Self { hash, given_up }
+    }
+
+    /// The hash.
+    ///
+    /// # Errors
+    /// What cannot be hashed.
+    pub(crate) fn get(self) -> Result<Option<Digest>, TraceError> {
+        let Self { hash, given_up } = self;
+        let digest = hash.get();
+        drop(given_up);
+        digest
+    }
+}
+
+/// Says when it is dropped that nobody waits any more.
+struct GivenUp(Arc<AtomicBool>);
+
+impl Drop for GivenUp {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
     }
 }

@@ -1,12 +1,12 @@
 //! One run.
 
 use crate::drive::Session;
-use crate::exact::Exact;
+use crate::exact::{Exact, SceneAhead};
 use crate::held;
 use crate::machines::{MachineConfig, MachineSpec, for_machine};
 use crate::observer::Observer;
 use crate::outcome::{Run, SessionError};
-use crate::record::{Drawn, HashedDraws};
+use crate::record::{CountedDraws, Passed, SceneHash};
 use crate::rehearsal::rehearsed;
 use crate::settings::{RunInput, RunOptions};
 use crate::tee::{Tee, TraceNotes};
@@ -17,7 +17,7 @@ use basrelief_machines::{ConfigProblem, Draws, Facts, SceneFront, TraceFront};
 use basrelief_report::model::Input;
 use basrelief_signals::{Control, Draw, Scene};
 use serde::{Deserialize, Serialize};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
@@ -144,24 +144,17 @@ fn run_scene<S: MachineSpec, P: Probe>(
 ) -> Result<Run, SessionError> {
     let _textures = held::textures(scene, S::TEXTURE_COPIES, &settings.budget)?;
     let spec = &rehearsed(scene, spec, settings, observer)?;
-    let drawn = Rc::new(RefCell::new(Drawn::default()));
-    let draws = HashedDraws::new(scene, spec.front(), Rc::clone(&drawn), settings.clock);
-    let machine = spec.build(SceneFront::new(draws, spec.front()))?;
+    let passed = Rc::new(Cell::new(Passed::default()));
+    let machine = spec.build(SceneFront::new(CountedDraws::new(scene, &passed), spec.front()))?;
+    let hash = SceneHash::start(scene, spec.front());
     let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
-    let exact = if settings.exact { Exact::Scene(Arc::clone(scene), spec.exact_style()) } else { Exact::None };
+    let exact = if settings.exact { Exact::Scene(SceneAhead::new(scene, spec.exact_style())) } else { Exact::None };
     let total = Some((per_frame * scene.frames.len()) as u64);
-    // The first command is drawn when the machine is built, ahead of the simulation.
-    let ahead = drawn.borrow().seconds;
-    let commands = Rc::clone(&drawn);
-    let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.borrow().commands, total)));
-    let result = session.drive((spec, Way::Scene), machine, probe);
-    let passed = std::mem::take(&mut *drawn.borrow_mut());
-    if let Some(error) = passed.error {
-        return Err(error.into());
-    }
-    let result = result?;
-    session.simulate_s -= passed.seconds - ahead;
-    let sha256 = passed.digest.map(|d| d.to_string()).unwrap_or_default();
+    let commands = Rc::clone(&passed);
+    let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.get().commands, total)));
+    let result = session.drive((spec, Way::Scene), machine, probe)?;
+    let digest = if passed.get().all { hash.get()? } else { None };
+    let sha256 = digest.map(|d| d.to_string()).unwrap_or_default();
     let input = Input { kind: "scene".into(), name: file_name(&scene.name), sha256 };
     let frame = scene.frames.last().map(|f| &**f);
     Ok(session.finish((spec, Way::Scene), input, frame, result, &scene.warnings, vec![]))

@@ -6,10 +6,11 @@ use basrelief_kernel::{Traffic, Unit};
 use basrelief_machines::FrontConfig;
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_parameters::load;
+use basrelief_reference::{Picture, Quality};
 use basrelief_report::Report;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_session::{RunInput, RunOptions, Unobserved, begin_of, display_list, run};
+use basrelief_session::{Observer, Pictures, RunInput, RunOptions, Unobserved, begin_of, display_list, run};
 use basrelief_signals::{Control, Scene};
 use std::io::{self, Cursor, Read};
 use std::sync::Arc;
@@ -148,4 +149,44 @@ fn reading_a_trace_is_no_part_of_the_simulation_not_even_its_first_command() {
     let run = run(RunInput::trace(trace, "slow"), &settings, &mut Unobserved, None).unwrap();
     assert!(clock() > 10.0, "{} readings", clock());
     assert_eq!(run.simulate_s, 0.0);
+}
+
+/// A frame, the machine's picture of it, and the exact one.
+type ShownFrame = (usize, Picture, Option<(Picture, Quality)>);
+
+/// What an observer is shown of the frames, in its order.
+#[derive(Default, PartialEq)]
+struct Shown(Vec<ShownFrame>);
+
+impl Observer for Shown {
+    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+        let exact = pictures.exact.map(|(picture, quality)| (picture.clone(), quality));
+        self.0.push((pictures.index, pictures.machine.clone(), exact));
+        Ok(())
+    }
+}
+
+/// Frames of a run with exact pictures, and its report.
+fn shown(source: RunInput, max_cycles: u64) -> (Shown, String) {
+    let mut shown = Shown::default();
+    let report = run(source, &RunOptions { max_cycles, ..RunOptions::default() }, &mut shown, None).unwrap().report;
+    (shown, report.to_json().unwrap())
+}
+
+/// Its other tests run beside this one; what they find does not depend on threads either.
+#[test]
+fn a_run_is_the_same_with_other_threads_and_without() {
+    let coin = scene("coin", 3);
+    let trace = recorded(&coin, &config(&[]), Encoding::Binary);
+    let all = || {
+        let replayed = shown(RunInput::trace(Cursor::new(trace.clone()), "recorded"), u64::MAX);
+        [shown(RunInput::Scene(Arc::clone(&coin)), u64::MAX), shown(RunInput::Scene(Arc::clone(&coin)), 60_000), replayed]
+    };
+    let threaded = all();
+    basrelief_threads::work_alone();
+    assert_eq!(basrelief_threads::workers(), 1);
+    let alone = all();
+    assert!(threaded == alone, "the same pictures, in the same order, and the same reports");
+    let [drawn, stopped, replayed] = threaded.each_ref().map(|(shown, _)| shown.0.len());
+    assert!(drawn == 3 && stopped < 3 && replayed == 3, "{drawn}, {stopped}, {replayed}");
 }

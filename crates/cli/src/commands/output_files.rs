@@ -8,8 +8,9 @@ use crate::outputs::Outputs;
 use crate::progress::Progress;
 use basrelief_reference::{Picture, metrics};
 use basrelief_session::{Content, Exhibit, Form, MemoryRequests, Observer, Pictures, picture_name};
+use basrelief_threads as threads;
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -45,19 +46,23 @@ impl Observer for OutputFiles {
     fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
         let index = pictures.index;
         self.frames = index + 1;
-        self.save([0, index], "image", pictures.machine)?;
-        let Some((exact, _)) = pictures.exact else { return Ok(()) };
-        self.save([0, index], "reference", exact)?;
-        let difference = metrics::difference(exact, pictures.machine).map_err(|e| e.to_string())?;
-        self.save([0, index], "difference", &difference)
+        let exact = pictures.exact.map(|(exact, _)| exact);
+        let difference =
+            exact.map(|exact| metrics::difference(exact, pictures.machine)).transpose().map_err(|e| e.to_string())?;
+        let drawn = [("image", Some(pictures.machine)), ("reference", exact), ("difference", difference.as_ref())];
+        let drawn = drawn.into_iter().filter_map(|(kind, picture)| Some((kind, picture?))).collect();
+        for (kind, png) in threads::map(drawn, |(kind, picture)| (kind, png(picture))) {
+            self.save([0, index], kind, png)?;
+        }
+        Ok(())
     }
 
     fn exhibit(&mut self, exhibit: &Exhibit<'_>) -> Result<(), String> {
         match &exhibit.content {
             Content::Lines(write) => self.dumps.write(exhibit.info, write),
-            Content::Picture(picture) => self.save([1, exhibit.frame as usize], exhibit.info.name, picture),
+            Content::Picture(picture) => self.save([1, exhibit.frame as usize], exhibit.info.name, png(picture)),
             Content::NamedPicture(name, picture) => {
-                self.write(name, picture)?;
+                self.write(name, png(picture))?;
                 self.extra.push(name.clone());
                 if exhibit.info.form == Form::PicturePerRound {
                     self.shown = Some((exhibit.frame, name.clone()));
@@ -87,22 +92,28 @@ impl OutputFiles {
     }
 
     /// Writes a picture of frame `index`; `exhibit` is 1 for one of the exhibits, otherwise 0.
-    fn save(&mut self, [exhibit, index]: [usize; 2], kind: &'static str, picture: &Picture) -> Result<(), String> {
+    fn save(&mut self, [exhibit, index]: [usize; 2], kind: &'static str, png: Png) -> Result<(), String> {
         let kinds = &mut self.kinds[exhibit];
         if !kinds.contains(&kind) {
             kinds.push(kind);
         }
-        self.write(&picture_name(kind, index, true), picture)
+        self.write(&picture_name(kind, index, true), png)
     }
 
-    fn write(&mut self, name: &str, picture: &Picture) -> Result<(), String> {
+    fn write(&mut self, name: &str, png: Png) -> Result<(), String> {
         let failed = |e: &dyn std::fmt::Display| format!("{}: cannot be written: {e}", self.outputs.place(name).display());
-        // In memory: the encoder would wrap what is wrong with the disk in words of its own.
-        let mut png = Vec::new();
-        PngEncoder::new(&mut png)
-            .write_image(&picture.to_rgba(), picture.width, picture.height, ExtendedColorType::Rgba8)
-            .map_err(|e| failed(&e))?;
+        let png = png.map_err(|e| failed(&e))?;
         let write = |mut file: BufWriter<File>| file.write_all(&png).and_then(|()| file.flush());
         self.outputs.create(name).and_then(write).map_err(|e| failed(&e))
     }
+}
+
+/// A picture as a file. In memory: the encoder would wrap what is wrong with the disk in words of its own.
+type Png = ImageResult<Vec<u8>>;
+
+fn png(picture: &Picture) -> Png {
+    let mut png = Vec::new();
+    let encoder = PngEncoder::new(&mut png);
+    encoder.write_image(&picture.to_rgba(), picture.width, picture.height, ExtendedColorType::Rgba8)?;
+    Ok(png)
 }

@@ -28,8 +28,8 @@ impl Window {
     }
 }
 
-/// Pixels of a strip: where there are more, they are filtered strip by strip, so that the planes of a large picture are never
-/// in memory as a whole. A strip takes up to 180 bytes for each.
+/// Pixels that are looked at at a time: where there are more, they are filtered strip by strip, so that the planes of a large
+/// picture are never in memory as a whole. They take up to 190 bytes each.
 pub(crate) const STRIP_PIXELS: usize = 1 << 19;
 
 /// Rows that are looked at, and those that filters reach from there.
@@ -40,12 +40,19 @@ pub(crate) struct Strip {
 }
 
 impl Strip {
-    /// From `row` on, of about so many pixels, within a window. What is filtered there is what it would be of the whole window:
-    /// its rim is the window's, or lies beyond what filters of this radius reach.
-    pub fn from(row: usize, pixels: usize, window: &Window, radius: usize) -> Self {
-        let end = row.saturating_add((pixels / window.width().max(1)).max(1)).min(window.rows.end);
-        let reached = row.saturating_sub(radius).max(window.rows.start)..end.saturating_add(radius).min(window.rows.end);
-        Self { rows: row..end, reached }
+    /// The strips of a window, of about so many pixels. What is filtered in one is what it would be of the whole window: its rim is
+    /// the window's, or lies beyond what filters of this radius reach.
+    pub fn all(pixels: usize, window: &Window, radius: usize) -> Vec<Self> {
+        if window.pixels() == 0 {
+            return Vec::new();
+        }
+        let Range { start, end } = window.rows;
+        let height = (pixels / window.width()).clamp(1, window.rows.len());
+        let strip = |row: usize| {
+            let rows = row..(row + height).min(end);
+            Self { reached: row.saturating_sub(radius).max(start)..(rows.end + radius).min(end), rows }
+        };
+        (start..end).step_by(height).map(strip).collect()
     }
 }
 

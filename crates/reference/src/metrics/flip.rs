@@ -5,8 +5,8 @@
 //! those of the paper. The spatial filters are sums of Gaussians and therefore separable: two passes of 21 taps
 //! instead of 441.
 
-use super::filter::{Kernel, Rim, STRIP_PIXELS, Strip, Window};
-use super::{SizeMismatch, covered, mean, same_size};
+use super::filter::{Kernel, Rim, Strip, Window};
+use super::{SizeMismatch, covered, covered_in, mean, same_size, strip_pixels};
 use crate::Picture;
 use std::f64::consts::PI;
 
@@ -43,30 +43,26 @@ const FROM_XYZ: [[f64; 3]; 3] = [
 /// # Errors
 /// If the pictures differ in size.
 pub fn flip(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
-    flip_by(exact, other, STRIP_PIXELS)
+    same_size(exact, other)?;
+    Ok(reach(exact, other).map_or(0.0, |window| flip_by(exact, other, &window, strip_pixels(&window))))
 }
 
 /// In strips of about so many pixels.
-fn flip_by(exact: &Picture, other: &Picture, strip_pixels: usize) -> Result<f64, SizeMismatch> {
-    same_size(exact, other)?;
-    let Some(window) = reach(exact, other) else { return Ok(0.0) };
+fn flip_by(exact: &Picture, other: &Picture, window: &Window, strip_pixels: usize) -> f64 {
     let planes = Planes::new();
     let largest = largest_color_difference();
     let picture_width = exact.width as usize;
-    let mut current: Option<(Strip, [Seen; 2])> = None;
-    Ok(mean(exact, other, 0.0, |i| {
-        let (column, row) = (i % picture_width - window.columns.start, i / picture_width);
-        // Given up before the next is made.
-        current = current.take().filter(|(strip, _)| strip.rows.contains(&row));
-        let (strip, [left, right]) = current.get_or_insert_with(|| {
-            let strip = Strip::from(row, strip_pixels, &window, COLOR_RADIUS);
-            let part = Window { columns: window.columns.clone(), rows: strip.reached.clone() };
-            (strip, [exact, other].map(|picture| planes.seen(picture, &part)))
-        });
-        let at = (row - strip.reached.start) * window.width() + column;
-        let color = redistributed(power(distance(left.lab(at), right.lab(at)), COLOR_EXPONENT), largest);
-        power(color, 1.0 - feature_difference(left, right, at))
-    }))
+    mean(&Strip::all(strip_pixels, window, COLOR_RADIUS), 0.0, |strip| {
+        let part = Window { columns: window.columns.clone(), rows: strip.reached.clone() };
+        let [left, right] = [exact, other].map(|picture| planes.seen(picture, &part));
+        let error = |i: usize| {
+            let (column, row) = (i % picture_width - part.columns.start, i / picture_width - part.rows.start);
+            let at = row * part.width() + column;
+            let color = redistributed(power(distance(left.lab(at), right.lab(at)), COLOR_EXPONENT), largest);
+            power(color, 1.0 - feature_difference(&left, &right, at))
+        };
+        covered_in(exact, other, strip.rows.clone()).map(error).collect()
+    })
 }
 
 /// The covered pixels and what their filters reach.
@@ -245,9 +241,10 @@ mod tests {
     #[test]
     fn strips_come_to_the_same_as_the_whole() {
         let (exact, other) = (noise(31, 57, 1), noise(31, 57, 2));
-        let whole = flip_by(&exact, &other, usize::MAX).unwrap();
+        let window = reach(&exact, &other).unwrap();
+        let whole = flip_by(&exact, &other, &window, usize::MAX);
         for pixels in [1, 31 * 7, 31 * 40] {
-            assert_eq!(flip_by(&exact, &other, pixels).unwrap().to_bits(), whole.to_bits(), "{pixels}");
+            assert_eq!(flip_by(&exact, &other, &window, pixels).to_bits(), whole.to_bits(), "{pixels}");
         }
     }
 }

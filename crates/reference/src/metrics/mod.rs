@@ -14,6 +14,9 @@ pub use flip::flip;
 pub use ssim::ssim;
 
 use crate::Picture;
+use basrelief_threads as threads;
+use filter::{STRIP_PIXELS, Strip, Window};
+use std::ops::Range;
 
 /// PSNR of identical pictures \[dB\], and the most that is ever reported.
 pub const IDENTICAL_DB: f64 = 99.0;
@@ -105,17 +108,33 @@ fn same_size(exact: &Picture, other: &Picture) -> Result<(), SizeMismatch> {
 
 /// Numbers of the pixels covered in either picture, ascending.
 fn covered<'a>(exact: &'a Picture, other: &'a Picture) -> impl Iterator<Item = usize> + 'a {
-    exact.covered.iter().zip(&other.covered).enumerate().filter(|(_, (a, b))| **a || **b).map(|(i, _)| i)
+    covered_in(exact, other, 0..exact.height as usize)
 }
 
-/// Mean of a map over the pixels covered in either picture; `empty` where none is.
-fn mean(exact: &Picture, other: &Picture, empty: f64, mut map: impl FnMut(usize) -> f64) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for i in covered(exact, other) {
-        sum += map(i);
-        count += 1.0;
+/// The same of these rows.
+fn covered_in<'a>(exact: &'a Picture, other: &'a Picture, rows: Range<usize>) -> impl Iterator<Item = usize> + 'a {
+    let pixels = rows.start * exact.width as usize..rows.end * exact.width as usize;
+    let both = exact.covered[pixels.clone()].iter().zip(&other.covered[pixels.clone()]);
+    pixels.zip(both).filter(|(_, (a, b))| **a || **b).map(|(i, _)| i)
+}
+
+/// Mean of a map over the pixels covered in either picture; `empty` where none is. `values` gives the map of a strip, pixel by covered
+/// pixel. Strips are made side by side, and added up in their order: to the bit, the sum is that of one pixel after the other.
+fn mean(strips: &[Strip], empty: f64, values: impl Fn(&Strip) -> Vec<f64> + Sync) -> f64 {
+    let (mut sum, mut count) = (0.0, 0);
+    // No more at a time than can be made at once: the others' planes are not in memory.
+    for together in strips.chunks(threads::workers()) {
+        for value in threads::map(together.iter().collect(), &values).into_iter().flatten() {
+            sum += value;
+            count += 1;
+        }
     }
-    if count == 0.0 { empty } else { rounded(sum / count) }
+    if count == 0 { empty } else { rounded(sum / f64::from(count)) }
+}
+
+/// What all strips that are made at once have together is [`STRIP_PIXELS`], at most; a small picture is one for each.
+fn strip_pixels(window: &Window) -> usize {
+    window.pixels().min(STRIP_PIXELS).div_ceil(threads::workers())
 }
 
 fn rounded(value: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Structural similarity.
 
-use super::filter::{Kernel, Rim, STRIP_PIXELS, Strip, Window};
-use super::{SizeMismatch, mean, same_size};
+use super::filter::{Kernel, Rim, Strip, Window};
+use super::{SizeMismatch, covered_in, mean, same_size, strip_pixels};
 use crate::Picture;
 use std::ops::Range;
 
@@ -17,34 +17,20 @@ const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 /// # Errors
 /// If the pictures differ in size.
 pub fn ssim(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
-    ssim_by(exact, other, STRIP_PIXELS)
+    same_size(exact, other)?;
+    let whole = Window { columns: 0..exact.width as usize, rows: 0..exact.height as usize };
+    Ok(ssim_by(exact, other, &whole, strip_pixels(&whole)))
 }
 
 /// In strips of about so many pixels.
-fn ssim_by(exact: &Picture, other: &Picture, strip_pixels: usize) -> Result<f64, SizeMismatch> {
-    same_size(exact, other)?;
-    let [width, height] = [exact.width, exact.height].map(|side| side as usize);
-    if exact.rgb.is_empty() {
-        return Ok(1.0);
-    }
+fn ssim_by(exact: &Picture, other: &Picture, whole: &Window, strip_pixels: usize) -> f64 {
     let kernel = Kernel::new(RADIUS, |d| libm::exp(-d * d / (2.0 * SIGMA * SIGMA))).normalised();
-    let whole = Window { columns: 0..width, rows: 0..height };
-    let mut current: Option<(Strip, Moments)> = None;
-    Ok(mean(exact, other, 1.0, |i| {
-        let row = i / width;
-        // Given up before the next is made.
-        current = current.take().filter(|(strip, _)| strip.rows.contains(&row));
-        let (strip, Moments { mean_x, mean_y, xx, yy, xy }) = current.get_or_insert_with(|| {
-            let strip = Strip::from(row, strip_pixels, &whole, RADIUS);
-            let [x, y] = [exact, other].map(|picture| luma(picture, &strip.reached));
-            (strip, Moments::new(&x, &y, width, &kernel))
-        });
-        let at = i - strip.reached.start * width;
-        let (mx, my) = (mean_x[at], mean_y[at]);
-        let variances = (xx[at] - mx * mx) + (yy[at] - my * my);
-        let covariance = xy[at] - mx * my;
-        (2.0 * mx * my + C1) * (2.0 * covariance + C2) / ((mx * mx + my * my + C1) * (variances + C2))
-    }))
+    mean(&Strip::all(strip_pixels, whole, RADIUS), 1.0, |strip| {
+        let [x, y] = [exact, other].map(|picture| luma(picture, &strip.reached));
+        let moments = Moments::new(&x, &y, whole.width(), &kernel);
+        let first = strip.reached.start * whole.width();
+        covered_in(exact, other, strip.rows.clone()).map(|i| moments.similarity(i - first)).collect()
+    })
 }
 
 /// Blurred luma of both pictures, and of its products.
@@ -61,6 +47,14 @@ impl Moments {
         let blurred = |plane: &[f64]| kernel.down(&kernel.across(plane, width, Rim::Mirrored), width, Rim::Mirrored);
         let product = |a: &[f64], b: &[f64]| blurred(&a.iter().zip(b).map(|(a, b)| a * b).collect::<Vec<_>>());
         Self { mean_x: blurred(x), mean_y: blurred(y), xx: product(x, x), yy: product(y, y), xy: product(x, y) }
+    }
+
+    fn similarity(&self, at: usize) -> f64 {
+        let Self { mean_x, mean_y, xx, yy, xy } = self;
+        let (mx, my) = (mean_x[at], mean_y[at]);
+        let variances = (xx[at] - mx * mx) + (yy[at] - my * my);
+        let covariance = xy[at] - mx * my;
+        (2.0 * mx * my + C1) * (2.0 * covariance + C2) / ((mx * mx + my * my + C1) * (variances + C2))
     }
 }
 
@@ -79,9 +73,10 @@ mod tests {
     #[test]
     fn strips_come_to_the_same_as_the_whole() {
         let (exact, other) = (noise(23, 41, 1), noise(23, 41, 2));
-        let whole = ssim_by(&exact, &other, usize::MAX).unwrap();
+        let window = Window { columns: 0..23, rows: 0..41 };
+        let whole = ssim_by(&exact, &other, &window, usize::MAX);
         for pixels in [1, 23 * 6, 23 * 30] {
-            assert_eq!(ssim_by(&exact, &other, pixels).unwrap().to_bits(), whole.to_bits(), "{pixels}");
+            assert_eq!(ssim_by(&exact, &other, &window, pixels).to_bits(), whole.to_bits(), "{pixels}");
         }
     }
 }

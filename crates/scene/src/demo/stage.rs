@@ -5,6 +5,7 @@ use crate::pyramid::{HeightMap, color_levels, height_levels, normal_levels};
 use crate::textures::{Content, TextureStore};
 use crate::view::LightOrbit;
 use basrelief_signals::{Filter, Image, Lighting, Material, Mesh, Object, Sampler, Shading, Texture, Wrap};
+use basrelief_threads as threads;
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
@@ -125,11 +126,52 @@ pub(super) fn sphere(columns: u32, rows: u32, tiles: [f64; 2]) -> Mesh {
 }
 
 /// Direction of a point of a picture of the whole sphere, u and v in 0..=1.
-pub(super) fn direction(u: f64, v: f64) -> DVec3 {
-    let (longitude, polar) = (u * 2.0 * PI, v * PI);
+fn direction(u: f64, v: f64) -> DVec3 {
+    towards(longitude(u), latitude(v))
+}
+
+/// Sine and cosine of a longitude.
+fn longitude(u: f64) -> [f64; 2] {
+    let angle = u * 2.0 * PI;
+    [libm::sin(angle), libm::cos(angle)]
+}
+
+/// Radius and height of a circle of latitude.
+fn latitude(v: f64) -> [f64; 2] {
+    let polar = v * PI;
     // The exact poles would be missed by a rounding error.
     let ring = if v == 0.0 || v == 1.0 { 0.0 } else { libm::sin(polar) };
-    DVec3::new(-ring * libm::sin(longitude), libm::cos(polar), -ring * libm::cos(longitude))
+    [ring, libm::cos(polar)]
+}
+
+fn towards([sin, cos]: [f64; 2], [ring, height]: [f64; 2]) -> DVec3 {
+    DVec3::new(-ring * sin, height, -ring * cos)
+}
+
+/// The texels of a picture of the whole sphere, with sines and cosines computed once per column and row.
+pub(super) struct Globe {
+    pub size: [u32; 2],
+    /// Longitude, and direction to the east, which is the same in the whole column.
+    columns: Vec<([f64; 2], DVec3)>,
+    rows: Vec<[f64; 2]>,
+}
+
+impl Globe {
+    pub(super) fn new(size: [u32; 2]) -> Self {
+        let column = |u: f64| (longitude(u), direction(u + 0.25, 0.5));
+        let columns = (0..size[0]).map(|i| column(centre(i, size[0]))).collect();
+        Self { size, columns, rows: (0..size[1]).map(|i| latitude(centre(i, size[1]))).collect() }
+    }
+
+    /// Direction of a texel's centre.
+    pub(super) fn direction(&self, [column, row]: [u32; 2]) -> DVec3 {
+        towards(self.columns[column as usize].0, self.rows[row as usize])
+    }
+
+    /// The unit vector to the east of there.
+    pub(super) fn east(&self, [column, _]: [u32; 2]) -> DVec3 {
+        self.columns[column as usize].1
+    }
 }
 
 pub(super) const PI: f64 = std::f64::consts::PI;
@@ -144,36 +186,42 @@ pub(super) struct Workshop {
 
 impl Workshop {
     /// A repeating normal map from heights over the unit square, `height` texels high.
-    pub(super) fn heights(&mut self, name: &str, size: u32, height: f64, at: impl Fn(f64, f64) -> f64) -> Arc<Texture> {
-        let heights = texel_centres(size, size).map(|[u, v]| at(u, v)).collect();
+    pub(super) fn heights(&mut self, name: &str, size: u32, height: f64, at: impl Fn(f64, f64) -> f64 + Sync) -> Arc<Texture> {
+        let heights = by_texel([size; 2], |[column, row]| at(centre(column, size), centre(row, size)));
         let wrap = [Wrap::Repeat; 2];
         let levels = height_levels(HeightMap { width: size, height: size, heights }, height, wrap);
         self.store.add(name, sampler(wrap), Content::Heights(height), levels)
     }
 
-    /// A normal map from unit tangent-space normals, repeating in u only.
-    pub(super) fn normals(&mut self, name: &str, size: [u32; 2], at: impl Fn(f64, f64) -> DVec3) -> Arc<Texture> {
-        let texels = texel_centres(size[0], size[1]).map(|[u, v]| crate::pyramid::encode_normal(at(u, v).to_array()));
-        let levels = normal_levels(Image { width: size[0], height: size[1], texels: texels.collect() });
+    /// A normal map of the whole sphere from unit tangent-space normals by texel, repeating in u only.
+    pub(super) fn globe_normals(&mut self, name: &str, globe: &Globe, at: impl Fn([u32; 2]) -> DVec3 + Sync) -> Arc<Texture> {
+        let [width, height] = globe.size;
+        let texels = by_texel(globe.size, |texel| crate::pyramid::encode_normal(at(texel).to_array()));
+        let levels = normal_levels(Image { width, height, texels });
         self.store.add(name, sampler([Wrap::Repeat, Wrap::Clamp]), Content::Normals, levels)
     }
 
+    /// A repeating colour texture of the whole sphere, by direction; components 0..=1.
+    pub(super) fn globe_colors(&mut self, name: &str, globe: &Globe, at: impl Fn(DVec3) -> DVec3 + Sync) -> Arc<Texture> {
+        self.colors_as(name, globe.size, [Wrap::Repeat; 2], |texel| at(globe.direction(texel)))
+    }
+
     /// A repeating colour texture; components 0..=1.
-    pub(super) fn colors(&mut self, name: &str, size: [u32; 2], at: impl Fn(f64, f64) -> DVec3) -> Arc<Texture> {
-        self.colors_as(name, size, [Wrap::Repeat; 2], at)
+    pub(super) fn colors(&mut self, name: &str, size: [u32; 2], at: impl Fn(f64, f64) -> DVec3 + Sync) -> Arc<Texture> {
+        self.colors_as(name, size, [Wrap::Repeat; 2], |[column, row]| at(centre(column, size[0]), centre(row, size[1])))
     }
 
     /// A picture that ends at its edges; components 0..=1.
-    pub(super) fn picture(&mut self, name: &str, size: [u32; 2], at: impl Fn(f64, f64) -> DVec3) -> Arc<Texture> {
-        self.colors_as(name, size, [Wrap::Clamp; 2], at)
+    pub(super) fn picture(&mut self, name: &str, size: [u32; 2], at: impl Fn(f64, f64) -> DVec3 + Sync) -> Arc<Texture> {
+        self.colors_as(name, size, [Wrap::Clamp; 2], |[column, row]| at(centre(column, size[0]), centre(row, size[1])))
     }
 
-    fn colors_as(&mut self, name: &str, size: [u32; 2], wrap: [Wrap; 2], at: impl Fn(f64, f64) -> DVec3) -> Arc<Texture> {
-        let texel = |c: DVec3| {
+    fn colors_as(&mut self, name: &str, size: [u32; 2], wrap: [Wrap; 2], at: impl Fn([u32; 2]) -> DVec3 + Sync) -> Arc<Texture> {
+        let stored = |c: DVec3| {
             let [r, g, b] = (c.clamp(DVec3::ZERO, DVec3::ONE) * 255.0).round().to_array().map(|c| c as u8);
             [r, g, b, 255]
         };
-        let texels = texel_centres(size[0], size[1]).map(|[u, v]| texel(at(u, v))).collect();
+        let texels = by_texel(size, |texel| stored(at(texel)));
         let levels = color_levels(Image { width: size[0], height: size[1], texels });
         self.store.add(name, sampler(wrap), Content::Color, levels)
     }
@@ -255,7 +303,16 @@ fn sampler(wrap: [Wrap; 2]) -> Sampler {
     Sampler { wrap, filter: Filter::Bilinear }
 }
 
-fn texel_centres(width: u32, height: u32) -> impl Iterator<Item = [f64; 2]> {
-    let centre = |i: u32, size: u32| (f64::from(i) + 0.5) / f64::from(size);
-    (0..height).flat_map(move |y| (0..width).map(move |x| [centre(x, width), centre(y, height)]))
+/// A value for each texel, by column and row; row by row.
+fn by_texel<T: Clone + Default + Send>([width, height]: [u32; 2], at: impl Fn([u32; 2]) -> T + Sync) -> Vec<T> {
+    threads::plane(width as usize, height as usize, |row, texels| {
+        for (column, texel) in (0..).zip(texels) {
+            *texel = at([column, row as u32]);
+        }
+    })
+}
+
+/// Where the centre of a texel lies on a side of so many, which is 1 long.
+fn centre(i: u32, size: u32) -> f64 {
+    (f64::from(i) + 0.5) / f64::from(size)
 }

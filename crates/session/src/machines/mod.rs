@@ -40,7 +40,8 @@ macro_rules! machines {
         })+
 
         /// All machines, the default one first.
-        pub const MACHINES: &[MachineInfo] = &[$(MachineInfo::of::<$config>()),+];
+        // (No constant: that would be made anew in every crate that names it, with all the functions that it refers to.)
+        pub static MACHINES: &[MachineInfo] = &[$(MachineInfo::of::<$config>()),+];
 
         macro_rules! for_machine {
             ($d config:expr, $d machine:ident => $d body:expr) => {

@@ -1,0 +1,140 @@
+//! Work on the host's other cores. Nothing that is computed depends on it: pieces of work share nothing that is written, and
+//! what they give is put together in the order of the pieces, whichever was done first.
+//!
+//! Where no thread can be had (one core, WebAssembly, a process that may have no more of them), the same is done on the caller's.
+//! A panic in a piece of work is a panic of who asks for its result.
+
+mod later;
+
+pub use later::Later;
+
+use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+use std::thread::{self, Builder};
+
+/// Whether everything is to be done on the caller's thread.
+static ALONE: AtomicBool = AtomicBool::new(false);
+
+/// From now on no thread is started. For a process that may take little address space: each thread reserves a stack and a heap of
+/// its own there, whether it needs them or not.
+pub fn work_alone() {
+    ALONE.store(true, Ordering::Relaxed);
+}
+
+/// How many pieces of work are done at once.
+pub fn workers() -> usize {
+    static CORES: OnceLock<usize> = OnceLock::new();
+    if ALONE.load(Ordering::Relaxed) {
+        return 1;
+    }
+    *CORES.get_or_init(|| thread::available_parallelism().map_or(1, usize::from))
+}
+
+/// Does two things at once; the first where there is room.
+pub fn both<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (A, B) {
+    if workers() == 1 {
+        return (aside(), here());
+    }
+    let work = Mutex::new(Some(aside));
+    // Taken by whoever does it.
+    let take = || work.lock().unwrap_or_else(PoisonError::into_inner).take();
+    thread::scope(|scope| {
+        let thread = Builder::new().spawn_scoped(scope, || take().map(|work| work()));
+        let second = here();
+        let first = take().map(|work| work()).or_else(|| thread.ok().and_then(|thread| joined(thread.join())));
+        (first.expect("it was there to be taken once, and is done"), second)
+    })
+}
+
+/// What `work` makes of each item, in their order.
+pub fn map<I: Send, T: Send>(items: Vec<I>, work: impl Fn(I) -> T + Sync) -> Vec<T> {
+    let workers = workers().min(items.len());
+    if workers <= 1 {
+        return items.into_iter().map(work).collect();
+    }
+    let queue = Mutex::new(items.into_iter().enumerate());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let run = || {
+        let mut done = Vec::new();
+        while let Some((number, item)) = next() {
+            done.push((number, work(item)));
+        }
+        done
+    };
+    let mut done = thread::scope(|scope| {
+        let others: Vec<_> = (1..workers).filter_map(|_| Builder::new().spawn_scoped(scope, run).ok()).collect();
+        let mut done = run();
+        done.extend(others.into_iter().flat_map(|thread| joined(thread.join())));
+        done
+    });
+    done.sort_by_key(|(number, _)| *number);
+    done.into_iter().map(|(_, made)| made).collect()
+}
+
+/// Rows that are filled by one thread in one go: few enough for all to end together, and far more work than to ask for them.
+const ROWS: usize = 16;
+
+/// A plane of this width and height, row by row: `fill` is given the number of a row and its elements.
+pub fn plane<T: Clone + Default + Send>(width: usize, height: usize, fill: impl Fn(usize, &mut [T]) + Sync) -> Vec<T> {
+    let mut plane = vec![T::default(); width * height];
+    if width > 0 {
+        map(plane.chunks_mut(ROWS * width).enumerate().collect(), |(band, rows): (usize, &mut [T])| {
+            for (row, elements) in rows.chunks_mut(width).enumerate() {
+                fill(ROWS * band + row, elements);
+            }
+        });
+    }
+    plane
+}
+
+/// What a thread came to, its panic included.
+fn joined<T>(result: thread::Result<T>) -> T {
+    result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
+/// A thread of its own for some work, if it can be had.
+fn spawned<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> io::Result<thread::JoinHandle<T>> {
+    if workers() == 1 {
+        return Err(io::ErrorKind::Unsupported.into());
+    }
+    Builder::new().spawn(work)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::panic::catch_unwind;
+
+    /// Takes longer for earlier items.
+    fn slow_square(i: u64) -> u64 {
+        thread::sleep(std::time::Duration::from_millis(20 - i));
+        i * i
+    }
+
+    #[test]
+    fn results_come_in_the_order_of_the_items_whichever_was_done_first() {
+        let squares: Vec<u64> = (0..20).map(|i| i * i).collect();
+        assert_eq!(map((0..20).collect(), slow_square), squares);
+        assert_eq!(map(Vec::new(), slow_square), []);
+        assert_eq!(both(|| slow_square(1), || slow_square(9)), (1, 81));
+    }
+
+    #[test]
+    fn a_plane_has_every_row_once() {
+        for (width, height) in [(3, 100), (1, 1), (7, 16), (5, 0), (0, 5)] {
+            let made = plane(width, height, |row, elements: &mut [usize]| {
+                elements.iter_mut().enumerate().for_each(|(column, element)| *element += 1000 * row + column);
+            });
+            let expected: Vec<usize> = (0..height).flat_map(|row| (0..width).map(move |column| 1000 * row + column)).collect();
+            assert_eq!(made, expected);
+        }
+    }
+
+    #[test]
+    fn a_panic_is_not_lost() {
+        assert!(catch_unwind(|| both(|| panic!("aside"), || 1)).is_err());
+        assert!(catch_unwind(|| map(vec![1, 2, 3], |i| assert_ne!(i, 2))).is_err());
+        assert!(catch_unwind(|| Later::start(|| panic!("later")).get()).is_err());
+    }
+}
