@@ -11,24 +11,24 @@
 //!    [`check_wiring`](crate::check_wiring) finds a FIFO with two producers or consumers. Tests `laws/law_6_contents`,
 //!    `wiring::a_fifo_has_one_producer_and_one_consumer`.
 //! 2. **A known time is final.** Visible, popped and answer times are written once, when all they are computed from is known,
-//!    and a time not known yet is later than any. `Link::deliver`, `Link::pop`, `Memory::serve`; `Cycle::UNKNOWN`. Tests
+//!    and a time not known yet is later than any. `Slots::deliver`, `Slots::pop`, `Memory::serve`; `Cycle::UNKNOWN`. Tests
 //!    `laws/law_1_fifo`, `laws/law_2_slots`.
 //! 3. **A start that is known is the earliest** (law 3): the greatest of four kinds of known times, each of which is final by
-//!    2 and, once passed, stays passed until the step starts. `Connections::next_start`; for the causes on the way there
-//!    `Connections::split_wait`. Tests `laws/law_3_start`, `laws/law_9_accounting`.
+//!    2 and, once passed, stays passed until the step starts. `Time::next_start`; for the causes on the way there
+//!    `Time::split_wait`. Tests `laws/law_3_start`, `laws/law_9_accounting`.
 //! 4. **A client's requests arrive in order of time.** They arrive at the starts of one stage's steps, which only grow; so a
 //!    port's queue is sorted. It needs one stage per client, traffic to that stage's clients only, and credits for the largest
-//!    step, beyond which a start would be known too early or never. `check_wiring`; `Stage::fire` refuses other traffic.
+//!    step, beyond which a start would be known too early or never. `check_wiring`; `Clock::depart` refuses other traffic.
 //!    Tests `wiring::a_memory_client_belongs_to_one_stage_and_exists`, `wiring::the_largest_step_finds_credits`,
 //!    `wiring::traffic_to_no_client_is_a_fault`, `wiring::a_step_beyond_the_largest_is_a_fault`.
 //! 5. **A choice that is served is final.** What arrives at *h* or later comes into view at *h* + 1, and goes there at the
 //!    earliest; so a memory may serve every burst whose column command goes at *h* + 1 or before, all that come while its window
 //!    is full, and its oldest once that has been passed over `cap` times, if nothing unknown arrives before *h*. `Channel::serve`.
 //!    A memory that one stage uses hears of nothing before that stage is free again. `MemorySystem::find_private`,
-//!    `Connections::serve_private`. Tests `laws/law_4_memory`, `vectors`.
+//!    `Time::serve_private`. Tests `laws/law_4_memory`, `vectors`.
 //! 6. **A promise is kept.** A stage that promised *p* makes no step before *p*: every input and output it waits for is not
 //!    there before what the stage at the other end has promised, plus what lies between. So the least promise of a memory's
-//!    users is such an *h*. `Connections::promise`, `MemorySystem::serve_promised`. Test
+//!    users is such an *h*. `Time::promise`, `MemorySystem::serve_promised`. Test
 //!    `properties::both_engines_give_equal_reports`.
 //! 7. **When nothing moves, nothing can arrive before the horizon.** Every stage that will ever step again waits, through
 //!    whatever chain of FIFOs and credits, for an answer to a request that waits; the horizon is the earliest that any of those
