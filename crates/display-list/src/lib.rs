@@ -72,8 +72,8 @@ mod writer;
 pub use check::GUARD_BAND;
 pub use command::{
     Begin, Command, Criterion, End, Expectation, ExpectedTraffic, FORMAT, FrameBegin, FrameEnd, Importance, LightRecord,
-    MAX_EXPECTATIONS, MAX_SIDE, MAX_VERTICES, MaterialDefinition, ObjectBegin, PolygonRecord, ShadingRecord, TextureDefinition, TextureKind,
-    VERSION,
+    MAX_EXPECTATIONS, MAX_SIDE, MAX_VERTICES, MaterialDefinition, ObjectBegin, PolygonRecord, ShadingRecord, TextureDefinition,
+    TextureKind, VERSION,
 };
 pub use data::{Digest, Texels};
 pub use error::{ErrorKind, Place, TraceError};

@@ -166,7 +166,8 @@ impl<R: Read, F: Files> Resolver<R, F> {
             Command::Importance(importance) => self.bias = Some(importance.bias),
             Command::Expect(expectation) => {
                 if self.expectations.len() == MAX_EXPECTATIONS {
-                    let message = format!("is one too many, expected at most {MAX_EXPECTATIONS}: `verify` replays the trace for each");
+                    let message =
+                        format!("is one too many, expected at most {MAX_EXPECTATIONS}: `verify` replays the trace for each");
                     return Err(Fault::new("", message));
                 }
                 // Twice: they are given to whoever runs the trace.

@@ -218,7 +218,8 @@ fn textures_are_counted_together_though_each_of_them_would_fit() {
     let line = |i| {
         let mut texture = command("texture", i);
         (texture["data"], texture["file"]) = (Value::Null, "texels".into());
-        (texture["width"], texture["height"], texture["sha256"]) = (256.into(), 256.into(), Digest::of(&zeros).to_string().into());
+        (texture["width"], texture["height"], texture["sha256"]) =
+            (256.into(), 256.into(), Digest::of(&zeros).to_string().into());
         format!("{}\n", json!({ "texture": texture }))
     };
     let files = |_: &str| -> io::Result<Box<dyn Read>> { Ok(Box::new(io::repeat(0).take(zeros.len() as u64))) };

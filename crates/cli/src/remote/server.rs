@@ -1,8 +1,8 @@
 //! `basrelief serve`: the server (110) as a program.
 
-use super::{LATER, hash_of};
 use super::http::Answer;
 use super::listen::{Answers, Limits, ListeningServer, listen};
+use super::{LATER, hash_of};
 use basrelief_deferred_renderer::{Cut, Page, ServedTexture, TileEncoding};
 use basrelief_signals::Texture;
 use std::collections::BTreeMap;
