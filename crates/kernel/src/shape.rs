@@ -55,6 +55,11 @@ impl Shape {
         Ok(Self { stages: walk.stages, fifos: walk.fifos, memories: machine.memories().clone() })
     }
 
+    /// Width of a slot of the FIFO of this name \[bits\]; 0 where there is none, or nobody has said.
+    pub fn fifo_bits(&self, name: &str) -> u32 {
+        self.fifos.iter().find(|fifo| fifo.name == name).map_or(0, |fifo| fifo.bits)
+    }
+
     /// All stages, in the order of the wiring.
     pub fn topology(&self) -> Vec<StageTopology> {
         self.stages.iter().map(|stage| stage.names.clone()).collect()

@@ -36,6 +36,7 @@ mod record;
 mod rehearsal;
 mod run;
 mod settings;
+mod sizing;
 mod tape;
 mod tee;
 
@@ -50,6 +51,7 @@ pub use outcome::{Run, SessionError};
 pub use record::{begin_of, display_list};
 pub use run::{run, stages};
 pub use settings::{Limits, RunInput, RunOptions};
+pub use sizing::{Choice, Sizes, size_fifos};
 pub use tape::{Given, RetimeOptions, TapeFileError, retime};
 
 /// A trace of one grey quad, for the example above.

@@ -162,7 +162,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
 }
 
 /// Cycles up to the end of the last frame: what is behind it, the display of what was drawn, limits nothing.
-fn frame_cycles(run: &RunReport) -> u64 {
+pub(crate) fn frame_cycles(run: &RunReport) -> u64 {
     if run.marks.is_empty() { run.total } else { run.marks.iter().sum() }
 }
 

@@ -68,6 +68,12 @@ pub enum TapeFileError {
 }
 
 impl Given {
+    /// The machine's configuration that these come to.
+    fn config(&self, machine: &MachineInfo) -> Result<MachineConfig, TapeFileError> {
+        let all: Vec<(&str, &str)> = self.settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
+        machine.load(&self.toml, &all).map_err(|error| TapeFileError::Config(error.to_string()))
+    }
+
     /// The configuration that these come to, with more settings over them.
     pub(crate) fn load<C: Parameters>(&self, more: &[(String, String)]) -> Result<C, ConfigError> {
         let all: Vec<(&str, &str)> = self.settings.iter().chain(more).map(|(k, v)| (k.as_str(), v.as_str())).collect();
@@ -141,6 +147,19 @@ struct Pieces<'a> {
 }
 
 impl Pieces<'_> {
+    /// The head, and the machine that it names.
+    fn begin(&mut self) -> Result<(Head, &'static MachineInfo), TapeFileError> {
+        let mut first = [0; FIRST_LINE.len()];
+        self.fill(&mut first)?;
+        if first != FIRST_LINE {
+            return Err(TapeFileError::Format("it does not begin with `basrelief-tape/1`".into()));
+        }
+        let (b'H', bytes, _held) = self.next()? else { return Err(TapeFileError::Format("it has no head".into())) };
+        let head: Head = parse(&bytes, "its head")?;
+        let machine = MachineInfo::named(&head.machine).map_err(TapeFileError::Format)?;
+        Ok((head, machine))
+    }
+
     /// The letter and the bytes of the next piece.
     fn next(&mut self) -> Result<(u8, Vec<u8>, Held), TapeFileError> {
         let mut head = [0; 5];
@@ -190,26 +209,15 @@ pub struct RetimeOptions {
 /// See [`TapeFileError`].
 pub fn retime(reader: &mut dyn Read, options: &RetimeOptions) -> Result<Report, TapeFileError> {
     let mut pieces = Pieces { reader, budget: &options.budget };
-    let mut first = [0; FIRST_LINE.len()];
-    pieces.fill(&mut first)?;
-    if first != FIRST_LINE {
-        return Err(TapeFileError::Format("it does not begin with `basrelief-tape/1`".into()));
-    }
-    let (b'H', bytes, _held) = pieces.next()? else { return Err(TapeFileError::Format("it has no head".into())) };
-    let head: Head = parse(&bytes, "its head")?;
-    let machine = MachineInfo::named(&head.machine).map_err(TapeFileError::Format)?;
+    let (head, machine) = pieces.begin()?;
     let works = |key: &str| machine.parameters().iter().any(|p| p.key == key && p.effect == Effect::Work);
     if let Some((key, _)) = options.settings.iter().find(|(key, _)| works(key)) {
         return Err(TapeFileError::Work(key.clone()));
     }
-    let load = |more: &[(String, String)]| {
-        let all: Vec<(&str, &str)> = head.given.settings.iter().chain(more).map(|(k, v)| (k.as_str(), v.as_str())).collect();
-        machine.load(&head.given.toml, &all).map_err(|error| TapeFileError::Config(error.to_string()))
-    };
-    let recorded = load(&[])?;
+    let recorded = head.given.config(machine)?;
     let mut given = head.given.clone();
     given.settings.extend(options.settings.iter().cloned());
-    for_machine!(&load(&options.settings)?, spec => timed_again((&recorded, spec, &given), head.way, pieces, options))
+    for_machine!(&given.config(machine)?, spec => timed_again((&recorded, spec, &given), head.way, pieces, options))
 }
 
 fn timed_again<S: MachineSpec>(
@@ -247,7 +255,7 @@ fn timed_again<S: MachineSpec>(
     Ok(report)
 }
 
-fn config(error: ConfigProblem) -> TapeFileError {
+pub(crate) fn config(error: ConfigProblem) -> TapeFileError {
     TapeFileError::Config(error.to_string())
 }
 
@@ -309,5 +317,38 @@ impl FramesOfFile<'_> {
             }
             other => Err(TapeFileError::Format(format!("a piece `{}`, expected F or E", other.escape_ascii()))),
         }
+    }
+}
+
+/// A whole tape in memory.
+pub(crate) struct Loaded {
+    machine: &'static MachineInfo,
+    given: Given,
+    pub(crate) way: Way,
+    pub(crate) frames: Vec<Frame>,
+    _held: Held,
+}
+
+impl Loaded {
+    /// Reads it, to its end.
+    pub(crate) fn read(reader: &mut dyn Read, budget: &Budget) -> Result<Self, TapeFileError> {
+        let mut pieces = Pieces { reader, budget };
+        let (head, machine) = pieces.begin()?;
+        let mut frames = FramesOfFile { pieces, work: WorkHash::default(), kept: None, end: None, fault: None };
+        let (mut all, mut held) = (Vec::new(), budget.nothing());
+        while let Some(frame) = frames.read()? {
+            held.grow(frame.streams().map(<[u8]>::len).sum::<usize>() as u64, "a tape")?;
+            all.push(frame);
+        }
+        match frames.end {
+            Some(end) if end.work == frames.work.finish() => {
+                Ok(Self { machine, given: head.given, way: head.way, frames: all, _held: held })
+            }
+            _ => Err(TapeFileError::Format("its work has another SHA-256 than it says".into())),
+        }
+    }
+
+    pub(crate) fn config(&self) -> Result<MachineConfig, TapeFileError> {
+        self.given.config(self.machine)
     }
 }

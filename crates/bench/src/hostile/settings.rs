@@ -12,7 +12,7 @@ const WORDS: [&str; 11] = ["true", "[]", "[1, 2]", "[0]", "\"x\"", "", "{}", "in
 /// A parameter of this machine and a value: mostly within its range, at the ends of it more often than not.
 pub fn setting(machine: &MachineInfo, chance: &mut Chance) -> (String, String) {
     let parameter = chance.one(&machine.parameters()).clone();
-    let choices = choices(&machine.schema(), &parameter.key);
+    let choices = choices(machine, &parameter.key);
     let value = if chance.once_in(6) { beyond(&parameter, chance) } else { within(&parameter, &choices, chance) };
     (parameter.key, value)
 }
@@ -65,7 +65,11 @@ fn range(parameter: &Parameter) -> Option<[&str; 2]> {
 }
 
 /// The names that a parameter may have as its value, where it has names.
-fn choices(schema: &Value, key: &str) -> Vec<String> {
+fn choices(machine: &MachineInfo, key: &str) -> Vec<String> {
+    if key == "ideal.units" {
+        return machine.units().iter().map(|unit| unit.name.clone()).collect();
+    }
+    let schema = &machine.schema();
     let property = |at: &'_ Value, part: &str| resolved(schema, &at["properties"][part]);
     let found = key.split('.').fold(schema.clone(), |at, part| property(&at, part));
     let constants = found["oneOf"].as_array().into_iter().flatten().flat_map(|one| [&one["const"], &one["enum"][0]]);
@@ -102,11 +106,10 @@ mod tests {
     #[test]
     fn every_parameter_is_a_switch_or_has_choices_or_a_range() {
         for machine in MACHINES {
-            let schema = machine.schema();
             for p in machine.parameters().iter().filter(|p| !p.default.is_boolean() && range(p).is_none()) {
-                let choices = choices(&schema, &p.key);
-                let names = p.default.as_str().is_some_and(|name| choices.iter().any(|c| c == name));
-                assert!(names || p.default.is_array(), "{} of {}: {choices:?}", p.key, machine.name);
+                let choices = choices(machine, &p.key);
+                let names = p.default.as_str().is_some_and(|name| name.is_empty() || choices.iter().any(|c| c == name));
+                assert!(names && !choices.is_empty() || p.default.is_array(), "{} of {}: {choices:?}", p.key, machine.name);
             }
         }
     }

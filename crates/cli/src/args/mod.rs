@@ -9,7 +9,7 @@ mod values;
 pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, ViewArgs};
 pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
-pub use run::{DemoArgs, RetimeArgs, RunArgs, ServeArgs};
+pub use run::{DemoArgs, RetimeArgs, RunArgs, ServeArgs, SizeFifosArgs};
 
 use basrelief_input::{Budget, Size};
 use clap::{Parser, Subcommand};
@@ -39,6 +39,8 @@ pub enum Command {
     Run(RunArgs),
     /// Time the recorded work of a run again, under other FIFOs, memories and caches.
     Retime(RetimeArgs),
+    /// Find the smallest FIFOs that keep the cycles of recorded runs.
+    SizeFifos(SizeFifosArgs),
     /// Record what the geometry processor hands on as a display list.
     Record(RecordArgs),
     /// Turn a display list from one form into another (JSON Lines or binary, plain or zstd), without loss.

@@ -1,7 +1,7 @@
 //! Arguments of the commands that draw or offer scenes: `demo`, `run`, `serve`.
 
 use super::common::{MachineArgs, SimulationArgs, ViewArgs};
-use super::values::{http, key_value, socket};
+use super::values::{finite, http, key_value, socket};
 use clap::Args;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -64,6 +64,20 @@ pub struct RetimeArgs {
     /// Do not measure what limits the run.
     #[arg(long)]
     pub no_limits: bool,
+}
+
+/// Arguments of `size-fifos`.
+#[derive(Clone, Debug, Args)]
+pub struct SizeFifosArgs {
+    /// Tapes of one machine with the same parameters, made by `run --tape`.
+    #[arg(required = true)]
+    pub tapes: Vec<PathBuf>,
+    /// Cycles of the frames that may be lost (percent); several, with commas between, make a table.
+    #[arg(long, value_name = "PERCENT", value_delimiter = ',', default_values_t = [0.0, 0.5, 2.0], value_parser = finite)]
+    pub within: Vec<f64>,
+    /// Print the table as JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `serve`.

@@ -12,6 +12,7 @@ mod run;
 mod schema;
 mod serve;
 mod simulate;
+mod size_fifos;
 pub mod tables;
 mod tape;
 mod verify;
@@ -25,6 +26,7 @@ pub fn dispatch(cli: Cli, budget: &Budget) -> Done {
     match cli.command {
         Command::Demo(args) => run::demo(&args, budget, cli.quiet),
         Command::Run(args) => run::run(&args, budget, cli.quiet),
+        Command::SizeFifos(args) => size_fifos::size_fifos(&args, budget),
         Command::Retime(args) => tape::retime(&args, budget, cli.quiet),
         Command::Record(args) => record::record(&args, budget, cli.quiet),
         Command::Convert(args) => convert::convert(&args, budget),

@@ -61,12 +61,20 @@ pub fn given(machine: &MachineArgs, budget: &Budget) -> Done<Given> {
     Ok(Given { toml, settings: machine.settings.clone() })
 }
 
+/// Opens a tape.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn open(path: &Path) -> Done<zstd::Decoder<'static, BufReader<File>>> {
+    let file = File::open(path).map_err(Failure::file(path, "be read"))?;
+    zstd::Decoder::new(file).map_err(Failure::file(path, "be read"))
+}
+
 /// Times the work on a tape again.
 pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
     let name = args.tape.display().to_string();
-    let file = File::open(&args.tape).map_err(Failure::file(&args.tape, "be read"))?;
-    let mut reader = zstd::Decoder::new(BufReader::new(file)).map_err(Failure::file(&args.tape, "be read"))?;
+    let mut reader = open(&args.tape)?;
     let limits = limits_of(args.limits, args.no_limits);
     let options = RetimeOptions { settings: args.settings.clone(), limits, budget: budget.clone() };
     let report = timed_again(&mut reader, &options).map_err(|error| match error {
