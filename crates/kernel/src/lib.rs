@@ -266,7 +266,7 @@ pub use connections::{Clients, Connections, MemoryClients};
 pub use counts::{Bus, ChannelCounts, Latencies, PortCounts, RowCounts};
 pub use cycle::Cycle;
 pub use derived::Derived;
-pub use engine::{Engine, Frames, Limits, RetimeError, retime, run, run_functional, run_recorded, run_with};
+pub use engine::{Engine, Limits, Reels, RetimeError, retime, run, run_functional, run_recorded, run_with};
 pub use fifo::Fifo;
 pub use hardware::{Hardware, HardwareKind};
 pub use link::Link;

@@ -3,7 +3,7 @@
 mod common;
 
 use basrelief_kernel::plan::Plan;
-use basrelief_kernel::tape::Frame;
+use basrelief_kernel::tape::Reel;
 use basrelief_kernel::{NoProbe, Outcome, RetimeError, RunReport, Shape, retime};
 use common::random::{Recipe, recipe};
 use common::{machine, run_both, tape};
@@ -28,15 +28,15 @@ fn other_times(plan: &Plan, other: &Recipe) -> Plan {
 }
 
 /// The stream of each stage, in one piece.
-fn streams(tape: &[Frame]) -> Vec<Vec<u8>> {
+fn streams(tape: &[Reel]) -> Vec<Vec<u8>> {
     let stages = tape[0].streams().count();
-    let whole = |stage| tape.iter().flat_map(|frame| frame.streams().nth(stage).unwrap().iter().copied()).collect();
+    let whole = |stage| tape.iter().flat_map(|reel| reel.streams().nth(stage).unwrap().iter().copied()).collect();
     (0..stages).map(whole).collect()
 }
 
-fn timed_again(tape: &[Frame], plan: &Plan) -> Result<RunReport, RetimeError> {
-    let mut frames = tape.iter().map(Cow::Borrowed);
-    retime(Shape::of(&mut machine(plan)).unwrap(), &mut || Ok(frames.next()), &mut NoProbe, u64::MAX)
+fn timed_again(tape: &[Reel], plan: &Plan) -> Result<RunReport, RetimeError> {
+    let mut reels = tape.iter().map(Cow::Borrowed);
+    retime(Shape::of(&mut machine(plan)).unwrap(), &mut || Ok(reels.next()), &mut NoProbe, u64::MAX)
 }
 
 proptest! {
@@ -67,8 +67,8 @@ proptest! {
 
     #[test]
     fn frames_come_back_from_their_bytes(recipe in recipe()) {
-        for frame in tape(&recipe.plan().0, u64::MAX) {
-            prop_assert_eq!(Frame::from_bytes(&frame.to_bytes()), Ok(frame));
+        for reel in tape(&recipe.plan().0, u64::MAX) {
+            prop_assert_eq!(Reel::from_bytes(&reel.to_bytes()), Ok(reel));
         }
     }
 
@@ -77,8 +77,8 @@ proptest! {
     fn a_spoiled_tape_hurts_nobody(recipe in recipe(), changes in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), cut: bool) {
         let (plan, _) = recipe.plan();
         let mut spoiled = Vec::new();
-        for frame in tape(&plan, u64::MAX) {
-            let mut bytes = frame.to_bytes();
+        for reel in tape(&plan, u64::MAX) {
+            let mut bytes = reel.to_bytes();
             for (index, byte) in &changes {
                 let at = index.index(bytes.len());
                 bytes[at] = *byte;
@@ -86,12 +86,12 @@ proptest! {
             if cut {
                 bytes.truncate(changes[0].0.index(bytes.len()));
             }
-            spoiled.extend(Frame::from_bytes(&bytes));
+            spoiled.extend(Reel::from_bytes(&bytes));
         }
-        let mut frames = spoiled.into_iter().map(Cow::Owned);
+        let mut reels = spoiled.into_iter().map(Cow::Owned);
         let shape = Shape::of(&mut machine(&plan)).unwrap();
         // A limit, since a spoiled step may keep its unit for 2^32 cycles; what a report says of it is nobody's business.
-        let _ = retime(shape, &mut || Ok(frames.next()), &mut NoProbe, 1 << 20);
+        let _ = retime(shape, &mut || Ok(reels.next()), &mut NoProbe, 1 << 20);
     }
 }
 

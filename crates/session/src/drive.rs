@@ -12,16 +12,16 @@ use crate::observer::{MemoryRequests, Observer, Pictures, picture_name};
 use crate::outcome::{Run, SessionError};
 use crate::run::Way;
 use crate::settings::RunOptions;
-use crate::tape::{self, FRAME_BYTES, WorkHash};
+use crate::tape::{self, REEL_BYTES, WorkHash};
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_input::{Held, OverBudget};
-use basrelief_kernel::tape::Frame;
+use basrelief_kernel::tape::Reel;
 use basrelief_kernel::{self as kernel, Limits, Machine, Outcome, Probe, RunReport};
 use basrelief_machines::Facts;
 use basrelief_reference::{Picture, Quality, SizeMismatch, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
-use basrelief_signals::{Camera, Frame as SceneFrame};
+use basrelief_signals::{Camera, Frame};
 use basrelief_threads::Later;
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -115,19 +115,19 @@ impl<'a> Session<'a> {
         // Where a user acts at times, what is drawn follows from times.
         let acts_at_times = spec.rehearsed(&[]).is_some();
         let mut kept = Kept::new(self.settings.limits).filter(|_| !acts_at_times);
-        let frames = RefCell::new(Vec::new());
+        let reels = RefCell::new(Vec::new());
         let is_recorded = kept.is_some() || self.settings.tape;
         let ran = {
             let mut progress = |machine: &mut M| {
-                self.take_tape(&mut frames.borrow_mut(), &mut kept);
+                self.take_tape(&mut reels.borrow_mut(), &mut kept);
                 self.look(spec, machine, &mut aside)
             };
             match engine {
                 Some(engine) => {
                     let limits = Limits { max_cycles, progress: &mut progress };
                     Ok(Some(if is_recorded {
-                        let keep = &mut |frame| frames.borrow_mut().push(frame);
-                        kernel::run_recorded(&mut machine, engine, probe, limits, (FRAME_BYTES, keep))
+                        let keep = &mut |reel| reels.borrow_mut().push(reel);
+                        kernel::run_recorded(&mut machine, engine, probe, limits, (REEL_BYTES, keep))
                     } else {
                         kernel::run_with(&mut machine, engine, probe, limits)
                     }))
@@ -135,7 +135,7 @@ impl<'a> Session<'a> {
                 None => kernel::run_functional(&mut machine, &mut progress).map(|()| None),
             }
         };
-        self.take_tape(&mut frames.borrow_mut(), &mut kept);
+        self.take_tape(&mut reels.borrow_mut(), &mut kept);
         self.simulate_s = clock() - began - aside;
         let report = match ran {
             Ok(report) => report,
@@ -185,15 +185,15 @@ impl<'a> Session<'a> {
         self.failed.is_none() && self.over_budget.is_none() && self.observer.progress(commands, total)
     }
 
-    /// Takes the frames of the tape since the last call: keeps them, and shows them.
-    fn take_tape(&mut self, frames: &mut Vec<Frame>, kept: &mut Option<Kept>) {
-        for frame in frames.drain(..) {
+    /// Takes the reels of the tape since the last call: keeps them, and shows them.
+    fn take_tape(&mut self, reels: &mut Vec<Reel>, kept: &mut Option<Kept>) {
+        for reel in reels.drain(..) {
             if self.settings.tape {
-                self.work.add(&frame);
-                self.attempt(|session| session.observer.tape(&tape::frame(&frame)));
+                self.work.add(&reel);
+                self.attempt(|session| session.observer.tape(&tape::reel(&reel)));
             }
             if let Some(kept) = kept {
-                kept.keep(frame);
+                kept.keep(reel);
             }
         }
     }
@@ -316,7 +316,7 @@ impl<'a> Session<'a> {
         self,
         (spec, way): (&S, Way),
         input: Input,
-        frame: Option<&SceneFrame>,
+        frame: Option<&Frame>,
         result: EngineResult,
         warnings: &[String],
         expectations: Vec<Expectation>,
@@ -345,8 +345,8 @@ impl<'a> Session<'a> {
             tape_is_whole = self.observer.tape(&tape::end(&ended, figures, self.work)).is_ok();
         }
         let mut report = ended.report(spec, facts, run.as_ref());
-        if let (Some(run), Some(frames)) = (complete, kept.as_ref().and_then(Kept::frames)) {
-            report.limits = Recorded { spec, given: &self.settings.given, way, frames, run }.limits().ok();
+        if let (Some(run), Some(reels)) = (complete, kept.as_ref().and_then(Kept::reels)) {
+            report.limits = Recorded { spec, given: &self.settings.given, way, reels, run }.limits().ok();
         }
         Run { report, timing: run, tape_is_whole, expectations, simulate_s: self.simulate_s }
     }

@@ -4,7 +4,7 @@ use crate::machines::MachineSpec;
 use crate::run::Way;
 use crate::settings::Limits;
 use crate::tape::Given;
-use basrelief_kernel::tape::Frame;
+use basrelief_kernel::tape::Reel;
 use basrelief_kernel::{NoProbe, RunReport, Shape, retime};
 use basrelief_machines::ConfigProblem;
 use basrelief_report::model::Limit;
@@ -22,7 +22,7 @@ const TOGETHER: u64 = 10;
 /// The tape of a run that is timed again when it is over.
 #[derive(Debug)]
 pub(crate) struct Kept {
-    frames: Vec<Frame>,
+    reels: Vec<Reel>,
     /// Bytes that are left to keep; none once it was too long.
     left: Option<usize>,
 }
@@ -37,23 +37,23 @@ impl Kept {
             Limits::IfShort => Self::SHORT,
             Limits::Always => usize::MAX,
         };
-        Some(Self { frames: vec![], left: Some(left) })
+        Some(Self { reels: vec![], left: Some(left) })
     }
 
-    /// Keeps a frame; none at all once there are too many.
-    pub(crate) fn keep(&mut self, frame: Frame) {
-        let bytes: usize = frame.streams().map(<[u8]>::len).sum();
+    /// Keeps a reel; none at all once there are too many.
+    pub(crate) fn keep(&mut self, reel: Reel) {
+        let bytes: usize = reel.streams().map(<[u8]>::len).sum();
         self.left = self.left.and_then(|left| left.checked_sub(bytes));
         if self.left.is_some() {
-            self.frames.push(frame);
+            self.reels.push(reel);
         } else {
-            self.frames = vec![];
+            self.reels = vec![];
         }
     }
 
-    /// All frames; none where there were too many.
-    pub(crate) fn frames(&self) -> Option<&[Frame]> {
-        self.left.map(|_| self.frames.as_slice())
+    /// All reels; none where there were too many.
+    pub(crate) fn reels(&self) -> Option<&[Reel]> {
+        self.left.map(|_| self.reels.as_slice())
     }
 }
 
@@ -72,7 +72,7 @@ pub(crate) struct Recorded<'a, S> {
     /// What the user gave of its parameters: `set` is over these.
     pub(crate) given: &'a Given,
     pub(crate) way: Way,
-    pub(crate) frames: &'a [Frame],
+    pub(crate) reels: &'a [Reel],
     pub(crate) run: &'a RunReport,
 }
 
@@ -125,8 +125,8 @@ impl<S: MachineSpec> Recorded<'_, S> {
     fn cycles(&self, recorded: &Shape, set: &[(String, String)]) -> Option<u64> {
         let shape = self.way.shape(&self.given.load::<S>(set).ok()?).ok()?;
         recorded.same_work(&shape).ok()?;
-        let mut frames = self.frames.iter().map(Cow::Borrowed);
-        retime(shape, &mut || Ok(frames.next()), &mut NoProbe, u64::MAX).ok().map(|report| frame_cycles(&report))
+        let mut reels = self.reels.iter().map(Cow::Borrowed);
+        retime(shape, &mut || Ok(reels.next()), &mut NoProbe, u64::MAX).ok().map(|report| frame_cycles(&report))
     }
 
     /// All that could limit the run, in the order of the block diagram. What was never in the way is left out: a unit whose steps take

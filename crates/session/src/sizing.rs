@@ -157,7 +157,7 @@ impl<'a, S: MachineSpec> Sizing<'a, S> {
         let spec: S = serde_json::from_value(values).map_err(|error| TapeFileError::Config(error.to_string()))?;
         let shape: Shape = tape.way.shape(&spec).map_err(crate::tape::config)?;
         tape.way.shape(self.spec).map_err(crate::tape::config)?.same_work(&shape).map_err(TapeFileError::OtherWork)?;
-        let mut frames = tape.frames.iter().map(Cow::Borrowed);
-        Ok(retime(shape, &mut || Ok(frames.next()), &mut NoProbe, u64::MAX)?)
+        let mut reels = tape.reels.iter().map(Cow::Borrowed);
+        Ok(retime(shape, &mut || Ok(reels.next()), &mut NoProbe, u64::MAX)?)
     }
 }

@@ -1,7 +1,7 @@
 //! Tapes: the work of a run in a file, from which [`retime`] makes the report that a run under other times gives.
 //!
 //! A tape is the line `basrelief-tape/1`, then pieces: a letter, the length in bytes (32 bits, lowest first), and so many bytes. `H`,
-//! first, says in JSON which machine with which parameters; `F` is a [frame](Frame) of steps; `E`, last, says in JSON what is left of
+//! first, says in JSON which machine with which parameters; `R` is a [reel](Reel) of steps; `E`, last, says in JSON what is left of
 //! the run beside its times, with the SHA-256 of the work. Files are compressed outside of this.
 
 use crate::ended::Ended;
@@ -11,7 +11,7 @@ use crate::run::Way;
 use crate::settings::Limits;
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_kernel::facts::Value as FactValue;
-use basrelief_kernel::tape::Frame;
+use basrelief_kernel::tape::Reel;
 use basrelief_kernel::{self as kernel, NoProbe, Outcome, RetimeError, Shape};
 use basrelief_machines::ConfigProblem;
 use basrelief_parameters::{ConfigError, Effect, Parameters};
@@ -25,8 +25,8 @@ use std::io::{self, Read};
 const FIRST_LINE: &[u8] = b"basrelief-tape/1\n";
 /// Longest piece that is taken in \[bytes\].
 const LONGEST: u32 = 1 << 28;
-/// Bytes of a frame, about.
-pub(crate) const FRAME_BYTES: usize = 1 << 20;
+/// Bytes of a reel, about.
+pub(crate) const REEL_BYTES: usize = 1 << 20;
 
 /// Parameters as the user gave them.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -98,14 +98,14 @@ struct End {
     work: String,
 }
 
-/// The SHA-256 of a tape's work: of what each stage does, however its stream is cut into frames.
+/// The SHA-256 of a tape's work: of what each stage does, however its stream is cut into reels.
 #[derive(Clone, Default)]
 pub(crate) struct WorkHash(Vec<Sha256>);
 
 impl WorkHash {
-    pub(crate) fn add(&mut self, frame: &Frame) {
-        self.0.resize(frame.streams().count(), Sha256::new());
-        self.0.iter_mut().zip(frame.streams()).for_each(|(hash, stream)| hash.update(stream));
+    pub(crate) fn add(&mut self, reel: &Reel) {
+        self.0.resize(reel.streams().count(), Sha256::new());
+        self.0.iter_mut().zip(reel.streams()).for_each(|(hash, stream)| hash.update(stream));
     }
 
     fn finish(self) -> String {
@@ -129,9 +129,9 @@ pub(crate) fn head<S: MachineSpec>(way: Way, given: &Given) -> Vec<u8> {
     [FIRST_LINE, &piece(b'H', &serde_json::to_vec(&head).unwrap_or_default())].concat()
 }
 
-/// A frame of a tape.
-pub(crate) fn frame(frame: &Frame) -> Vec<u8> {
-    piece(b'F', &frame.to_bytes())
+/// A reel of a tape.
+pub(crate) fn reel(reel: &Reel) -> Vec<u8> {
+    piece(b'R', &reel.to_bytes())
 }
 
 /// The end of a tape.
@@ -232,11 +232,11 @@ fn timed_again<S: MachineSpec>(
     if spec.rehearsed(&[]).is_some() {
         return Err(TapeFileError::OtherWork("its user acts at times".into()));
     }
-    let mut frames = FramesOfFile { pieces, work: WorkHash::default(), kept: Kept::new(options.limits), end: None, fault: None };
-    let timed = kernel::retime(shape, &mut || frames.next(), &mut NoProbe, u64::MAX);
+    let mut reels = ReelsOfFile { pieces, work: WorkHash::default(), kept: Kept::new(options.limits), end: None, fault: None };
+    let timed = kernel::retime(shape, &mut || reels.next(), &mut NoProbe, u64::MAX);
     // To its end: what is left of the run stands there.
-    while timed.is_ok() && frames.next().is_ok_and(|frame| frame.is_some()) {}
-    let FramesOfFile { work, kept, end, fault, .. } = frames;
+    while timed.is_ok() && reels.next().is_ok_and(|reel| reel.is_some()) {}
+    let ReelsOfFile { work, kept, end, fault, .. } = reels;
     if let Some(fault) = fault {
         return Err(fault);
     }
@@ -251,7 +251,7 @@ fn timed_again<S: MachineSpec>(
     let mut facts = way.facts(spec).map_err(config)?;
     facts.put(&figures);
     let mut report = ended.report(spec, facts, Some(&run));
-    report.limits = kept.and_then(|kept| Recorded { spec, given, way, frames: kept.frames()?, run: &run }.limits().ok());
+    report.limits = kept.and_then(|kept| Recorded { spec, given, way, reels: kept.reels()?, run: &run }.limits().ok());
     Ok(report)
 }
 
@@ -277,8 +277,8 @@ fn same_work<S: MachineSpec>((recorded, spec): (&S, &S), way: Way) -> Result<Sha
     Ok(shape)
 }
 
-/// The frames of a tape, as they are read.
-struct FramesOfFile<'a> {
+/// The reels of a tape, as they are read.
+struct ReelsOfFile<'a> {
     pieces: Pieces<'a>,
     work: WorkHash,
     /// Those that are timed again, for limits.
@@ -287,35 +287,35 @@ struct FramesOfFile<'a> {
     fault: Option<TapeFileError>,
 }
 
-impl FramesOfFile<'_> {
-    /// The next frame, for the kernel: it is told that there is a fault, and we keep what it is.
-    fn next(&mut self) -> Result<Option<Cow<'static, Frame>>, String> {
+impl ReelsOfFile<'_> {
+    /// The next reel, for the kernel: it is told that there is a fault, and we keep what it is.
+    fn next(&mut self) -> Result<Option<Cow<'static, Reel>>, String> {
         if self.end.is_some() || self.fault.is_some() {
             return Ok(None);
         }
-        self.read().map(|frame| frame.map(Cow::Owned)).map_err(|fault| {
+        self.read().map(|reel| reel.map(Cow::Owned)).map_err(|fault| {
             let text = fault.to_string();
             self.fault = Some(fault);
             text
         })
     }
 
-    fn read(&mut self) -> Result<Option<Frame>, TapeFileError> {
+    fn read(&mut self) -> Result<Option<Reel>, TapeFileError> {
         let (letter, bytes, _held) = self.pieces.next()?;
         match letter {
-            b'F' => {
-                let frame = Frame::from_bytes(&bytes).map_err(RetimeError::from)?;
-                self.work.add(&frame);
+            b'R' => {
+                let reel = Reel::from_bytes(&bytes).map_err(RetimeError::from)?;
+                self.work.add(&reel);
                 if let Some(kept) = &mut self.kept {
-                    kept.keep(frame.clone());
+                    kept.keep(reel.clone());
                 }
-                Ok(Some(frame))
+                Ok(Some(reel))
             }
             b'E' => {
                 self.end = Some(parse(&bytes, "its end")?);
                 Ok(None)
             }
-            other => Err(TapeFileError::Format(format!("a piece `{}`, expected F or E", other.escape_ascii()))),
+            other => Err(TapeFileError::Format(format!("a piece `{}`, expected R or E", other.escape_ascii()))),
         }
     }
 }
@@ -325,7 +325,7 @@ pub(crate) struct Loaded {
     machine: &'static MachineInfo,
     given: Given,
     pub(crate) way: Way,
-    pub(crate) frames: Vec<Frame>,
+    pub(crate) reels: Vec<Reel>,
     _held: Held,
 }
 
@@ -334,15 +334,15 @@ impl Loaded {
     pub(crate) fn read(reader: &mut dyn Read, budget: &Budget) -> Result<Self, TapeFileError> {
         let mut pieces = Pieces { reader, budget };
         let (head, machine) = pieces.begin()?;
-        let mut frames = FramesOfFile { pieces, work: WorkHash::default(), kept: None, end: None, fault: None };
+        let mut reels = ReelsOfFile { pieces, work: WorkHash::default(), kept: None, end: None, fault: None };
         let (mut all, mut held) = (Vec::new(), budget.nothing());
-        while let Some(frame) = frames.read()? {
-            held.grow(frame.streams().map(<[u8]>::len).sum::<usize>() as u64, "a tape")?;
-            all.push(frame);
+        while let Some(reel) = reels.read()? {
+            held.grow(reel.streams().map(<[u8]>::len).sum::<usize>() as u64, "a tape")?;
+            all.push(reel);
         }
-        match frames.end {
-            Some(end) if end.work == frames.work.finish() => {
-                Ok(Self { machine, given: head.given, way: head.way, frames: all, _held: held })
+        match reels.end {
+            Some(end) if end.work == reels.work.finish() => {
+                Ok(Self { machine, given: head.given, way: head.way, reels: all, _held: held })
             }
             _ => Err(TapeFileError::Format("its work has another SHA-256 than it says".into())),
         }

@@ -9,11 +9,11 @@ mod work;
 use crate::check::check_wiring;
 use crate::report::RunReport;
 use crate::shape::Shape;
-use crate::tape::{Frame, Writer};
+use crate::tape::{Reel, Writer};
 use crate::time::{Halt, Rest, Time};
 use crate::wiring::Machine;
 use crate::{Cycle, Probe, Traffic};
-pub use retime::{Frames, RetimeError, retime};
+pub use retime::{Reels, RetimeError, retime};
 use work::Survey;
 
 /// How to run a machine.
@@ -45,21 +45,21 @@ pub fn run_with<M: Machine, P: Probe>(machine: &mut M, engine: Engine, probe: &m
     run_on(machine, probe, |machine, time, probe| run_engine(machine, engine, (time, probe), limits, None))
 }
 
-/// The same, and hands the run's [tape](crate::tape) to `keep`, in frames of `frame_bytes` and somewhat more.
-/// There is no last frame where the run is stopped, or a unit cannot go on.
+/// The same, and hands the run's [tape](crate::tape) to `keep`, in reels of `reel_bytes` and somewhat more.
+/// There is no last reel where the run is stopped, or a unit cannot go on.
 pub fn run_recorded<M: Machine, P: Probe>(
     machine: &mut M,
     engine: Engine,
     probe: &mut P,
     limits: Limits<'_, M>,
-    (frame_bytes, keep): (usize, &mut dyn FnMut(Frame)),
+    (reel_bytes, keep): (usize, &mut dyn FnMut(Reel)),
 ) -> RunReport {
     run_on(machine, probe, |machine, time, probe| {
-        let mut writer = Writer::new(time.stages.len(), frame_bytes);
+        let mut writer = Writer::new(time.stages.len(), reel_bytes);
         let recording = Some(Recording { writer: &mut writer, keep: &mut *keep });
         let halt = run_engine(machine, engine, (time, probe), limits, recording);
         if matches!(halt, Halt::Quiet | Halt::Limit(_)) {
-            keep(writer.frame(rests(machine), true));
+            keep(writer.reel(rests(machine), true));
         }
         halt
     })
@@ -104,13 +104,13 @@ fn rests(machine: &mut impl Machine) -> Vec<Rest> {
 /// A tape under way.
 struct Recording<'a> {
     writer: &'a mut Writer,
-    keep: &'a mut dyn FnMut(Frame),
+    keep: &'a mut dyn FnMut(Reel),
 }
 
-/// Hands on what has been written, where it is worth a frame.
-fn hand_on(machine: &mut impl Machine, writer: &mut Writer, keep: &mut dyn FnMut(Frame)) {
+/// Hands on what has been written, where it is worth a reel.
+fn hand_on(machine: &mut impl Machine, writer: &mut Writer, keep: &mut dyn FnMut(Reel)) {
     if writer.is_full() {
-        keep(writer.frame(rests(machine), false));
+        keep(writer.reel(rests(machine), false));
     }
 }
 

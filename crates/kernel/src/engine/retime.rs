@@ -4,7 +4,7 @@ use super::timed::RunAhead;
 use super::work::Work;
 use crate::report::RunReport;
 use crate::shape::Shape;
-use crate::tape::{Frame, Reader, TapeError};
+use crate::tape::{Reader, Reel, TapeError};
 use crate::time::{Halt, Known, Made, Rest, Time, Unknown};
 use crate::{Demand, Probe, Traffic};
 use std::borrow::Cow;
@@ -34,8 +34,8 @@ pub enum RetimeError {
     Read(String),
 }
 
-/// Gives the frames of a tape in order, and none after the last; or says why it cannot be read.
-pub type Frames<'a, 'f> = dyn FnMut() -> Result<Option<Cow<'f, Frame>>, String> + 'a;
+/// Gives the reels of a tape in order, and none after the last; or says why it cannot be read.
+pub type Reels<'a, 'f> = dyn FnMut() -> Result<Option<Cow<'f, Reel>>, String> + 'a;
 
 /// A number of FIFOs that the compiler does not know.
 const MANY: usize = usize::MAX;
@@ -89,13 +89,13 @@ impl<const I: usize, const O: usize, const MEMORY: bool> Work for Recorded<'_, I
 /// See [`RetimeError`].
 pub fn retime<P: Probe>(
     shape: Shape,
-    frames: &mut Frames<'_, '_>,
+    reels: &mut Reels<'_, '_>,
     probe: &mut P,
     max_cycles: u64,
 ) -> Result<RunReport, RetimeError> {
     let mut readers: Vec<Reader> = shape.stages.iter().map(|s| Reader::new(s.inputs.len(), s.outputs.len())).collect();
     let mut time = Time::new(shape);
-    feed(&mut readers, frames, &time)?;
+    feed(&mut readers, reels, &time)?;
     let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
     let halt = loop {
         walk.begin();
@@ -114,7 +114,7 @@ pub fn retime<P: Probe>(
         if !walk.hungry {
             break if walk.limited { Halt::Limit(max_cycles) } else { Halt::Quiet };
         }
-        feed(&mut readers, frames, walk.time)?;
+        feed(&mut readers, reels, walk.time)?;
     };
     time.land_all();
     let rest = |reader: &Reader| Rest {
@@ -125,9 +125,9 @@ pub fn retime<P: Probe>(
     Ok(time.conclude(&rests, halt))
 }
 
-/// Goes on with the next frame, which a stage needs.
-fn feed(readers: &mut [Reader], frames: &mut Frames<'_, '_>, time: &Time) -> Result<(), RetimeError> {
-    let Some(frame) = frames().map_err(RetimeError::Read)? else {
+/// Goes on with the next reel, which a stage needs.
+fn feed(readers: &mut [Reader], reels: &mut Reels<'_, '_>, time: &Time) -> Result<(), RetimeError> {
+    let Some(reel) = reels().map_err(RetimeError::Read)? else {
         let needs = |&stage: &usize| {
             let demand = readers[stage].demand().unwrap_or(Demand::Finished);
             !readers[stage].has_step() && time.next_start::<Unknown>(stage, demand).is_known()
@@ -135,9 +135,9 @@ fn feed(readers: &mut [Reader], frames: &mut Frames<'_, '_>, time: &Time) -> Res
         let stage = (0..readers.len()).find(needs).unwrap_or_default();
         return Err(RetimeError::EndsEarly(time.shape.stages[stage].names.name.clone()));
     };
-    if frame.stages.len() != readers.len() {
-        return Err(RetimeError::Stages { found: frame.stages.len(), expected: readers.len() });
+    if reel.stages.len() != readers.len() {
+        return Err(RetimeError::Stages { found: reel.stages.len(), expected: readers.len() });
     }
-    frame.feed(readers);
+    reel.feed(readers);
     Ok(())
 }

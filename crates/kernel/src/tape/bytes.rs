@@ -3,7 +3,7 @@
 /// What is wrong with a tape.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TapeError {
-    /// It ends within a step or a frame.
+    /// It ends within a step or a reel.
     #[error("the tape breaks off: {0} is missing")]
     BreaksOff(&'static str),
     /// A value that no step can have.

@@ -2,7 +2,7 @@
 
 use super::bytes::{TapeError, get, unzigzag};
 use super::class::{CLASSES, Class, NEW};
-use super::frame::Frame;
+use super::reel::Reel;
 use crate::time::{Made, Rest};
 use crate::wiring::MAX_LINKS;
 use crate::{Demand, Traffic};
@@ -27,7 +27,7 @@ pub(crate) struct Reader {
 }
 
 impl Reader {
-    /// Of a stage with so many inputs and outputs, before the first frame.
+    /// Of a stage with so many inputs and outputs, before the first reel.
     pub(crate) fn new(inputs: usize, outputs: usize) -> Self {
         let (bytes, classes, last) = (Vec::new(), vec![None; CLASSES], [0; MAX_LINKS]);
         Self { bytes, at: 0, classes, next: None, rest: None, last, inputs, outputs, error: None }
@@ -120,7 +120,7 @@ impl Reader {
     }
 }
 
-impl Frame {
+impl Reel {
     /// Feeds the readers of all stages.
     pub(crate) fn feed(&self, readers: &mut [Reader]) {
         for ((reader, bytes), &rest) in readers.iter_mut().zip(&self.stages).zip(&self.rests) {

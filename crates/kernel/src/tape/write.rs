@@ -2,7 +2,7 @@
 
 use super::bytes::{put, zigzag};
 use super::class::{CLASSES, Class, NEW, place};
-use super::frame::Frame;
+use super::reel::Reel;
 use crate::time::{Made, Rest};
 use crate::wiring::MAX_LINKS;
 use crate::{Demand, Traffic};
@@ -12,8 +12,8 @@ use crate::{Demand, Traffic};
 pub(crate) struct Writer {
     stages: Vec<Stream>,
     written: usize,
-    /// Bytes that are worth a frame.
-    frame: usize,
+    /// Bytes that are worth a reel.
+    reel: usize,
 }
 
 /// The stream of one stage.
@@ -26,9 +26,9 @@ struct Stream {
 }
 
 impl Writer {
-    pub(crate) fn new(stages: usize, frame: usize) -> Self {
+    pub(crate) fn new(stages: usize, reel: usize) -> Self {
         let stream = Stream { bytes: Vec::new(), classes: vec![None; CLASSES], last: [0; MAX_LINKS] };
-        Self { stages: vec![stream; stages], written: 0, frame }
+        Self { stages: vec![stream; stages], written: 0, reel }
     }
 
     /// Writes a step down.
@@ -40,17 +40,17 @@ impl Writer {
         self.written += stream.bytes.len() - before;
     }
 
-    /// Whether there is enough for a frame.
+    /// Whether there is enough for a reel.
     pub(crate) fn is_full(&self) -> bool {
-        self.written >= self.frame
+        self.written >= self.reel
     }
 
-    /// What has been written since the last frame, with what the next step of each stage will take; `last`: there will be none
+    /// What has been written since the last reel, with what the next step of each stage will take; `last`: there will be none
     /// beyond.
-    pub(crate) fn frame(&mut self, rests: Vec<Rest>, last: bool) -> Frame {
+    pub(crate) fn reel(&mut self, rests: Vec<Rest>, last: bool) -> Reel {
         self.written = 0;
         let stages = self.stages.iter_mut().map(|stream| std::mem::take(&mut stream.bytes)).collect();
-        Frame { stages, rests, last }
+        Reel { stages, rests, last }
     }
 }
 

@@ -6,7 +6,7 @@ pub mod random;
 use basrelief_kernel::plan::{Kind, Plan, PlanCache, PlanFifo, PlanMachine, PlanMemory, PlanPort, PlannedUnit, Token};
 use basrelief_kernel::{
     Cause, Cycle, Engine, Limits, MemoryConfig, NoProbe, Part, Probe, Recorder, RunReport, Shape, UnitReport, retime, run,
-    run_functional, run_recorded, run_with, tape::Frame,
+    run_functional, run_recorded, run_with, tape::Reel,
 };
 use std::borrow::Cow;
 
@@ -88,19 +88,19 @@ pub fn run_both(plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
 }
 
 /// The tape of a run.
-pub fn tape(plan: &Plan, max_cycles: u64) -> Vec<Frame> {
-    let mut frames = Vec::new();
+pub fn tape(plan: &Plan, max_cycles: u64) -> Vec<Reel> {
+    let mut reels = Vec::new();
     let limits = Limits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
-    run_recorded(&mut machine(plan), Engine::Timed, &mut NoProbe, limits, (64, &mut |frame| frames.push(frame)));
-    frames
+    run_recorded(&mut machine(plan), Engine::Timed, &mut NoProbe, limits, (64, &mut |reel| reels.push(reel)));
+    reels
 }
 
 /// The same work on a machine by `plan`: the report and what every unit did when.
-pub fn retimed(tape: &[Frame], plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
+pub fn retimed(tape: &[Reel], plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
     let mut intervals = Recorder::default();
-    let mut frames = tape.iter().map(Cow::Borrowed);
+    let mut reels = tape.iter().map(Cow::Borrowed);
     let shape = Shape::of(&mut machine(plan)).unwrap();
-    let report = retime(shape, &mut || Ok(frames.next()), &mut intervals, max_cycles);
+    let report = retime(shape, &mut || Ok(reels.next()), &mut intervals, max_cycles);
     (report.unwrap_or_else(|error| panic!("{error}: {}", serde_json::to_string(plan).unwrap())), intervals)
 }
 

@@ -1,4 +1,4 @@
-//! Frames of a tape.
+//! Reels of a tape.
 
 use super::bytes::{TapeError, get, get_up_to, put};
 use super::class::{code, demand_of};
@@ -7,13 +7,13 @@ use crate::wiring::MAX_LINKS;
 
 /// A piece of each stage's stream, whole steps; and what the step after it takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Frame {
+pub struct Reel {
     pub(crate) stages: Vec<Vec<u8>>,
     pub(crate) rests: Vec<Rest>,
     pub(crate) last: bool,
 }
 
-impl Frame {
+impl Reel {
     /// Whether no stage makes a step beyond.
     pub fn is_last(&self) -> bool {
         self.last
@@ -41,25 +41,25 @@ impl Frame {
     /// From bytes.
     ///
     /// # Errors
-    /// If they are no frame.
+    /// If they are no reel.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, TapeError> {
         let mut at = 0;
-        let last = get_up_to(bytes, &mut at, ("whether a frame is the last", 1, "0 or 1"))? == 1;
+        let last = get_up_to(bytes, &mut at, ("whether a reel is the last", 1, "0 or 1"))? == 1;
         let count = get_up_to(bytes, &mut at, ("the number of stages", 4096, "at most 4096"))?;
-        let mut frame = Self { stages: Vec::new(), rests: Vec::new(), last };
+        let mut reel = Self { stages: Vec::new(), rests: Vec::new(), last };
         for _ in 0..count {
             let rest = get(bytes, &mut at, "what is left of a stage")?;
-            frame.rests.push(Rest { demand: demand_of(rest >> 1, MAX_LINKS)?, empty: rest & 1 != 0 });
+            reel.rests.push(Rest { demand: demand_of(rest >> 1, MAX_LINKS)?, empty: rest & 1 != 0 });
             let length = get(bytes, &mut at, "the length of a stream")?;
             let end = usize::try_from(length).ok().and_then(|length| at.checked_add(length));
             let stream = end.and_then(|end| bytes.get(at..end)).ok_or(TapeError::BreaksOff("a stream"))?;
-            frame.stages.push(stream.to_vec());
+            reel.stages.push(stream.to_vec());
             at += stream.len();
         }
         if at < bytes.len() {
             let value = (bytes.len() - at) as u64;
-            return Err(TapeError::Value { what: "what follows a frame", value, expected: "nothing" });
+            return Err(TapeError::Value { what: "what follows a reel", value, expected: "nothing" });
         }
-        Ok(frame)
+        Ok(reel)
     }
 }
