@@ -19,6 +19,7 @@ mod reports;
 mod requests;
 mod samples;
 mod support;
+mod tapes;
 mod texel;
 mod traces;
 mod usage;

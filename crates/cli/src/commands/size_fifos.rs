@@ -1,6 +1,6 @@
 //! `basrelief size-fifos`: the smallest FIFOs that keep the cycles of recorded runs.
 
-use super::tape::open;
+use super::tape::{failure, open};
 use crate::args::SizeFifosArgs;
 use crate::error::{Done, Failure, print};
 use basrelief_input::Budget;
@@ -14,7 +14,7 @@ pub fn size_fifos(args: &SizeFifosArgs, budget: &Budget) -> Done {
     let mut files = args.tapes.iter().map(|tape| open(tape)).collect::<Done<Vec<_>>>()?;
     let names = args.tapes.iter().map(|tape| tape.display().to_string()).collect::<Vec<_>>().join(", ");
     let readers = files.iter_mut().map(|file| file as &mut dyn Read).collect();
-    let sizes = sized(readers, &args.within, budget).map_err(Failure::within(&names))?;
+    let sizes = sized(readers, &args.within, budget).map_err(failure(&names))?;
     if args.json {
         return print(&format!("{}\n", serde_json::to_string_pretty(&sizes).map_err(Failure::bad)?));
     }

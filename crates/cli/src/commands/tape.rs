@@ -70,14 +70,10 @@ pub fn open(path: &Path) -> Done<zstd::Decoder<'static, BufReader<File>>> {
     zstd::Decoder::new(file).map_err(Failure::file(path, "be read"))
 }
 
-/// Times the work on a tape again.
-pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
-    let began = seconds();
-    let name = args.tape.display().to_string();
-    let mut reader = open(&args.tape)?;
-    let limits = limits_of(args.limits, args.no_limits);
-    let options = RetimeOptions { settings: args.settings.clone(), limits, budget: budget.clone() };
-    let report = timed_again(&mut reader, &options).map_err(|error| match error {
+/// What is wrong with a tape of this name, or with what was to be done with it.
+pub fn failure(name: &str) -> impl Fn(TapeFileError) -> Failure {
+    let name = name.to_owned();
+    move |error| match error {
         TapeFileError::Work(_) | TapeFileError::OtherWork(_) | TapeFileError::Config(_) => {
             Failure::Usage(format!("--set: {error}"))
         }
@@ -86,7 +82,17 @@ pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
             Failure::within(&name)("not a tape, or not whole; `basrelief run --tape FILE` makes one")
         }
         _ => Failure::within(&name)(error),
-    })?;
+    }
+}
+
+/// Times the work on a tape again.
+pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
+    let began = seconds();
+    let name = args.tape.display().to_string();
+    let mut reader = open(&args.tape)?;
+    let limits = limits_of(args.limits, args.no_limits);
+    let options = RetimeOptions { settings: args.settings.clone(), limits, budget: budget.clone() };
+    let report = timed_again(&mut reader, &options).map_err(failure(&name))?;
     let took = seconds() - began;
     let report = report.with_host(took, took);
     if args.json {

@@ -1,0 +1,79 @@
+//! `--tape`, `retime`, `size-fifos` and what limits a run.
+
+use crate::support::{Place, without_host};
+use std::fs;
+
+const RUN: &str = "demo corridor --size 48x36 --no-exact --quiet";
+
+#[test]
+fn timing_a_tape_again_gives_the_report_of_a_run_and_any_engine_the_same_tape() {
+    let place = Place::new();
+    place.ok(&format!("{RUN} --tape timed.tape --out a"));
+    place.ok(&format!("{RUN} --tape ticked.tape --engine ticked --out b"));
+    assert_eq!(place.report("a"), place.report("b"), "limits and all");
+    let again = |tape: &str, set: &str| {
+        place.ok(&format!("retime {tape} {set} --out again --quiet"));
+        place.report("again")
+    };
+    assert_eq!(again("timed.tape", ""), place.report("a"));
+    let set = "--set fifo.pixels.depth=3 --set memory.texture.part=sdr-100 --set cache.texture.ways=1 --set ideal.units=divider";
+    place.ok(&format!("{RUN} {set} --out other"));
+    assert_ne!(place.report("other"), place.report("a"));
+    for tape in ["timed.tape", "ticked.tape"] {
+        assert_eq!(again(tape, set), place.report("other"), "{tape}");
+    }
+    let printed = place.ok(&format!("retime timed.tape {set} --json")).out;
+    assert_eq!(without_host(serde_json::from_str(&printed).expect("a report")), place.report("other"));
+}
+
+#[test]
+fn limits_hold_as_full_runs_and_can_be_left_out() {
+    let place = Place::new();
+    let text = place.ok("demo corridor --size 48x36 --no-exact").out;
+    assert!(text.contains("What limits this run: "), "{text}");
+    let report = place.report("out");
+    let first = &report["limits"][0];
+    let set: Vec<String> =
+        first["set"].as_array().expect("options").iter().map(|s| format!("--set {}", s.as_str().unwrap())).collect();
+    place.ok(&format!("{RUN} --no-limits {} --out ideal", set.join(" ")));
+    assert_eq!(place.frame_cycles("ideal"), first["cycles"].as_u64().expect("cycles"));
+    assert!(place.report("ideal").get("limits").is_none());
+}
+
+#[test]
+fn smaller_fifos_keep_the_cycles_that_were_asked_for() {
+    let place = Place::new();
+    place.ok(&format!("{RUN} --tape a.tape"));
+    let cycles = place.frame_cycles("out");
+    let text = place.ok("size-fifos a.tape --within 0,1").out;
+    let sets = text.lines().find_map(|line| line.strip_prefix("within 1 %: ")).expect("a choice");
+    place.ok(&format!("{RUN} --no-limits {sets} --out small"));
+    assert!(place.frame_cycles("small") as f64 <= cycles as f64 * 1.01, "{text}");
+    let sizes: serde_json::Value = serde_json::from_str(&place.ok("size-fifos a.tape --within 1 --json").out).expect("JSON");
+    let slots = |n: usize| sizes["choices"][n]["slots"].as_u64().expect("slots");
+    assert!(slots(1) * 10 < slots(0) * 6, "at least 40 % fewer: {sizes}");
+    assert_eq!(sizes["choices"][1]["cycles"][0].as_u64(), Some(place.frame_cycles("small")), "as a full run has it");
+}
+
+#[test]
+fn what_is_no_tape_or_cannot_be_timed_is_named() {
+    let place = Place::new();
+    place.ok(&format!("{RUN} --tape a.tape"));
+    let tape = place.bytes("a.tape");
+    fs::write(place.path("half.tape"), &tape[..tape.len() / 2]).expect("a file");
+    fs::write(place.path("no.tape"), "no tape").expect("a file");
+    for name in ["half.tape", "no.tape"] {
+        for command in ["retime", "size-fifos"] {
+            let error = place.run(&format!("{command} {name}"));
+            assert!(error.error(1).starts_with(&format!("{name}: not a tape")), "{}", error.err);
+        }
+    }
+    let error = |line: &str| place.run(&format!("retime a.tape {line}"));
+    assert!(error("--set divider.latency=9").error(2).contains("changes what the units do"));
+    assert!(error("--set fifo.pixels.depht=9").error(2).contains("did you mean `fifo.pixels.depth`"));
+    assert!(place.run("retime gone.tape").error(1).starts_with("gone.tape: cannot be read"));
+    // Of a run that is cut short there is no tape; nor is one left that was there before.
+    place.run(&format!("{RUN} --max-cycles 500 --tape cut.tape")).error(1);
+    assert!(!place.path("cut.tape").exists());
+    assert!(place.run(&format!("{RUN} --tape out/report.json")).error(2).contains("report.json"));
+}
