@@ -15,7 +15,7 @@ use std::borrow::Cow;
 /// Slots that are as good as without bound.
 const SLOTS: u32 = 65_536;
 /// How many single limits are tried in pairs.
-const PAIRED: usize = 4;
+const PAIRED: usize = 3;
 /// What two must save together, beyond what each saves alone, to be worth a line \[1/1000 of the cycles\].
 const TOGETHER: u64 = 10;
 
@@ -29,7 +29,7 @@ pub(crate) struct Kept {
 
 impl Kept {
     /// Bytes of a tape that is short: a step takes some five.
-    const SHORT: usize = 8 << 20;
+    const SHORT: usize = 4 << 20;
 
     pub(crate) fn new(limits: Limits) -> Option<Self> {
         let left = match limits {
@@ -84,7 +84,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
     /// Parameters that do not fit together; those of a run do.
     pub(crate) fn limits(&self) -> Result<Vec<Limit>, ConfigProblem> {
         let shape = self.way.shape(self.spec)?;
-        let singles = self.ideals();
+        let singles = self.ideals(&shape);
         let cycles = threads::map(singles.iter().collect(), |ideal: &Ideal| self.cycles(&shape, &ideal.set));
         let mut timed: Vec<(Ideal, u64)> = singles.into_iter().zip(cycles).filter_map(|(i, c)| Some((i, c?))).collect();
         // Stable: of equals the first in the block diagram is first.
@@ -129,29 +129,64 @@ impl<S: MachineSpec> Recorded<'_, S> {
         retime(shape, &mut || Ok(reels.next()), &mut NoProbe, u64::MAX).ok().map(|report| frame_cycles(&report))
     }
 
-    /// All that could limit the run, in the order of the block diagram. What was never in the way is left out: a unit whose steps take
-    /// a cycle, a FIFO that was never full, a memory that moved nothing, a cache that always hit.
-    fn ideals(&self) -> Vec<Ideal> {
+    /// All that could limit the run, in the order of the block diagram. Of FIFOs, memories and caches those are asked for one by one
+    /// whose kind saves something when all of it is ideal: mostly two kinds of three do not.
+    fn ideals(&self, shape: &Shape) -> Vec<Ideal> {
+        let mut all = self.ideal_units();
+        let total = frame_cycles(self.run);
+        for kind in [self.ideal_fifos(), self.ideal_memories(), self.ideal_caches()] {
+            let whole = kind.iter().cloned().reduce(|a, b| together(&a, &b));
+            let saves = |whole: &Ideal| self.cycles(shape, &whole.set).map_or(total, |cycles| total.saturating_sub(cycles));
+            if whole.is_some_and(|whole| saves(&whole) > total * TOGETHER / 1000) {
+                all.extend(kind);
+            }
+        }
+        all
+    }
+
+    /// Units whose steps take more than a cycle.
+    fn ideal_units(&self) -> Vec<Ideal> {
         let mut all = Vec::new();
         for unit in self.run.units.iter().filter(|unit| unit.account.busy > unit.steps) {
             let set = vec![("ideal.units".to_owned(), unit.name.clone())];
             all.push(Ideal { resource: unit.name.clone(), what: "a cycle per step", set });
         }
+        all
+    }
+
+    /// A group of parameters.
+    fn group(&self, name: &str) -> Map<String, Value> {
         let config = serde_json::to_value(self.spec).unwrap_or_default();
-        let empty = Map::new();
-        let group = |name: &str| config.get(name).and_then(Value::as_object).unwrap_or(&empty).clone();
-        for name in group("fifo").keys() {
+        config.get(name).and_then(Value::as_object).cloned().unwrap_or_default()
+    }
+
+    /// FIFOs that were full at some time.
+    fn ideal_fifos(&self) -> Vec<Ideal> {
+        let mut all = Vec::new();
+        for name in self.group("fifo").keys() {
             if self.run.fifos.iter().any(|fifo| fifo.name == *name && fifo.high_water() == fifo.depth) {
                 let set = vec![(format!("fifo.{name}.depth"), SLOTS.to_string())];
                 all.push(Ideal { resource: name.clone(), what: "slots without bound", set });
             }
         }
-        for (name, memory) in &group("memory") {
+        all
+    }
+
+    /// Memories that were asked for anything.
+    fn ideal_memories(&self) -> Vec<Ideal> {
+        let mut all = Vec::new();
+        for (name, memory) in &self.group("memory") {
             if self.run.memories.iter().any(|m| m.name == *name && m.ports.iter().any(|port| port.counts.requests() > 0)) {
                 all.extend(of_memory(name, memory["burst_bytes"].as_u64().unwrap_or_default()));
             }
         }
-        for name in group("cache").keys() {
+        all
+    }
+
+    /// Caches that did not always hit.
+    fn ideal_caches(&self) -> Vec<Ideal> {
+        let mut all = Vec::new();
+        for name in self.group("cache").keys() {
             if self.run.caches.iter().any(|c| c.name == *name && c.counts.misses + c.counts.merged > 0) {
                 let set = vec![(format!("cache.{name}.always_hits"), "true".into())];
                 all.push(Ideal { resource: name.clone(), what: "every look-up hits", set });

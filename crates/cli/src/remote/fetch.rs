@@ -117,7 +117,7 @@ impl Fetcher {
             true
         };
         let (list, held, textures) =
-            self.made(&pause, || self.once(&url, u64::MAX, &came)).map_err(|Fault { sentence, then }| {
+            self.made(pause, || self.once(&url, u64::MAX, &came)).map_err(|Fault { sentence, then }| {
                 let hint = if then == Then::Again { "; is `basrelief serve` running there?" } else { "" };
                 format!("{url}: {sentence}{hint}")
             })?;
