@@ -1,0 +1,14 @@
+//! Tapes: whatever one says, timing it again ends, in a report or an error.
+
+#![no_main]
+
+use basrelief_input::Budget;
+use basrelief_session::{Limits, RetimeOptions, retime};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let options = RetimeOptions { settings: vec![], limits: Limits::Never, budget: Budget::new(64 << 20) };
+    if let Ok(report) = retime(&mut &bytes[..], &options) {
+        assert!(report.cycles.is_some());
+    }
+});
