@@ -81,8 +81,9 @@ fn bless() -> Result<(), String> {
     write_json(BUDGETS, &counted()?)
 }
 
-/// What callgrind looks at.
+/// What callgrind looks at: on one thread, since which of several does how much is chance.
 fn run(name: &str) -> Result<(), String> {
+    basrelief_threads::work_alone();
     let found = workloads(Size::Small).into_iter().find(|w| w.name == name);
     found.ok_or_else(|| format!("no workload is called `{name}`"))?.prepare()();
     Ok(())
