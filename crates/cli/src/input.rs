@@ -6,7 +6,7 @@ use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_input::{Budget, Held, OverBudget, json_weight, read_to_end};
 use basrelief_parameters::ConfigError;
 use basrelief_scene::{SceneError, ViewOptions, demo, load_path_within, read_camera};
-use basrelief_session::{MACHINES, MachineConfig, MachineInfo, RunInput};
+use basrelief_session::{Given, MACHINES, MachineConfig, MachineInfo, RunInput};
 use basrelief_signals::Scene;
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -175,25 +175,26 @@ pub fn demo_of(path: &Path) -> Option<&str> {
 }
 
 /// The machine's parameters: defaults, then the file, then single settings. A demo knows which machine it is made for.
-pub fn config(args: &MachineArgs, demo: Option<&str>, budget: &Budget) -> Done<MachineConfig> {
+pub fn config(args: &MachineArgs, demo: Option<&str>, budget: &Budget) -> Done<(MachineConfig, Given)> {
     let machine = args.machine.unwrap_or_else(|| MachineInfo::of_demo(demo.unwrap_or_default()));
     config_of(machine, args.config.as_deref(), &args.settings, budget)
 }
 
-/// The parameters of this machine: defaults, then the file, then single settings.
+/// The parameters of this machine: defaults, then the file, then single settings; and these as they were given. The file is read
+/// once: it can be a pipe.
 pub fn config_of(
     machine: &MachineInfo,
     file: Option<&Path>,
     settings: &[(String, String)],
     budget: &Budget,
-) -> Done<MachineConfig> {
+) -> Done<(MachineConfig, Given)> {
     let (text, _held) = file.map_or_else(|| Ok((String::new(), budget.nothing())), |path| read_text(path, budget))?;
     let name = file.map(|path| path.display().to_string()).unwrap_or_default();
     let growth = TOML_GROWTH * text.len() as u64;
     let _growth = budget.take(growth, "what a configuration says").map_err(Failure::within(&name))?;
     let in_file = |e: String| Failure::Bad(format!("{name}: {e}"));
     let of_file = machine.load(&text, &[]);
-    let settings: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
+    let single: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
     let wrong = |e: String| Failure::Usage(format!("--set: {e}"));
     // Single settings may mend what does not fit together in the file, or the other way round.
     let file_fits = match &of_file {
@@ -202,12 +203,12 @@ pub fn config_of(
         Ok(config) => config.check().is_ok(),
     };
     let blame = |e: String| if file_fits { wrong(e) } else { in_file(e) };
-    let config = machine.load(&text, &settings).map_err(|e| match &e {
+    let config = machine.load(&text, &single).map_err(|e| match &e {
         ConfigError::Unfit { .. } => blame(e.to_string()),
         _ => wrong(explained(&e, machine)),
     })?;
     config.check().map_err(|problem| blame(problem.to_string()))?;
-    Ok(config)
+    Ok((config, Given { toml: text, settings: settings.to_vec() }))
 }
 
 /// What is wrong with a configuration. A parameter of another machine is no slip of the pen.

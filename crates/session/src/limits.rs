@@ -3,14 +3,13 @@
 use crate::machines::MachineSpec;
 use crate::run::Way;
 use crate::settings::Limits;
-use crate::tape::Given;
+use crate::tape::{Given, timed};
 use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{NoProbe, RunReport, Shape, retime};
+use basrelief_kernel::{RunReport, Shape};
 use basrelief_machines::ConfigProblem;
 use basrelief_report::model::Limit;
 use basrelief_threads as threads;
 use serde_json::{Map, Value};
-use std::borrow::Cow;
 
 /// Slots that are as good as without bound.
 const SLOTS: u32 = 65_536;
@@ -125,8 +124,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
     fn cycles(&self, recorded: &Shape, set: &[(String, String)]) -> Option<u64> {
         let shape = self.way.shape(&self.given.load::<S>(set).ok()?).ok()?;
         recorded.same_work(&shape).ok()?;
-        let mut reels = self.reels.iter().map(Cow::Borrowed);
-        retime(shape, &mut || Ok(reels.next()), &mut NoProbe, u64::MAX).ok().map(|report| frame_cycles(&report))
+        timed(self.reels, shape).ok().map(|report| frame_cycles(&report))
     }
 
     /// All that could limit the run, in the order of the block diagram. Of FIFOs, memories and caches those are asked for one by one

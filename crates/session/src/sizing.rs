@@ -7,11 +7,10 @@
 
 use crate::limits::frame_cycles;
 use crate::machines::{MachineSpec, for_machine};
-use crate::tape::{Loaded, TapeFileError};
-use basrelief_kernel::{NoProbe, Outcome, RunReport, Shape, retime};
+use crate::tape::{Loaded, TapeFileError, timed};
+use basrelief_kernel::{Outcome, RunReport};
 use basrelief_threads as threads;
 use serde::Serialize;
-use std::borrow::Cow;
 use std::io::Read;
 
 /// FIFOs as they were, and smaller ones.
@@ -150,14 +149,11 @@ impl<'a, S: MachineSpec> Sizing<'a, S> {
 
     /// A tape with these depths; with none, as it was.
     fn timed(&self, tape: &Loaded, depths: &[u32]) -> Result<RunReport, TapeFileError> {
-        let mut values = serde_json::to_value(self.spec).unwrap_or_default();
-        for (fifo, depth) in self.fifos.iter().zip(depths) {
-            values["fifo"][&fifo.name]["depth"] = (*depth).into();
-        }
-        let spec: S = serde_json::from_value(values).map_err(|error| TapeFileError::Config(error.to_string()))?;
-        let shape: Shape = tape.way.shape(&spec).map_err(crate::tape::config)?;
+        let set = |(fifo, depth): (&Sized, &u32)| (format!("fifo.{}.depth", fifo.name), depth.to_string());
+        let set: Vec<(String, String)> = self.fifos.iter().zip(depths).map(set).collect();
+        let spec: S = tape.given.load(&set).map_err(|error| TapeFileError::Config(error.to_string()))?;
+        let shape = tape.way.shape(&spec).map_err(crate::tape::config)?;
         tape.way.shape(self.spec).map_err(crate::tape::config)?.same_work(&shape).map_err(TapeFileError::OtherWork)?;
-        let mut reels = tape.reels.iter().map(Cow::Borrowed);
-        Ok(retime(shape, &mut || Ok(reels.next()), &mut NoProbe, u64::MAX)?)
+        Ok(timed(&tape.reels, shape)?)
     }
 }

@@ -12,7 +12,7 @@ use crate::settings::Limits;
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_kernel::facts::Value as FactValue;
 use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{self as kernel, NoProbe, Outcome, RetimeError, Shape};
+use basrelief_kernel::{self as kernel, NoProbe, Outcome, RetimeError, RunReport, Shape};
 use basrelief_machines::ConfigProblem;
 use basrelief_parameters::{ConfigError, Effect, Parameters};
 use basrelief_report::Report;
@@ -70,14 +70,16 @@ pub enum TapeFileError {
 impl Given {
     /// The machine's configuration that these come to.
     fn config(&self, machine: &MachineInfo) -> Result<MachineConfig, TapeFileError> {
-        let all: Vec<(&str, &str)> = self.settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
-        machine.load(&self.toml, &all).map_err(|error| TapeFileError::Config(error.to_string()))
+        machine.load(&self.toml, &self.with(&[])).map_err(|error| TapeFileError::Config(error.to_string()))
     }
 
     /// The configuration that these come to, with more settings over them.
     pub(crate) fn load<C: Parameters>(&self, more: &[(String, String)]) -> Result<C, ConfigError> {
-        let all: Vec<(&str, &str)> = self.settings.iter().chain(more).map(|(k, v)| (k.as_str(), v.as_str())).collect();
-        basrelief_parameters::load(&self.toml, &all)
+        basrelief_parameters::load(&self.toml, &self.with(more))
+    }
+
+    fn with<'a>(&'a self, more: &'a [(String, String)]) -> Vec<(&'a str, &'a str)> {
+        self.settings.iter().chain(more).map(|(key, value)| (key.as_str(), value.as_str())).collect()
     }
 }
 
@@ -210,7 +212,8 @@ pub struct RetimeOptions {
 pub fn retime(reader: &mut dyn Read, options: &RetimeOptions) -> Result<Report, TapeFileError> {
     let mut pieces = Pieces { reader, budget: &options.budget };
     let (head, machine) = pieces.begin()?;
-    let works = |key: &str| machine.parameters().iter().any(|p| p.key == key && p.effect == Effect::Work);
+    let table = machine.parameters();
+    let works = |key: &str| table.iter().any(|p| p.key == key && p.effect == Effect::Work);
     if let Some((key, _)) = options.settings.iter().find(|(key, _)| works(key)) {
         return Err(TapeFileError::Work(key.clone()));
     }
@@ -320,10 +323,16 @@ impl ReelsOfFile<'_> {
     }
 }
 
+/// The run of these reels on a machine of this shape.
+pub(crate) fn timed(reels: &[Reel], shape: Shape) -> Result<RunReport, RetimeError> {
+    let mut reels = reels.iter().map(Cow::Borrowed);
+    kernel::retime(shape, &mut || Ok(reels.next()), &mut NoProbe, u64::MAX)
+}
+
 /// A whole tape in memory.
 pub(crate) struct Loaded {
     machine: &'static MachineInfo,
-    given: Given,
+    pub(crate) given: Given,
     pub(crate) way: Way,
     pub(crate) reels: Vec<Reel>,
     _held: Held,

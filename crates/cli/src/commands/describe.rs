@@ -15,7 +15,7 @@ use std::fmt::Write;
 /// Prints what the machine is.
 pub fn describe(args: &DescribeArgs, budget: &Budget) -> Done {
     let machine = args.machine;
-    let config = config_of(machine, args.config.as_deref(), &args.settings, budget)?;
+    let (config, _) = config_of(machine, args.config.as_deref(), &args.settings, budget)?;
     if args.hardware {
         return hardware(&config, args.json);
     }

@@ -22,7 +22,7 @@ pub fn record(args: &RecordArgs, budget: &Budget, quiet: bool) -> Done {
             args.input.display()
         )));
     };
-    let config = input::config(&args.machine, demo_of(&args.input), budget)?;
+    let (config, _) = input::config(&args.machine, demo_of(&args.input), budget)?;
     let expectations = if args.expect { vec![expected(&scene, &config, args, budget)?] } else { vec![] };
     to_trace_file(&args.out, |writer, form| {
         let progress = Progress::new(None, "commands", quiet);

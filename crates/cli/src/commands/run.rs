@@ -3,7 +3,6 @@
 use super::from::run_from;
 use super::simulate::{seconds, settings_of, simulate_source, spare_inputs};
 use super::tables::{ablate, compare_methods};
-use super::tape::given;
 use crate::args::{DemoArgs, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure};
 use crate::input::{self, Input, demo_of};
@@ -21,8 +20,7 @@ pub fn demo(args: &DemoArgs, budget: &Budget, quiet: bool) -> Done {
     let machine = args.machine.machine.unwrap_or(&MACHINES[0]);
     let name = args.name.as_deref().unwrap_or(machine.demos[0]);
     let scene = input::demo_scene(name, &args.view, budget)?;
-    let mut settings = settings_of(input::config(&args.machine, Some(name), budget)?, &args.simulation, budget);
-    settings.given = given(&args.machine, budget)?;
+    let settings = settings_of(input::config(&args.machine, Some(name), budget)?, &args.simulation, budget);
     simulate(began, Input::Scene(scene), settings, &args.simulation, quiet)
 }
 
@@ -39,8 +37,7 @@ pub fn run(args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
     }
     let path = args.input.as_deref().unwrap_or(Path::new("-"));
     let input = input::open(path, &args.view, budget)?;
-    let mut settings = settings_of(input::config(&args.machine, demo_of(path), budget)?, &args.simulation, budget);
-    settings.given = given(&args.machine, budget)?;
+    let settings = settings_of(input::config(&args.machine, demo_of(path), budget)?, &args.simulation, budget);
     simulate(began, input, settings, &args.simulation, quiet)
 }
 

@@ -26,7 +26,7 @@ pub fn serve(args: &ServeArgs, budget: &Budget, quiet: bool) -> Done {
     let Input::Scene(scene) = input::open(&args.input, &args.view, budget)? else {
         return Err(Failure::Usage(format!("{}: is a display list; serve takes a model or demo:NAME", args.input.display())));
     };
-    let config = input::config(&args.machine, demo_of(&args.input), budget)?;
+    let (config, _) = input::config(&args.machine, demo_of(&args.input), budget)?;
     // Black ones, and the layers that are asked for: kept to the end of the program.
     hold_textures(&scene, 2, budget).map_err(Failure::within(&scene.name))?.keep();
     let polygons = PolygonList::default();

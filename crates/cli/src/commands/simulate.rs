@@ -39,7 +39,7 @@ impl From<EngineName> for Engine {
 }
 
 /// As the command line says; nobody has asked for exhibits yet.
-pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs, budget: &Budget) -> RunOptions {
+pub fn settings_of((config, given): (MachineConfig, Given), simulation: &SimulationArgs, budget: &Budget) -> RunOptions {
     RunOptions {
         config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
@@ -47,7 +47,7 @@ pub fn settings_of(config: MachineConfig, simulation: &SimulationArgs, budget: &
         exact: !simulation.no_exact,
         exhibits: vec![],
         limits: limits_of(simulation.limits, simulation.no_limits),
-        given: Given::default(),
+        given,
         tape: simulation.tape.is_some(),
         requests: simulation.requests.is_some(),
         clock: seconds,

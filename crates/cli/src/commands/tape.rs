@@ -1,12 +1,11 @@
 //! `--tape`, and `basrelief retime`: the work of a run kept, and timed again.
 
 use super::simulate::{limits_of, seconds, show_report, write_report};
-use crate::args::{MachineArgs, RetimeArgs};
+use crate::args::RetimeArgs;
 use crate::error::{Done, Failure, print};
-use crate::input::read_text;
 use crate::outputs::{Outputs, PartialFile};
 use basrelief_input::Budget;
-use basrelief_session::{Given, RetimeOptions, TapeFileError, retime as timed_again};
+use basrelief_session::{RetimeOptions, TapeFileError, retime as timed_again};
 use std::fs::File;
 use std::io::{BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -47,18 +46,6 @@ impl TapeFile {
         file.flush().map_err(Failure::file(&self.path, "be written"))?;
         Ok(file)
     }
-}
-
-/// The parameters as the command line gives them.
-///
-/// # Errors
-/// A file that cannot be read.
-pub fn given(machine: &MachineArgs, budget: &Budget) -> Done<Given> {
-    let toml = match &machine.config {
-        Some(path) => read_text(path, budget)?.0,
-        None => String::new(),
-    };
-    Ok(Given { toml, settings: machine.settings.clone() })
 }
 
 /// Opens a tape.

@@ -107,13 +107,6 @@ struct Recording<'a> {
     keep: &'a mut dyn FnMut(Reel),
 }
 
-/// Hands on what has been written, where it is worth a reel.
-fn hand_on(machine: &mut impl Machine, writer: &mut Writer, keep: &mut dyn FnMut(Reel)) {
-    if writer.is_full() {
-        keep(writer.reel(rests(machine), false));
-    }
-}
-
 /// Runs the same steps without time, with memories that answer at once: the functional model (law 6). Returns the
 /// fault, if a unit raised one or the wiring is wrong.
 pub fn run_functional<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) -> bool) -> Result<(), String> {
@@ -121,8 +114,19 @@ pub fn run_functional<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut
     functional::run(machine, progress)
 }
 
-/// Shows the machine to who looks on, with its memories as they are by now: they are the engine's while it runs.
-fn look<M: Machine>(machine: &mut M, time: &mut Time, progress: &mut dyn FnMut(&mut M) -> bool) -> bool {
+/// Between rounds: hands on what is written of a tape, where it is worth a reel, and shows the machine to who looks on, with its
+/// memories as they are by now: they are the engine's while it runs.
+fn look<M: Machine>(
+    machine: &mut M,
+    time: &mut Time,
+    (tape, keep): (&mut Option<&mut Writer>, &mut Option<&mut dyn FnMut(Reel)>),
+    progress: &mut dyn FnMut(&mut M) -> bool,
+) -> bool {
+    if let (Some(writer), Some(keep)) = (tape, keep)
+        && writer.is_full()
+    {
+        keep(writer.reel(rests(machine), false));
+    }
     std::mem::swap(machine.memories(), &mut time.memories);
     let goes_on = progress(machine);
     std::mem::swap(machine.memories(), &mut time.memories);

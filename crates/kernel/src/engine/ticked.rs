@@ -10,7 +10,7 @@
 //! folder of such vectors, from the command line.
 
 use super::work::{Live, Work};
-use super::{Limits, Recording, fault_of, hand_on, look};
+use super::{Limits, Recording, fault_of, look};
 use crate::place::Place;
 use crate::tape::Writer;
 use crate::time::{Halt, Slots, Time, Unknown, Wait, charge};
@@ -147,13 +147,8 @@ pub(super) fn run<M: Machine, P: Probe>(
             return Halt::Quiet;
         }
         tick.now = tick.now + 1;
-        if tick.now.0.is_multiple_of(4096) {
-            if let (Some(writer), Some(keep)) = (&mut tick.tape, &mut keep) {
-                hand_on(machine, writer, keep);
-            }
-            if !look(machine, tick.time, limits.progress) {
-                return Halt::Stopped;
-            }
+        if tick.now.0.is_multiple_of(4096) && !look(machine, tick.time, (&mut tick.tape, &mut keep), limits.progress) {
+            return Halt::Stopped;
         }
     }
 }

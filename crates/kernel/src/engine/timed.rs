@@ -42,7 +42,7 @@
 //! of law 4; by 8 both come to rest, where nothing can start: so their reports are equal.
 
 use super::work::{Live, Work};
-use super::{Limits, Recording, fault_of, hand_on, look};
+use super::{Limits, Recording, fault_of, look};
 use crate::place::Place;
 use crate::tape::Writer;
 use crate::time::{Halt, Time};
@@ -175,13 +175,8 @@ pub(super) fn run<M: Machine, P: Probe>(
         if !walk.goes_on() {
             break;
         }
-        if round.is_multiple_of(16) {
-            if let (Some(writer), Some(keep)) = (&mut walk.tape, &mut keep) {
-                hand_on(machine, writer, keep);
-            }
-            if !look(machine, walk.time, limits.progress) {
-                return Halt::Stopped;
-            }
+        if round.is_multiple_of(16) && !look(machine, walk.time, (&mut walk.tape, &mut keep), limits.progress) {
+            return Halt::Stopped;
         }
     }
     walk.time.land_all();

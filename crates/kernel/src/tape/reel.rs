@@ -14,11 +14,6 @@ pub struct Reel {
 }
 
 impl Reel {
-    /// Whether no stage makes a step beyond.
-    pub fn is_last(&self) -> bool {
-        self.last
-    }
-
     /// The piece of each stage's stream, in the order of the wiring. Where a stream is cut into pieces depends on times; what it comes
     /// to does not.
     pub fn streams(&self) -> impl Iterator<Item = &[u8]> {

@@ -72,7 +72,7 @@ impl Clock {
         self.outputs.each(made.outputs, K::OUTPUTS, |fifo| fifos[fifo].reserve(at));
         let Made { mut occupancy, mut latency, .. } = *made;
         if self.ideal {
-            (occupancy, latency) = (1, latency.saturating_sub(occupancy - 1));
+            (occupancy, latency) = (1, latency.saturating_sub(occupancy.saturating_sub(1)));
         }
         if traffic.is_empty() && (!K::HAS_MEMORY || self.flights.is_empty()) {
             self.outputs.each(made.outputs, K::OUTPUTS, |fifo| fifos[fifo].deliver(at + latency));
