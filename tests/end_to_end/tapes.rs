@@ -2,6 +2,8 @@
 
 use crate::support::{Place, without_host};
 use std::fs;
+use std::io::Write;
+use std::process::Stdio;
 
 const RUN: &str = "demo corridor --size 48x36 --no-exact --quiet";
 
@@ -77,4 +79,16 @@ fn what_is_no_tape_or_cannot_be_timed_is_named() {
     place.run(&format!("{RUN} --max-cycles 500 --tape cut.tape")).error(1);
     assert!(!place.path("cut.tape").exists());
     assert!(place.run(&format!("{RUN} --tape out/report.json")).error(2).contains("report.json"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_configuration_from_a_pipe_is_read_once_and_stands_on_the_tape() {
+    let place = Place::new();
+    let mut run = place.command(&format!("{RUN} --config /dev/stdin --tape a.tape --out a"));
+    let mut run = run.stdin(Stdio::piped()).spawn().expect("a run");
+    run.stdin.take().expect("a pipe").write_all(b"[fifo.pixels]\ndepth = 3\n").expect("a reader");
+    assert!(run.wait().expect("an end").success());
+    place.ok("retime a.tape --out again --quiet");
+    assert_eq!(without_host(place.report("again")), without_host(place.report("a")));
 }
