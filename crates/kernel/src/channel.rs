@@ -280,6 +280,15 @@ impl Channel {
         counts.queued += column.at.since(burst.arrival);
     }
 
+    /// From the first command that a burst needed for its row to its column command.
+    pub(crate) fn row_cycles(&self, row: Row) -> u64 {
+        match row {
+            Row::Hit => 0,
+            Row::Closed => self.timing.rcd,
+            Row::Conflict => self.timing.rp + self.timing.rcd,
+        }
+    }
+
     /// What it moved in a run of `total` cycles.
     pub(crate) fn counts(&self, total: u64) -> ChannelCounts {
         let bus_busy = self.counts.rows.bursts() * self.timing.burst_cycles;

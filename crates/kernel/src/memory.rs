@@ -3,7 +3,7 @@
 use crate::channel::{Burst, Channel};
 use crate::counts::{Bus, ChannelCounts};
 use crate::memory_system::Client;
-use crate::port::{Arrived, Port};
+use crate::port::{Answered, Arrived, Port};
 use crate::{Cycle, MemoryConfig};
 
 /// A request, as the memory took it in.
@@ -201,6 +201,10 @@ impl Memory {
                 let port = &mut clients[burst.client as usize].port;
                 port.counts.rows.count(row);
                 port.counts.queue_wait += column.since(burst.arrival) - 1;
+                port.note(burst.request, || {
+                    let row = Cycle(column.0.saturating_sub(channel.row_cycles(row)));
+                    Answered { arrival: burst.arrival, row, column, end, answer: Cycle::UNKNOWN }
+                });
                 port.moved(burst.request, end);
             }
         }

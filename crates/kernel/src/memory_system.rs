@@ -2,7 +2,7 @@
 
 use crate::cache::{Cache, LookUp};
 use crate::memory::{Memory, MemoryRequest};
-use crate::port::Port;
+use crate::port::{Answered, Port};
 use crate::{CacheConfig, Cycle, MemoryConfig};
 use std::collections::VecDeque;
 
@@ -182,6 +182,35 @@ impl MemorySystem {
     #[inline]
     pub(crate) fn answer(&self, client: usize, number: u64) -> Cycle {
         self.port(client).answer(number)
+    }
+
+    /// Keeps how every request comes to its answer.
+    pub(crate) fn keep_answers(&mut self) {
+        self.clients.iter_mut().for_each(|client| client.port.answered = Some(Vec::new()));
+    }
+
+    /// Requests that a client has issued.
+    pub(crate) fn issued(&self, client: usize) -> u64 {
+        self.port(client).issued
+    }
+
+    /// The request of a client whose answer brings so many credits.
+    pub(crate) fn credit_of(&self, client: usize, credits: u32) -> u64 {
+        self.port(client).credit_of(credits)
+    }
+
+    /// The first request of a client with the last answer that it got by `at`.
+    pub(crate) fn last_answered(&self, client: usize, at: Cycle) -> Option<Answered> {
+        let answered = self.port(client).answered.as_deref()?;
+        let behind = answered.partition_point(|request| request.answer <= at);
+        let answer = answered.get(behind.checked_sub(1)?)?.answer;
+        answered.get(answered.partition_point(|request| request.answer < answer)).copied()
+    }
+
+    /// Whether a client got an answer at `at`, through its cache if it has one.
+    pub(crate) fn is_answer(&self, client: usize, at: Cycle) -> bool {
+        let through = self.clients[client].cache.as_ref().map_or(0, |cache| cache.config.hit_latency);
+        self.last_answered(client, at).is_some_and(|request| request.answer + u64::from(through) >= at)
     }
 
     /// Requests of a client that have been served: the answers to all before are known.

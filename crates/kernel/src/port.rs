@@ -23,6 +23,22 @@ struct Request {
     end: Cycle,
 }
 
+/// How a request came to its answer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Answered {
+    pub(crate) arrival: Cycle,
+    /// Of the burst whose data came last: when its row's commands begin, and its column command.
+    pub(crate) row: Cycle,
+    pub(crate) column: Cycle,
+    pub(crate) end: Cycle,
+    pub(crate) answer: Cycle,
+}
+
+impl Answered {
+    /// Of a request of which no burst is served.
+    const NOT: Self = Self { arrival: Cycle::ZERO, row: Cycle::ZERO, column: Cycle::ZERO, end: Cycle::ZERO, answer: Cycle::UNKNOWN };
+}
+
 /// One port of a memory.
 ///
 /// Its requests stand in one ring, by number of issue: those from `split` to `issued` have arrived, of those from `served` to `split`
@@ -42,6 +58,8 @@ pub(crate) struct Port {
     pub(crate) none_before: Cycle,
     last_answer: Cycle,
     pub(crate) counts: PortCounts,
+    /// How each request came to its answer, by number, where that is kept.
+    pub(crate) answered: Option<Vec<Answered>>,
 }
 
 impl Port {
@@ -59,6 +77,7 @@ impl Port {
             none_before: Cycle::ZERO,
             last_answer: Cycle::ZERO,
             counts: PortCounts::default(),
+            answered: None,
         }
     }
 
@@ -78,6 +97,24 @@ impl Port {
         match (self.issued + u64::from(credits)).checked_sub(self.outstanding) {
             None | Some(0) => Cycle::ZERO,
             Some(returns) => self.answer(returns - 1),
+        }
+    }
+
+    /// The request whose answer brings so many credits.
+    pub(crate) fn credit_of(&self, credits: u32) -> u64 {
+        (self.issued + u64::from(credits)).saturating_sub(self.outstanding + 1)
+    }
+
+    /// Notes the times of a burst, if they are kept and it is the last so far of its request.
+    #[inline(always)]
+    pub(crate) fn note(&mut self, number: u64, burst: impl FnOnce() -> Answered) {
+        if let Some(answered) = &mut self.answered {
+            let burst = burst();
+            answered.resize(answered.len().max(number as usize + 1), Answered::NOT);
+            let kept = &mut answered[number as usize];
+            if kept.end < burst.end {
+                *kept = burst;
+            }
         }
     }
 
@@ -166,6 +203,9 @@ impl Port {
             self.last_answer = self.last_answer.max(request.end);
             request.end = self.last_answer;
             self.counts.answered(request.arrived.arrival, self.last_answer);
+            if let Some(answered) = &mut self.answered {
+                answered[self.served as usize].answer = self.last_answer;
+            }
             self.served += 1;
             if self.served == self.split {
                 return;

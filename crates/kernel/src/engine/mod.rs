@@ -13,7 +13,7 @@ use crate::tape::{Reel, Writer};
 use crate::time::{Halt, Rest, Time};
 use crate::wiring::Machine;
 use crate::{Cycle, Probe, Traffic};
-pub use retime::{Reels, RetimeError, retime};
+pub use retime::{Reels, RetimeError, critical_path, retime};
 use work::Survey;
 
 /// How to run a machine.

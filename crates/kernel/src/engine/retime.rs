@@ -5,8 +5,8 @@ use super::work::Work;
 use crate::report::RunReport;
 use crate::shape::Shape;
 use crate::tape::{Reader, Reel, TapeError};
-use crate::time::{Halt, Known, Made, Rest, Time, Unknown};
-use crate::{Demand, Probe, Traffic};
+use crate::time::{Halt, Known, Made, Path, Rest, Time, Unknown};
+use crate::{CriticalPath, Demand, NoProbe, Outcome, Probe, Traffic};
 use std::borrow::Cow;
 
 /// Why a tape cannot be timed.
@@ -93,10 +93,31 @@ pub fn retime<P: Probe>(
     probe: &mut P,
     max_cycles: u64,
 ) -> Result<RunReport, RetimeError> {
+    Ok(timed_again(shape, reels, (probe, None), max_cycles)?.0)
+}
+
+/// Times the work on a tape, and finds what its end waited for, back to its beginning. It keeps up to `most_events` of 16 bytes, some
+/// three per step: where that is too few, or the run is not complete, there is no path.
+///
+/// # Errors
+/// See [`RetimeError`].
+pub fn critical_path(shape: Shape, reels: &mut Reels<'_, '_>, most_events: usize) -> Result<Option<CriticalPath>, RetimeError> {
+    Ok(timed_again(shape, reels, (&mut NoProbe, Some(most_events)), u64::MAX)?.1)
+}
+
+/// The report, and the critical path where it is wanted.
+fn timed_again<P: Probe>(
+    shape: Shape,
+    reels: &mut Reels<'_, '_>,
+    (probe, most_events): (&mut P, Option<usize>),
+    max_cycles: u64,
+) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
     let mut readers: Vec<Reader> = shape.stages.iter().map(|s| Reader::new(s.inputs.len(), s.outputs.len())).collect();
     let mut time = Time::new(shape);
     feed(&mut readers, reels, &time)?;
+    let path = most_events.map(|most| Path::new(&mut time, most));
     let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
+    walk.path = path;
     let halt = loop {
         walk.begin();
         for (number, reader) in readers.iter_mut().enumerate() {
@@ -116,13 +137,17 @@ pub fn retime<P: Probe>(
         }
         feed(&mut readers, reels, walk.time)?;
     };
+    let path = walk.path;
     time.land_all();
     let rest = |reader: &Reader| Rest {
         demand: reader.demand().unwrap_or(Demand::Finished),
         empty: reader.is_empty() && !reader.has_step(),
     };
     let rests: Vec<Rest> = readers.iter().map(rest).collect();
-    Ok(time.conclude(&rests, halt))
+    let report = time.conclude(&rests, halt);
+    let path = path.filter(|_| report.outcome == Outcome::Complete);
+    let path = path.and_then(|path| path.trace(&time, report.total, &report.marks));
+    Ok((report, path))
 }
 
 /// Goes on with the next reel, which a stage needs.

@@ -45,7 +45,7 @@ use super::work::{Live, Work};
 use super::{Limits, Recording, fault_of, look};
 use crate::place::Place;
 use crate::tape::Writer;
-use crate::time::{Halt, Time};
+use crate::time::{Halt, Path, Time};
 use crate::wiring::{Machine, Visitor};
 use crate::{Cycle, Demand, Probe, Traffic};
 
@@ -65,6 +65,8 @@ pub(super) struct RunAhead<'a, SomeProbe> {
     promises: bool,
     /// Writes down what is done, where it is wanted.
     tape: Option<&'a mut Writer>,
+    /// Keeps what every step waited for, where that is wanted.
+    pub(super) path: Option<Path>,
 }
 
 impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
@@ -72,7 +74,7 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
         let promises = time.memories.has_any();
         let (traffic, end, fault) = (Traffic::default(), Cycle(max_cycles), None);
         let (stage, moved, limited, hungry) = (0, false, false, false);
-        Self { time, probe, traffic, end, stage, moved, limited, fault, hungry, promises, tape }
+        Self { time, probe, traffic, end, stage, moved, limited, fault, hungry, promises, tape, path: None }
     }
 
     /// Begins a round.
@@ -108,6 +110,9 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
             let made = work.step(demand, &mut self.traffic);
             if let Some(tape) = &mut self.tape {
                 tape.step(number, demand, &made, &self.traffic);
+            }
+            if let Some(path) = &mut self.path {
+                path.step(self.time, number, (at, demand), &made);
             }
             self.time.step::<W>(number, at, demand, &made, &mut self.traffic);
             self.moved = true;

@@ -70,10 +70,7 @@ impl Clock {
     ) {
         self.inputs.each(inputs, K::INPUTS, |fifo| fifos[fifo].pop(at));
         self.outputs.each(made.outputs, K::OUTPUTS, |fifo| fifos[fifo].reserve(at));
-        let Made { mut occupancy, mut latency, .. } = *made;
-        if self.ideal {
-            (occupancy, latency) = (1, latency.saturating_sub(occupancy.saturating_sub(1)));
-        }
+        let (mut occupancy, latency) = self.kept(made);
         if traffic.is_empty() && (!K::HAS_MEMORY || self.flights.is_empty()) {
             self.outputs.each(made.outputs, K::OUTPUTS, |fifo| fifos[fifo].deliver(at + latency));
             if made.marked {
@@ -86,6 +83,12 @@ impl Clock {
         self.busy += occupancy;
         self.free = at + occupancy;
         self.steps += 1;
+    }
+
+    /// How long a step keeps the unit, and how long it takes to deliver, as far as it does not depend on memory.
+    #[inline(always)]
+    pub(super) fn kept(&self, &Made { occupancy, latency, .. }: &Made) -> (u64, u64) {
+        if self.ideal { (1, latency.saturating_sub(occupancy.saturating_sub(1))) } else { (occupancy, latency) }
     }
 
     /// Issues a step's traffic, and delivers it if all answers are known; the least occupancy that its look-ups need.

@@ -6,11 +6,13 @@ mod conclude;
 mod ends;
 mod flight;
 mod occupancy;
+mod path;
 mod slots;
 mod start;
 
 pub(crate) use clock::{Clock, Wait, charge};
 pub(crate) use conclude::{Halt, Rest};
+pub(crate) use path::Path;
 pub(crate) use slots::Slots;
 
 use crate::shape::Shape;

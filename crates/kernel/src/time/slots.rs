@@ -137,6 +137,11 @@ impl Slots {
         self.awaits.get(self.push).map_or(Cycle::ZERO, |answers| answers[client])
     }
 
+    /// The answers that the front token's step waited for, by client; none where its producer has no client.
+    pub(super) fn front_answers(&self) -> Option<&[Cycle; MAX_CLIENTS]> {
+        self.awaits.get(self.pop)
+    }
+
     /// Records until when the next token to be delivered waits for each client's answer.
     #[inline]
     pub(crate) fn set_awaits(&mut self, answers: [Cycle; MAX_CLIENTS]) {

@@ -1,0 +1,267 @@
+//! The critical path: which of the terms of law 3 bound each start, and so a chain of waits and work from the end of a run back to its
+//! first cycle.
+//!
+//! Every step is an event, and so is every token that becomes visible and every phase of a request that one of these waits for. Each
+//! has one event before it, and the cycles in between have one reason. Where several terms are equal one of them is taken: the unit's
+//! own work before its tokens, these before its credits and slots. So a path is not the only one.
+
+use super::{Made, Time};
+use crate::path::{CriticalPath, PathPart, Phase, Stretch};
+use crate::wiring::MAX_CLIENTS;
+use crate::{Cycle, Demand};
+use std::collections::{BTreeMap, VecDeque};
+
+/// Before the first event.
+const NONE: u32 = u32::MAX;
+
+/// Why cycles pass, with the number of a stage, FIFO or client.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Why {
+    Occupancy(u16),
+    Latency(u16),
+    Fifo(u16),
+    Slot(u16),
+    Memory(u16, Phase),
+    Rest,
+}
+
+/// Something that happened `at` a time, for a reason, after another event.
+#[derive(Clone, Copy, Debug)]
+struct Event {
+    at: Cycle,
+    after: u32,
+    why: Why,
+}
+
+/// Tokens of a FIFO.
+#[derive(Clone, Debug)]
+struct Tokens {
+    /// Those inside: the step that made each, and when it would have delivered it without memory.
+    inside: VecDeque<(u32, Cycle)>,
+    /// The last that became visible.
+    visible: u32,
+    /// Steps that took the last ones, as many as there are slots.
+    pops: VecDeque<u32>,
+}
+
+impl Tokens {
+    /// The step that took the token whose slot the next one takes: as many tokens ago as there are slots, of which those inside are
+    /// not taken yet.
+    fn freed(&self, depth: usize) -> u32 {
+        let ago = depth.saturating_sub(self.inside.len());
+        self.pops.len().checked_sub(ago).and_then(|at| self.pops.get(at)).copied().unwrap_or(NONE)
+    }
+}
+
+/// What happened in a run so far.
+#[derive(Clone, Debug)]
+pub(crate) struct Path {
+    events: Vec<Event>,
+    /// Most events that are kept: there is no path through more.
+    most: usize,
+    /// Last step of each stage.
+    steps: Vec<u32>,
+    fifos: Vec<Tokens>,
+    /// The step that issued each request, by client.
+    issued: Vec<Vec<u32>>,
+    /// The last step that passes a mark, with its stage and when it would have delivered without memory.
+    mark: Option<(u32, usize, Cycle)>,
+}
+
+impl Path {
+    /// Of a run that begins; it keeps no more than `most` events.
+    pub(crate) fn new(time: &mut Time, most: usize) -> Self {
+        time.memories.keep_answers();
+        let tokens = Tokens { inside: VecDeque::new(), visible: NONE, pops: VecDeque::new() };
+        Self {
+            events: Vec::new(),
+            most: most.min(NONE as usize - 16),
+            steps: vec![NONE; time.stages.len()],
+            fifos: vec![tokens; time.fifos.len()],
+            issued: vec![Vec::new(); time.memories.clients().len()],
+            mark: None,
+        }
+    }
+
+    fn push(&mut self, at: Cycle, after: u32, why: Why) -> u32 {
+        self.events.push(Event { at, after, why });
+        self.events.len() as u32 - 1
+    }
+
+    fn at(&self, event: u32) -> Cycle {
+        self.events.get(event as usize).map_or(Cycle::ZERO, |event| event.at)
+    }
+
+    /// A stage makes a step, before its times take it in.
+    pub(crate) fn step(&mut self, time: &Time, stage: usize, (at, demand): (Cycle, Demand), made: &Made) {
+        if self.events.len() > self.most {
+            return;
+        }
+        let clock = &time.stages[stage];
+        // What it has issued by now, its last step has issued last.
+        for &client in &clock.clients {
+            self.issued[client].resize(time.memories.issued(client) as usize, self.steps[stage]);
+        }
+        let inputs = demand.of(clock.inputs.count(None));
+        for (_, fifo) in clock.inputs.of(inputs) {
+            let visible = self.token(time, fifo);
+            self.fifos[fifo].visible = visible;
+        }
+        let (after, why) = self.bound(time, stage, (at, inputs));
+        let event = self.push(at, after, why);
+        self.steps[stage] = event;
+        for (_, fifo) in clock.inputs.of(inputs) {
+            let tokens = &mut self.fifos[fifo];
+            tokens.pops.push_back(event);
+            if tokens.pops.len() > time.shape.fifos[fifo].depth {
+                tokens.pops.pop_front();
+            }
+        }
+        let base = at + clock.kept(made).1;
+        for (_, fifo) in clock.outputs.of(made.outputs) {
+            self.fifos[fifo].inside.push_back((event, base));
+        }
+        if made.marked {
+            self.mark = Some((event, stage, base));
+        }
+    }
+
+    /// The term of law 3 that bound a start, and the event that it stands for.
+    fn bound(&mut self, time: &Time, stage: usize, (at, inputs): (Cycle, u32)) -> (u32, Why) {
+        let clock = &time.stages[stage];
+        if clock.free == at {
+            return (self.steps[stage], Why::Occupancy(stage as u16));
+        }
+        for (_, fifo) in clock.inputs.of(inputs) {
+            if time.fifos[fifo].front_visible() == at {
+                return (self.fifos[fifo].visible, Why::Fifo(fifo as u16));
+            }
+        }
+        for (&client, &credits) in clock.clients.iter().zip(&clock.needs.credits) {
+            if time.memories.credits_at(client, credits) == at {
+                let number = time.memories.credit_of(client, credits);
+                let issued = self.issued[client].get(number as usize).copied().unwrap_or(NONE);
+                let answered = self.answer(time, client, (issued, at));
+                return (answered, Why::Memory(client as u16, Phase::Order));
+            }
+        }
+        for (_, fifo) in clock.outputs.of(clock.outputs.all()) {
+            if time.fifos[fifo].room_at() == at {
+                return (self.fifos[fifo].freed(time.shape.fifos[fifo].depth), Why::Slot(fifo as u16));
+            }
+        }
+        (self.steps[stage], Why::Rest)
+    }
+
+    /// The front token of a FIFO, which is popped now, becomes visible.
+    fn token(&mut self, time: &Time, fifo: usize) -> u32 {
+        let (step, base) = self.fifos[fifo].inside.pop_front().unwrap_or((NONE, Cycle::ZERO));
+        let (slots, producer) = (&time.fifos[fifo], time.shape.fifos[fifo].producer);
+        let (visible, why) = (slots.front_visible(), Why::Fifo(fifo as u16));
+        let (latest, delivered) = latest(slots.front_answers(), base);
+        if delivered + time.shape.fifos[fifo].latency < visible {
+            // One token becomes visible per cycle.
+            return self.push(visible, self.fifos[fifo].visible, why);
+        }
+        let client = latest.map(|own| time.stages[producer].clients[own]);
+        let after = self.delivery(time, (step, producer), base, (client, delivered));
+        self.push(visible, after, why)
+    }
+
+    /// A step delivers: not before `base`, and when the answer of `client` is there, if it waits for one.
+    fn delivery(&mut self, time: &Time, (step, stage): (u32, usize), base: Cycle, (client, at): (Option<usize>, Cycle)) -> u32 {
+        let ready = if base > self.at(step) { self.push(base, step, Why::Latency(stage as u16)) } else { step };
+        client.map_or(ready, |client| self.answer(time, client, (ready, at)))
+    }
+
+    /// The phases of the request whose answer a client got last by `at`, after an event.
+    fn answer(&mut self, time: &Time, client: usize, (mut after, at): (u32, Cycle)) -> u32 {
+        let Some(request) = time.memories.last_answered(client, at) else { return after };
+        let phases = [
+            (request.arrival + 1, Phase::Arrival),
+            (request.row, Phase::Bus),
+            (request.column, Phase::Bank),
+            (request.end, Phase::Data),
+            (request.answer, Phase::Order),
+            (at, Phase::Cache),
+        ];
+        for (until, phase) in phases {
+            let until = until.min(at);
+            if until > self.at(after) {
+                after = self.push(until, after, Why::Memory(client as u16, phase));
+            }
+        }
+        after
+    }
+
+    /// The path back from the last mark, or from the end of a run of `total` cycles where there is none. `marks`: cycles between
+    /// them. None where too much happened.
+    pub(crate) fn trace(mut self, time: &Time, total: u64, marks: &[u64]) -> Option<CriticalPath> {
+        let last = self.last(time);
+        if self.events.len() > self.most {
+            return None;
+        }
+        let end: u64 = if marks.is_empty() { total } else { marks.iter().sum() };
+        let mut event = self.push(Cycle(end), last, Why::Rest);
+        let frames = if marks.is_empty() { &[total] } else { marks };
+        let mut spent: BTreeMap<Why, Vec<u64>> = BTreeMap::new();
+        while let Some(&Event { at, after, why }) = self.events.get(event as usize) {
+            let by_frame = spent.entry(why).or_insert_with(|| vec![0; frames.len()]);
+            split(frames, (self.at(after), at), by_frame);
+            event = after;
+        }
+        let part = |(why, frames): (Why, Vec<u64>)| {
+            let cycles = frames.iter().sum();
+            (cycles > 0).then(|| PathPart { stretch: named(why, time), cycles, frames })
+        };
+        let mut parts: Vec<PathPart> = spent.into_iter().filter_map(part).collect();
+        // Stable: equals stay in the order of the block diagram.
+        parts.sort_by_key(|part| std::cmp::Reverse(part.cycles));
+        Some(CriticalPath { cycles: end, parts })
+    }
+
+    /// The event that the end of the run waits for.
+    fn last(&mut self, time: &Time) -> u32 {
+        if let Some((step, stage, base)) = self.mark {
+            let clock = &time.stages[stage];
+            let at = clock.marks.iter().copied().max().unwrap_or(base);
+            let client = clock.clients.iter().copied().find(|&client| time.memories.is_answer(client, at));
+            return self.delivery(time, (step, stage), base, (client.filter(|_| at > base), at));
+        }
+        let stage = (0..time.stages.len()).max_by_key(|&stage| time.stages[stage].free);
+        let Some(stage) = stage.filter(|&stage| self.steps[stage] != NONE) else { return NONE };
+        self.push(time.stages[stage].free, self.steps[stage], Why::Occupancy(stage as u16))
+    }
+}
+
+/// The client, as the unit numbers it, whose answer came last, and when; `base`, and none, where no answer came later.
+fn latest(answers: Option<&[Cycle; MAX_CLIENTS]>, base: Cycle) -> (Option<usize>, Cycle) {
+    let answers = answers.into_iter().flatten().enumerate();
+    answers.fold((None, base), |best, (own, &answer)| if answer > best.1 { (Some(own), answer) } else { best })
+}
+
+/// Adds the cycles between two times to the frames in which they lie.
+fn split(frames: &[u64], (from, to): (Cycle, Cycle), by_frame: &mut [u64]) {
+    let mut begin = 0;
+    for (cycles, sum) in frames.iter().zip(by_frame) {
+        let end = begin + cycles;
+        *sum += to.0.min(end).saturating_sub(from.0.max(begin));
+        begin = end;
+    }
+}
+
+fn named(why: Why, time: &Time) -> Stretch {
+    let unit = |stage: u16| time.shape.stages[usize::from(stage)].names.name.clone();
+    let fifo = |fifo: u16| time.shape.fifos[usize::from(fifo)].name.clone();
+    match why {
+        Why::Occupancy(stage) => Stretch::Occupancy(unit(stage)),
+        Why::Latency(stage) => Stretch::Latency(unit(stage)),
+        Why::Fifo(number) => Stretch::Fifo(fifo(number)),
+        Why::Slot(number) => Stretch::Slot(fifo(number)),
+        Why::Memory(client, phase) => {
+            let name = time.memories.client_names().nth(usize::from(client)).unwrap_or_default();
+            Stretch::Memory(name.to_owned(), phase)
+        }
+        Why::Rest => Stretch::Rest,
+    }
+}
