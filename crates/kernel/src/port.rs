@@ -36,7 +36,8 @@ pub(crate) struct Answered {
 
 impl Answered {
     /// Of a request of which no burst is served.
-    const NOT: Self = Self { arrival: Cycle::ZERO, row: Cycle::ZERO, column: Cycle::ZERO, end: Cycle::ZERO, answer: Cycle::UNKNOWN };
+    const NOT: Self =
+        Self { arrival: Cycle::ZERO, row: Cycle::ZERO, column: Cycle::ZERO, end: Cycle::ZERO, answer: Cycle::UNKNOWN };
 }
 
 /// One port of a memory.

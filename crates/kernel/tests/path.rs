@@ -52,9 +52,13 @@ fn the_unit_that_is_always_busy_is_the_path() {
 #[test]
 fn a_single_slot_goes_to_and_fro() {
     let mut draw = Draw::default();
-    draw.fifo("a", 1, 1)
-        .unit("source", Kind::Source { tokens: 3 }, ["", "a"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["a", ""], &[1], &[0]);
+    draw.fifo("a", 1, 1).unit("source", Kind::Source { tokens: 3 }, ["", "a"], &[1], &[0]).unit(
+        "sink",
+        Kind::Sink,
+        ["a", ""],
+        &[1],
+        &[0],
+    );
     expect(&draw, &[("fifo a", 3), ("slot a", 2), ("occupancy sink", 1)]);
 }
 
@@ -78,9 +82,13 @@ fn a_request_is_told_phase_by_phase() {
 #[test]
 fn there_is_no_path_through_more_than_is_kept() {
     let mut draw = Draw::default();
-    draw.fifo("a", 1, 1)
-        .unit("source", Kind::Source { tokens: 30 }, ["", "a"], &[1], &[0])
-        .unit("sink", Kind::Sink, ["a", ""], &[1], &[0]);
+    draw.fifo("a", 1, 1).unit("source", Kind::Source { tokens: 30 }, ["", "a"], &[1], &[0]).unit(
+        "sink",
+        Kind::Sink,
+        ["a", ""],
+        &[1],
+        &[0],
+    );
     assert_eq!(path_of(&draw.0, 20), None);
 }
 

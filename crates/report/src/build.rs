@@ -72,6 +72,7 @@ impl Report {
             memories: None,
             caches: None,
             limits: None,
+            critical_path: None,
             hardware: context.hardware,
             figures: context.figures,
             legend: context.legend,

@@ -45,6 +45,9 @@ pub struct Report {
     /// where it was not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<Vec<Limit>>,
+    /// What the end of the last frame waited for, back to the first cycle; there where `limits` is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub critical_path: Option<CriticalPath>,
     /// What the machine is built of, unit by unit, each before the FIFOs that it fills; then caches.
     #[serde(default)]
     pub hardware: Vec<Hardware>,
@@ -255,6 +258,30 @@ pub struct Cache {
     pub misses: u64,
     /// The line was on its way.
     pub merged: u64,
+}
+
+/// A chain of work and waits, without gap or overlap, from the first cycle to the end of the last frame. Another may be as long:
+/// what something costs is told by [`Limit`].
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct CriticalPath {
+    /// The sum over all parts.
+    pub cycles: u64,
+    /// Longest first.
+    pub parts: Vec<PathPart>,
+}
+
+/// All stretches of a critical path that are spent on one thing.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct PathPart {
+    /// Name of a unit, FIFO or memory client; empty for what is left in flight at the end.
+    pub resource: String,
+    /// Of a unit `occupancy` or `latency`; of a FIFO `FIFO`, which is its latency and one token per cycle, or `slot`; of a request
+    /// `arrival`, `bus`, `bank`, `data`, `order` or `cache`; or `rest`.
+    pub what: String,
+    /// \[cycles\]
+    pub cycles: u64,
+    /// Of these, those within each frame.
+    pub frames: Vec<u64>,
 }
 
 /// What a run would take with something made ideal: cycles of its frames, without the drain behind the last. A full run with `set`

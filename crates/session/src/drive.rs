@@ -346,7 +346,7 @@ impl<'a> Session<'a> {
         }
         let mut report = ended.report(spec, facts, run.as_ref());
         if let (Some(run), Some(reels)) = (complete, kept.as_ref().and_then(Kept::reels)) {
-            report.limits = Recorded { spec, given: &self.settings.given, way, reels, run }.limits().ok();
+            Recorded { spec, given: &self.settings.given, way, reels, run }.measure(&mut report);
         }
         Run { report, timing: run, tape_is_whole, expectations, simulate_s: self.simulate_s }
     }

@@ -5,16 +5,20 @@ use crate::run::Way;
 use crate::settings::Limits;
 use crate::tape::{Given, timed};
 use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{RunReport, Shape};
+use basrelief_kernel::{self as kernel, Phase, RunReport, Shape, Stretch};
 use basrelief_machines::ConfigProblem;
-use basrelief_report::model::Limit;
+use basrelief_report::Report;
+use basrelief_report::model::{CriticalPath, Limit, PathPart};
 use basrelief_threads as threads;
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 
 /// Slots that are as good as without bound.
 const SLOTS: u32 = 65_536;
 /// How many single limits are tried in pairs.
 const PAIRED: usize = 3;
+/// Most events that a critical path is looked for in, of 16 bytes each.
+const EVENTS: usize = 8 << 20;
 /// What two must save together, beyond what each saves alone, to be worth a line \[1/1000 of the cycles\].
 const TOGETHER: u64 = 10;
 
@@ -56,6 +60,30 @@ impl Kept {
     }
 }
 
+/// A part of the critical path in the report's words.
+fn part(kernel::PathPart { stretch, cycles, frames }: kernel::PathPart) -> PathPart {
+    let (resource, what) = match stretch {
+        Stretch::Occupancy(unit) => (unit, "occupancy"),
+        Stretch::Latency(unit) => (unit, "latency"),
+        Stretch::Fifo(fifo) => (fifo, "FIFO"),
+        Stretch::Slot(fifo) => (fifo, "slot"),
+        Stretch::Memory(client, phase) => (client, phase_name(phase)),
+        Stretch::Rest => (String::new(), "rest"),
+    };
+    PathPart { resource, what: what.into(), cycles, frames }
+}
+
+fn phase_name(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Arrival => "arrival",
+        Phase::Bus => "bus",
+        Phase::Bank => "bank",
+        Phase::Data => "data",
+        Phase::Order => "order",
+        Phase::Cache => "cache",
+    }
+}
+
 /// Something made ideal.
 #[derive(Clone, Debug)]
 struct Ideal {
@@ -76,12 +104,24 @@ pub(crate) struct Recorded<'a, S> {
 }
 
 impl<S: MachineSpec> Recorded<'_, S> {
+    /// Puts into a report what limits the run, and its critical path.
+    pub(crate) fn measure(&self, report: &mut Report) {
+        report.limits = self.limits().ok();
+        report.critical_path = self.critical_path();
+    }
+
+    fn critical_path(&self) -> Option<CriticalPath> {
+        let mut reels = self.reels.iter().map(Cow::Borrowed);
+        let path = kernel::critical_path(self.way.shape(self.spec).ok()?, &mut || Ok(reels.next()), EVENTS).ok()??;
+        Some(CriticalPath { cycles: path.cycles, parts: path.parts.into_iter().map(part).collect() })
+    }
+
     /// What could be saved, most first: each alone, and pairs that save more together than each for itself. What saves nothing is left
     /// out.
     ///
     /// # Errors
     /// Parameters that do not fit together; those of a run do.
-    pub(crate) fn limits(&self) -> Result<Vec<Limit>, ConfigProblem> {
+    fn limits(&self) -> Result<Vec<Limit>, ConfigProblem> {
         let shape = self.way.shape(self.spec)?;
         let singles = self.ideals(&shape);
         let cycles = threads::map(singles.iter().collect(), |ideal: &Ideal| self.cycles(&shape, &ideal.set));

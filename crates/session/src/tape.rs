@@ -254,7 +254,9 @@ fn timed_again<S: MachineSpec>(
     let mut facts = way.facts(spec).map_err(config)?;
     facts.put(&figures);
     let mut report = ended.report(spec, facts, Some(&run));
-    report.limits = kept.and_then(|kept| Recorded { spec, given, way, reels: kept.reels()?, run: &run }.limits().ok());
+    if let Some(reels) = kept.as_ref().and_then(Kept::reels) {
+        Recorded { spec, given, way, reels, run: &run }.measure(&mut report);
+    }
     Ok(report)
 }
 

@@ -141,6 +141,20 @@ fn a_run_with_what_limits_say_takes_the_cycles_they_say() {
 }
 
 #[test]
+fn a_critical_path_is_as_long_as_the_frames() {
+    for machine in MACHINES {
+        let (report, _) = recorded(machine, of_scene(machine), &vec![], Limits::Always).unwrap();
+        let path = report.critical_path.as_ref().unwrap();
+        assert_eq!(path.cycles, report.frame_cycles(), "{}", machine.name);
+        assert_eq!(path.parts.iter().map(|part| part.cycles).sum::<u64>(), path.cycles, "{}", machine.name);
+        let frames = report.cycles.as_ref().unwrap().frames.iter().enumerate();
+        for (frame, cycles) in frames {
+            assert_eq!(path.parts.iter().map(|part| part.frames[frame]).sum::<u64>(), *cycles, "{} {frame}", machine.name);
+        }
+    }
+}
+
+#[test]
 fn limits_of_a_tape_are_those_of_the_run() {
     for machine in MACHINES {
         let (report, tape) = recorded(machine, of_scene(machine), &vec![], Limits::Always).unwrap();

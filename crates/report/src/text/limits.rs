@@ -2,11 +2,13 @@
 
 use super::number::{about, percent, thousands};
 use super::{Align, Table};
-use crate::model::{Limit, Report};
+use crate::model::{Limit, PathPart, Report};
 use Align::{Left, Right};
 
 /// Most rows of the table.
 const ROWS: usize = 8;
+/// Most parts of the critical path in its sentence.
+const PARTS: usize = 4;
 /// What is worth a word beside the first \[share of the cycles\].
 const WORTH: f64 = 0.01;
 
@@ -26,6 +28,18 @@ pub(super) fn sentence(report: &Report) -> Option<String> {
     let pair = pairs.first().filter(|pair| share(pair) >= share(first) + WORTH);
     let more: String = second.into_iter().chain(pair).map(|limit| format!("; {}", says(limit))).collect();
     Some(format!("What limits this run: {} of the cycles{more}.", says(first)))
+}
+
+/// The first parts of the critical path; none where it is not known.
+pub(super) fn path(report: &Report) -> Option<String> {
+    let path = report.critical_path.as_ref()?;
+    let parts: Vec<String> = path.parts.iter().take(PARTS).map(|part| part_text(part, path.cycles)).collect();
+    Some(format!("Critical path, one of several that may be as long: {}.", parts.join(", ")))
+}
+
+fn part_text(PathPart { resource, what, cycles, .. }: &PathPart, total: u64) -> String {
+    let share = about(*cycles as f64 / total.max(1) as f64);
+    format!("{share} {resource} {what}").replace("  ", " ")
 }
 
 fn is_pair(limit: &Limit) -> bool {

@@ -65,6 +65,7 @@ impl Style {
 pub fn to_text(report: &Report, style: Style) -> String {
     let limits = limits::sentence(report).unwrap_or_else(|| blame(report).sentence);
     let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report))), style.wrap(&limits)];
+    parts.extend(limits::path(report).map(|path| style.wrap(&path)));
     let mut tables = vec![
         limits::table(report),
         sections::units(report),
