@@ -60,6 +60,12 @@ impl Shape {
         self.fifos.iter().find(|fifo| fifo.name == name).map_or(0, |fifo| fifo.bits)
     }
 
+    /// The cache in front of the memory client of this name; none where there is none.
+    pub fn cache_of(&self, client: &str) -> Option<&str> {
+        let client = self.memories.clients().iter().find(|c| c.port.name == client)?;
+        Some(&client.cache.as_ref()?.name)
+    }
+
     /// All stages, in the order of the wiring.
     pub fn topology(&self) -> Vec<StageTopology> {
         self.stages.iter().map(|stage| stage.names.clone()).collect()

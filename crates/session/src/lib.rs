@@ -26,6 +26,7 @@ mod exact;
 mod exhibits;
 mod expectation;
 mod held;
+mod ideals;
 mod judged;
 mod limits;
 mod machines;

@@ -1,5 +1,6 @@
 //! What limits a run, measured: each thing that could is made ideal in turn, and the run timed again from its tape.
 
+use crate::ideals::{Candidates, Ideal, together};
 use crate::machines::MachineSpec;
 use crate::run::Way;
 use crate::settings::Limits;
@@ -10,11 +11,8 @@ use basrelief_machines::ConfigProblem;
 use basrelief_report::Report;
 use basrelief_report::model::{CriticalPath, Limit, PathPart};
 use basrelief_threads as threads;
-use serde_json::{Map, Value};
 use std::borrow::Cow;
 
-/// Slots that are as good as without bound.
-const SLOTS: u32 = 65_536;
 /// How many single limits are tried in pairs.
 const PAIRED: usize = 3;
 /// Most events that a critical path is looked for in, of 16 bytes each.
@@ -84,15 +82,6 @@ fn phase_name(phase: Phase) -> &'static str {
     }
 }
 
-/// Something made ideal.
-#[derive(Clone, Debug)]
-struct Ideal {
-    resource: String,
-    what: &'static str,
-    /// Parameters, as `--set` takes them.
-    set: Vec<(String, String)>,
-}
-
 /// The tape of a run that is complete, and the machine that made it.
 pub(crate) struct Recorded<'a, S> {
     pub(crate) spec: &'a S,
@@ -106,14 +95,15 @@ pub(crate) struct Recorded<'a, S> {
 impl<S: MachineSpec> Recorded<'_, S> {
     /// Puts into a report what limits the run, and its critical path.
     pub(crate) fn measure(&self, report: &mut Report) {
-        report.limits = self.limits().ok();
-        report.critical_path = self.critical_path();
+        let path = self.critical_path();
+        report.limits = self.limits(path.as_ref()).ok();
+        report.critical_path =
+            path.map(|path| CriticalPath { cycles: path.cycles, parts: path.parts.into_iter().map(part).collect() });
     }
 
-    fn critical_path(&self) -> Option<CriticalPath> {
+    fn critical_path(&self) -> Option<kernel::CriticalPath> {
         let mut reels = self.reels.iter().map(Cow::Borrowed);
-        let path = kernel::critical_path(self.way.shape(self.spec).ok()?, &mut || Ok(reels.next()), EVENTS).ok()??;
-        Some(CriticalPath { cycles: path.cycles, parts: path.parts.into_iter().map(part).collect() })
+        kernel::critical_path(self.way.shape(self.spec).ok()?, &mut || Ok(reels.next()), EVENTS).ok()?
     }
 
     /// What could be saved, most first: each alone, and pairs that save more together than each for itself. What saves nothing is left
@@ -121,9 +111,9 @@ impl<S: MachineSpec> Recorded<'_, S> {
     ///
     /// # Errors
     /// Parameters that do not fit together; those of a run do.
-    fn limits(&self) -> Result<Vec<Limit>, ConfigProblem> {
+    fn limits(&self, path: Option<&kernel::CriticalPath>) -> Result<Vec<Limit>, ConfigProblem> {
         let shape = self.way.shape(self.spec)?;
-        let singles = self.ideals(&shape);
+        let singles = Candidates { run: self.run, shape: &shape, path }.ideals(self.spec);
         let cycles = threads::map(singles.iter().collect(), |ideal: &Ideal| self.cycles(&shape, &ideal.set));
         let mut timed: Vec<(Ideal, u64)> = singles.into_iter().zip(cycles).filter_map(|(i, c)| Some((i, c?))).collect();
         // Stable: of equals the first in the block diagram is first.
@@ -166,109 +156,9 @@ impl<S: MachineSpec> Recorded<'_, S> {
         recorded.same_work(&shape).ok()?;
         timed(self.reels, shape).ok().map(|report| frame_cycles(&report))
     }
-
-    /// All that could limit the run, in the order of the block diagram. Of FIFOs, memories and caches those are asked for one by one
-    /// whose kind saves something when all of it is ideal: mostly two kinds of three do not.
-    fn ideals(&self, shape: &Shape) -> Vec<Ideal> {
-        let mut all = self.ideal_units();
-        let total = frame_cycles(self.run);
-        for kind in [self.ideal_fifos(), self.ideal_memories(), self.ideal_caches()] {
-            let whole = kind.iter().cloned().reduce(|a, b| together(&a, &b));
-            let saves = |whole: &Ideal| self.cycles(shape, &whole.set).map_or(total, |cycles| total.saturating_sub(cycles));
-            if whole.is_some_and(|whole| saves(&whole) > total * TOGETHER / 1000) {
-                all.extend(kind);
-            }
-        }
-        all
-    }
-
-    /// Units whose steps take more than a cycle.
-    fn ideal_units(&self) -> Vec<Ideal> {
-        let mut all = Vec::new();
-        for unit in self.run.units.iter().filter(|unit| unit.account.busy > unit.steps) {
-            let set = vec![("ideal.units".to_owned(), unit.name.clone())];
-            all.push(Ideal { resource: unit.name.clone(), what: "a cycle per step", set });
-        }
-        all
-    }
-
-    /// A group of parameters.
-    fn group(&self, name: &str) -> Map<String, Value> {
-        let config = serde_json::to_value(self.spec).unwrap_or_default();
-        config.get(name).and_then(Value::as_object).cloned().unwrap_or_default()
-    }
-
-    /// FIFOs that were full at some time.
-    fn ideal_fifos(&self) -> Vec<Ideal> {
-        let mut all = Vec::new();
-        for name in self.group("fifo").keys() {
-            if self.run.fifos.iter().any(|fifo| fifo.name == *name && fifo.high_water() == fifo.depth) {
-                let set = vec![(format!("fifo.{name}.depth"), SLOTS.to_string())];
-                all.push(Ideal { resource: name.clone(), what: "slots without bound", set });
-            }
-        }
-        all
-    }
-
-    /// Memories that were asked for anything.
-    fn ideal_memories(&self) -> Vec<Ideal> {
-        let mut all = Vec::new();
-        for (name, memory) in &self.group("memory") {
-            if self.run.memories.iter().any(|m| m.name == *name && m.ports.iter().any(|port| port.counts.requests() > 0)) {
-                all.extend(of_memory(name, memory["burst_bytes"].as_u64().unwrap_or_default()));
-            }
-        }
-        all
-    }
-
-    /// Caches that did not always hit.
-    fn ideal_caches(&self) -> Vec<Ideal> {
-        let mut all = Vec::new();
-        for name in self.group("cache").keys() {
-            if self.run.caches.iter().any(|c| c.name == *name && c.counts.misses + c.counts.merged > 0) {
-                let set = vec![(format!("cache.{name}.always_hits"), "true".into())];
-                all.push(Ideal { resource: name.clone(), what: "every look-up hits", set });
-            }
-        }
-        all
-    }
 }
 
 /// Cycles up to the end of the last frame: what is behind it, the display of what was drawn, limits nothing.
 pub(crate) fn frame_cycles(run: &RunReport) -> u64 {
     if run.marks.is_empty() { run.total } else { run.marks.iter().sum() }
-}
-
-/// What a memory may be without. (Bursts keep their size: by itself a part's would follow from their cycles.)
-fn of_memory(name: &str, burst_bytes: u64) -> [Ideal; 4] {
-    let latency: &[(&str, u64)] = &[("cl", 0), ("cwl", 0)];
-    let rows: &[(&str, u64)] =
-        &[("rcd", 0), ("rp", 0), ("ras", 0), ("rtp", 0), ("wr", 0), ("rrd", 0), ("faw", 0), ("refi", 0), ("rfc", 0)];
-    let bus: &[(&str, u64)] = &[("burst_bytes", burst_bytes), ("burst_cycles", 1), ("wtr", 0)];
-    let ideal = |what, parts: &[&[(&str, u64)]]| {
-        let set =
-            parts.iter().copied().flatten().map(|(key, value)| (format!("memory.{name}.{key}"), value.to_string())).collect();
-        Ideal { resource: name.to_owned(), what, set }
-    };
-    [
-        ideal("no latency", &[latency]),
-        ideal("no row commands", &[rows]),
-        ideal("a cycle per burst", &[bus]),
-        ideal("no latency, no row commands, a cycle per burst", &[latency, rows, bus]),
-    ]
-}
-
-/// Both.
-fn together(a: &Ideal, b: &Ideal) -> Ideal {
-    let mut set = a.set.clone();
-    for (key, value) in &b.set {
-        match set.iter_mut().find(|(other, _)| other == key) {
-            // Names of units stand side by side; of a memory's numbers both say the same.
-            Some((key, names)) if key == "ideal.units" => *names = format!("{names},{value}"),
-            Some(_) => {}
-            None => set.push((key.clone(), value.clone())),
-        }
-    }
-    let what = if a.what == b.what { a.what } else { "both ideal" };
-    Ideal { resource: format!("{} and {}", a.resource, b.resource), what, set }
 }

@@ -130,7 +130,14 @@ fn a_run_with_what_limits_say_takes_the_cycles_they_say() {
         let limits = report.limits.clone().unwrap();
         assert!(!limits.is_empty(), "{}: something limits it", machine.name);
         assert!(limits.is_sorted_by_key(|limit| limit.cycles));
+        let path = report.critical_path.as_ref().unwrap();
         for limit in limits {
+            // No more than the path is shorter without it; with it, all that memories do on the path may be.
+            let kinds = ["occupancy", "latency", "FIFO", "slot", "rest"];
+            let parts = path.parts.iter().filter(|part| part.resource == limit.resource || !kinds.contains(&part.what.as_str()));
+            let spent: u64 = parts.map(|part| part.cycles).sum();
+            let is_unit = limit.set[0].starts_with("ideal.units") && !limit.resource.contains(" and ");
+            assert!(!is_unit || limit.saved <= spent, "{}: {} saves more than its part", machine.name, limit.resource);
             assert_eq!(limit.saved, report.frame_cycles() - limit.cycles);
             let set = limit.set.iter().map(|set| set.split_once('=').map(|(k, v)| (k.into(), v.into())).unwrap()).collect();
             let (promised, _) = recorded(machine, of_scene(machine), &set, Limits::Never).unwrap();

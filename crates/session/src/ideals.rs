@@ -1,0 +1,140 @@
+//! What of a machine can be made ideal, and is worth it for a run.
+
+use basrelief_kernel::{CriticalPath, RunReport, Shape, Stretch};
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+/// Slots that are as good as without bound.
+const SLOTS: u32 = 65_536;
+/// What is a smaller part of the critical path is not asked for \[1/PART\].
+const PART: u64 = 1000;
+
+/// Something made ideal.
+#[derive(Clone, Debug)]
+pub(crate) struct Ideal {
+    pub(crate) resource: String,
+    pub(crate) what: &'static str,
+    /// Parameters, as `--set` takes them.
+    pub(crate) set: Vec<(String, String)>,
+}
+
+/// Where to look: a run, and its critical path if it is known.
+///
+/// A path binds from below. With something ideal, the stretches that are not spent on it stay as they are, but for those of memories,
+/// which may answer others sooner: so what is no part of the path saves nothing, or what little other requests win by it.
+pub(crate) struct Candidates<'a> {
+    pub(crate) run: &'a RunReport,
+    pub(crate) shape: &'a Shape,
+    pub(crate) path: Option<&'a CriticalPath>,
+}
+
+impl Candidates<'_> {
+    /// All that could limit the run by more than a little, in the order of the block diagram.
+    pub(crate) fn ideals(&self, spec: &impl Serialize) -> Vec<Ideal> {
+        let config = serde_json::to_value(spec).unwrap_or_default();
+        let group = |name: &str| config.get(name).and_then(Value::as_object).cloned().unwrap_or_default();
+        let mut all = self.units();
+        all.extend(self.fifos(&group("fifo")));
+        all.extend(self.memories(&group("memory")));
+        all.extend(self.caches(&group("cache")));
+        all
+    }
+
+    /// Cycles of the critical path that are spent so; all there could be, where it is not known.
+    fn spent(&self, is_so: impl Fn(&Stretch) -> bool) -> u64 {
+        let parts = |path: &CriticalPath| path.parts.iter().filter(|part| is_so(&part.stretch)).map(|part| part.cycles).sum();
+        self.path.map_or(u64::MAX, parts)
+    }
+
+    fn is_much(&self, cycles: u64) -> bool {
+        cycles > self.path.map_or(0, |path| path.cycles / PART)
+    }
+
+    /// Units whose steps take more than a cycle.
+    fn units(&self) -> Vec<Ideal> {
+        let slow = self.run.units.iter().filter(|unit| unit.account.busy > unit.steps).map(|unit| &unit.name);
+        let is_on = |name: &&String| {
+            self.is_much(self.spent(|s| matches!(s, Stretch::Occupancy(unit) | Stretch::Latency(unit) if unit == *name)))
+        };
+        let ideal = |name: &String| {
+            let set = vec![("ideal.units".to_owned(), name.clone())];
+            Ideal { resource: name.clone(), what: "a cycle per step", set }
+        };
+        slow.filter(is_on).map(ideal).collect()
+    }
+
+    /// FIFOs whose slots somebody waited for. (However short: what was waited for in turn before the slot was free counts, too.)
+    fn fifos(&self, group: &Map<String, Value>) -> Vec<Ideal> {
+        let full = |name: &String| self.run.fifos.iter().any(|fifo| fifo.name == *name && fifo.high_water() == fifo.depth);
+        let is_on = |name: &String| self.spent(|s| matches!(s, Stretch::Slot(fifo) if fifo == name)) > 0;
+        let ideal = |name: &String| {
+            let set = vec![(format!("fifo.{name}.depth"), SLOTS.to_string())];
+            Ideal { resource: name.clone(), what: "slots without bound", set }
+        };
+        group.keys().filter(|name| full(name) && is_on(name)).map(ideal).collect()
+    }
+
+    /// Whether much of the path is spent on requests of these clients.
+    fn asks(&self, is_client: impl Fn(&str) -> bool) -> bool {
+        self.is_much(self.spent(|s| matches!(s, Stretch::Memory(client, _) if is_client(client))))
+    }
+
+    /// Memories that were asked for anything.
+    fn memories(&self, group: &Map<String, Value>) -> Vec<Ideal> {
+        let mut all = Vec::new();
+        for memory in &self.run.memories {
+            let is_client = |name: &str| memory.ports.iter().any(|port| port.client == name && port.counts.requests() > 0);
+            if let Some(config) = group.get(&memory.name).filter(|_| self.asks(is_client)) {
+                all.extend(of_memory(&memory.name, config["burst_bytes"].as_u64().unwrap_or_default()));
+            }
+        }
+        all
+    }
+
+    /// Caches that did not always hit.
+    fn caches(&self, group: &Map<String, Value>) -> Vec<Ideal> {
+        let mut all = Vec::new();
+        for cache in self.run.caches.iter().filter(|cache| cache.counts.misses + cache.counts.merged > 0) {
+            let is_client = |name: &str| self.shape.cache_of(name) == Some(&cache.name);
+            if group.contains_key(&cache.name) && self.asks(is_client) {
+                let set = vec![(format!("cache.{}.always_hits", cache.name), "true".into())];
+                all.push(Ideal { resource: cache.name.clone(), what: "every look-up hits", set });
+            }
+        }
+        all
+    }
+}
+
+/// What a memory may be without. (Bursts keep their size: by itself a part's would follow from their cycles.)
+fn of_memory(name: &str, burst_bytes: u64) -> [Ideal; 4] {
+    let latency: &[(&str, u64)] = &[("cl", 0), ("cwl", 0)];
+    let rows: &[(&str, u64)] =
+        &[("rcd", 0), ("rp", 0), ("ras", 0), ("rtp", 0), ("wr", 0), ("rrd", 0), ("faw", 0), ("refi", 0), ("rfc", 0)];
+    let bus: &[(&str, u64)] = &[("burst_bytes", burst_bytes), ("burst_cycles", 1), ("wtr", 0)];
+    let ideal = |what, parts: &[&[(&str, u64)]]| {
+        let set =
+            parts.iter().copied().flatten().map(|(key, value)| (format!("memory.{name}.{key}"), value.to_string())).collect();
+        Ideal { resource: name.to_owned(), what, set }
+    };
+    [
+        ideal("no latency", &[latency]),
+        ideal("no row commands", &[rows]),
+        ideal("a cycle per burst", &[bus]),
+        ideal("no latency, no row commands, a cycle per burst", &[latency, rows, bus]),
+    ]
+}
+
+/// Both.
+pub(crate) fn together(a: &Ideal, b: &Ideal) -> Ideal {
+    let mut set = a.set.clone();
+    for (key, value) in &b.set {
+        match set.iter_mut().find(|(other, _)| other == key) {
+            // Names of units stand side by side; of a memory's numbers both say the same.
+            Some((key, names)) if key == "ideal.units" => *names = format!("{names},{value}"),
+            Some(_) => {}
+            None => set.push((key.clone(), value.clone())),
+        }
+    }
+    let what = if a.what == b.what { a.what } else { "both ideal" };
+    Ideal { resource: format!("{} and {}", a.resource, b.resource), what, set }
+}
