@@ -28,6 +28,8 @@ pub enum Kind {
     Picture,
     /// Configurations and cameras.
     Settings,
+    /// Tapes.
+    Tape,
     /// Command lines.
     Options,
 }
@@ -51,6 +53,7 @@ pub struct Sources {
     pictures: Vec<Vec<u8>>,
     /// Presets of each machine, in the order of [`MACHINES`].
     configurations: Vec<Vec<String>>,
+    tape: Vec<u8>,
 }
 
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
@@ -76,6 +79,7 @@ impl Sources {
                 .map(bytes)
                 .into_iter()
                 .collect::<Result<_, _>>()?,
+            tape: bytes("fuzz/seeds/tape/corridor")?,
             configurations: MACHINES.iter().map(presets).collect::<Result<_, _>>()?,
         })
     }
@@ -95,7 +99,7 @@ fn presets(machine: &MachineInfo) -> Result<Vec<String>, String> {
 
 impl Kind {
     /// All.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::TraceText,
         Self::TraceBinary,
         Self::TraceCompressed,
@@ -104,6 +108,7 @@ impl Kind {
         Self::Obj,
         Self::Picture,
         Self::Settings,
+        Self::Tape,
         Self::Options,
     ];
 
@@ -118,6 +123,7 @@ impl Kind {
             Self::Obj => "OBJ and MTL",
             Self::Picture => "PNG and JPEG",
             Self::Settings => "configurations and cameras",
+            Self::Tape => "tapes",
             Self::Options => "command lines",
         }
     }
@@ -136,6 +142,7 @@ impl Kind {
             Self::Obj => obj(sources, chance),
             Self::Picture => picture(sources, chance),
             Self::Settings => settings(sources, chance),
+            Self::Tape => tape(sources, chance),
             Self::Options => command_line(sources, chance),
         }
     }
@@ -265,6 +272,26 @@ fn settings(sources: &Sources, chance: &mut Chance) -> Case {
     };
     let line = format!("demo --machine {} --size 32x24 {SHORT} {option}", machine.name);
     Case { files: vec![(name.into(), bytes)], arguments: words(&line) }
+}
+
+/// Spoiled below its compression, which finds by itself that bytes are others; one in four above.
+fn tape(sources: &Sources, chance: &mut Chance) -> Case {
+    let mut plain = sources.tape.clone();
+    let above = chance.once_in(4);
+    if !above {
+        mutate::bytes(&mut plain, chance);
+    }
+    let mut bytes = zstd::encode_all(&plain[..], 0).unwrap_or_default();
+    if above {
+        mutate::bytes(&mut bytes, chance);
+    }
+    let line = match chance.below(8) {
+        0 => "size-fifos t.tape".into(),
+        1 => "retime t.tape --limits --out out".into(),
+        2 => format!("retime t.tape --set fifo.spans.depth={} --json", 1 << chance.below(8)),
+        _ => "retime t.tape --no-limits --out out".to_owned(),
+    };
+    Case { files: vec![("t.tape".into(), bytes)], arguments: words(&line) }
 }
 
 fn command_line(sources: &Sources, chance: &mut Chance) -> Case {
