@@ -12,7 +12,7 @@ use std::borrow::Cow;
 fn path_of(plan: &Plan, most_events: usize) -> Option<CriticalPath> {
     let tape = tape(plan, u64::MAX);
     let mut reels = tape.iter().map(Cow::Borrowed);
-    critical_path(Shape::of(&mut machine(plan)).unwrap(), &mut || Ok(reels.next()), most_events).unwrap()
+    critical_path(Shape::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), most_events).unwrap()
 }
 
 /// The parts of a path, in words.
