@@ -119,7 +119,7 @@ proptest! {
         if let Some(path) = path {
             prop_assert_eq!(path.cycles, report.total);
             prop_assert_eq!(path.parts.iter().map(|part| part.cycles).sum::<u64>(), report.total);
-            prop_assert!(path.parts.iter().all(|part| part.frames.iter().sum::<u64>() == part.cycles));
+            prop_assert!(path.parts.iter().all(|part| part.by_mark.iter().sum::<u64>() == part.cycles));
             prop_assert!(path.parts.is_sorted_by_key(|part| std::cmp::Reverse(part.cycles)));
         }
     }

@@ -67,7 +67,7 @@ impl Kept {
 }
 
 /// A part of the critical path in the report's words.
-fn part(kernel::PathPart { stretch, cycles, frames }: kernel::PathPart) -> PathPart {
+fn part(kernel::PathPart { stretch, cycles, by_mark: frames }: kernel::PathPart) -> PathPart {
     let (resource, what) = match stretch {
         Stretch::Occupancy(unit) => (unit, "occupancy"),
         Stretch::Latency(unit) => (unit, "latency"),
