@@ -92,7 +92,9 @@ impl Path {
         self.events.get(event as usize).map_or(Cycle::ZERO, |event| event.at)
     }
 
-    /// A stage makes a step, before its times take it in.
+    /// A stage makes a step, before its times take it in. (Kept out of the engine's code: who does not ask for a path must not pay.)
+    #[cold]
+    #[inline(never)]
     pub(crate) fn step(&mut self, time: &Time, stage: usize, (at, demand): (Cycle, Demand), made: &Made) {
         if self.events.len() > self.most {
             return;
