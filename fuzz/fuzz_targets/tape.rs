@@ -3,11 +3,11 @@
 #![no_main]
 
 use basrelief_input::Budget;
-use basrelief_session::{Limits, RetimeOptions, retime};
+use basrelief_session::{RetimeOptions, When, retime};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let options = RetimeOptions { settings: vec![], limits: Limits::Never, budget: Budget::new(64 << 20) };
+    let options = RetimeOptions { settings: vec![], limits: When::Never, budget: Budget::new(64 << 20) };
     if let Ok(report) = retime(&mut &bytes[..], &options) {
         assert!(report.cycles.is_some());
     }

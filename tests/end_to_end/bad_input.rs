@@ -169,7 +169,7 @@ fn a_failure_leaves_the_results_of_the_run_before() {
     let before = place.text("out/report.json");
     fs::write(place.path("bad.gltf"), "{}").expect("written");
     place.run("run bad.gltf").error(1);
-    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json"]);
+    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json", "run.tape"]);
     assert_eq!(place.text("out/report.json"), before);
     fs::remove_file(place.path("out/image.png")).expect("removed");
     fs::create_dir(place.path("out/image.png")).expect("created");

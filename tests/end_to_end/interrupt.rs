@@ -58,7 +58,7 @@ fn results_of_an_earlier_run_stay() {
     let mut child = start(&place, "run PATCH --size 64x48 --frames 3000", Stdio::null());
     wait_until("pictures", || has(&place.path("out"), "image-0001"));
     interrupt(&mut child, "-TERM");
-    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json"]);
+    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json", "run.tape"]);
     assert_eq!(place.text("out/report.json"), before);
 }
 

@@ -172,16 +172,6 @@ fn the_configuration_in_a_report_keeps_to_the_schema_of_its_machine() {
 }
 
 #[test]
-fn comparing_two_machines_says_that_they_are_two() {
-    let place = Place::new();
-    place.ok("demo goblet@1 --size 32x24 --out a --quiet");
-    place.ok("demo goblet@1 --size 32x24 --machine bump --out b --quiet");
-    let said = place.ok("compare a b").out;
-    let words: Vec<&str> = said.split_whitespace().collect();
-    assert!(words.join(" ").starts_with("The machines differ: A is shade, B is bump;"), "{said}");
-}
-
-#[test]
 fn reports_do_not_differ_between_folders() {
     let place = Place::new();
     for folder in ["here", "far/away"] {

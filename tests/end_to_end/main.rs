@@ -4,6 +4,7 @@
 
 mod ablation;
 mod bad_input;
+mod comparisons;
 mod defer;
 #[cfg(unix)]
 mod interrupt;

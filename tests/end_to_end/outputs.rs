@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-const PICTURES: [&str; 4] = ["difference.png", "image.png", "reference.png", "report.json"];
+const FILES: [&str; 5] = ["difference.png", "image.png", "reference.png", "report.json", "run.tape"];
 
 #[test]
 fn what_a_killed_run_has_left_is_not_published_and_goes() {
@@ -22,7 +22,7 @@ fn what_a_killed_run_has_left_is_not_published_and_goes() {
     killed.wait().expect("a child");
     assert_eq!(place.names("out").len(), 1, "remains");
     place.ok("run PATCH --size 16x12");
-    assert_eq!(place.names("out"), PICTURES);
+    assert_eq!(place.names("out"), FILES);
 }
 
 #[test]
@@ -33,7 +33,7 @@ fn of_two_runs_into_one_folder_one_wins_whole() {
     let mut runs = lines.each_ref().map(|line| place.command(line).spawn().expect("starts"));
     runs.iter_mut().for_each(|run| assert!(run.wait().expect("a child").success()));
     let width = place.report("out")["size"]["width"].as_u64().expect("a width");
-    assert_eq!(place.names("out").len(), 61, "{:?}", place.names("out"));
+    assert_eq!(place.names("out").len(), 62, "{:?}", place.names("out"));
     for name in place.names("out").iter().filter(|name| name.ends_with(".png")) {
         assert_eq!(u64::from(picture(&place.path("out").join(name)).0), width, "{name}");
     }
@@ -62,6 +62,7 @@ fn two_outputs_are_never_one_file() {
     let twice = place.run("demo --machine texel --size 16x12 --out o --timeline x --dump spans d/../x");
     assert!(twice.error(2).contains("is named twice"), "{}", twice.err);
     assert_eq!(place.text("o/report.json"), before);
+    assert!(place.run("run PATCH --size 16x12 --out o --timeline o/run.tape").error(2).contains("the run's own"));
     place.ok("run PATCH --size 16x12 --out o --timeline o/time --quiet");
     assert!(place.path("o/time").exists());
 }

@@ -9,7 +9,7 @@ const SMALL: &str = "demo mixed --size 64x48";
 fn a_demo_writes_picture_exact_picture_difference_and_report() {
     let place = Place::new();
     let said = place.ok(SMALL).out;
-    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json"]);
+    assert_eq!(place.names("out"), ["difference.png", "image.png", "reference.png", "report.json", "run.tape"]);
     let report = place.report("out");
     is_valid(&report, &place);
     let (width, height, hash) = picture(&place.path("out/image.png"));
@@ -95,20 +95,4 @@ fn a_run_that_stops_at_its_limit_reports_the_state_so_far_and_fails() {
     is_valid(&report, &place);
     assert!(report["cycles"]["total"].as_u64().is_some_and(|total| (1..=2000).contains(&total)), "{}", report["cycles"]);
     assert_eq!(place.names("out"), ["report.json"]);
-}
-
-#[test]
-fn comparing_fails_only_over_its_limit() {
-    let place = Place::new();
-    place.ok(&format!("{SMALL} --out a"));
-    place.ok(&format!("{SMALL} --out b --set memory.graphics.cl=900"));
-    let same = place.ok("compare a a --fail-over 0").out;
-    assert!(!same.is_empty());
-    assert!(place.ok("compare a b/report.json").out.contains("graphics"));
-    assert!(place.run("compare a b --fail-over 0.01").error(1).contains("grew worse"));
-    place.ok("compare a b --fail-over 100000");
-    let json: Value = serde_json::from_str(&place.ok("compare a b --json").out).expect("JSON");
-    assert!(json.is_object());
-    std::fs::write(place.path("no.json"), "{}").expect("written");
-    assert!(place.run("compare a no.json").error(1).contains("no.json"));
 }

@@ -176,6 +176,6 @@ fn one_memory_is_written_alone_and_a_link_is_followed() {
     }
     assert_eq!(
         place.names("out"),
-        ["difference.png", "displacement.png", "divisions.png", "image.png", "reference.png", "report.json"]
+        ["difference.png", "displacement.png", "divisions.png", "image.png", "reference.png", "report.json", "run.tape"]
     );
 }

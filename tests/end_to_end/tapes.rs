@@ -44,6 +44,33 @@ fn limits_hold_as_full_runs_and_can_be_left_out() {
 }
 
 #[test]
+fn a_run_leaves_its_tape_beside_its_report() {
+    let place = Place::new();
+    let has_tape = |folder: &str| place.names(folder).contains(&"run.tape".to_owned());
+    place.ok(&format!("{RUN} --out a"));
+    assert!(has_tape("a"));
+    for without in ["--no-limits", "--functional", "--max-cycles 500"] {
+        place.ok(&format!("{RUN} --out b"));
+        assert!(has_tape("b"));
+        place.run(&format!("{RUN} --out b {without}"));
+        assert!(place.names("b").contains(&"report.json".to_owned()) && !has_tape("b"), "{without}: none of an earlier run");
+    }
+    place.ok("retime a --set fifo.pixels.depth=3 --out b --quiet");
+    place.ok(&format!("{RUN} --set fifo.pixels.depth=3 --out c"));
+    assert_eq!(without_host(place.report("b")), without_host(place.report("c")), "a folder is its tape");
+    place.ok("retime b --set fifo.pixels.latency=7 --out d --quiet");
+    place.ok("retime c --set fifo.pixels.latency=7 --out e --quiet");
+    assert_eq!(without_host(place.report("d")), without_host(place.report("e")), "what retime leaves is the tape of that run");
+    place.ok("retime a --no-limits --out d --quiet");
+    assert!(!has_tape("d"));
+    place.ok("size-fifos a --within 1");
+    assert!(place.run("size-fifos d").error(1).starts_with("d/run.tape: cannot be read"));
+    assert!(place.run("retime a --out a").error(2).contains("is what TAPE reads"));
+    place.ok(&format!("{RUN} --no-limits --tape d/run.tape --out d"));
+    place.ok("retime d");
+}
+
+#[test]
 fn smaller_fifos_keep_the_cycles_that_were_asked_for() {
     let place = Place::new();
     place.ok(&format!("{RUN} --tape a.tape"));

@@ -33,16 +33,20 @@ fn a_run_writes_its_pictures_and_nothing_else() {
     let place = Place::new();
     let said = place.ok("demo corridor --size 64x48").out;
     let kinds = ["difference", "displacement", "divisions", "image", "reference"];
-    let names: Vec<String> = kinds.iter().map(|k| format!("{k}.png")).chain(["report.json".to_owned()]).collect();
+    let names: Vec<String> =
+        kinds.iter().map(|k| format!("{k}.png")).chain(["report.json", "run.tape"].map(str::to_owned)).collect();
     assert_eq!(place.names("out"), names);
-    assert!(said.contains("image.png, reference.png, difference.png, displacement.png, divisions.png, report.json"), "{said}");
+    assert!(
+        said.contains("image.png, reference.png, difference.png, displacement.png, divisions.png, report.json, run.tape"),
+        "{said}"
+    );
     let size = |name: &str| {
         let (width, height, _) = picture(&place.path(&format!("out/{name}.png")));
         (width, height)
     };
     assert_eq!((size("image"), size("divisions"), size("displacement")), ((64, 48), (64, 48), (64, 78)));
     place.ok("demo corridor --size 64x48 --no-exact --out bare");
-    assert_eq!(place.names("bare"), ["image.png", "report.json"]);
+    assert_eq!(place.names("bare"), ["image.png", "report.json", "run.tape"]);
 }
 
 #[test]
@@ -146,7 +150,7 @@ fn all_methods_are_compared_at_the_same_error() {
 fn a_dump_may_lie_in_the_folder_that_is_made_for_the_pictures() {
     let place = Place::new();
     place.ok("demo corridor --size 16x12 --no-exact --dump spans out/spans.jsonl");
-    assert_eq!(place.names("out"), ["image.png", "report.json", "spans.jsonl"]);
+    assert_eq!(place.names("out"), ["image.png", "report.json", "run.tape", "spans.jsonl"]);
 }
 
 #[test]

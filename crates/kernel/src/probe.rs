@@ -17,6 +17,11 @@ pub trait Probe {
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle);
     /// Stage `stage` waited for `cause`.
     fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle);
+    /// FIFO `fifo`, in the order of the wiring by producer, holds so many slots from cycle `at` on (law 10): told where it
+    /// changes, in order of time, some while after. Before the first it holds none.
+    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
+        _ = (fifo, at, slots);
+    }
 }
 
 /// Watches nothing.
@@ -38,6 +43,9 @@ impl<P: Probe + ?Sized> Probe for &mut P {
     fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
         (**self).waited(stage, cause, from, to);
     }
+    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
+        (**self).held(fifo, at, slots);
+    }
 }
 
 /// One interval of a stage.
@@ -58,6 +66,8 @@ pub struct Interval {
 pub struct Recorder {
     /// Per stage, in order of time.
     pub stages: Vec<Vec<Interval>>,
+    /// Per FIFO, how many slots it holds from which cycle on.
+    pub fifos: Vec<Vec<(Cycle, usize)>>,
 }
 
 impl Recorder {
@@ -79,5 +89,9 @@ impl Probe for Recorder {
     }
     fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
         self.add(Interval { stage, cause: Some(cause), from, to });
+    }
+    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
+        self.fifos.resize(self.fifos.len().max(fifo + 1), Vec::new());
+        self.fifos[fifo].push((at, slots));
     }
 }

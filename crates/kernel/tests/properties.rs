@@ -108,6 +108,23 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
+    /// What a probe is shown of a FIFO comes to its histogram.
+    #[test]
+    fn fills_add_up_to_histograms(recipe in recipe()) {
+        let (report, seen) = run_both(&recipe.plan().0, u64::MAX);
+        for (number, fifo) in report.fifos.iter().enumerate() {
+            let fills = seen.fifos.get(number).cloned().unwrap_or_default();
+            let mut histogram = vec![0; fifo.depth + 1];
+            let (mut from, mut held) = (0, 0);
+            for (at, slots) in fills.into_iter().map(|(at, slots)| (at.0, slots)).chain([(report.total, 0)]) {
+                prop_assert!(at >= from && (slots != held || at == report.total), "told once where it changes");
+                histogram[held] += at - from;
+                (from, held) = (at, slots);
+            }
+            prop_assert_eq!(&histogram, &fifo.histogram, "{}", &fifo.name);
+        }
+    }
+
     #[test]
     fn every_limit_of_cycles_gives_equal_reports(recipe in recipe(), first in 0..64_u64) {
         let (plan, _) = recipe.plan();

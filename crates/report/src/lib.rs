@@ -6,7 +6,7 @@
 //! | [`derived`] | figures with unit and formula: cycles per fragment, GB/s, hit rates |
 //! | [`blame`] | what limits a run, in one sentence that follows from the accounting |
 //! | [`text`] | the tables of the terminal |
-//! | [`compare`](mod@compare) | what changed between two runs, and which unit and cause explain it |
+//! | [`compare`](mod@compare) | what changed between two runs, and what explains it |
 //! | [`ablation`] | what each short cut of a machine saves, and what it costs |
 //! | [`methods`] | what each method of choosing division points costs at the same error |
 //! | [`work`] | what a machine draws, in its own words |
@@ -36,7 +36,7 @@ pub mod work;
 
 pub use ablation::Ablation;
 pub use build::Context;
-pub use compare::{Comparison, compare};
+pub use compare::{Comparison, Explained, Share, compare};
 pub use csv::to_csv;
 pub use html::to_html;
 pub use json::{ReadError, SCHEMA, schema};

@@ -2,7 +2,7 @@
 
 use crate::observer::{Observer, Pictures};
 use crate::outcome::{Run, SessionError};
-use crate::settings::{Limits, RunOptions};
+use crate::settings::{RunOptions, When};
 use basrelief_input::Held;
 use basrelief_kernel::Outcome;
 use basrelief_report::Report;
@@ -23,7 +23,7 @@ pub fn ablate<E: From<SessionError>>(
     let mut beside = Beside { observer, kept: Vec::new(), held: settings.budget.nothing(), first: true, largest: 0 };
     let mut ablation: Option<Ablation> = None;
     for (variant, config) in settings.config.ablations() {
-        let settings = RunOptions { config, exact: false, limits: Limits::Never, ..settings.clone() };
+        let settings = RunOptions { config, exact: false, limits: When::Never, tape: When::Never, ..settings.clone() };
         let report = complete(&variant, run(&settings, &mut beside)?)?;
         let ablation = ablation.get_or_insert_with(|| Ablation::of(&report));
         ablation.variants.push(Variant::of(variant, &report, ablation.variants.first(), beside.largest));

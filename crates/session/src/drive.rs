@@ -11,7 +11,7 @@ use crate::machines::{Logs, MachineSpec, PictureRecord};
 use crate::observer::{MemoryRequests, Observer, Pictures, picture_name};
 use crate::outcome::{Run, SessionError};
 use crate::run::Way;
-use crate::settings::RunOptions;
+use crate::settings::{RunOptions, When};
 use crate::tape::{self, REEL_BYTES, WorkHash};
 use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
@@ -105,9 +105,9 @@ impl<'a> Session<'a> {
         if !self.settings.exhibits.is_empty() {
             machine.keep_log();
         }
-        if self.settings.tape {
+        if self.shows_tape() {
             let head = tape::head::<S>(way, &self.settings.given);
-            self.attempt(|session| session.observer.tape(&head));
+            self.attempt(|session| session.observer.tape(&head, true));
         }
         self.keep_requests(&mut machine);
         let began = clock();
@@ -116,7 +116,7 @@ impl<'a> Session<'a> {
         let acts_at_times = spec.rehearsed(&[]).is_some();
         let mut kept = Kept::new(self.settings.limits).filter(|_| !acts_at_times);
         let reels = RefCell::new(Vec::new());
-        let is_recorded = kept.is_some() || self.settings.tape;
+        let is_recorded = kept.is_some() || self.shows_tape();
         let ran = {
             let mut progress = |machine: &mut M| {
                 self.take_tape(&mut reels.borrow_mut(), &mut kept);
@@ -185,12 +185,21 @@ impl<'a> Session<'a> {
         self.failed.is_none() && self.over_budget.is_none() && self.observer.progress(commands, total)
     }
 
+    /// Whether the observer is shown the tape, so far.
+    fn shows_tape(&self) -> bool {
+        match self.settings.tape {
+            When::Never => false,
+            When::IfShort => self.work.is_short(),
+            When::Always => true,
+        }
+    }
+
     /// Takes the reels of the tape since the last call: keeps them, and shows them.
     fn take_tape(&mut self, reels: &mut Vec<Reel>, kept: &mut Option<Kept>) {
         for reel in reels.drain(..) {
-            if self.settings.tape {
+            if self.shows_tape() {
                 self.work.add(&reel);
-                self.attempt(|session| session.observer.tape(&tape::reel(&reel)));
+                self.attempt(|session| session.observer.tape(&tape::reel(&reel), session.work.is_short()));
             }
             if let Some(kept) = kept {
                 kept.keep(reel);
@@ -321,7 +330,7 @@ impl<'a> Session<'a> {
         warnings: &[String],
         expectations: Vec<Expectation>,
     ) -> Run {
-        let several = self.images.len() > 1;
+        let (shows_tape, several) = (self.shows_tape(), self.images.len() > 1);
         let image = self.images.into_iter().enumerate();
         let no_view = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
         let ended = Ended {
@@ -340,9 +349,10 @@ impl<'a> Session<'a> {
         let EngineResult { facts, report: run, kept } = result;
         let complete = run.as_ref().filter(|run| run.outcome == Outcome::Complete);
         let mut tape_is_whole = false;
-        if complete.is_some() && self.settings.tape {
+        if complete.is_some() && shows_tape {
             let figures = facts.figures().map(|f| (f.name.clone(), f.value.clone())).collect();
-            tape_is_whole = self.observer.tape(&tape::end(&ended, figures, self.work)).is_ok();
+            let is_short = self.work.is_short();
+            tape_is_whole = self.observer.tape(&tape::end(&ended, figures, self.work), is_short).is_ok();
         }
         let mut report = ended.report(spec, facts, run.as_ref());
         if let (Some(run), Some(reels)) = (complete, kept.as_ref().and_then(Kept::reels)) {

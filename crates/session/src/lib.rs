@@ -25,6 +25,7 @@ mod ended;
 mod exact;
 mod exhibits;
 mod expectation;
+mod explained;
 mod held;
 mod ideals;
 mod judged;
@@ -44,6 +45,7 @@ mod tee;
 pub use ablation::ablate;
 pub use exhibits::content::{Content, Exhibit, ExhibitInfo, Form};
 pub use expectation::{check_expectation, expectation_of};
+pub use explained::{Taped, explain};
 pub use held::textures as hold_textures;
 pub use machines::{MACHINES, MachineConfig, MachineInfo, TileFetch};
 pub use methods::compare_methods;
@@ -51,9 +53,9 @@ pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name}
 pub use outcome::{Run, SessionError};
 pub use record::{begin_of, display_list};
 pub use run::{run, stages};
-pub use settings::{Limits, RunInput, RunOptions};
+pub use settings::{RunInput, RunOptions, When};
 pub use sizing::{Choice, Sizes, size_fifos};
-pub use tape::{Given, RetimeOptions, TapeFileError, retime};
+pub use tape::{Given, RetimeOptions, TapeFileError, retime, retime_to};
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]

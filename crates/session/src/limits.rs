@@ -3,8 +3,8 @@
 use crate::ideals::{Candidates, Ideal, together};
 use crate::machines::MachineSpec;
 use crate::run::Way;
-use crate::settings::Limits;
-use crate::tape::{Given, timed};
+use crate::settings::When;
+use crate::tape::{Given, bytes_of, timed};
 use basrelief_kernel::tape::Reel;
 use basrelief_kernel::{self as kernel, Phase, RunReport, Shape, Stretch};
 use basrelief_machines::ConfigProblem;
@@ -30,21 +30,20 @@ pub(crate) struct Kept {
 
 impl Kept {
     /// Bytes of a tape that is short: a step takes some five.
-    const SHORT: usize = 4 << 20;
+    pub(crate) const SHORT: usize = 4 << 20;
 
-    pub(crate) fn new(limits: Limits) -> Option<Self> {
+    pub(crate) fn new(limits: When) -> Option<Self> {
         let left = match limits {
-            Limits::Never => return None,
-            Limits::IfShort => Self::SHORT,
-            Limits::Always => usize::MAX,
+            When::Never => return None,
+            When::IfShort => Self::SHORT,
+            When::Always => usize::MAX,
         };
         Some(Self { reels: vec![], left: Some(left) })
     }
 
     /// Keeps a reel; none at all once there are too many.
     pub(crate) fn keep(&mut self, reel: Reel) {
-        let bytes: usize = reel.streams().map(<[u8]>::len).sum();
-        self.left = self.left.and_then(|left| left.checked_sub(bytes));
+        self.left = self.left.and_then(|left| left.checked_sub(bytes_of(&reel)));
         if self.left.is_some() {
             self.reels.push(reel);
         } else {

@@ -4,7 +4,7 @@ use crate::ablation::complete;
 use crate::machines::{MACHINES, MachineConfig, MachineSpec, for_machine};
 use crate::observer::Observer;
 use crate::outcome::{Run, SessionError};
-use crate::settings::{Limits, RunOptions};
+use crate::settings::{RunOptions, When};
 use basrelief_report::Report;
 use basrelief_report::methods::{Method, Methods, figure};
 
@@ -89,7 +89,7 @@ where
     fn configured(&self, method: &MethodSpec<S>, number: u32) -> RunOptions {
         let mut config = self.config.clone();
         (method.set)(&mut config, number);
-        RunOptions { config: config.into(), exhibits: vec![], limits: Limits::Never, ..self.settings.clone() }
+        RunOptions { config: config.into(), exhibits: vec![], limits: When::Never, tape: When::Never, ..self.settings.clone() }
     }
 
     fn timed(&mut self, method: &MethodSpec<S>, number: u32) -> Result<(Report, Method), E> {

@@ -54,12 +54,12 @@ pub trait Observer {
     }
 
     /// The next bytes of the run's tape, where [`RunOptions::tape`](crate::RunOptions::tape) asks for it: [`retime`](crate::retime)
-    /// reads it, once it is whole.
+    /// reads it, once it is whole. `is_short` until there is more work on it than [`IfShort`](crate::When::IfShort) has.
     ///
     /// # Errors
     /// What keeps the observer from taking them; stops the run.
-    fn tape(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let _ = bytes;
+    fn tape(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
+        let _ = (bytes, is_short);
         Ok(())
     }
 

@@ -42,7 +42,7 @@ pub struct Run {
     pub report: Report,
     /// What the engine came to; `None` for the functional model.
     pub timing: Option<RunReport>,
-    /// Whether the observer was shown a whole tape: the run was recorded, and came to its end.
+    /// Whether the observer was shown a whole tape: the run was recorded to its end.
     pub tape_is_whole: bool,
     /// What a trace expects of its replay.
     pub expectations: Vec<Expectation>,

@@ -51,15 +51,15 @@ impl RunInput {
     }
 }
 
-/// Whether what [limits](basrelief_report::model::Limit) a run is measured.
+/// Which runs something is done for that takes the longer the more they do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Limits {
-    /// No.
+pub enum When {
+    /// None.
     #[default]
     Never,
-    /// If the run makes no more steps than are timed again, some twenty times, in the time that pictures and metrics take.
+    /// Those that make no more steps than are timed again, some twenty times, in the time that pictures and metrics take.
     IfShort,
-    /// Yes, however long it takes.
+    /// All, however long it takes.
     Always,
 }
 
@@ -77,12 +77,13 @@ pub struct RunOptions {
     /// What the observer is shown beside the finished pictures, of what the machine has
     /// ([`MachineInfo::exhibits`](crate::MachineInfo::exhibits)); costs nothing where it is empty.
     pub exhibits: Vec<ExhibitInfo>,
-    /// Whether what limits the run is measured; of the timed and the ticked engine, and of a run that comes to its end.
-    pub limits: Limits,
+    /// Whether what [limits](basrelief_report::model::Limit) the run is measured; of the timed and the ticked engine, and of a run
+    /// that comes to its end.
+    pub limits: When,
     /// What the user gave of the parameters: `config` follows from it. Needed where limits are measured, or a tape is made.
     pub given: Given,
-    /// Show the observer the run's [tape](crate::Observer::tape); costs nothing otherwise.
-    pub tape: bool,
+    /// Whether the observer is shown the run's [tape](crate::Observer::tape); costs nothing otherwise.
+    pub tape: When,
     /// Show the observer every [request](crate::Observer::requests) that a memory takes in; costs nothing otherwise.
     pub requests: bool,
     /// Seconds on a clock that does not run backwards, for the host figures; libraries read none themselves. It must
@@ -102,9 +103,9 @@ impl Default for RunOptions {
             max_cycles: u64::MAX,
             exact: true,
             exhibits: vec![],
-            limits: Limits::Never,
+            limits: When::Never,
             given: Given::default(),
-            tape: false,
+            tape: When::Never,
             requests: false,
             clock: || 0.0,
             budget: Budget::default(),

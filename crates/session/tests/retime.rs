@@ -1,12 +1,13 @@
-//! Work does not depend on time, on all machines: what a tape holds, what is timed again from it, and what is said to limit a run.
+//! Work does not depend on time, on all machines: what a tape holds, what is timed again from it, what is said to limit a run, and
+//! what is said to explain the difference of two.
 
 use basrelief_input::Budget;
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::Report;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_session::{
-    Given, Limits, MACHINES, MachineInfo, Observer, RetimeOptions, RunInput, RunOptions, TapeFileError, begin_of, display_list,
-    retime, run,
+    Given, MACHINES, MachineInfo, Observer, RetimeOptions, RunInput, RunOptions, TapeFileError, Taped, When, begin_of,
+    display_list, explain, retime, run,
 };
 use basrelief_signals::Scene;
 use proptest::prelude::*;
@@ -19,7 +20,7 @@ use std::sync::{Arc, LazyLock};
 struct Taping(Vec<u8>);
 
 impl Observer for Taping {
-    fn tape(&mut self, bytes: &[u8]) -> Result<(), String> {
+    fn tape(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
         self.0.extend_from_slice(bytes);
         Ok(())
     }
@@ -45,17 +46,17 @@ fn of_trace(machine: &MachineInfo) -> RunInput {
 }
 
 /// Report and tape of a run; none where the parameters do not fit.
-fn recorded(machine: &MachineInfo, source: RunInput, settings: &Settings, limits: Limits) -> Option<(Report, Vec<u8>)> {
+fn recorded(machine: &MachineInfo, source: RunInput, settings: &Settings, limits: When) -> Option<(Report, Vec<u8>)> {
     let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
     let config = machine.load("", &borrowed).ok().filter(|config| config.check().is_ok())?;
     let given = Given { toml: String::new(), settings: settings.clone() };
-    let settings = RunOptions { config, exact: false, limits, given, tape: true, ..RunOptions::default() };
+    let settings = RunOptions { config, exact: false, limits, given, tape: When::Always, ..RunOptions::default() };
     let mut taping = Taping::default();
     let run = run(source, &settings, &mut taping, None).ok()?;
     Some((run.report, taping.0)).filter(|_| run.tape_is_whole)
 }
 
-fn timed_again(tape: &[u8], settings: &Settings, limits: Limits) -> Result<Report, TapeFileError> {
+fn timed_again(tape: &[u8], settings: &Settings, limits: When) -> Result<Report, TapeFileError> {
     let options = RetimeOptions { settings: settings.clone(), limits, budget: Budget::default() };
     retime(&mut Cursor::new(tape), &options)
 }
@@ -63,7 +64,7 @@ fn timed_again(tape: &[u8], settings: &Settings, limits: Limits) -> Result<Repor
 /// The tapes of all machines, behind both ways in.
 static TAPES: LazyLock<Vec<(&MachineInfo, bool, Vec<u8>)>> = LazyLock::new(|| {
     let both = MACHINES.iter().flat_map(|machine| [(machine, false), (machine, true)]);
-    both.map(|(machine, trace)| (machine, trace, recorded(machine, source(machine, trace), &vec![], Limits::Never).unwrap().1))
+    both.map(|(machine, trace)| (machine, trace, recorded(machine, source(machine, trace), &vec![], When::Never).unwrap().1))
         .collect()
 });
 
@@ -106,8 +107,8 @@ proptest! {
     fn timing_a_tape_again_gives_the_report_of_a_run(which in 0..8_usize, choices in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6)) {
         let (machine, trace, tape) = &TAPES[which];
         let settings = some_settings(machine, &choices);
-        let Some((ran, other)) = recorded(machine, source(machine, *trace), &settings, Limits::Never) else { return Ok(()) };
-        match timed_again(tape, &settings, Limits::Never) {
+        let Some((ran, other)) = recorded(machine, source(machine, *trace), &settings, When::Never) else { return Ok(()) };
+        match timed_again(tape, &settings, When::Never) {
             Ok(again) => {
                 prop_assert_eq!(again.to_json().unwrap(), ran.to_json().unwrap(), "{:?}", &settings);
                 prop_assert_eq!(work(&other), work(tape), "{:?}", &settings);
@@ -126,7 +127,7 @@ fn work(tape: &[u8]) -> String {
 #[test]
 fn a_run_with_what_limits_say_takes_the_cycles_they_say() {
     for machine in MACHINES {
-        let (report, _) = recorded(machine, of_scene(machine), &vec![], Limits::Always).unwrap();
+        let (report, _) = recorded(machine, of_scene(machine), &vec![], When::Always).unwrap();
         let limits = report.limits.clone().unwrap();
         assert!(!limits.is_empty(), "{}: something limits it", machine.name);
         assert!(limits.is_sorted_by_key(|limit| limit.cycles));
@@ -140,7 +141,7 @@ fn a_run_with_what_limits_say_takes_the_cycles_they_say() {
             assert!(!is_unit || limit.saved <= spent, "{}: {} saves more than its part", machine.name, limit.resource);
             assert_eq!(limit.saved, report.frame_cycles() - limit.cycles);
             let set = limit.set.iter().map(|set| set.split_once('=').map(|(k, v)| (k.into(), v.into())).unwrap()).collect();
-            let (promised, _) = recorded(machine, of_scene(machine), &set, Limits::Never).unwrap();
+            let (promised, _) = recorded(machine, of_scene(machine), &set, When::Never).unwrap();
             assert_eq!(promised.frame_cycles(), limit.cycles, "{}: {} with {}", machine.name, limit.resource, limit.what);
             assert_eq!(promised.image, report.image, "{}: the picture stays", machine.name);
         }
@@ -150,7 +151,7 @@ fn a_run_with_what_limits_say_takes_the_cycles_they_say() {
 #[test]
 fn a_critical_path_is_as_long_as_the_frames() {
     for machine in MACHINES {
-        let (report, _) = recorded(machine, of_scene(machine), &vec![], Limits::Always).unwrap();
+        let (report, _) = recorded(machine, of_scene(machine), &vec![], When::Always).unwrap();
         let path = report.critical_path.as_ref().unwrap();
         assert_eq!(path.cycles, report.frame_cycles(), "{}", machine.name);
         assert_eq!(path.parts.iter().map(|part| part.cycles).sum::<u64>(), path.cycles, "{}", machine.name);
@@ -164,8 +165,8 @@ fn a_critical_path_is_as_long_as_the_frames() {
 #[test]
 fn limits_of_a_tape_are_those_of_the_run() {
     for machine in MACHINES {
-        let (report, tape) = recorded(machine, of_scene(machine), &vec![], Limits::Always).unwrap();
-        assert_eq!(timed_again(&tape, &vec![], Limits::Always).unwrap(), report);
+        let (report, tape) = recorded(machine, of_scene(machine), &vec![], When::Always).unwrap();
+        assert_eq!(timed_again(&tape, &vec![], When::Always).unwrap(), report);
     }
 }
 
@@ -174,7 +175,7 @@ fn what_cannot_be_timed_again_is_said() {
     let (_, _, tape) = &TAPES[0];
     let error = |settings: &[(&str, &str)], tape: &[u8]| {
         let settings = settings.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
-        timed_again(tape, &settings, Limits::Never).unwrap_err().to_string()
+        timed_again(tape, &settings, When::Never).unwrap_err().to_string()
     };
     assert!(error(&[("replacement.lanes", "8")], tape).contains("`replacement.lanes` changes what the units do"));
     assert!(error(&[("cache.clut.line_bytes", "32")], tape).contains("changes what the units do"));
@@ -188,5 +189,101 @@ fn what_cannot_be_timed_again_is_said() {
     let middle = spoiled.len() / 2;
     spoiled[middle] ^= 1;
     // A step that does something else, or one that no step does: either way it is no longer the work that was recorded.
-    assert!(timed_again(&spoiled, &vec![], Limits::Never).is_err());
+    assert!(timed_again(&spoiled, &vec![], When::Never).is_err());
+}
+
+/// A change to each of several groups of parameters, and to the work.
+fn changes(machine: &MachineInfo) -> Vec<(&'static str, Settings)> {
+    let table = machine.parameters();
+    let first = |kind: &str, ending: &str, value: &str| {
+        let found = table.iter().find(|p| p.key.starts_with(kind) && p.key.ends_with(ending)).unwrap();
+        vec![(found.key.clone(), value.to_owned())]
+    };
+    let unit = machine.units().swap_remove(1).name;
+    let work =
+        [("bump", "replacement.entries", "64"), ("shade", "shade.mode", "brightness"), ("texel", "texel.error_bound", "0.1")];
+    let work = work.into_iter().find(|(name, ..)| *name == machine.name).map_or(("engine.latency", "900"), |(_, k, v)| (k, v));
+    vec![
+        ("memory", first("memory.", ".part", "sram")),
+        ("cache", first("cache.", ".sets", "1")),
+        ("fifo", first("fifo.", ".latency", "9")),
+        ("ideal", vec![("ideal.units".into(), unit)]),
+        ("work", vec![(work.0.into(), work.1.into())]),
+    ]
+}
+
+fn taped((report, tape): &(Report, Vec<u8>)) -> Taped {
+    Taped::read(report, &mut Cursor::new(tape), &Budget::default()).unwrap()
+}
+
+fn recorded_with(machine: &MachineInfo, settings: &Settings) -> (Report, Vec<u8>) {
+    recorded(machine, of_scene(machine), settings, When::Never).unwrap()
+}
+
+#[test]
+fn what_explains_a_difference_holds_as_full_runs_and_sums_to_it() {
+    for machine in MACHINES {
+        let all: Settings = changes(machine).into_iter().flat_map(|(_, settings)| settings).collect();
+        let (a, b) = (recorded_with(machine, &vec![]), recorded_with(machine, &all));
+        let explained = explain(&taped(&a), &taped(&b)).unwrap();
+        assert_eq!(explained.shares.len(), 5, "{explained:?}");
+        for share in &explained.shares {
+            let mut settings = all.clone();
+            settings.extend(share.set.iter().map(|set| set.split_once('=').map(|(k, v)| (k.into(), v.into())).unwrap()));
+            let promised = recorded_with(machine, &settings).0.frame_cycles();
+            assert_eq!(Some(promised), share.cycles, "{}: {share:?}", machine.name);
+            assert_eq!(share.by, Some(b.0.frame_cycles() as i64 - promised as i64));
+        }
+        let shares: i64 = explained.shares.iter().filter_map(|share| share.by).sum();
+        let difference = b.0.frame_cycles() as i64 - a.0.frame_cycles() as i64;
+        assert_eq!(shares + explained.together, difference, "{}: {explained:?}", machine.name);
+        assert!(explained.shares.is_sorted_by(|x, y| x.by.map(i64::abs) >= y.by.map(i64::abs)));
+    }
+}
+
+#[test]
+fn what_changes_alone_explains_all_of_the_difference() {
+    for machine in MACHINES {
+        let a = recorded_with(machine, &vec![]);
+        for (group, settings) in changes(machine) {
+            let b = recorded_with(machine, &settings);
+            let explained = explain(&taped(&a), &taped(&b)).unwrap();
+            assert_eq!((explained.shares.len(), explained.together), (1, 0), "{}: {group}: {explained:?}", machine.name);
+            assert_eq!(explained.shares[0].group.split('.').next(), Some(group));
+            assert_eq!(explained.shares[0].cycles, Some(a.0.frame_cycles()));
+        }
+        assert_eq!(explain(&taped(&a), &taped(&a)).unwrap().shares, []);
+    }
+}
+
+/// The clock is work, since all else is told in its cycles; a memory's cycles follow from it.
+#[test]
+fn what_follows_from_a_parameter_is_not_counted_with_it() {
+    let hz = vec![("clock.hz".to_owned(), "100000000".to_owned())];
+    let (a, b) = (recorded_with(&MACHINES[0], &vec![]), recorded_with(&MACHINES[0], &hz));
+    let explained = explain(&taped(&a), &taped(&b)).unwrap();
+    let work = explained.shares.iter().find(|share| share.group == "work").unwrap();
+    assert_eq!(work.by, Some(0), "{explained:?}");
+    assert!(work.set.contains(&"memory.graphics.rcd=2".to_owned()), "held as B has it: {work:?}");
+}
+
+#[test]
+fn what_cannot_be_timed_apart_has_no_share() {
+    // Fewer credits than a step needs: stamps of fewer fragments. Here none is larger, but that is not known.
+    let settings = vec![("memory.normal_map.outstanding".into(), "16".into()), ("fifo.shaded.depth".into(), "2".into())];
+    let (a, b) = (recorded_with(&MACHINES[0], &vec![]), recorded_with(&MACHINES[0], &settings));
+    let explained = explain(&taped(&a), &taped(&b)).unwrap();
+    let apart: Vec<(&str, bool)> = explained.shares.iter().map(|share| (share.group.as_str(), share.cycles.is_none())).collect();
+    assert_eq!(apart, [("fifo.shaded", false), ("memory.normal_map", true)], "{explained:?}");
+}
+
+#[test]
+fn a_tape_of_another_run_is_refused() {
+    let (a, b) = (recorded_with(&MACHINES[0], &vec![]), recorded_with(&MACHINES[0], &changes(&MACHINES[0])[2].1));
+    for (report, tape) in [(&a.0, &b.1), (&b.0, &a.1), (&recorded_with(&MACHINES[1], &vec![]).0, &a.1)] {
+        let error = Taped::read(report, &mut Cursor::new(tape), &Budget::default()).err().unwrap();
+        assert!(matches!(error, TapeFileError::OtherRun), "{error}");
+    }
+    let other = recorded_with(&MACHINES[1], &vec![]);
+    assert!(explain(&taped(&a), &taped(&other)).is_none(), "two machines");
 }

@@ -95,7 +95,7 @@ pub struct SimulationArgs {
     /// timed again. By itself it is measured where that takes little time beside the pictures.
     #[arg(long, conflicts_with = "no_limits")]
     pub limits: bool,
-    /// Do not measure what limits the run.
+    /// Do not measure what limits the run, and leave no run.tape beside its report.
     #[arg(long)]
     pub no_limits: bool,
     /// Write the tables as report.csv too.
@@ -104,7 +104,8 @@ pub struct SimulationArgs {
     /// Write what every unit did when, as a Perfetto trace (open at ui.perfetto.dev).
     #[arg(long, value_name = "FILE")]
     pub timeline: Option<PathBuf>,
-    /// Write what every unit did, without times: `basrelief retime` times it again under other FIFOs, memories and caches.
+    /// Write what every unit did, without times: `basrelief retime` times it again under other FIFOs, memories and caches. By itself
+    /// it is left as run.tape beside the report, if the work is short.
     #[arg(long, value_name = "FILE", conflicts_with = "functional")]
     pub tape: Option<PathBuf>,
     /// Write every memory request, the memories one after the other, each in the order in which it took them in: by cycle of

@@ -28,14 +28,16 @@ pub struct DescribeArgs {
 /// Arguments of `compare`.
 #[derive(Clone, Debug, Args)]
 pub struct CompareArgs {
-    /// The report before: a report.json, or the folder that holds it.
+    /// The report before: a report.json, or the folder that holds it. Where both runs have left their run.tape beside it, what
+    /// explains the difference in cycles is measured.
     pub a: PathBuf,
-    /// The report after.
-    pub b: PathBuf,
-    /// Exit with 1 if anything grew worse by more than this (percent).
+    /// The report after; of several, each is held against A.
+    #[arg(required = true, value_name = "B")]
+    pub others: Vec<PathBuf>,
+    /// Exit with 1 if anything grew worse by more than this in any of them (percent).
     #[arg(long, value_name = "PERCENT", value_parser = finite)]
     pub fail_over: Option<f64>,
-    /// Print the comparison as JSON.
+    /// Print the comparison as JSON; of several, a list of them.
     #[arg(long)]
     pub json: bool,
 }

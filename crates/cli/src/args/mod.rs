@@ -49,7 +49,7 @@ pub enum Command {
     Verify(VerifyArgs),
     /// Show a machine: block diagram, units, parameters with unit, default and provenance.
     Describe(DescribeArgs),
-    /// List what changed between two reports, largest first.
+    /// Say what changed between reports, largest first, and what explains it.
     Compare(CompareArgs),
     /// Print a JSON schema.
     Schema(SchemaArgs),

@@ -44,12 +44,12 @@ pub struct RunArgs {
 /// Arguments of `retime`.
 #[derive(Clone, Debug, Args)]
 pub struct RetimeArgs {
-    /// The tape, made by `run --tape`.
+    /// The tape, made by `run --tape`, or a folder of a run that has left its run.tape there.
     pub tape: PathBuf,
     /// One parameter over those of the run, of those that change times only (`basrelief describe`); repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub settings: Vec<(String, String)>,
-    /// Write report.json into this folder.
+    /// Write report.json into this folder, and run.tape if its work is short.
     #[arg(long, short, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the report to standard output, and nothing else.
@@ -61,7 +61,7 @@ pub struct RetimeArgs {
     /// Measure what limits the run however many steps it makes.
     #[arg(long, conflicts_with = "no_limits")]
     pub limits: bool,
-    /// Do not measure what limits the run.
+    /// Do not measure what limits the run, and leave no run.tape beside its report.
     #[arg(long)]
     pub no_limits: bool,
 }
@@ -69,7 +69,7 @@ pub struct RetimeArgs {
 /// Arguments of `size-fifos`.
 #[derive(Clone, Debug, Args)]
 pub struct SizeFifosArgs {
-    /// Tapes of one machine with the same parameters, made by `run --tape`.
+    /// Tapes of one machine with the same parameters, made by `run --tape`, or folders of runs that have left their run.tape there.
     #[arg(required = true)]
     pub tapes: Vec<PathBuf>,
     /// Cycles of the frames that may be lost (percent); several, with commas between, make a table.

@@ -2,7 +2,7 @@
 
 use super::dump::DumpFiles;
 use super::requests::RequestsFile;
-use super::tape::TapeFile;
+use super::tape::{RunTape, TapeFile};
 use crate::error::Failure;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
@@ -24,6 +24,7 @@ pub struct OutputFiles {
     pub requests: Option<RequestsFile>,
     /// Likewise.
     pub tape: Option<TapeFile>,
+    pub run_tape: RunTape,
     pub outputs: Outputs,
     pub progress: Progress,
     /// Bytes of a trace read so far; a scene counts commands instead.
@@ -76,7 +77,8 @@ impl Observer for OutputFiles {
         self.requests.as_mut().map_or(Ok(()), |file| file.write(requests))
     }
 
-    fn tape(&mut self, bytes: &[u8]) -> Result<(), String> {
+    fn tape(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
+        self.run_tape.tape(bytes, is_short)?;
         self.tape.as_mut().map_or(Ok(()), |file| file.write(bytes))
     }
 }
@@ -85,7 +87,7 @@ impl OutputFiles {
     /// A run has failed: the best picture of a frame that was under way stays, if there was any.
     pub fn rescue(self, error: Failure) -> Failure {
         let Some((_, best)) = self.shown.filter(|(frame, _)| *frame as usize >= self.frames) else { return error };
-        match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png")) {
+        match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png", &[])) {
             Ok(()) => error,
             Err(e) => Failure::Bad(format!("{error}\nThe best picture so far cannot be written: {e}")),
         }

@@ -3,17 +3,17 @@
 use super::dump::DumpFiles;
 use super::output_files::OutputFiles;
 use super::requests::RequestsFile;
-use super::tape::TapeFile;
+use super::tape::{RunTape, TapeFile};
 use crate::args::{EngineName, MachineArgs, SimulationArgs, ViewArgs};
 use crate::error::{Done, Failure, print};
-use crate::outputs::{Outputs, PartialFile, check_distinct, check_not_read};
+use crate::outputs::{Outputs, PartialFile, REPORT, RUN_TAPE, check_distinct, check_not_read};
 use crate::progress::Progress;
 use basrelief_input::Budget;
 use basrelief_kernel::{Engine, Probe, StageTopology};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
 use basrelief_session::{
-    self as session, Form, Given, Limits, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved,
+    self as session, Form, Given, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved, When,
     picture_name,
 };
 use std::cell::Cell;
@@ -40,15 +40,20 @@ impl From<EngineName> for Engine {
 
 /// As the command line says; nobody has asked for exhibits yet.
 pub fn settings_of((config, given): (MachineConfig, Given), simulation: &SimulationArgs, budget: &Budget) -> RunOptions {
+    let limits = limits_of(simulation.limits, simulation.no_limits);
     RunOptions {
         config,
         engine: (!simulation.functional).then(|| simulation.engine.into()),
         max_cycles: simulation.max_cycles.unwrap_or(u64::MAX),
         exact: !simulation.no_exact,
         exhibits: vec![],
-        limits: limits_of(simulation.limits, simulation.no_limits),
+        limits,
         given,
-        tape: simulation.tape.is_some(),
+        tape: match (&simulation.tape, limits) {
+            (Some(_), _) => When::Always,
+            (None, When::Never) => When::Never,
+            (None, _) => When::IfShort,
+        },
         requests: simulation.requests.is_some(),
         clock: seconds,
         budget: budget.clone(),
@@ -56,11 +61,11 @@ pub fn settings_of((config, given): (MachineConfig, Given), simulation: &Simulat
 }
 
 /// Whether what limits a run is measured, by `--limits` and `--no-limits`.
-pub fn limits_of(always: bool, never: bool) -> Limits {
+pub fn limits_of(always: bool, never: bool) -> When {
     match (always, never) {
-        (true, _) => Limits::Always,
-        (_, true) => Limits::Never,
-        _ => Limits::IfShort,
+        (true, _) => When::Always,
+        (_, true) => When::Never,
+        _ => When::IfShort,
     }
 }
 
@@ -84,6 +89,7 @@ pub fn simulate_source(
         dumps,
         requests,
         tape,
+        run_tape: RunTape::new(settings.limits)?,
         outputs,
         progress,
         read,
@@ -102,7 +108,7 @@ pub fn simulate_source(
     };
     let tape_is_whole = run.tape_is_whole;
     let report = run.with_host(seconds() - began);
-    let OutputFiles { outputs, progress, mut dumps, requests, tape, frames, kinds, extra, .. } = files;
+    let OutputFiles { outputs, progress, mut dumps, requests, tape, run_tape, frames, kinds, extra, .. } = files;
     let kinds = kinds.concat();
     drop(progress);
     dumps.flush()?;
@@ -113,7 +119,9 @@ pub fn simulate_source(
         // In front of what is published: where it cannot be printed, nothing is written.
         print(&report.to_json().map_err(Failure::bad)?)?;
     }
-    publish(outputs, (frames, &kinds), &report, simulation)?;
+    // Where limits could not be measured, it cannot be timed again either.
+    let run_tape = (tape_is_whole && report.limits.is_some()).then_some(run_tape);
+    let has_tape = publish(outputs, (frames, &kinds), (&report, run_tape), simulation)?;
     dumps.publish()?;
     let beside = [(timeline, &simulation.timeline), (requests, &simulation.requests), (tape, &simulation.tape)];
     for (file, path) in beside {
@@ -121,7 +129,7 @@ pub fn simulate_source(
             file.publish().map_err(Failure::file(path, "be written"))?;
         }
     }
-    show(&report, (&kinds, &extra), simulation, quiet)
+    show(&report, (&kinds, &extra, has_tape), simulation, quiet)
 }
 
 /// Refuses an output that is one of these files, which the run reads; beside them, what its machine and its view are read from.
@@ -183,27 +191,33 @@ fn names(stage: StageTopology) -> StageNames {
     StageNames { unit: stage.name, inputs: stage.inputs, outputs: stage.outputs, clients: stage.clients }
 }
 
-/// Names the pictures by their number, adds the report, and puts everything in its place.
-fn publish(outputs: Outputs, (frames, kinds): (usize, &[&str]), report: &Report, simulation: &SimulationArgs) -> Done {
+/// Names the pictures by their number, adds the report and the tape, and puts everything in its place; whether there is a tape.
+fn publish(
+    outputs: Outputs,
+    (frames, kinds): (usize, &[&str]),
+    (report, tape): (&Report, Option<RunTape>),
+    simulation: &SimulationArgs,
+) -> Done<bool> {
     let failed = || Failure::file(&simulation.out, "be written");
     if frames == 1 {
         for kind in kinds {
             outputs.rename(&picture_name(kind, 0, true), &picture_name(kind, 0, false)).map_err(failed())?;
         }
     }
-    write_report(&outputs, report, simulation.csv).map_err(failed())?;
-    outputs.publish("report.json").map_err(failed())
+    let has_tape = tape.map_or(Ok(false), |tape| tape.write_to(&outputs)).map_err(failed())?;
+    publish_report(outputs, report, simulation.csv).map_err(failed())?;
+    Ok(has_tape)
 }
 
-/// Writes the report, and its tables where they are wanted.
-pub fn write_report(outputs: &Outputs, report: &Report, csv: bool) -> std::io::Result<()> {
-    let mut file = outputs.create("report.json")?;
+/// Writes the report, and its tables where they are wanted, and puts everything in its place.
+pub fn publish_report(outputs: Outputs, report: &Report, csv: bool) -> std::io::Result<()> {
+    let mut file = outputs.create(REPORT)?;
     report.write_json(&mut file).and_then(|()| file.flush())?;
     if csv {
         let mut file = outputs.create("report.csv")?;
         file.write_all(to_csv(report).as_bytes()).and_then(|()| file.flush())?;
     }
-    Ok(())
+    outputs.publish(REPORT, &[RUN_TAPE])
 }
 
 /// Prints the report.
@@ -212,10 +226,10 @@ pub fn show_report(report: &Report) -> Done {
 }
 
 /// Prints the report, and decides whether the run was a success.
-fn show(report: &Report, (kinds, extra): (&[&str], &[String]), simulation: &SimulationArgs, quiet: bool) -> Done {
+fn show(report: &Report, files: (&[&str], &[String], bool), simulation: &SimulationArgs, quiet: bool) -> Done {
     if !quiet && !simulation.json {
         show_report(report)?;
-        print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report, kinds, extra)))?;
+        print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report, files)))?;
     }
     let message = report.outcome.message.clone().unwrap_or_default();
     match report.outcome.kind {
@@ -228,11 +242,13 @@ fn show(report: &Report, (kinds, extra): (&[&str], &[String]), simulation: &Simu
 /// Most pictures with names of their own that are told.
 const MOST_NAMED: usize = 8;
 
-fn written(report: &Report, kinds: &[&str], extra: &[String]) -> String {
+/// Pictures by their kinds and by their names, the report, and the tape if there is one.
+fn written(report: &Report, (kinds, extra, has_tape): (&[&str], &[String], bool)) -> String {
     let several = report.image.len() > 1;
     let names = kinds.iter().map(|kind| if several { format!("{kind}-0001.png ...") } else { picture_name(kind, 0, false) });
     let more = extra.iter().take(MOST_NAMED).cloned().chain((extra.len() > MOST_NAMED).then(|| "...".to_owned()));
-    names.chain(more).chain(["report.json".to_owned()]).collect::<Vec<_>>().join(", ")
+    let own = std::iter::once(REPORT).chain(has_tape.then_some(RUN_TAPE));
+    names.chain(more).chain(own.map(str::to_owned)).collect::<Vec<_>>().join(", ")
 }
 
 /// How tables are set on this terminal.

@@ -1,6 +1,6 @@
 //! `basrelief size-fifos`: the smallest FIFOs that keep the cycles of recorded runs.
 
-use super::tape::{failure, open};
+use super::tape::{failure, open, place_of};
 use crate::args::SizeFifosArgs;
 use crate::error::{Done, Failure, print};
 use basrelief_input::Budget;
@@ -8,11 +8,13 @@ use basrelief_report::text::number::{real, thousands};
 use basrelief_session::{Choice, Sizes, size_fifos as sized};
 use std::fmt::Write;
 use std::io::Read;
+use std::path::PathBuf;
 
 /// Finds them, and prints them.
 pub fn size_fifos(args: &SizeFifosArgs, budget: &Budget) -> Done {
-    let mut files = args.tapes.iter().map(|tape| open(tape)).collect::<Done<Vec<_>>>()?;
-    let names = args.tapes.iter().map(|tape| tape.display().to_string()).collect::<Vec<_>>().join(", ");
+    let tapes: Vec<PathBuf> = args.tapes.iter().map(|tape| place_of(tape)).collect();
+    let mut files = tapes.iter().map(|tape| open(tape)).collect::<Done<Vec<_>>>()?;
+    let names = tapes.iter().map(|tape| tape.display().to_string()).collect::<Vec<_>>().join(", ");
     let readers = files.iter_mut().map(|file| file as &mut dyn Read).collect();
     let sizes = sized(readers, &args.within, budget).map_err(failure(&names))?;
     if args.json {

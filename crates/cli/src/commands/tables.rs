@@ -94,5 +94,5 @@ fn publish(outputs: Outputs, table: &Table, simulation: &SimulationArgs) -> Done
         let mut file = outputs.create(name).map_err(failed())?;
         file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(failed())?;
     }
-    outputs.publish(&json).map_err(failed())
+    outputs.publish(&json, &[]).map_err(failed())
 }

@@ -1,13 +1,13 @@
 //! `--tape`, and `basrelief retime`: the work of a run kept, and timed again.
 
-use super::simulate::{limits_of, seconds, show_report, write_report};
+use super::simulate::{limits_of, publish_report, seconds, show_report};
 use crate::args::RetimeArgs;
 use crate::error::{Done, Failure, print};
-use crate::outputs::{Outputs, PartialFile};
+use crate::outputs::{Outputs, PartialFile, RUN_TAPE, check_not_read};
 use basrelief_input::Budget;
-use basrelief_session::{RetimeOptions, TapeFileError, retime as timed_again};
+use basrelief_session::{Observer, RetimeOptions, TapeFileError, When, retime_to};
 use std::fs::File;
-use std::io::{BufReader, Write};
+use std::io::{self, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 /// The file of `--tape`, compressed with zstd.
@@ -48,6 +48,46 @@ impl TapeFile {
     }
 }
 
+/// The tape that is left beside a report, of a run whose work is short: compressed, and in memory until the run has come to its end.
+pub struct RunTape {
+    /// None where nobody wants it, or once it was too long.
+    encoder: Option<zstd::Encoder<'static, Vec<u8>>>,
+}
+
+impl RunTape {
+    /// An empty one, of a run whose [limits](When) are measured.
+    ///
+    /// # Errors
+    /// None that is known.
+    pub fn new(limits: When) -> Done<Self> {
+        let encoder = || zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL);
+        let encoder = (limits != When::Never).then(encoder).transpose().map_err(Failure::bad)?;
+        Ok(Self { encoder })
+    }
+
+    /// Puts it beside the report; whether there is one.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_to(self, outputs: &Outputs) -> io::Result<bool> {
+        let Some(encoder) = self.encoder else { return Ok(false) };
+        let mut file = outputs.create(RUN_TAPE)?;
+        file.write_all(&encoder.finish()?).and_then(|()| file.flush()).map(|()| true)
+    }
+}
+
+impl Observer for RunTape {
+    fn tape(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
+        self.encoder = self.encoder.take().filter(|_| is_short);
+        self.encoder.as_mut().map_or(Ok(()), |encoder| encoder.write_all(bytes)).map_err(|e| e.to_string())
+    }
+}
+
+/// The file of a tape: of a folder, the one beside its report.
+pub fn place_of(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(RUN_TAPE) } else { path.to_path_buf() }
+}
+
 /// Opens a tape.
 ///
 /// # Errors
@@ -64,6 +104,14 @@ pub fn failure(name: &str) -> impl Fn(TapeFileError) -> Failure {
         TapeFileError::Work(_) | TapeFileError::OtherWork(_) | TapeFileError::Config(_) => {
             Failure::Usage(format!("--set: {error}"))
         }
+        _ => unreadable(&name)(error),
+    }
+}
+
+/// What is wrong with a tape of this name by itself.
+pub fn unreadable(name: &str) -> impl Fn(TapeFileError) -> Failure {
+    let name = name.to_owned();
+    move |error| match error {
         // What the decoder says in its own words.
         TapeFileError::Read(e) if e.raw_os_error().is_none() => {
             Failure::within(&name)("not a tape, or not whole; `basrelief run --tape FILE` makes one")
@@ -75,11 +123,16 @@ pub fn failure(name: &str) -> impl Fn(TapeFileError) -> Failure {
 /// Times the work on a tape again.
 pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
-    let name = args.tape.display().to_string();
-    let mut reader = open(&args.tape)?;
+    let path = place_of(&args.tape);
+    let name = path.display().to_string();
+    let own = args.out.as_ref().map(|folder| folder.join(RUN_TAPE));
+    let outputs: Vec<(&str, &Path)> = own.iter().map(|own| ("--out", &**own)).collect();
+    check_not_read(&outputs, &[("TAPE", &path)]).map_err(Failure::Usage)?;
+    let mut reader = open(&path)?;
     let limits = limits_of(args.limits, args.no_limits);
     let options = RetimeOptions { settings: args.settings.clone(), limits, budget: budget.clone() };
-    let report = timed_again(&mut reader, &options).map_err(failure(&name))?;
+    let mut tape = RunTape::new(limits)?;
+    let report = retime_to(&mut reader, &options, &mut tape).map_err(failure(&name))?;
     let took = seconds() - began;
     let report = report.with_host(took, took);
     if args.json {
@@ -87,8 +140,27 @@ pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
     }
     if let Some(folder) = &args.out {
         let outputs = Outputs::begin(folder).map_err(Failure::file(folder, "be written"))?;
-        write_report(&outputs, &report, args.csv).map_err(Failure::file(folder, "be written"))?;
-        outputs.publish("report.json").map_err(Failure::file(folder, "be written"))?;
+        tape.write_to(&outputs).map_err(Failure::file(folder, "be written"))?;
+        publish_report(outputs, &report, args.csv).map_err(Failure::file(folder, "be written"))?;
     }
     if quiet || args.json { Ok(()) } else { show_report(&report) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tape_that_has_grown_too_long_is_not_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let left = |limits: When, pieces: &[bool]| {
+            let mut tape = RunTape::new(limits).unwrap();
+            pieces.iter().for_each(|is_short| tape.tape(b"piece", *is_short).unwrap());
+            let outputs = Outputs::begin(folder.path()).unwrap();
+            tape.write_to(&outputs).unwrap()
+        };
+        assert!(left(When::IfShort, &[true, true]));
+        assert!(!left(When::IfShort, &[true, false, true]) && !left(When::Always, &[true, false]));
+        assert!(!left(When::Never, &[true]));
+    }
 }

@@ -3,8 +3,12 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+/// The report of a run.
+pub const REPORT: &str = "report.json";
+/// The tape of the run that the report beside it tells of.
+pub const RUN_TAPE: &str = "run.tape";
 /// What a run calls its own files in `--out`, beside pictures.
-const REPORTS: [&str; 2] = ["report.json", "report.csv"];
+const OWN: [&str; 3] = [REPORT, "report.csv", RUN_TAPE];
 
 /// Whether each output has a file of its own, under whichever name: those that options name, and those that a run writes into
 /// `out`, a folder that is there.
@@ -19,7 +23,7 @@ pub fn check_distinct(out: &Path, named: &[(&str, &Path)]) -> Result<(), String>
         // A link in `out` that has the name of a report is replaced by it; one from elsewhere leads to it.
         let named = beside(path);
         let own = [&place, &named].into_iter().filter(|at| at.parent() == out_folder.as_deref());
-        if let Some(name) = own.filter_map(|at| at.file_name()).find(|name| is_own(name)) {
+        if let Some(name) = own.filter_map(|at| at.file_name()).find(|name| is_own(name) && !is_its_tape(option, name)) {
             let name = name.display();
             return Err(format!(
                 "{option}: {} is the run's own {name} in --out {}; give it another name",
@@ -37,9 +41,14 @@ pub fn check_distinct(out: &Path, named: &[(&str, &Path)]) -> Result<(), String>
     Ok(())
 }
 
-/// Pictures, and reports.
+/// Pictures, report and tape.
 fn is_own(name: &OsStr) -> bool {
-    Path::new(name).extension().is_some_and(|e| e == "png") || REPORTS.iter().any(|report| name == *report)
+    Path::new(name).extension().is_some_and(|e| e == "png") || OWN.iter().any(|own| name == *own)
+}
+
+/// A tape may take the place of the run's own, which is left only where it is short.
+fn is_its_tape(option: &str, name: &OsStr) -> bool {
+    option == "--tape" && name == RUN_TAPE
 }
 
 /// Whether each output is something else than what the run reads: an input that is replaced is lost.

@@ -71,8 +71,8 @@ impl Outputs {
     }
 
     /// Puts all files in their place, `last` behind all others: who finds it there finds the others too. Of two runs into one
-    /// folder, one does so behind the other.
-    pub fn publish(mut self, last: &str) -> io::Result<()> {
+    /// folder, one does so behind the other. Files of an earlier run that mean nothing beside this `last` go, if it has none.
+    pub fn publish(mut self, last: &str, belong: &[&str]) -> io::Result<()> {
         let _turn = turn(&self.folder)?;
         let mut unfinished = Unfinished::lock();
         let mut others = Vec::new();
@@ -85,6 +85,9 @@ impl Outputs {
                 others.push(name);
             }
         }
+        for name in belong.iter().filter(|name| others.iter().all(|new| new != **name)) {
+            remove_if_there(&self.folder.join(name))?;
+        }
         for name in others.iter().map(AsRef::as_ref).chain([Path::new(last)]) {
             fs::rename(self.partial.join(name), self.folder.join(name))?;
         }
@@ -92,6 +95,13 @@ impl Outputs {
         unfinished.settle(&self.leftovers);
         self.leftovers.clear();
         Ok(())
+    }
+}
+
+fn remove_if_there(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(e),
+        _ => Ok(()),
     }
 }
 

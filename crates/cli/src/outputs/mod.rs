@@ -12,7 +12,7 @@ mod partial;
 mod tests;
 mod unfinished;
 
-pub use distinct::{check_distinct, check_not_read};
+pub use distinct::{REPORT, RUN_TAPE, check_distinct, check_not_read};
 pub use file::PartialFile;
 pub use folder::Outputs;
 pub use partial::remove_remains;

@@ -31,9 +31,25 @@ fn what_is_published_replaces_what_was_there_and_leaves_other_files_alone() {
     outputs.create("first").unwrap().write_all(b"new").unwrap();
     outputs.create("report").unwrap();
     outputs.rename("first", "a.txt").unwrap();
-    outputs.publish("report").unwrap();
+    outputs.publish("report", &[]).unwrap();
     assert_eq!(names(base.path()), ["a.txt", "mine.txt", "report"]);
     assert_eq!(fs::read_to_string(base.path().join("a.txt")).unwrap(), "new");
+}
+
+#[test]
+fn what_belonged_to_an_earlier_report_goes_with_it() {
+    let base = tempfile::tempdir().unwrap();
+    let publish = |names: &[&str]| {
+        let outputs = Outputs::begin(base.path()).unwrap();
+        names.iter().for_each(|name| drop(outputs.create(name).unwrap()));
+        outputs.publish(REPORT, &[RUN_TAPE]).unwrap();
+    };
+    publish(&[REPORT, RUN_TAPE, "image.png"]);
+    publish(&[REPORT, RUN_TAPE]);
+    assert_eq!(names(base.path()), ["image.png", REPORT, RUN_TAPE]);
+    publish(&[REPORT]);
+    publish(&[REPORT]);
+    assert_eq!(names(base.path()), ["image.png", REPORT]);
 }
 
 #[test]
@@ -43,7 +59,7 @@ fn where_one_file_cannot_be_placed_none_is() {
     let outputs = Outputs::begin(base.path()).unwrap();
     outputs.create("a").unwrap();
     outputs.create("report").unwrap();
-    assert!(outputs.publish("report").unwrap_err().to_string().contains("report is a folder"));
+    assert!(outputs.publish("report", &[]).unwrap_err().to_string().contains("report is a folder"));
     assert_eq!(names(base.path()), ["report"]);
 }
 
@@ -74,10 +90,10 @@ fn of_two_runs_of_one_process_number_into_one_folder_each_has_its_own_files() {
     let (first, second) = (Outputs::begin(base.path()).unwrap(), Outputs::begin(base.path()).unwrap());
     write_all(&first, &all, "first");
     write_all(&second, &all[..1], "second");
-    first.publish("report.json").unwrap();
+    first.publish("report.json", &[]).unwrap();
     assert_eq!(says(), ["first", "first"]);
     write_all(&second, &all[1..], "second");
-    second.publish("report.json").unwrap();
+    second.publish("report.json", &[]).unwrap();
     assert_eq!(says(), ["second", "second"]);
     assert_eq!(names(base.path()), all);
 }
@@ -91,7 +107,7 @@ fn of_two_runs_that_end_in_the_same_moment_one_publishes_behind_the_other() {
     // As another process does while it publishes.
     let other = fs::File::open(base.path()).unwrap();
     other.lock().unwrap();
-    let waits = std::thread::spawn(move || outputs.publish("image.png"));
+    let waits = std::thread::spawn(move || outputs.publish("image.png", &[]));
     std::thread::sleep(std::time::Duration::from_millis(200));
     assert!(!base.path().join("image.png").exists());
     drop(other);
@@ -121,7 +137,7 @@ fn what_a_dead_run_has_left_is_removed_and_what_a_living_one_holds_is_not() {
     drop(PartialFile::create(&place).unwrap());
     drop(Outputs::begin(base.path()).unwrap());
     assert_eq!(names(base.path()).len(), 2, "{:?}", names(base.path()));
-    living.publish("image.png").unwrap();
+    living.publish("image.png", &[]).unwrap();
     file.publish().unwrap();
     assert_eq!(names(base.path()), ["image.png", "t.bdl"]);
 }
@@ -151,6 +167,8 @@ fn each_output_has_a_file_of_its_own_under_whichever_name() {
         assert!(check([own, "d"]).unwrap_err().starts_with("--timeline: "), "{own}");
         assert!(check(["t", own]).unwrap_err().contains("is the run's own"), "{own}");
     }
+    assert!(check(["o/run.tape", "d"]).is_err());
+    assert_eq!(check_distinct(&at("o"), &[("--tape", &at("o/run.tape"))]), Ok(()), "of the same run, however long");
     for twice in [["t", "t"], ["t", "./t"], ["o/x", "o/in/../x"], ["none/x", "none//./x"]] {
         assert!(check(twice).unwrap_err().contains("is named twice"), "{twice:?}");
     }

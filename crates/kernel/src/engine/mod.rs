@@ -88,8 +88,10 @@ fn run_on<M: Machine, P: Probe>(
         Err(error) => return RunReport::of_fault(error.to_string()),
     };
     let mut time = Time::new(shape);
+    time.keep_fills::<P>();
     let halt = engine(machine, &mut time, probe);
     let report = time.conclude(&rests(machine), halt);
+    time.show_fills(probe, Some(Cycle(report.total)));
     *machine.memories() = time.memories;
     report
 }

@@ -6,7 +6,7 @@ use crate::report::RunReport;
 use crate::shape::Shape;
 use crate::tape::{Reader, Reel, TapeError};
 use crate::time::{Halt, Known, Made, Path, Rest, Time, Unknown};
-use crate::{CriticalPath, Demand, NoProbe, Outcome, Probe, Traffic};
+use crate::{CriticalPath, Cycle, Demand, NoProbe, Outcome, Probe, Traffic};
 use std::borrow::Cow;
 
 /// Why a tape cannot be timed.
@@ -114,6 +114,7 @@ fn timed_again<P: Probe>(
 ) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
     let mut readers: Vec<Reader> = shape.stages.iter().map(|s| Reader::new(s.inputs.len(), s.outputs.len())).collect();
     let mut time = Time::new(shape);
+    time.keep_fills::<P>();
     feed(&mut readers, reels, &time)?;
     let path = most_events.map(|most| Path::new(&mut time, most));
     let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
@@ -129,6 +130,7 @@ fn timed_again<P: Probe>(
         if let Some(error) = readers.iter_mut().find_map(|reader| reader.error.take()) {
             return Err(error.into());
         }
+        walk.time.show_fills(walk.probe, None);
         if walk.goes_on() {
             continue;
         }
@@ -145,6 +147,7 @@ fn timed_again<P: Probe>(
     };
     let rests: Vec<Rest> = readers.iter().map(rest).collect();
     let report = time.conclude(&rests, halt);
+    time.show_fills(probe, Some(Cycle(report.total)));
     let path = path.filter(|_| report.outcome == Outcome::Complete);
     let path = path.and_then(|path| path.trace(&time, report.total, &report.marks));
     Ok((report, path))

@@ -147,7 +147,11 @@ pub(super) fn run<M: Machine, P: Probe>(
             return Halt::Quiet;
         }
         tick.now = tick.now + 1;
-        if tick.now.0.is_multiple_of(4096) && !look(machine, tick.time, (&mut tick.tape, &mut keep), limits.progress) {
+        if !tick.now.0.is_multiple_of(4096) {
+            continue;
+        }
+        tick.time.show_fills(tick.probe, None);
+        if !look(machine, tick.time, (&mut tick.tape, &mut keep), limits.progress) {
             return Halt::Stopped;
         }
     }

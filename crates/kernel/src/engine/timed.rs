@@ -52,7 +52,7 @@ use crate::{Cycle, Demand, Probe, Traffic};
 /// One walk over all stages.
 pub(super) struct RunAhead<'a, SomeProbe> {
     pub(super) time: &'a mut Time,
-    probe: &'a mut SomeProbe,
+    pub(super) probe: &'a mut SomeProbe,
     traffic: Traffic,
     end: Cycle,
     stage: usize,
@@ -180,6 +180,7 @@ pub(super) fn run<M: Machine, P: Probe>(
         if !walk.goes_on() {
             break;
         }
+        walk.time.show_fills(walk.probe, None);
         if round.is_multiple_of(16) && !look(machine, walk.time, (&mut walk.tape, &mut keep), limits.progress) {
             return Halt::Stopped;
         }

@@ -89,6 +89,22 @@ impl Time {
         clock.split_wait(fifos, memories, demand, (clock.free, at), |wait| charge(account, probe, stage, wait));
     }
 
+    /// Keeps how full FIFOs are, for a probe that looks on.
+    pub(crate) fn keep_fills<P: Probe>(&mut self) {
+        if P::is_on() {
+            self.fifos.iter_mut().for_each(Slots::keep_fills);
+        }
+    }
+
+    /// Shows a probe how full FIFOs were, as far as that is settled, or up to the `end` of the run.
+    pub(crate) fn show_fills<P: Probe>(&mut self, probe: &mut P, end: Option<Cycle>) {
+        if P::is_on() {
+            for (number, fifo) in self.fifos.iter_mut().enumerate() {
+                fifo.take_fills(end).into_iter().for_each(|(at, slots)| probe.held(number, at, slots));
+            }
+        }
+    }
+
     /// Delivers the steps of a stage in flight whose answers are known by now, and tells whether there were any. To be called
     /// before looking at the next start.
     #[inline(always)]

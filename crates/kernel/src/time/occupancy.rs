@@ -20,6 +20,32 @@ pub(crate) struct Occupancy {
     settled_to: Cycle,
     /// The ticked engine counts literally: slots held in the last cycle counted, and that cycle.
     counted: Option<(usize, Cycle)>,
+    /// What it held from when on, wherever that changed, where somebody looks on: since it was last taken.
+    fills: Option<Fills>,
+}
+
+/// How full a FIFO was, in order of time.
+#[derive(Clone, Debug, Default)]
+struct Fills {
+    new: Vec<(Cycle, usize)>,
+    last: usize,
+}
+
+impl Fills {
+    /// It holds so many from a cycle on, unless something else comes in the same cycle.
+    fn hold(&mut self, at: Cycle, held: usize) {
+        match self.new.last_mut() {
+            Some(last) if last.0 == at => last.1 = held,
+            _ => self.new.push((at, held)),
+        }
+    }
+
+    /// Those before a cycle: what comes there may still change.
+    fn take_before(&mut self, until: Cycle) -> Vec<(Cycle, usize)> {
+        let settled = self.new.partition_point(|(at, _)| *at < until);
+        let last = &mut self.last;
+        self.new.drain(..settled).filter(|(_, held)| std::mem::replace(last, *held) != *held).collect()
+    }
 }
 
 impl Occupancy {
@@ -31,7 +57,19 @@ impl Occupancy {
             held: 0,
             settled_to: Cycle::ZERO,
             counted: None,
+            fills: None,
         }
+    }
+
+    /// Keeps what it holds, to be taken.
+    pub(crate) fn keep_fills(&mut self) {
+        self.fills = Some(Fills::default());
+    }
+
+    /// How many slots it held from when on, wherever that changed, since the last call: as far as that is settled, or up to `end`.
+    pub(crate) fn take_fills(&mut self, end: Option<Cycle>) -> Vec<(Cycle, usize)> {
+        let until = end.unwrap_or(self.counted.map_or(self.settled_to, |(_, last)| last));
+        self.fills.as_mut().map_or_else(Vec::new, |fills| fills.take_before(until))
     }
 
     /// A slot is reserved at `at`.
@@ -74,6 +112,9 @@ impl Occupancy {
             pushed += reserves;
             freed += 1 - reserves;
             held = held + 2 * reserves - 1;
+            if let Some(fills) = &mut self.fills {
+                fills.hold(to, held);
+            }
         }
         (self.held, self.settled_to) = (held, now);
         self.pushes.drain(..pushed);
@@ -91,18 +132,29 @@ impl Occupancy {
         for push in std::mem::take(&mut self.pushes) {
             self.advance(push);
             self.held += 1;
+            self.hold(push);
         }
         for free in std::mem::take(&mut self.frees) {
             self.advance(free.min(total));
             self.held -= 1;
+            self.hold(free);
         }
         self.advance(total);
         &self.histogram
     }
 
+    fn hold(&mut self, at: Cycle) {
+        if let Some(fills) = &mut self.fills {
+            fills.hold(at, self.held);
+        }
+    }
+
     /// Counts one cycle.
     pub(crate) fn count(&mut self, held: usize, now: Cycle) {
         self.histogram[held] += 1;
+        if let Some(fills) = &mut self.fills {
+            fills.hold(now, held);
+        }
         self.counted = Some((held, now));
     }
 }

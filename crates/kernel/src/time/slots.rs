@@ -180,6 +180,16 @@ impl Slots {
         self.occupancy.pop(at);
     }
 
+    /// See [`Occupancy::keep_fills`].
+    pub(crate) fn keep_fills(&mut self) {
+        self.occupancy.keep_fills();
+    }
+
+    /// See [`Occupancy::take_fills`].
+    pub(crate) fn take_fills(&mut self, end: Option<Cycle>) -> Vec<(Cycle, usize)> {
+        self.occupancy.take_fills(end)
+    }
+
     /// Settles a run of `total` cycles and returns the histogram: `histogram[k]` cycles with k slots held (law 10).
     pub(crate) fn finish(&mut self, total: u64) -> &[u64] {
         self.occupancy.finish(Cycle(total))

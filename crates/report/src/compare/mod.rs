@@ -3,9 +3,9 @@
 //! Every figure of report A is held against the figure of B in the same place; host figures and those that follow from
 //! others are left out. Changes are listed per part of the report, parameters first, the largest absolute change first.
 //!
-//! **Explained**: a unit's cycles sum to the total (law 9), so the change of the total is, for every unit alike, exactly
-//! the sum of the changes of its causes. Of all units, the one whose *own* cycles - at work, or waiting for memory -
-//! changed most in the direction of the total is named: starved and blocked cycles only pass on what another unit did.
+//! **Explained**: who waits for whom only passes on what happened elsewhere, so nothing of that is held to explain anything. What
+//! does is measured, where there are tapes: B's work is timed again with one group of parameters as A has it, and A's work with all
+//! times of B; whoever does so hands in what each came to. This crate puts it into words.
 //!
 //! **Worse**: [`Comparison::worst`] is the largest of these, in percent; an improvement never counts.
 //! - growth of `cycles.total`, and of any frame;
@@ -14,8 +14,12 @@
 //! - A is complete and B is not: infinite, so that no limit lets it pass (`null` in JSON).
 
 mod explain;
+mod overview;
 mod text;
 mod worst;
+
+pub use explain::WORK;
+pub use overview::overview;
 
 use crate::model::{Figure, Report};
 use crate::tidy::{self, Row};
@@ -60,13 +64,40 @@ pub struct Worst {
     pub what: String,
 }
 
+/// What one group of parameters, or the work, has to do with the change of the cycles.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// `memory.NAME`, `cache.NAME`, `fifo.NAME`, or the first part of the keys; [`WORK`] for what the units do.
+    pub group: String,
+    /// `--set` options with which a full run of B takes `cycles`; of the work, if both have the same input. None where no options say
+    /// it.
+    pub set: Vec<String>,
+    /// Cycles of the frames where this is as in A and all else as in B; none where no tape can be timed so.
+    pub cycles: Option<u64>,
+    /// What it changes in B: B's cycles less these.
+    pub by: Option<i64>,
+}
+
+/// What explains the change of the cycles, measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Explained {
+    /// The largest first; those that could not be measured last.
+    #[serde(rename = "explained")]
+    pub shares: Vec<Share>,
+    /// What no share has: what changes only together, and what could not be measured.
+    pub together: i64,
+}
+
 /// The difference of two reports; serializes to JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// Nothing differs but the host.
     pub equal: bool,
-    /// Which unit and cause account for the change of the cycles, in one or two sentences.
+    /// What the cycles have changed by, and through what, in one or two sentences.
     pub explanation: String,
+    /// The same as data, where it was measured.
+    #[serde(flatten)]
+    pub explained: Option<Explained>,
     /// Only parts in which something differs.
     pub sections: Vec<Section>,
     /// What got worse most.
@@ -80,12 +111,13 @@ impl Comparison {
     }
 }
 
-/// Holds report `b` against report `a`.
-pub fn compare(a: &Report, b: &Report) -> Comparison {
+/// Holds report `b` against report `a`, with what explains the difference, where it was measured.
+pub fn compare(a: &Report, b: &Report, explained: Option<Explained>) -> Comparison {
     let sections = sections(a, b);
     Comparison {
         equal: sections.is_empty(),
-        explanation: explain::explain(a, b, sections.is_empty()),
+        explanation: explain::explain(a, b, (sections.is_empty(), explained.as_ref())),
+        explained,
         worst: worst::worst(a, b),
         sections,
     }
@@ -146,7 +178,7 @@ mod tests {
     #[test]
     fn equal_reports_differ_in_nothing_but_the_host() {
         let a = samples::balanced();
-        let same = compare(&a, &a.clone().with_host(1.0, 1.0));
+        let same = compare(&a, &a.clone().with_host(1.0, 1.0), None);
         assert!(same.equal && same.sections.is_empty());
         assert_eq!(same.worst_percent(), 0.0);
     }
@@ -154,14 +186,14 @@ mod tests {
     #[test]
     fn parameters_come_before_their_consequences() {
         let (a, b) = samples::before_and_after();
-        let tables: Vec<_> = compare(&a, &b).sections.iter().map(|s| s.table).collect();
+        let tables: Vec<_> = compare(&a, &b, None).sections.iter().map(|s| s.table).collect();
         assert_eq!(tables, ["config", "cycles", "units", "memories", "quality"]);
     }
 
     #[test]
     fn the_largest_change_comes_first() {
         let (a, b) = samples::before_and_after();
-        let comparison = compare(&a, &b);
+        let comparison = compare(&a, &b, None);
         let units = comparison.sections.iter().find(|s| s.table == "units").unwrap();
         let sizes: Vec<f64> = units.changes.iter().map(|c| c.delta.unwrap().abs()).collect();
         assert!(sizes.is_sorted_by(|x, y| x >= y), "{sizes:?}");
@@ -173,7 +205,7 @@ mod tests {
         let mut b = a.clone();
         b.figures.insert("new".into(), 7.into());
         b.figures.shift_remove("codebook");
-        let figures = &compare(&a, &b).sections[0].changes;
+        let figures = &compare(&a, &b, None).sections[0].changes;
         let view: Vec<_> = figures.iter().map(|c| (c.name.as_str(), c.a.is_some(), c.b.is_some(), c.delta)).collect();
         assert_eq!(view, [("new", false, true, Some(7.0)), ("codebook", true, false, None)]);
     }
@@ -181,7 +213,10 @@ mod tests {
     #[test]
     fn a_comparison_is_json() {
         let (a, b) = samples::before_and_after();
-        let json = serde_json::to_value(compare(&a, &b)).unwrap();
+        let share = Share { group: WORK.into(), set: vec![], cycles: Some(1_000_000), by: Some(-600_000) };
+        let explained = Explained { shares: vec![share], together: 0 };
+        let json = serde_json::to_value(compare(&a, &b, Some(explained))).unwrap();
+        assert_eq!((&json["explained"][0]["by"], &json["together"]), (&(-600_000).into(), &0.into()));
         assert_eq!(json["sections"][0]["table"], "config");
         assert_eq!(json["sections"][0]["changes"][0]["delta"], -192.0);
     }

@@ -82,19 +82,19 @@ mod tests {
     #[test]
     fn a_comparison_as_text() {
         let (a, b) = samples::before_and_after();
-        insta::assert_snapshot!("comparison", compare(&a, &b).to_text(Style::default()));
+        insta::assert_snapshot!("comparison", compare(&a, &b, None).to_text(Style::default()));
     }
 
     #[test]
     fn equal_reports_need_one_line() {
         let a = samples::balanced();
-        assert_eq!(compare(&a, &a).to_text(Style::default()), "The reports are equal, host figures aside.\n");
+        assert_eq!(compare(&a, &a, None).to_text(Style::default()), "The reports are equal, host figures aside.\n");
     }
 
     #[test]
     fn what_got_worse_is_told_last() {
         let (a, b) = samples::before_and_after();
-        let text = compare(&b, &a).to_text(Style::default());
+        let text = compare(&b, &a, None).to_text(Style::default());
         assert!(text.ends_with("Worse by most: cycles.frames[0], 160.0 %.\n"), "{text}");
     }
 }

@@ -59,7 +59,7 @@ mod tests {
         let a = samples::balanced();
         let mut b = a.clone();
         change(&mut b);
-        let worst = compare(&a, &b).worst;
+        let worst = compare(&a, &b, None).worst;
         (worst.percent, worst.what)
     }
 

@@ -1,5 +1,6 @@
 //! What every unit did when, as a trace for ui.perfetto.dev: one track per unit, slices named `busy`,
-//! `starved: <fifo>`, `blocked: <fifo>` and `memory: <client>`, and a track of frames.
+//! `starved: <fifo>`, `blocked: <fifo>`, `memory: <client>` and, after its last step, `done`; a track of frames; and a counter per FIFO:
+//! the slots that it holds.
 //!
 //! **One cycle is shown as one nanosecond**: a trace counts in whole nanoseconds, and cycles shall be read off exactly,
 //! whatever `clock.hz` says.
@@ -14,10 +15,10 @@ mod proto;
 
 use crate::blame::Wait;
 use crate::text::cause;
-use basrelief_kernel::{Cause, Cycle, Interval, Probe, Recorder, RunReport, UnitReport};
+use basrelief_kernel::{Cause, Cycle, Interval, Outcome, Probe, Recorder, RunReport, UnitReport};
 use prost::Message;
 use prost::encoding::{WireType, encode_key, encode_varint, encoded_len_varint, key_len, message, uint64};
-use proto::{EventName, InternedData, TracePacket, TrackDescriptor, TrackEvent};
+use proto::{CounterDescriptor, EventName, InternedData, TracePacket, TrackDescriptor, TrackEvent};
 use std::io::{self, Write};
 
 /// Names of a stage and of what it may wait for, in the order of the wiring.
@@ -54,8 +55,9 @@ const SEQUENCE: u32 = 1;
 const MACHINE: u64 = 1;
 const FRAMES: u64 = 2;
 const FIRST_UNIT: u64 = 3;
-/// Interned name of a unit at work; the first cause of the first stage follows.
+/// Interned names of a unit at work, and after its last step; the first cause of the first stage follows.
 const BUSY: u64 = 1;
+const DONE: u64 = 2;
 
 /// The packets of a stage's slices, but for their time: they differ in nothing else, so each is encoded once.
 #[derive(Clone, Debug)]
@@ -64,6 +66,7 @@ struct Slices {
     starved: Vec<Vec<u8>>,
     blocked: Vec<Vec<u8>>,
     memory: Vec<Vec<u8>>,
+    done: Vec<u8>,
     end: Vec<u8>,
 }
 
@@ -88,6 +91,8 @@ pub struct Timeline<W> {
     slices: Vec<Slices>,
     /// The slice of each stage that may still grow.
     open: Vec<Option<Interval>>,
+    /// Track of the first FIFO; the others follow, in the order of the wiring by producer.
+    first_fifo: u64,
     error: Option<io::Error>,
 }
 
@@ -96,7 +101,8 @@ impl<W: Write> Timeline<W> {
     pub fn new(out: W, machine: &str, stages: &[StageNames]) -> Self {
         let (slices, names) = intern(stages);
         let open = vec![None; stages.len()];
-        let mut timeline = Self { out, buffer: Vec::with_capacity(2 * CHUNK), slices, open, error: None };
+        let first_fifo = FIRST_UNIT + stages.len() as u64;
+        let mut timeline = Self { out, buffer: Vec::with_capacity(2 * CHUNK), slices, open, first_fifo, error: None };
         timeline.packet(TracePacket {
             interned_data: Some(InternedData { event_names: names }),
             sequence_flags: Some(proto::INCREMENTAL_STATE_CLEARED),
@@ -104,8 +110,11 @@ impl<W: Write> Timeline<W> {
         });
         timeline.track(TrackDescriptor { child_ordering: Some(proto::EXPLICIT_ORDER), ..track(MACHINE, machine) });
         let children = std::iter::once((FRAMES, "frames")).chain((FIRST_UNIT..).zip(stages.iter().map(|s| s.unit.as_str())));
-        for (rank, (uuid, name)) in (0..).zip(children) {
-            timeline.track(TrackDescriptor { parent_uuid: Some(MACHINE), sibling_order_rank: Some(rank), ..track(uuid, name) });
+        let fifos = (first_fifo..).zip(stages.iter().flat_map(|s| &s.outputs).map(String::as_str));
+        let all = children.map(|child| (child, None)).chain(fifos.map(|fifo| (fifo, Some(slots()))));
+        for (rank, ((uuid, name), counter)) in (0..).zip(all) {
+            let (parent_uuid, sibling_order_rank) = (Some(MACHINE), Some(rank));
+            timeline.track(TrackDescriptor { parent_uuid, sibling_order_rank, counter, ..track(uuid, name) });
         }
         timeline
     }
@@ -122,6 +131,9 @@ impl<W: Write> Timeline<W> {
             if let Some(mut slice) = self.open.get_mut(stage).and_then(Option::take) {
                 slice.to = slice.to.min(Cycle(run.total));
                 self.slice(slice);
+                if run.outcome == Outcome::Complete {
+                    self.done(stage, slice.to.0, run.total);
+                }
             }
         }
         let mut start = 0;
@@ -155,6 +167,13 @@ impl<W: Write> Timeline<W> {
         at_time(&mut self.buffer, slice.from.0, begin);
         at_time(&mut self.buffer, slice.to.0, &stage.end);
         self.write_out_if_full();
+    }
+
+    /// A unit makes no step any more, but others go on.
+    fn done(&mut self, stage: usize, from: u64, to: u64) {
+        let Some(stage) = self.slices.get(stage).filter(|_| from < to) else { return };
+        at_time(&mut self.buffer, from, &stage.done);
+        at_time(&mut self.buffer, to, &stage.end);
     }
 
     fn event(&mut self, cycle: u64, event: TrackEvent) {
@@ -195,6 +214,11 @@ impl<W: Write> Probe for Timeline<W> {
     fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
         self.add(Interval { stage, cause: Some(cause), from, to });
     }
+
+    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
+        let counter_value = i64::try_from(slots).ok();
+        self.event(at.0, TrackEvent { counter_value, ..event(proto::COUNTER, self.first_fifo + fifo as u64) });
+    }
 }
 
 /// Writes a recorded run as [`Timeline`] would have written it.
@@ -207,11 +231,19 @@ pub fn write_recorded<W: Write>(out: W, machine: &str, recorder: &Recorder, run:
     for &interval in recorder.stages.iter().flatten() {
         timeline.add(interval);
     }
+    for (fifo, fills) in recorder.fifos.iter().enumerate() {
+        fills.iter().for_each(|&(at, slots)| timeline.held(fifo, at, slots));
+    }
     timeline.finish(run)
 }
 
 fn track(uuid: u64, name: &str) -> TrackDescriptor {
     TrackDescriptor { uuid: Some(uuid), name: Some(name.into()), ..TrackDescriptor::default() }
+}
+
+/// What is counted of a FIFO.
+fn slots() -> CounterDescriptor {
+    CounterDescriptor { unit_name: Some("slots".into()) }
 }
 
 fn event(kind: i32, track: u64) -> TrackEvent {
@@ -244,7 +276,8 @@ fn at_time(buffer: &mut Vec<u8>, cycle: u64, rest: &[u8]) {
 
 /// Numbers every cause of every stage, so that a slice's name takes one or two bytes.
 fn intern(stages: &[StageNames]) -> (Vec<Slices>, Vec<EventName>) {
-    let mut names = vec![EventName { iid: Some(BUSY), name: Some("busy".into()) }];
+    let mut names =
+        vec![EventName { iid: Some(BUSY), name: Some("busy".into()) }, EventName { iid: Some(DONE), name: Some("done".into()) }];
     let mut slices = Vec::new();
     for (track, stage) in (FIRST_UNIT..).zip(stages) {
         let begin = |name| timeless(TrackEvent { name_iid: Some(name), ..event(proto::SLICE_BEGIN, track) });
@@ -255,6 +288,7 @@ fn intern(stages: &[StageNames]) -> (Vec<Slices>, Vec<EventName>) {
         };
         slices.push(Slices {
             busy: begin(BUSY),
+            done: begin(DONE),
             starved: add(&stage.inputs, |name| Wait::Starved(name)),
             blocked: add(&stage.outputs, |name| Wait::Blocked(name)),
             memory: add(&stage.clients, |name| Wait::Memory(name)),

@@ -28,7 +28,7 @@ fn slices(bytes: &[u8]) -> Vec<(String, String, u64, u64)> {
     let names: BTreeMap<u64, String> = data.map(|n| (n.iid.unwrap(), n.name.unwrap())).collect();
     let described = packets.iter().filter_map(|p| p.track_descriptor.clone());
     let tracks: BTreeMap<u64, String> = described.map(|t| (t.uuid.unwrap(), t.name.unwrap())).collect();
-    packets.retain(|p| p.track_event.is_some());
+    packets.retain(|p| p.track_event.as_ref().is_some_and(|event| event.r#type != Some(proto::COUNTER)));
     packets.sort_by_key(|p| p.timestamp);
     let (mut open, mut slices) = (BTreeMap::new(), vec![]);
     for packet in packets {
@@ -47,7 +47,18 @@ fn slices(bytes: &[u8]) -> Vec<(String, String, u64, u64)> {
     slices
 }
 
-fn expected(recorder: &Recorder, names: &[StageNames]) -> Vec<(String, String, u64, u64)> {
+/// (FIFO, cycle, slots).
+fn counters(bytes: &[u8]) -> Vec<(String, u64, i64)> {
+    let packets = Trace::decode(bytes).unwrap().packet;
+    let described = packets.iter().filter_map(|p| p.track_descriptor.clone());
+    let counted = described.filter(|t| t.counter.as_ref().is_some_and(|c| c.unit_name.as_deref() == Some("slots")));
+    let tracks: BTreeMap<u64, String> = counted.map(|t| (t.uuid.unwrap(), t.name.unwrap())).collect();
+    let events = packets.iter().filter_map(|p| Some((p.timestamp?, p.track_event.as_ref()?)));
+    let events = events.filter(|(_, event)| event.r#type == Some(proto::COUNTER));
+    events.map(|(at, event)| (tracks[&event.track_uuid.unwrap()].clone(), at, event.counter_value.unwrap())).collect()
+}
+
+fn expected(recorder: &Recorder, names: &[StageNames], total: u64) -> Vec<(String, String, u64, u64)> {
     let name = |i: &Interval| match i.cause {
         None => "busy".into(),
         Some(Cause::Starved(k)) => format!("starved: {}", names[i.stage].inputs[k]),
@@ -56,6 +67,11 @@ fn expected(recorder: &Recorder, names: &[StageNames]) -> Vec<(String, String, u
     };
     let all = recorder.stages.iter().flatten();
     let mut all: Vec<_> = all.map(|i| (names[i.stage].unit.clone(), name(i), i.from.0, i.to.0)).collect();
+    for (stage, intervals) in names.iter().zip(&recorder.stages) {
+        if let Some(end) = intervals.last().map(|i| i.to.0).filter(|&end| end < total) {
+            all.push((stage.unit.clone(), "done".into(), end, total));
+        }
+    }
     all.sort();
     all
 }
@@ -65,7 +81,7 @@ fn the_trace_holds_what_the_recorder_saw() {
     let mut recorder = Recorder::default();
     let run = record(&mut recorder, Engine::Timed);
     let recorded = slices(&write_recorded(vec![], "plan", &recorder, &run).unwrap());
-    assert_eq!(recorded, expected(&recorder, &names()));
+    assert_eq!(recorded, expected(&recorder, &names(), run.total));
     for kind in ["busy", "starved: f", "blocked: f", "memory: p"] {
         assert!(recorded.iter().any(|(_, name, ..)| name == kind), "{kind}");
     }
@@ -78,7 +94,7 @@ fn streaming_and_both_engines_give_the_same_slices() {
     for engine in [Engine::Timed, Engine::Ticked] {
         let mut timeline = Timeline::new(vec![], "plan", &names());
         assert_eq!(record(&mut timeline, engine), run);
-        assert_eq!(slices(&timeline.finish(&run).unwrap()), expected(&recorder, &names()), "{engine:?}");
+        assert_eq!(slices(&timeline.finish(&run).unwrap()), expected(&recorder, &names(), run.total), "{engine:?}");
     }
 }
 
@@ -90,7 +106,23 @@ fn slices_of_a_unit_sum_to_its_account() {
     for unit in &run.units {
         let busy = slices.iter().filter(|s| s.0 == unit.name && s.1 == "busy").map(|s| s.3 - s.2).sum::<u64>();
         assert_eq!(busy, unit.account.busy, "{}", unit.name);
+        assert_eq!(slices.iter().filter(|s| s.0 == unit.name).map(|s| s.3 - s.2).sum::<u64>(), run.total, "{}", unit.name);
     }
+}
+
+#[test]
+fn fifos_have_counters() {
+    let (mut recorder, mut timeline) = (Recorder::default(), Timeline::new(vec![], "plan", &names()));
+    let run = record(&mut recorder, Engine::Timed);
+    record(&mut timeline, Engine::Timed);
+    let mut shown = counters(&timeline.finish(&run).unwrap());
+    shown.sort();
+    let told = |(name, fills): (&str, &Vec<(Cycle, usize)>)| -> Vec<(String, u64, i64)> {
+        fills.iter().map(|&(at, slots)| (name.to_owned(), at.0, slots as i64)).collect()
+    };
+    let expected: Vec<_> = ["f", "g"].into_iter().zip(&recorder.fifos).flat_map(told).collect();
+    assert!(expected.iter().any(|(name, _, slots)| name == "f" && *slots == 3), "it was full");
+    assert_eq!(shown, expected);
 }
 
 #[test]
@@ -105,7 +137,7 @@ fn frames_have_a_track_of_their_own() {
 #[test]
 fn what_reaches_beyond_a_run_cut_short_is_cut() {
     let mut run = samples::run();
-    run.total = 10;
+    (run.total, run.outcome) = (10, Outcome::Limit);
     let mut timeline = Timeline::new(vec![], "plan", &names());
     timeline.worked(0, Cycle(4), Cycle(90));
     timeline.worked(1, Cycle(10), Cycle(11));

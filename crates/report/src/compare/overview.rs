@@ -1,0 +1,52 @@
+//! Several reports side by side, a row each.
+
+use crate::model::{Client, Report};
+use crate::text::number::{real, thousands};
+use crate::text::{Align, Style, Table};
+use crate::work::work;
+use Align::{Left, Right};
+
+/// Cycles of the frames, bytes of all memories, and PSNR, of each of these reports; with a line feed at the end.
+pub fn overview(reports: &[(&str, &Report)], style: Style) -> String {
+    let mut kinds: Vec<String> = reports.iter().map(|(_, report)| work(report).one).collect();
+    kinds.dedup();
+    let each = format!("per {}", kinds.join(" or "));
+    let columns = [
+        ("Report", Left, 0),
+        ("cycles of frames", Right, 0),
+        (&*each, Right, 1),
+        ("bytes, all memories", Right, 1),
+        ("PSNR dB", Right, 1),
+    ];
+    let mut table = Table::new(&columns);
+    for (name, report) in reports {
+        let timed = report.cycles.as_ref();
+        let per_one = report.derived.get(&format!("cycles_per_{}", work(report).one));
+        let bytes = |report: &Report| {
+            let clients = report.memories.as_ref()?.values().flat_map(|memory| memory.clients.values());
+            Some(clients.map(Client::bytes).fold(0, u64::saturating_add))
+        };
+        let cell = |x: Option<String>| x.unwrap_or_else(|| "-".into());
+        table.row([
+            (*name).to_owned(),
+            cell(timed.map(|_| thousands(report.frame_cycles()))),
+            cell(per_one.map(|figure| real((100.0 * figure.value).round() / 100.0))),
+            cell(bytes(report).map(thousands)),
+            cell(report.quality.as_ref().map(|quality| format!("{:.2}", quality.last.psnr_db))),
+        ]);
+    }
+    table.render(style) + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+
+    #[test]
+    fn reports_side_by_side() {
+        let (a, b) = samples::before_and_after();
+        let reports = [("out/a", &a), ("out/b", &b), ("out/functional", &samples::functional())];
+        insta::assert_snapshot!("overview", overview(&reports, Style::default()));
+    }
+}

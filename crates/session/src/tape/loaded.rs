@@ -1,0 +1,52 @@
+//! A whole tape in memory.
+
+use super::pieces::{Pieces, ReelsOfFile};
+use super::{End, Given, TapeFileError, bytes_of};
+use crate::ended::Ended;
+use crate::machines::{MachineConfig, MachineInfo};
+use crate::run::Way;
+use basrelief_input::{Budget, Held};
+use basrelief_kernel::tape::Reel;
+use std::io::Read;
+
+/// A whole tape in memory.
+pub(crate) struct Loaded {
+    machine: &'static MachineInfo,
+    pub(crate) given: Given,
+    pub(crate) way: Way,
+    pub(crate) reels: Vec<Reel>,
+    /// What is left of the run beside its times.
+    pub(crate) ended: Ended,
+    /// SHA-256 of the work.
+    pub(crate) work: String,
+    _held: Held,
+}
+
+impl Loaded {
+    /// Reads it, to its end.
+    pub(crate) fn read(reader: &mut dyn Read, budget: &Budget) -> Result<Self, TapeFileError> {
+        let mut pieces = Pieces { reader, budget };
+        let (head, machine) = pieces.begin()?;
+        let mut reels = ReelsOfFile::new(pieces, None, None);
+        let (mut all, mut held) = (Vec::new(), budget.nothing());
+        while let Some(reel) = reels.read()? {
+            held.grow(bytes_of(&reel) as u64, "a tape")?;
+            all.push(reel);
+        }
+        match reels.end {
+            Some(End { ended, work, .. }) if work == reels.work.finish() => {
+                Ok(Self { machine, given: head.given, way: head.way, reels: all, ended, work, _held: held })
+            }
+            _ => Err(TapeFileError::Format("its work has another SHA-256 than it says".into())),
+        }
+    }
+
+    pub(crate) fn config(&self) -> Result<MachineConfig, TapeFileError> {
+        self.config_with(&[])
+    }
+
+    /// The configuration of the run, with these settings over it.
+    pub(crate) fn config_with(&self, settings: &[(String, String)]) -> Result<MachineConfig, TapeFileError> {
+        self.given.config(self.machine, settings)
+    }
+}

@@ -1,0 +1,120 @@
+//! Timing a tape again.
+
+use super::pieces::{Pieces, ReelsOfFile};
+use super::{End, Given, TapeFileError};
+use crate::limits::{Kept, Recorded};
+use crate::machines::{MachineConfig, MachineSpec, for_machine};
+use crate::observer::{Observer, Unobserved};
+use crate::run::Way;
+use crate::settings::When;
+use basrelief_input::Budget;
+use basrelief_kernel::tape::Reel;
+use basrelief_kernel::{self as kernel, NoProbe, Outcome, RetimeError, RunReport, Shape};
+use basrelief_machines::ConfigProblem;
+use basrelief_parameters::Effect;
+use basrelief_report::Report;
+use std::borrow::Cow;
+use std::io::Read;
+
+/// How to time a tape again.
+#[derive(Clone, Debug)]
+pub struct RetimeOptions {
+    /// Parameters over those of the run that was recorded, as `--set` takes them.
+    pub settings: Vec<(String, String)>,
+    /// As in [`RunOptions`](crate::RunOptions::limits).
+    pub limits: When,
+    /// For what the tape makes it hold.
+    pub budget: Budget,
+}
+
+/// The report that a run gives with the parameters of the tape and these over them: without model, pictures, or units.
+///
+/// # Errors
+/// See [`TapeFileError`].
+pub fn retime(reader: &mut dyn Read, options: &RetimeOptions) -> Result<Report, TapeFileError> {
+    retime_to(reader, options, &mut Unobserved)
+}
+
+/// The same; the observer is shown the tape of that run.
+///
+/// # Errors
+/// See [`TapeFileError`].
+pub fn retime_to(reader: &mut dyn Read, options: &RetimeOptions, observer: &mut dyn Observer) -> Result<Report, TapeFileError> {
+    let mut pieces = Pieces { reader, budget: &options.budget };
+    let (head, machine) = pieces.begin()?;
+    let table = machine.parameters();
+    let works = |key: &str| table.iter().any(|p| p.key == key && p.effect == Effect::Work);
+    if let Some((key, _)) = options.settings.iter().find(|(key, _)| works(key)) {
+        return Err(TapeFileError::Work(key.clone()));
+    }
+    let recorded = head.given.config(machine, &[])?;
+    let mut given = head.given.clone();
+    given.settings.extend(options.settings.iter().cloned());
+    for_machine!(&given.config(machine, &[])?, spec => timed_again((&recorded, spec, &given), head.way, pieces, (options, observer)))
+}
+
+fn timed_again<'a, S: MachineSpec>(
+    (recorded, spec, given): (&MachineConfig, &S, &Given),
+    way: Way,
+    pieces: Pieces<'a>,
+    (options, observer): (&RetimeOptions, &'a mut dyn Observer),
+) -> Result<Report, TapeFileError> {
+    let recorded: S = serde_json::from_value(recorded.to_value()).map_err(|error| TapeFileError::Format(error.to_string()))?;
+    let shape = same_work((&recorded, spec), way)?;
+    let mut reels = ReelsOfFile::new(pieces, Some(observer), Kept::new(options.limits));
+    reels.show(&super::head::<S>(way, given))?;
+    let timed = kernel::retime(shape, &mut || reels.next(), &mut NoProbe, u64::MAX);
+    // To its end: what is left of the run stands there.
+    while timed.is_ok() && reels.next().is_ok_and(|reel| reel.is_some()) {}
+    let ReelsOfFile { work, kept, end, fault, .. } = reels;
+    if let Some(fault) = fault {
+        return Err(fault);
+    }
+    let run = timed?;
+    if run.outcome != Outcome::Complete {
+        return Err(TapeFileError::Incomplete(outcome_text(&run.outcome)));
+    }
+    let Some(End { ended, figures, work: stated }) = end else { return Err(TapeFileError::Format("it has no end".into())) };
+    if work.finish() != stated {
+        return Err(TapeFileError::Format("its work has another SHA-256 than it says".into()));
+    }
+    let mut facts = way.facts(spec).map_err(config)?;
+    facts.put(&figures);
+    let mut report = ended.report(spec, facts, Some(&run));
+    if let Some(reels) = kept.as_ref().and_then(Kept::reels) {
+        Recorded { spec, given, way, reels, run: &run }.measure(&mut report);
+    }
+    Ok(report)
+}
+
+pub(crate) fn config(error: ConfigProblem) -> TapeFileError {
+    TapeFileError::Config(error.to_string())
+}
+
+fn outcome_text(outcome: &Outcome) -> String {
+    match outcome {
+        Outcome::Deadlock(deadlock) => deadlock.to_string(),
+        other => format!("{other:?}"),
+    }
+}
+
+/// The shape of a machine that does the work of another, behind the same way in: as far as shapes tell, and what its units are built of.
+pub(crate) fn same_work<S: MachineSpec>((recorded, spec): (&S, &S), way: Way) -> Result<Shape, TapeFileError> {
+    // Where a user acts at times, what is drawn follows from times.
+    if spec.rehearsed(&[]).is_some() {
+        return Err(TapeFileError::OtherWork("its user acts at times".into()));
+    }
+    let shape = way.shape(spec).map_err(config)?;
+    way.shape(recorded).map_err(config)?.same_work(&shape).map_err(TapeFileError::OtherWork)?;
+    let of_units = |spec: &S| way.facts(spec).map(|facts| facts.hardware_of_units().cloned().collect::<Vec<_>>());
+    if of_units(recorded).map_err(config)? != of_units(spec).map_err(config)? {
+        return Err(TapeFileError::OtherWork("its units are built of other hardware".into()));
+    }
+    Ok(shape)
+}
+
+/// The run of these reels on a machine of this shape.
+pub(crate) fn timed(reels: &[Reel], shape: Shape) -> Result<RunReport, RetimeError> {
+    let mut reels = reels.iter().map(Cow::Borrowed);
+    kernel::retime(shape, &mut || Ok(reels.next()), &mut NoProbe, u64::MAX)
+}
