@@ -10,6 +10,8 @@ use crate::text::sections;
 
 /// Most columns of a bus over time.
 const COLUMNS: usize = 150;
+/// Where the scale of a bus may end \[percent\].
+const SCALES: [f64; 6] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
 
 pub(super) fn memories(report: &Report) -> Html {
     let Some(memories) = report.memories.as_ref().filter(|memories| !memories.is_empty()) else { return Html::default() };
@@ -43,20 +45,23 @@ fn bus(report: &Report, name: &str, memory: &Memory) -> Html {
     if columns.is_empty() {
         return Html::default();
     }
+    let most = columns.iter().fold(0.0, |most: f64, (_, n)| most.max(*n));
+    let top = SCALES.into_iter().find(|scale| most <= *scale).unwrap_or(100.0);
     let title = format!("Bus of {name} over time");
     let across = match report.drain() {
         0 => "cycle".to_owned(),
         _ => format!("cycle; from {} on only what was drawn is shown", thousands(report.frame_cycles())),
     };
     let axes = [across.as_str(), "% of the bus, all channels"];
-    Chart { title: &title, axes, class: "busy", columns, top: (100.0, "100 %".into()), size: (540.0, 150.0) }.draw()
+    Chart { title: &title, axes, class: "busy", columns, top: (top, format!("{top} %")), size: (540.0, 150.0) }.draw()
 }
 
 /// Bytes of each client, on one scale for all memories.
 fn clients(name: &str, memory: &Memory, most: u64) -> Html {
     let row = |(name, client): (&String, &Client)| {
+        let hits = if client.bursts == 0 { String::new() } else { share(client.row_hits, client.bursts) };
         let part: Part = ("amount", "bytes".into(), client.bytes());
-        vec![text(name), bar(&[part], most), text(thousands(client.bytes())), text(share(client.row_hits, client.bursts))]
+        vec![text(name), bar(&[part], most), text(thousands(client.bytes())), text(hits)]
     };
     let columns = [("client", Left), ("bytes asked for", Left), ("", Right), ("row hits", Right)];
     let table = with_cells(&format!("Clients of {name}"), &columns, memory.clients.iter().map(row).collect());

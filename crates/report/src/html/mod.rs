@@ -26,7 +26,7 @@ mod tests;
 mod units;
 
 use crate::model::Report;
-use crate::text::{self, Table};
+use crate::text::{self, Align, Table};
 use crate::work;
 use markup::{Html, details, el, el_text};
 
@@ -138,17 +138,28 @@ fn hardware(report: &Report) -> Html {
 
 /// Tables that only some machines have, the figures that no table has, and what follows from them.
 fn figures(report: &Report) -> Html {
-    use text::sections::{circuits, columns, derived, figures, processes, routes};
+    use text::sections::{circuits, columns, derived, processes, routes};
     let own: Vec<(&str, Table)> = vec![
         ("Routes", routes(report)),
         ("Circuits", circuits(report)),
         ("Processes", processes(report)),
-        ("What the machine counted", figures(report)),
         ("What follows from it", derived(report)),
     ];
-    let tables = own.iter().map(|(caption, table)| table::html(caption, table));
+    let tables = std::iter::once(counted(report)).chain(own.iter().map(|(caption, table)| table::html(caption, table)));
     let listed = work::tables(report);
     let lists = listed.iter().map(|list| details(&format!("Table: {}", list.name), table::html(list.name, &columns(list))));
     let columns = el("div", &[("class", "columns")], tables);
     [columns].into_iter().chain(lists).collect()
+}
+
+/// The figures that no table has, each with what it means.
+fn counted(report: &Report) -> Html {
+    let table = text::sections::figures(report);
+    let row = |row: &Vec<String>| {
+        let legend = row.first().and_then(|name| report.legend.get(name));
+        let [unit, about] = legend.map_or_else(Default::default, |legend| [legend.unit.as_str(), legend.about.as_str()]);
+        row.iter().map(String::as_str).chain([unit, about]).map(markup::text).collect()
+    };
+    let columns = [("figure", Align::Left), ("", Align::Right), ("unit", Align::Left), ("what it is", Align::Left)];
+    table::with_cells("What the machine counted", &columns, table.rows().iter().map(row).collect())
 }

@@ -37,7 +37,8 @@ pub(super) fn parameters(rows: &[ParameterRow]) -> Html {
 
 fn table(caption: &str, rows: &[&ParameterRow]) -> Html {
     let changed = rows.iter().any(|row| row.value != row.default);
-    let columns = [("parameter", Left), ("value", Right), ("unit", Left), ("default", Right), ("from", Left), ("about", Left)];
+    let columns =
+        [("parameter", Left), ("value", Right), ("unit", Left), ("default", Right), ("default from", Left), ("about", Left)];
     let cells = |row: &&ParameterRow| {
         let from = [el_text("b", "", &row.provenance), text(format!(": {}", row.source))].into_iter().collect();
         let key = el_text("code", "", &row.key);

@@ -110,8 +110,10 @@ impl Chart<'_> {
     fn under(&self, each: f64, height: f64) -> Html {
         let longest = self.columns.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(1);
         let every = ((longest as f64 + 1.5) * DIGIT / each).ceil().max(1.0) as usize;
-        let shown = self.columns.iter().enumerate().step_by(every);
-        shown.map(|(i, (text, _))| label("middle", LEFT + (i as f64 + 0.5) * each, ABOVE + height + 14.0, text)).collect()
+        let placed = self.columns.iter().enumerate().map(|(i, (text, _))| (LEFT + (i as f64 + 0.5) * each, text));
+        // A number that would be cut off at the right is left out.
+        let shown = placed.step_by(every).filter(|(x, text)| x + text.chars().count() as f64 * DIGIT / 2.0 <= self.size.0);
+        shown.map(|(x, text)| label("middle", x, ABOVE + height + 14.0, text)).collect()
     }
 
     fn says(&self) -> String {

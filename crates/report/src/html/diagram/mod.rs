@@ -20,13 +20,14 @@ const STRIP: f64 = 6.5;
 const GAUGE: f64 = 4.0;
 /// Where text stands in its row.
 const BASELINE: f64 = 13.0;
+const MIDDLE: f64 = 17.0;
 
 /// The drawing of a machine, with the figures of a run.
 pub(super) fn draw(diagram: &str, report: &Report) -> Html {
     let sheet = Sheet::read(diagram);
     let (width, height) = (sheet.columns as f64 * CELL.0 + 2.0, sheet.rows as f64 * CELL.1);
     let says = format!("Block diagram of {}; its numbers stand in the tables of units, FIFOs and memories", report.machine);
-    let notes = sheet.notes.iter().map(|note| words("note", note, note.column, BASELINE + 3.0));
+    let notes = sheet.notes.iter().map(|note| words("note", note, note.column, MIDDLE - 1.0));
     let shapes = std::iter::once(wires(&sheet))
         .chain(notes)
         .chain(sheet.ports.iter().map(|port| client(port, report)))
@@ -89,19 +90,19 @@ fn group(class: &str, says: &str, shapes: impl IntoIterator<Item = Html>) -> Htm
 
 /// A unit; one that this run is without is drawn faintly.
 fn unit_box(placed: &Placed, first: bool, report: &Report) -> Html {
-    let name = words("name", placed, text_column(placed), BASELINE);
+    let written = |baseline| words("name", placed, text_column(placed), baseline);
     let frame = rect("frame", outline(placed), "");
     let Some(unit) = report.units.as_ref().and_then(|units| units.get(placed.name())) else {
         let class = if report.units.is_some() { "unit absent" } else { "unit" };
-        return group(class, placed.text.trim(), [frame, name]);
+        return group(class, placed.text.trim(), [frame, written(MIDDLE)]);
     };
     if !first {
-        return group("unit again", placed.text.trim(), [frame, name]);
+        return group("unit again", placed.text.trim(), [frame, written(MIDDLE)]);
     }
     let (parts, whole) = parts(report, unit);
     let told: Vec<String> = parts.iter().map(|(_, what, n)| format!("{what} {}", share(*n, whole))).collect();
     let says = format!("{}: {}", placed.text.trim(), told.join(", "));
-    group("unit", &says, [frame, fill(&parts, whole, strip(placed)), name])
+    group("unit", &says, [frame, fill(&parts, whole, strip(placed)), written(BASELINE)])
 }
 
 /// Width of the doubled side of a memory.
@@ -109,7 +110,6 @@ const SIDE: f64 = 4.0;
 
 /// A memory, its strip filled as far as its bus was busy.
 fn memory_box(placed: &Placed, first: bool, report: &Report) -> Html {
-    let name = words("name", placed, text_column(placed), BASELINE);
     let frame = rect("frame", outline(placed), "");
     let [x, y, width, height] = outline(placed);
     let sides = format!("M{} {}v{height}M{} {}v{height}", px(x + SIDE), px(y), px(x + width - SIDE), px(y));
@@ -117,6 +117,7 @@ fn memory_box(placed: &Placed, first: bool, report: &Report) -> Html {
     let [x, y, width, height] = strip(placed);
     let strip = [x + SIDE, y, width - 2.0 * SIDE, height];
     let busy = report.derived.get(&format!("{}.bus_utilisation", placed.name())).map(|d| d.value).filter(|_| first);
+    let name = words("name", placed, text_column(placed), if busy.is_some() { BASELINE } else { MIDDLE });
     let used = busy.map(|busy| [rect("done", strip, ""), rect("busy", [strip[0], strip[1], strip[2] * busy, strip[3]], "")]);
     let share = busy.map_or(String::new(), |busy| format!(": bus busy {} % of the time", px(100.0 * busy)));
     let says = format!("memory {}{share}", placed.text.trim());
@@ -136,15 +137,15 @@ fn client(placed: &Placed, report: &Report) -> Html {
     };
     let told: Vec<String> = placed.text.split(", ").filter_map(moved).collect();
     let lines = el("path", &[("class", "wire"), ("d", &path)], []);
-    group("port", &told.join(", "), [lines, words("note", placed, placed.column + 2, BASELINE + 3.0)])
+    group("port", &told.join(", "), [lines, words("note", placed, placed.column + 2, MIDDLE - 1.0)])
 }
 
 /// The name of a FIFO, and under it how full it was in the mean.
 fn wire_name(placed: &Placed, first: bool, report: &Report) -> Html {
     let Some(fifo) = report.fifos.as_ref().and_then(|fifos| fifos.get(placed.name())) else {
-        return words("note", placed, placed.column, BASELINE + 3.0);
+        return words("note", placed, placed.column, MIDDLE - 1.0);
     };
-    let name = words("name", placed, placed.column, BASELINE + 3.0);
+    let name = words("name", placed, placed.column, MIDDLE - 1.0);
     if !first {
         return group("fifo-name again", &placed.text, [name]);
     }
