@@ -14,6 +14,7 @@ mod machines;
 #[cfg(unix)]
 mod memory;
 mod outputs;
+mod pages;
 mod pictures;
 mod remote;
 mod reports;

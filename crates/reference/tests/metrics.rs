@@ -1,6 +1,6 @@
 //! The metrics against the implementations their fields use, and their laws.
 
-use basrelief_reference::metrics::{IDENTICAL_DB, difference, flip, psnr, ssim};
+use basrelief_reference::metrics::{IDENTICAL_DB, difference, flip, psnr, scaled_difference, ssim};
 use basrelief_reference::{Picture, Quality};
 use proptest::prelude::*;
 
@@ -103,6 +103,14 @@ fn black_against_white_is_the_worst() {
     assert_eq!(psnr(&black, &white), Ok(0.0));
     assert!(ssim(&black, &white).expect("same size") < 1e-3);
     assert!(flip(&black, &white).expect("same size") > 0.9);
+}
+
+#[test]
+fn the_largest_difference_is_scaled_to_all_there_is() {
+    let (result, largest) = scaled_difference(&picture(3, 1, |_, _, _| 100), &picture(3, 1, |x, _, _| 100 - 20 * x)).unwrap();
+    assert_eq!((largest, result.rgb), (40, vec![[0; 3], [128; 3], [255; 3]]));
+    let same = picture(2, 1, |_, _, _| 7);
+    assert_eq!(scaled_difference(&same, &same).map(|(picture, largest)| (picture.rgb, largest)), Ok((vec![[0; 3]; 2], 0)));
 }
 
 #[test]

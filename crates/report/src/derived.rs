@@ -60,9 +60,10 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
         figures.ratio(format!("{name}.hit_rate"), (c.hits as f64, c.look_ups as f64), "1", formula);
     }
     for (name, u) in report.units.iter().flatten() {
-        // Who has finished by the end of the last frame is told in the cycles of the frames.
-        let (of, cycles) =
-            if u.done >= report.drain() { ("(cycles.total - cycles.drain)", drawing) } else { ("cycles.total", total) };
+        let (of, cycles) = match report.drain_of(u) {
+            drain if drain == report.drain() => ("(cycles.total - cycles.drain)", drawing),
+            _ => ("cycles.total", total),
+        };
         let formula = format!("units.{name}.busy / {of}");
         figures.ratio(format!("{name}.utilisation"), (u.busy as f64, cycles), "1", formula);
     }

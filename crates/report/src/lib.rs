@@ -10,6 +10,7 @@
 //! | [`ablation`] | what each short cut of a machine saves, and what it costs |
 //! | [`methods`] | what each method of choosing division points costs at the same error |
 //! | [`work`] | what a machine draws, in its own words |
+//! | [`html`](mod@html) | the report as one page |
 //! | [`csv`] | the same figures, one per line |
 //! | [`timeline`] | what every unit did when, as a Perfetto trace |
 //!
@@ -22,6 +23,7 @@ pub mod build;
 pub mod compare;
 pub mod csv;
 pub mod derived;
+pub mod html;
 mod json;
 pub mod methods;
 pub mod model;
@@ -36,6 +38,7 @@ pub use ablation::Ablation;
 pub use build::Context;
 pub use compare::{Comparison, Explained, Share, compare};
 pub use csv::to_csv;
+pub use html::to_html;
 pub use json::{ReadError, SCHEMA, schema};
 pub use methods::Methods;
 pub use model::Report;

@@ -78,6 +78,12 @@ impl Report {
         ended.map_or(0, |cycles| cycles.drain)
     }
 
+    /// Of the drain, what this unit has behind its last step: all or nothing. Who has finished by the end of the last frame is
+    /// told in the cycles of the frames.
+    pub(crate) fn drain_of(&self, unit: &Unit) -> u64 {
+        if unit.done >= self.drain() { self.drain() } else { 0 }
+    }
+
     /// Cycles of the frames: all but the [drain](Self::drain). None of a functional run.
     pub fn frame_cycles(&self) -> u64 {
         self.cycles.as_ref().map_or(0, |cycles| cycles.total.saturating_sub(self.drain()))

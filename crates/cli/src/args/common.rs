@@ -104,6 +104,10 @@ pub struct SimulationArgs {
     /// Write what every unit did when, as a Perfetto trace (open at ui.perfetto.dev).
     #[arg(long, value_name = "FILE")]
     pub timeline: Option<PathBuf>,
+    /// Write the report as one page, with pictures and block diagram: a file that any browser shows, without script, and with
+    /// nothing from outside.
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Write what every unit did, without times: `basrelief retime` times it again under other FIFOs, memories and caches. By itself
     /// it is left as run.tape beside the report, if the work is short.
     #[arg(long, value_name = "FILE", conflicts_with = "functional")]
@@ -121,9 +125,9 @@ pub struct SimulationArgs {
     pub requests_memory: Option<String>,
     /// Run the same input without each short cut of the machine in turn, and without any, and write the table of cycles and
     /// changes as ablation.json and ablation.csv, and nothing else.
-    #[arg(long, conflicts_with_all = ["functional", "timeline", "tape", "requests", "csv", "dump"])]
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "html", "tape", "requests", "csv", "dump"])]
     pub ablate: bool,
-    #[arg(long, help = tables::methods_help(), conflicts_with_all = ["functional", "timeline", "tape", "requests", "csv", "dump", "ablate"])]
+    #[arg(long, help = tables::methods_help(), conflicts_with_all = ["functional", "timeline", "html", "tape", "requests", "csv", "dump", "ablate"])]
     pub compare_methods: bool,
     #[arg(long, help = dump::help(), num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
     pub dump: Vec<PathBuf>,

@@ -58,6 +58,9 @@ pub struct RetimeArgs {
     /// Write the tables as report.csv too.
     #[arg(long, requires = "out")]
     pub csv: bool,
+    /// Write the report as one page, without pictures: a file that any browser shows.
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Measure what limits the run however many steps it makes.
     #[arg(long, conflicts_with = "no_limits")]
     pub limits: bool,

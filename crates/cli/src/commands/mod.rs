@@ -6,6 +6,7 @@ mod describe;
 pub mod dump;
 mod from;
 mod output_files;
+mod page;
 mod record;
 mod requests;
 mod run;

@@ -1,6 +1,7 @@
 //! What a run writes while it goes on: pictures, exhibits, progress.
 
 use super::dump::DumpFiles;
+use super::page::PageFile;
 use super::requests::RequestsFile;
 use super::tape::{RunTape, TapeFile};
 use crate::error::Failure;
@@ -25,6 +26,7 @@ pub struct OutputFiles {
     /// Likewise.
     pub tape: Option<TapeFile>,
     pub run_tape: RunTape,
+    pub page: Option<PageFile>,
     pub outputs: Outputs,
     pub progress: Progress,
     /// Bytes of a trace read so far; a scene counts commands instead.
@@ -48,6 +50,9 @@ impl Observer for OutputFiles {
         let index = pictures.index;
         self.frames = index + 1;
         let exact = pictures.exact.map(|(exact, _)| exact);
+        if let Some(page) = &mut self.page {
+            page.frame(pictures.machine, exact);
+        }
         let difference =
             exact.map(|exact| metrics::difference(exact, pictures.machine)).transpose().map_err(|e| e.to_string())?;
         let drawn = [("image", Some(pictures.machine)), ("reference", exact), ("difference", difference.as_ref())];
@@ -111,9 +116,10 @@ impl OutputFiles {
 }
 
 /// A picture as a file. In memory: the encoder would wrap what is wrong with the disk in words of its own.
-type Png = ImageResult<Vec<u8>>;
+pub type Png = ImageResult<Vec<u8>>;
 
-fn png(picture: &Picture) -> Png {
+/// A picture as a file.
+pub fn png(picture: &Picture) -> Png {
     let mut png = Vec::new();
     let encoder = PngEncoder::new(&mut png);
     encoder.write_image(&picture.to_rgba(), picture.width, picture.height, ExtendedColorType::Rgba8)?;

@@ -2,6 +2,7 @@
 
 use super::dump::DumpFiles;
 use super::output_files::OutputFiles;
+use super::page::PageFile;
 use super::requests::RequestsFile;
 use super::tape::{RunTape, TapeFile};
 use crate::args::{EngineName, MachineArgs, SimulationArgs, ViewArgs};
@@ -83,6 +84,7 @@ pub fn simulate_source(
     let dumps = DumpFiles::open(&simulation.dump, &settings.config)?;
     let requests = RequestsFile::open(simulation, &settings.config, &outputs)?;
     let tape = simulation.tape.as_deref().map(TapeFile::open).transpose()?;
+    let page = simulation.html.as_deref().map(PageFile::open).transpose()?;
     let pictures = settings.config.machine().exhibits().into_iter().filter(|e| e.form != Form::Lines);
     settings.exhibits = pictures.filter(|e| settings.exact || !e.judges).chain(dumps.exhibits()).collect();
     let mut files = OutputFiles {
@@ -90,6 +92,7 @@ pub fn simulate_source(
         requests,
         tape,
         run_tape: RunTape::new(settings.limits)?,
+        page,
         outputs,
         progress,
         read,
@@ -108,13 +111,14 @@ pub fn simulate_source(
     };
     let tape_is_whole = run.tape_is_whole;
     let report = run.with_host(seconds() - began);
-    let OutputFiles { outputs, progress, mut dumps, requests, tape, run_tape, frames, kinds, extra, .. } = files;
+    let OutputFiles { outputs, progress, mut dumps, requests, tape, run_tape, page, frames, kinds, extra, .. } = files;
     let kinds = kinds.concat();
     drop(progress);
     dumps.flush()?;
     let requests = requests.map(RequestsFile::finish).transpose()?;
     // Of a run that did not come to its end there is none.
     let tape = tape.filter(|_| tape_is_whole).map(TapeFile::finish).transpose()?;
+    let page = page.map(|page| page.finish(&report)).transpose()?;
     if simulation.json {
         // In front of what is published: where it cannot be printed, nothing is written.
         print(&report.to_json().map_err(Failure::bad)?)?;
@@ -123,7 +127,8 @@ pub fn simulate_source(
     let run_tape = (tape_is_whole && report.limits.is_some()).then_some(run_tape);
     let has_tape = publish(outputs, (frames, &kinds), (&report, run_tape), simulation)?;
     dumps.publish()?;
-    let beside = [(timeline, &simulation.timeline), (requests, &simulation.requests), (tape, &simulation.tape)];
+    let beside =
+        [(timeline, &simulation.timeline), (requests, &simulation.requests), (tape, &simulation.tape), (page, &simulation.html)];
     for (file, path) in beside {
         if let (Some(file), Some(path)) = (file, path) {
             file.publish().map_err(Failure::file(path, "be written"))?;
@@ -147,8 +152,9 @@ fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
     let timeline = simulation.timeline.iter().map(|path| ("--timeline", &**path));
     let requests = simulation.requests.iter().map(|path| ("--requests", &**path));
     let tape = simulation.tape.iter().map(|path| ("--tape", &**path));
+    let page = simulation.html.iter().map(|path| ("--html", &**path));
     let dumps = simulation.dump.as_chunks::<2>().0.iter().map(|[_, path]| ("--dump", &**path));
-    timeline.chain(requests).chain(tape).chain(dumps).collect()
+    timeline.chain(requests).chain(tape).chain(page).chain(dumps).collect()
 }
 
 /// A run whose errors name the input, unless it is the parameters or an output that are wrong.

@@ -1,9 +1,10 @@
 //! `--tape`, and `basrelief retime`: the work of a run kept, and timed again.
 
+use super::page::PageFile;
 use super::simulate::{limits_of, publish_report, seconds, show_report};
 use crate::args::RetimeArgs;
 use crate::error::{Done, Failure, print};
-use crate::outputs::{Outputs, PartialFile, RUN_TAPE, check_not_read};
+use crate::outputs::{Outputs, PartialFile, RUN_TAPE, check_distinct, check_not_read};
 use basrelief_input::Budget;
 use basrelief_session::{Observer, RetimeOptions, TapeFileError, When, retime_to};
 use std::fs::File;
@@ -126,8 +127,12 @@ pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
     let path = place_of(&args.tape);
     let name = path.display().to_string();
     let own = args.out.as_ref().map(|folder| folder.join(RUN_TAPE));
-    let outputs: Vec<(&str, &Path)> = own.iter().map(|own| ("--out", &**own)).collect();
+    let page: Vec<(&str, &Path)> = args.html.iter().map(|page| ("--html", &**page)).collect();
+    let outputs: Vec<(&str, &Path)> = own.iter().map(|own| ("--out", &**own)).chain(page.iter().copied()).collect();
     check_not_read(&outputs, &[("TAPE", &path)]).map_err(Failure::Usage)?;
+    if let Some(folder) = &args.out {
+        check_distinct(folder, &page).map_err(Failure::Usage)?;
+    }
     let mut reader = open(&path)?;
     let limits = limits_of(args.limits, args.no_limits);
     let options = RetimeOptions { settings: args.settings.clone(), limits, budget: budget.clone() };
@@ -135,6 +140,7 @@ pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
     let report = retime_to(&mut reader, &options, &mut tape).map_err(failure(&name))?;
     let took = seconds() - began;
     let report = report.with_host(took, took);
+    let page = args.html.as_deref().map(|path| PageFile::open(path)?.finish(&report)).transpose()?;
     if args.json {
         print(&report.to_json().map_err(Failure::bad)?)?;
     }
@@ -142,6 +148,9 @@ pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
         let outputs = Outputs::begin(folder).map_err(Failure::file(folder, "be written"))?;
         tape.write_to(&outputs).map_err(Failure::file(folder, "be written"))?;
         publish_report(outputs, &report, args.csv).map_err(Failure::file(folder, "be written"))?;
+    }
+    if let (Some(page), Some(path)) = (page, &args.html) {
+        page.publish().map_err(Failure::file(path, "be written"))?;
     }
     if quiet || args.json { Ok(()) } else { show_report(&report) }
 }

@@ -83,12 +83,33 @@ pub fn psnr(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
 /// # Errors
 /// If the pictures differ in size.
 pub fn difference(exact: &Picture, other: &Picture) -> Result<Picture, SizeMismatch> {
+    let mut result = steps(exact, other)?;
+    result.rgb.as_flattened_mut().iter_mut().for_each(|step| *step = step.saturating_mul(8));
+    Ok(result)
+}
+
+/// Absolute difference per channel, amplified so that the largest of the picture becomes 255; and that largest.
+///
+/// # Errors
+/// If the pictures differ in size.
+pub fn scaled_difference(exact: &Picture, other: &Picture) -> Result<(Picture, u8), SizeMismatch> {
+    let mut result = steps(exact, other)?;
+    let steps = result.rgb.as_flattened_mut();
+    let largest = steps.iter().copied().max().unwrap_or(0);
+    for step in steps {
+        *step = ((u32::from(*step) * 255 + u32::from(largest) / 2) / u32::from(largest.max(1))) as u8;
+    }
+    Ok((result, largest))
+}
+
+/// Absolute difference per channel; covered where either picture is.
+fn steps(exact: &Picture, other: &Picture) -> Result<Picture, SizeMismatch> {
     same_size(exact, other)?;
     let mut result = Picture::new(exact.width, exact.height);
     for i in covered(exact, other) {
         result.covered[i] = true;
         for ((to, &a), b) in result.rgb[i].iter_mut().zip(&exact.rgb[i]).zip(other.rgb[i]) {
-            *to = a.abs_diff(b).saturating_mul(8);
+            *to = a.abs_diff(b);
         }
     }
     Ok(result)

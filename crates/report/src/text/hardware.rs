@@ -7,7 +7,7 @@ use Align::{Left, Right};
 use basrelief_kernel::HardwareKind;
 
 /// Totals by kind: of what computes how many, of what holds bits how many bits; and where most of it is.
-pub(super) fn totals(report: &Report) -> Table {
+pub(crate) fn totals(report: &Report) -> Table {
     let mut table = Table::new(&[("Hardware", Left, 0), ("pieces", Right, 1), ("bits", Right, 0), ("most of it", Left, 2)]);
     for kind in HardwareKind::ALL {
         let of_kind: Vec<&Hardware> = report.hardware.iter().filter(|h| h.kind == kind).collect();
@@ -22,6 +22,11 @@ pub(super) fn totals(report: &Report) -> Table {
 
 /// Everything, piece by piece.
 pub fn hardware(all: &[Hardware], style: Style) -> String {
+    pieces(all).render(style)
+}
+
+/// A row for each piece.
+pub(crate) fn pieces(all: &[Hardware]) -> Table {
     let columns =
         [("Where", Left, 0), ("", Left, 0), ("for", Left, 1), ("pieces", Right, 0), ("wide", Right, 0), ("bits", Right, 0)];
     let mut table = Table::new(&columns);
@@ -32,7 +37,7 @@ pub fn hardware(all: &[Hardware], style: Style) -> String {
         let bits = if h.kind.computes() { String::new() } else { thousands(h.bits()) };
         table.row([place, h.kind.to_string(), h.about.clone(), thousands(h.count), h.width.to_string(), bits]);
     }
-    table.render(style)
+    table
 }
 
 #[cfg(test)]

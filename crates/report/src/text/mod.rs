@@ -6,15 +6,16 @@
 mod hardware;
 mod limits;
 pub mod number;
-mod sections;
+pub(crate) mod sections;
 mod table;
 
 pub use hardware::hardware;
+pub(crate) use hardware::{pieces, totals};
 
 use crate::blame::blame;
 use crate::model::{Cycles, OutcomeKind, Report};
 use crate::work;
-pub(crate) use sections::{cause, figure, full_cycles, mean_occupancy};
+pub(crate) use sections::{cause, figure, full_cycles, in_frames, mean_occupancy};
 pub(crate) use table::{Align, Table};
 
 /// How to set a text.
@@ -63,8 +64,7 @@ impl Style {
 
 /// The whole report, sections parted by empty lines, with a line feed at the end.
 pub fn to_text(report: &Report, style: Style) -> String {
-    let limits = limits::sentence(report).unwrap_or_else(|| blame(report).sentence);
-    let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report))), style.wrap(&limits)];
+    let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report))), style.wrap(&what_limits(report))];
     parts.extend(limits::path(report).map(|path| style.wrap(&path)));
     let mut tables = vec![
         limits::table(report),
@@ -83,6 +83,11 @@ pub fn to_text(report: &Report, style: Style) -> String {
     parts.extend(sections::host(report));
     parts.extend(warnings(report, style));
     parts.join("\n\n") + "\n"
+}
+
+/// In one sentence: as it was measured, or else as it follows from the accounting.
+pub(crate) fn what_limits(report: &Report) -> String {
+    limits::sentence(report).unwrap_or_else(|| blame(report).sentence)
 }
 
 fn title(report: &Report) -> String {

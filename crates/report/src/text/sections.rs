@@ -12,7 +12,7 @@ const BARS: [char; 9] = ['·', '▁', '▂', '▃', '▄', '▅', '▆', '▇', 
 /// Most bars of a histogram.
 const BINS: usize = 16;
 
-pub(super) fn units(report: &Report) -> Table {
+pub(crate) fn units(report: &Report) -> Table {
     let mut table = Table::new(&[
         ("Unit", Left, 0),
         ("tokens", Right, 3),
@@ -24,8 +24,7 @@ pub(super) fn units(report: &Report) -> Table {
         ("waits most", Left, 2),
     ]);
     for (name, unit) in report.units.iter().flatten() {
-        // Who has finished by the end of the last frame is told in the cycles of the frames.
-        let drain = if unit.done >= report.drain() { report.drain() } else { 0 };
+        let drain = report.drain_of(unit);
         let total = report.cycles.as_ref().map_or(0, |c| c.total - drain);
         let share = |n: u64| percent(n, total);
         table.row([
@@ -56,7 +55,7 @@ fn sum<'a>(counts: impl IntoIterator<Item = &'a u64>) -> u64 {
     counts.into_iter().fold(0, |sum, &n| sum.saturating_add(n))
 }
 
-pub(super) fn fifos(report: &Report) -> Table {
+pub(crate) fn fifos(report: &Report) -> Table {
     let mut table = Table::new(&[
         ("FIFO", Left, 0),
         ("depth", Right, 0),
@@ -85,7 +84,7 @@ pub(super) fn fifos(report: &Report) -> Table {
 }
 
 /// The same without the drain, if it was empty then.
-fn in_frames(fifo: &Fifo, drain: u64) -> Fifo {
+pub(crate) fn in_frames(fifo: &Fifo, drain: u64) -> Fifo {
     let mut fifo = fifo.clone();
     if let Some(empty) = fifo.histogram.first_mut() {
         *empty = empty.checked_sub(drain).unwrap_or(*empty);
@@ -116,7 +115,7 @@ fn sparkline(histogram: &[u64]) -> String {
     bins.into_iter().map(|n| BARS.get(height(n)).copied().unwrap_or('█')).collect()
 }
 
-pub(super) fn memories(report: &Report) -> Table {
+pub(crate) fn memories(report: &Report) -> Table {
     let mut table = Table::new(&[
         ("Memory", Left, 0),
         ("client", Left, 0),
@@ -149,7 +148,7 @@ fn per(above: u64, below: u64) -> String {
     if below == 0 { String::new() } else { format!("{:.1}", above as f64 / below as f64) }
 }
 
-pub(super) fn channels(report: &Report) -> Table {
+pub(crate) fn channels(report: &Report) -> Table {
     let mut table = Table::new(&[
         ("Channel", Left, 0),
         ("no.", Right, 0),
@@ -186,7 +185,7 @@ pub(super) fn channels(report: &Report) -> Table {
     table
 }
 
-pub(super) fn caches(report: &Report) -> Table {
+pub(crate) fn caches(report: &Report) -> Table {
     let columns =
         [("Cache", Left, 0), ("look-ups", Right, 0), ("hits %", Right, 0), ("misses %", Right, 0), ("merged %", Right, 1)];
     let mut table = Table::new(&columns);
@@ -197,7 +196,7 @@ pub(super) fn caches(report: &Report) -> Table {
     table
 }
 
-pub(super) fn routes(report: &Report) -> Table {
+pub(crate) fn routes(report: &Report) -> Table {
     let columns = [("Route", Left, 0), ("polygons", Right, 0), ("%", Right, 1), ("dots", Right, 0), ("%", Right, 0)];
     let mut table = Table::new(&columns);
     let routes = work::routes(report);
@@ -210,7 +209,7 @@ pub(super) fn routes(report: &Report) -> Table {
     table
 }
 
-pub(super) fn circuits(report: &Report) -> Table {
+pub(crate) fn circuits(report: &Report) -> Table {
     let mut table = Table::new(&[("Circuit", Left, 0), ("needed %", Right, 0), ("started %", Right, 0), ("idle %", Right, 0)]);
     let cycles = report.frame_cycles();
     if report.cycles.is_none() {
@@ -224,7 +223,7 @@ pub(super) fn circuits(report: &Report) -> Table {
     table
 }
 
-pub(super) fn processes(report: &Report) -> Table {
+pub(crate) fn processes(report: &Report) -> Table {
     let mut table = Table::new(&[("Process", Left, 0), ("runs", Right, 0), ("cycles", Right, 0), ("%", Right, 0)]);
     for p in work::processes(report) {
         let share = percent(p.cycles, report.frame_cycles());
@@ -237,7 +236,7 @@ pub(super) fn processes(report: &Report) -> Table {
 const ROWS: usize = 40;
 
 /// A table of figures; a long one is cut short.
-pub(super) fn columns(work::Columns { columns, .. }: &work::Columns<'_>) -> Table {
+pub(crate) fn columns(work::Columns { columns, .. }: &work::Columns<'_>) -> Table {
     let titles: Vec<_> = columns.iter().map(|(title, _)| (*title, Right, 0)).collect();
     let mut rows = Table::new(&titles);
     let count = columns.iter().map(|(_, list)| list.len()).max().unwrap_or(0);
@@ -251,7 +250,7 @@ pub(super) fn columns(work::Columns { columns, .. }: &work::Columns<'_>) -> Tabl
 }
 
 /// Figures of the machine, but for those of routes, circuits, processes and tables, which stand there.
-pub(super) fn figures(report: &Report) -> Table {
+pub(crate) fn figures(report: &Report) -> Table {
     let mut table = Table::new(&[("Figure", Left, 0), ("", Right, 0)]);
     let elsewhere = |name: &str| match report.legend.get(name).and_then(|legend| legend.part.as_ref()) {
         None | Some(Part::Work) => false,
@@ -278,7 +277,7 @@ pub(crate) fn figure(value: &Figure) -> String {
     }
 }
 
-pub(super) fn quality(report: &Report) -> Table {
+pub(crate) fn quality(report: &Report) -> Table {
     let columns = [
         ("Quality", Left, 0),
         ("PSNR dB", Right, 0),
@@ -301,7 +300,7 @@ pub(super) fn quality(report: &Report) -> Table {
 }
 
 /// Derived figures, but for the utilisation of units, idle circuits and the hit rates, which stand in their tables.
-pub(super) fn derived(report: &Report) -> Table {
+pub(crate) fn derived(report: &Report) -> Table {
     let mut table = Table::new(&[("Derived", Left, 0), ("", Right, 0), ("", Left, 1)]);
     let told = |name: &str| [".utilisation", ".hit_rate", ".idle"].iter().any(|end| name.ends_with(end));
     for (name, d) in report.derived.iter().filter(|(name, _)| !told(name)) {
@@ -320,7 +319,7 @@ fn rounded(x: f64) -> String {
     }
 }
 
-pub(super) fn host(report: &Report) -> Option<String> {
+pub(crate) fn host(report: &Report) -> Option<String> {
     let host = report.host.as_ref()?;
     let millions = |x: f64| format!("{:.2} M", x / 1e6);
     let cycles = host.cycles_per_s.map_or(String::new(), |c| format!("{} cycles/s, ", millions(c)));

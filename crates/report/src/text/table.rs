@@ -40,6 +40,15 @@ impl Table {
         self.rows.push(cells.into_iter().collect());
     }
 
+    /// Titles and alignments.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = (&str, Align)> {
+        self.columns.iter().map(|column| (column.title.as_str(), column.align))
+    }
+
+    pub(crate) fn rows(&self) -> &[Vec<String>] {
+        &self.rows
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }

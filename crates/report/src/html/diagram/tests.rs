@@ -1,0 +1,68 @@
+//! The drawings of the machines, as they are.
+
+use super::*;
+use std::collections::BTreeSet;
+
+const DIAGRAMS: [&str; 4] = [
+    include_str!("../../../../machines/src/bump/diagram.txt"),
+    include_str!("../../../../machines/src/shade/diagram.txt"),
+    include_str!("../../../../machines/src/texel/diagram.txt"),
+    include_str!("../../../../machines/src/defer/diagram.txt"),
+];
+
+/// Cells of a text.
+fn cells(placed: &Placed) -> impl Iterator<Item = (usize, usize)> {
+    (placed.column..placed.column + placed.width).map(|column| (placed.row, column))
+}
+
+#[test]
+fn every_sign_of_a_drawing_is_drawn_once() {
+    for text in DIAGRAMS {
+        let sheet = Sheet::read(text);
+        let mut drawn = BTreeSet::new();
+        let texts = [&sheet.boxes, &sheet.memories, &sheet.ports, &sheet.names, &sheet.notes].into_iter().flatten();
+        let wires = sheet.wires.iter().map(|wire| (wire.row, wire.column));
+        for cell in texts.flat_map(cells).chain(wires) {
+            assert!(drawn.insert(cell), "{cell:?} is drawn twice");
+        }
+        for (row, line) in text.lines().enumerate() {
+            for (column, c) in line.chars().enumerate().filter(|(_, c)| *c != ' ') {
+                assert!(drawn.contains(&(row, column)), "`{c}` in row {row}, column {column} is not drawn");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_a_wire_and_what_is_text() {
+    for text in DIAGRAMS {
+        let sheet = Sheet::read(text);
+        let is_name = |c: char| c == '_' || c.is_ascii_lowercase();
+        assert!(sheet.names.iter().all(|name| name.text.chars().all(is_name)), "{:?}", sheet.names);
+        assert!(!sheet.notes.iter().any(|note| note.text.contains(['|', '+'])), "{:?}", sheet.notes);
+        let names: BTreeSet<&str> = sheet.names.iter().map(Placed::name).collect();
+        // Every FIFO has an arrow of its own at the unit that takes from it.
+        let heads = sheet.wires.iter().filter(|wire| wire.head.is_some()).count();
+        assert_eq!(heads, sheet.names.len(), "{names:?}");
+        // A line goes on in the next cell, or ends at a box or beside a name.
+        assert!(sheet.wires.iter().all(|wire| wire.sides.len() >= 2 || wire.head.is_some()));
+    }
+}
+
+#[test]
+fn what_is_drawn_again_is_filled_once() {
+    let report = crate::samples::balanced();
+    let page = draw(" [geometry] --polygons--> [rasterizer]\n [geometry] --polygons--> [x]\n", &report).into_text();
+    assert_eq!(page.matches("geometry: busy 3.0 %").count(), 1, "{page}");
+    assert_eq!((page.matches("class=\"gauge\"").count(), page.matches("class=\"unit absent\"").count()), (1, 1));
+}
+
+#[test]
+fn wires_reach_their_boxes() {
+    let sheet = Sheet::read(" [a] --x--> [b]");
+    let ends: Vec<f64> = sheet.wires.iter().map(|wire| end(&sheet, wire, Side::Right).0).collect();
+    let box_b = left(sheet.boxes[1].column);
+    assert_eq!(ends.last(), Some(&box_b));
+    let first = sheet.wires.first().unwrap();
+    assert_eq!(end(&sheet, first, Side::Left).0, left(sheet.boxes[0].column + sheet.boxes[0].width));
+}

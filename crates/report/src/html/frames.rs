@@ -1,0 +1,56 @@
+//! Frames, one by one.
+
+use super::markup::{Html, details};
+use super::svg::{Chart, bins, mean};
+use super::table::html;
+use crate::model::{Cycles, Report};
+use crate::text::Align::Right;
+use crate::text::Table;
+use crate::text::number::thousands;
+
+/// Most columns of the chart, and most rows of the table.
+const COLUMNS: usize = 120;
+const ROWS: usize = 500;
+/// Rows from which the table is shown only when asked for.
+const LONG: usize = 24;
+
+pub(super) fn frames(report: &Report) -> Html {
+    let Some(cycles) = report.cycles.as_ref().filter(|cycles| !cycles.frames.is_empty()) else { return Html::default() };
+    let table = html("Frames", &table(report, cycles));
+    let table = if cycles.frames.len() > LONG { details("Every frame", table) } else { table };
+    [chart(cycles), table].into_iter().collect()
+}
+
+fn chart(Cycles { frames, .. }: &Cycles) -> Html {
+    if frames.len() < 2 {
+        return Html::default();
+    }
+    let values: Vec<f64> = frames.iter().map(|&n| n as f64).collect();
+    let columns: Vec<(String, f64)> = bins(&values, COLUMNS).map(|(at, n)| ((at + 1).to_string(), mean(n))).collect();
+    let most = columns.iter().fold(0.0, |most: f64, (_, n)| most.max(*n));
+    let axes = ["frame", if columns.len() < values.len() { "cycles, mean of several frames each" } else { "cycles" }];
+    let top = (most, thousands(most.round() as u64));
+    Chart { title: "Cycles per frame", axes, class: "amount", columns, top, size: (640.0, 180.0) }.draw()
+}
+
+fn table(report: &Report, cycles: &Cycles) -> Table {
+    let titles = ["frame", "cycles", "ms", "PSNR dB", "SSIM", "FLIP"];
+    let mut table = Table::new(&titles.map(|title| (title, Right, 0)));
+    let hz = report.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).filter(|hz| *hz > 0.0);
+    let last = report.quality.as_ref().map(|quality| &quality.last).filter(|_| cycles.frames.len() == 1);
+    for (k, &n) in cycles.frames.iter().take(ROWS).enumerate() {
+        let quality = report.quality.as_ref().and_then(|quality| quality.frames.get(k)).or(last);
+        let [psnr, ssim, flip] = quality
+            .map_or_else(Default::default, |q| [format!("{:.2}", q.psnr_db), format!("{:.4}", q.ssim), format!("{:.4}", q.flip)]);
+        let ms = hz.map_or(String::new(), |hz| format!("{:.3}", 1e3 * n as f64 / hz));
+        table.row([(k + 1).to_string(), thousands(n), ms, psnr, ssim, flip]);
+    }
+    if cycles.frames.len() > ROWS {
+        table.row([format!("{} more", thousands((cycles.frames.len() - ROWS) as u64))]);
+    }
+    if report.drain() > 0 {
+        let ms = hz.map_or(String::new(), |hz| format!("{:.3}", 1e3 * report.drain() as f64 / hz));
+        table.row(["drain".into(), thousands(report.drain()), ms]);
+    }
+    table
+}

@@ -1,0 +1,64 @@
+//! What the run was, and its largest figures.
+
+use super::markup::{Html, el, el_text, text};
+use crate::model::{Client, OutcomeKind, Report};
+use crate::text::number::{real, thousands};
+use crate::work::work;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+
+/// Machine, scene, size; below, numbers one can read from a distance.
+pub(super) fn head(report: &Report) -> Html {
+    let what = format!("{} · {} · {} × {}", report.machine, report.input.name, report.size.width, report.size.height);
+    let title = el("h1", &[], [text("Basrelief "), el_text("span", "quiet", what)]);
+    let numbers = el("dl", &[("class", "numbers")], numbers(report).into_iter().map(big));
+    let message = report.outcome.message.as_deref().unwrap_or("The run did not come to its end.");
+    let ended = report.outcome.kind == OutcomeKind::Complete;
+    let message = if ended { Html::default() } else { el("p", &[("class", "bad"), ("role", "alert")], [text(message)]) };
+    el("header", &[], [title, message, numbers])
+}
+
+fn big((number, unit): (String, String)) -> Html {
+    // The term comes first in the file, the number stands first on the page.
+    el("div", &[], [el_text("dt", "", unit), el_text("dd", "", number)])
+}
+
+fn numbers(report: &Report) -> Vec<(String, String)> {
+    let frames = report.cycles.as_ref().map_or(0, |cycles| cycles.frames.len() as u64);
+    let each = if frames > 1 { " per frame" } else { "" };
+    let per_frame = |n: u64| thousands(n / frames.max(1));
+    let mut list = vec![];
+    if report.cycles.is_some() {
+        list.push((per_frame(report.frame_cycles()), format!("cycles{each}")));
+    }
+    let one = work(report).one;
+    if let Some(d) = report.derived.get(&format!("cycles_per_{one}")) {
+        list.push((format!("{:.2}", d.value), format!("cycles per {one}")));
+    }
+    if let Some(quality) = &report.quality {
+        list.push((format!("{:.2}", quality.last.psnr_db), "dB against the exact picture".into()));
+    }
+    if let Some(memories) = &report.memories {
+        let bytes = memories.values().flat_map(|memory| memory.clients.values()).map(Client::bytes);
+        let bytes = bytes.fold(0, u64::saturating_add);
+        list.push((per_frame(bytes), format!("bytes of memory traffic{each}")));
+    }
+    if let Some(d) = report.derived.get("frame_ms") {
+        let hz = report.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).unwrap_or(0.0);
+        list.push((format!("{:.3}", d.value), format!("ms{each} at {} MHz", real(hz / 1e6))));
+    }
+    list
+}
+
+/// The report itself, to be saved.
+pub(super) fn save(json: &str) -> Html {
+    let data = data("application/json", json.as_bytes());
+    let link = el("a", &[("href", &data), ("download", "report.json")], [text("Save the report as JSON")]);
+    let note = text(" - all figures of this page, and those that it leaves out.");
+    el("footer", &[], [el("p", &[], [link, note])])
+}
+
+/// A file within the page.
+pub(super) fn data(kind: &str, bytes: &[u8]) -> String {
+    format!("data:{kind};base64,{}", BASE64_STANDARD.encode(bytes))
+}

@@ -1,0 +1,96 @@
+//! What limits a run: in a sentence, as bars of what would be saved, and as its critical path.
+
+use super::markup::{Html, details, el, el_text, text};
+use super::svg::{Part, bar, share};
+use super::table::with_cells;
+use super::units::legend;
+use crate::model::{CriticalPath, Limit, PathPart, Report};
+use crate::text::Align::{Left, Right};
+use crate::text::number::thousands;
+use crate::text::what_limits;
+
+/// Parts of the critical path that are told one by one.
+const TOLD: usize = 8;
+/// What stands for whatever else there is on it.
+const REST: &str = "rest";
+
+/// All that is known of it; of a run without time only that it has none.
+pub(super) fn limits(report: &Report) -> Html {
+    let sentence = el_text("p", "lead", what_limits(report));
+    [sentence, saved(report), path(report)].into_iter().collect()
+}
+
+/// What each thing saves if it is made ideal.
+fn saved(report: &Report) -> Html {
+    let Some(limits) = report.limits.as_ref().filter(|limits| !limits.is_empty()) else { return Html::default() };
+    let total = report.frame_cycles();
+    let columns =
+        [("made ideal", Left), ("how", Left), ("cycles saved", Left), ("", Right), ("share", Right), ("cycles then", Right)];
+    let row = |limit: &Limit| {
+        let part: Part = ("amount", "saved".into(), limit.saved);
+        let (saved, then) = (thousands(limit.saved), thousands(limit.cycles));
+        vec![
+            text(&limit.resource),
+            text(&limit.what),
+            bar(&[part], total),
+            text(saved),
+            text(share(limit.saved, total)),
+            text(then),
+        ]
+    };
+    let caption = format!("Measured by timing the same work again, of {} cycles", thousands(total));
+    let table = with_cells(&caption, &columns, limits.iter().map(row).collect());
+    let settings = limits.iter().map(|limit| {
+        let set: String = limit.set.iter().map(|set| format!(" --set {set}")).collect();
+        vec![text(format!("{}, {}", limit.resource, limit.what)), el_text("code", "", set.trim())]
+    });
+    let settings = with_cells("Options that make it so", &[("made ideal", Left), ("options", Left)], settings.collect());
+    [el("div", &[("class", "bars")], [table]), details("How to repeat these", settings)].into_iter().collect()
+}
+
+/// The critical path as one bar; its longest parts numbered, with their meaning in a table.
+fn path(report: &Report) -> Html {
+    let Some(path) = &report.critical_path else { return Html::default() };
+    let mut parts: Vec<(Part, String)> = path.parts.iter().take(TOLD).map(part).collect();
+    let rest: u64 = path.parts.iter().skip(TOLD).fold(0, |sum, part| sum.saturating_add(part.cycles));
+    if rest > 0 {
+        let count = path.parts.len() - TOLD;
+        parts.push((("done", REST.into(), rest), format!("{count} further parts together")));
+    }
+    let bars: Vec<Part> = parts.iter().map(|(part, _)| part.clone()).collect();
+    let rows = parts.iter().map(|((class, name, n), about)| {
+        let swatch = el("span", &[("class", &format!("swatch {class}")), ("aria-hidden", "true")], []);
+        vec![[swatch, text(name)].into_iter().collect(), text(about), text(thousands(*n)), text(share(*n, path.cycles))]
+    });
+    let columns = [("part", Left), ("what it is", Left), ("cycles", Right), ("share", Right)];
+    let table = with_cells("Its parts, longest first", &columns, rows.collect());
+    let colours = [("busy", "a unit at work"), ("fifo", "a FIFO"), ("memory", "a memory"), ("done", "rest")];
+    let bar = el("div", &[("class", "thick")], [bar(&bars, path.cycles)]);
+    [el_text("h3", "", "Critical path"), el_text("p", "quiet", about(path)), bar, legend(colours), table].into_iter().collect()
+}
+
+fn about(path: &CriticalPath) -> String {
+    format!(
+        "What the end of the last frame waited for, back to the first cycle: {} cycles without gap or overlap. Another path \
+         may be as long.",
+        thousands(path.cycles)
+    )
+}
+
+/// A part of the path: its colour, and what it is in words.
+fn part(PathPart { resource, what, cycles, .. }: &PathPart) -> (Part, String) {
+    let (class, about) = match what.as_str() {
+        "occupancy" => ("busy", "the unit is taken"),
+        "latency" => ("busy", "from the start of a step to its result"),
+        "FIFO" => ("fifo", "through the FIFO"),
+        "slot" => ("fifo", "for a free slot of the FIFO"),
+        "arrival" => ("memory", "of a request at its memory"),
+        "bus" => ("memory", "the data bus is taken"),
+        "bank" => ("memory", "the bank is not ready"),
+        "data" => ("memory", "for the data"),
+        "order" => ("memory", "for answers before it"),
+        "cache" => ("memory", "for the cache"),
+        _ => ("done", "in flight at the end"),
+    };
+    ((class, format!("{resource} {what}").trim().to_owned(), *cycles), about.to_owned())
+}

@@ -1,0 +1,102 @@
+//! Markup that is well-formed by the way it is made: text is escaped, and what is opened is closed.
+
+use std::fmt::Write;
+
+/// Elements without an end tag.
+const VOID: [&str; 2] = ["meta", "img"];
+
+/// A piece of a page.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Html(String);
+
+impl Html {
+    /// A style sheet of this crate.
+    pub(super) fn style(sheet: &'static str) -> Self {
+        Self(format!("<style>{sheet}</style>"))
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub(super) fn into_text(self) -> String {
+        self.0
+    }
+}
+
+impl FromIterator<Html> for Html {
+    fn from_iter<T: IntoIterator<Item = Html>>(pieces: T) -> Self {
+        Self(pieces.into_iter().map(|piece| piece.0).collect())
+    }
+}
+
+/// A text, escaped.
+pub(super) fn text(text: impl AsRef<str>) -> Html {
+    Html(escape(text.as_ref()))
+}
+
+/// An element.
+pub(super) fn el(name: &str, attributes: &[(&str, &str)], children: impl IntoIterator<Item = Html>) -> Html {
+    let mut out = format!("<{name}");
+    for (key, value) in attributes {
+        let _ = write!(out, " {key}=\"{}\"", escape(value));
+    }
+    if VOID.contains(&name) {
+        return Html(out + "/>");
+    }
+    out.push('>');
+    children.into_iter().for_each(|child| out.push_str(&child.0));
+    let _ = write!(out, "</{name}>");
+    // A line per block keeps the file readable and its differences small.
+    if matches!(name, "p" | "tr" | "section" | "g" | "figure" | "svg" | "table" | "h2" | "h3") {
+        out.push('\n');
+    }
+    Html(out)
+}
+
+/// An element that holds a text.
+pub(super) fn el_text(name: &str, class: &str, content: impl AsRef<str>) -> Html {
+    let class = [("class", class)];
+    el(name, if class[0].1.is_empty() { &[] } else { &class }, [text(content)])
+}
+
+/// What is long: shown when its title is opened.
+pub(super) fn details(title: &str, content: Html) -> Html {
+    if content.is_empty() { content } else { el("details", &[], [el_text("summary", "", title), content]) }
+}
+
+/// Control characters, which a page must not hold, become blanks.
+fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            '\n' => out.push('\n'),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_and_attributes_are_escaped() {
+        let page = el("p", &[("title", "\"><script>")], [text("a < b & 'c'\u{0}")]);
+        assert_eq!(page.into_text(), "<p title=\"&quot;&gt;&lt;script&gt;\">a &lt; b &amp; &#39;c&#39; </p>\n");
+    }
+
+    #[test]
+    fn void_elements_have_no_end() {
+        assert_eq!(el("img", &[("alt", "x")], []).into_text(), "<img alt=\"x\"/>");
+        assert_eq!(el_text("b", "", "x").into_text(), "<b>x</b>");
+        assert!(details("empty", Html::default()).is_empty());
+    }
+}

@@ -1,0 +1,165 @@
+//! The report as one page: no script, nothing from outside, the same to the byte for equal runs.
+//!
+//! | part | where |
+//! |---|---|
+//! | well-formed, escaped markup | `markup` |
+//! | bars, charts | `svg` |
+//! | tables | `table` |
+//! | the block diagram | `diagram` |
+//! | everything else | a file per section |
+//!
+//! Each colour has one meaning: `style.css` names them.
+
+mod diagram;
+mod fifos;
+mod frames;
+mod head;
+mod limits;
+mod markup;
+mod memories;
+mod parameters;
+mod pictures;
+mod svg;
+mod table;
+#[cfg(test)]
+mod tests;
+mod units;
+
+use crate::model::Report;
+use crate::text::{self, Align, Table};
+use crate::work;
+use markup::{Html, details, el, el_text};
+
+pub use parameters::ParameterRow;
+pub use pictures::PagePicture;
+
+/// What a page shows beside the report.
+#[derive(Clone, Debug, Default)]
+pub struct Beside {
+    /// The drawing of the machine, as in its `diagram.txt`; empty for none.
+    pub diagram: String,
+    /// Pictures of the last frame.
+    pub pictures: Vec<PagePicture>,
+    /// Parameters of the machine.
+    pub parameters: Vec<ParameterRow>,
+}
+
+/// Nothing may come from elsewhere, and nothing is run.
+const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
+
+/// The page, without what the host took.
+///
+/// # Errors
+/// As [`Report::to_json`].
+pub fn to_html(report: &Report, beside: &Beside) -> Result<String, serde_json::Error> {
+    let report = &Report { host: None, ..report.clone() };
+    let sections = sections(report, beside);
+    let shown = || sections.iter().filter(|(_, _, content)| !content.is_empty());
+    let links = shown().map(|(id, title, _)| el("a", &[("href", &format!("#{id}"))], [markup::text(title)]));
+    let nav = el("nav", &[("aria-label", "Parts of this page")], links);
+    let parts = shown().map(|(id, title, content)| section(id, title, content.clone()));
+    let main = el("main", &[], parts);
+    let save = head::save(&report.to_json()?);
+    let body = el("body", &[], [head::head(report), nav, main, save]);
+    let page = el("html", &[("lang", "en")], [page_head(report), body]);
+    Ok(format!("<!DOCTYPE html>\n{}\n", page.into_text()))
+}
+
+fn page_head(report: &Report) -> Html {
+    let meta = |attributes: &[(&str, &str)]| el("meta", attributes, []);
+    let title = format!("{} · {} · Basrelief", report.machine, report.input.name);
+    let children = [
+        meta(&[("charset", "utf-8")]),
+        meta(&[("http-equiv", "Content-Security-Policy"), ("content", POLICY)]),
+        meta(&[("name", "viewport"), ("content", "width=device-width, initial-scale=1")]),
+        meta(&[("name", "color-scheme"), ("content", "light dark")]),
+        el_text("title", "", title),
+        Html::style(include_str!("style.css")),
+    ];
+    el("head", &[], children)
+}
+
+fn section(id: &str, title: &str, content: Html) -> Html {
+    let heading = format!("{id}-title");
+    let title = el("h2", &[("id", &heading)], [markup::text(title)]);
+    el("section", &[("id", id), ("aria-labelledby", &heading)], [title, content])
+}
+
+type Section = (&'static str, &'static str, Html);
+
+/// In the order in which they are asked for: what limits first.
+fn sections(report: &Report, beside: &Beside) -> Vec<Section> {
+    vec![
+        ("limits", "What limits this run", limits::limits(report)),
+        ("pictures", "Pictures", pictures::pictures(report, &beside.pictures)),
+        ("diagram", "Block diagram", block_diagram(report, &beside.diagram)),
+        ("units", "Where the cycles went", units::units(report)),
+        ("fifos", "FIFOs", fifos::fifos(report)),
+        ("memories", "Memories", memories::memories(report)),
+        ("frames", "Frames", frames::frames(report)),
+        ("hardware", "Hardware", hardware(report)),
+        ("figures", "Figures", figures(report)),
+        ("quality", "Quality", table::html("Pictures against the exact ones", &text::sections::quality(report))),
+        ("parameters", "Parameters", parameters::parameters(&beside.parameters)),
+        ("warnings", "Warnings", el_list(&report.warnings)),
+    ]
+}
+
+fn el_list(items: &[String]) -> Html {
+    if items.is_empty() {
+        return Html::default();
+    }
+    el("ul", &[("class", "warnings")], items.iter().map(|item| el_text("li", "", item)))
+}
+
+fn block_diagram(report: &Report, diagram: &str) -> Html {
+    if diagram.is_empty() {
+        return Html::default();
+    }
+    let mut says = String::from("The numbers in brackets are those of the patent.");
+    if report.cycles.is_some() {
+        says += " The strip of a box: where the unit's cycles went. Under the name of a FIFO: how full it was in the mean. \
+                 The strip of a box with double sides, a memory: how much of the time its bus moved data. What is drawn \
+                 again is filled only the first time; what this run is without is dashed.";
+    }
+    let legend = if report.cycles.is_some() { diagram_legend() } else { Html::default() };
+    [el_text("p", "quiet", says), legend, diagram::draw(diagram, report)].into_iter().collect()
+}
+
+fn diagram_legend() -> Html {
+    let more = [("fifo", "slots of a FIFO held")];
+    units::legend(units::STATES.into_iter().chain(more))
+}
+
+fn hardware(report: &Report) -> Html {
+    let pieces = details("Every piece", table::html("Hardware, piece by piece", &text::pieces(&report.hardware)));
+    [table::html("Totals by kind", &text::totals(report)), pieces].into_iter().collect()
+}
+
+/// Tables that only some machines have, the figures that no table has, and what follows from them.
+fn figures(report: &Report) -> Html {
+    use text::sections::{circuits, columns, derived, processes, routes};
+    let own: Vec<(&str, Table)> = vec![
+        ("Routes", routes(report)),
+        ("Circuits", circuits(report)),
+        ("Processes", processes(report)),
+        ("What follows from it", derived(report)),
+    ];
+    let tables = std::iter::once(counted(report)).chain(own.iter().map(|(caption, table)| table::html(caption, table)));
+    let listed = work::tables(report);
+    let lists = listed.iter().map(|list| details(&format!("Table: {}", list.name), table::html(list.name, &columns(list))));
+    let columns = el("div", &[("class", "columns")], tables);
+    [columns].into_iter().chain(lists).collect()
+}
+
+/// The figures that no table has, each with what it means.
+fn counted(report: &Report) -> Html {
+    let table = text::sections::figures(report);
+    let row = |row: &Vec<String>| {
+        let legend = row.first().and_then(|name| report.legend.get(name));
+        let [unit, about] = legend.map_or_else(Default::default, |legend| [legend.unit.as_str(), legend.about.as_str()]);
+        row.iter().map(String::as_str).chain([unit, about]).map(markup::text).collect()
+    };
+    let columns = [("figure", Align::Left), ("", Align::Right), ("unit", Align::Left), ("what it is", Align::Left)];
+    table::with_cells("What the machine counted", &columns, table.rows().iter().map(row).collect())
+}

@@ -1,0 +1,44 @@
+//! Pictures of the last frame.
+
+use super::head::data;
+use super::markup::{Html, el, el_text, text};
+use crate::model::Report;
+
+/// A picture on the page.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PagePicture {
+    /// What it is.
+    pub caption: String,
+    /// The file.
+    pub png: Vec<u8>,
+    /// Of a difference: what full brightness stands for \[steps of 1/255\].
+    pub largest: Option<u8>,
+}
+
+/// Narrower pictures show their pixels instead of blurring them.
+const SMALL: u32 = 480;
+
+pub(super) fn pictures(report: &Report, pictures: &[PagePicture]) -> Html {
+    if pictures.is_empty() {
+        return Html::default();
+    }
+    let class = if report.size.width < SMALL { "pictures small" } else { "pictures" };
+    el("div", &[("class", class)], pictures.iter().map(|picture| figure(report, picture)))
+}
+
+fn figure(report: &Report, picture: &PagePicture) -> Html {
+    let (width, height) = (report.size.width.to_string(), report.size.height.to_string());
+    let source = data("image/png", &picture.png);
+    let attributes = [("src", source.as_str()), ("alt", &picture.caption), ("width", &width), ("height", &height)];
+    let scale = picture.largest.map_or(Html::default(), scale);
+    el("figure", &[], [el("img", &attributes, []), el("figcaption", &[], [text(&picture.caption), scale])])
+}
+
+/// From no difference to the largest there is.
+fn scale(largest: u8) -> Html {
+    let says = format!(
+        "scaled to the largest difference in this picture: black is 0, full red, green or blue is {largest} of 255 steps"
+    );
+    let ends = [el_text("span", "", "0"), el("span", &[("class", "ramp")], []), el_text("span", "", largest.to_string())];
+    [el_text("span", "says", says), el("span", &[("class", "scale"), ("aria-hidden", "true")], ends)].into_iter().collect()
+}

@@ -1,0 +1,129 @@
+//! The page as a whole.
+
+use super::*;
+use crate::model::{CriticalPath, Limit, PathPart};
+use crate::samples;
+use sha2::{Digest, Sha256};
+use std::fmt::Write;
+
+const DIAGRAM: &str = " [geometry] --polygons--> [replacement (110)] ==z, color== {graphics (124)}\n";
+
+/// A report that has everything, under this name of what was drawn.
+fn full(name: &str) -> Report {
+    let mut report = samples::balanced();
+    report.input.name = name.into();
+    report.warnings.push(name.into());
+    let limit = |saved| Limit {
+        resource: "replacement".into(),
+        what: "a cycle per step".into(),
+        set: vec!["ideal.units=replacement".into()],
+        cycles: samples::TOTAL - saved,
+        saved,
+    };
+    report.limits = Some(vec![limit(700_000), limit(0)]);
+    let part = |what: &str| PathPart { resource: "replacement".into(), what: what.into(), cycles: 100_000, frames: vec![] };
+    let parts = ["occupancy", "latency", "FIFO", "slot", "arrival", "bus", "bank", "data", "order", "cache"].map(part);
+    report.critical_path = Some(CriticalPath { cycles: samples::TOTAL, parts: parts.into() });
+    report
+}
+
+fn beside(name: &str) -> Beside {
+    let picture = PagePicture { caption: name.into(), png: vec![1, 2, 3], largest: Some(12) };
+    let row =
+        |value: &str| ParameterRow { key: name.into(), value: value.into(), default: "8".into(), ..ParameterRow::default() };
+    Beside { diagram: DIAGRAM.into(), pictures: vec![picture], parameters: vec![row("8"), row("4")] }
+}
+
+fn page(report: &Report) -> String {
+    to_html(report, &beside("lanes")).unwrap()
+}
+
+/// Every tag is closed, in order; every attribute is quoted; no sign of markup stands in a text.
+fn check_well_formed(page: &str) {
+    let mut open: Vec<&str> = vec![];
+    let sheet = page.find("<style>").unwrap()..page.find("</style>").unwrap();
+    let page = page.replace(&page[sheet], "<style>");
+    for piece in page.strip_prefix("<!DOCTYPE html>").unwrap().split('<').skip(1) {
+        let (tag, text) = piece.split_once('>').unwrap_or_else(|| panic!("`<{piece}` has no end"));
+        assert!(!text.contains('>'), "`>` in a text: {text}");
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name), "closed here: <{tag}>");
+            continue;
+        }
+        let (name, attributes) = tag.split_once(' ').unwrap_or((tag, ""));
+        assert!(attributes.matches('"').count() % 2 == 0 && name.chars().all(|c| c.is_ascii_alphanumeric()), "<{tag}>");
+        if !tag.ends_with('/') {
+            open.push(name);
+        }
+    }
+    assert!(open.is_empty(), "never closed: {open:?}");
+}
+
+#[test]
+fn pages_are_well_formed_whatever_the_report_has() {
+    let functional = samples::functional();
+    let all = [full("coin"), functional, samples::deadlocked(), samples::with_routes(), samples::simulated()];
+    for report in &all {
+        check_well_formed(&page(report));
+        check_well_formed(&to_html(report, &Beside::default()).unwrap());
+    }
+}
+
+#[test]
+fn names_are_escaped() {
+    let bad = "\"/><script>alert('x')</script>";
+    let mut report = full(bad);
+    let unit = report.units.as_ref().unwrap()["geometry"].clone();
+    report.units.as_mut().unwrap().insert(bad.into(), unit);
+    report.outcome.message = Some(bad.into());
+    report.outcome.kind = crate::model::OutcomeKind::Fault;
+    let mut beside = beside(bad);
+    beside.diagram = format!(" [{bad}] --<script>--> [<script>] note<script>");
+    let page = to_html(&report, &beside).unwrap();
+    check_well_formed(&page);
+    assert!(!page.contains("<script") && page.contains("&lt;script&gt;"));
+}
+
+#[test]
+fn nothing_comes_from_outside_and_nothing_is_run() {
+    let page = page(&full("coin"));
+    let outside: Vec<&str> = page.split('"').filter(|text| !text.starts_with("data:")).collect();
+    for text in ["//", "http:", "@import", "url(", "<script", "onload", "javascript:"] {
+        assert!(!outside.iter().any(|part| part.contains(text)), "{text}");
+    }
+    assert!(page.contains(POLICY.split('\'').next().unwrap()));
+}
+
+#[test]
+fn parts_stand_in_their_order() {
+    let page = page(&full("coin"));
+    let ids: Vec<&str> = page.split("<section id=\"").skip(1).filter_map(|part| part.split('"').next()).collect();
+    let expected =
+        ["limits", "pictures", "diagram", "units", "fifos", "memories", "frames", "figures", "quality", "parameters", "warnings"];
+    assert_eq!(ids, expected);
+    for number in ["500,000", "5.00", "41.25"] {
+        assert!(page.contains(&format!("<dd>{number}</dd>")), "{number}");
+    }
+    assert!(page.contains("replacement (110): busy 97.0 %, starved: pseudo_normals 2.0 %, done 1.0 %"));
+    assert!(page.contains("full red, green or blue is 12 of 255 steps"));
+}
+
+#[test]
+fn the_host_leaves_no_trace_and_the_report_can_be_saved() {
+    use base64::prelude::{BASE64_STANDARD, Engine};
+    let report = full("coin");
+    let text = page(&report);
+    assert_eq!(text, page(&report.clone().with_host(4.0, 2.0)));
+    let (_, data) = text.split_once("data:application/json;base64,").unwrap();
+    let json = BASE64_STANDARD.decode(data.split('"').next().unwrap()).unwrap();
+    assert_eq!(Report::from_json(std::str::from_utf8(&json).unwrap()).unwrap(), report);
+}
+
+#[test]
+fn the_page_is_the_same_to_the_byte() {
+    let hash = Sha256::digest(page(&full("coin"))).iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    });
+    insta::assert_snapshot!("page_sha256", hash);
+}

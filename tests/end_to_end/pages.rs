@@ -1,0 +1,78 @@
+//! `--html`: the report as one page.
+
+use crate::support::Place;
+use serde_json::Value;
+
+/// Most bytes of a page of a small picture.
+const MOST: usize = 3_000_000;
+
+/// Names of what a report has of this.
+fn names<'a>(report: &'a Value, what: &str) -> impl Iterator<Item = &'a String> {
+    report[what].as_object().into_iter().flat_map(|map| map.keys())
+}
+
+/// All that a browser could take for a reference or a program stands outside the data that the page brings along.
+fn check_stands_alone(page: &str) {
+    for part in page.split('"').filter(|part| !part.starts_with("data:")) {
+        for text in ["http:", "https:", "//", "<script", "url(", "@import"] {
+            assert!(!part.contains(text), "{text}: {part}");
+        }
+    }
+    assert!(page.len() < MOST, "{} bytes", page.len());
+}
+
+#[test]
+fn the_page_of_each_machine_stands_alone_and_shows_all_there_is() {
+    for machine in ["bump", "shade", "texel", "defer"] {
+        let place = Place::new();
+        place.ok(&format!("demo --machine {machine} --size 64x48 --html a.html --quiet"));
+        place.ok(&format!("demo --machine {machine} --size 64x48 --html b.html --quiet --csv"));
+        let (page, report) = (place.text("a.html"), place.report("out"));
+        check_stands_alone(&page);
+        assert!(page == place.text("b.html"), "{machine}: two pages of equal runs differ");
+        assert_eq!(page.matches("data:image/png;base64,").count(), 3, "{machine}");
+        // In the block diagram: a filled box, a gauge, a bus.
+        for unit in names(&report, "units") {
+            let title = |end: &str| format!("<g class=\"unit\"><title>{unit}{end}");
+            assert_eq!(page.matches(&title(" (")).count() + page.matches(&title(": ")).count(), 1, "{machine}: {unit}");
+        }
+        for fifo in names(&report, "fifos") {
+            assert_eq!(page.matches(&format!("<title>FIFO {fifo}: ")).count(), 1, "{machine}: {fifo}");
+        }
+        for memory in names(&report, "memories") {
+            let drawn = page.split("<g class=\"memory-box\"><title>").skip(1);
+            let told = |title: &str| title.starts_with(&format!("memory {memory}")) && title.contains(": bus busy ");
+            let filled = drawn.filter_map(|rest| rest.split('<').next()).filter(|title| told(title));
+            assert_eq!(filled.count(), 1, "{machine}: {memory}");
+        }
+    }
+}
+
+#[test]
+fn a_page_says_what_differs_from_the_defaults_and_goes_without_time_or_pictures() {
+    let place = Place::new();
+    place.ok("run PATCH --size 64x48 --set replacement.entries=64 --frames 2 --orbit 30 --html a.html --quiet");
+    let page = place.text("a.html");
+    let (changed, rest) =
+        page.split_once("Different from the defaults").expect("what was set").1.split_once("</table>").expect("a table");
+    assert!(changed.contains("replacement.entries") && changed.matches("<tr>").count() == 2, "{changed}");
+    assert!(rest.contains("fifo.shaded.depth"));
+    place.ok("retime out --set fifo.shaded.depth=8 --html again.html --quiet");
+    let again = place.text("again.html");
+    check_stands_alone(&again);
+    assert!(again.contains("fifo.shaded.depth") && !again.contains("data:image/png"));
+    place.ok("run PATCH --size 64x48 --functional --no-exact --html f.html --quiet");
+    let functional = place.text("f.html");
+    check_stands_alone(&functional);
+    assert_eq!(functional.matches("data:image/png").count(), 1);
+}
+
+#[test]
+fn a_page_has_a_file_of_its_own_or_there_is_none() {
+    let place = Place::new();
+    assert!(place.run("run PATCH --size 16x12 --html out/report.json").error(2).contains("the run's own report.json"));
+    assert!(place.run("run PATCH --size 16x12 --html x --timeline x").error(2).contains("is named twice"));
+    assert!(place.run("run no.gltf --size 16x12 --html x.html").code() != 0);
+    assert_eq!(place.run("run PATCH --size 16x12 --html x.html --max-cycles 100 --no-exact").code(), 1);
+    assert!(place.text("x.html").contains("class=\"bad\""), "what is known of a run that was stopped is shown");
+}
