@@ -86,6 +86,15 @@ fn smaller_fifos_keep_the_cycles_that_were_asked_for() {
 }
 
 #[test]
+fn models_and_demos_are_sized_without_a_tape() {
+    let place = Place::new();
+    place.ok(&format!("{RUN} --tape a.tape"));
+    let of_tape = place.ok("size-fifos a.tape --within 1 --json").out;
+    assert_eq!(place.ok("size-fifos demo:corridor --size 48x36 --within 1 --json").out, of_tape);
+    assert!(place.run("size-fifos a.tape --size 8x8").error(2).contains("a tape has its own machine and view"));
+}
+
+#[test]
 fn what_is_no_tape_or_cannot_be_timed_is_named() {
     let place = Place::new();
     place.ok(&format!("{RUN} --tape a.tape"));

@@ -23,6 +23,19 @@ pub enum Input {
     Trace(TraceFile),
 }
 
+impl Input {
+    /// As what a run takes, from its beginning: for each of several runs.
+    ///
+    /// # Errors
+    /// What can be read only once.
+    pub fn again(&self) -> Done<RunInput> {
+        match self {
+            Self::Scene(scene) => Ok(RunInput::Scene(Arc::clone(scene))),
+            Self::Trace(trace) => trace.again().map(TraceFile::into_source),
+        }
+    }
+}
+
 /// An open display list.
 pub struct TraceFile {
     /// Its bytes.

@@ -41,11 +41,11 @@ pub struct PathPart {
     pub stretch: Stretch,
     /// Their cycles.
     pub cycles: u64,
-    /// Of these, the cycles that lie within each frame.
-    pub frames: Vec<u64>,
+    /// Of these, the cycles up to each mark from the one before; where there is none, all of them.
+    pub by_mark: Vec<u64>,
 }
 
-/// A chain of waits and work, without gap or overlap, from the first cycle to the end of the last frame; where nothing passes a mark,
+/// A chain of waits and work, without gap or overlap, from the first cycle to the last mark; where nothing passes one,
 /// to the end of the run. Paths are not unique: another may be as long.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CriticalPath {

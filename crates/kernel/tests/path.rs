@@ -12,7 +12,7 @@ use std::borrow::Cow;
 fn path_of(plan: &Plan, most_events: usize) -> Option<CriticalPath> {
     let tape = tape(plan, u64::MAX);
     let mut reels = tape.iter().map(Cow::Borrowed);
-    critical_path(Shape::of(&mut machine(plan)).unwrap(), &mut || Ok(reels.next()), most_events).unwrap()
+    critical_path(Shape::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), most_events).unwrap()
 }
 
 /// The parts of a path, in words.
@@ -119,7 +119,7 @@ proptest! {
         if let Some(path) = path {
             prop_assert_eq!(path.cycles, report.total);
             prop_assert_eq!(path.parts.iter().map(|part| part.cycles).sum::<u64>(), report.total);
-            prop_assert!(path.parts.iter().all(|part| part.frames.iter().sum::<u64>() == part.cycles));
+            prop_assert!(path.parts.iter().all(|part| part.by_mark.iter().sum::<u64>() == part.cycles));
             prop_assert!(path.parts.is_sorted_by_key(|part| std::cmp::Reverse(part.cycles)));
         }
     }

@@ -36,7 +36,7 @@ fn streams(tape: &[Reel]) -> Vec<Vec<u8>> {
 
 fn timed_again(tape: &[Reel], plan: &Plan) -> Result<RunReport, RetimeError> {
     let mut reels = tape.iter().map(Cow::Borrowed);
-    retime(Shape::of(&mut machine(plan)).unwrap(), &mut || Ok(reels.next()), &mut NoProbe, u64::MAX)
+    retime(Shape::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX)
 }
 
 proptest! {
@@ -91,7 +91,7 @@ proptest! {
         let mut reels = spoiled.into_iter().map(Cow::Owned);
         let shape = Shape::of(&mut machine(&plan)).unwrap();
         // A limit, since a spoiled step may keep its unit for 2^32 cycles; what a report says of it is nobody's business.
-        let _ = retime(shape, &mut || Ok(reels.next()), &mut NoProbe, 1 << 20);
+        let _ = retime(shape, &mut |_| Ok(reels.next()), &mut NoProbe, 1 << 20);
     }
 }
 

@@ -101,7 +101,6 @@ impl<'a> Session<'a> {
         mut machine: M,
         probe: &mut P,
     ) -> Result<EngineResult, SessionError> {
-        let &RunOptions { clock, engine, max_cycles, .. } = self.settings;
         if !self.settings.exhibits.is_empty() {
             machine.keep_log();
         }
@@ -110,33 +109,10 @@ impl<'a> Session<'a> {
             self.attempt(|session| session.observer.tape(&head, true));
         }
         self.keep_requests(&mut machine);
-        let began = clock();
-        let mut aside = 0.0;
         // Where a user acts at times, what is drawn follows from times.
         let acts_at_times = spec.rehearsed(&[]).is_some();
-        let mut kept = Kept::new(self.settings.limits).filter(|_| !acts_at_times);
-        let reels = RefCell::new(Vec::new());
-        let is_recorded = kept.is_some() || self.shows_tape();
-        let ran = {
-            let mut progress = |machine: &mut M| {
-                self.take_tape(&mut reels.borrow_mut(), &mut kept);
-                self.look(spec, machine, &mut aside)
-            };
-            match engine {
-                Some(engine) => {
-                    let limits = Limits { max_cycles, progress: &mut progress };
-                    Ok(Some(if is_recorded {
-                        let keep = &mut |reel| reels.borrow_mut().push(reel);
-                        kernel::run_recorded(&mut machine, engine, probe, limits, (REEL_BYTES, keep))
-                    } else {
-                        kernel::run_with(&mut machine, engine, probe, limits)
-                    }))
-                }
-                None => kernel::run_functional(&mut machine, &mut progress).map(|()| None),
-            }
-        };
-        self.take_tape(&mut reels.borrow_mut(), &mut kept);
-        self.simulate_s = clock() - began - aside;
+        let mut kept = Kept::new(self.settings.limits, &self.settings.budget).filter(|_| !acts_at_times);
+        let ran = self.simulate(spec, &mut machine, probe, &mut kept);
         let report = match ran {
             Ok(report) => report,
             Err(fault) => {
@@ -164,6 +140,39 @@ impl<'a> Session<'a> {
             Some(failed) => Err(SessionError::Observer(failed)),
             None => Ok(EngineResult { facts: machine.facts(), report, kept }),
         }
+    }
+
+    /// The engine's part; no report of a functional run.
+    fn simulate<S: MachineSpec, M: Logs<S::Log>, P: Probe>(
+        &mut self,
+        spec: &S,
+        machine: &mut M,
+        probe: &mut P,
+        kept: &mut Option<Kept>,
+    ) -> Result<Option<RunReport>, String> {
+        let &RunOptions { clock, engine, max_cycles, .. } = self.settings;
+        let (began, mut aside) = (clock(), 0.0);
+        let reels = RefCell::new(Vec::new());
+        let is_recorded = kept.is_some() || self.shows_tape();
+        let mut progress = |machine: &mut M| {
+            self.take_tape(&mut reels.borrow_mut(), kept);
+            self.look(spec, machine, &mut aside)
+        };
+        let ran = match engine {
+            Some(engine) => {
+                let limits = Limits { max_cycles, progress: &mut progress };
+                Ok(Some(if is_recorded {
+                    let keep = &mut |reel| reels.borrow_mut().push(reel);
+                    kernel::run_recorded(machine, engine, probe, limits, (REEL_BYTES, keep))
+                } else {
+                    kernel::run_with(machine, engine, probe, limits)
+                }))
+            }
+            None => kernel::run_functional(machine, &mut progress).map(|()| None),
+        };
+        self.take_tape(&mut reels.borrow_mut(), kept);
+        self.simulate_s = clock() - began - aside;
+        ran
     }
 
     fn fault(&mut self, fault: String) -> SessionError {
@@ -201,8 +210,8 @@ impl<'a> Session<'a> {
                 self.work.add(&reel);
                 self.attempt(|session| session.observer.tape(&tape::reel(&reel), session.work.is_short()));
             }
-            if let Some(kept) = kept {
-                kept.keep(reel);
+            if let Some(Err(over_budget)) = kept.as_mut().map(|kept| kept.keep(reel)) {
+                self.over_budget.get_or_insert(over_budget);
             }
         }
     }

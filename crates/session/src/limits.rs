@@ -5,6 +5,7 @@ use crate::machines::MachineSpec;
 use crate::run::Way;
 use crate::settings::When;
 use crate::tape::{Given, bytes_of, timed};
+use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_kernel::tape::Reel;
 use basrelief_kernel::{self as kernel, Phase, RunReport, Shape, Stretch};
 use basrelief_machines::ConfigProblem;
@@ -26,29 +27,37 @@ pub(crate) struct Kept {
     reels: Vec<Reel>,
     /// Bytes that are left to keep; none once it was too long.
     left: Option<usize>,
+    held: Held,
 }
 
 impl Kept {
     /// Bytes of a tape that is short: a step takes some five.
     pub(crate) const SHORT: usize = 4 << 20;
 
-    pub(crate) fn new(limits: When) -> Option<Self> {
+    pub(crate) fn new(limits: When, budget: &Budget) -> Option<Self> {
         let left = match limits {
             When::Never => return None,
             When::IfShort => Self::SHORT,
             When::Always => usize::MAX,
         };
-        Some(Self { reels: vec![], left: Some(left) })
+        Some(Self { reels: vec![], left: Some(left), held: budget.nothing() })
     }
 
     /// Keeps a reel; none at all once there are too many.
-    pub(crate) fn keep(&mut self, reel: Reel) {
-        self.left = self.left.and_then(|left| left.checked_sub(bytes_of(&reel)));
+    ///
+    /// # Errors
+    /// More than may be held, where all are wanted.
+    pub(crate) fn keep(&mut self, reel: Reel) -> Result<(), OverBudget> {
+        let bytes = bytes_of(&reel);
+        self.left = self.left.and_then(|left| left.checked_sub(bytes));
         if self.left.is_some() {
+            self.held.grow(bytes as u64, "the tape, to measure what limits the run")?;
             self.reels.push(reel);
         } else {
             self.reels = vec![];
+            self.held.shrink_to(0);
         }
+        Ok(())
     }
 
     /// All reels; none where there were too many.
@@ -58,7 +67,7 @@ impl Kept {
 }
 
 /// A part of the critical path in the report's words.
-fn part(kernel::PathPart { stretch, cycles, frames }: kernel::PathPart) -> PathPart {
+fn part(kernel::PathPart { stretch, cycles, by_mark: frames }: kernel::PathPart) -> PathPart {
     let (resource, what) = match stretch {
         Stretch::Occupancy(unit) => (unit, "occupancy"),
         Stretch::Latency(unit) => (unit, "latency"),
@@ -102,7 +111,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
 
     fn critical_path(&self) -> Option<kernel::CriticalPath> {
         let mut reels = self.reels.iter().map(Cow::Borrowed);
-        kernel::critical_path(self.way.shape(self.spec).ok()?, &mut || Ok(reels.next()), EVENTS).ok()?
+        kernel::critical_path(self.way.shape(self.spec).ok()?, &mut |_| Ok(reels.next()), EVENTS).ok()?
     }
 
     /// What could be saved, most first: each alone, and pairs that save more together than each for itself. What saves nothing is left

@@ -163,6 +163,17 @@ fn a_critical_path_is_as_long_as_the_frames() {
 }
 
 #[test]
+fn what_is_kept_of_a_tape_counts() {
+    let machine = &MACHINES[0];
+    let (_, tape) = recorded(machine, of_scene(machine), &vec![], When::Never).unwrap();
+    // The piece that is read and what is made of it are held at once; to be timed again it is kept, too.
+    let options = |limits| RetimeOptions { settings: vec![], limits, budget: Budget::new(tape.len() as u64 * 22 / 10) };
+    retime(&mut Cursor::new(&tape), &options(When::Never)).unwrap();
+    let error = retime(&mut Cursor::new(&tape), &options(When::Always)).unwrap_err();
+    assert!(matches!(error, TapeFileError::OverBudget(_)), "{error}");
+}
+
+#[test]
 fn limits_of_a_tape_are_those_of_the_run() {
     for machine in MACHINES {
         let (report, tape) = recorded(machine, of_scene(machine), &vec![], When::Always).unwrap();

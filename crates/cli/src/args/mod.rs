@@ -39,7 +39,7 @@ pub enum Command {
     Run(RunArgs),
     /// Time the recorded work of a run again, under other FIFOs, memories and caches.
     Retime(RetimeArgs),
-    /// Find the smallest FIFOs that keep the cycles of recorded runs.
+    /// Find the smallest FIFOs that keep the cycles of runs.
     SizeFifos(SizeFifosArgs),
     /// Record what the geometry processor hands on as a display list.
     Record(RecordArgs),

@@ -72,15 +72,20 @@ pub struct RetimeArgs {
 /// Arguments of `size-fifos`.
 #[derive(Clone, Debug, Args)]
 pub struct SizeFifosArgs {
-    /// Tapes of one machine with the same parameters, made by `run --tape`, or folders of runs that have left their run.tape there.
+    /// Models, display lists or `demo:NAME`, which are run; tapes, made by `run --tape`; or folders of runs that have left their
+    /// run.tape there. All of one machine with the same parameters.
     #[arg(required = true)]
-    pub tapes: Vec<PathBuf>,
+    pub inputs: Vec<PathBuf>,
     /// Cycles of the frames that may be lost (percent); several, with commas between, make a table.
     #[arg(long, value_name = "PERCENT", value_delimiter = ',', default_values_t = [0.0, 0.5, 2.0], value_parser = finite)]
     pub within: Vec<f64>,
     /// Print the table as JSON.
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    #[command(flatten)]
+    pub view: ViewArgs,
 }
 
 /// Arguments of `serve`.

@@ -1,26 +1,109 @@
-//! `basrelief size-fifos`: the smallest FIFOs that keep the cycles of recorded runs.
+//! `basrelief size-fifos`: the smallest FIFOs that keep the cycles of runs.
 
-use super::tape::{failure, open, place_of};
-use crate::args::SizeFifosArgs;
+use super::simulate::{run_named, seconds};
+use super::tape::{failure, open as open_tape, place_of};
+use crate::args::{MachineArgs, SizeFifosArgs, ViewArgs};
 use crate::error::{Done, Failure, print};
-use basrelief_input::Budget;
+use crate::input::{self, Input, demo_of};
+use basrelief_display_list::Form;
+use basrelief_input::{Budget, Held};
 use basrelief_report::text::number::{real, thousands};
-use basrelief_session::{Choice, Sizes, size_fifos as sized};
+use basrelief_session::{Choice, Given, MachineConfig, Observer, RunOptions, Sizes, Unobserved, When, size_fifos as sized};
 use std::fmt::Write;
-use std::io::Read;
-use std::path::PathBuf;
+use std::io::{Cursor, Read};
+use std::path::Path;
 
-/// Finds them, and prints them.
+/// Finds them, holds them against full runs of what can be drawn, and prints them.
 pub fn size_fifos(args: &SizeFifosArgs, budget: &Budget) -> Done {
-    let tapes: Vec<PathBuf> = args.tapes.iter().map(|tape| place_of(tape)).collect();
-    let mut files = tapes.iter().map(|tape| open(tape)).collect::<Done<Vec<_>>>()?;
-    let names = tapes.iter().map(|tape| tape.display().to_string()).collect::<Vec<_>>().join(", ");
-    let readers = files.iter_mut().map(|file| file as &mut dyn Read).collect();
-    let sizes = sized(readers, &args.within, budget).map_err(failure(&names))?;
+    let MachineArgs { machine, config, settings } = &args.machine;
+    let is_told_how = machine.is_some() || config.is_some() || !settings.is_empty() || args.view != ViewArgs::default();
+    if is_told_how && !args.inputs.iter().any(|input| is_drawn(input)) {
+        return Err(Failure::Usage(
+            "a tape has its own machine and view: options for these are for models and display lists".into(),
+        ));
+    }
+    let mut inputs = args.inputs.iter().map(|input| Sized::open(input, args, budget)).collect::<Done<Vec<_>>>()?;
+    let names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
+    let readers = inputs.iter_mut().map(|input| &mut *input.tape as &mut dyn Read).collect();
+    let sizes = sized(readers, &args.within, budget).map_err(failure(&names.join(", ")))?;
+    for (number, input) in inputs.iter().enumerate() {
+        input.check(number, &sizes)?;
+    }
     if args.json {
         return print(&format!("{}\n", serde_json::to_string_pretty(&sizes).map_err(Failure::bad)?));
     }
     print(&text(&sizes))
+}
+
+/// Whether an input is a model or a display list, and no tape: by its name.
+fn is_drawn(path: &Path) -> bool {
+    let is_model = path.extension().is_some_and(|e| ["gltf", "glb", "obj"].iter().any(|model| e.eq_ignore_ascii_case(model)));
+    is_model || demo_of(path).is_some() || Form::for_file_name(&path.to_string_lossy()).is_some()
+}
+
+/// An input, and the tape of its run.
+struct Sized {
+    name: String,
+    tape: Box<dyn Read>,
+    /// What is drawn, where it is no tape; and how.
+    drawn: Option<(Input, RunOptions)>,
+}
+
+impl Sized {
+    fn open(path: &Path, args: &SizeFifosArgs, budget: &Budget) -> Done<Self> {
+        if !is_drawn(path) {
+            let path = place_of(path);
+            return Ok(Self { name: path.display().to_string(), tape: Box::new(open_tape(&path)?), drawn: None });
+        }
+        let input = input::open(path, &args.view, budget)?;
+        let (config, given) = input::config(&args.machine, demo_of(path), budget)?;
+        let options = options(config, given, budget);
+        let mut kept = Kept { bytes: Vec::new(), held: budget.nothing() };
+        let run = run_named(input.again()?, &RunOptions { tape: When::Always, ..options.clone() }, &mut kept, None)?;
+        let name = path.display().to_string();
+        if !run.tape_is_whole {
+            return Err(Failure::within(&name)("its run does not come to its end, or its user acts at times: there is no tape"));
+        }
+        Ok(Self { name, tape: Box::new(Cursor::new(kept.bytes)), drawn: Some((input, options)) })
+    }
+
+    /// Runs it with the depths that were found: they must take the cycles that are promised.
+    fn check(&self, number: usize, sizes: &Sizes) -> Done {
+        let Some((input, options)) = &self.drawn else { return Ok(()) };
+        for choice in &sizes.choices {
+            let mut given = options.given.clone();
+            given.settings.extend(choice.depths.iter().map(|(name, depth)| (format!("fifo.{name}.depth"), depth.to_string())));
+            let config = given.config(options.config.machine(), &[]).map_err(Failure::bad)?;
+            let run = run_named(input.again()?, &RunOptions { config, given, ..options.clone() }, &mut Unobserved, None)?;
+            let cycles = run.report.frame_cycles();
+            if cycles != choice.cycles[number] {
+                let promised = choice.cycles[number];
+                let text =
+                    format!("a full run takes {cycles} cycles, but the tape says {promised}: please report this as a mistake");
+                return Err(Failure::within(&self.name)(text));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Only what time needs.
+fn options(config: MachineConfig, given: Given, budget: &Budget) -> RunOptions {
+    RunOptions { config, given, exact: false, clock: seconds, budget: budget.clone(), ..RunOptions::default() }
+}
+
+/// Keeps a tape in memory.
+struct Kept {
+    bytes: Vec<u8>,
+    held: Held,
+}
+
+impl Observer for Kept {
+    fn tape(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
+        self.held.grow(bytes.len() as u64, "a tape").map_err(|error| error.to_string())?;
+        self.bytes.extend_from_slice(bytes);
+        Ok(())
+    }
 }
 
 fn text(sizes: &Sizes) -> String {

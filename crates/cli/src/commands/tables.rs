@@ -7,9 +7,8 @@ use crate::error::{Done, Failure, print};
 use crate::input::Input;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
-use basrelief_session::{self as session, MACHINES, Observer, Run, RunInput, RunOptions};
+use basrelief_session::{self as session, MACHINES, Observer, Run, RunOptions};
 use std::io::Write;
-use std::sync::Arc;
 
 /// A finished table.
 struct Table {
@@ -56,13 +55,9 @@ fn write_table(
     quiet: bool,
     make: impl FnOnce(&mut dyn Observer, RunOnce<'_>) -> Done<Table>,
 ) -> Done {
-    let source = || match input {
-        Input::Scene(scene) => Ok(RunInput::Scene(Arc::clone(scene))),
-        Input::Trace(trace) => trace.again().map(|trace| trace.into_source()),
-    };
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
     let mut observer = ProgressObserver(Progress::new(None, "commands", quiet || simulation.json));
-    let mut run = |settings: &RunOptions, observer: &mut dyn Observer| run_named(source()?, settings, observer, None);
+    let mut run = |settings: &RunOptions, observer: &mut dyn Observer| run_named(input.again()?, settings, observer, None);
     let table = make(&mut observer, &mut run)?;
     drop(observer);
     if simulation.json {

@@ -34,8 +34,9 @@ pub enum RetimeError {
     Read(String),
 }
 
-/// Gives the reels of a tape in order, and none after the last; or says why it cannot be read.
-pub type Reels<'a, 'f> = dyn FnMut() -> Result<Option<Cow<'f, Reel>>, String> + 'a;
+/// Gives the reels of a tape in order, and none after the last; or says why it cannot be read. It is told how many bytes of those
+/// before are still to be timed.
+pub type Reels<'a, 'f> = dyn FnMut(usize) -> Result<Option<Cow<'f, Reel>>, String> + 'a;
 
 /// A number of FIFOs that the compiler does not know.
 const MANY: usize = usize::MAX;
@@ -155,7 +156,8 @@ fn timed_again<P: Probe>(
 
 /// Goes on with the next reel, which a stage needs.
 fn feed(readers: &mut [Reader], reels: &mut Reels<'_, '_>, time: &Time) -> Result<(), RetimeError> {
-    let Some(reel) = reels().map_err(RetimeError::Read)? else {
+    let waiting = readers.iter().map(Reader::waiting).sum();
+    let Some(reel) = reels(waiting).map_err(RetimeError::Read)? else {
         let needs = |&stage: &usize| {
             let demand = readers[stage].demand().unwrap_or(Demand::Finished);
             !readers[stage].has_step() && time.next_start::<Unknown>(stage, demand).is_known()

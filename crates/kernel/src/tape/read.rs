@@ -44,6 +44,11 @@ impl Reader {
         }
     }
 
+    /// Bytes that are not read yet.
+    pub(crate) fn waiting(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
     /// Inputs and outputs of the stage.
     pub(crate) fn ends(&self) -> [usize; 2] {
         [self.inputs, self.outputs]

@@ -92,7 +92,9 @@ impl Path {
         self.events.get(event as usize).map_or(Cycle::ZERO, |event| event.at)
     }
 
-    /// A stage makes a step, before its times take it in.
+    /// A stage makes a step, before its times take it in. (Kept out of the engine's code: who does not ask for a path must not pay.)
+    #[cold]
+    #[inline(never)]
     pub(crate) fn step(&mut self, time: &Time, stage: usize, (at, demand): (Cycle, Demand), made: &Made) {
         if self.events.len() > self.most {
             return;
@@ -203,16 +205,16 @@ impl Path {
         }
         let end: u64 = if marks.is_empty() { total } else { marks.iter().sum() };
         let mut event = self.push(Cycle(end), last, Why::Rest);
-        let frames = if marks.is_empty() { &[total] } else { marks };
+        let spans = if marks.is_empty() { &[total] } else { marks };
         let mut spent: BTreeMap<Why, Vec<u64>> = BTreeMap::new();
         while let Some(&Event { at, after, why }) = self.events.get(event as usize) {
-            let by_frame = spent.entry(why).or_insert_with(|| vec![0; frames.len()]);
-            split(frames, (self.at(after), at), by_frame);
+            let by_mark = spent.entry(why).or_insert_with(|| vec![0; spans.len()]);
+            split(spans, (self.at(after), at), by_mark);
             event = after;
         }
-        let part = |(why, frames): (Why, Vec<u64>)| {
-            let cycles = frames.iter().sum();
-            (cycles > 0).then(|| PathPart { stretch: named(why, time), cycles, frames })
+        let part = |(why, by_mark): (Why, Vec<u64>)| {
+            let cycles = by_mark.iter().sum();
+            (cycles > 0).then(|| PathPart { stretch: named(why, time), cycles, by_mark })
         };
         let mut parts: Vec<PathPart> = spent.into_iter().filter_map(part).collect();
         // Stable: equals stay in the order of the block diagram.
@@ -240,10 +242,10 @@ fn latest(answers: Option<&[Cycle; MAX_CLIENTS]>, base: Cycle) -> (Option<usize>
     answers.fold((None, base), |best, (own, &answer)| if answer > best.1 { (Some(own), answer) } else { best })
 }
 
-/// Adds the cycles between two times to the frames in which they lie.
-fn split(frames: &[u64], (from, to): (Cycle, Cycle), by_frame: &mut [u64]) {
+/// Adds the cycles between two times to the spans between marks in which they lie.
+fn split(spans: &[u64], (from, to): (Cycle, Cycle), by_mark: &mut [u64]) {
     let mut begin = 0;
-    for (cycles, sum) in frames.iter().zip(by_frame) {
+    for (cycles, sum) in spans.iter().zip(by_mark) {
         let end = begin + cycles;
         *sum += to.0.min(end).saturating_sub(from.0.max(begin));
         begin = end;

@@ -100,7 +100,7 @@ pub fn retimed(tape: &[Reel], plan: &Plan, max_cycles: u64) -> (RunReport, Recor
     let mut intervals = Recorder::default();
     let mut reels = tape.iter().map(Cow::Borrowed);
     let shape = Shape::of(&mut machine(plan)).unwrap();
-    let report = retime(shape, &mut || Ok(reels.next()), &mut intervals, max_cycles);
+    let report = retime(shape, &mut |_| Ok(reels.next()), &mut intervals, max_cycles);
     (report.unwrap_or_else(|error| panic!("{error}: {}", serde_json::to_string(plan).unwrap())), intervals)
 }
 

@@ -1,7 +1,7 @@
 //! A whole tape in memory.
 
 use super::pieces::{Pieces, ReelsOfFile};
-use super::{End, Given, TapeFileError, bytes_of};
+use super::{End, Given, TapeFileError};
 use crate::ended::Ended;
 use crate::machines::{MachineConfig, MachineInfo};
 use crate::run::Way;
@@ -28,14 +28,13 @@ impl Loaded {
         let mut pieces = Pieces { reader, budget };
         let (head, machine) = pieces.begin()?;
         let mut reels = ReelsOfFile::new(pieces, None, None);
-        let (mut all, mut held) = (Vec::new(), budget.nothing());
+        let mut all = Vec::new();
         while let Some(reel) = reels.read()? {
-            held.grow(bytes_of(&reel) as u64, "a tape")?;
             all.push(reel);
         }
         match reels.end {
             Some(End { ended, work, .. }) if work == reels.work.finish() => {
-                Ok(Self { machine, given: head.given, way: head.way, reels: all, ended, work, _held: held })
+                Ok(Self { machine, given: head.given, way: head.way, reels: all, ended, work, _held: reels.waiting })
             }
             _ => Err(TapeFileError::Format("its work has another SHA-256 than it says".into())),
         }

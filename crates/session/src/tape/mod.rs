@@ -76,7 +76,10 @@ pub enum TapeFileError {
 
 impl Given {
     /// The machine's configuration that these come to, with more settings over them.
-    fn config(&self, machine: &MachineInfo, more: &[(String, String)]) -> Result<MachineConfig, TapeFileError> {
+    ///
+    /// # Errors
+    /// What the machine has not, or cannot be.
+    pub fn config(&self, machine: &MachineInfo, more: &[(String, String)]) -> Result<MachineConfig, TapeFileError> {
         machine.load(&self.toml, &self.with(more)).map_err(|error| TapeFileError::Config(error.to_string()))
     }
 

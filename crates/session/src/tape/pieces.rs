@@ -1,6 +1,6 @@
 //! Reading a tape, piece by piece.
 
-use super::{End, FIRST_LINE, Head, LONGEST, TapeFileError, WorkHash, piece};
+use super::{End, FIRST_LINE, Head, LONGEST, TapeFileError, WorkHash, bytes_of, piece};
 use crate::limits::Kept;
 use crate::machines::MachineInfo;
 use crate::observer::Observer;
@@ -73,18 +73,22 @@ pub(super) struct ReelsOfFile<'a> {
     pub(super) kept: Option<Kept>,
     pub(super) end: Option<End>,
     pub(super) fault: Option<TapeFileError>,
+    /// Of what is read, and not timed yet.
+    pub(super) waiting: Held,
 }
 
 impl<'a> ReelsOfFile<'a> {
     pub(super) fn new(pieces: Pieces<'a>, observer: Option<&'a mut dyn Observer>, kept: Option<Kept>) -> Self {
-        Self { pieces, observer, work: WorkHash::default(), kept, end: None, fault: None }
+        let waiting = pieces.budget.nothing();
+        Self { pieces, observer, work: WorkHash::default(), kept, end: None, fault: None, waiting }
     }
 
-    /// The next reel, for the kernel: it is told that there is a fault, and we keep what it is.
-    pub(super) fn next(&mut self) -> Result<Option<Cow<'static, Reel>>, String> {
+    /// The next reel, for the kernel, which has so many bytes left of those before: it is told that there is a fault, and we keep what it is.
+    pub(super) fn next(&mut self, waiting: usize) -> Result<Option<Cow<'static, Reel>>, String> {
         if self.end.is_some() || self.fault.is_some() {
             return Ok(None);
         }
+        self.waiting.shrink_to(waiting as u64);
         self.read().map(|reel| reel.map(Cow::Owned)).map_err(|fault| {
             let text = fault.to_string();
             self.fault = Some(fault);
@@ -107,8 +111,9 @@ impl<'a> ReelsOfFile<'a> {
                 self.work.add(&reel);
                 self.show(&piece(letter, &bytes))?;
                 if let Some(kept) = &mut self.kept {
-                    kept.keep(reel.clone());
+                    kept.keep(reel.clone())?;
                 }
+                self.waiting.grow(bytes_of(&reel) as u64, "what a tape holds")?;
                 Ok(Some(reel))
             }
             b'E' => {

@@ -61,11 +61,11 @@ fn timed_again<'a, S: MachineSpec>(
 ) -> Result<Report, TapeFileError> {
     let recorded: S = serde_json::from_value(recorded.to_value()).map_err(|error| TapeFileError::Format(error.to_string()))?;
     let shape = same_work((&recorded, spec), way)?;
-    let mut reels = ReelsOfFile::new(pieces, Some(observer), Kept::new(options.limits));
+    let mut reels = ReelsOfFile::new(pieces, Some(observer), Kept::new(options.limits, &options.budget));
     reels.show(&super::head::<S>(way, given))?;
-    let timed = kernel::retime(shape, &mut || reels.next(), &mut NoProbe, u64::MAX);
+    let timed = kernel::retime(shape, &mut |waiting| reels.next(waiting), &mut NoProbe, u64::MAX);
     // To its end: what is left of the run stands there.
-    while timed.is_ok() && reels.next().is_ok_and(|reel| reel.is_some()) {}
+    while timed.is_ok() && reels.next(0).is_ok_and(|reel| reel.is_some()) {}
     let ReelsOfFile { work, kept, end, fault, .. } = reels;
     if let Some(fault) = fault {
         return Err(fault);
@@ -116,5 +116,5 @@ pub(crate) fn same_work<S: MachineSpec>((recorded, spec): (&S, &S), way: Way) ->
 /// The run of these reels on a machine of this shape.
 pub(crate) fn timed(reels: &[Reel], shape: Shape) -> Result<RunReport, RetimeError> {
     let mut reels = reels.iter().map(Cow::Borrowed);
-    kernel::retime(shape, &mut || Ok(reels.next()), &mut NoProbe, u64::MAX)
+    kernel::retime(shape, &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX)
 }
