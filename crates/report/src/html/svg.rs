@@ -86,7 +86,7 @@ impl Chart<'_> {
         let gap = if each > 5.0 { 1.0 } else { 0.0 };
         let columns = self.columns.iter().enumerate().filter(|(_, (_, n))| *n > 0.0).map(|(i, (label, n))| {
             // What is not zero is seen.
-            let tall = (n / self.top.0.max(f64::MIN_POSITIVE)).min(1.0).mul_add(height, 0.0).max(1.0);
+            let tall = ((n / self.top.0.max(f64::MIN_POSITIVE)).min(1.0) * height).max(1.0);
             let at = [LEFT + i as f64 * each, ABOVE + height - tall, each - gap, tall];
             rect(self.class, at, &format!("{label}: {}", number(*n)))
         });
