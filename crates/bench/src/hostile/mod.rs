@@ -54,7 +54,8 @@ pub fn run_twice(program: &Program, case: &Case, folder: &Path) -> Result<(Ended
 
 fn judge(run: &Ended) -> Option<Finding> {
     let said = String::from_utf8_lossy(&run.said);
-    let in_words = run.code == 0 || said.starts_with("error: ") && said.len() > 12;
+    // An empty command line is answered with help.
+    let in_words = run.code == 0 || said.starts_with("error: ") && said.len() > 12 || said.contains("\nUsage: basrelief");
     match run.code {
         137 => Some(Finding::Hang),
         _ if run.seconds > PATIENCE_S as f64 => Some(Finding::Hang),
@@ -77,6 +78,7 @@ mod tests {
         assert_eq!(verdict(0, "", 10), None);
         assert_eq!(verdict(1, "error: a.gltf: nothing to draw", 10), None);
         assert_eq!(verdict(1, "", 10), Some(Finding::Crash));
+        assert_eq!(verdict(2, "What it is\n\nUsage: basrelief [OPTIONS] <COMMAND>", 10), None);
         assert_eq!(verdict(101, "thread 'main' panicked at x", 10), Some(Finding::Crash));
         assert_eq!(verdict(134, "memory allocation failed", 10), Some(Finding::Crash));
         assert_eq!(verdict(137, "", 10), Some(Finding::Hang));
