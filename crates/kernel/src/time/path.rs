@@ -206,10 +206,15 @@ impl Path {
         let end: u64 = if marks.is_empty() { total } else { marks.iter().sum() };
         let mut event = self.push(Cycle(end), last, Why::Rest);
         let spans = if marks.is_empty() { &[total] } else { marks };
+        let sum_up = |sum: &mut u64, cycles: &u64| {
+            *sum += cycles;
+            Some(*sum)
+        };
+        let ends: Vec<u64> = spans.iter().scan(0, sum_up).collect();
         let mut spent: BTreeMap<Why, Vec<u64>> = BTreeMap::new();
         while let Some(&Event { at, after, why }) = self.events.get(event as usize) {
-            let by_mark = spent.entry(why).or_insert_with(|| vec![0; spans.len()]);
-            split(spans, (self.at(after), at), by_mark);
+            let by_mark = spent.entry(why).or_insert_with(|| vec![0; ends.len()]);
+            split(&ends, (self.at(after).0, at.0), by_mark);
             event = after;
         }
         let part = |(why, by_mark): (Why, Vec<u64>)| {
@@ -242,13 +247,17 @@ fn latest(answers: Option<&[Cycle; MAX_CLIENTS]>, base: Cycle) -> (Option<usize>
     answers.fold((None, base), |best, (own, &answer)| if answer > best.1 { (Some(own), answer) } else { best })
 }
 
-/// Adds the cycles between two times to the spans between marks in which they lie.
-fn split(spans: &[u64], (from, to): (Cycle, Cycle), by_mark: &mut [u64]) {
-    let mut begin = 0;
-    for (cycles, sum) in spans.iter().zip(by_mark) {
-        let end = begin + cycles;
-        *sum += to.0.min(end).saturating_sub(from.0.max(begin));
-        begin = end;
+/// Adds the cycles between two times to the spans, each up to one of these `ends`, in which they lie. (Looked for, not walked to: there
+/// may be thousands of marks, and millions of events.)
+fn split(ends: &[u64], (mut from, to): (u64, u64), by_mark: &mut [u64]) {
+    let first = ends.partition_point(|end| *end <= from);
+    for (end, sum) in ends.iter().zip(by_mark).skip(first) {
+        if from >= to {
+            break;
+        }
+        let until = to.min(*end);
+        *sum += until - from;
+        from = until;
     }
 }
 
