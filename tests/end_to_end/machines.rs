@@ -45,7 +45,7 @@ fn both_engines_and_the_functional_model_agree_on_every_demo_and_machine() {
 #[test]
 fn the_report_of_the_figure_shading_device_tells_paths_circuits_and_errors() {
     let place = Place::new();
-    let said = place.ok("demo cut-plane@2 --size 64x48 --csv --timeline t.pftrace").out;
+    let said = place.ok("demo cut-plane@2 --size 64x48 --csv --tables all --timeline t.pftrace").out;
     let report = place.report("out");
     is_valid(&report, &place);
     let count = |name: &str| report["figures"][name].as_u64().unwrap_or_else(|| panic!("{name}"));

@@ -5,6 +5,7 @@
 mod ablation;
 mod bad_input;
 mod comparisons;
+mod costs;
 mod defer;
 #[cfg(unix)]
 mod interrupt;

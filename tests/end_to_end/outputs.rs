@@ -74,6 +74,7 @@ fn what_a_run_reads_is_not_replaced_by_what_it_writes() {
     fs::write(place.path("c.toml"), "replacement.entries = 64\n").expect("written");
     for (line, option, what) in [
         ("run t.jsonl --timeline ./t.jsonl", "--timeline", "INPUT"),
+        ("run t.jsonl --waves t.jsonl", "--waves", "INPUT"),
         ("run t.jsonl --requests t.jsonl", "--requests", "INPUT"),
         ("demo --size 16x12 --config c.toml --timeline c.toml", "--timeline", "--config"),
         ("demo --machine texel --size 16x12 --camera c.toml --dump spans c.toml", "--dump", "--camera"),

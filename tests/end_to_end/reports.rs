@@ -65,12 +65,35 @@ fn quiet_prints_nothing_but_errors() {
 #[test]
 fn csv_and_time_line_are_written_on_request() {
     let place = Place::new();
-    place.ok(&format!("{SMALL} --csv --timeline run.pftrace"));
+    place.ok(&format!("{SMALL} --csv --timeline run.pftrace --waves run.fst"));
     let csv = place.text("out/report.csv");
     let columns = csv.lines().next().expect("a header").split(',').count();
     assert!(columns > 1 && csv.lines().count() > 50, "{csv}");
-    assert_eq!(place.names(""), ["out", "run.pftrace"]);
+    assert_eq!(place.names(""), ["out", "run.fst", "run.pftrace"]);
     assert!(packets(&place.bytes("run.pftrace")) > 100);
+    assert!(place.bytes("run.fst").len() > 1000);
+}
+
+#[test]
+fn a_time_line_of_few_cycles_and_units_is_small() {
+    let place = Place::new();
+    place.ok(&format!("{SMALL} --timeline all.pftrace --waves all.fst"));
+    place.ok(&format!("{SMALL} --timeline few.pftrace --waves few.fst --from-cycle 2000 --to-cycle 3000 --units replacement"));
+    for kind in ["pftrace", "fst"] {
+        let [all, few] = ["all", "few"].map(|name| place.bytes(&format!("{name}.{kind}")).len());
+        assert!(few < all / 4, "{kind}: {few} of {all} bytes");
+    }
+}
+
+#[test]
+fn waves_beyond_the_memory_limit_are_an_error_and_no_file() {
+    let place = Place::new();
+    let error = place.run("demo ellipsoid@1 --size 64x48 --waves w.fst --memory-limit 20KiB");
+    assert!(error.error(1).contains("w.fst: would hold"), "{}", error.err);
+    for part in ["of waves", "over the limit of 20 KiB", "--memory-limit", "--from-cycle", "--units"] {
+        assert!(error.err.contains(part), "{}", error.err);
+    }
+    assert!(!place.path("w.fst").exists());
 }
 
 /// Number of packets of a Perfetto trace: field 1 of the outermost message, again and again.

@@ -44,7 +44,7 @@ fn a_run_writes_its_pictures_and_nothing_else() {
         let (width, height, _) = picture(&place.path(&format!("out/{name}.png")));
         (width, height)
     };
-    assert_eq!((size("image"), size("divisions"), size("displacement")), ((64, 48), (64, 48), (64, 78)));
+    assert_eq!((size("image"), size("divisions"), size("displacement")), ((64, 48), (64, 48), (64, 162)));
     place.ok("demo corridor --size 64x48 --no-exact --out bare");
     assert_eq!(place.names("bare"), ["image.png", "report.json", "run.tape"]);
 }

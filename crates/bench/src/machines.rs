@@ -15,16 +15,21 @@
 use crate::stopwatch::{UnitTime, unit_times};
 use crate::workload::{Counted, Sample, Size, Workload, measured};
 use basrelief_geometry_processor::SceneDraws;
-use basrelief_kernel::{Engine, Limits, Machine, NoProbe, Outcome, Probe, StageTopology, run_functional, run_with, topology};
+use basrelief_kernel::tape::Reel;
+use basrelief_kernel::{
+    Engine, Limits, Machine, NoProbe, Outcome, Probe, Shape, Tape, retime, run_functional, run_recorded, run_with,
+};
 use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
 use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
 use basrelief_machines::texel::{TexelMachineConfig, TextureMappingSystem};
 use basrelief_machines::{ConfigProblem, Draws, SceneFront};
 use basrelief_parameters::Parameters;
+use basrelief_report::Board;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_session::MachineConfig;
 use basrelief_signals::{Mesh, Object, Scene};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Settings of a machine, by dotted name.
@@ -105,9 +110,9 @@ impl Drawing {
         self.work(TimeUnits).0
     }
 
-    /// The machine's stages.
-    pub fn stages(&self) -> Vec<StageTopology> {
-        self.work(ShowStages).0
+    /// The machine, as a time line shows it.
+    pub fn board(&self) -> Board {
+        self.work(ShowBoard).0
     }
 }
 
@@ -133,6 +138,22 @@ impl<P: Probe> Job for Simulate<'_, P> {
     }
 }
 
+/// Records its tape.
+struct Record;
+
+impl Job for Record {
+    type Result = (Shape, Vec<Reel>);
+
+    fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
+        let shape = Shape::of(machine).expect("the machines are wired");
+        let mut reels = Vec::new();
+        let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut M| true };
+        let report = run_recorded(machine, Engine::Timed, &mut NoProbe, limits, (1 << 20, &mut |reel| reels.push(reel)));
+        assert_eq!(report.outcome, Outcome::Complete, "a workload runs to its end");
+        (shape, reels)
+    }
+}
+
 struct TimeUnits;
 
 impl Job for TimeUnits {
@@ -143,13 +164,13 @@ impl Job for TimeUnits {
     }
 }
 
-struct ShowStages;
+struct ShowBoard;
 
-impl Job for ShowStages {
-    type Result = Vec<StageTopology>;
+impl Job for ShowBoard {
+    type Result = Board;
 
     fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
-        topology(machine)
+        Board::new("machine", 0, Shape::of(machine).expect("its wiring was checked when it was built").diagram())
     }
 }
 
@@ -223,14 +244,34 @@ pub fn workloads(size: Size) -> Vec<Workload> {
             move || drawing.simulate(engine, &mut NoProbe)
         })
     };
-    MAKE.into_iter().flat_map(|make| [Some(Engine::Timed), None].map(|engine| workload(make, engine))).collect()
+    let runs = MAKE.into_iter().flat_map(|make| [Some(Engine::Timed), None].map(|engine| workload(make, engine)));
+    runs.chain([false, true].map(|again| retimed(size, again))).collect()
+}
+
+/// The tape of W1, timed as it is read, or once more.
+fn retimed(size: Size, again: bool) -> Workload {
+    let name = if again { "machine/w1/retimed-again" } else { "machine/w1/retimed" };
+    Workload::new(name, Counted::Fragments, move || {
+        let ((shape, reels), count) = Drawing::w1(size, &[]).work(Record);
+        let tape = Tape::new(reels.clone(), &shape, u64::MAX);
+        let time_again = move |shape: Shape| {
+            let mut reels = reels.iter().map(Cow::Borrowed);
+            let timed = if again { tape.retime(shape) } else { retime(shape, &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX) };
+            assert!(timed.is_ok_and(|report| report.outcome == Outcome::Complete), "a tape comes to its end");
+        };
+        time_again(shape.clone());
+        move || {
+            let ((), time) = measured(|| time_again(shape.clone()));
+            Sample { time, count }
+        }
+    })
 }
 
 /// Every unit alone: each machine on one workload.
 pub fn units() -> Vec<Workload> {
     let of = |(name, make): Make| {
         let drawing = make(Size::Full, &[]);
-        let stages = drawing.stages().into_iter().enumerate();
+        let stages = drawing.board().diagram.stages.into_iter().enumerate();
         stages.map(move |(i, stage)| {
             let drawing = drawing.clone();
             Workload::new(format!("unit/{name}/{}", stage.name), Counted::Steps, move || {

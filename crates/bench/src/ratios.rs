@@ -4,7 +4,7 @@ use crate::machines::{Drawing, Set};
 use crate::traces;
 use crate::workload::{Ready, Sample, Size, Workload};
 use basrelief_kernel::{Engine, NoProbe};
-use basrelief_report::{StageNames, Timeline};
+use basrelief_report::{Timeline, Watcher};
 use serde::Serialize;
 use std::io::sink;
 
@@ -63,14 +63,11 @@ fn engine(drawing: &Drawing, engine: Option<Engine>) -> Ready {
 /// With the time line of every unit, written to nowhere.
 fn probed(drawing: &Drawing) -> Ready {
     let drawing = drawing.clone();
-    let names = drawing.stages().into_iter().map(|s| StageNames {
-        unit: s.name,
-        inputs: s.inputs,
-        outputs: s.outputs,
-        clients: s.clients,
-    });
-    let names: Vec<StageNames> = names.collect();
-    Box::new(move || drawing.simulate(Some(Engine::Timed), &mut Timeline::new(sink(), "machine", &names)))
+    let board = drawing.board();
+    Box::new(move || {
+        let chart = Box::new(Timeline::new(sink(), &board));
+        drawing.simulate(Some(Engine::Timed), &mut Watcher::new(board.clone(), vec![chart]))
+    })
 }
 
 fn prepared(workloads: &[Workload], name: &str) -> Ready {

@@ -6,7 +6,7 @@ use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_input::{Budget, Held, OverBudget, json_weight, read_to_end};
 use basrelief_parameters::ConfigError;
 use basrelief_scene::{SceneError, ViewOptions, demo, load_path_within, read_camera};
-use basrelief_session::{Given, MACHINES, MachineConfig, MachineInfo, RunInput};
+use basrelief_session::{Given, MACHINES, MachineConfig, MachineInfo, Prepared, RunInput};
 use basrelief_signals::Scene;
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -18,19 +18,27 @@ use std::sync::Arc;
 /// What is simulated.
 pub enum Input {
     /// Goes through the geometry processor.
-    Scene(Arc<Scene>),
+    Scene(Prepared),
     /// What a geometry processor handed on.
     Trace(TraceFile),
 }
 
 impl Input {
+    /// To be run more than once: what settings do not change is done once.
+    pub fn for_several_runs(self, budget: &Budget) -> Self {
+        match self {
+            Self::Scene(scene) => Self::Scene(Prepared::kept(Arc::clone(scene.scene()), budget)),
+            trace => trace,
+        }
+    }
+
     /// As what a run takes, from its beginning: for each of several runs.
     ///
     /// # Errors
     /// What can be read only once.
     pub fn again(&self) -> Done<RunInput> {
         match self {
-            Self::Scene(scene) => Ok(RunInput::Scene(Arc::clone(scene))),
+            Self::Scene(scene) => Ok(RunInput::Scene(scene.clone())),
             Self::Trace(trace) => trace.again().map(TraceFile::into_source),
         }
     }
@@ -122,12 +130,12 @@ pub fn beside(folder: &Path) -> impl FnMut(&str) -> io::Result<Box<dyn Read>> + 
 /// Opens a model, a demo (`demo:NAME`) or a display list.
 pub fn open(path: &Path, view: &ViewArgs, budget: &Budget) -> Done<Input> {
     if let Some(name) = demo_of(path) {
-        return demo_scene(name, view, budget).map(Input::Scene);
+        return demo_scene(name, view, budget).map(|scene| Input::Scene(scene.into()));
     }
     let mut trace = TraceFile::open(path)?;
     if path == Path::new("-") || trace.is_one()? {
         if *view != ViewArgs::default() {
-            return Err(Failure::Usage("a display list carries its own view: --size, --camera, --frames, --orbit, --light and --light-orbit are for scenes".into()));
+            return Err(Failure::Usage("a display list carries its own view: --size, --camera, --turn, --zoom, --frames, --orbit, --light and --light-orbit are for scenes".into()));
         }
         return Ok(Input::Trace(trace));
     }
@@ -137,7 +145,7 @@ pub fn open(path: &Path, view: &ViewArgs, budget: &Budget) -> Done<Input> {
     let (scene, held) = load_path_within(path, &view_options(view, budget)?, budget).map_err(failed)?;
     // It is there to the end of the program.
     held.keep();
-    Ok(Input::Scene(Arc::new(scene)))
+    Ok(Input::Scene(Arc::new(scene).into()))
 }
 
 /// An embedded scene.
@@ -175,6 +183,8 @@ pub fn view_options(view: &ViewArgs, budget: &Budget) -> Done<ViewOptions> {
     Ok(ViewOptions {
         size: view.size.unwrap_or(default.size),
         camera,
+        turn: view.turn,
+        zoom: view.zoom,
         frames: view.frames,
         orbit_degrees: view.orbit,
         light: view.light,

@@ -10,6 +10,7 @@
 //! - once the oldest has been passed over `cap` times it is next, whatever comes.
 
 use crate::counts::{ChannelCounts, Row};
+use crate::watch::{ChannelWatch, MemoryEvent, closed_at};
 use crate::{Cycle, MemoryConfig};
 use timing::{Bank, CLOSED, Column, Timing};
 
@@ -64,6 +65,8 @@ pub(crate) struct Channel {
     choice: Option<(usize, Column)>,
     /// All but what follows from the rest.
     counts: ChannelCounts,
+    /// What it does, where a probe looks on.
+    pub(crate) watch: Option<Box<ChannelWatch>>,
 }
 
 impl Channel {
@@ -90,7 +93,26 @@ impl Channel {
             columns: vec![Cycle::ZERO; window.next_power_of_two()].into(),
             choice: None,
             counts: ChannelCounts::default(),
+            watch: None,
         }
+    }
+
+    /// Keeps what it does from now on.
+    pub(crate) fn keep_watch(&mut self) {
+        self.watch = Some(Box::new(ChannelWatch::new(self.banks.len())));
+    }
+
+    /// Tells what it did since the last call, or up to the `end` of a run.
+    pub(crate) fn tell(&mut self, place: [usize; 2], end: Option<Cycle>, tell: impl FnMut(MemoryEvent)) {
+        if let Some(watch) = &mut self.watch {
+            let open = self.banks.iter().enumerate().filter(|(_, bank)| bank.row != CLOSED);
+            watch.tell(place, open.map(|(number, bank)| (number, bank.row, bank.until)), end, tell);
+        }
+    }
+
+    /// Number of its banks.
+    pub(crate) fn banks(&self) -> usize {
+        self.banks.len()
     }
 
     /// Takes in a burst; to be called in order of (arrival, port number, issue, address).
@@ -264,6 +286,10 @@ impl Channel {
         let bank = &mut self.banks[burst.bank as usize];
         if column.row != Row::Hit {
             let at = column.activation;
+            if let Some(watch) = &mut self.watch {
+                let before = Some(bank.row).filter(|row| *row != CLOSED);
+                watch.open(burst.bank as usize, before, closed_at(column.row, at, timing.rp, bank.until), at);
+            }
             (bank.row, bank.ready, bank.free) = (burst.row, at + timing.rcd, at + timing.ras);
             self.four[self.activations % 4] = at + timing.faw;
             self.activations += 1;

@@ -1,6 +1,6 @@
 //! Bounded FIFOs: the wires between units.
 
-use crate::Link;
+use crate::{Label, Link};
 use std::collections::VecDeque;
 
 /// A bounded FIFO of tokens.
@@ -8,6 +8,8 @@ use std::collections::VecDeque;
 pub struct Fifo<T> {
     pub(crate) link: Link,
     tokens: VecDeque<T>,
+    /// What a token is about.
+    label: fn(&T) -> Label,
 }
 
 impl<T> Fifo<T> {
@@ -16,7 +18,7 @@ impl<T> Fifo<T> {
     /// # Panics
     /// If depth or latency is 0 (law 1).
     pub fn new(name: &str, depth: usize, latency: u64) -> Self {
-        Self { link: Link::new(name, depth, latency), tokens: VecDeque::with_capacity(depth) }
+        Self { link: Link::new(name, depth, latency), tokens: VecDeque::with_capacity(depth), label: |_| Label::default() }
     }
 
     /// The same with slots of this width \[bits\]: what a token takes in hardware, which only says what the FIFO is built of.
@@ -24,6 +26,18 @@ impl<T> Fifo<T> {
     pub fn carrying(mut self, bits: u32) -> Self {
         self.link.set_bits(bits);
         self
+    }
+
+    /// The same with tokens that say by `label` what they are about: for probes that ask.
+    #[must_use]
+    pub fn labelled(mut self, label: fn(&T) -> Label) -> Self {
+        self.label = label;
+        self
+    }
+
+    /// What the token is about that was taken in last.
+    pub(crate) fn newest_label(&self) -> Label {
+        self.tokens.back().map(self.label).unwrap_or_default()
     }
 
     /// Takes `token` in, if there is one; 1 if there was, else 0.

@@ -223,6 +223,7 @@
 //! [`wire`]: Machine::wire
 
 mod account;
+mod asked;
 mod cache;
 mod channel;
 mod check;
@@ -237,6 +238,7 @@ mod engine;
 pub mod facts;
 mod fifo;
 mod hardware;
+mod label;
 mod link;
 mod memory;
 mod memory_system;
@@ -257,6 +259,7 @@ mod time;
 mod topology;
 pub mod traffic;
 pub mod unit;
+mod watch;
 mod wiring;
 
 pub use account::{Account, Cause};
@@ -267,9 +270,10 @@ pub use connections::{Clients, Connections, MemoryClients};
 pub use counts::{Bus, ChannelCounts, Latencies, PortCounts, RowCounts};
 pub use cycle::Cycle;
 pub use derived::Derived;
-pub use engine::{Engine, Limits, Reels, RetimeError, critical_path, retime, run, run_functional, run_recorded, run_with};
+pub use engine::{Engine, Limits, Reels, RetimeError, Tape, critical_path, retime, run, run_functional, run_recorded, run_with};
 pub use fifo::Fifo;
 pub use hardware::{Hardware, HardwareKind};
+pub use label::Label;
 pub use link::Link;
 pub use memory::MemoryRequest;
 pub use memory_system::MemorySystem;
@@ -282,7 +286,8 @@ pub use probe::{Interval, NoProbe, Probe, Recorder};
 pub use report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
 pub use shape::Shape;
 pub use stage::Stage;
-pub use topology::{StageTopology, topology};
+pub use topology::{ClientTopology, Diagram, FifoTopology, MemoryTopology, StageTopology, topology};
 pub use traffic::{Request, Traffic};
 pub use unit::{Demand, Role, Step, Unit};
+pub use watch::MemoryEvent;
 pub use wiring::{Inputs, MAX_CLIENTS, MAX_LINKS, Machine, Outputs, Visitor, Wires};

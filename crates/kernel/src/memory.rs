@@ -1,9 +1,11 @@
 //! Memories (law 4): requests of several ports, in order, become bursts of several channels.
 
 use crate::channel::{Burst, Channel};
-use crate::counts::{Bus, ChannelCounts};
+use crate::counts::{Bus, ChannelCounts, Row};
 use crate::memory_system::Client;
 use crate::port::{Answered, Arrived, Port};
+use crate::topology::MemoryTopology;
+use crate::watch::MemoryEvent;
 use crate::{Cycle, MemoryConfig};
 
 /// A request, as the memory took it in.
@@ -32,7 +34,7 @@ impl MemoryRequest {
 
 /// Splits a number by a divisor fixed at construction: a shift where the divisor is a power of two, as it nearly
 /// always is (a division costs ten times as much).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Divisor {
     by: u64,
     shift: Option<u32>,
@@ -59,6 +61,16 @@ impl Divisor {
     }
 }
 
+/// Notes how a burst was served.
+#[cold]
+fn note_burst(channel: &mut Channel, port: &mut Port, (burst, row): (Burst, Row), column: Cycle, (data, end): (Cycle, Cycle)) {
+    if let Some(watch) = &mut channel.watch {
+        watch.serve(burst, column, (data, end));
+    }
+    let row = Cycle(column.0.saturating_sub(channel.row_cycles(row)));
+    port.note(burst.request, Answered { arrival: burst.arrival, row, column, end, answer: Cycle::UNKNOWN });
+}
+
 /// One memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Memory {
@@ -80,6 +92,10 @@ pub(crate) struct Memory {
     pub(crate) bus: Bus,
     /// What arrived since it was last taken, in order; none where nobody asked for it.
     pub(crate) log: Option<Vec<MemoryRequest>>,
+    /// Whether anything is to be noted of what arrives: it is logged, or watched.
+    pub(crate) notes_arrivals: bool,
+    /// Whether anything is to be noted of what is served: it is watched, or answers are kept.
+    pub(crate) notes_bursts: bool,
     /// From a column command to the end of its data, at least.
     least_latency: u64,
     /// The end of the last data: the memory moved some up to the cycle before.
@@ -105,6 +121,8 @@ impl Memory {
             burst_cycles: config.burst_cycles.into(),
             bus: Bus::default(),
             log: None,
+            notes_arrivals: false,
+            notes_bursts: false,
             least_latency: u64::from(config.burst_cycles) + u64::from(config.cl.min(config.cwl)),
             data_end: Cycle::ZERO,
             private: false,
@@ -161,8 +179,8 @@ impl Memory {
     fn split_from(&mut self, client: usize, port: &mut Port, until: Cycle) {
         while let Some((request, r, (first, last))) = port.split(until, self.burst) {
             self.arrived -= 1;
-            if let Some(log) = &mut self.log {
-                log.push(MemoryRequest { arrival: r.arrival, client, write: r.write, address: r.address, bytes: r.bytes });
+            if self.notes_arrivals {
+                self.note_arrival(client, port, &r, (first, last));
             }
             self.bursts += last - first + 1;
             // Not a range: mostly it is one burst, and a range asks twice whether it is over.
@@ -173,6 +191,41 @@ impl Memory {
                     break;
                 }
                 number += 1;
+            }
+        }
+    }
+
+    /// Keeps every request from now on, until it is taken.
+    pub(crate) fn keep_requests(&mut self) {
+        (self.log, self.notes_arrivals) = (Some(Vec::new()), true);
+    }
+
+    /// Keeps what it does from now on, until it is told.
+    pub(crate) fn keep_watch(&mut self) {
+        (self.notes_arrivals, self.notes_bursts) = (true, true);
+        self.channels.iter_mut().for_each(Channel::keep_watch);
+    }
+
+    /// Tells what it did since the last call, or up to the `end` of a run; it is memory `number`.
+    pub(crate) fn tell(&mut self, number: usize, end: Option<Cycle>, tell: &mut impl FnMut(MemoryEvent)) {
+        for (channel, place) in self.channels.iter_mut().zip(0..) {
+            channel.tell([number, place], end, &mut *tell);
+        }
+    }
+
+    /// Notes a request that is split into these bursts.
+    #[cold]
+    fn note_arrival(&mut self, client: usize, port: &mut Port, r: &Arrived, (first, last): (u64, u64)) {
+        if let Some(log) = &mut self.log {
+            log.push(MemoryRequest { arrival: r.arrival, client, write: r.write, address: r.address, bytes: r.bytes });
+        }
+        if let Some(in_flight) = port.notes.as_mut().and_then(|notes| notes.in_flight.as_mut()) {
+            in_flight.up(r.arrival);
+        }
+        for number in first..=last {
+            let (channel, _) = self.place(number * self.burst.by);
+            if let Some(watch) = &mut self.channels[channel].watch {
+                watch.queue.up(r.arrival);
             }
         }
     }
@@ -197,14 +250,14 @@ impl Memory {
             while let Some((burst, row, column, end)) = channel.serve(horizon) {
                 self.bursts -= 1;
                 self.data_end = self.data_end.max(end);
-                self.bus.moved(Cycle(end.0 - self.burst_cycles), end);
+                let data = Cycle(end.0 - self.burst_cycles);
+                self.bus.moved(data, end);
                 let port = &mut clients[burst.client as usize].port;
                 port.counts.rows.count(row);
                 port.counts.queue_wait += column.since(burst.arrival) - 1;
-                port.note(burst.request, || {
-                    let row = Cycle(column.0.saturating_sub(channel.row_cycles(row)));
-                    Answered { arrival: burst.arrival, row, column, end, answer: Cycle::UNKNOWN }
-                });
+                if self.notes_bursts {
+                    note_burst(channel, port, (burst, row), column, (data, end));
+                }
                 port.moved(burst.request, end);
             }
         }
@@ -217,6 +270,17 @@ impl Memory {
         let columns = self.channels.iter_mut().filter_map(Channel::next_column);
         let first = columns.chain(arrival.map(|arrival| arrival + 1)).min()?;
         Some(first + self.least_latency)
+    }
+
+    /// What it is, for who looks on.
+    pub(crate) fn topology(&self) -> MemoryTopology {
+        MemoryTopology {
+            name: self.name.clone(),
+            channels: self.channels.len(),
+            banks: self.channels.first().map_or(0, Channel::banks),
+            burst_bytes: self.burst_bytes,
+            burst_cycles: self.burst_cycles,
+        }
     }
 
     /// What each channel moved in a run of `total` cycles.

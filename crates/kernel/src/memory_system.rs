@@ -1,16 +1,27 @@
 //! All memories, ports and caches of a machine, and the order in which requests are served.
 
-use crate::cache::{Cache, LookUp};
+use crate::cache::{Cache, Tags};
 use crate::memory::{Memory, MemoryRequest};
 use crate::port::{Answered, Port};
-use crate::{CacheConfig, Cycle, MemoryConfig};
-use std::collections::VecDeque;
+use crate::topology::ClientTopology;
+use crate::watch::Level;
+use crate::{CacheConfig, Cycle, MemoryConfig, MemoryEvent, Probe};
+pub(crate) use look_ups::Queue;
 
 /// A client: a port, with or without a cache in front of it.
 #[derive(Clone, Debug)]
 pub(crate) struct Client {
     pub(crate) port: Port,
     pub(crate) cache: Option<Cache>,
+}
+
+impl Client {
+    /// What it is, for who looks on; `stages` use it.
+    pub(crate) fn topology(&self, stages: Vec<usize>) -> ClientTopology {
+        let Self { port, cache } = self;
+        let cache = cache.as_ref().map(|cache| cache.name.clone());
+        ClientTopology { name: port.name.clone(), memory: port.memory, stages, credits: port.outstanding(), cache }
+    }
 }
 
 /// The memories of a machine.
@@ -21,35 +32,6 @@ pub(crate) struct Client {
 pub struct MemorySystem {
     memories: Vec<Memory>,
     clients: Vec<Client>,
-}
-
-/// A client that has a cache, with all that a look-up touches.
-pub(crate) struct Cached<'a> {
-    pub(crate) cache: &'a mut Cache,
-    port: &'a mut Port,
-    memory: &'a mut Memory,
-}
-
-impl Cached<'_> {
-    /// Looks a line up for a step that starts at `start`.
-    #[inline(always)]
-    pub(crate) fn look_up(&mut self, line: u64, start: Cycle) -> LookUp {
-        if self.cache.config.always_hits {
-            return LookUp { start, request: 0, fill: Cycle::ZERO, missed: false };
-        }
-        match self.cache.look_up(line, self.port.issued) {
-            Some(request) => LookUp { start, request, fill: self.port.answer(request), missed: false },
-            None => self.fill(line, start),
-        }
-    }
-
-    fn fill(&mut self, line: u64, start: Cycle) -> LookUp {
-        let Self { cache, port, memory } = self;
-        let bytes = cache.config.line_bytes;
-        memory.arrived += 1;
-        let request = port.issue(start, line * u64::from(bytes), bytes, false);
-        LookUp { start, request, fill: Cycle::UNKNOWN, missed: true }
-    }
 }
 
 impl MemorySystem {
@@ -113,7 +95,7 @@ impl MemorySystem {
 
     /// Keeps every request from now on, until it is [taken](Self::take_requests).
     pub fn keep_requests(&mut self) {
-        self.memories.iter_mut().for_each(|memory| memory.log = Some(Vec::new()));
+        self.memories.iter_mut().for_each(Memory::keep_requests);
     }
 
     /// Takes the requests that were kept, by memory with its name: each in order of (arrival, port number, issue), as law 4 has it.
@@ -157,6 +139,11 @@ impl MemorySystem {
         }
     }
 
+    /// Whether a memory of one of these clients is a single stage's.
+    pub(crate) fn has_private(&self, clients: &[usize]) -> bool {
+        clients.iter().any(|&client| self.memories[self.port(client).memory].private)
+    }
+
     /// Whether there are any, so that promises are worth their while.
     pub(crate) fn has_any(&self) -> bool {
         !self.memories.is_empty()
@@ -186,7 +173,33 @@ impl MemorySystem {
 
     /// Keeps how every request comes to its answer.
     pub(crate) fn keep_answers(&mut self) {
-        self.clients.iter_mut().for_each(|client| client.port.answered = Some(Vec::new()));
+        self.memories.iter_mut().for_each(|memory| memory.notes_bursts = true);
+        self.clients.iter_mut().for_each(|client| client.port.notes.get_or_insert_default().answered = Some(Vec::new()));
+    }
+
+    /// Keeps what all memories, ports and caches do, until it is told.
+    pub(crate) fn keep_watch(&mut self) {
+        self.memories.iter_mut().for_each(Memory::keep_watch);
+        for Client { port, cache } in &mut self.clients {
+            port.notes.get_or_insert_default().in_flight = Some(Level::default());
+            cache.iter_mut().for_each(|cache| cache.watch = Some(Box::default()));
+        }
+    }
+
+    /// Tells a probe what they did since the last call, as far as that is settled, or up to the `end` of a run.
+    pub(crate) fn tell(&mut self, probe: &mut impl Probe, end: Option<Cycle>) {
+        let mut tell = |event| probe.memory(event);
+        for (number, memory) in self.memories.iter_mut().enumerate() {
+            memory.tell(number, end, &mut tell);
+        }
+        for (client, Client { port, cache }) in self.clients.iter_mut().enumerate() {
+            if let Some(in_flight) = port.notes.as_mut().and_then(|notes| notes.in_flight.as_mut()) {
+                in_flight.tell(end, |at, requests| tell(MemoryEvent::InFlight { client, at, requests }));
+            }
+            if let Some(watch) = cache.as_mut().and_then(|cache| cache.watch.as_mut()) {
+                watch.tell(client, end.is_some(), &mut tell);
+            }
+        }
     }
 
     /// Requests that a client has issued.
@@ -201,7 +214,7 @@ impl MemorySystem {
 
     /// The first request of a client with the last answer that it got by `at`.
     pub(crate) fn last_answered(&self, client: usize, at: Cycle) -> Option<Answered> {
-        let answered = self.port(client).answered.as_deref()?;
+        let answered = self.port(client).notes.as_ref()?.answered.as_deref()?;
         let behind = answered.partition_point(|request| request.answer <= at);
         let answer = answered.get(behind.checked_sub(1)?)?.answer;
         answered.get(answered.partition_point(|request| request.answer < answer)).copied()
@@ -233,30 +246,11 @@ impl MemorySystem {
         port.issue(arrival, address, bytes, write)
     }
 
-    /// A client's cache; `None` where it has none.
+    /// The tags of a client's cache, and the number of its next request; `None` where it has no cache.
     #[inline(always)]
-    pub(crate) fn cached(&mut self, client: usize) -> Option<Cached<'_>> {
+    pub(crate) fn tags(&mut self, client: usize) -> Option<(&mut Tags, u64)> {
         let Client { port, cache } = &mut self.clients[client];
-        Some(Cached { cache: cache.as_mut()?, memory: &mut self.memories[port.memory], port })
-    }
-
-    /// Takes out the first look-ups whose fills are known by now, as many as there are `left` to take; the last of them has this
-    /// `answer`. To be asked in order of look-up.
-    #[inline]
-    pub(crate) fn resolve(&mut self, client: usize, look_ups: &mut VecDeque<LookUp>, left: &mut u32, answer: &mut Cycle) {
-        let Client { port, cache } = &mut self.clients[client];
-        let Some(cache) = cache else { return };
-        let mut taken = 0;
-        for look_up in look_ups.iter().take(*left as usize) {
-            let fill = if look_up.fill.is_known() { look_up.fill } else { port.answer(look_up.request) };
-            if !fill.is_known() {
-                break;
-            }
-            *answer = cache.resolve(look_up, fill);
-            taken += 1;
-        }
-        look_ups.drain(..taken);
-        *left -= taken as u32;
+        Some((&mut cache.as_mut()?.tags, port.issued))
     }
 
     /// Serves what is final of a client's memory if no other stage uses it and this one makes no step before `horizon`; whether
@@ -311,3 +305,5 @@ impl MemorySystem {
         self.clients.iter().map(|c| c.port.last_answer()).max().unwrap_or(Cycle::ZERO)
     }
 }
+
+mod look_ups;

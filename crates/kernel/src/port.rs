@@ -3,6 +3,7 @@
 use crate::Cycle;
 use crate::counts::PortCounts;
 use crate::memory::Divisor;
+use crate::watch::Level;
 
 /// A request that has arrived.
 #[derive(Clone, Copy, Debug, Default)]
@@ -59,8 +60,30 @@ pub(crate) struct Port {
     pub(crate) none_before: Cycle,
     last_answer: Cycle,
     pub(crate) counts: PortCounts,
-    /// How each request came to its answer, by number, where that is kept.
+    /// What is kept of its requests, where anything is.
+    pub(crate) notes: Option<Box<Notes>>,
+}
+
+/// What is kept of a port's requests for who looks on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Notes {
+    /// How each came to its answer, by number.
     pub(crate) answered: Option<Vec<Answered>>,
+    /// Those that have arrived and have no answer.
+    pub(crate) in_flight: Option<Level>,
+}
+
+impl Notes {
+    /// Request `number` has its answer.
+    #[cold]
+    fn answer(&mut self, number: u64, at: Cycle) {
+        if let Some(answered) = &mut self.answered {
+            answered[number as usize].answer = at;
+        }
+        if let Some(in_flight) = &mut self.in_flight {
+            in_flight.down(at);
+        }
+    }
 }
 
 impl Port {
@@ -78,7 +101,7 @@ impl Port {
             none_before: Cycle::ZERO,
             last_answer: Cycle::ZERO,
             counts: PortCounts::default(),
-            answered: None,
+            notes: None,
         }
     }
 
@@ -107,10 +130,8 @@ impl Port {
     }
 
     /// Notes the times of a burst, if they are kept and it is the last so far of its request.
-    #[inline(always)]
-    pub(crate) fn note(&mut self, number: u64, burst: impl FnOnce() -> Answered) {
-        if let Some(answered) = &mut self.answered {
-            let burst = burst();
+    pub(crate) fn note(&mut self, number: u64, burst: Answered) {
+        if let Some(answered) = self.notes.as_mut().and_then(|notes| notes.answered.as_mut()) {
             answered.resize(answered.len().max(number as usize + 1), Answered::NOT);
             let kept = &mut answered[number as usize];
             if kept.end < burst.end {
@@ -204,8 +225,8 @@ impl Port {
             self.last_answer = self.last_answer.max(request.end);
             request.end = self.last_answer;
             self.counts.answered(request.arrived.arrival, self.last_answer);
-            if let Some(answered) = &mut self.answered {
-                answered[self.served as usize].answer = self.last_answer;
+            if let Some(notes) = &mut self.notes {
+                notes.answer(self.served, self.last_answer);
             }
             self.served += 1;
             if self.served == self.split {

@@ -1,6 +1,7 @@
 //! Probes: what every unit did when. A type parameter of the engines, so that `NoProbe` costs nothing.
 
-use crate::{Cause, Cycle};
+use crate::{Cause, Cycle, Label, MemoryEvent};
+use std::collections::BTreeMap;
 
 /// Watches a run. Stages are numbered in the order of the wiring; intervals are half-open; those of one stage come in
 /// order of time, those of different stages interleave as the engine pleases.
@@ -13,6 +14,16 @@ pub trait Probe {
     {
         true
     }
+    /// Whether it is to be told what steps are about; asked after every step.
+    fn reads_labels(&self) -> bool {
+        false
+    }
+    /// The next step of stage `stage` takes a token of each of these inputs, one bit each, and gives tokens of these labels to these
+    /// outputs. Told in the order in which the work is done, ahead of how long the step keeps the stage: a token is given before
+    /// it is taken; otherwise stages interleave as the engine pleases. Not told of a [tape](crate::tape): it has no tokens.
+    fn stepped(&mut self, stage: usize, taken: u32, given: &[(usize, Label)]) {
+        _ = (stage, taken, given);
+    }
     /// Stage `stage` was kept by a step.
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle);
     /// Stage `stage` waited for `cause`.
@@ -21,6 +32,11 @@ pub trait Probe {
     /// changes, in order of time, some while after. Before the first it holds none.
     fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
         _ = (fifo, at, slots);
+    }
+    /// A memory or one of its clients did something: told some while after, what is of one [source](MemoryEvent::source) in order of
+    /// time.
+    fn memory(&mut self, event: MemoryEvent) {
+        _ = event;
     }
 }
 
@@ -37,6 +53,12 @@ impl Probe for NoProbe {
 }
 
 impl<P: Probe + ?Sized> Probe for &mut P {
+    fn reads_labels(&self) -> bool {
+        (**self).reads_labels()
+    }
+    fn stepped(&mut self, stage: usize, taken: u32, given: &[(usize, Label)]) {
+        (**self).stepped(stage, taken, given);
+    }
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
         (**self).worked(stage, from, to);
     }
@@ -45,6 +67,9 @@ impl<P: Probe + ?Sized> Probe for &mut P {
     }
     fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
         (**self).held(fifo, at, slots);
+    }
+    fn memory(&mut self, event: MemoryEvent) {
+        (**self).memory(event);
     }
 }
 
@@ -68,6 +93,8 @@ pub struct Recorder {
     pub stages: Vec<Vec<Interval>>,
     /// Per FIFO, how many slots it holds from which cycle on.
     pub fifos: Vec<Vec<(Cycle, usize)>>,
+    /// What memories did, by source.
+    pub memories: BTreeMap<[usize; 4], Vec<MemoryEvent>>,
 }
 
 impl Recorder {
@@ -93,5 +120,8 @@ impl Probe for Recorder {
     fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
         self.fifos.resize(self.fifos.len().max(fifo + 1), Vec::new());
         self.fifos[fifo].push((at, slots));
+    }
+    fn memory(&mut self, event: MemoryEvent) {
+        self.memories.entry(event.source()).or_default().push(event);
     }
 }

@@ -2,8 +2,9 @@
 
 use crate::check::{WiringError, check_wiring};
 use crate::connections::Clients;
+use crate::memory::Memory;
 use crate::place::Place;
-use crate::topology::StageTopology;
+use crate::topology::{Diagram, FifoTopology, StageTopology};
 use crate::wiring::{MAX_CLIENTS, Machine, Visitor, Wires};
 use crate::{MemorySystem, Unit};
 
@@ -66,9 +67,16 @@ impl Shape {
         Some(&client.cache.as_ref()?.name)
     }
 
-    /// All stages, in the order of the wiring.
-    pub fn topology(&self) -> Vec<StageTopology> {
-        self.stages.iter().map(|stage| stage.names.clone()).collect()
+    /// All that a probe tells of.
+    pub fn diagram(&self) -> Diagram {
+        let fifo = |f: &FifoShape| FifoTopology { name: f.name.clone(), depth: f.depth, ends: [f.producer, f.consumer] };
+        let users = |client: usize| (0..self.stages.len()).filter(|&s| self.stages[s].clients.contains(&client)).collect();
+        Diagram {
+            stages: self.stages.iter().map(|stage| stage.names.clone()).collect(),
+            fifos: self.fifos.iter().map(fifo).collect(),
+            memories: self.memories.memories().iter().map(Memory::topology).collect(),
+            clients: self.memories.clients().iter().zip(0..).map(|(c, number)| c.topology(users(number))).collect(),
+        }
     }
 
     /// Whether the units of another machine do the same as those of this one, as far as a shape tells: the same stages, joined in the

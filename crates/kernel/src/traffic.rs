@@ -1,5 +1,9 @@
 //! The port handle that a step is given: it takes requests and tells nothing.
 
+use crate::MemorySystem;
+use crate::asked::{Asked, Asks, Cursor, objection};
+use crate::wiring::MAX_CLIENTS;
+
 /// One memory request of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request {
@@ -20,6 +24,9 @@ pub struct Traffic {
     pub(crate) requests: Vec<Request>,
     pub(crate) look_ups: Vec<Request>,
     pub(crate) fault: Option<String>,
+    /// What it comes to, once tags are asked.
+    asked: Asked,
+    at: Cursor,
 }
 
 impl Traffic {
@@ -80,5 +87,29 @@ impl Traffic {
     pub fn clear(&mut self) {
         self.requests.clear();
         self.look_ups.clear();
+        self.asked.clear();
+        self.at = Cursor::default();
+    }
+
+    /// The lines that the step looks up, each once, with their clients; to be asked once it is settled.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (u32, u64)> {
+        self.asked.lines()
+    }
+
+    /// What the step asks, its tags asked; none, and a fault, where that is not what its unit declared or the machine wired:
+    /// `largest` is what the largest step needs, by client.
+    #[inline(always)]
+    pub(crate) fn settle(
+        &mut self,
+        (ids, memories): (&[usize], &mut MemorySystem),
+        largest: &[u32; MAX_CLIENTS],
+    ) -> Option<Asks<'_>> {
+        let asks = (self.requests.as_slice(), self.look_ups.as_slice());
+        if !self.asked.settle(asks, (ids, &mut *memories), largest) {
+            let text = objection(asks, (ids, memories), largest);
+            self.fault(text);
+            return None;
+        }
+        Some(self.asked.all(&mut self.at))
     }
 }

@@ -1,6 +1,6 @@
 //! Wiring: how a machine shows its block diagram to the visitors that run, account for and describe it.
 
-use crate::{Demand, Fifo, Link, MemorySystem, Place};
+use crate::{Demand, Fifo, Label, Link, MemorySystem, Place};
 
 /// Most inputs or outputs of one unit.
 pub const MAX_LINKS: usize = 8;
@@ -35,6 +35,8 @@ pub trait Outputs: Wires {
     const COUNT: Option<usize>;
     /// Pushes what is emitted; bit i of the answer: FIFO i got a token.
     fn push(&mut self, item: Self::Item) -> u32;
+    /// What the token is about that was pushed last to FIFO `i`.
+    fn last_label(&self, i: usize) -> Label;
 }
 
 impl Wires for () {
@@ -60,6 +62,9 @@ impl Outputs for () {
     const COUNT: Option<usize> = Some(0);
     fn push(&mut self, (): ()) -> u32 {
         0
+    }
+    fn last_label(&self, _: usize) -> Label {
+        unreachable!("no FIFO here")
     }
 }
 
@@ -93,6 +98,9 @@ impl<T> Outputs for &mut Fifo<T> {
     #[inline(always)]
     fn push(&mut self, item: Option<T>) -> u32 {
         self.put(item)
+    }
+    fn last_label(&self, _: usize) -> Label {
+        self.newest_label()
     }
 }
 
@@ -136,6 +144,12 @@ macro_rules! tuple_of_fifos {
             fn push(&mut self, item: Self::Item) -> u32 {
                 0 $(| self.$i.put(item.$i) << $i)*
             }
+            fn last_label(&self, i: usize) -> Label {
+                match i {
+                    $($i => self.$i.newest_label(),)*
+                    _ => unreachable!("no FIFO here"),
+                }
+            }
         }
     };
 }
@@ -172,6 +186,9 @@ impl<T> Outputs for Vec<&mut Fifo<T>> {
     const COUNT: Option<usize> = None;
     fn push(&mut self, item: Self::Item) -> u32 {
         self.iter_mut().zip(item).enumerate().fold(0, |mask, (i, (f, x))| mask | f.put(x) << i)
+    }
+    fn last_label(&self, i: usize) -> Label {
+        self[i].newest_label()
     }
 }
 

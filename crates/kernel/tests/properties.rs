@@ -3,7 +3,7 @@
 mod common;
 
 use basrelief_kernel::plan::{Token, result};
-use basrelief_kernel::{Deadlock, Engine, Outcome, run};
+use basrelief_kernel::{CacheCounts, Deadlock, Engine, MemoryEvent, Outcome, Recorder, run};
 use common::random::{recipe, tight_recipe};
 use common::{machine, report, run_both, swallowed};
 use proptest::prelude::*;
@@ -125,6 +125,44 @@ proptest! {
         }
     }
 
+    /// What a probe is shown of memories comes to what they count.
+    #[test]
+    fn what_memories_do_adds_up_to_the_report(recipe in recipe()) {
+        let plan = recipe.plan().0;
+        let (report, seen) = run_both(&plan, u64::MAX);
+        if report.outcome != Outcome::Complete {
+            return Ok(());
+        }
+        let mut client = 0;
+        for (m, memory) in report.memories.iter().enumerate() {
+            for (c, channel) in memory.channels.iter().enumerate() {
+                let moved = intervals(&seen, [0, m, c, 0]);
+                prop_assert_eq!(moved.len() as u64, channel.rows.bursts());
+                prop_assert_eq!(moved.iter().map(|(from, to)| to - from).sum::<u64>(), channel.bus_busy);
+                prop_assert!(moved.iter().all(|(_, to)| *to <= report.total) && moved.is_sorted_by(|a, b| a.1 <= b.0));
+                let banks = plan.memories[m].config.banks as usize;
+                let rows: Vec<_> = (0..banks).map(|bank| intervals(&seen, [1, m, c, bank])).collect();
+                prop_assert_eq!(rows.iter().map(Vec::len).sum::<usize>() as u64, channel.rows.closed + channel.rows.conflicts);
+                prop_assert!(rows.iter().all(|rows| rows.is_sorted_by(|a, b| a.1 <= b.0) && rows.iter().all(|(from, to)| from <= to)));
+                prop_assert_eq!(area(&seen, [2, m, c, 0], report.total), channel.queued);
+            }
+            for port in &memory.ports {
+                let is_own = |e: &&MemoryEvent| matches!(e, MemoryEvent::Moved { client: of, .. } if *of == client);
+                let bursts = seen.memories.values().flatten().filter(is_own).count() as u64;
+                prop_assert_eq!(bursts, port.counts.rows.bursts(), "{}", &port.client);
+                let used = port.counts.latencies.used().iter().zip(0..);
+                let least: u64 = used.map(|(answers, class)| answers << class).sum();
+                let held = area(&seen, [3, client, 0, 0], report.total);
+                prop_assert!((least..=2 * least).contains(&held), "{held} cycles in flight, {least} at least");
+                client += 1;
+            }
+        }
+        // In the order in which they were added, as the report has them.
+        let looked_up: Vec<CacheCounts> = seen.memories.range([4, 0, 0, 0]..).map(|(_, events)| found(events)).collect();
+        let counted: Vec<CacheCounts> = report.caches.iter().map(|cache| cache.counts).filter(|c| *c != CacheCounts::default()).collect();
+        prop_assert_eq!(looked_up, counted);
+    }
+
     #[test]
     fn every_limit_of_cycles_gives_equal_reports(recipe in recipe(), first in 0..64_u64) {
         let (plan, _) = recipe.plan();
@@ -142,4 +180,37 @@ proptest! {
             }
         }
     }
+}
+
+/// First cycles and ends of what is told of a source.
+fn intervals(seen: &Recorder, source: [usize; 4]) -> Vec<(u64, u64)> {
+    let interval = |event: &MemoryEvent| match event {
+        MemoryEvent::Moved { from, to, .. } | MemoryEvent::Open { from, to, .. } => (from.0, to.0),
+        other => panic!("{other:?}"),
+    };
+    seen.memories.get(&source).map_or_else(Vec::new, |events| events.iter().map(interval).collect())
+}
+
+/// A level added up over all cycles.
+fn area(seen: &Recorder, source: [usize; 4], total: u64) -> u64 {
+    let (mut from, mut level, mut sum) = (0, 0, 0);
+    for event in seen.memories.get(&source).into_iter().flatten() {
+        let (MemoryEvent::Queued { at, bursts: new, .. } | MemoryEvent::InFlight { at, requests: new, .. }) = *event else {
+            panic!("{event:?}")
+        };
+        assert!(new != level && at.0 >= from && at.0 < total, "told once where it changes: {event:?}");
+        sum += (at.0 - from) * level as u64;
+        (from, level) = (at.0, new);
+    }
+    sum + (total - from) * level as u64
+}
+
+/// All that a client's look-ups found.
+fn found(events: &[MemoryEvent]) -> CacheCounts {
+    let mut sum = CacheCounts::default();
+    for event in events {
+        let MemoryEvent::LookedUp { found, .. } = event else { panic!("{event:?}") };
+        sum = CacheCounts { hits: sum.hits + found.hits, misses: sum.misses + found.misses, merged: sum.merged + found.merged };
+    }
+    sum
 }

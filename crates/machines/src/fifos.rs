@@ -42,12 +42,13 @@ macro_rules! fifos {
 }
 pub(crate) use fifos;
 
-use basrelief_kernel::{Fifo, FifoConfig};
+use basrelief_kernel::{Fifo, FifoConfig, Label};
 use basrelief_signals::{Signal, Widths};
 
 /// A FIFO as configured.
 pub(crate) fn fifo<T: Signal>(name: &str, config: &FifoConfig, widths: &Widths) -> Fifo<T> {
-    Fifo::new(name, config.depth as usize, u64::from(config.latency)).carrying(T::bits(widths))
+    let fifo = Fifo::new(name, config.depth as usize, u64::from(config.latency));
+    fifo.carrying(T::bits(widths)).labelled(|token: &T| Label(token.about().into()))
 }
 
 /// What configures a FIFO of `depth` slots.

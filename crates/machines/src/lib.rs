@@ -26,4 +26,4 @@ pub use config::{ClockConfig, IdealConfig, ReferenceConfig, ReferenceFilter};
 pub use draws::Draws;
 pub use front::{FrontConfig, FrontEnd, SceneFront, TraceFront};
 pub use problem::{ConfigProblem, slow_fifos};
-pub use unit_info::{UnitInfo, drawn_units, units};
+pub use unit_info::{UnitInfo, drawn_units, numeral_of, units};

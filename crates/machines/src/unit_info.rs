@@ -18,17 +18,20 @@ pub struct UnitInfo {
 /// The boxes of a machine's block diagram, in the order of its wiring: first those behind a scene, then what a recorded display
 /// list has in their place. The numerals are those of the drawing.
 pub fn units(diagram: &str, of_scene: &mut impl Machine, of_trace: &mut impl Machine) -> Vec<UnitInfo> {
-    let drawn = drawn_units(diagram);
     let mut all: Vec<UnitInfo> = Vec::new();
     for stage in topology(of_scene).into_iter().chain(topology(of_trace)) {
         if all.iter().any(|unit| unit.name == stage.name) {
             continue;
         }
-        let numeral = drawn.iter().find(|(name, _)| *name == stage.name).map_or("", |(_, numeral)| numeral);
-        let numeral = numeral.to_owned();
+        let numeral = numeral_of(diagram, &stage.name).to_owned();
         all.push(UnitInfo { name: stage.name, numeral, role: stage.role.does, code: file_of(stage.role.module) });
     }
     all
+}
+
+/// The numeral of a unit in a drawing; empty where there is none.
+pub fn numeral_of<'a>(diagram: &'a str, unit: &str) -> &'a str {
+    drawn_units(diagram).into_iter().find(|(name, _)| *name == unit).map_or("", |(_, numeral)| numeral)
 }
 
 /// Units as a drawing shows them, `[name (numeral)]`: name and numeral, which is empty where there is none. A unit that is drawn

@@ -32,8 +32,8 @@ extern crate self as basrelief_parameters;
 mod load;
 mod table;
 
-pub use load::{ConfigError, Given, load};
-pub use table::{Effect, Parameter, Parameters, Provenance, RangeError, resolved};
+pub use load::{ConfigError, Given, load, nearest};
+pub use table::{Effect, Parameter, Parameters, Provenance, RangeError, as_option, resolved};
 
 /// Used by the macros; not part of the interface.
 #[doc(hidden)]

@@ -1,6 +1,7 @@
 //! From TOML and `key=value` pairs to a checked configuration.
 
 use crate::{Parameters, RangeError};
+use serde::Deserialize as _;
 use toml::{Table, Value};
 
 /// What is wrong with a configuration, where, and what to write instead.
@@ -123,7 +124,8 @@ fn leaves<'a>(tree: &'a Table, prefix: &str, known: &[String]) -> Vec<(String, &
 /// All parameters: as given, the rest as the whole configuration has it. (Serde's own defaults would be those of the
 /// innermost struct, so that setting one parameter of a group would reset what the group says of its neighbours.)
 fn over_defaults<C: Parameters>(given: Table) -> Result<C, toml::de::Error> {
-    let mut tree = Table::try_from(C::default()).map_err(<toml::de::Error as serde::de::Error>::custom)?;
+    let default = serde_json::to_value(C::default()).map_err(<toml::de::Error as serde::de::Error>::custom)?;
+    let mut tree = Table::deserialize(default).map_err(<toml::de::Error as serde::de::Error>::custom)?;
     merge(&mut tree, given);
     C::deserialize(Value::Table(tree))
 }
@@ -182,9 +184,15 @@ fn check_known(key: &str, known: &[String]) -> Result<(), ConfigError> {
     if known.iter().any(|k| k == key) {
         return Ok(());
     }
+    let nearest = nearest(key, known.iter().map(String::as_str)).map(str::to_owned);
+    Err(ConfigError::Unknown { key: key.into(), nearest })
+}
+
+/// The known name, dotted or not, that is nearest to the `given` one, if any is near.
+pub fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     // Half of it may be wrong; beyond that a suggestion would only mislead.
-    let near = known.iter().map(|k| (distance(key, k), k)).filter(|(edits, _)| 2 * edits <= key.len());
-    Err(ConfigError::Unknown { key: key.into(), nearest: near.min_by_key(|(edits, _)| *edits).map(|(_, k)| k.clone()) })
+    let near = known.map(|k| (distance(given, k), k)).filter(|(edits, _)| 2 * edits <= given.len());
+    near.min_by_key(|(edits, _)| *edits).map(|(_, k)| k)
 }
 
 /// Levenshtein distance of what was `given` from a `known` name or the group that it is in, with a bonus for a shared last

@@ -71,6 +71,18 @@ pub struct Parameter {
     pub effect: Effect,
 }
 
+impl Parameter {
+    /// The value as `--set` takes it.
+    pub fn as_option(&self) -> String {
+        as_option(&self.default)
+    }
+}
+
+/// A value as `--set` takes it.
+pub fn as_option(value: &serde_json::Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
 /// A value outside its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("`{key}` is {value}, expected {expected}")]

@@ -73,6 +73,7 @@ impl Report {
             caches: None,
             limits: None,
             critical_path: None,
+            costs: None,
             hardware: context.hardware,
             figures: context.figures,
             legend: context.legend,

@@ -12,6 +12,9 @@
 //! | `memories` | memory | `reads` ... `queue_wait`, `latency` | client |
 //! | `channels` | memory | `row_hits` ... `queued` | channel, from 0 |
 //! | `caches` | cache | `look_ups`, `hits`, `misses`, `merged` | |
+//! | `costs` | `pixels`, `elsewhere`, `nobody`, `frame` | `cycles`, `busy`, `starved`, `memory`, `blocked` | of `frame` its number |
+//! | `objects` | object; `others` | `polygons`, `fragments`, `cycles` ... `blocked`; of `others` `count` | |
+//! | `polygons` | frame`.`polygon; `others` | `object`, `fragments`, `cycles` ... `blocked`; of `others` `count` | |
 //! | `figures` | figure | `value` | place in a list, from 0 |
 //! | `quality` | | `psnr_db`, `ssim`, `flip`; of the final picture `mean_difference`, `largest_difference` | frame, from 0; empty: the final picture |
 //! | `image` | file | `sha256` | |

@@ -28,7 +28,7 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     let mut figures = Figures::default();
     let Some(cycles) = &report.cycles else { return figures.0 };
     let total = cycles.total as f64;
-    let hz = report.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).unwrap_or(0.0);
+    let hz = report.clock_hz().unwrap_or(0.0);
     let work = work(report);
     let fragments = work.count as f64;
 

@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn a_report_keeps_to_its_schema() {
         let validator = jsonschema::validator_for(&schema()).unwrap();
-        for report in [samples::balanced(), samples::functional()] {
+        for report in [samples::balanced(), samples::costed(), samples::functional()] {
             let json = serde_json::to_value(&report).unwrap();
             let errors: Vec<String> = validator.iter_errors(&json).map(|e| format!("{}: {e}", e.instance_path())).collect();
             assert!(errors.is_empty(), "{errors:?}");
@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn json_goes_there_and_back() {
-        for report in [samples::balanced(), samples::functional()] {
+        for report in [samples::balanced(), samples::costed(), samples::functional()] {
             let text = report.to_json().unwrap();
             assert_eq!(Report::from_json(&text).unwrap(), report);
             let mut written = Vec::new();

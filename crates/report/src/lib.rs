@@ -7,12 +7,14 @@
 //! | [`blame`] | what limits a run, in one sentence that follows from the accounting |
 //! | [`text`] | the tables of the terminal |
 //! | [`compare`](mod@compare) | what changed between two runs, and what explains it |
+//! | [`costs`] | what objects and polygons cost |
 //! | [`ablation`] | what each short cut of a machine saves, and what it costs |
 //! | [`methods`] | what each method of choosing division points costs at the same error |
 //! | [`work`] | what a machine draws, in its own words |
 //! | [`html`](mod@html) | the report as one page |
 //! | [`csv`] | the same figures, one per line |
-//! | [`timeline`] | what every unit did when, as a Perfetto trace |
+//! | [`timeline`] | what every unit did when, as a trace for Perfetto, and as waves |
+//! | [`strips`] | the same in some hundred columns, to be looked at as a whole |
 //!
 //! Nothing here opens a file, reads a clock or prints: writers are arguments, host figures are arguments, tables are
 //! strings. A report without its `host` part is the same to the bit whatever the engine, machine or thread count.
@@ -21,6 +23,7 @@ pub mod ablation;
 pub mod blame;
 pub mod build;
 pub mod compare;
+pub mod costs;
 pub mod csv;
 pub mod derived;
 pub mod html;
@@ -29,6 +32,7 @@ pub mod methods;
 pub mod model;
 #[cfg(test)]
 mod samples;
+pub mod strips;
 pub mod text;
 mod tidy;
 pub mod timeline;
@@ -42,5 +46,6 @@ pub use html::to_html;
 pub use json::{ReadError, SCHEMA, schema};
 pub use methods::Methods;
 pub use model::Report;
-pub use text::{Style, hardware, to_text};
-pub use timeline::{StageNames, Timeline};
+pub use strips::Strips;
+pub use text::{Style, Tables, hardware, to_text};
+pub use timeline::{Board, Chart, Timeline, Watcher, Waves};

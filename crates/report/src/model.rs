@@ -1,5 +1,6 @@
 //! The report as it stands in `report.json`: plain data, fields in fixed order, maps in the order of the block diagram.
 
+use crate::costs::Costs;
 use basrelief_kernel::{self as kernel, HardwareKind, facts};
 use basrelief_reference::Quality;
 use basrelief_signals::Camera;
@@ -48,6 +49,9 @@ pub struct Report {
     /// What the end of the last frame waited for, back to the first cycle; there where `limits` is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub critical_path: Option<CriticalPath>,
+    /// Who the cycles of the units were for; absent where nobody has asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub costs: Option<Costs>,
     /// What the machine is built of, unit by unit, each before the FIFOs that it fills; then caches.
     #[serde(default)]
     pub hardware: Vec<Hardware>,
@@ -82,6 +86,17 @@ impl Report {
     /// told in the cycles of the frames.
     pub(crate) fn drain_of(&self, unit: &Unit) -> u64 {
         if unit.done >= self.drain() { self.drain() } else { 0 }
+    }
+
+    /// Bytes that all memories moved, saturating, as a report may come from a file; none of a functional run.
+    pub(crate) fn memory_bytes(&self) -> Option<u64> {
+        let clients = self.memories.as_ref()?.values().flat_map(|memory| memory.clients.values());
+        Some(clients.map(Client::bytes).fold(0, u64::saturating_add))
+    }
+
+    /// The machine's clock \[Hz\], where it has one.
+    pub(crate) fn clock_hz(&self) -> Option<f64> {
+        self.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).filter(|hz| *hz > 0.0)
     }
 
     /// Cycles of the frames: all but the [drain](Self::drain). None of a functional run.

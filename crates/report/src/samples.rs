@@ -1,13 +1,15 @@
 //! Hand-made reports for the tests of this crate, and one that the kernel made.
 
 use crate::build::Context;
+use crate::costs::{Costs, ObjectCost, Others, PolygonCost, Spent};
 use crate::derived::derive;
 use crate::model::{
     Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, Input, Legend, Memory, OutcomeKind, Part, Picture,
     PictureQuality, Report, Size, Unit,
 };
+use crate::timeline::Board;
 use basrelief_kernel::plan::{Plan, PlanMachine};
-use basrelief_kernel::{Engine, Outcome, RunReport};
+use basrelief_kernel::{Engine, Outcome, RunReport, Shape};
 use basrelief_reference::Quality;
 use basrelief_signals::Camera;
 use serde_json::json;
@@ -237,6 +239,11 @@ pub fn run() -> RunReport {
     basrelief_kernel::run(&mut PlanMachine::new(&plan()).unwrap(), Engine::Timed)
 }
 
+/// The machine of [`plan`], as a time line shows it.
+pub fn board() -> Board {
+    Board::new("plan", 0, Shape::of(&mut PlanMachine::new(&plan()).unwrap()).unwrap().diagram())
+}
+
 /// What the kernel made of [`plan`].
 pub fn simulated() -> Report {
     Report::timed(context(), &run())
@@ -272,4 +279,30 @@ pub fn before_and_after() -> (Report, Report) {
         quality.last = Quality { psnr_db: 36.5, ssim: 0.961, flip: 0.0512 };
     }
     (a, b)
+}
+
+/// [`balanced`], with what was for whom.
+pub fn costed() -> Report {
+    let mut report = balanced();
+    let spent = |busy, starved| Spent { cycles: busy + starved, busy, starved, ..Spent::default() };
+    let polygon = |polygon, busy| PolygonCost { frame: 1, polygon, object: Some(3), fragments: 40, spent: spent(busy, 2_000) };
+    report.costs = Some(Costs {
+        unit_cycles: 5 * TOTAL,
+        pixels: spent(1_400_000, 900_000),
+        elsewhere: spent(150_000, 50_000),
+        nobody: Spent::default(),
+        done: 2_500_000,
+        frames: vec![spent(800_000, 500_000), spent(750_000, 450_000)],
+        objects: vec![ObjectCost {
+            object: 3,
+            name: "ring".into(),
+            polygons: 700,
+            fragments: 199_000,
+            spent: spent(1_500_000, 930_000),
+        }],
+        polygons: vec![polygon(17, 66_000), polygon(4, 33_000)],
+        other_objects: Others::default(),
+        other_polygons: Others { count: 698, fragments: 198_920, spent: spent(1_401_000, 926_000) },
+    });
+    report
 }

@@ -1,5 +1,6 @@
 //! A report as one long table, one figure per row: what CSV writes and what a comparison compares.
 
+use crate::costs::{Others, Spent};
 use crate::model::{Channel, Client, Figure, Report, Unit};
 use crate::text::{full_cycles, mean_occupancy};
 use serde_json::Value;
@@ -67,6 +68,7 @@ pub fn rows(report: &Report) -> Vec<Row> {
             rows.add(("caches", name), field, "", n);
         }
     }
+    costs(report, &mut rows);
     for (name, value) in &report.figures {
         rows.add(("figures", name), "value", "", value.clone());
     }
@@ -164,6 +166,46 @@ fn channel(at: (&'static str, &str), key: &str, channel: &Channel, rows: &mut Ro
     }
 }
 
+fn costs(report: &Report, rows: &mut Rows) {
+    let Some(costs) = &report.costs else { return };
+    rows.add(("costs", ""), "unit_cycles", "", costs.unit_cycles);
+    rows.add(("costs", ""), "done", "", costs.done);
+    for (name, whole) in [("pixels", &costs.pixels), ("elsewhere", &costs.elsewhere), ("nobody", &costs.nobody)] {
+        spent(("costs", name), "", whole, rows);
+    }
+    for (number, frame) in costs.frames.iter().enumerate() {
+        spent(("costs", "frame"), &number.to_string(), frame, rows);
+    }
+    for o in &costs.objects {
+        let name = o.object.to_string();
+        rows.add(("objects", &name), "polygons", "", o.polygons);
+        rows.add(("objects", &name), "fragments", "", o.fragments);
+        spent(("objects", &name), "", &o.spent, rows);
+    }
+    others("objects", &costs.other_objects, rows);
+    for p in &costs.polygons {
+        let name = format!("{}.{}", p.frame, p.polygon);
+        if let Some(object) = p.object {
+            rows.add(("polygons", &name), "object", "", u64::from(object));
+        }
+        rows.add(("polygons", &name), "fragments", "", p.fragments);
+        spent(("polygons", &name), "", &p.spent, rows);
+    }
+    others("polygons", &costs.other_polygons, rows);
+}
+
+fn spent(at: (&'static str, &str), key: &str, spent: &Spent, rows: &mut Rows) {
+    spent.fields().into_iter().for_each(|(field, n)| rows.add(at, field, key, n));
+}
+
+fn others(table: &'static str, others: &Others, rows: &mut Rows) {
+    if others.count > 0 {
+        rows.add((table, "others"), "count", "", others.count);
+        rows.add((table, "others"), "fragments", "", others.fragments);
+        spent((table, "others"), "", &others.spent, rows);
+    }
+}
+
 fn pictures(report: &Report, rows: &mut Rows) {
     if let Some(quality) = &report.quality {
         let frames = quality.frames.iter().enumerate().map(|(k, q)| (k.to_string(), q));
@@ -190,10 +232,23 @@ mod tests {
 
     #[test]
     fn every_row_has_its_own_place() {
-        let rows = rows(&samples::simulated());
+        let rows = rows(&Report { costs: samples::costed().costs, ..samples::simulated() });
         let places: BTreeSet<_> = rows.iter().map(|r| (r.table, r.name.clone(), r.field, r.key.clone())).collect();
         assert_eq!(places.len(), rows.len());
         assert!(rows.iter().all(|r| !matches!(r.value, Figure::List(_))));
+    }
+
+    #[test]
+    fn rows_say_for_whom_cycles_were() {
+        let rows = rows(&samples::costed());
+        let find = |at: [&str; 4]| rows.iter().find(|r| [r.table, &r.name, r.field, &r.key] == at).map(|r| r.value.clone());
+        assert_eq!(find(["costs", "pixels", "cycles", ""]), Some(2_300_000.into()));
+        assert_eq!(find(["costs", "frame", "starved", "1"]), Some(450_000.into()));
+        assert_eq!(find(["objects", "3", "polygons", ""]), Some(700.into()));
+        assert_eq!(find(["polygons", "1.17", "busy", ""]), Some(66_000.into()));
+        assert_eq!(find(["polygons", "1.4", "object", ""]), Some(3.into()));
+        assert_eq!(find(["polygons", "others", "count", ""]), Some(698.into()));
+        assert_eq!(find(["objects", "others", "count", ""]), None);
     }
 
     #[test]

@@ -138,6 +138,15 @@ pub(crate) fn turn(degrees: f64) -> DMat4 {
     DMat4::from_cols_array_2d(&rows).transpose()
 }
 
+/// Rotation around an axis of length 1, counter-clockwise as seen from its tip.
+pub(crate) fn turn_around(axis: DVec3, degrees: f64) -> DMat4 {
+    let angle = degrees % 360.0 * RADIANS;
+    let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+    let turned = |v: DVec3| v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos));
+    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|v| turned(v).extend(0.0));
+    DMat4::from_cols(x, y, z, DVec4::W)
+}
+
 /// Row-major, as in [`Camera`].
 pub(crate) fn rows(matrix: DMat4) -> [f64; 16] {
     matrix.transpose().to_cols_array()

@@ -14,6 +14,7 @@ mod obj;
 mod outside;
 mod picture;
 pub mod pyramid;
+mod subject;
 mod tangents;
 mod textures;
 mod view;
@@ -22,10 +23,11 @@ pub use camera::{read_camera, write_camera};
 pub use demo::{DEMOS, DemoInfo, demo};
 pub use error::SceneError;
 pub use files::{Directory, Files, Memory};
+pub use subject::Subject;
 pub use view::ViewOptions;
 
 use basrelief_input::{Budget, Held, OverBudget};
-use basrelief_signals::{Frame, Light, Scene};
+use basrelief_signals::Scene;
 use error::Warnings;
 use model::Model;
 use outside::{Outside, over_budget};
@@ -54,17 +56,24 @@ pub fn load_within(
     options: &ViewOptions,
     budget: &Budget,
 ) -> Result<(Scene, Held), SceneError> {
-    let mut warnings = Warnings::default();
-    let outside = Outside::new(files, budget);
-    let model = import(bytes, name, &outside, &mut warnings).map_err(|e| e.in_file(name))?;
-    let hints = ViewHints { shading: model.shading, ..ViewHints::still(model.bounds, model.camera, model.lamps) };
-    let frame = (size_of::<Frame>() + 64 + hints.lamps.len() * size_of::<Light>()) as u64;
-    outside
-        .hold(frame * u64::from(options.frames.unwrap_or(hints.frames)), "", "frames and their lights")
-        .map_err(|e| e.in_file(name))?;
-    let frames = hints.frames(options)?;
-    let scene = Scene { name: name.into(), objects: model.objects, frames, warnings: warnings.into_vec() };
-    Ok((scene, outside.into_kept()))
+    let (subject, mut held) = Subject::load_within(bytes, name, files, budget)?;
+    subject.hold_frames(options, &mut held).map_err(|error| over_budget("", &error).in_file(name))?;
+    Ok((subject.seen(options)?, held))
+}
+
+impl Subject {
+    /// Imports a model as [`load_within`](crate::load_within) does, to be looked at later.
+    ///
+    /// # Errors
+    /// As [`load`], and what is over the budget.
+    pub fn load_within(bytes: &[u8], name: &str, files: &dyn Files, budget: &Budget) -> Result<(Self, Held), SceneError> {
+        let mut warnings = Warnings::default();
+        let outside = Outside::new(files, budget);
+        let model = import(bytes, name, &outside, &mut warnings).map_err(|e| e.in_file(name))?;
+        let hints = ViewHints { shading: model.shading, ..ViewHints::still(model.bounds, model.camera, model.lamps) };
+        let subject = Self { name: name.into(), objects: model.objects, hints, warnings: warnings.into_vec() };
+        Ok((subject, outside.into_kept()))
+    }
 }
 
 /// Imports a model from the file system; what it refers to is looked for in its folder.

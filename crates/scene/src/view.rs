@@ -1,9 +1,10 @@
 //! From what the user and the model say about the view to the frames of a scene.
 
 use crate::SceneError;
-use crate::camera::{AUTO_VIEW, Bounds, View, Viewpoint, check_camera, direction, rows, turn};
+use crate::camera::{AUTO_VIEW, Bounds, View, Viewpoint, check_camera, direction, rows, turn, turn_around};
 use basrelief_signals::{Camera, Frame, Light, LightKind, MAX_PICTURE_PIXELS, Shading};
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec3, DVec4};
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// Direction to the light where nobody says otherwise (assumed); normalised.
@@ -11,6 +12,9 @@ const DEFAULT_LIGHT: [f64; 3] = [0.4, 0.8, 0.45];
 
 /// Most pixels per side: coordinates of fragments have 16 bits, and a frame buffer must fit in memory.
 const MAX_SIDE: u32 = 16_384;
+
+/// How much larger or smaller a picture may be seen.
+const ZOOM: RangeInclusive<f64> = 0.01..=100.0;
 
 /// Most frames of one scene.
 const MAX_FRAMES: u32 = 1_000_000;
@@ -22,6 +26,11 @@ pub struct ViewOptions {
     pub size: [u32; 2],
     /// Replaces the camera and the lights of the model.
     pub camera: Option<Camera>,
+    /// From where the camera looks, beside where it would otherwise: turned about the model's centre by an angle around the
+    /// vertical axis, then by one upwards \[degrees\].
+    pub turn: Option<[f64; 2]>,
+    /// How much larger all is seen, around the middle of the picture, 0.01..=100.
+    pub zoom: Option<f64>,
     /// The camera turns by this angle around the vertical axis through the model's centre, over all frames \[degrees\];
     /// `None` leaves it to the model.
     pub orbit_degrees: Option<f64>,
@@ -36,7 +45,8 @@ pub struct ViewOptions {
 
 impl Default for ViewOptions {
     fn default() -> Self {
-        Self { size: [640, 480], camera: None, orbit_degrees: None, frames: None, light: None, light_orbit_degrees: None }
+        let (camera, turn, zoom, orbit_degrees, frames) = (None, None, None, None, None);
+        Self { size: [640, 480], camera, turn, zoom, orbit_degrees, frames, light: None, light_orbit_degrees: None }
     }
 }
 
@@ -103,7 +113,7 @@ impl ViewHints {
             LightOrbit::WithCamera => orbit,
         };
         let light_orbit = finite(options.light_orbit_degrees.unwrap_or(own_light_orbit), "light-orbit")?;
-        let view = self.first_view(options)?;
+        let view = self.zoom(self.turn(self.first_view(options)?, options)?, options)?;
         let lamps = self.first_lamps(options)?;
         let frame = |index: u32| {
             let part = f64::from(index) / f64::from(count);
@@ -146,14 +156,33 @@ impl ViewHints {
         Ok(self.lamps.clone())
     }
 
-    /// The camera turned around the vertical axis through the centre: the world turned the other way.
+    /// The camera turned around the vertical axis through the centre.
     fn orbit(&self, view: View, degrees: f64) -> View {
-        if degrees == 0.0 {
-            return view;
-        }
+        if degrees == 0.0 { view } else { self.turned(view, turn(degrees)) }
+    }
+
+    /// The camera turned about the centre: the world turned the other way.
+    fn turned(&self, view: View, turn: DMat4) -> View {
         let centre = self.bounds.centre();
-        let world = DMat4::from_translation(centre) * turn(-degrees) * DMat4::from_translation(-centre);
-        View { view_projection: view.view_projection * world, to_viewer: turn(degrees).transform_vector3(view.to_viewer) }
+        let world = DMat4::from_translation(centre) * turn.transpose() * DMat4::from_translation(-centre);
+        View { view_projection: view.view_projection * world, to_viewer: turn.transform_vector3(view.to_viewer) }
+    }
+
+    fn turn(&self, view: View, options: &ViewOptions) -> Result<View, SceneError> {
+        let Some([around, up]) = options.turn else { return Ok(view) };
+        let view = self.orbit(view, finite(around, "turn")?);
+        let right = DVec3::Y.cross(view.to_viewer).normalize_or(DVec3::X);
+        Ok(self.turned(view, turn_around(right, -finite(up, "turn")?)))
+    }
+
+    fn zoom(&self, view: View, options: &ViewOptions) -> Result<View, SceneError> {
+        let Some(zoom) = options.zoom else { return Ok(view) };
+        if !ZOOM.contains(&zoom) {
+            let expected = format!("a number from {} to {}", ZOOM.start(), ZOOM.end());
+            return Err(SceneError::at("zoom", zoom.to_string()).expected(expected));
+        }
+        let larger = DMat4::from_diagonal(DVec4::new(zoom, zoom, 1.0, 1.0));
+        Ok(View { view_projection: larger * view.view_projection, ..view })
     }
 
     fn turn_lamp(&self, lamp: Lamp, degrees: f64) -> Lamp {
@@ -200,7 +229,6 @@ fn lights(lamps: &[(Lamp, f64)]) -> Vec<Light> {
 mod tests {
     use super::*;
     use crate::camera::Lens;
-    use glam::DVec4;
 
     fn hints(lamps: Vec<(Lamp, f64)>) -> ViewHints {
         ViewHints::still(Bounds { low: DVec3::new(1., 0., 0.), high: DVec3::new(3., 2., 2.) }, None, lamps)
@@ -220,6 +248,33 @@ mod tests {
         // Looking from the other side mirrors left and right of the model.
         let x = |f: &Frame| (DMat4::from_cols_array(&f.camera.view_projection).transpose() * DVec4::new(3., 1., 1., 1.)).x;
         assert!((x(&frames[0]) + x(&frames[2])).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_camera_is_turned_around_and_then_up() {
+        let seen = |around, up| {
+            let options = ViewOptions { turn: Some([around, up]), ..ViewOptions::default() };
+            let [x, y, z] = hints(vec![]).frames(&options).unwrap()[0].camera.to_viewer;
+            [libm::atan2(x, z).to_degrees(), libm::asin(y).to_degrees()]
+        };
+        for (around, up) in [(0.0, 0.0), (50.0, 0.0), (0.0, 30.0), (-75.0, 40.0), (90.0, -60.0)] {
+            let [azimuth, elevation] = seen(around, up);
+            assert!((azimuth - 30.0 - around).abs() < 1e-9 && (elevation - 20.0 - up).abs() < 1e-9, "{azimuth} {elevation}");
+        }
+    }
+
+    #[test]
+    fn what_is_seen_larger_keeps_its_middle() {
+        let place = |zoom, point: DVec3| {
+            let options = ViewOptions { zoom, ..ViewOptions::default() };
+            let camera = hints(vec![]).frames(&options).unwrap()[0].camera;
+            let clip = DMat4::from_cols_array(&camera.view_projection).transpose() * point.extend(1.0);
+            [clip.x / clip.w, clip.y / clip.w, clip.z / clip.w]
+        };
+        let corner = DVec3::new(3.0, 0.5, 0.0);
+        let ([x, y, z], near) = (place(None, corner), place(Some(2.0), corner));
+        assert_eq!(near, [2.0 * x, 2.0 * y, z]);
+        assert!(place(Some(2.0), DVec3::new(2.0, 1.0, 1.0))[0].abs() < 1e-12);
     }
 
     #[test]
@@ -271,6 +326,9 @@ mod tests {
         let d = ViewOptions::default;
         refuses(ViewOptions { size: [0, 4], ..d() });
         refuses(ViewOptions { size: [4, 100_000], ..d() });
+        refuses(ViewOptions { turn: Some([0.0, f64::NAN]), ..d() });
+        refuses(ViewOptions { zoom: Some(0.0), ..d() });
+        refuses(ViewOptions { zoom: Some(f64::NAN), ..d() });
         refuses(ViewOptions { size: [16_384, 16_384], ..d() });
         refuses(ViewOptions { frames: Some(0), ..d() });
         refuses(ViewOptions { light: Some([0.0; 3]), ..d() });

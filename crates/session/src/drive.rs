@@ -310,7 +310,7 @@ impl<'a> Session<'a> {
             self.quality.push(quality);
             self.difference = Some(difference);
         }
-        let exact = exact.as_ref().map(|(picture, quality, _)| (picture, *quality));
+        let exact = exact.as_ref().map(|(picture, quality, _)| (&**picture, *quality));
         self.observer.frame(&Pictures { index, machine: &machine, exact })
     }
 
@@ -365,9 +365,10 @@ impl<'a> Session<'a> {
         }
         let mut report = ended.report(spec, facts, run.as_ref());
         if let (Some(run), Some(reels)) = (complete, kept.as_ref().and_then(Kept::reels)) {
-            Recorded { spec, given: &self.settings.given, way, reels, run }.measure(&mut report);
+            Recorded { spec, given: &self.settings.given, way, reels, room: self.settings.budget.left(), run }
+                .measure(&mut report);
         }
-        Run { report, timing: run, tape_is_whole, expectations, simulate_s: self.simulate_s }
+        Run { report, timing: run, costs: None, tape_is_whole, expectations, simulate_s: self.simulate_s }
     }
 }
 

@@ -6,14 +6,13 @@
 
 use crate::limits::frame_cycles;
 use crate::machines::{MachineConfig, MachineSpec, for_machine};
-use crate::tape::{Loaded, TapeFileError, same_work, timed};
+use crate::tape::{Loaded, TapeFileError, same_work};
 use basrelief_input::Budget;
 use basrelief_kernel::Outcome;
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::compare::WORK;
 use basrelief_report::{Explained, Report, Share};
 use basrelief_threads as threads;
-use serde_json::Value;
 use std::io::Read;
 
 /// Most FIFOs that are told apart.
@@ -127,16 +126,11 @@ fn options(of: &Taped, target: &[Parameter]) -> Option<Set> {
             return Some((set, config));
         }
         for parameter in differing {
-            set.push((parameter.key.clone(), as_option(&parameter.default)));
+            set.push((parameter.key.clone(), parameter.as_option()));
         }
         config = of.tape.config_with(&set).ok()?;
     }
     None
-}
-
-/// A value as `--set` takes it.
-fn as_option(value: &Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
 /// Cycles of the frames of a tape with these parameters; none where its machine would do other work, or not come to its end.
@@ -147,7 +141,7 @@ fn timed_as(tape: &Loaded, config: &MachineConfig) -> Option<u64> {
 fn timed_on<S: MachineSpec>(tape: &Loaded, spec: &S) -> Option<u64> {
     let recorded: S = tape.given.load(&[]).ok()?;
     let shape = same_work((&recorded, spec), tape.way).ok()?;
-    let run = timed(&tape.reels, shape).ok()?;
+    let run = tape.tape.retime(shape).ok()?;
     (run.outcome == Outcome::Complete).then(|| frame_cycles(&run))
 }
 

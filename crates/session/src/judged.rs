@@ -1,10 +1,11 @@
 //! A finished frame, held against its exact picture.
 
-use crate::difference::difference;
+use crate::exact::ExactPicture;
 use basrelief_reference::{Picture, Quality, SizeMismatch};
 use basrelief_report::model::Difference;
 use basrelief_threads::Later;
 use sha2::{Digest as _, Sha256};
+use std::sync::Arc;
 
 /// A finished frame, and what is told of it.
 pub(crate) struct Judged {
@@ -12,18 +13,14 @@ pub(crate) struct Judged {
     pub(crate) machine: Picture,
     /// SHA-256 of the RGB8 rows, top row first.
     pub(crate) digest: String,
-    pub(crate) exact: Option<(Picture, Quality, Difference)>,
+    pub(crate) exact: Option<(Arc<Picture>, Quality, Difference)>,
 }
 
 /// Judges a frame while the machine goes on: it has nothing more to do with it.
-pub(crate) fn judged(index: usize, machine: Picture, exact: Option<Later<Picture>>) -> Later<Result<Judged, SizeMismatch>> {
+pub(crate) fn judged(index: usize, machine: Picture, exact: Option<ExactPicture>) -> Later<Result<Judged, SizeMismatch>> {
     Later::start(move || {
-        let exact = exact.map(Later::get).map(|exact| {
-            let quality = Quality::measure(&exact, &machine)?;
-            let difference = difference(&exact, &machine);
-            Ok((exact, quality, difference))
-        });
-        Ok(Judged { index, digest: digest(&machine), machine, exact: exact.transpose()? })
+        let exact = exact.map(|exact| exact.judge(&machine)).transpose()?;
+        Ok(Judged { index, digest: digest(&machine), machine, exact })
     })
 }
 

@@ -19,6 +19,9 @@
 //! ```
 
 mod ablation;
+mod beside;
+mod costs;
+mod described;
 mod difference;
 mod drive;
 mod ended;
@@ -34,6 +37,7 @@ mod machines;
 mod methods;
 mod observer;
 mod outcome;
+mod prepared;
 mod record;
 mod rehearsal;
 mod run;
@@ -43,7 +47,11 @@ mod tape;
 mod tee;
 
 pub use ablation::ablate;
+pub use beside::beside;
+pub use costs::{CostKind, CostPoints, Costs, PARTS, PixelCost, PixelWay, PolygonCost, Spent, UnitCost, WayCost};
+pub use described::{Choice as ParameterChoice, Described, From as ValueFrom, Takes};
 pub use exhibits::content::{Content, Exhibit, ExhibitInfo, Form};
+pub use exhibits::costs::COST_PICTURES;
 pub use expectation::{check_expectation, expectation_of};
 pub use explained::{Taped, explain};
 pub use held::textures as hold_textures;
@@ -51,8 +59,9 @@ pub use machines::{MACHINES, MachineConfig, MachineInfo, TileFetch};
 pub use methods::compare_methods;
 pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name};
 pub use outcome::{Run, SessionError};
+pub use prepared::Prepared;
 pub use record::{begin_of, display_list};
-pub use run::{run, stages};
+pub use run::{board, run};
 pub use settings::{RunInput, RunOptions, When};
 pub use sizing::{Choice, Sizes, size_fifos};
 pub use tape::{Given, RetimeOptions, TapeFileError, retime, retime_to};

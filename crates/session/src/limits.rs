@@ -4,15 +4,14 @@ use crate::ideals::{Candidates, Ideal, together};
 use crate::machines::MachineSpec;
 use crate::run::Way;
 use crate::settings::When;
-use crate::tape::{Given, bytes_of, timed};
+use crate::tape::{Given, bytes_of};
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{self as kernel, Phase, RunReport, Shape, Stretch};
+use basrelief_kernel::{self as kernel, Phase, RunReport, Shape, Stretch, Tape};
 use basrelief_machines::ConfigProblem;
 use basrelief_report::Report;
 use basrelief_report::model::{CriticalPath, Limit, PathPart};
 use basrelief_threads as threads;
-use std::borrow::Cow;
 
 /// How many single limits are tried in pairs.
 const PAIRED: usize = 3;
@@ -97,21 +96,24 @@ pub(crate) struct Recorded<'a, S> {
     pub(crate) given: &'a Given,
     pub(crate) way: Way,
     pub(crate) reels: &'a [Reel],
+    /// Most that timing it more than once may hold beside \[bytes\].
+    pub(crate) room: u64,
     pub(crate) run: &'a RunReport,
 }
 
 impl<S: MachineSpec> Recorded<'_, S> {
     /// Puts into a report what limits the run, and its critical path.
     pub(crate) fn measure(&self, report: &mut Report) {
-        let path = self.critical_path();
-        report.limits = self.limits(path.as_ref()).ok();
+        let Ok(shape) = self.way.shape(self.spec) else { return };
+        let tape = Tape::new(self.reels, &shape, self.room);
+        let path = self.critical_path(&tape);
+        report.limits = self.limits(&tape, path.as_ref()).ok();
         report.critical_path =
             path.map(|path| CriticalPath { cycles: path.cycles, parts: path.parts.into_iter().map(part).collect() });
     }
 
-    fn critical_path(&self) -> Option<kernel::CriticalPath> {
-        let mut reels = self.reels.iter().map(Cow::Borrowed);
-        kernel::critical_path(self.way.shape(self.spec).ok()?, &mut |_| Ok(reels.next()), EVENTS).ok()?
+    fn critical_path(&self, tape: &Tape<'_>) -> Option<kernel::CriticalPath> {
+        tape.critical_path(self.way.shape(self.spec).ok()?, EVENTS).ok()?
     }
 
     /// What could be saved, most first: each alone, and pairs that save more together than each for itself. What saves nothing is left
@@ -119,14 +121,14 @@ impl<S: MachineSpec> Recorded<'_, S> {
     ///
     /// # Errors
     /// Parameters that do not fit together; those of a run do.
-    fn limits(&self, path: Option<&kernel::CriticalPath>) -> Result<Vec<Limit>, ConfigProblem> {
+    fn limits(&self, tape: &Tape<'_>, path: Option<&kernel::CriticalPath>) -> Result<Vec<Limit>, ConfigProblem> {
         let shape = self.way.shape(self.spec)?;
         let singles = Candidates { run: self.run, shape: &shape, path }.ideals(self.spec);
-        let cycles = threads::map(singles.iter().collect(), |ideal: &Ideal| self.cycles(&shape, &ideal.set));
+        let cycles = threads::map(singles.iter().collect(), |ideal: &Ideal| self.cycles((tape, &shape), &ideal.set));
         let mut timed: Vec<(Ideal, u64)> = singles.into_iter().zip(cycles).filter_map(|(i, c)| Some((i, c?))).collect();
         // Stable: of equals the first in the block diagram is first.
         timed.sort_by_key(|(_, cycles)| *cycles);
-        let pairs = self.pairs(&shape, &timed);
+        let pairs = self.pairs((tape, &shape), &timed);
         let mut limits: Vec<Limit> =
             timed.into_iter().chain(pairs).filter_map(|(ideal, cycles)| self.limit(ideal, cycles)).collect();
         limits.sort_by_key(|limit| limit.cycles);
@@ -141,13 +143,13 @@ impl<S: MachineSpec> Recorded<'_, S> {
     }
 
     /// Pairs of the first few that save more together.
-    fn pairs(&self, shape: &Shape, timed: &[(Ideal, u64)]) -> Vec<(Ideal, u64)> {
+    fn pairs(&self, of: (&Tape<'_>, &Shape), timed: &[(Ideal, u64)]) -> Vec<(Ideal, u64)> {
         let first = &timed[..timed.len().min(PAIRED)];
         let all = first.iter().enumerate().flat_map(|(n, a)| first[n + 1..].iter().map(move |b| (a, b)));
         let apart: Vec<_> = all.filter(|((a, _), (b, _))| a.resource != b.resource).collect();
         let both = threads::map(apart.iter().collect(), |((a, _), (b, _)): &(&(Ideal, u64), &(Ideal, u64))| {
             let ideal = together(a, b);
-            self.cycles(shape, &ideal.set).map(|cycles| (ideal, cycles))
+            self.cycles(of, &ideal.set).map(|cycles| (ideal, cycles))
         });
         let total = frame_cycles(self.run);
         let is_more = |cycles: u64, of: [u64; 2]| {
@@ -159,10 +161,10 @@ impl<S: MachineSpec> Recorded<'_, S> {
     }
 
     /// Cycles of the frames with these parameters; none where they change what the units do, or do not fit.
-    fn cycles(&self, recorded: &Shape, set: &[(String, String)]) -> Option<u64> {
+    fn cycles(&self, (tape, recorded): (&Tape<'_>, &Shape), set: &[(String, String)]) -> Option<u64> {
         let shape = self.way.shape(&self.given.load::<S>(set).ok()?).ok()?;
         recorded.same_work(&shape).ok()?;
-        timed(self.reels, shape).ok().map(|report| frame_cycles(&report))
+        tape.retime(shape).ok().map(|report| frame_cycles(&report))
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a run comes to.
 
+use crate::costs::Costs;
 use basrelief_display_list::{Expectation, TraceError};
 use basrelief_input::OverBudget;
 use basrelief_kernel::RunReport;
@@ -42,6 +43,8 @@ pub struct Run {
     pub report: Report,
     /// What the engine came to; `None` for the functional model.
     pub timing: Option<RunReport>,
+    /// What it has cost, for whom, where [`RunOptions::costs`](crate::RunOptions::costs) asks for it.
+    pub costs: Option<Costs>,
     /// Whether the observer was shown a whole tape: the run was recorded to its end.
     pub tape_is_whole: bool,
     /// What a trace expects of its replay.

@@ -1,6 +1,7 @@
 //! What the geometry processor (102) hands on, without the rest of the machine.
 
 use crate::machines::MachineConfig;
+use crate::prepared::Prepared;
 use basrelief_display_list::{Begin, CanonicalHash, Digest, TraceError};
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{Demand, Traffic, Unit};
@@ -42,13 +43,18 @@ pub(crate) struct Passed {
 
 /// Draw commands of a scene, counted as they pass.
 pub(crate) struct CountedDraws {
-    draws: SceneDraws,
+    draws: Option<SceneDraws>,
     passed: Rc<Cell<Passed>>,
 }
 
 impl CountedDraws {
     pub(crate) fn new(scene: &Arc<Scene>, passed: &Rc<Cell<Passed>>) -> Self {
-        Self { draws: SceneDraws::new(Arc::clone(scene)), passed: Rc::clone(passed) }
+        Self { draws: Some(SceneDraws::new(Arc::clone(scene))), passed: Rc::clone(passed) }
+    }
+
+    /// Of no scene.
+    pub(crate) fn none() -> Self {
+        Self { draws: None, passed: Rc::default() }
     }
 }
 
@@ -56,7 +62,7 @@ impl Iterator for CountedDraws {
     type Item = Draw;
 
     fn next(&mut self) -> Option<Draw> {
-        let draw = self.draws.next();
+        let draw = self.draws.as_mut()?.next();
         let Passed { commands, .. } = self.passed.get();
         self.passed.set(Passed { commands: commands + u64::from(draw.is_some()), all: draw.is_none() });
         draw
@@ -72,18 +78,24 @@ pub(crate) struct SceneHash {
 }
 
 impl SceneHash {
-    pub(crate) fn start(scene: &Arc<Scene>, front: FrontConfig) -> Self {
+    pub(crate) fn start(prepared: &Prepared, front: FrontConfig) -> Self {
         let given_up = GivenUp(Arc::default());
-        let (scene, flag) = (Arc::clone(scene), Arc::clone(&given_up.0));
+        if let Some(known) = prepared.hash(&front) {
+            return Self { hash: Later::on_demand(move || Ok(Some(known))), given_up };
+        }
+        let (prepared, flag) = (prepared.clone(), Arc::clone(&given_up.0));
         let hash = Later::start(move || {
-            let mut hash = CanonicalHash::new(&begin_of(&scene));
-            for control in controls(&scene, front) {
+            let scene = prepared.scene();
+            let mut hash = CanonicalHash::new(&begin_of(scene));
+            for control in controls(scene, front.clone()) {
                 if flag.load(Ordering::Relaxed) {
                     return Ok(None);
                 }
                 hash.update(&control)?;
             }
-            Ok(Some(hash.finish()))
+            let digest = hash.finish();
+            prepared.keep_hash(front, digest);
+            Ok(Some(digest))
         });
         Self { hash, given_up }
     }

@@ -7,11 +7,12 @@
 use crate::machines::{Logs as _, MachineSpec};
 use crate::observer::Observer;
 use crate::outcome::SessionError;
+use crate::record::CountedDraws;
 use crate::settings::RunOptions;
-use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::{self as kernel, Limits, NoProbe, Outcome};
 use basrelief_machines::{Draws as _, SceneFront};
 use basrelief_signals::Scene;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// The machine with the counts of pictures that its user's times come to; as it is where no user acts at a time.
@@ -51,9 +52,10 @@ fn shown<S: MachineSpec>(
             "the user acts at times, and the functional model has none: choose another engine".into(),
         ));
     };
-    let mut machine = spec.build(SceneFront::new(SceneDraws::new(Arc::clone(scene)), spec.front()))?;
+    // Of the type of the run proper: an engine for another would be compiled beside it, for every machine.
+    let mut machine = spec.build(SceneFront::new(CountedDraws::new(scene, &Rc::default()), spec.front()))?;
     let mut pictures = Vec::new();
-    let mut take = |machine: &mut S::Machine<SceneFront<SceneDraws>>| {
+    let mut take = |machine: &mut S::Machine<SceneFront<CountedDraws>>| {
         let rounds = machine.drain_rounds().into_iter().map(|picture| (picture.index, false));
         let last = machine.drain_finished().into_iter().map(|picture| (picture.index, true));
         pictures.extend(rounds.chain(last));

@@ -1,42 +1,49 @@
 //! One run.
 
+use crate::costs::CostProbe;
 use crate::drive::Session;
 use crate::exact::{Exact, SceneAhead};
+use crate::exhibits::costs::show as show_costs;
 use crate::held;
 use crate::machines::{MachineConfig, MachineSpec, for_machine};
 use crate::observer::Observer;
 use crate::outcome::{Run, SessionError};
+use crate::prepared::Prepared;
 use crate::record::{CountedDraws, Passed, SceneHash};
 use crate::rehearsal::rehearsed;
 use crate::settings::{RunInput, RunOptions};
 use crate::tee::{Tee, TraceNotes};
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles, Resolver};
-use basrelief_kernel::{Machine, NoProbe, Probe, Shape, StageTopology};
-use basrelief_machines::{ConfigProblem, Draws, Facts, SceneFront, TraceFront};
+use basrelief_kernel::{Machine, NoProbe, Probe, Shape};
+use basrelief_machines::{ConfigProblem, Draws, Facts, SceneFront, TraceFront, numeral_of};
+use basrelief_report::Board;
 use basrelief_report::model::Input;
-use basrelief_signals::{Control, Draw, Scene};
+use basrelief_signals::Control;
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
-use std::sync::Arc;
 
-/// The stages of the machine under these settings, in the order in which a probe numbers them.
+/// The machine under these settings, as a time line shows it.
 ///
 /// # Errors
 /// Parameters that do not fit together.
-pub fn stages(source: &RunInput, settings: &RunOptions) -> Result<Vec<StageTopology>, ConfigProblem> {
-    for_machine!(&settings.config, spec => stages_of(spec, source))
+pub fn board(source: &RunInput, settings: &RunOptions) -> Result<Board, ConfigProblem> {
+    for_machine!(&settings.config, spec => board_of(spec, source))
 }
 
-fn stages_of<S: MachineSpec>(spec: &S, source: &RunInput) -> Result<Vec<StageTopology>, ConfigProblem> {
+fn board_of<S: MachineSpec>(spec: &S, source: &RunInput) -> Result<Board, ConfigProblem> {
     let way = match source {
         RunInput::Scene(_) => Way::Scene,
         RunInput::Trace { .. } | RunInput::Remote { .. } => Way::Trace,
     };
-    Ok(way.shape(spec)?.topology())
+    let hz = serde_json::to_value(spec).unwrap_or_default().pointer("/clock/hz").and_then(serde_json::Value::as_u64);
+    let mut board = Board::new(S::NAME, hz.unwrap_or(0), way.shape(spec)?.diagram());
+    board.numerals = board.diagram.stages.iter().map(|stage| numeral_of(S::DIAGRAM, &stage.name).to_owned()).collect();
+    Ok(board)
 }
 
 /// The way in: what draws at the front of a machine.
@@ -90,14 +97,17 @@ impl MachineConfig {
     }
 }
 
+/// A display list on its way into a machine. Behind a pointer: each type of it would be another machine to be compiled.
+type Passing = Box<dyn Iterator<Item = Result<(Control, Option<u64>), String>>>;
+
 /// The machine with nothing to draw.
 fn unfed<S: MachineSpec>(spec: &S) -> Result<impl Draws + use<S>, ConfigProblem> {
-    spec.build(SceneFront::new(std::iter::empty::<Draw>(), spec.front()))
+    spec.build(SceneFront::new(CountedDraws::none(), spec.front()))
 }
 
 /// The same behind a display list.
 fn unfed_trace<S: MachineSpec>(spec: &S) -> Result<impl Draws + use<S>, ConfigProblem> {
-    spec.build(TraceFront::new(std::iter::empty::<Result<(Control, Option<u64>), String>>(), spec.front()))
+    spec.build(TraceFront::new(Box::new(std::iter::empty()) as Passing, spec.front()))
 }
 
 /// Runs `source` on the machine: draws it, draws it exactly, measures, reports; `probe` watches every stage.
@@ -112,12 +122,41 @@ pub fn run(
     observer: &mut dyn Observer,
     probe: Option<&mut dyn Probe>,
 ) -> Result<Run, SessionError> {
+    if settings.costs {
+        return run_costed(source, settings, observer, probe);
+    }
     match probe {
         // By pointer: so the machines are compiled once, with this crate, and not once more in every program that runs them;
         // that took a fifth of the time of a test build.
         Some(mut probe) => run_probed(source, settings, observer, &mut probe),
         None => run_probed(source, settings, observer, &mut NoProbe),
     }
+}
+
+/// The same, and what it has cost.
+fn run_costed(
+    source: RunInput,
+    settings: &RunOptions,
+    observer: &mut dyn Observer,
+    probe: Option<&mut dyn Probe>,
+) -> Result<Run, SessionError> {
+    let points = settings.config.cost_points();
+    let mut costs =
+        CostProbe::new(board(&source, settings)?.diagram.stages, points, (settings.max_cycles, &settings.budget), probe);
+    let names = match &source {
+        RunInput::Scene(prepared) => prepared.scene().objects.iter().map(|object| (object.id, object.name.clone())).collect(),
+        RunInput::Trace { .. } | RunInput::Remote { .. } => BTreeMap::new(),
+    };
+    let mut by_pointer: &mut dyn Probe = &mut costs;
+    let run = run_probed(source, settings, observer, &mut by_pointer);
+    costs.check()?;
+    let mut run = run?;
+    let Some(timing) = &run.timing else { return Ok(run) };
+    let costs = costs.finish(timing);
+    show_costs(&costs, observer).map_err(SessionError::Observer)?;
+    run.report.costs = Some(costs.report(&names));
+    run.costs = Some(costs);
+    Ok(run)
 }
 
 fn run_probed<P: Probe>(
@@ -127,7 +166,7 @@ fn run_probed<P: Probe>(
     probe: &mut P,
 ) -> Result<Run, SessionError> {
     for_machine!(&settings.config, spec => match source {
-        RunInput::Scene(scene) => run_scene(&scene, spec, settings, observer, probe),
+        RunInput::Scene(prepared) => run_scene(&prepared, spec, settings, observer, probe),
         RunInput::Trace { reader, files, name } => run_trace((reader, files, name), None, spec, settings, observer, probe),
         RunInput::Remote { reader, name, tiles } => {
             run_trace((reader, Box::new(NoFiles), name), Some(tiles), spec, settings, observer, probe)
@@ -136,19 +175,20 @@ fn run_probed<P: Probe>(
 }
 
 fn run_scene<S: MachineSpec, P: Probe>(
-    scene: &Arc<Scene>,
+    prepared: &Prepared,
     spec: &S,
     settings: &RunOptions,
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
+    let scene = prepared.scene();
     let _textures = held::textures(scene, S::TEXTURE_COPIES, &settings.budget)?;
     let spec = &rehearsed(scene, spec, settings, observer)?;
     let passed = Rc::new(Cell::new(Passed::default()));
     let machine = spec.build(SceneFront::new(CountedDraws::new(scene, &passed), spec.front()))?;
-    let hash = SceneHash::start(scene, spec.front());
+    let hash = SceneHash::start(prepared, spec.front());
     let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
-    let exact = if settings.exact { Exact::Scene(SceneAhead::new(scene, spec.exact_style())) } else { Exact::None };
+    let exact = if settings.exact { Exact::Scene(SceneAhead::new(prepared, spec.exact_style())) } else { Exact::None };
     let total = Some((per_frame * scene.frames.len()) as u64);
     let commands = Rc::clone(&passed);
     let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.get().commands, total)));
@@ -179,7 +219,7 @@ fn run_trace<S: MachineSpec, P: Probe>(
     let _pictures = pictures.map_err(|error| resolver.over_budget(&error))?;
     let seen = Rc::new(RefCell::new(TraceNotes::default()));
     let tee = Tee::new(resolver, settings.exact.then(|| spec.exact_style()), Rc::clone(&seen), settings);
-    let front = TraceFront::new(tee, spec.front());
+    let front = TraceFront::new(Box::new(tee) as Passing, spec.front());
     let machine = match tiles {
         Some(tiles) => spec.build_remote(front, tiles)?,
         None => spec.build(front)?,

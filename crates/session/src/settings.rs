@@ -2,19 +2,18 @@
 
 use crate::exhibits::content::ExhibitInfo;
 use crate::machines::MachineConfig;
+use crate::prepared::Prepared;
 use crate::tape::Given;
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles};
 use basrelief_input::Budget;
 use basrelief_kernel::Engine;
-use basrelief_signals::Scene;
 use std::io::Read;
-use std::sync::Arc;
 
 /// What is drawn.
 pub enum RunInput {
     /// A scene: goes through the geometry processor.
-    Scene(Arc<Scene>),
+    Scene(Prepared),
     /// A display list in any form, read once, as a stream.
     Trace {
         /// Its bytes.
@@ -40,9 +39,14 @@ impl RunInput {
     /// As the user named it.
     pub fn name(&self) -> &str {
         match self {
-            Self::Scene(scene) => &scene.name,
+            Self::Scene(prepared) => &prepared.scene().name,
             Self::Trace { name, .. } | Self::Remote { name, .. } => name,
         }
+    }
+
+    /// A scene.
+    pub fn scene(scene: impl Into<Prepared>) -> Self {
+        Self::Scene(scene.into())
     }
 
     /// A display list that stands alone.
@@ -84,6 +88,9 @@ pub struct RunOptions {
     pub given: Given,
     /// Whether the observer is shown the run's [tape](crate::Observer::tape); costs nothing otherwise.
     pub tape: When,
+    /// Add up what each pixel, polygon, object and frame costs, and show the observer the [pictures](crate::COST_PICTURES) of it; of the
+    /// timed and the ticked engine. Costs nothing otherwise.
+    pub costs: bool,
     /// Show the observer every [request](crate::Observer::requests) that a memory takes in; costs nothing otherwise.
     pub requests: bool,
     /// Seconds on a clock that does not run backwards, for the host figures; libraries read none themselves. It must
@@ -106,6 +113,7 @@ impl Default for RunOptions {
             limits: When::Never,
             given: Given::default(),
             tape: When::Never,
+            costs: false,
             requests: false,
             clock: || 0.0,
             budget: Budget::default(),

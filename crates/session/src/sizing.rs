@@ -7,7 +7,7 @@
 
 use crate::limits::frame_cycles;
 use crate::machines::{MachineSpec, for_machine};
-use crate::tape::{Loaded, TapeFileError, timed};
+use crate::tape::{Loaded, TapeFileError};
 use basrelief_kernel::{Outcome, RunReport};
 use basrelief_threads as threads;
 use serde::Serialize;
@@ -154,6 +154,6 @@ impl<'a, S: MachineSpec> Sizing<'a, S> {
         let spec: S = tape.given.load(&set).map_err(|error| TapeFileError::Config(error.to_string()))?;
         let shape = tape.way.shape(&spec).map_err(crate::tape::config)?;
         tape.way.shape(self.spec).map_err(crate::tape::config)?.same_work(&shape).map_err(TapeFileError::OtherWork)?;
-        Ok(timed(&tape.reels, shape)?)
+        Ok(tape.tape.retime(shape)?)
     }
 }

@@ -53,7 +53,7 @@ fn a_replay_draws_the_same_pictures_from_the_same_tiles_in_both_encodings_and_ev
     let scene = scene();
     for mode in ["best", "progressive", "conventional"] {
         let config = config(mode);
-        let drawn = report(RunInput::Scene(Arc::clone(&scene)), &config);
+        let drawn = report(RunInput::scene(Arc::clone(&scene)), &config);
         for form in Form::ALL.into_iter().filter(|form| !form.compressed) {
             let replayed = report(RunInput::trace(Cursor::new(recorded(&scene, &config, form)), "recorded"), &config);
             assert_eq!(drawn.input.sha256, replayed.input.sha256, "the same input");
@@ -100,7 +100,7 @@ fn section_3_the_exact_picture_goes_on_beyond_the_edges_of_odd_textures_as_the_d
             let settings = [("tile.width", "4"), ("tile.height", "4"), ("defer.texel_centre", centre)];
             let config: DeferConfig = basrelief_parameters::load("", &settings).unwrap();
             let settings = RunOptions { config: config.into(), engine: None, ..RunOptions::default() };
-            let report = run(RunInput::Scene(wrapped(wrap)), &settings, &mut Unobserved, None).unwrap().report;
+            let report = run(RunInput::scene(wrapped(wrap)), &settings, &mut Unobserved, None).unwrap().report;
             let db = report.quality.map_or(0.0, |quality| quality.last.psnr_db);
             assert!(db >= 50.0, "{wrap:?}, {centre}: {db:.2} dB");
         }
@@ -119,7 +119,7 @@ fn gouraud_lights_a_model_with_normal_maps_as_the_exact_picture_has_it() {
     assert!(scene.objects.iter().any(|o| o.material.normal_map.is_some()), "its polygons are bump targets");
     let config: DeferConfig = basrelief_parameters::load("", &[("defer.lighting", "gouraud")]).unwrap();
     let settings = RunOptions { config: config.into(), engine: None, ..RunOptions::default() };
-    let report = run(RunInput::Scene(Arc::new(scene)), &settings, &mut Unobserved, None).unwrap().report;
+    let report = run(RunInput::scene(Arc::new(scene)), &settings, &mut Unobserved, None).unwrap().report;
     let db = report.quality.map_or(0.0, |quality| quality.last.psnr_db);
     assert!(db >= 40.0, "{db:.2} dB");
 }
@@ -132,7 +132,7 @@ fn times_of_user_input_become_counts_that_hold_475() {
     let with = |set: &[(&str, &str)]| {
         let small = [("defer.mode", "progressive"), ("tile.width", "4"), ("tile.height", "4"), ("video_out.enabled", "false")];
         let config: DeferConfig = basrelief_parameters::load("", &[&small[..], set].concat()).unwrap();
-        report(RunInput::Scene(Arc::clone(&scene)), &config)
+        report(RunInput::scene(Arc::clone(&scene)), &config)
     };
     let views_of = |report: &Report| report.config["defer"]["pictures_of_views"].to_string();
     let never = with(&[]);

@@ -25,7 +25,7 @@ fn draw(machine: &str, settings: &[(&str, &str)], scene: &Arc<Scene>) -> Picture
     let config = MachineInfo::named(machine).expect("a machine").load("", settings).expect("valid parameters");
     let settings = RunOptions { config, engine: None, exact: false, ..RunOptions::default() };
     let mut kept = Kept::default();
-    run(RunInput::Scene(Arc::clone(scene)), &settings, &mut kept, None).expect("a picture");
+    run(RunInput::scene(Arc::clone(scene)), &settings, &mut kept, None).expect("a picture");
     kept.0.expect("a picture")
 }
 

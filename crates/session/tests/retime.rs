@@ -35,7 +35,7 @@ fn scene(machine: &MachineInfo) -> Arc<Scene> {
 }
 
 fn of_scene(machine: &MachineInfo) -> RunInput {
-    RunInput::Scene(scene(machine))
+    RunInput::scene(scene(machine))
 }
 
 fn of_trace(machine: &MachineInfo) -> RunInput {

@@ -40,7 +40,7 @@ fn report(source: RunInput, config: &BumpProcessorConfig) -> Report {
 /// The scene's run and the run of its trace.
 fn both(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) -> [Report; 2] {
     let trace = RunInput::trace(Cursor::new(recorded(scene, config, encoding)), "recorded");
-    [report(RunInput::Scene(Arc::clone(scene)), config), report(trace, config)]
+    [report(RunInput::scene(Arc::clone(scene)), config), report(trace, config)]
 }
 
 /// Figures of the units behind the display list.
@@ -180,7 +180,7 @@ fn a_run_is_the_same_with_other_threads_and_without() {
     let trace = recorded(&coin, &config(&[]), Encoding::Binary);
     let all = || {
         let replayed = shown(RunInput::trace(Cursor::new(trace.clone()), "recorded"), u64::MAX);
-        [shown(RunInput::Scene(Arc::clone(&coin)), u64::MAX), shown(RunInput::Scene(Arc::clone(&coin)), 60_000), replayed]
+        [shown(RunInput::scene(Arc::clone(&coin)), u64::MAX), shown(RunInput::scene(Arc::clone(&coin)), 60_000), replayed]
     };
     let threaded = all();
     basrelief_threads::work_alone();

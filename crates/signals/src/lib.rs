@@ -9,7 +9,7 @@
 //!
 //! [`GatheredLines`] are the lines of a picture's memory that a unit has open for writing.
 //!
-//! [`width`] says how many bits each takes on a wire.
+//! [`width`] says how many bits each takes on a wire, [`about`] what it is about.
 //!
 //! [`layout`] is the address map of the one memory that several units share.
 //!
@@ -19,6 +19,7 @@
 //! range); window coordinates have x to the right and **y down**, pixel (0, 0) is top left and its centre is
 //! (0.5, 0.5); depth runs from 0 (near) to 1 (far); images store their top row first; u, v follow glTF (v down).
 
+pub mod about;
 pub mod flow;
 pub mod fragment;
 pub mod gathered_lines;
@@ -29,6 +30,7 @@ pub mod polygon;
 pub mod quantization_memory;
 pub mod width;
 
+pub use about::{About, Pixels};
 pub use flow::{Control, Flow};
 pub use fragment::{
     Fragment, Indexes, MAX_SAMPLES, MAX_STAMP, PictureFlow, Pixel, PixelBlock, PseudoNormals, Sample, Samples, Shaded, Stamp,

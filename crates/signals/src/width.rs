@@ -4,7 +4,7 @@
 
 use crate::fragment::{Indexes, PictureFlow, PseudoNormals, Shaded};
 use crate::packet::{PACKET_PIXELS, Packet, PixelPacket};
-use crate::{Control, Draw, Flow, Fragment, Pixel, Stamp};
+use crate::{About, Control, Draw, Flow, Fragment, Frame, MAX_STAMP, Pixel, Pixels, Polygon, Sample, Samples, Stamp};
 use smallvec::{Array, SmallVec};
 use std::sync::Arc;
 
@@ -51,6 +51,10 @@ pub const CONTROL: u32 = 32;
 pub trait Signal {
     /// Its bits.
     fn bits(widths: &Widths) -> u32;
+    /// What it is about.
+    fn about(&self) -> About {
+        About::Made
+    }
 }
 
 /// Nothing but that it comes.
@@ -63,6 +67,10 @@ impl Signal for () {
 impl<T: Signal> Signal for Arc<T> {
     fn bits(widths: &Widths) -> u32 {
         T::bits(widths)
+    }
+
+    fn about(&self) -> About {
+        T::about(self)
     }
 }
 
@@ -98,11 +106,40 @@ impl<T: Signal> Signal for Flow<T> {
     fn bits(widths: &Widths) -> u32 {
         1 + T::bits(widths).max(CONTROL)
     }
+
+    fn about(&self) -> About {
+        match self {
+            Self::Control(control) => control.about(),
+            Self::Item(item) => item.about(),
+        }
+    }
 }
 
 impl Signal for Control {
     fn bits(_: &Widths) -> u32 {
         CONTROL
+    }
+
+    fn about(&self) -> About {
+        match self {
+            Self::Frame(frame) => About::frame(frame),
+            Self::Object(object) => About::Object(object.id),
+            Self::Polygon(polygon) => About::polygon(polygon),
+            Self::CodeBook(_) | Self::Criterion(_) => About::Made,
+            Self::FrameEnd => About::Whole,
+        }
+    }
+}
+
+impl About {
+    /// A frame begins.
+    pub fn frame(&Frame { index, width, height, .. }: &Frame) -> Self {
+        Self::Frame { index, size: [width, height] }
+    }
+
+    /// A polygon begins.
+    pub fn polygon(polygon: &Arc<Polygon>) -> Self {
+        Self::Polygon(Arc::as_ptr(polygon) as usize as u64)
     }
 }
 
@@ -110,12 +147,29 @@ impl Signal for Draw {
     fn bits(_: &Widths) -> u32 {
         CONTROL
     }
+
+    fn about(&self) -> About {
+        match self {
+            Self::Frame(frame) => About::frame(frame),
+            Self::Object(object) => About::Object(object.id),
+            Self::Triangle(_) => About::Made,
+            Self::FrameEnd => About::Whole,
+        }
+    }
 }
 
 /// Items, and how many there are.
 impl<T: Signal> Signal for Stamp<T> {
     fn bits(widths: &Widths) -> u32 {
         widths.stamp * T::bits(widths) + count(widths.stamp)
+    }
+
+    /// All pixels of its items.
+    fn about(&self) -> About {
+        About::Pixels(Pixels::stamp(self.iter().filter_map(|item| match item.about() {
+            About::Pixels(pixel) => Some(pixel.first()),
+            _ => None,
+        })))
     }
 }
 
@@ -129,6 +183,10 @@ impl Signal for Fragment {
     fn bits(widths: &Widths) -> u32 {
         2 * COORDINATE + widths.depth + 2 * NUMBER + COORDINATE
     }
+
+    fn about(&self) -> About {
+        About::Pixels(Pixels::one(self.x, self.y))
+    }
 }
 
 /// Samples of the fragments of a stamp: level and share of each, and what was sampled.
@@ -136,9 +194,29 @@ fn samples(widths: &Widths, value: u32) -> u32 {
     widths.samples * (LEVEL + widths.stamp * (SHARE + value)) + count(widths.samples)
 }
 
+/// The sample of each fragment of a stamp that has the largest share in it.
+fn heaviest<T: Copy>(samples: &Samples<T>) -> [Option<&Sample<T>>; MAX_STAMP] {
+    let heavier = |lane: usize| move |a: &&Sample<T>, b: &&Sample<T>| a.weight[lane].total_cmp(&b.weight[lane]);
+    std::array::from_fn(|lane| samples.iter().max_by(heavier(lane)))
+}
+
+fn sampled<T: Copy>(stamp: &Stamp<Fragment>, samples: &Samples<T>, entry: Option<fn(T) -> u16>) -> About {
+    let heaviest = heaviest(samples);
+    let levels = heaviest.map(|sample| sample.map_or(0, |sample| sample.level));
+    let lanes = [0, 1, 2, 3];
+    let entries = entry.map(|entry| lanes.map(|lane| heaviest[lane].map_or(0, |sample| entry(sample.value[lane]))));
+    let mut pixels = Pixels::stamp(stamp.iter().map(|f| [f.x, f.y]));
+    (pixels.levels, pixels.entries) = (Some(levels), entries);
+    About::Pixels(pixels)
+}
+
 impl Signal for PseudoNormals {
     fn bits(widths: &Widths) -> u32 {
         Stamp::<Fragment>::bits(widths) + samples(widths, 3 * widths.normal)
+    }
+
+    fn about(&self) -> About {
+        sampled(&self.stamp, &self.samples, None)
     }
 }
 
@@ -146,17 +224,29 @@ impl Signal for Indexes {
     fn bits(widths: &Widths) -> u32 {
         Stamp::<Fragment>::bits(widths) + samples(widths, widths.index)
     }
+
+    fn about(&self) -> About {
+        sampled(&self.stamp, &self.samples, Some(|index| index))
+    }
 }
 
 impl Signal for Shaded {
     fn bits(widths: &Widths) -> u32 {
         Fragment::bits(widths) + widths.brightness
     }
+
+    fn about(&self) -> About {
+        self.fragment.about()
+    }
 }
 
 impl Signal for Pixel {
     fn bits(widths: &Widths) -> u32 {
         2 * COORDINATE + widths.depth + COLOR
+    }
+
+    fn about(&self) -> About {
+        About::Pixels(Pixels::one(self.x, self.y))
     }
 }
 
@@ -165,6 +255,14 @@ impl Signal for PictureFlow {
     fn bits(_: &Widths) -> u32 {
         1 + (2 * COORDINATE + 16 * (1 + COLOR)).max(CONTROL)
     }
+
+    fn about(&self) -> About {
+        match self {
+            Self::Frame(frame) => About::frame(frame),
+            Self::Pixels(block) => About::Pixels(Pixels::block(block.at, block.mask)),
+            Self::Show { .. } => About::Whole,
+        }
+    }
 }
 
 /// First column, row, mask.
@@ -172,11 +270,19 @@ impl Signal for Packet {
     fn bits(_: &Widths) -> u32 {
         2 * COORDINATE + PACKET_PIXELS as u32
     }
+
+    fn about(&self) -> About {
+        About::Pixels(Pixels::packet([self.x, self.y], self.mask))
+    }
 }
 
 impl Signal for PixelPacket {
     fn bits(widths: &Widths) -> u32 {
         Packet::bits(widths) + PACKET_PIXELS as u32 * COLOR
+    }
+
+    fn about(&self) -> About {
+        self.packet.about()
     }
 }
 

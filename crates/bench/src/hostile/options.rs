@@ -21,7 +21,7 @@ const COMMANDS: [&str; 12] = [
     "run --from http://127.0.0.1:1/",
 ];
 
-const OPTIONS: [&str; 28] = [
+const OPTIONS: [&str; 30] = [
     "--machine shade",
     "--machine texel",
     "--machine defer",
@@ -43,6 +43,8 @@ const OPTIONS: [&str; 28] = [
     "--no-exact",
     "--timeline t.pftrace",
     "--timeline out/image.png",
+    "--timeline t.pftrace --units replacement --from-cycle N",
+    "--waves w.fst --to-cycle N",
     "--requests r.csv",
     "--requests-format dramsim3",
     "--dump spans s.jsonl",

@@ -1,9 +1,10 @@
 //! Arguments that several commands have.
 
-use super::values::{direction, finite, key_value, machine, size};
-use crate::commands::{dump, tables};
+use super::values::{Named, angles, direction, finite, key_value, machine, size, tables};
+use crate::commands::{dump, tables as of_tables};
+use basrelief_report::Tables;
 use basrelief_session::MachineInfo;
-use clap::{ArgAction, Args, ValueEnum};
+use clap::{ArgAction, ArgGroup, Args, ValueEnum};
 use std::path::PathBuf;
 
 /// The engines.
@@ -55,6 +56,12 @@ pub struct ViewArgs {
     /// View from a file: view_projection (row-major, clip = M [x y z 1]^T), to_light, to_viewer.
     #[arg(long, value_name = "FILE")]
     pub camera: Option<PathBuf>,
+    /// Turn the camera about the model, ahead of everything else: around the vertical axis, then upwards (degrees).
+    #[arg(long, value_name = "AROUND,UP", allow_hyphen_values = true, value_parser = angles)]
+    pub turn: Option<[f64; 2]>,
+    /// See all so much larger, around the middle of the picture.
+    #[arg(long, value_name = "FACTOR", value_parser = finite)]
+    pub zoom: Option<f64>,
     /// Number of pictures.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: Option<u32>,
@@ -69,15 +76,30 @@ pub struct ViewArgs {
     pub light_orbit: Option<f64>,
 }
 
+/// What is printed of a report.
+#[derive(Clone, Debug, Args)]
+pub struct TablesArgs {
+    /// Print these tables too, with commas between.
+    #[arg(long, value_name = "TABLES", value_delimiter = ',', value_parser = tables())]
+    tables: Vec<Named>,
+}
+
+impl TablesArgs {
+    /// The tables that are wanted.
+    pub fn shown(&self) -> Vec<Tables> {
+        self.tables.iter().flat_map(|named| named.0.clone()).collect()
+    }
+}
+
 /// How to simulate, and what to write.
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Simulation")]
+#[command(next_help_heading = "Simulation", group = ArgGroup::new("time_line").multiple(true))]
 pub struct SimulationArgs {
     /// The engine.
     #[arg(long, value_enum, default_value_t)]
     pub engine: EngineName,
     /// No time: the same steps with memories that answer at once; the same picture, no cycles.
-    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline", "requests"])]
+    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline", "waves", "requests", "costs"])]
     pub functional: bool,
     /// Stop after this many cycles, with exit code 1 and the state so far.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -88,6 +110,8 @@ pub struct SimulationArgs {
     /// Print the report to standard output, and nothing else.
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub tables: TablesArgs,
     /// Do not draw the exact picture and measure against it: faster where only cycles matter.
     #[arg(long)]
     pub no_exact: bool,
@@ -101,9 +125,28 @@ pub struct SimulationArgs {
     /// Write the tables as report.csv too.
     #[arg(long)]
     pub csv: bool,
+    /// Add up what each pixel, polygon, object and frame costs, cycle by cycle of every unit: cost.png, wait.png, overdraw.png and, of
+    /// machines that have them, level.png and entry.png; and tables in the report. Takes some 8 bytes per pixel for each thing that a
+    /// unit does or waits for.
+    #[arg(long)]
+    pub costs: bool,
     /// Write what every unit did when, as a Perfetto trace (open at ui.perfetto.dev).
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "time_line")]
     pub timeline: Option<PathBuf>,
+    /// Write what every unit and FIFO did when as waves, a file in the format FST (open in GTKWave or Surfer). What they show is kept until
+    /// the end of the run, within --memory-limit.
+    #[arg(long, value_name = "FILE", group = "time_line")]
+    pub waves: Option<PathBuf>,
+    /// The first cycle that time line and waves show [default: 0].
+    #[arg(long, value_name = "N", requires = "time_line")]
+    pub from_cycle: Option<u64>,
+    /// The first cycle after those that time line and waves show [default: the end of the run].
+    #[arg(long, value_name = "N", requires = "time_line", value_parser = clap::value_parser!(u64).range(1..))]
+    pub to_cycle: Option<u64>,
+    /// The units that time line and waves show, with the FIFOs at their ends and the memories that they use; several with commas
+    /// between [default: all].
+    #[arg(long, value_name = "NAME,NAME", requires = "time_line", value_delimiter = ',')]
+    pub units: Vec<String>,
     /// Write the report as one page, with pictures and block diagram: a file that any browser shows, without script, and with
     /// nothing from outside.
     #[arg(long, value_name = "FILE")]
@@ -125,9 +168,9 @@ pub struct SimulationArgs {
     pub requests_memory: Option<String>,
     /// Run the same input without each short cut of the machine in turn, and without any, and write the table of cycles and
     /// changes as ablation.json and ablation.csv, and nothing else.
-    #[arg(long, conflicts_with_all = ["functional", "timeline", "html", "tape", "requests", "csv", "dump"])]
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "waves", "html", "tape", "requests", "costs", "csv", "dump"])]
     pub ablate: bool,
-    #[arg(long, help = tables::methods_help(), conflicts_with_all = ["functional", "timeline", "html", "tape", "requests", "csv", "dump", "ablate"])]
+    #[arg(long, help = of_tables::methods_help(), conflicts_with_all = ["functional", "timeline", "waves", "html", "tape", "requests", "costs", "csv", "dump", "ablate"])]
     pub compare_methods: bool,
     #[arg(long, help = dump::help(), num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
     pub dump: Vec<PathBuf>,

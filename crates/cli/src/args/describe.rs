@@ -40,6 +40,9 @@ pub struct CompareArgs {
     /// Print the comparison as JSON; of several, a list of them.
     #[arg(long)]
     pub json: bool,
+    /// Write the comparison as one page, with what explains it, and pictures and block diagrams of both.
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
 }
 
 /// Arguments of `schema`.

@@ -6,10 +6,10 @@ mod lists;
 mod run;
 mod values;
 
-pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, ViewArgs};
+pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, TablesArgs, ViewArgs};
 pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
-pub use run::{DemoArgs, RetimeArgs, RunArgs, ServeArgs, SizeFifosArgs};
+pub use run::{DemoArgs, PageArgs, RetimeArgs, RunArgs, ServeArgs, SizeFifosArgs};
 
 use basrelief_input::{Budget, Size};
 use clap::{Parser, Subcommand};
@@ -53,6 +53,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Print a JSON schema.
     Schema(SchemaArgs),
+    /// Show the simulator as a page in a browser: pictures, figures and block diagram that follow every slider.
+    Page(PageArgs),
     /// Offer polygons, texture sizes and single tiles of a scene over HTTP, for `run --from`.
     Serve(ServeArgs),
 }

@@ -1,6 +1,6 @@
 //! Arguments of the commands that draw or offer scenes: `demo`, `run`, `serve`.
 
-use super::common::{MachineArgs, SimulationArgs, ViewArgs};
+use super::common::{MachineArgs, SimulationArgs, TablesArgs, ViewArgs};
 use super::values::{finite, http, key_value, socket};
 use clap::Args;
 use std::net::SocketAddr;
@@ -55,6 +55,8 @@ pub struct RetimeArgs {
     /// Print the report to standard output, and nothing else.
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub tables: TablesArgs,
     /// Write the tables as report.csv too.
     #[arg(long, requires = "out")]
     pub csv: bool,
@@ -86,6 +88,23 @@ pub struct SizeFifosArgs {
     pub machine: MachineArgs,
     #[command(flatten)]
     pub view: ViewArgs,
+}
+
+/// Options of `page`.
+#[derive(Debug, Args)]
+pub struct PageArgs {
+    /// Where; port 0 takes any that is free.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8017", value_parser = socket)]
+    pub listen: SocketAddr,
+    /// Other computers may connect.
+    #[arg(long)]
+    pub public: bool,
+    /// The folder that `web/build` has made; by itself it is looked for beside this program.
+    #[arg(long, value_name = "DIR")]
+    pub folder: Option<PathBuf>,
+    /// Write the page as one file that works from a disk, and serve nothing.
+    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["listen", "public"])]
+    pub export: Option<PathBuf>,
 }
 
 /// Arguments of `serve`.

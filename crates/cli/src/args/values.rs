@@ -1,5 +1,6 @@
 //! Values on the command line, checked where they are given.
 
+use basrelief_report::Tables;
 use basrelief_session::{MACHINES, MachineInfo};
 use basrelief_signals::MAX_PICTURE_PIXELS;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -11,6 +12,20 @@ use ureq::http::uri::Authority;
 pub fn machine() -> impl TypedValueParser<Value = &'static MachineInfo> {
     let names = MACHINES.iter().map(|m| PossibleValue::new(m.name).help(m.about));
     PossibleValuesParser::new(names).try_map(|name| MachineInfo::named(&name))
+}
+
+/// Tables of a report, by one name.
+#[derive(Clone, Debug)]
+pub struct Named(pub Vec<Tables>);
+
+/// Names of tables, or of all of them.
+pub fn tables() -> impl TypedValueParser<Value = Named> {
+    let names = Tables::ALL.iter().map(|of| PossibleValue::new(of.name()).help(of.about()));
+    let all = PossibleValue::new("all").help("All of them");
+    PossibleValuesParser::new(names.chain([all])).map(|name| {
+        let named = Tables::ALL.iter().copied().filter(|of| name == "all" || name == of.name());
+        Named(named.collect())
+    })
 }
 
 /// The address of a server.
@@ -50,6 +65,13 @@ pub fn finite(text: &str) -> Result<f64, String> {
     text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| "expected a finite number".into())
 }
 
+/// Two angles.
+pub fn angles(text: &str) -> Result<[f64; 2], String> {
+    let expected = "expected AROUND,UP, two angles in degrees such as 30,-10";
+    let (around, up) = text.split_once(',').ok_or(expected)?;
+    Ok([finite(around.trim()).map_err(|_| expected)?, finite(up.trim()).map_err(|_| expected)?])
+}
+
 /// A direction in world space.
 pub fn direction(text: &str) -> Result<[f64; 3], String> {
     let expected = "expected X,Y,Z, not all zero, such as 0.4,0.8,0.45";
@@ -68,6 +90,8 @@ mod tests {
         assert!(size("0x480").is_err() && size("640").is_err() && size("99999x2").is_err() && size("16384x16384").is_err());
         assert_eq!(direction("1, -2,3.5"), Ok([1.0, -2.0, 3.5]));
         assert!(direction("0,0,0").is_err() && direction("1,2").is_err() && direction("1,NaN,2").is_err());
+        assert_eq!(angles("30, -10.5"), Ok([30.0, -10.5]));
+        assert!(angles("30").is_err() && angles("30,inf").is_err() && angles("1,2,3").is_err());
         assert_eq!(key_value("a.b=[1, 2]"), Ok(("a.b".into(), "[1, 2]".into())));
         assert!(key_value("a.b").is_err());
     }

@@ -5,18 +5,22 @@ use super::tape::{open, unreadable};
 use crate::args::CompareArgs;
 use crate::error::{Done, Failure, print};
 use crate::input::read_text;
-use crate::outputs::{REPORT, RUN_TAPE};
+use crate::outputs::{PartialFile, REPORT, RUN_TAPE};
 use basrelief_input::{Budget, json_weight};
 use basrelief_report::compare::overview;
+use basrelief_report::html::{self, PagePicture, compared};
 use basrelief_report::{Comparison, Report, compare as difference};
-use basrelief_session::{Taped, explain};
+use basrelief_session::{Taped, beside, explain};
 use serde_json::Value;
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 /// A report, and its tape where that is beside it.
 struct Side {
     name: String,
     report: Report,
+    /// Where it lies.
+    folder: PathBuf,
     taped: Option<Taped>,
 }
 
@@ -39,11 +43,21 @@ pub fn compare(args: &CompareArgs, budget: &Budget) -> Done {
     } else {
         print(&text(&first, &others, &pairs))?;
     }
+    if let Some(path) = &args.html {
+        page(path, (&first, &others), &pairs)?;
+    }
     let worst = pairs.iter().map(|pair| pair.comparison.worst_percent()).fold(0.0, f64::max);
     match args.fail_over {
         Some(limit) if worst > limit => Err(Failure::Bad(format!("grew worse by {worst} %, allowed {limit} %"))),
         _ => Ok(()),
     }
+}
+
+/// The same as a page, with the pictures that lie beside the reports.
+fn page(path: &Path, (first, others): (&Side, &[Side]), pairs: &[Pair<'_>]) -> Done {
+    let pairs = others.iter().zip(pairs).map(|(other, pair)| Ok((other.shown()?, &pair.comparison)));
+    let page = compared(&first.shown()?, &pairs.collect::<Done<Vec<_>>>()?);
+    PartialFile::write_whole(path, page.as_bytes()).map_err(Failure::file(path, "be written"))
 }
 
 fn text(first: &Side, others: &[Side], pairs: &[Pair<'_>]) -> String {
@@ -76,7 +90,22 @@ impl Side {
         let tape = file.with_file_name(RUN_TAPE);
         let has_tape = file.ends_with(REPORT) && tape.exists();
         let taped = has_tape.then(|| read_tape(&report, &tape, budget)).transpose()?;
-        Ok(Self { name: path.display().to_string(), report, taped })
+        let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
+        Ok(Self { name: path.display().to_string(), report, folder, taped })
+    }
+
+    /// As a page shows it: with the picture of the last frame, where it lies beside the report.
+    fn shown(&self) -> Done<html::Side<'_>> {
+        let mut beside = beside(&self.report).map_err(Failure::within(&self.name))?;
+        // A name alone: a report from elsewhere must not name files of ours.
+        let name = self.report.image.last().map(|picture| Path::new(&picture.file));
+        let name = name.filter(|name| name.file_name() == Some(name.as_os_str()));
+        let file = name.map(|name| self.folder.join(name)).filter(|file| file.is_file());
+        if let Some(file) = file {
+            let png = fs::read(&file).map_err(Failure::file(&file, "be read"))?;
+            beside.pictures = vec![PagePicture { caption: "The machine's picture".into(), png, largest: None }];
+        }
+        Ok(html::Side { name: &self.name, report: &self.report, beside })
     }
 
     fn against<'a>(&'a self, other: &'a Self) -> Pair<'a> {

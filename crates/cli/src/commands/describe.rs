@@ -9,7 +9,6 @@ use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::model::Hardware;
 use basrelief_scene::DEMOS;
 use basrelief_session::{MachineConfig, MachineInfo};
-use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// Prints what the machine is.
@@ -20,10 +19,8 @@ pub fn describe(args: &DescribeArgs, budget: &Budget) -> Done {
         return hardware(&config, args.json);
     }
     let table = config.parameters();
-    let defaults = machine.parameters();
     if args.json {
-        let list: Vec<Value> = table.iter().zip(&defaults).map(|(p, by_default)| as_json(p, &by_default.default)).collect();
-        return print(&format!("{:#}\n", Value::Array(list)));
+        return print(&format!("{}\n", serde_json::to_string_pretty(&config.described()).map_err(Failure::bad)?));
     }
     let mut text = format!("{} - {}\n\n{}\nUnits\n", machine.name, machine.about, machine.diagram);
     let units = machine.units();
@@ -51,19 +48,8 @@ fn hardware(config: &MachineConfig, json: bool) -> Done {
     print(&format!("{}\n", basrelief_report::hardware(&all, style())))
 }
 
-fn as_json(p: &Parameter, default: &Value) -> Value {
-    json!({
-        "key": p.key, "value": p.default, "default": default, "unit": p.unit, "range": p.range, "about": p.doc,
-        "effect": p.effect.name(),
-        "provenance": {"kind": p.provenance.kind(), "text": p.provenance.text()},
-    })
-}
-
 fn entry(text: &mut String, p: &Parameter) {
-    let value = match &p.default {
-        Value::String(s) => s.clone(),
-        other => other.to_string(),
-    };
+    let value = p.as_option();
     let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
     let range = if p.range.is_empty() { String::new() } else { format!("   [{}]", p.range) };
     let _ = writeln!(text, "\n  {} = {value}{unit}{range}", p.key);

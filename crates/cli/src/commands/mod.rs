@@ -5,6 +5,7 @@ mod convert;
 mod describe;
 pub mod dump;
 mod from;
+mod html;
 mod output_files;
 mod page;
 mod record;
@@ -16,6 +17,7 @@ mod simulate;
 mod size_fifos;
 pub mod tables;
 mod tape;
+mod timelines;
 mod verify;
 
 use crate::args::{Cli, Command};
@@ -35,6 +37,7 @@ pub fn dispatch(cli: Cli, budget: &Budget) -> Done {
         Command::Describe(args) => describe::describe(&args, budget),
         Command::Compare(args) => compare::compare(&args, budget),
         Command::Schema(args) => schema::schema(&args),
+        Command::Page(args) => page::page(&args, cli.quiet),
         Command::Serve(args) => serve::serve(&args, budget, cli.quiet),
     }
 }

@@ -1,20 +1,23 @@
 //! What a run writes while it goes on: pictures, exhibits, progress.
 
 use super::dump::DumpFiles;
-use super::page::PageFile;
+use super::html::HtmlFile;
 use super::requests::RequestsFile;
 use super::tape::{RunTape, TapeFile};
-use crate::error::Failure;
-use crate::outputs::Outputs;
+use crate::args::SimulationArgs;
+use crate::error::{Done, Failure};
+use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
 use basrelief_reference::{Picture, metrics};
-use basrelief_session::{Content, Exhibit, Form, MemoryRequests, Observer, Pictures, picture_name};
+use basrelief_report::Report;
+use basrelief_session::{Content, Exhibit, Form, MemoryRequests, Observer, Pictures, RunOptions, picture_name};
 use basrelief_threads as threads;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufWriter, Write};
+use std::path::PathBuf;
 use std::rc::Rc;
 
 /// Files, progress and pictures of a run.
@@ -26,7 +29,7 @@ pub struct OutputFiles {
     /// Likewise.
     pub tape: Option<TapeFile>,
     pub run_tape: RunTape,
-    pub page: Option<PageFile>,
+    pub page: Option<HtmlFile>,
     pub outputs: Outputs,
     pub progress: Progress,
     /// Bytes of a trace read so far; a scene counts commands instead.
@@ -88,7 +91,57 @@ impl Observer for OutputFiles {
     }
 }
 
+/// A finished file that is to take its place, and that place.
+type Beside = (PartialFile, PathBuf);
+
+/// What is left of the outputs of a run, to be published.
+pub struct Rest {
+    pub dumps: DumpFiles,
+    pub run_tape: RunTape,
+    pub outputs: Outputs,
+    pub frames: usize,
+    /// Kinds of pictures that were written for each frame.
+    pub kinds: Vec<&'static str>,
+    pub extra: Vec<String>,
+}
+
 impl OutputFiles {
+    /// Opens all that the command line asks for.
+    pub fn open(
+        simulation: &SimulationArgs,
+        settings: &RunOptions,
+        (outputs, progress, read): (Outputs, Progress, Option<Rc<Cell<u64>>>),
+    ) -> Done<Self> {
+        Ok(Self {
+            dumps: DumpFiles::open(&simulation.dump, &settings.config)?,
+            requests: RequestsFile::open(simulation, &settings.config, &outputs)?,
+            tape: simulation.tape.as_deref().map(TapeFile::open).transpose()?,
+            run_tape: RunTape::new(settings.limits)?,
+            page: simulation.html.as_deref().map(HtmlFile::open).transpose()?,
+            outputs,
+            progress,
+            read,
+            frames: 0,
+            kinds: Default::default(),
+            extra: vec![],
+            shown: None,
+        })
+    }
+
+    /// Writes what is still to be written; what is then to be published beside the outputs, and the rest.
+    pub fn finish(self, report: &Report, tape_is_whole: bool, simulation: &SimulationArgs) -> Done<(Vec<Beside>, Rest)> {
+        let Self { mut dumps, requests, tape, run_tape, page, outputs, progress, frames, kinds, extra, .. } = self;
+        drop(progress);
+        dumps.flush()?;
+        let requests = requests.map(RequestsFile::finish).transpose()?;
+        // Of a run that did not come to its end there is none.
+        let tape = tape.filter(|_| tape_is_whole).map(TapeFile::finish).transpose()?;
+        let page = page.map(|page| page.finish(report)).transpose()?;
+        let beside = [(requests, &simulation.requests), (tape, &simulation.tape), (page, &simulation.html)];
+        let beside = beside.into_iter().filter_map(|(file, path)| Some((file?, path.clone()?))).collect();
+        Ok((beside, Rest { dumps, run_tape, outputs, frames, kinds: kinds.concat(), extra }))
+    }
+
     /// A run has failed: the best picture of a frame that was under way stays, if there was any.
     pub fn rescue(self, error: Failure) -> Failure {
         let Some((_, best)) = self.shown.filter(|(frame, _)| *frame as usize >= self.frames) else { return error };

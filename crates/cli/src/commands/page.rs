@@ -1,83 +1,55 @@
-//! `--html`: the report as one page.
+//! `basrelief page`: the simulator in a browser.
 
-use super::output_files::png;
-use crate::error::{Done, Failure};
+use crate::args::PageArgs;
+use crate::error::{Done, Failure, print};
+use crate::interrupt;
 use crate::outputs::PartialFile;
-use basrelief_parameters::Parameter;
-use basrelief_reference::{Picture, metrics};
-use basrelief_report::html::{Beside, PagePicture, ParameterRow};
-use basrelief_report::{Report, to_html};
-use basrelief_session::MachineInfo;
-use serde_json::Value;
-use std::io::Write;
+use crate::remote::Site;
+use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The file of `--html`, and the pictures of the last frame so far.
-pub struct PageFile {
-    path: PathBuf,
-    file: PartialFile,
-    last: Option<(Picture, Option<Picture>)>,
+/// What `web/build` makes.
+const FILES: [&str; 5] = ["index.html", "page.css", "page.js", "worker.js", "basrelief.wasm"];
+const STANDALONE: &str = "standalone.html";
+
+/// Serves the page until it is interrupted, or writes it as one file.
+pub fn page(args: &PageArgs, quiet: bool) -> Done {
+    let folder = folder(args.folder.as_deref())?;
+    if let Some(path) = &args.export {
+        let page = read(&folder, STANDALONE)?;
+        return PartialFile::write_whole(path, &page).map_err(Failure::file(path, "be written"));
+    }
+    if !args.listen.ip().is_loopback() && !args.public {
+        return Err(Failure::Usage(format!(
+            "--listen {}: others could use the page there; say --public if they may",
+            args.listen
+        )));
+    }
+    let mut site = Site::default();
+    for name in FILES {
+        site.offer(name, &read(&folder, name)?);
+    }
+    let (address, server) = site.listen(args.listen).map_err(Failure::Bad)?;
+    interrupt::say("stopped serving");
+    if !quiet {
+        print(&format!("The page is at http://{address}/ - stop it with Ctrl-C\n"))?;
+    }
+    server.join().map_err(|e| Failure::Bad(format!("{address}: {e}")))
 }
 
-impl PageFile {
-    /// Opens it.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn open(path: &Path) -> Done<Self> {
-        let file = PartialFile::create(path).map_err(Failure::file(path, "be written"))?;
-        Ok(Self { path: path.into(), file, last: None })
-    }
-
-    /// A frame is finished: the machine's picture of it, and the exact one.
-    pub fn frame(&mut self, machine: &Picture, exact: Option<&Picture>) {
-        self.last = Some((machine.clone(), exact.cloned()));
-    }
-
-    /// The file, to be published.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn finish(mut self, report: &Report) -> Done<PartialFile> {
-        let machine = MachineInfo::named(&report.machine).map_err(Failure::bad)?;
-        let parameters = machine.parameters().iter().map(|p| row(p, &report.config)).collect();
-        let pictures = self.last.as_ref().map(pictures).transpose()?.unwrap_or_default();
-        let beside = Beside { diagram: machine.diagram.into(), pictures, parameters };
-        let page = to_html(report, &beside).map_err(Failure::bad)?;
-        let written = self.file.write_all(page.as_bytes()).and_then(|()| self.file.flush());
-        written.map_err(Failure::file(&self.path, "be written"))?;
-        Ok(self.file)
-    }
+fn read(folder: &Path, name: &str) -> Done<Vec<u8>> {
+    let path = folder.join(name);
+    fs::read(&path).map_err(Failure::file(&path, "be read"))
 }
 
-fn pictures((machine, exact): &(Picture, Option<Picture>)) -> Done<Vec<PagePicture>> {
-    let made = |caption: &str, picture: &Picture, largest| -> Done<PagePicture> {
-        Ok(PagePicture { caption: caption.into(), png: png(picture).map_err(Failure::bad)?, largest })
-    };
-    let mut list = vec![made("The machine's picture", machine, None)?];
-    if let Some(exact) = exact {
-        let (difference, largest) = metrics::scaled_difference(exact, machine).map_err(Failure::bad)?;
-        list.push(made("The exact picture", exact, None)?);
-        list.push(made("The difference", &difference, Some(largest))?);
+/// The folder with the page: the one that is named, or `page` beside this program or one folder up, where a build puts it.
+fn folder(named: Option<&Path>) -> Done<PathBuf> {
+    if let Some(folder) = named {
+        return Ok(folder.into());
     }
-    Ok(list)
-}
-
-/// A parameter, with its value in this run.
-fn row(parameter: &Parameter, config: &Value) -> ParameterRow {
-    let value = config.pointer(&format!("/{}", parameter.key.replace('.', "/"))).unwrap_or(&parameter.default);
-    ParameterRow {
-        key: parameter.key.clone(),
-        value: shown(value),
-        default: shown(&parameter.default),
-        unit: parameter.unit.into(),
-        about: parameter.doc.clone(),
-        provenance: parameter.provenance.kind().into(),
-        source: parameter.provenance.text().into(),
-    }
-}
-
-/// As `--set` takes it.
-fn shown(value: &Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+    let program = std::env::current_exe().map_err(Failure::bad)?;
+    let beside = program.ancestors().skip(1).take(2).map(|folder| folder.join("page"));
+    beside.into_iter().find(|folder| folder.join(FILES[0]).is_file()).ok_or_else(|| {
+        Failure::Bad("the page is not built yet: `web/build` builds it, in the folder that basrelief was built in; or name it with --folder".into())
+    })
 }

@@ -22,11 +22,12 @@ pub fn record(args: &RecordArgs, budget: &Budget, quiet: bool) -> Done {
             args.input.display()
         )));
     };
+    let scene = scene.scene();
     let (config, _) = input::config(&args.machine, demo_of(&args.input), budget)?;
-    let expectations = if args.expect { vec![expected(&scene, &config, args, budget)?] } else { vec![] };
+    let expectations = if args.expect { vec![expected(scene, &config, args, budget)?] } else { vec![] };
     to_trace_file(&args.out, |writer, form| {
         let progress = Progress::new(None, "commands", quiet);
-        write_list(&scene, &config, writer, (form, begin_of(&scene)), expectations, (progress, budget))
+        write_list(scene, &config, writer, (form, begin_of(scene)), expectations, (progress, budget))
     })
 }
 

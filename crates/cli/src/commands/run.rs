@@ -21,7 +21,7 @@ pub fn demo(args: &DemoArgs, budget: &Budget, quiet: bool) -> Done {
     let name = args.name.as_deref().unwrap_or(machine.demos[0]);
     let scene = input::demo_scene(name, &args.view, budget)?;
     let settings = settings_of(input::config(&args.machine, Some(name), budget)?, &args.simulation, budget);
-    simulate(began, Input::Scene(scene), settings, &args.simulation, quiet)
+    simulate(began, Input::Scene(scene.into()), settings, &args.simulation, quiet)
 }
 
 /// Draws a model or replays a display list.
@@ -43,20 +43,21 @@ pub fn run(args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
 
 fn simulate(began: f64, input: Input, settings: RunOptions, simulation: &SimulationArgs, quiet: bool) -> Done {
     if simulation.ablate {
-        return ablate(&input, &settings, simulation, quiet);
+        return ablate(&input.for_several_runs(&settings.budget), &settings, simulation, quiet);
     }
     if simulation.compare_methods {
-        return compare_methods(&input, &settings, simulation, quiet);
+        return compare_methods(&input.for_several_runs(&settings.budget), &settings, simulation, quiet);
     }
     simulate_source(began, source_of(input, quiet || simulation.json), settings, simulation, quiet)
 }
 
 fn source_of(input: Input, quiet: bool) -> (RunInput, Progress, Option<Rc<Cell<u64>>>) {
     match input {
-        Input::Scene(scene) => {
+        Input::Scene(prepared) => {
+            let scene = prepared.scene();
             let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
             let total = (per_frame * scene.frames.len()) as u64;
-            (RunInput::Scene(scene), Progress::new(Some(total), "draw commands", quiet), None)
+            (RunInput::Scene(prepared), Progress::new(Some(total), "draw commands", quiet), None)
         }
         Input::Trace(trace) => {
             let (progress, read) = (Progress::new(trace.bytes, "bytes", quiet), Rc::clone(&trace.read));

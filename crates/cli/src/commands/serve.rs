@@ -26,18 +26,19 @@ pub fn serve(args: &ServeArgs, budget: &Budget, quiet: bool) -> Done {
     let Input::Scene(scene) = input::open(&args.input, &args.view, budget)? else {
         return Err(Failure::Usage(format!("{}: is a display list; serve takes a model or demo:NAME", args.input.display())));
     };
+    let scene = scene.scene();
     let (config, _) = input::config(&args.machine, demo_of(&args.input), budget)?;
     // Black ones, and the layers that are asked for: kept to the end of the program.
-    hold_textures(&scene, 2, budget).map_err(Failure::within(&scene.name))?.keep();
+    hold_textures(scene, 2, budget).map_err(Failure::within(&scene.name))?.keep();
     let polygons = PolygonList::default();
-    let served = TileService::new(polygons.clone(), textures(&scene), hash_of_textures(&scene));
+    let served = TileService::new(polygons.clone(), textures(scene), &hash_of_textures(scene));
     let (address, server) = served.listen(args.listen, Limits::default()).map_err(Failure::Bad)?;
     interrupt::say("stopped serving");
     if !quiet {
         print(&format!("Serving {} at http://{address}/\n", scene.name))?;
     }
     // Many frames take long; tiles are served in the meantime.
-    polygons.offer(list_of(&scene, &config, budget, quiet)?);
+    polygons.offer(list_of(scene, &config, budget, quiet)?);
     server.join().map_err(|e| Failure::Bad(format!("{address}: {e}")))
 }
 

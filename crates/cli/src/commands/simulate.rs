@@ -1,24 +1,22 @@
 //! A run from its source to its files, and what all commands that simulate share.
 
-use super::dump::DumpFiles;
 use super::output_files::OutputFiles;
-use super::page::PageFile;
-use super::requests::RequestsFile;
-use super::tape::{RunTape, TapeFile};
-use crate::args::{EngineName, MachineArgs, SimulationArgs, ViewArgs};
+use super::tape::RunTape;
+use super::timelines::TimelineFiles;
+use crate::args::{EngineName, MachineArgs, SimulationArgs, TablesArgs, ViewArgs};
 use crate::error::{Done, Failure, print};
-use crate::outputs::{Outputs, PartialFile, REPORT, RUN_TAPE, check_distinct, check_not_read};
+use crate::outputs::{Outputs, REPORT, RUN_TAPE, check_distinct, check_not_read};
 use crate::progress::Progress;
 use basrelief_input::Budget;
-use basrelief_kernel::{Engine, Probe, StageTopology};
+use basrelief_kernel::{Engine, Probe};
 use basrelief_report::model::OutcomeKind;
-use basrelief_report::{Report, StageNames, Style, Timeline, to_csv, to_text};
+use basrelief_report::{Report, Style, to_csv, to_text};
 use basrelief_session::{
-    self as session, Form, Given, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved, When,
-    picture_name,
+    self as session, ExhibitInfo, Form, Given, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved,
+    When, picture_name,
 };
 use std::cell::Cell;
-use std::io::{BufWriter, IsTerminal, Write};
+use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::OnceLock;
@@ -55,6 +53,7 @@ pub fn settings_of((config, given): (MachineConfig, Given), simulation: &Simulat
             (None, When::Never) => When::Never,
             (None, _) => When::IfShort,
         },
+        costs: simulation.costs,
         requests: simulation.requests.is_some(),
         clock: seconds,
         budget: budget.clone(),
@@ -81,60 +80,39 @@ pub fn simulate_source(
     // Before the dumps: they may lie in it.
     let outputs = Outputs::begin(&simulation.out).map_err(Failure::file(&simulation.out, "be written"))?;
     check_distinct(&simulation.out, &named_outputs(simulation)).map_err(Failure::Usage)?;
-    let dumps = DumpFiles::open(&simulation.dump, &settings.config)?;
-    let requests = RequestsFile::open(simulation, &settings.config, &outputs)?;
-    let tape = simulation.tape.as_deref().map(TapeFile::open).transpose()?;
-    let page = simulation.html.as_deref().map(PageFile::open).transpose()?;
-    let pictures = settings.config.machine().exhibits().into_iter().filter(|e| e.form != Form::Lines);
-    settings.exhibits = pictures.filter(|e| settings.exact || !e.judges).chain(dumps.exhibits()).collect();
-    let mut files = OutputFiles {
-        dumps,
-        requests,
-        tape,
-        run_tape: RunTape::new(settings.limits)?,
-        page,
-        outputs,
-        progress,
-        read,
-        frames: 0,
-        kinds: Default::default(),
-        extra: vec![],
-        shown: None,
+    let mut timelines = TimelineFiles::open(simulation, &source, &settings)?;
+    let mut files = OutputFiles::open(simulation, &settings, (outputs, progress, read))?;
+    settings.exhibits = exhibits(&settings, &files);
+    let ran = match &mut timelines {
+        None => run_named(source, &settings, &mut files, None),
+        Some(timelines) => timelines.watch(|probe| run_named(source, &settings, &mut files, Some(probe))),
     };
-    let ran = match &simulation.timeline {
-        None => run_named(source, &settings, &mut files, None).map(|run| (run, None)),
-        Some(path) => with_timeline(path, source, &settings, &mut files),
-    };
-    let (run, timeline) = match ran {
+    let run = match ran {
         Ok(ran) => ran,
         Err(error) => return Err(files.rescue(error)),
     };
     let tape_is_whole = run.tape_is_whole;
     let report = run.with_host(seconds() - began);
-    let OutputFiles { outputs, progress, mut dumps, requests, tape, run_tape, page, frames, kinds, extra, .. } = files;
-    let kinds = kinds.concat();
-    drop(progress);
-    dumps.flush()?;
-    let requests = requests.map(RequestsFile::finish).transpose()?;
-    // Of a run that did not come to its end there is none.
-    let tape = tape.filter(|_| tape_is_whole).map(TapeFile::finish).transpose()?;
-    let page = page.map(|page| page.finish(&report)).transpose()?;
+    let (beside, rest) = files.finish(&report, tape_is_whole, simulation)?;
     if simulation.json {
         // In front of what is published: where it cannot be printed, nothing is written.
         print(&report.to_json().map_err(Failure::bad)?)?;
     }
     // Where limits could not be measured, it cannot be timed again either.
-    let run_tape = (tape_is_whole && report.limits.is_some()).then_some(run_tape);
-    let has_tape = publish(outputs, (frames, &kinds), (&report, run_tape), simulation)?;
-    dumps.publish()?;
-    let beside =
-        [(timeline, &simulation.timeline), (requests, &simulation.requests), (tape, &simulation.tape), (page, &simulation.html)];
+    let run_tape = (tape_is_whole && report.limits.is_some()).then_some(rest.run_tape);
+    let has_tape = publish(rest.outputs, (rest.frames, &rest.kinds), (&report, run_tape), simulation)?;
+    rest.dumps.publish()?;
+    timelines.map_or(Ok(()), TimelineFiles::publish)?;
     for (file, path) in beside {
-        if let (Some(file), Some(path)) = (file, path) {
-            file.publish().map_err(Failure::file(path, "be written"))?;
-        }
+        file.publish().map_err(Failure::file(&path, "be written"))?;
     }
-    show(&report, (&kinds, &extra, has_tape), simulation, quiet)
+    show(&report, (&rest.kinds, &rest.extra, has_tape), simulation, quiet)
+}
+
+/// What is shown beside the pictures: pictures, and what is dumped.
+fn exhibits(settings: &RunOptions, files: &OutputFiles) -> Vec<ExhibitInfo> {
+    let pictures = settings.config.machine().exhibits().into_iter().filter(|e| e.form != Form::Lines);
+    pictures.filter(|e| settings.exact || !e.judges).chain(files.dumps.exhibits()).collect()
 }
 
 /// Refuses an output that is one of these files, which the run reads; beside them, what its machine and its view are read from.
@@ -150,11 +128,12 @@ pub fn spare_inputs(simulation: &SimulationArgs, input: Option<&Path>, machine: 
 /// Options that name a file, and their files.
 fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
     let timeline = simulation.timeline.iter().map(|path| ("--timeline", &**path));
+    let waves = simulation.waves.iter().map(|path| ("--waves", &**path));
     let requests = simulation.requests.iter().map(|path| ("--requests", &**path));
     let tape = simulation.tape.iter().map(|path| ("--tape", &**path));
     let page = simulation.html.iter().map(|path| ("--html", &**path));
     let dumps = simulation.dump.as_chunks::<2>().0.iter().map(|[_, path]| ("--dump", &**path));
-    timeline.chain(requests).chain(tape).chain(page).chain(dumps).collect()
+    timeline.chain(waves).chain(requests).chain(tape).chain(page).chain(dumps).collect()
 }
 
 /// A run whose errors name the input, unless it is the parameters or an output that are wrong.
@@ -173,28 +152,6 @@ pub fn run_named(
         | SessionError::NoMethods(..)
         | SessionError::Incomplete(_) => e.into(),
     })
-}
-
-fn with_timeline(
-    path: &Path,
-    source: RunInput,
-    settings: &RunOptions,
-    files: &mut OutputFiles,
-) -> Done<(Run, Option<PartialFile>)> {
-    let failed = || Failure::file(path, "be written");
-    let stages: Vec<StageNames> = session::stages(&source, settings).map_err(Failure::bad)?.into_iter().map(names).collect();
-    let mut file = PartialFile::create(path).map_err(failed())?;
-    let mut timeline = Timeline::new(BufWriter::new(&mut file), settings.config.machine().name, &stages);
-    let run = run_named(source, settings, files, Some(&mut timeline))?;
-    match &run.timing {
-        Some(timing) => timeline.finish(timing).and_then(|mut out| out.flush()).map_err(failed())?,
-        None => drop(timeline),
-    }
-    Ok((run, Some(file)))
-}
-
-fn names(stage: StageTopology) -> StageNames {
-    StageNames { unit: stage.name, inputs: stage.inputs, outputs: stage.outputs, clients: stage.clients }
 }
 
 /// Names the pictures by their number, adds the report and the tape, and puts everything in its place; whether there is a tape.
@@ -227,14 +184,14 @@ pub fn publish_report(outputs: Outputs, report: &Report, csv: bool) -> std::io::
 }
 
 /// Prints the report.
-pub fn show_report(report: &Report) -> Done {
-    print(&to_text(report, style()))
+pub fn show_report(report: &Report, tables: &TablesArgs) -> Done {
+    print(&to_text(report, style(), &tables.shown()))
 }
 
 /// Prints the report, and decides whether the run was a success.
 fn show(report: &Report, files: (&[&str], &[String], bool), simulation: &SimulationArgs, quiet: bool) -> Done {
     if !quiet && !simulation.json {
-        show_report(report)?;
+        show_report(report, &simulation.tables)?;
         print(&format!("\nWritten to {}/: {}\n", simulation.out.display(), written(report, files)))?;
     }
     let message = report.outcome.message.clone().unwrap_or_default();

@@ -55,7 +55,7 @@ impl Sized {
             let path = place_of(path);
             return Ok(Self { name: path.display().to_string(), tape: Box::new(open_tape(&path)?), drawn: None });
         }
-        let input = input::open(path, &args.view, budget)?;
+        let input = input::open(path, &args.view, budget)?.for_several_runs(budget);
         let (config, given) = input::config(&args.machine, demo_of(path), budget)?;
         let options = options(config, given, budget);
         let mut kept = Kept { bytes: Vec::new(), held: budget.nothing() };

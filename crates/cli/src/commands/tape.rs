@@ -1,6 +1,6 @@
 //! `--tape`, and `basrelief retime`: the work of a run kept, and timed again.
 
-use super::page::PageFile;
+use super::html::HtmlFile;
 use super::simulate::{limits_of, publish_report, seconds, show_report};
 use crate::args::RetimeArgs;
 use crate::error::{Done, Failure, print};
@@ -140,7 +140,7 @@ pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
     let report = retime_to(&mut reader, &options, &mut tape).map_err(failure(&name))?;
     let took = seconds() - began;
     let report = report.with_host(took, took);
-    let page = args.html.as_deref().map(|path| PageFile::open(path)?.finish(&report)).transpose()?;
+    let page = args.html.as_deref().map(|path| HtmlFile::open(path)?.finish(&report)).transpose()?;
     if args.json {
         print(&report.to_json().map_err(Failure::bad)?)?;
     }
@@ -152,7 +152,7 @@ pub fn retime(args: &RetimeArgs, budget: &Budget, quiet: bool) -> Done {
     if let (Some(page), Some(path)) = (page, &args.html) {
         page.publish().map_err(Failure::file(path, "be written"))?;
     }
-    if quiet || args.json { Ok(()) } else { show_report(&report) }
+    if quiet || args.json { Ok(()) } else { show_report(&report, &args.tables) }
 }
 
 #[cfg(test)]

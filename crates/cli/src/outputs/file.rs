@@ -3,7 +3,7 @@
 use super::partial::{make_file, remove_remains};
 use super::unfinished::{Leftover, Unfinished};
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// One file, written beside its place. Dropped before [`PartialFile::publish`] it is gone.
@@ -40,6 +40,13 @@ impl PartialFile {
         Ok(Self { path: path.into(), partial: Some(partial), file: BufWriter::new(file) })
     }
 
+    /// Writes a file whose bytes are all there, and puts it in its place.
+    pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let mut file = Self::create(path)?;
+        file.write_all(bytes)?;
+        file.publish()
+    }
+
     /// Puts the file in its place.
     pub fn publish(mut self) -> io::Result<()> {
         self.file.flush()?;
@@ -49,6 +56,12 @@ impl PartialFile {
         unfinished.settle(&[Leftover::File(partial.clone())]);
         self.partial = None;
         Ok(())
+    }
+}
+
+impl Seek for PartialFile {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
     }
 }
 

@@ -1,6 +1,6 @@
 //! As much of HTTP/1.1 as the server needs: GET without a body. The heads of requests are read by `httparse`.
 
-use super::{HASH, LATER, TEXTURES, hash_of};
+use super::{HASH, LATER, hash_of};
 use httparse::{EMPTY_HEADER, Header, Request, Status};
 use std::sync::Arc;
 
@@ -83,22 +83,29 @@ pub(super) struct Answer {
     status: u16,
     pub(super) body: Arc<[u8]>,
     hash: String,
+    /// What kind of file it is, where that is told.
+    kind: Option<&'static str>,
 }
 
 impl Answer {
     /// What was asked for, with its hash.
     pub(super) fn found(body: Arc<[u8]>, hash: String) -> Self {
-        Self { status: 200, body, hash }
+        Self { status: 200, body, hash, kind: None }
+    }
+
+    /// A file, as browsers name kinds of files.
+    pub(super) fn file(body: Arc<[u8]>, hash: String, kind: &'static str) -> Self {
+        Self { kind: Some(kind), ..Self::found(body, hash) }
     }
 
     /// Why there is nothing.
     pub(super) fn refused(status: u16, why: String) -> Self {
-        Self { status, hash: hash_of(why.as_bytes()), body: why.into_bytes().into() }
+        Self { status, hash: hash_of(why.as_bytes()), body: why.into_bytes().into(), kind: Some("text/plain; charset=utf-8") }
     }
 
     /// Its head. `last` announces that the connection is closed behind it.
-    pub(super) fn head(&self, hash_of_textures: &str, last: bool) -> String {
-        let &Self { status, ref body, ref hash } = self;
+    pub(super) fn head(&self, headers: &str, last: bool) -> String {
+        let &Self { status, ref body, ref hash, kind } = self;
         let reason = match status {
             200 => "OK",
             400 => "Bad Request",
@@ -113,9 +120,10 @@ impl Answer {
             LATER => "retry-after: 1\r\n",
             _ => "",
         };
+        let kind = kind.map(|kind| format!("content-type: {kind}\r\nx-content-type-options: nosniff\r\n")).unwrap_or_default();
         let close = if last { "connection: close\r\n" } else { "" };
         format!(
-            "HTTP/1.1 {status} {reason}\r\ncontent-length: {}\r\n{HASH}: {hash}\r\n{TEXTURES}: {hash_of_textures}\r\n{more}{close}\r\n",
+            "HTTP/1.1 {status} {reason}\r\ncontent-length: {}\r\n{HASH}: {hash}\r\n{kind}{headers}{more}{close}\r\n",
             body.len()
         )
     }
@@ -167,8 +175,11 @@ mod tests {
     #[test]
     fn an_answer_says_how_long_it_is_and_whether_it_is_the_last() {
         let answer = Answer::refused(405, "no".into());
-        let head = answer.head("textures", true);
+        let head = answer.head("x-textures: 1\r\n", true);
         assert!(head.starts_with("HTTP/1.1 405 Method Not Allowed\r\ncontent-length: 2\r\n"), "{head}");
-        assert!(head.contains("allow: GET\r\nconnection: close\r\n\r\n") && head.contains(&hash_of(b"no")), "{head}");
+        assert!(
+            head.contains("x-textures: 1\r\nallow: GET\r\nconnection: close\r\n\r\n") && head.contains(&hash_of(b"no")),
+            "{head}"
+        );
     }
 }

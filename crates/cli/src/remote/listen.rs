@@ -41,8 +41,8 @@ const PART: usize = 1 << 14;
 pub(super) trait Answers: Send + Sync + 'static {
     /// The answer to a path.
     fn answer(&self, path: &str) -> Answer;
-    /// Hash of all textures.
-    fn hash_of_textures(&self) -> &str;
+    /// Headers that every answer has, a line each.
+    fn headers(&self) -> &str;
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -186,7 +186,7 @@ impl Client<'_> {
                 Head::Wrong(status, why) => (Answer::refused(status, why), true),
             };
             self.connections.now(self.number, Doing::Taking);
-            self.send(&answer, answer.head(answers.hash_of_textures(), last).as_bytes())?;
+            self.send(&answer, answer.head(answers.headers(), last).as_bytes())?;
             if last {
                 return self.part();
             }

@@ -13,6 +13,7 @@ mod fetch;
 mod http;
 mod listen;
 mod server;
+mod site;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,7 @@ pub use client::{RemoteTiles, TileStore};
 pub use fetch::{Fetcher, Patience};
 pub use listen::Limits;
 pub use server::{PolygonList, TileService};
+pub use site::Site;
 
 use sha2::{Digest as _, Sha256};
 

@@ -2,7 +2,7 @@
 
 use super::http::Answer;
 use super::listen::{Answers, Limits, ListeningServer, listen};
-use super::{LATER, hash_of};
+use super::{LATER, TEXTURES, hash_of};
 use basrelief_deferred_renderer::{Cut, Page, ServedTexture, TileEncoding};
 use basrelief_signals::Texture;
 use std::collections::BTreeMap;
@@ -42,19 +42,20 @@ impl PolygonList {
 #[derive(Debug)]
 pub struct TileService {
     polygons: PolygonList,
-    hash_of_textures: String,
+    /// With the hash of all textures.
+    headers: String,
     pub(super) textures: BTreeMap<u32, OfferedTexture>,
 }
 
 impl TileService {
     /// Offers this list of polygons and these textures, which have this hash.
-    pub fn new(polygons: PolygonList, textures: impl IntoIterator<Item = Arc<Texture>>, hash_of_textures: String) -> Self {
+    pub fn new(polygons: PolygonList, textures: impl IntoIterator<Item = Arc<Texture>>, hash_of_textures: &str) -> Self {
         let offered = |texture: Arc<Texture>| {
             let pyramid = Mutex::new(ServedTexture::new(Arc::clone(&texture)));
             (texture.id, OfferedTexture { texture, pyramid })
         };
         let textures = textures.into_iter().map(offered).collect();
-        Self { polygons, hash_of_textures, textures }
+        Self { polygons, headers: format!("{TEXTURES}: {hash_of_textures}\r\n"), textures }
     }
 
     /// The tile at an address, or why there is none, with its status. Encoded without a lock: several at a time.
@@ -94,8 +95,8 @@ impl Answers for TileService {
         }
     }
 
-    fn hash_of_textures(&self) -> &str {
-        &self.hash_of_textures
+    fn headers(&self) -> &str {
+        &self.headers
     }
 }
 

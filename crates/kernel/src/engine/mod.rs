@@ -13,7 +13,7 @@ use crate::tape::{Reel, Writer};
 use crate::time::{Halt, Rest, Time};
 use crate::wiring::Machine;
 use crate::{Cycle, Probe, Traffic};
-pub use retime::{Reels, RetimeError, critical_path, retime};
+pub use retime::{Reels, RetimeError, Tape, critical_path, retime};
 use work::Survey;
 
 /// How to run a machine.
@@ -55,7 +55,7 @@ pub fn run_recorded<M: Machine, P: Probe>(
     (reel_bytes, keep): (usize, &mut dyn FnMut(Reel)),
 ) -> RunReport {
     run_on(machine, probe, |machine, time, probe| {
-        let mut writer = Writer::new(time.stages.len(), reel_bytes);
+        let mut writer = Writer::new(&time.shape, &time.memories, reel_bytes);
         let recording = Some(Recording { writer: &mut writer, keep: &mut *keep });
         let halt = run_engine(machine, engine, (time, probe), limits, recording);
         if matches!(halt, Halt::Quiet | Halt::Limit(_)) {
@@ -74,7 +74,9 @@ fn run_engine<M: Machine, P: Probe>(
 ) -> Halt {
     match engine {
         Engine::Timed => timed::run(machine, time, probe, limits, recording),
-        Engine::Ticked => ticked::run(machine, time, probe, limits, recording),
+        // By a constant: nothing is compiled for what is never called.
+        Engine::Ticked if cfg!(feature = "ticked") => ticked::run(machine, time, probe, limits, recording),
+        Engine::Ticked => Halt::Fault("this build has no ticked engine (feature `ticked` of basrelief-kernel)".into()),
     }
 }
 

@@ -2,10 +2,11 @@
 
 use super::timed::RunAhead;
 use super::work::Work;
+use crate::asked::Asks;
 use crate::report::RunReport;
 use crate::shape::Shape;
 use crate::tape::{Reader, Reel, TapeError};
-use crate::time::{Halt, Known, Made, Path, Rest, Time, Unknown};
+use crate::time::{Halt, Known, Made, Path, Rest, Time, Visit};
 use crate::{CriticalPath, Cycle, Demand, NoProbe, Outcome, Probe, Traffic};
 use std::borrow::Cow;
 
@@ -77,8 +78,22 @@ impl<const I: usize, const O: usize, const MEMORY: bool> Work for Recorded<'_, I
 
     #[inline]
     fn step(&mut self, _: Demand, traffic: &mut Traffic) -> Made {
-        // There is one: it was asked.
-        self.0.step(traffic).unwrap_or(Made { occupancy: 1, latency: 0, outputs: 0, marked: false })
+        self.0.step(traffic)
+    }
+
+    #[inline]
+    fn is_silent(&self, _: &Traffic) -> bool {
+        self.0.is_silent()
+    }
+
+    #[inline]
+    fn asks<'a>(&'a mut self, traffic: &'a mut Traffic, _: &mut Visit<'_>) -> Option<Asks<'a>> {
+        traffic.fault.is_none().then(|| self.0.asks())
+    }
+
+    #[inline]
+    fn go_on(&mut self, _: &mut Traffic) {
+        self.0.go_on();
     }
 }
 
@@ -94,7 +109,8 @@ pub fn retime<P: Probe>(
     probe: &mut P,
     max_cycles: u64,
 ) -> Result<RunReport, RetimeError> {
-    Ok(timed_again(shape, reels, (probe, None), max_cycles)?.0)
+    let readers = new_readers(&shape);
+    Ok(timed_again((shape, readers), reels, (probe, None), max_cycles)?.0)
 }
 
 /// Times the work on a tape, and finds what its end waited for, back to its beginning. It keeps up to `most_events` of 16 bytes, some
@@ -103,20 +119,82 @@ pub fn retime<P: Probe>(
 /// # Errors
 /// See [`RetimeError`].
 pub fn critical_path(shape: Shape, reels: &mut Reels<'_, '_>, most_events: usize) -> Result<Option<CriticalPath>, RetimeError> {
-    Ok(timed_again(shape, reels, (&mut NoProbe, Some(most_events)), u64::MAX)?.1)
+    let readers = new_readers(&shape);
+    Ok(timed_again((shape, readers), reels, (&mut NoProbe, Some(most_events)), u64::MAX)?.1)
+}
+
+fn new_readers(shape: &Shape) -> Vec<Reader> {
+    shape.stages.iter().map(|stage| Reader::new(stage, &shape.memories)).collect()
+}
+
+/// A tape that is timed more than once: its steps are read once, and their look-ups made once, for the machine that it is timed on
+/// first and all that have the same caches.
+#[derive(Clone, Debug)]
+pub struct Tape<'a> {
+    reels: Cow<'a, [Reel]>,
+    /// Of each stage; none where the tape is too long to be held so, or wrong.
+    readers: Option<Vec<Reader>>,
+    /// Most that the steps of a stage may take \[bytes\].
+    room: u64,
+}
+
+impl<'a> Tape<'a> {
+    /// All of a tape, read for a machine of this shape. Its steps are held where they take no more than about `room` bytes; otherwise it
+    /// is read for each timing.
+    pub fn new(reels: impl Into<Cow<'a, [Reel]>>, shape: &Shape, room: u64) -> Self {
+        let room = room / shape.stages.len().max(1) as u64;
+        let mut tape = Self { reels: reels.into(), readers: None, room };
+        let is_ours = tape.reels.iter().all(|reel| reel.stages.len() == shape.stages.len());
+        tape.readers = if is_ours { (0..shape.stages.len()).map(|stage| tape.read(stage, shape)).collect() } else { None };
+        tape
+    }
+
+    fn read(&self, stage: usize, shape: &Shape) -> Option<Reader> {
+        let pieces = self.reels.iter().filter_map(|reel| reel.piece(stage));
+        Reader::whole(&shape.stages[stage], &shape.memories, pieces, self.room)
+    }
+
+    /// As [`retime`].
+    ///
+    /// # Errors
+    /// See [`RetimeError`].
+    pub fn retime(&self, shape: Shape) -> Result<RunReport, RetimeError> {
+        Ok(self.timed_again(shape, None)?.0)
+    }
+
+    /// As [`critical_path`].
+    ///
+    /// # Errors
+    /// See [`RetimeError`].
+    pub fn critical_path(&self, shape: Shape, most_events: usize) -> Result<Option<CriticalPath>, RetimeError> {
+        Ok(self.timed_again(shape, Some(most_events))?.1)
+    }
+
+    fn timed_again(&self, shape: Shape, most_events: Option<usize>) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
+        let fitting = |(stage, reader): (usize, &Reader)| {
+            let fits = reader.fits(&shape.stages[stage], &shape.memories);
+            if fits { Some(reader.clone()) } else { self.read(stage, &shape) }
+        };
+        let readers = self.readers.as_ref().filter(|readers| readers.len() == shape.stages.len());
+        let readers: Option<Vec<Reader>> = readers.and_then(|readers| readers.iter().enumerate().map(fitting).collect());
+        let mut reels = self.reels.iter().map(Cow::Borrowed).skip(if readers.is_some() { self.reels.len() } else { 0 });
+        let readers = readers.unwrap_or_else(|| new_readers(&shape));
+        timed_again((shape, readers), &mut |_| Ok(reels.next()), (&mut NoProbe, most_events), u64::MAX)
+    }
 }
 
 /// The report, and the critical path where it is wanted.
 fn timed_again<P: Probe>(
-    shape: Shape,
+    (shape, mut readers): (Shape, Vec<Reader>),
     reels: &mut Reels<'_, '_>,
     (probe, most_events): (&mut P, Option<usize>),
     max_cycles: u64,
 ) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
-    let mut readers: Vec<Reader> = shape.stages.iter().map(|s| Reader::new(s.inputs.len(), s.outputs.len())).collect();
     let mut time = Time::new(shape);
     time.keep_fills::<P>();
-    feed(&mut readers, reels, &time)?;
+    if readers.iter().any(|reader| reader.demand().is_none()) {
+        feed(&mut readers, reels, &time)?;
+    }
     let path = most_events.map(|most| Path::new(&mut time, most));
     let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
     walk.path = path;
@@ -160,7 +238,7 @@ fn feed(readers: &mut [Reader], reels: &mut Reels<'_, '_>, time: &Time) -> Resul
     let Some(reel) = reels(waiting).map_err(RetimeError::Read)? else {
         let needs = |&stage: &usize| {
             let demand = readers[stage].demand().unwrap_or(Demand::Finished);
-            !readers[stage].has_step() && time.next_start::<Unknown>(stage, demand).is_known()
+            !readers[stage].has_step() && time.next_start(stage, demand).is_known()
         };
         let stage = (0..readers.len()).find(needs).unwrap_or_default();
         return Err(RetimeError::EndsEarly(time.shape.stages[stage].names.name.clone()));

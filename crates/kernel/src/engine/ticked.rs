@@ -39,10 +39,14 @@ impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
             charge(&mut self.time.accounts[number], self.probe, number, wait);
         }
         let made = work.step(demand, &mut self.traffic);
+        work.tell(number, demand, &made, self.probe);
+        let (mut visit, _) = self.time.visit::<Unknown>(number);
+        let asks = work.asks(&mut self.traffic, &mut visit);
+        visit.step_asking::<Unknown>(self.now, demand, &made, asks);
         if let Some(tape) = &mut self.tape {
             tape.step(number, demand, &made, &self.traffic);
         }
-        self.time.step::<Unknown>(number, self.now, demand, &made, &mut self.traffic);
+        work.go_on(&mut self.traffic);
         self.fired = true;
         if SomeProbe::is_on() {
             self.probe.worked(number, self.now, self.time.stages[number].free);
@@ -69,7 +73,7 @@ impl<SomeProbe: Probe> Visitor for Tick<'_, SomeProbe> {
         if self.time.stages[number].free > self.now || demand == Demand::Finished {
             return;
         }
-        if self.time.next_start::<Unknown>(number, demand) <= self.now {
+        if self.time.next_start(number, demand) <= self.now {
             let work = &mut Live::new(stage, connections);
             self.make(number, demand, work);
         } else {
@@ -101,7 +105,7 @@ struct AnyStart<'a> {
 impl Visitor for AnyStart<'_> {
     fn stage<P: Place>(&mut self, mut place: P) {
         let (stage, _) = place.open();
-        self.any |= self.time.next_start::<Unknown>(self.stage, stage.unit.demand()).is_known();
+        self.any |= self.time.next_start(self.stage, stage.unit.demand()).is_known();
         self.stage += 1;
     }
 }

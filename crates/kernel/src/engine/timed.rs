@@ -93,9 +93,11 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     /// Makes all steps of a stage whose starts are known.
     #[inline(always)]
     fn fire_known<W: Work>(&mut self, number: usize, work: &mut W) -> Demand {
+        let Self { time, probe, traffic, tape, path, .. } = self;
+        let (mut visit, shape) = time.visit::<W>(number);
         loop {
             let demand = work.demand();
-            let at = self.time.next_start::<W>(number, demand);
+            let at = visit.next_start::<W>(demand);
             if at >= self.end {
                 self.limited |= at.is_known();
                 return demand;
@@ -104,30 +106,36 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 self.hungry = true;
                 return demand;
             }
-            if at > self.time.stages[number].free {
-                self.time.charge_wait(number, demand, at, self.probe);
+            if at > visit.clock.free {
+                visit.charge_wait::<W, _>(demand, at, *probe);
             }
-            let made = work.step(demand, &mut self.traffic);
-            if let Some(tape) = &mut self.tape {
-                tape.step(number, demand, &made, &self.traffic);
+            let made = work.step(demand, traffic);
+            work.tell(number, demand, &made, probe);
+            if let Some(path) = path {
+                path.step(shape, &visit.sight(), (at, demand), &made);
             }
-            if let Some(path) = &mut self.path {
-                path.step(self.time, number, (at, demand), &made);
+            if work.is_silent(traffic) {
+                visit.step::<W>(at, demand, &made);
+            } else {
+                let asks = work.asks(traffic, &mut visit);
+                visit.step_asking::<W>(at, demand, &made, asks);
             }
-            self.time.step::<W>(number, at, demand, &made, &mut self.traffic);
+            if let Some(tape) = tape {
+                tape.step(number, demand, &made, traffic);
+            }
+            work.go_on(traffic);
             self.moved = true;
-            let free = self.time.stages[number].free;
+            let free = visit.clock.free;
             if SomeProbe::is_on() {
-                self.probe.worked(number, at, free);
+                probe.worked(number, at, free);
             }
-            if self.traffic.fault.is_some() {
-                let name = &self.time.shape.stages[number].names.name;
-                self.fault = fault_of(&mut self.traffic, name, Some(at));
+            if traffic.fault.is_some() {
+                self.fault = fault_of(traffic, &shape.stages[number].names.name, Some(at));
                 self.end = Cycle::ZERO;
                 return demand;
             }
-            if self.time.serve_private::<W>(number, free) {
-                self.time.land_known::<W>(number);
+            if visit.serve_private::<W>(free) {
+                visit.land_known::<W>();
             }
         }
     }
@@ -135,18 +143,19 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     /// Runs a stage ahead.
     #[inline(always)]
     pub(super) fn advance<W: Work>(&mut self, number: usize, work: &mut W) {
-        self.moved |= self.time.land_known::<W>(number);
+        self.moved |= self.time.visit::<W>(number).0.land_known::<W>();
         loop {
             let demand = self.fire_known(number, work);
             if !self.promises {
                 break;
             }
-            let start = self.time.promise::<W>(number, demand);
-            if !self.time.serve_private::<W>(number, start) {
+            let (mut visit, _) = self.time.visit::<W>(number);
+            let start = visit.promise::<W>(demand);
+            if !visit.serve_private::<W>(start) {
                 break;
             }
             self.moved = true;
-            self.time.land_known::<W>(number);
+            visit.land_known::<W>();
         }
     }
 }

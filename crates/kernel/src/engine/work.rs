@@ -1,10 +1,11 @@
 //! Work: what the steps of a stage do, one after the other, without time.
 
+use crate::asked::Asks;
 use crate::connections::Clients;
 use crate::place::Place;
-use crate::time::{Known, Made, Rest};
+use crate::time::{Known, Made, Rest, Visit};
 use crate::wiring::{Inputs, Outputs, Visitor};
-use crate::{Connections, Demand, Stage, Traffic, Unit};
+use crate::{Connections, Demand, Probe, Stage, Traffic, Unit};
 
 /// The steps of one stage, in order.
 pub(crate) trait Work: Known {
@@ -12,8 +13,18 @@ pub(crate) trait Work: Known {
     fn demand(&self) -> Demand;
     /// Whether the next step can be made here, once time lets it start.
     fn has_step(&self) -> bool;
-    /// Makes it: what it did, and in `traffic` what it asked of memories.
+    /// Makes it: what it did, and in `traffic` what it asked of memories, where it is made only now.
     fn step(&mut self, demand: Demand, traffic: &mut Traffic) -> Made;
+    /// Whether the step that was just made asked nothing of memories.
+    fn is_silent(&self, traffic: &Traffic) -> bool;
+    /// What the step that was just made, in this visit, asked of memories; none, and a fault in `traffic`, where it must not.
+    fn asks<'a>(&'a mut self, traffic: &'a mut Traffic, visit: &mut Visit<'_>) -> Option<Asks<'a>>;
+    /// Goes on behind that step.
+    fn go_on(&mut self, traffic: &mut Traffic);
+    /// Tells a probe that asks what the step was about that has just been made.
+    fn tell<P: Probe>(&self, number: usize, demand: Demand, made: &Made, probe: &mut P) {
+        _ = (number, demand, made, probe);
+    }
 }
 
 /// Steps that a unit makes now.
@@ -59,6 +70,33 @@ where
         }
         let outputs = self.connections.outputs.push(step.out);
         Made { occupancy: step.occupancy, latency: step.latency, outputs, marked: step.marked }
+    }
+
+    #[inline(always)]
+    fn is_silent(&self, traffic: &Traffic) -> bool {
+        traffic.is_empty()
+    }
+
+    #[inline(always)]
+    fn asks<'a>(&'a mut self, traffic: &'a mut Traffic, visit: &mut Visit<'_>) -> Option<Asks<'a>> {
+        visit.settle(traffic)
+    }
+
+    #[inline(always)]
+    fn go_on(&mut self, traffic: &mut Traffic) {
+        if !traffic.is_empty() {
+            traffic.clear();
+        }
+    }
+
+    #[inline(always)]
+    fn tell<P: Probe>(&self, number: usize, demand: Demand, made: &Made, probe: &mut P) {
+        if P::is_on() && probe.reads_labels() {
+            let Connections { inputs, outputs, .. } = &self.connections;
+            let given = (0..outputs.count()).filter(|i| made.outputs >> i & 1 == 1).map(|i| (i, outputs.last_label(i)));
+            let given: Vec<_> = given.collect();
+            probe.stepped(number, demand.of(inputs.count()), &given);
+        }
     }
 }
 

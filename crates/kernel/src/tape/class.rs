@@ -1,9 +1,10 @@
 //! Classes of steps: what steps have in common, all but their addresses.
 
 use super::bytes::{TapeError, get_up_to, put};
+use crate::asked::Count;
 use crate::time::Made;
 use crate::wiring::MAX_LINKS;
-use crate::{Demand, Request, Traffic};
+use crate::{Demand, Request};
 
 /// Places for classes.
 pub(super) const CLASSES: usize = 255;
@@ -23,21 +24,34 @@ pub(super) struct Class {
     /// Addresses are 0.
     pub(super) requests: Vec<Request>,
     pub(super) look_ups: Vec<Request>,
+    pub(super) count: Count,
 }
 
 impl Class {
-    pub(super) fn of(demand: Demand, made: Made, traffic: &Traffic) -> Self {
+    /// None yet.
+    pub(super) const UNDEFINED: Self = Self {
+        demand: Demand::Finished,
+        made: Made { occupancy: 0, latency: 0, outputs: 0, marked: false },
+        requests: vec![],
+        look_ups: vec![],
+        count: Count { requests: 0, caches: 0 },
+    };
+
+    fn new(demand: Demand, made: Made, requests: Vec<Request>, look_ups: Vec<Request>) -> Self {
+        let clients = look_ups.iter().fold(0_u32, |clients, r| clients | 1 << (r.client % 32));
+        let count = Count { requests: requests.len(), caches: clients.count_ones() as usize };
+        Self { demand, made, requests, look_ups, count }
+    }
+
+    pub(super) fn of(demand: Demand, made: Made, (requests, look_ups): (&[Request], &[Request])) -> Self {
         let strip = |requests: &[Request]| requests.iter().map(|r| Request { address: 0, ..*r }).collect();
-        Self { demand, made, requests: strip(&traffic.requests), look_ups: strip(&traffic.look_ups) }
+        Self::new(demand, made, strip(requests), strip(look_ups))
     }
 
     /// Whether a step is of this class.
     #[inline]
-    pub(super) fn has(&self, demand: Demand, made: &Made, traffic: &Traffic) -> bool {
-        self.demand == demand
-            && self.made == *made
-            && alike(&self.requests, &traffic.requests)
-            && alike(&self.look_ups, &traffic.look_ups)
+    pub(super) fn has(&self, demand: Demand, made: &Made, (requests, look_ups): (&[Request], &[Request])) -> bool {
+        self.demand == demand && self.made == *made && alike(&self.requests, requests) && alike(&self.look_ups, look_ups)
     }
 
     pub(super) fn write(&self, bytes: &mut Vec<u8>) {
@@ -73,7 +87,7 @@ impl Class {
             (0..count).map(|_| request(bytes, at)).collect()
         };
         let (requests, look_ups) = (requests()?, requests()?);
-        Ok(Self { demand, made, requests, look_ups })
+        Ok(Self::new(demand, made, requests, look_ups))
     }
 }
 
@@ -92,12 +106,12 @@ fn alike(class: &[Request], requests: &[Request]) -> bool {
 
 /// The place that a step's class has or takes: steps of one class always have the same.
 #[inline]
-pub(super) fn place(demand: Demand, made: &Made, traffic: &Traffic) -> u8 {
+pub(super) fn place(demand: Demand, made: &Made, (requests, look_ups): (&[Request], &[Request])) -> u8 {
     let mut hash = code(demand);
     let mut mix = |value: u64| hash = (hash ^ value).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
     mix(made.occupancy);
     mix(made.latency << 16 | u64::from(made.outputs) << 1 | u64::from(made.marked));
-    for r in traffic.requests.iter().chain(&traffic.look_ups) {
+    for r in requests.iter().chain(look_ups) {
         mix(u64::from(r.bytes) << 8 | u64::from(r.client) << 1 | u64::from(r.write));
     }
     ((hash >> 32) % CLASSES as u64) as u8

@@ -1,36 +1,99 @@
 //! Reading a tape.
 
+use super::ahead::{Ahead, Step, TagsOfStage};
 use super::bytes::{TapeError, get, unzigzag};
 use super::class::{CLASSES, Class, NEW};
 use super::reel::Reel;
+use crate::asked::{Asks, Count, Cursor, objection};
+use crate::shape::StageShape;
 use crate::time::{Made, Rest};
-use crate::wiring::MAX_LINKS;
-use crate::{Demand, Traffic};
+use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
+use crate::{Demand, MemorySystem, Request, Traffic};
+use std::sync::Arc;
 
 /// Addresses are below this, so that none of what lies beside them overflows.
 const ADDRESSES: u64 = 1 << 60;
+/// Steps that are read at a time, and about as many requests and lines.
+const AHEAD: usize = 512;
+/// Most steps of a stage, and about as many requests and lines, that are kept to be shared.
+const SHARED: usize = 1 << 18;
+/// What such a step takes, or a request or line of it, at most \[bytes\].
+const SHARED_BYTES: u64 = 64;
 
 /// The stream of one stage, as far as it has been read.
+///
+/// Steps are read some hundred at a time, with all of their look-ups, and then timed one after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Reader {
     bytes: Vec<u8>,
     at: usize,
-    classes: Vec<Option<Class>>,
-    /// Place of the class of the next step; none where the stream ends.
-    next: Option<usize>,
+    /// By place, each with a step of it; occupancy 0 where there is none yet.
+    classes: Vec<(Step, Class)>,
+    /// What is read, and the next step of it.
+    ahead: Arc<Ahead>,
+    next: usize,
+    /// What the step that was made last asks, of all that is asked.
+    count: Count,
+    at_asked: Cursor,
     /// What the step after the stream will take, if that is known.
     rest: Option<Rest>,
     last: [u64; MAX_LINKS],
-    inputs: usize,
-    outputs: usize,
+    ends: [usize; 2],
+    tags: TagsOfStage,
+    /// What the largest step needs, by client.
+    largest: [u32; MAX_CLIENTS],
+    /// The step being read.
+    raw: Vec<Request>,
     pub(crate) error: Option<TapeError>,
 }
 
 impl Reader {
-    /// Of a stage with so many inputs and outputs, before the first reel.
-    pub(crate) fn new(inputs: usize, outputs: usize) -> Self {
-        let (bytes, classes, last) = (Vec::new(), vec![None; CLASSES], [0; MAX_LINKS]);
-        Self { bytes, at: 0, classes, next: None, rest: None, last, inputs, outputs, error: None }
+    /// Of a stage, before the first reel.
+    pub(crate) fn new(shape: &StageShape, memories: &MemorySystem) -> Self {
+        Self {
+            bytes: Vec::new(),
+            at: 0,
+            classes: vec![(Step::of(&Class::UNDEFINED), Class::UNDEFINED); CLASSES + 1],
+            ahead: Arc::default(),
+            next: 0,
+            count: Count::default(),
+            at_asked: Cursor::default(),
+            rest: None,
+            last: [0; MAX_LINKS],
+            ends: [shape.inputs.len(), shape.outputs.len()],
+            tags: TagsOfStage::new(shape, memories),
+            largest: shape.credits,
+            raw: Vec::new(),
+            error: None,
+        }
+    }
+
+    /// Of a stage whose whole stream these pieces are: its clones share the steps. None where they are too many for that, or for so
+    /// many bytes of `room`, or no steps.
+    pub(crate) fn whole<'a>(
+        shape: &StageShape,
+        memories: &MemorySystem,
+        pieces: impl Iterator<Item = (&'a [u8], Rest)>,
+        room: u64,
+    ) -> Option<Self> {
+        let mut reader = Self::new(shape, memories);
+        for (bytes, rest) in pieces {
+            reader.bytes.extend_from_slice(bytes);
+            reader.rest = Some(rest);
+        }
+        let mut ahead = Ahead::default();
+        reader.read_up_to(SHARED.min((room / SHARED_BYTES) as usize), &mut ahead);
+        let is_whole = reader.at == reader.bytes.len() && reader.error.is_none();
+        reader.ahead = Arc::new(ahead);
+        // What it was read by is of no more use.
+        (reader.bytes, reader.at, reader.classes) = Default::default();
+        reader.tags.forget();
+        is_whole.then_some(reader)
+    }
+
+    /// Whether the steps that were read ask the same of a stage and its memories.
+    pub(crate) fn fits(&self, shape: &StageShape, memories: &MemorySystem) -> bool {
+        self.largest == shape.credits && self.tags.is_alike(shape, memories)
     }
 
     /// Goes on with a piece of the stream.
@@ -39,8 +102,8 @@ impl Reader {
         self.at = 0;
         self.bytes.extend_from_slice(bytes);
         self.rest = Some(rest);
-        if self.next.is_none() {
-            self.look_ahead();
+        if !self.has_step() {
+            self.read_ahead();
         }
     }
 
@@ -51,20 +114,20 @@ impl Reader {
 
     /// Inputs and outputs of the stage.
     pub(crate) fn ends(&self) -> [usize; 2] {
-        [self.inputs, self.outputs]
+        self.ends
     }
 
     /// Whether there is a step.
     #[inline(always)]
     pub(crate) fn has_step(&self) -> bool {
-        self.next.is_some()
+        self.next < self.ahead.steps.len()
     }
 
     /// What the next step takes, if that is known.
     #[inline(always)]
     pub(crate) fn demand(&self) -> Option<Demand> {
-        match self.next {
-            Some(place) => self.classes[place].as_ref().map(|class| class.demand),
+        match self.ahead.steps.get(self.next) {
+            Some(step) => Some(step.demand),
             None => self.rest.map(|rest| rest.demand),
         }
     }
@@ -74,53 +137,109 @@ impl Reader {
         self.rest.is_some_and(|rest| rest.empty)
     }
 
-    /// The next step, with its traffic.
-    #[inline]
-    pub(crate) fn step(&mut self, traffic: &mut Traffic) -> Option<Made> {
-        let class = self.classes[self.next?].as_ref()?;
-        let made = class.made;
-        if !class.requests.is_empty() || !class.look_ups.is_empty() {
-            traffic.requests.extend_from_slice(&class.requests);
-            traffic.look_ups.extend_from_slice(&class.look_ups);
-            for r in traffic.requests.iter_mut().chain(&mut traffic.look_ups) {
-                let last = &mut self.last[r.client as usize % MAX_LINKS];
-                match get(&self.bytes, &mut self.at, "an address") {
-                    Ok(difference) => *last = last.wrapping_add(unzigzag(difference)) % ADDRESSES,
-                    Err(error) => self.error = Some(error),
-                }
-                r.address = *last;
-            }
+    /// The next step, which there is; what is wrong with it goes to `traffic`.
+    #[inline(always)]
+    pub(crate) fn step(&mut self, traffic: &mut Traffic) -> Made {
+        let Ahead { steps, refused, .. } = &*self.ahead;
+        let step = &steps[self.next];
+        self.count = step.count();
+        if let Some(text) = refused
+            && self.next + 1 == steps.len()
+        {
+            traffic.fault(text.clone());
         }
-        self.look_ahead();
-        Some(made)
+        step.made()
     }
 
-    /// Reads the class of the next step.
-    #[inline]
-    fn look_ahead(&mut self) {
-        self.next = None;
-        let Some(&place) = self.bytes.get(self.at) else { return };
-        self.at += 1;
-        let found = if place == NEW { self.define() } else { Ok(usize::from(place)) };
-        match found {
-            Ok(place) if self.classes[place].is_some() => self.next = Some(place),
-            Ok(place) => {
-                let (what, expected) = ("the class of a step", "one that was defined before");
-                self.error = Some(TapeError::Value { what, value: place as u64, expected });
-            }
-            Err(error) => self.error = Some(error),
+    /// Whether that step asks nothing of memories.
+    #[inline(always)]
+    pub(crate) fn is_silent(&self) -> bool {
+        self.count == Count::default()
+    }
+
+    /// What that step asks of memories.
+    #[inline(always)]
+    pub(crate) fn asks(&mut self) -> Asks<'_> {
+        self.ahead.asked.next(&mut self.at_asked, self.count)
+    }
+
+    /// Goes on behind it.
+    #[inline(always)]
+    pub(crate) fn go_on(&mut self) {
+        self.next += 1;
+        if self.next == self.ahead.steps.len() && self.at < self.bytes.len() {
+            self.read_ahead();
         }
+    }
+
+    /// Reads the next steps, once those before are made.
+    #[inline(never)]
+    fn read_ahead(&mut self) {
+        // Nobody shares what is read piece by piece.
+        let mut ahead = Arc::try_unwrap(std::mem::take(&mut self.ahead)).unwrap_or_default();
+        ahead.steps.clear();
+        ahead.asked.clear();
+        (self.next, self.at_asked) = Default::default();
+        self.read_up_to(AHEAD, &mut ahead);
+        self.ahead = Arc::new(ahead);
+    }
+
+    /// Reads steps up to about so many, or requests and lines.
+    fn read_up_to(&mut self, most: usize, ahead: &mut Ahead) {
+        while ahead.steps.len() < most && ahead.asked.len() < most && ahead.refused.is_none() {
+            let Some(&place) = self.bytes.get(self.at) else { return };
+            self.at += 1;
+            if let Err(error) = self.read_step(place, ahead) {
+                self.error = Some(error);
+                return;
+            }
+        }
+    }
+
+    /// Reads a step of the class at this place, or of a new one.
+    #[inline(always)]
+    fn read_step(&mut self, mut place: u8, ahead: &mut Ahead) -> Result<(), TapeError> {
+        if place == NEW {
+            place = self.define()?;
+        }
+        let (step, class) = &self.classes[usize::from(place)];
+        if step.occupancy == 0 {
+            let (what, expected) = ("the class of a step", "one that was defined before");
+            return Err(TapeError::Value { what, value: place.into(), expected });
+        }
+        let mut step = *step;
+        if class.count == Count::default() {
+            ahead.steps.push(step);
+            return Ok(());
+        }
+        self.raw.clear();
+        self.raw.extend_from_slice(&class.requests);
+        self.raw.extend_from_slice(&class.look_ups);
+        for r in &mut self.raw {
+            let last = &mut self.last[r.client as usize % MAX_LINKS];
+            *last = last.wrapping_add(unzigzag(get(&self.bytes, &mut self.at, "an address")?)) % ADDRESSES;
+            r.address = *last;
+        }
+        let asks = self.raw.split_at(class.requests.len());
+        if ahead.asked.settle(asks, &mut self.tags, &self.largest) {
+            self.tags.count(ahead.asked.last(class.count.caches), asks.0);
+        } else {
+            ahead.refused = Some(objection(asks, &mut self.tags, &self.largest));
+            step = step.asking_nothing();
+        }
+        ahead.steps.push(step);
+        Ok(())
     }
 
     #[cold]
-    fn define(&mut self) -> Result<usize, TapeError> {
-        let place = usize::from(*self.bytes.get(self.at).ok_or(TapeError::BreaksOff("the place of a class"))?);
+    fn define(&mut self) -> Result<u8, TapeError> {
+        let place = *self.bytes.get(self.at).ok_or(TapeError::BreaksOff("the place of a class"))?;
         self.at += 1;
-        if place >= CLASSES {
-            return Err(TapeError::Value { what: "the place of a class", value: place as u64, expected: "0 to 254" });
+        if usize::from(place) >= CLASSES {
+            return Err(TapeError::Value { what: "the place of a class", value: place.into(), expected: "0 to 254" });
         }
-        let class = Class::read(&self.bytes, &mut self.at, [self.inputs, self.outputs])?;
-        self.classes[place] = Some(class);
+        let class = Class::read(&self.bytes, &mut self.at, self.ends)?;
+        self.classes[usize::from(place)] = (Step::of(&class), class);
         Ok(place)
     }
 }

@@ -14,6 +14,11 @@ pub struct Reel {
 }
 
 impl Reel {
+    /// The piece of a stage's stream, with what the step after it takes.
+    pub(crate) fn piece(&self, stage: usize) -> Option<(&[u8], Rest)> {
+        Some((self.stages.get(stage)?, *self.rests.get(stage)?))
+    }
+
     /// The piece of each stage's stream, in the order of the wiring. Where a stream is cut into pieces depends on times; what it comes
     /// to does not.
     pub fn streams(&self) -> impl Iterator<Item = &[u8]> {

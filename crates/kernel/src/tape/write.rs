@@ -3,9 +3,10 @@
 use super::bytes::{put, zigzag};
 use super::class::{CLASSES, Class, NEW, place};
 use super::reel::Reel;
+use crate::shape::Shape;
 use crate::time::{Made, Rest};
-use crate::wiring::MAX_LINKS;
-use crate::{Demand, Traffic};
+use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
+use crate::{Demand, MemorySystem, Request, Traffic};
 
 /// Writes down what the stages of a run do.
 #[derive(Clone, Debug)]
@@ -23,15 +24,26 @@ struct Stream {
     classes: Vec<Option<Class>>,
     /// Last address of each client.
     last: [u64; MAX_LINKS],
+    /// Bytes of a line of each client's cache.
+    line_bytes: [u32; MAX_CLIENTS],
+    /// The look-ups of the step being written: each line once, whatever of it was asked for, and however often.
+    look_ups: Vec<Request>,
 }
 
 impl Writer {
-    pub(crate) fn new(stages: usize, reel: usize) -> Self {
-        let stream = Stream { bytes: Vec::new(), classes: vec![None; CLASSES], last: [0; MAX_LINKS] };
-        Self { stages: vec![stream; stages], written: 0, reel }
+    pub(crate) fn new(shape: &Shape, memories: &MemorySystem, reel: usize) -> Self {
+        let lines: Vec<u32> = memories.line_bytes().map(|bytes| bytes.unwrap_or(1)).collect();
+        let stream = |clients: &[usize]| Stream {
+            bytes: Vec::new(),
+            classes: vec![None; CLASSES],
+            last: [0; MAX_LINKS],
+            line_bytes: std::array::from_fn(|i| clients.get(i).map_or(1, |&client| lines[client])),
+            look_ups: Vec::new(),
+        };
+        Self { stages: shape.stages.iter().map(|stage| stream(&stage.clients)).collect(), written: 0, reel }
     }
 
-    /// Writes a step down.
+    /// Writes a step down, once its traffic is settled.
     #[inline]
     pub(crate) fn step(&mut self, stage: usize, demand: Demand, made: &Made, traffic: &Traffic) {
         let stream = &mut self.stages[stage];
@@ -57,17 +69,23 @@ impl Writer {
 impl Stream {
     #[inline]
     fn step(&mut self, demand: Demand, made: &Made, traffic: &Traffic) {
-        let place = place(demand, made, traffic);
+        self.look_ups.clear();
+        for (client, line) in traffic.lines() {
+            let address = line * u64::from(self.line_bytes[client as usize % MAX_CLIENTS]);
+            self.look_ups.push(Request { client, write: false, address, bytes: 1 });
+        }
+        let asks = (traffic.requests(), self.look_ups.as_slice());
+        let place = place(demand, made, asks);
         let class = &mut self.classes[usize::from(place)];
-        if !class.as_ref().is_some_and(|class| class.has(demand, made, traffic)) {
-            let new = Class::of(demand, *made, traffic);
+        if !class.as_ref().is_some_and(|class| class.has(demand, made, asks)) {
+            let new = Class::of(demand, *made, asks);
             self.bytes.extend([NEW, place]);
             new.write(&mut self.bytes);
             *class = Some(new);
         } else {
             self.bytes.push(place);
         }
-        for r in traffic.requests.iter().chain(&traffic.look_ups) {
+        for r in asks.0.iter().chain(asks.1) {
             let last = &mut self.last[r.client as usize % MAX_LINKS];
             put(&mut self.bytes, zigzag(r.address.wrapping_sub(*last)));
             *last = r.address;

@@ -60,7 +60,7 @@ impl Time {
             total,
             marks: between(&ends, total),
             units,
-            fifos: self.fifos.iter_mut().zip(&self.shape.fifos).map(|(slots, fifo)| fifo_report(slots, fifo, total)).collect(),
+            fifos: self.fifos.iter().zip(&self.shape.fifos).map(|(slots, fifo)| fifo_report(slots, fifo, total)).collect(),
             memories: memory_reports(&self.memories, total),
             caches: cache_reports(&self.memories),
         }
@@ -113,8 +113,8 @@ impl Time {
 /// What a unit waits for that cannot go on, and the stage that could give it.
 type HeldBy = (WaitsFor, Option<usize>);
 
-fn fifo_report(slots: &mut Slots, FifoShape { name, depth, .. }: &FifoShape, total: u64) -> FifoReport {
-    FifoReport { name: name.clone(), depth: *depth, tokens: slots.tokens(), histogram: slots.finish(total).to_vec() }
+fn fifo_report(slots: &Slots, FifoShape { name, depth, .. }: &FifoShape, total: u64) -> FifoReport {
+    FifoReport { name: name.clone(), depth: *depth, tokens: slots.tokens(), histogram: slots.finish(total) }
 }
 
 fn memory_reports(system: &MemorySystem, total: u64) -> Vec<MemoryReport> {

@@ -1,5 +1,6 @@
 //! The FIFOs or clients of a stage, by number.
 
+use super::Slots;
 use crate::wiring::MAX_LINKS;
 
 /// Up to eight numbers, in one piece with what they belong to: a vector of each stage's would lie elsewhere, and be asked for in
@@ -51,16 +52,50 @@ impl Ends {
         })
     }
 
-    /// Shows `see` the numbers of these bits in order. Where it is known how many there can be, the compiler unrolls it.
+    /// The FIFOs of these numbers: looked up once where the compiler knows how many there are, otherwise as they are used.
     #[inline(always)]
-    pub(super) fn each(&self, bits: u32, known: Option<usize>, mut see: impl FnMut(usize)) {
+    pub(super) fn join(self, fifos: &[Slots], known: Option<usize>) -> Joined<'_> {
+        let mut slots = [None; MAX_LINKS];
+        for (place, slot) in slots.iter_mut().enumerate().take(known.unwrap_or(0)) {
+            *slot = fifos.get(self.at(place));
+        }
+        Joined { ends: self, fifos, slots }
+    }
+}
+
+/// The FIFOs at one side of a stage.
+#[derive(Clone, Copy)]
+pub(super) struct Joined<'a> {
+    ends: Ends,
+    fifos: &'a [Slots],
+    /// As many as the compiler knows of.
+    slots: [Option<&'a Slots>; MAX_LINKS],
+}
+
+impl<'a> Joined<'a> {
+    /// How many there are; with `known` the compiler knows it, too.
+    #[inline(always)]
+    pub(super) fn count(&self, known: Option<usize>) -> usize {
+        self.ends.count(known)
+    }
+
+    /// A bit for each.
+    #[inline(always)]
+    pub(super) fn all(&self, known: Option<usize>) -> u32 {
+        (1 << self.count(known)) - 1
+    }
+
+    /// Shows `see` those of these bits in order, with their places. Where it is known how many there can be, the compiler unrolls it.
+    #[inline(always)]
+    pub(super) fn each(&self, bits: u32, known: Option<usize>, mut see: impl FnMut(usize, &'a Slots)) {
         let Some(count) = known else {
-            self.of(bits).for_each(|(_, number)| see(number));
-            return;
+            return self.ends.of(bits).for_each(|(place, number)| see(place, &self.fifos[number]));
         };
-        for place in 0..count {
-            if bits & 1 << place != 0 {
-                see(self.at(place));
+        for (place, slots) in self.slots.iter().enumerate().take(count) {
+            if bits & 1 << place != 0
+                && let Some(slots) = slots
+            {
+                see(place, slots);
             }
         }
     }

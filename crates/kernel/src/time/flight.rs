@@ -1,8 +1,9 @@
 //! What a stage has in flight: steps that wait for memory answers, or behind such a step (laws 4 and 5).
 
-use crate::cache::LookUp;
+use crate::asked::{Asks, LookUps};
+use crate::memory_system::Queue;
 use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
-use crate::{Cycle, MemorySystem, Request, Traffic};
+use crate::{Cycle, MemorySystem, Request};
 use std::collections::VecDeque;
 
 /// A step's delivery, as far as it does not depend on memory.
@@ -21,7 +22,7 @@ pub(crate) const MARKED: u32 = 1 << MAX_LINKS;
 #[derive(Clone, Debug)]
 pub(crate) struct Flight {
     pub(crate) delivery: Delivery,
-    /// Look-ups without an answer, by client.
+    /// Steps whose look-ups have no answer, by client: its own, and those that it waits for, too.
     look_ups: [u32; MAX_CLIENTS],
     /// Number of the last read by client, plus one; 0 for none, or once its answer is known.
     reads: [u64; MAX_CLIENTS],
@@ -78,9 +79,7 @@ impl Flight {
 pub(crate) struct Flights {
     steps: VecDeque<Flight>,
     /// Their look-ups that have no answer yet, by client, in order.
-    look_ups: [VecDeque<LookUp>; MAX_CLIENTS],
-    /// Lines that a client has looked up in the step being made.
-    lines: Vec<u64>,
+    look_ups: [Queue; MAX_CLIENTS],
     /// Answers that were known when the steps were last asked whether they have theirs: until there are more, none has.
     asked_at: Option<u64>,
 }
@@ -91,81 +90,47 @@ impl Flights {
         self.steps.is_empty()
     }
 
-    /// Issues the traffic of a step that starts at `start`; the least occupancy that its look-ups need (law 5), and
-    /// whether all its answers are known and nothing is ahead of it, so that it can deliver at once. `None` where the traffic
-    /// is not what the unit declared and the machine wired: `largest` is what the largest step needs, by client.
+    /// Issues what a step asks that starts at `start`; the least occupancy that its look-ups need (law 5), and whether all its
+    /// answers are known and nothing is ahead of it, so that it can deliver at once.
     #[inline]
     pub(crate) fn issue(
         &mut self,
         flight: &mut Flight,
         start: Cycle,
         (ids, system): (&[usize], &mut MemorySystem),
-        traffic: &Traffic,
-        largest: &[u32; MAX_CLIENTS],
-    ) -> Option<(u64, bool)> {
+        asks: Asks<'_>,
+    ) -> (u64, bool) {
         let mut least = 1;
         let mut waits = false;
-        let mut left = *largest;
-        if !traffic.look_ups.is_empty() {
-            (least, waits) = self.look_up(flight, start, (ids, system), traffic, &mut left)?;
-        }
-        if !traffic.requests.is_empty() {
-            waits |= issue_requests(flight, start, (ids, system), traffic, &mut left)?;
-        }
-        Some((least, !waits && self.steps.is_empty()))
+        let requests = asks.look_ups(|look_ups, held, new| {
+            let (cycles, waits_too) = self.look_up(flight, start, (ids, &mut *system), (look_ups, held, new));
+            least = least.max(cycles);
+            waits |= waits_too;
+        });
+        waits |= issue_requests(flight, start, (ids, system), requests);
+        (least, !waits && self.steps.is_empty())
     }
 
-    /// Makes the look-ups of a step, each line once; the least occupancy, and whether it waits for any. Takes what they need
-    /// from what is `left` of the largest step.
+    /// Makes the look-ups of a step in one cache; the least occupancy, and whether it waits for any.
     #[inline]
     fn look_up(
         &mut self,
         flight: &mut Flight,
         start: Cycle,
         (ids, system): (&[usize], &mut MemorySystem),
-        traffic: &Traffic,
-        left: &mut [u32; MAX_CLIENTS],
-    ) -> Option<(u64, bool)> {
-        let mut least = 1;
-        let mut waits = false;
-        let mut made = 0;
-        // By client, since all that a client has is fetched once then. (The order between clients decides nothing: each has
-        // its own port.)
-        for (own, &client) in ids.iter().enumerate() {
-            let Some(mut cached) = system.cached(client) else { continue };
-            let pending = &mut self.look_ups[own];
-            self.lines.clear();
-            // A bit for all lines of the same rest by 64: mostly a line is new, and no other of the step has its bit.
-            let mut seen = 0;
-            for r in traffic.look_ups.iter().filter(|r| r.client as usize == own) {
-                made += 1;
-                let (mut line, last) = cached.cache.lines(r.address, r.bytes);
-                // Not a range: mostly it is one line, and a range asks twice whether it is over.
-                loop {
-                    let bit = 1_u64 << (line % 64);
-                    if seen & bit == 0 || !self.lines.contains(&line) {
-                        seen |= bit;
-                        self.lines.push(line);
-                        let look_up = cached.look_up(line, start);
-                        if look_up.fill.is_known() && pending.is_empty() {
-                            flight.answers[own] = cached.cache.resolve(&look_up, look_up.fill);
-                        } else {
-                            pending.push_back(look_up);
-                            flight.look_ups[own] += 1;
-                            waits = true;
-                        }
-                    }
-                    if line == last {
-                        break;
-                    }
-                    line += 1;
-                }
-            }
-            left[own] = left[own].checked_sub(self.lines.len() as u32)?;
-            least = least.max(cached.cache.cycles(self.lines.len()));
+        look_up: (&LookUps, &[u64], &[u64]),
+    ) -> (u64, bool) {
+        let own = look_up.0.client as usize;
+        let queue = &mut self.look_ups[own];
+        let (pending, least) = system.look_up(ids[own], start, look_up, &mut queue.open);
+        let waits = pending.request > 0 || !queue.steps.is_empty();
+        if waits {
+            queue.steps.push_back(pending);
+            flight.look_ups[own] += 1;
+        } else {
+            flight.answers[own] = system.resolve_at_once(ids[own], &pending);
         }
-        // The others ask a client without a cache, or none.
-        (made == traffic.look_ups.len()).then_some((least, waits))
+        (least, waits)
     }
 
     /// Takes in a step that waits. Steps that deliver nothing wait only to be counted: those in a row wait as one.
@@ -254,69 +219,23 @@ impl Flights {
     }
 }
 
-/// Issues the direct requests of a step; whether it waits for any. Takes what they need from what is `left` of the largest
-/// step.
+/// Issues the direct requests of a step; whether it waits for any.
 #[inline]
-fn issue_requests(
-    flight: &mut Flight,
-    start: Cycle,
-    (ids, system): (&[usize], &mut MemorySystem),
-    traffic: &Traffic,
-    left: &mut [u32; MAX_CLIENTS],
-) -> Option<bool> {
+fn issue_requests(flight: &mut Flight, start: Cycle, (ids, system): (&[usize], &mut MemorySystem), requests: &[Request]) -> bool {
     let mut waits = false;
-    for r in &traffic.requests {
-        let &client = ids.get(r.client as usize)?;
-        let left = &mut left[r.client as usize];
-        *left = left.checked_sub(1)?;
-        let number = system.issue(client, start, r.address, r.bytes, r.write);
+    for r in requests {
+        let number = system.issue(ids[r.client as usize], start, r.address, r.bytes, r.write);
         if !r.write {
             flight.reads[r.client as usize] = number + 1;
             waits = true;
         }
     }
-    Some(waits)
-}
-
-/// What is wrong with traffic that could not be issued: not what the unit declared, or not what the machine wired.
-#[cold]
-pub(crate) fn objection((ids, system): (&[usize], &mut MemorySystem), largest: &[u32; MAX_CLIENTS], traffic: &Traffic) -> String {
-    let wired = ids.len();
-    if let Some(r) = traffic.requests.iter().chain(&traffic.look_ups).find(|r| r.client as usize >= wired) {
-        return format!("a step uses memory client {}, but the wiring gives it {wired}", r.client);
-    }
-    let is_cached = |r: &Request| system.cache_name(ids[r.client as usize]).is_some();
-    if let Some(r) = traffic.look_ups.iter().find(|r| !is_cached(r)) {
-        return format!("a step looks up a line in memory client {}, which has no cache", r.client);
-    }
-    let needs = ids.iter().enumerate().map(|(own, &client)| credits_needed(traffic, own, client, system));
-    let beyond = (0..).zip(needs).zip(largest).find(|((_, needs), declared)| needs > *declared);
-    beyond.map_or_else(String::new, |((own, needs), declared)| {
-        format!("a step needs {needs} credits of memory client {own}, but largest_step({own}) declares {declared}")
-    })
-}
-
-/// Credits that a step needs of the client that its unit numbers `own`: its requests, and the lines that it looks up.
-fn credits_needed(traffic: &Traffic, own: usize, client: usize, system: &mut MemorySystem) -> u32 {
-    let mine = |r: &&Request| r.client as usize == own;
-    let requests = traffic.requests.iter().filter(mine).count();
-    let Some(cached) = system.cached(client) else { return requests as u32 };
-    let lines_of = |r: &Request| cached.cache.lines(r.address, r.bytes);
-    let mut lines: Vec<u64> = traffic.look_ups.iter().filter(mine).map(lines_of).flat_map(|(first, last)| first..=last).collect();
-    lines.sort_unstable();
-    lines.dedup();
-    (requests + lines.len()) as u32
+    waits
 }
 
 /// Takes in the answers to a step's look-ups, unless one ahead of it on the same client is `stuck` (a bit each).
 #[inline]
-fn resolve(
-    queues: &mut [VecDeque<LookUp>; MAX_CLIENTS],
-    stuck: &mut u32,
-    flight: &mut Flight,
-    ids: &[usize],
-    system: &mut MemorySystem,
-) {
+fn resolve(queues: &mut [Queue; MAX_CLIENTS], stuck: &mut u32, flight: &mut Flight, ids: &[usize], system: &mut MemorySystem) {
     for (i, (queue, &client)) in queues.iter_mut().zip(ids).enumerate() {
         let left = &mut flight.look_ups[i];
         if *left > 0 && *stuck & 1 << i == 0 {

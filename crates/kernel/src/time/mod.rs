@@ -9,17 +9,18 @@ mod occupancy;
 mod path;
 mod slots;
 mod start;
+mod visit;
 
 pub(crate) use clock::{Clock, Wait, charge};
 pub(crate) use conclude::{Halt, Rest};
 pub(crate) use path::Path;
 pub(crate) use slots::Slots;
+pub(crate) use visit::Visit;
 
 use crate::shape::Shape;
-use crate::unit::Demand;
-use crate::{Account, Cycle, MemorySystem, Probe, Traffic};
+use crate::{Account, Cycle, MemorySystem, Probe};
 
-/// What a step did, as far as time depends on it. What it asked of memories stands in [`Traffic`].
+/// What a step did, as far as time depends on it. What it asked of memories stands in [`Asks`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Made {
     /// Cycles the unit is kept, >= 1.
@@ -73,50 +74,37 @@ impl Time {
         Self { accounts: vec![Account::default(); shape.stages.len()], shape, stages, fifos, memories }
     }
 
-    /// Makes a step of a stage that starts at `at`.
+    /// A stage, to be worked on; and the shape of the machine.
     #[inline(always)]
-    pub(crate) fn step<K: Known>(&mut self, stage: usize, at: Cycle, demand: Demand, made: &Made, traffic: &mut Traffic) {
-        let Self { stages, fifos, memories, .. } = self;
-        let clock = &mut stages[stage];
-        clock.step::<K>((at, demand.of(clock.inputs.count(K::INPUTS))), made, (fifos, memories), traffic);
+    pub(crate) fn visit<K: Known>(&mut self, stage: usize) -> (Visit<'_>, &Shape) {
+        let Self { shape, stages, accounts, fifos, memories } = self;
+        let (clock, account) = (&mut stages[stage], &mut accounts[stage]);
+        let (inputs, outputs) = (clock.inputs.join(fifos, K::INPUTS), clock.outputs.join(fifos, K::OUTPUTS));
+        (Visit { stage, clock, account, fifos, memories, inputs, outputs }, shape)
     }
 
-    /// Charges the cycles that a stage waits from the end of its last step to the start of the next, at `at`.
-    pub(crate) fn charge_wait<P: Probe>(&mut self, stage: usize, demand: Demand, at: Cycle, probe: &mut P) {
-        let Self { stages, accounts, fifos, memories, .. } = self;
-        let clock = &stages[stage];
-        let account = &mut accounts[stage];
-        clock.split_wait(fifos, memories, demand, (clock.free, at), |wait| charge(account, probe, stage, wait));
-    }
-
-    /// Keeps how full FIFOs are, for a probe that looks on.
+    /// Keeps how full FIFOs are and what memories do, for a probe that looks on.
     pub(crate) fn keep_fills<P: Probe>(&mut self) {
         if P::is_on() {
-            self.fifos.iter_mut().for_each(Slots::keep_fills);
+            self.fifos.iter().for_each(Slots::keep_fills);
+            self.memories.keep_watch();
         }
     }
 
-    /// Shows a probe how full FIFOs were, as far as that is settled, or up to the `end` of the run.
+    /// Shows a probe how full FIFOs were and what memories did, as far as that is settled, or up to the `end` of the run.
     pub(crate) fn show_fills<P: Probe>(&mut self, probe: &mut P, end: Option<Cycle>) {
         if P::is_on() {
-            for (number, fifo) in self.fifos.iter_mut().enumerate() {
+            for (number, fifo) in self.fifos.iter().enumerate() {
                 fifo.take_fills(end).into_iter().for_each(|(at, slots)| probe.held(number, at, slots));
             }
+            self.memories.tell(probe, end);
         }
     }
 
-    /// Delivers the steps of a stage in flight whose answers are known by now, and tells whether there were any. To be called
-    /// before looking at the next start.
-    #[inline(always)]
-    pub(crate) fn land_known<K: Known>(&mut self, stage: usize) -> bool {
-        let clock = &mut self.stages[stage];
-        K::HAS_MEMORY && !clock.flights.is_empty() && clock.land(&mut self.fifos, &mut self.memories)
-    }
-
-    /// The same for all stages.
+    /// Delivers the steps of all stages in flight whose answers are known by now.
     pub(crate) fn land_all(&mut self) {
         for stage in 0..self.stages.len() {
-            self.land_known::<Unknown>(stage);
+            self.visit::<Unknown>(stage).0.land_known::<Unknown>();
         }
     }
 }

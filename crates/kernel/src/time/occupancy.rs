@@ -1,10 +1,7 @@
 //! Occupancy of a FIFO (law 10): slots reserved or filled, from reservation through pop.
 
+use super::slots::Token;
 use crate::Cycle;
-
-/// Events logged before they are settled in one sweep. Settling each push as it came cost 100 instructions per token,
-/// a sweep costs 20.
-const LOG: usize = 256;
 
 /// The histogram of one FIFO's occupancy.
 ///
@@ -13,9 +10,9 @@ const LOG: usize = 256;
 #[derive(Clone, Debug)]
 pub(crate) struct Occupancy {
     histogram: Vec<u64>,
-    pushes: Vec<Cycle>,
-    /// The cycles after the pops: slots are free from here.
-    frees: Vec<Cycle>,
+    /// Numbers of the first push and the first pop that are not settled.
+    push: usize,
+    pop: usize,
     held: usize,
     settled_to: Cycle,
     /// The ticked engine counts literally: slots held in the last cycle counted, and that cycle.
@@ -50,15 +47,7 @@ impl Fills {
 
 impl Occupancy {
     pub(crate) fn new(depth: usize) -> Self {
-        Self {
-            histogram: vec![0; depth + 1],
-            pushes: Vec::with_capacity(LOG + depth),
-            frees: Vec::with_capacity(LOG + depth),
-            held: 0,
-            settled_to: Cycle::ZERO,
-            counted: None,
-            fills: None,
-        }
+        Self { histogram: vec![0; depth + 1], push: 0, pop: 0, held: 0, settled_to: Cycle::ZERO, counted: None, fills: None }
     }
 
     /// Keeps what it holds, to be taken.
@@ -72,85 +61,71 @@ impl Occupancy {
         self.fills.as_mut().map_or_else(Vec::new, |fills| fills.take_before(until))
     }
 
-    /// A slot is reserved at `at`.
-    #[inline(always)]
-    pub(crate) fn push(&mut self, at: Cycle) {
-        self.pushes.push(at);
-        if self.pushes.len() >= LOG {
-            self.settle();
-        }
-    }
-
-    /// A token is popped at `at`.
-    #[inline(always)]
-    pub(crate) fn pop(&mut self, at: Cycle) {
-        self.frees.push(at + 1);
-    }
-
     fn advance(&mut self, to: Cycle) {
         self.histogram[self.held] += to.since(self.settled_to);
         self.settled_to = self.settled_to.max(to);
     }
 
-    /// Merges what both logs cover, and keeps the rest.
-    fn settle(&mut self) {
+    /// Settles what can be settled, and keeps the rest: so many tokens are pushed, and so many popped.
+    pub(crate) fn settle(&mut self, ring: &[Token], ends: (usize, usize)) {
         if self.counted.is_some() {
-            self.pushes.clear();
-            self.frees.clear();
             return;
         }
         match self.fills.take() {
             // By itself: asking at each event whether somebody looks on costs a tenth of a bare chain.
-            None => self.merge(|_, _| ()),
+            None => self.merge(ring, ends, |_, _| ()),
             Some(mut fills) => {
-                self.merge(|at, held| fills.hold(at, held));
+                self.merge(ring, ends, |at, held| fills.hold(at, held));
                 self.fills = Some(fills);
             }
         }
     }
 
     #[inline(always)]
-    fn merge(&mut self, mut hold: impl FnMut(Cycle, usize)) {
-        let (mut pushed, mut freed) = (0, 0);
-        let (mut held, mut now) = (self.held, self.settled_to);
-        while let (Some(&push), Some(&free)) = (self.pushes.get(pushed), self.frees.get(freed)) {
+    fn merge(&mut self, ring: &[Token], (pushed, popped): (usize, usize), mut hold: impl FnMut(Cycle, usize)) {
+        let mask = ring.len() - 1;
+        let (mut push, mut pop, mut held, mut now) = (self.push, self.pop, self.held, self.settled_to);
+        while push < pushed && pop < popped {
+            let (reserved, free) = (ring[push & mask].reserved.get(), ring[pop & mask].free.get());
             // In one cycle a slot may be freed and another reserved; the count in between lasts 0 cycles. Reserving
             // first keeps `held` above 0, but it may exceed the depth: free first where both fall together. No branch on
             // which it is: it changes from token to token.
-            let reserves = usize::from(push < free);
-            let to = push.min(free);
+            let reserves = usize::from(reserved < free);
+            let to = reserved.min(free);
             self.histogram[held] += to.0 - now.0;
             now = to;
-            pushed += reserves;
-            freed += 1 - reserves;
+            push += reserves;
+            pop += 1 - reserves;
             held = held + 2 * reserves - 1;
             hold(to, held);
         }
-        (self.held, self.settled_to) = (held, now);
-        self.pushes.drain(..pushed);
-        self.frees.drain(..freed);
+        (self.push, self.pop, self.held, self.settled_to) = (push, pop, held, now);
     }
 
     /// Settles the rest of a run of `total` cycles.
-    pub(crate) fn finish(&mut self, total: Cycle) -> &[u64] {
+    pub(crate) fn finish(&mut self, ring: &[Token], (pushed, popped): (usize, usize), total: Cycle) -> Vec<u64> {
         if let Some((held, last)) = self.counted {
             // The ticked engine learns that a run is over one cycle late.
             self.histogram[held] -= (last + 1).since(total);
-            return &self.histogram;
+            return self.histogram.clone();
         }
-        self.settle();
-        for push in std::mem::take(&mut self.pushes) {
-            self.advance(push);
+        self.settle(ring, (pushed, popped));
+        let token = |number: usize| &ring[number & (ring.len() - 1)];
+        for push in self.push..pushed {
+            let at = token(push).reserved.get();
+            self.advance(at);
             self.held += 1;
-            self.hold(push);
+            self.hold(at);
         }
-        for free in std::mem::take(&mut self.frees) {
-            self.advance(free.min(total));
+        for pop in self.pop..popped {
+            let at = token(pop).free.get();
+            self.advance(at.min(total));
             self.held -= 1;
-            self.hold(free);
+            self.hold(at);
         }
+        (self.push, self.pop) = (pushed, popped);
         self.advance(total);
-        &self.histogram
+        self.histogram.clone()
     }
 
     fn hold(&mut self, at: Cycle) {

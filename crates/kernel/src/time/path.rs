@@ -5,10 +5,12 @@
 //! has one event before it, and the cycles in between have one reason. Where several terms are equal one of them is taken: the unit's
 //! own work before its tokens, these before its credits and slots. So a path is not the only one.
 
+use super::visit::Sight;
 use super::{Made, Time};
 use crate::path::{CriticalPath, PathPart, Phase, Stretch};
+use crate::shape::Shape;
 use crate::wiring::MAX_CLIENTS;
-use crate::{Cycle, Demand};
+use crate::{Cycle, Demand, MemorySystem};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Before the first event.
@@ -95,27 +97,27 @@ impl Path {
     /// A stage makes a step, before its times take it in. (Kept out of the engine's code: who does not ask for a path must not pay.)
     #[cold]
     #[inline(never)]
-    pub(crate) fn step(&mut self, time: &Time, stage: usize, (at, demand): (Cycle, Demand), made: &Made) {
+    pub(crate) fn step(&mut self, shape: &Shape, visit: &Sight<'_>, (at, demand): (Cycle, Demand), made: &Made) {
         if self.events.len() > self.most {
             return;
         }
-        let clock = &time.stages[stage];
+        let &Sight { stage, clock, memories, .. } = visit;
         // What it has issued by now, its last step has issued last.
         for &client in &clock.clients {
-            self.issued[client].resize(time.memories.issued(client) as usize, self.steps[stage]);
+            self.issued[client].resize(memories.issued(client) as usize, self.steps[stage]);
         }
         let inputs = demand.of(clock.inputs.count(None));
         for (_, fifo) in clock.inputs.of(inputs) {
-            let visible = self.token(time, fifo);
+            let visible = self.token(shape, visit, fifo);
             self.fifos[fifo].visible = visible;
         }
-        let (after, why) = self.bound(time, stage, (at, inputs));
+        let (after, why) = self.bound(shape, visit, (at, inputs));
         let event = self.push(at, after, why);
         self.steps[stage] = event;
         for (_, fifo) in clock.inputs.of(inputs) {
             let tokens = &mut self.fifos[fifo];
             tokens.pops.push_back(event);
-            if tokens.pops.len() > time.shape.fifos[fifo].depth {
+            if tokens.pops.len() > shape.fifos[fifo].depth {
                 tokens.pops.pop_front();
             }
         }
@@ -129,56 +131,62 @@ impl Path {
     }
 
     /// The term of law 3 that bound a start, and the event that it stands for.
-    fn bound(&mut self, time: &Time, stage: usize, (at, inputs): (Cycle, u32)) -> (u32, Why) {
-        let clock = &time.stages[stage];
+    fn bound(&mut self, shape: &Shape, visit: &Sight<'_>, (at, inputs): (Cycle, u32)) -> (u32, Why) {
+        let &Sight { stage, clock, fifos, memories } = visit;
         if clock.free == at {
             return (self.steps[stage], Why::Occupancy(stage as u16));
         }
         for (_, fifo) in clock.inputs.of(inputs) {
-            if time.fifos[fifo].front_visible() == at {
+            if fifos[fifo].front_visible() == at {
                 return (self.fifos[fifo].visible, Why::Fifo(fifo as u16));
             }
         }
         for (&client, &credits) in clock.clients.iter().zip(&clock.needs.credits) {
-            if time.memories.credits_at(client, credits) == at {
-                let number = time.memories.credit_of(client, credits);
+            if memories.credits_at(client, credits) == at {
+                let number = memories.credit_of(client, credits);
                 let issued = self.issued[client].get(number as usize).copied().unwrap_or(NONE);
-                let answered = self.answer(time, client, (issued, at));
+                let answered = self.answer(memories, client, (issued, at));
                 return (answered, Why::Memory(client as u16, Phase::Order));
             }
         }
         for (_, fifo) in clock.outputs.of(clock.outputs.all()) {
-            if time.fifos[fifo].room_at() == at {
-                return (self.fifos[fifo].freed(time.shape.fifos[fifo].depth), Why::Slot(fifo as u16));
+            if fifos[fifo].room_at() == at {
+                return (self.fifos[fifo].freed(shape.fifos[fifo].depth), Why::Slot(fifo as u16));
             }
         }
         (self.steps[stage], Why::Rest)
     }
 
     /// The front token of a FIFO, which is popped now, becomes visible.
-    fn token(&mut self, time: &Time, fifo: usize) -> u32 {
+    fn token(&mut self, shape: &Shape, visit: &Sight<'_>, fifo: usize) -> u32 {
         let (step, base) = self.fifos[fifo].inside.pop_front().unwrap_or((NONE, Cycle::ZERO));
-        let (slots, producer) = (&time.fifos[fifo], time.shape.fifos[fifo].producer);
+        let (slots, producer) = (&visit.fifos[fifo], shape.fifos[fifo].producer);
         let (visible, why) = (slots.front_visible(), Why::Fifo(fifo as u16));
-        let (latest, delivered) = latest(slots.front_answers(), base);
-        if delivered + time.shape.fifos[fifo].latency < visible {
+        let (latest, delivered) = latest(slots.front_answers().as_ref(), base);
+        if delivered + shape.fifos[fifo].latency < visible {
             // One token becomes visible per cycle.
             return self.push(visible, self.fifos[fifo].visible, why);
         }
-        let client = latest.map(|own| time.stages[producer].clients[own]);
-        let after = self.delivery(time, (step, producer), base, (client, delivered));
+        let client = latest.map(|own| shape.stages[producer].clients[own]);
+        let after = self.delivery(visit.memories, (step, producer), base, (client, delivered));
         self.push(visible, after, why)
     }
 
     /// A step delivers: not before `base`, and when the answer of `client` is there, if it waits for one.
-    fn delivery(&mut self, time: &Time, (step, stage): (u32, usize), base: Cycle, (client, at): (Option<usize>, Cycle)) -> u32 {
+    fn delivery(
+        &mut self,
+        memories: &MemorySystem,
+        (step, stage): (u32, usize),
+        base: Cycle,
+        (client, at): (Option<usize>, Cycle),
+    ) -> u32 {
         let ready = if base > self.at(step) { self.push(base, step, Why::Latency(stage as u16)) } else { step };
-        client.map_or(ready, |client| self.answer(time, client, (ready, at)))
+        client.map_or(ready, |client| self.answer(memories, client, (ready, at)))
     }
 
     /// The phases of the request whose answer a client got last by `at`, after an event.
-    fn answer(&mut self, time: &Time, client: usize, (mut after, at): (u32, Cycle)) -> u32 {
-        let Some(request) = time.memories.last_answered(client, at) else { return after };
+    fn answer(&mut self, memories: &MemorySystem, client: usize, (mut after, at): (u32, Cycle)) -> u32 {
+        let Some(request) = memories.last_answered(client, at) else { return after };
         let phases = [
             (request.arrival + 1, Phase::Arrival),
             (request.row, Phase::Bus),
@@ -233,7 +241,7 @@ impl Path {
             let clock = &time.stages[stage];
             let at = clock.marks.iter().copied().max().unwrap_or(base);
             let client = clock.clients.iter().copied().find(|&client| time.memories.is_answer(client, at));
-            return self.delivery(time, (step, stage), base, (client.filter(|_| at > base), at));
+            return self.delivery(&time.memories, (step, stage), base, (client.filter(|_| at > base), at));
         }
         let stage = (0..time.stages.len()).max_by_key(|&stage| time.stages[stage].free);
         let Some(stage) = stage.filter(|&stage| self.steps[stage] != NONE) else { return NONE };

@@ -1,6 +1,6 @@
 //! Several reports side by side, a row each.
 
-use crate::model::{Client, Report};
+use crate::model::Report;
 use crate::text::number::{real, thousands};
 use crate::text::{Align, Style, Table};
 use crate::work::work;
@@ -22,16 +22,12 @@ pub fn overview(reports: &[(&str, &Report)], style: Style) -> String {
     for (name, report) in reports {
         let timed = report.cycles.as_ref();
         let per_one = report.derived.get(&format!("cycles_per_{}", work(report).one));
-        let bytes = |report: &Report| {
-            let clients = report.memories.as_ref()?.values().flat_map(|memory| memory.clients.values());
-            Some(clients.map(Client::bytes).fold(0, u64::saturating_add))
-        };
         let cell = |x: Option<String>| x.unwrap_or_else(|| "-".into());
         table.row([
             (*name).to_owned(),
             cell(timed.map(|_| thousands(report.frame_cycles()))),
             cell(per_one.map(|figure| real((100.0 * figure.value).round() / 100.0))),
-            cell(bytes(report).map(thousands)),
+            cell(report.memory_bytes().map(thousands)),
             cell(report.quality.as_ref().map(|quality| format!("{:.2}", quality.last.psnr_db))),
         ]);
     }

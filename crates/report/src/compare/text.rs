@@ -27,7 +27,19 @@ impl Comparison {
 
 impl Section {
     fn to_text(&self, style: Style) -> String {
-        let title = match self.table {
+        let more = self.changes.len().saturating_sub(SHOWN);
+        let rest = if more > 0 { format!("\n.. and {more} more") } else { String::new() };
+        self.of(&self.changes[..self.changes.len().min(SHOWN)]).render(style) + &rest
+    }
+
+    /// All changes as a table.
+    pub(crate) fn table(&self) -> Table {
+        self.of(&self.changes)
+    }
+
+    /// What it is a list of.
+    pub(crate) fn title(&self) -> &'static str {
+        match self.table {
             "run" => "Run",
             "config" => "Parameter",
             "cycles" => "Cycles",
@@ -39,14 +51,16 @@ impl Section {
             "figures" => "Figure",
             "quality" => "Quality",
             _ => "Picture",
-        };
-        let mut table = Table::new(&[(title, Left, 0), ("A", Right, 0), ("B", Right, 0), ("change", Right, 0), ("%", Right, 1)]);
-        for change in self.changes.iter().take(SHOWN) {
+        }
+    }
+
+    fn of(&self, changes: &[Change]) -> Table {
+        let mut table =
+            Table::new(&[(self.title(), Left, 0), ("A", Right, 0), ("B", Right, 0), ("change", Right, 0), ("%", Right, 1)]);
+        for change in changes {
             table.row(change.cells());
         }
-        let more = self.changes.len().saturating_sub(SHOWN);
-        let rest = if more > 0 { format!("\n.. and {more} more") } else { String::new() };
-        table.render(style) + &rest
+        table
     }
 }
 

@@ -36,7 +36,7 @@ fn chart(Cycles { frames, .. }: &Cycles) -> Html {
 fn table(report: &Report, cycles: &Cycles) -> Table {
     let titles = ["frame", "cycles", "ms", "PSNR dB", "SSIM", "FLIP"];
     let mut table = Table::new(&titles.map(|title| (title, Right, 0)));
-    let hz = report.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).filter(|hz| *hz > 0.0);
+    let hz = report.clock_hz();
     let last = report.quality.as_ref().map(|quality| &quality.last).filter(|_| cycles.frames.len() == 1);
     for (k, &n) in cycles.frames.iter().take(ROWS).enumerate() {
         let quality = report.quality.as_ref().and_then(|quality| quality.frames.get(k)).or(last);

@@ -1,7 +1,7 @@
 //! What the run was, and its largest figures.
 
 use super::markup::{Html, el, el_text, text};
-use crate::model::{Client, OutcomeKind, Report};
+use crate::model::{OutcomeKind, Report};
 use crate::text::number::{real, thousands};
 use crate::work::work;
 use base64::Engine;
@@ -23,7 +23,7 @@ fn big((number, unit): (String, String)) -> Html {
     el("div", &[], [el_text("dt", "", unit), el_text("dd", "", number)])
 }
 
-fn numbers(report: &Report) -> Vec<(String, String)> {
+pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
     let frames = report.cycles.as_ref().map_or(0, |cycles| cycles.frames.len() as u64);
     let each = if frames > 1 { " per frame" } else { "" };
     let per_frame = |n: u64| thousands(n / frames.max(1));
@@ -38,13 +38,11 @@ fn numbers(report: &Report) -> Vec<(String, String)> {
     if let Some(quality) = &report.quality {
         list.push((format!("{:.2}", quality.last.psnr_db), "dB against the exact picture".into()));
     }
-    if let Some(memories) = &report.memories {
-        let bytes = memories.values().flat_map(|memory| memory.clients.values()).map(Client::bytes);
-        let bytes = bytes.fold(0, u64::saturating_add);
+    if let Some(bytes) = report.memory_bytes() {
         list.push((per_frame(bytes), format!("bytes of memory traffic{each}")));
     }
     if let Some(d) = report.derived.get("frame_ms") {
-        let hz = report.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).unwrap_or(0.0);
+        let hz = report.clock_hz().unwrap_or(0.0);
         list.push((format!("{:.3}", d.value), format!("ms{each} at {} MHz", real(hz / 1e6))));
     }
     list

@@ -10,6 +10,7 @@
 //!
 //! Each colour has one meaning: `style.css` names them.
 
+mod compared;
 mod diagram;
 mod fifos;
 mod frames;
@@ -30,6 +31,7 @@ use crate::text::{self, Align, Table};
 use crate::work;
 use markup::{Html, details, el, el_text};
 
+pub use compared::{Side, compared};
 pub use parameters::ParameterRow;
 pub use pictures::PagePicture;
 
@@ -53,28 +55,30 @@ const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inlin
 /// As [`Report::to_json`].
 pub fn to_html(report: &Report, beside: &Beside) -> Result<String, serde_json::Error> {
     let report = &Report { host: None, ..report.clone() };
-    let sections = sections(report, beside);
-    let shown = || sections.iter().filter(|(_, _, content)| !content.is_empty());
-    let links = shown().map(|(id, title, _)| el("a", &[("href", &format!("#{id}"))], [markup::text(title)]));
+    let shown = contents(report, beside);
+    let links = shown.iter().map(|(id, title, _)| el("a", &[("href", &format!("#{id}"))], [markup::text(title)]));
     let nav = el("nav", &[("aria-label", "Parts of this page")], links);
-    let parts = shown().map(|(id, title, content)| section(id, title, content.clone()));
+    let parts = shown.iter().map(|(id, title, content)| section(id, title, content.clone()));
     let main = el("main", &[], parts);
     let save = head::save(&report.to_json()?);
     let body = el("body", &[], [head::head(report), nav, main, save]);
-    let page = el("html", &[("lang", "en")], [page_head(report), body]);
-    Ok(format!("<!DOCTYPE html>\n{}\n", page.into_text()))
+    Ok(whole_page(&format!("{} · {} · Basrelief", report.machine, report.input.name), body))
 }
 
-fn page_head(report: &Report) -> Html {
+fn whole_page(title: &str, body: Html) -> String {
+    let page = el("html", &[("lang", "en")], [page_head(title), body]);
+    format!("<!DOCTYPE html>\n{}\n", page.into_text())
+}
+
+fn page_head(title: &str) -> Html {
     let meta = |attributes: &[(&str, &str)]| el("meta", attributes, []);
-    let title = format!("{} · {} · Basrelief", report.machine, report.input.name);
     let children = [
         meta(&[("charset", "utf-8")]),
         meta(&[("http-equiv", "Content-Security-Policy"), ("content", POLICY)]),
         meta(&[("name", "viewport"), ("content", "width=device-width, initial-scale=1")]),
         meta(&[("name", "color-scheme"), ("content", "light dark")]),
         el_text("title", "", title),
-        Html::style(include_str!("style.css")),
+        Html::style(STYLE),
     ];
     el("head", &[], children)
 }
@@ -85,11 +89,11 @@ fn section(id: &str, title: &str, content: Html) -> Html {
     el("section", &[("id", id), ("aria-labelledby", &heading)], [title, content])
 }
 
-type Section = (&'static str, &'static str, Html);
+type Content = (&'static str, &'static str, Html);
 
-/// In the order in which they are asked for: what limits first.
-fn sections(report: &Report, beside: &Beside) -> Vec<Section> {
-    vec![
+/// In the order in which they are asked for: what limits first. Those that have nothing to say are left out.
+fn contents(report: &Report, beside: &Beside) -> Vec<Content> {
+    let all = [
         ("limits", "What limits this run", limits::limits(report)),
         ("pictures", "Pictures", pictures::pictures(report, &beside.pictures)),
         ("diagram", "Block diagram", block_diagram(report, &beside.diagram)),
@@ -97,13 +101,35 @@ fn sections(report: &Report, beside: &Beside) -> Vec<Section> {
         ("fifos", "FIFOs", fifos::fifos(report)),
         ("memories", "Memories", memories::memories(report)),
         ("frames", "Frames", frames::frames(report)),
+        ("costs", "What it costs", costs(report)),
         ("hardware", "Hardware", hardware(report)),
         ("figures", "Figures", figures(report)),
         ("quality", "Quality", table::html("Pictures against the exact ones", &text::sections::quality(report))),
         ("parameters", "Parameters", parameters::parameters(&beside.parameters)),
         ("warnings", "Warnings", el_list(&report.warnings)),
-    ]
+    ];
+    all.into_iter().filter(|(_, _, content)| !content.is_empty()).collect()
 }
+
+/// A part of the page, for pages that are more than a report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Section {
+    /// Its name in addresses.
+    pub id: &'static str,
+    /// Its heading.
+    pub title: &'static str,
+    /// Markup below the heading, escaped; [`STYLE`] says how it looks.
+    pub html: String,
+}
+
+/// The parts of the page that have something to say, as [`to_html`] shows them.
+pub fn sections(report: &Report, beside: &Beside) -> Vec<Section> {
+    let contents = contents(report, beside).into_iter();
+    contents.map(|(id, title, html)| Section { id, title, html: html.into_text() }).collect()
+}
+
+/// The style sheet of the page.
+pub const STYLE: &str = include_str!("style.css");
 
 fn el_list(items: &[String]) -> Html {
     if items.is_empty() {
@@ -129,6 +155,22 @@ fn block_diagram(report: &Report, diagram: &str) -> Html {
 fn diagram_legend() -> Html {
     let more = [("fifo", "slots of a FIFO held")];
     units::legend(units::STATES.into_iter().chain(more))
+}
+
+/// For whom the cycles were.
+fn costs(report: &Report) -> Html {
+    use crate::costs::{LISTED, objects, polygons, whom};
+    if report.costs.is_none() {
+        return Html::default();
+    }
+    let says = "Every cycle of every unit, at work or waiting, is charged to what the step was for that ends it. Percent of busy and \
+                waiting cycles are of the row.";
+    let lists = [
+        table::html("For whom", &whom(report)),
+        details("The most expensive objects", table::html("Objects", &objects(report, LISTED))),
+        details("The most expensive polygons", table::html("Polygons", &polygons(report, LISTED))),
+    ];
+    std::iter::once(el_text("p", "quiet", says)).chain(lists).collect()
 }
 
 fn hardware(report: &Report) -> Html {

@@ -24,6 +24,21 @@ pub(super) fn svg(class: &str, (width, height): (f64, f64), says: &str, fit: &st
     el("svg", &attributes, [shapes])
 }
 
+/// A drawing that is shown so many times its size, however wide its place: by attributes, since a page may forbid styles.
+pub(super) fn svg_sized(class: &str, (width, height): (f64, f64), times: f64, says: &str, shapes: Html) -> Html {
+    let view = format!("0 0 {} {}", px(width), px(height));
+    let (width, height) = (px(times * width), px(times * height));
+    let attributes = [
+        ("class", class),
+        ("viewBox", view.as_str()),
+        ("width", width.as_str()),
+        ("height", height.as_str()),
+        ("role", "img"),
+        ("aria-label", says),
+    ];
+    el("svg", &attributes, [shapes])
+}
+
 /// A part of a bar: class of its colour, what it is, how much.
 pub(super) type Part = (&'static str, String, u64);
 

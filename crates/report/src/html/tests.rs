@@ -10,7 +10,7 @@ const DIAGRAM: &str = " [geometry] --polygons--> [replacement (110)] ==z, color=
 
 /// A report that has everything, under this name of what was drawn.
 fn full(name: &str) -> Report {
-    let mut report = samples::balanced();
+    let mut report = samples::costed();
     report.input.name = name.into();
     report.warnings.push(name.into());
     let limit = |saved| Limit {
@@ -98,8 +98,20 @@ fn nothing_comes_from_outside_and_nothing_is_run() {
 fn parts_stand_in_their_order() {
     let page = page(&full("coin"));
     let ids: Vec<&str> = page.split("<section id=\"").skip(1).filter_map(|part| part.split('"').next()).collect();
-    let expected =
-        ["limits", "pictures", "diagram", "units", "fifos", "memories", "frames", "figures", "quality", "parameters", "warnings"];
+    let expected = [
+        "limits",
+        "pictures",
+        "diagram",
+        "units",
+        "fifos",
+        "memories",
+        "frames",
+        "costs",
+        "figures",
+        "quality",
+        "parameters",
+        "warnings",
+    ];
     assert_eq!(ids, expected);
     for number in ["500,000", "5.00", "41.25"] {
         assert!(page.contains(&format!("<dd>{number}</dd>")), "{number}");
@@ -126,4 +138,22 @@ fn the_page_is_the_same_to_the_byte() {
         text
     });
     insta::assert_snapshot!("page_sha256", hash);
+}
+
+/// Two reports, the second with other cycles of a unit.
+#[test]
+fn a_comparison_shows_both_and_what_explains_it() {
+    let (a, mut b) = (full("before & after"), full("before & after"));
+    b.units.as_mut().unwrap()[1].busy += 7;
+    let share = |group: &str, by| crate::Share { group: group.into(), set: vec![], cycles: None, by };
+    let explained = crate::Explained { shares: vec![share("fifo.<x>", Some(-12_345)), share("memory.z", None)], together: 67 };
+    let comparison = crate::compare(&a, &b, Some(explained));
+    let side = |name, report| Side { name, report, beside: beside("lanes") };
+    let one = compared(&side("out/<a>", &a), &[(side("out/b", &b), &comparison)]);
+    check_well_formed(&one);
+    assert!(one.contains("-12,345") && one.contains("not measured") && one.contains("fifo.&lt;x&gt;"), "{one}");
+    assert!(one.contains("Where the cycles went") && one.matches("class=\"blocks\"").count() == 2);
+    let two = compared(&side("a", &a), &[(side("b", &b), &comparison), (side("c", &a), &comparison)]);
+    check_well_formed(&two);
+    assert!(two.contains("id=\"units-1\"") && two.contains("id=\"units-2\"") && !two.contains("id=\"units\""));
 }

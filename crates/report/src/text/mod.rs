@@ -3,20 +3,22 @@
 //! Columns that matter least go first where the width does not hold them all. Shares of cycles are in percent; a share
 //! of exactly nothing is left blank. Colour is off unless asked for.
 
+mod first;
 mod hardware;
 mod limits;
 pub mod number;
 pub(crate) mod sections;
 mod table;
+mod tables;
 
 pub use hardware::hardware;
 pub(crate) use hardware::{pieces, totals};
 
 use crate::blame::blame;
 use crate::model::{Cycles, OutcomeKind, Report};
-use crate::work;
 pub(crate) use sections::{cause, figure, full_cycles, in_frames, mean_occupancy};
 pub(crate) use table::{Align, Table};
+pub use tables::Tables;
 
 /// How to set a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,27 +64,31 @@ impl Style {
     }
 }
 
-/// The whole report, sections parted by empty lines, with a line feed at the end.
-pub fn to_text(report: &Report, style: Style) -> String {
-    let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report))), style.wrap(&what_limits(report))];
+/// The report: what the run was, what it cost and what limits it, then these tables; parts are parted by empty lines, with a line
+/// feed at the end.
+pub fn to_text(report: &Report, style: Style, tables: &[Tables]) -> String {
+    let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report)))];
+    parts.push(first::lines(report).iter().map(|line| style.wrap(line)).collect::<Vec<_>>().join("\n"));
+    parts.push(style.wrap(&what_limits(report)));
     parts.extend(limits::path(report).map(|path| style.wrap(&path)));
-    let mut tables = vec![
-        limits::table(report),
-        sections::units(report),
-        sections::fifos(report),
-        sections::memories(report),
-        sections::channels(report),
-        sections::caches(report),
-        sections::routes(report),
-        sections::circuits(report),
-        sections::processes(report),
-    ];
-    tables.extend(work::tables(report).iter().map(sections::columns));
-    tables.extend([hardware::totals(report), sections::figures(report), sections::quality(report), sections::derived(report)]);
-    parts.extend(tables.iter().filter(|t| !t.is_empty()).map(|t| t.render(style)));
+    // Who asks for costs wants to see them.
+    let tables = [tables, if report.costs.is_some() { &[Tables::Costs] } else { &[] }].concat();
+    for (caption, table) in Tables::ALL.iter().filter(|of| tables.contains(of)).flat_map(|of| of.of(report)) {
+        let caption = if caption.is_empty() { caption } else { style.paint(Paint::Dim, &style.wrap(&caption)) + "\n" };
+        parts.push(caption + &table.render(style));
+    }
     parts.extend(sections::host(report));
     parts.extend(warnings(report, style));
+    parts.extend(more(report, &tables).map(|more| style.wrap(&more)));
+    parts.retain(|part| !part.is_empty());
     parts.join("\n\n") + "\n"
+}
+
+/// What there is beside the tables that are shown.
+fn more(report: &Report, shown: &[Tables]) -> Option<String> {
+    let rest: Vec<&str> =
+        Tables::ALL.iter().filter(|of| !shown.contains(of) && !of.of(report).is_empty()).map(|of| of.name()).collect();
+    (!rest.is_empty()).then(|| format!("More with --tables all, or some of {}.", rest.join(",")))
 }
 
 /// In one sentence: as it was measured, or else as it follows from the accounting.
@@ -137,18 +143,41 @@ mod tests {
     #[test]
     fn tables_of_a_run() {
         let report = samples::balanced().with_host(4.0, 2.0);
-        insta::assert_snapshot!("tables", to_text(&report, Style::default()));
+        insta::assert_snapshot!("tables", to_text(&report, Style::default(), &Tables::ALL));
+    }
+
+    #[test]
+    fn the_first_screen_answers_and_says_what_more_there_is() {
+        let report = samples::balanced();
+        let text = to_text(&report, Style::default(), &[]);
+        assert!(text.contains("cycles per frame") && text.contains("bytes of memory traffic per frame"), "{text}");
+        assert!(text.lines().count() < 20, "{text}");
+        assert!(text.contains("More with --tables all, or some of units,fifos,memories,"), "{text}");
+        let units = to_text(&report, Style::default(), &[Tables::Units]);
+        assert!(
+            units.contains("shares of the cycles of the frames") && !units.contains("--tables all, or some of units"),
+            "{units}"
+        );
+        assert!(!to_text(&report, Style::default(), &Tables::ALL).contains("--tables"));
     }
 
     #[test]
     fn tables_of_a_functional_run_and_of_a_deadlock() {
-        insta::assert_snapshot!("functional", to_text(&samples::functional(), Style::default()));
-        insta::assert_snapshot!("deadlock", to_text(&samples::deadlocked(), Style { width: 72, color: false }));
+        insta::assert_snapshot!("functional", to_text(&samples::functional(), Style::default(), &Tables::ALL));
+        insta::assert_snapshot!("deadlock", to_text(&samples::deadlocked(), Style { width: 72, color: false }, &Tables::ALL));
+    }
+
+    #[test]
+    fn what_was_for_whom_stands_in_tables() {
+        insta::assert_snapshot!(
+            "costs",
+            crate::costs::tables(&samples::costed()).map(|table| table.render(Style::default())).join("\n\n")
+        );
     }
 
     #[test]
     fn routes_circuits_and_processes_have_tables_of_their_own() {
-        let text = to_text(&samples::with_routes(), Style::default());
+        let text = to_text(&samples::with_routes(), Style::default(), &Tables::ALL);
         let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
         has("Route polygons % dots %");
         has("normal 900 90.0 150,000 75.0");
@@ -171,7 +200,7 @@ mod tests {
             let part = Part::Column { table: "layers".into(), title: column.into() };
             report.legend.insert(name, samples::legend("", part));
         }
-        let text = to_text(&report, Style::default());
+        let text = to_text(&report, Style::default(), &Tables::ALL);
         let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
         has("texture layer loaded");
         has("39 39 39");
@@ -182,7 +211,7 @@ mod tests {
     #[test]
     fn no_line_is_wider_than_the_terminal() {
         for width in [60, 72, 80, 100, 120] {
-            let text = to_text(&samples::balanced(), Style { width, color: false });
+            let text = to_text(&samples::balanced(), Style { width, color: false }, &Tables::ALL);
             for line in text.lines() {
                 assert!(line.chars().count() <= width || line.starts_with("warning"), "{width}: {line}");
             }
@@ -192,12 +221,12 @@ mod tests {
     #[test]
     fn colour_changes_nothing_but_colour() {
         let report = samples::balanced();
-        let mut text = to_text(&report, Style { width: 100, color: true });
+        let mut text = to_text(&report, Style { width: 100, color: true }, &Tables::ALL);
         assert!(text.contains('\x1b'));
         for code in ["\x1b[0m", "\x1b[1m", "\x1b[2m", "\x1b[33m"] {
             text = text.replace(code, "");
         }
-        assert_eq!(text, to_text(&report, Style::default()));
+        assert_eq!(text, to_text(&report, Style::default(), &Tables::ALL));
         assert!(!text.contains('\x1b'));
     }
 }

@@ -153,7 +153,7 @@ pub(crate) fn channels(report: &Report) -> Table {
         ("Channel", Left, 0),
         ("no.", Right, 0),
         ("bus busy", Right, 0),
-        ("all, %", Right, 0),
+        ("frames %", Right, 0),
         ("over time", Left, 2),
         ("row hits %", Right, 1),
         ("conflicts %", Right, 3),
@@ -161,7 +161,7 @@ pub(crate) fn channels(report: &Report) -> Table {
         ("refreshes", Right, 5),
         ("mean queue", Right, 1),
     ]);
-    let frames = report.frame_cycles();
+    let total = report.cycles.as_ref().map_or(0, |cycles| cycles.total);
     for (name, memory) in report.memories.iter().flatten() {
         let bus =
             report.derived.get(&format!("{name}.bus_utilisation")).map_or(String::new(), |d| format!("{:.1}", 100.0 * d.value));
@@ -178,7 +178,7 @@ pub(crate) fn channels(report: &Report) -> Table {
                 percent(c.row_conflicts, bursts),
                 thousands(c.turn_arounds),
                 thousands(c.refreshes),
-                per(c.queued, frames),
+                per(c.queued, total),
             ]);
         }
     }
@@ -251,17 +251,24 @@ pub(crate) fn columns(work::Columns { columns, .. }: &work::Columns<'_>) -> Tabl
 
 /// Figures of the machine, but for those of routes, circuits, processes and tables, which stand there.
 pub(crate) fn figures(report: &Report) -> Table {
-    let mut table = Table::new(&[("Figure", Left, 0), ("", Right, 0)]);
+    let mut table = Table::new(&[("Figure", Left, 0), ("", Right, 0), ("", Left, 1)]);
     let elsewhere = |name: &str| match report.legend.get(name).and_then(|legend| legend.part.as_ref()) {
         None | Some(Part::Work) => false,
         Some(Part::Started(_) | Part::Needed(_)) => report.cycles.is_some(),
         Some(Part::Route(_) | Part::Process(_) | Part::Column { .. }) => true,
     };
-    for (name, value) in report.figures.iter().filter(|(name, _)| !elsewhere(name)) {
-        table.row([name.clone(), figure(value)]);
+    let counted_to = |name: &str| report.figures.get(&format!("{name}{COUNTED_TO}"));
+    let is_bound = |name: &str| name.strip_suffix(COUNTED_TO).is_some_and(|of| report.figures.contains_key(of));
+    for (name, value) in report.figures.iter().filter(|(name, _)| !elsewhere(name) && !is_bound(name)) {
+        let more = if counted_to(name) == Some(value) { " or more" } else { "" };
+        let unit = report.legend.get(name).map_or("", |legend| legend.unit.as_str());
+        table.row([name.clone(), figure(value), format!("{unit}{more}").trim_start().into()]);
     }
     table
 }
+
+/// Ending of the figure that says how far another one counts.
+const COUNTED_TO: &str = "_counted_to";
 
 /// A figure as people read it; a long list is cut short.
 pub(crate) fn figure(value: &Figure) -> String {

@@ -66,6 +66,8 @@ pub(super) struct TrackEvent {
     pub name: Option<String>,
     #[prost(int64, optional, tag = "30")]
     pub counter_value: Option<i64>,
+    #[prost(double, optional, tag = "44")]
+    pub double_counter_value: Option<f64>,
 }
 
 pub(super) const SLICE_BEGIN: i32 = 1;

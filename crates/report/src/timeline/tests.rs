@@ -1,8 +1,14 @@
+use super::perfetto::{CHUNK, SEQUENCE};
+use super::proto::{self, TracePacket};
 use super::*;
 use crate::samples;
 use basrelief_kernel::plan::PlanMachine;
-use basrelief_kernel::{Engine, Limits, run_with};
+use basrelief_kernel::{
+    CacheCounts, Cause, Cycle, Engine, Interval, Limits, MemoryEvent, Outcome, Probe, Recorder, RunReport, run_with,
+};
+use prost::Message;
 use std::collections::BTreeMap;
+use std::io::{self, Write};
 
 /// A trace, as a reader sees it.
 #[derive(Clone, PartialEq, prost::Message)]
@@ -16,12 +22,36 @@ fn record<P: Probe>(probe: &mut P, engine: Engine) -> RunReport {
     run_with(&mut machine, engine, probe, Limits { max_cycles: u64::MAX, progress: &mut |_| true })
 }
 
-fn names() -> Vec<StageNames> {
-    samples::run().units.iter().map(StageNames::from).collect()
+/// What a run of an engine gives, and its trace.
+fn traced(board: &Board, engine: Engine) -> (RunReport, Vec<u8>) {
+    let mut bytes = vec![];
+    let mut watcher = Watcher::new(board.clone(), vec![Box::new(Timeline::new(&mut bytes, board))]);
+    let run = record(&mut watcher, engine);
+    watcher.finish(&run).into_iter().collect::<io::Result<()>>().unwrap();
+    (run, bytes)
+}
+
+/// The trace of what a probe is told.
+fn told(board: &Board, run: &RunReport, tell: impl FnOnce(&mut Watcher<'_>)) -> Vec<u8> {
+    let mut bytes = vec![];
+    let mut watcher = Watcher::new(board.clone(), vec![Box::new(Timeline::new(&mut bytes, board))]);
+    tell(&mut watcher);
+    watcher.finish(run).into_iter().collect::<io::Result<()>>().unwrap();
+    bytes
+}
+
+/// The part of the first 42 cycles or so that is cut at both ends.
+fn window() -> Board {
+    Board { from: 17, to: 41, ..samples::board() }
+}
+
+/// The slices of units and frames.
+fn slices(bytes: &[u8]) -> Vec<(String, String, u64, u64)> {
+    all_slices(bytes).into_iter().filter(|(track, ..)| !track.starts_with("memory ")).collect()
 }
 
 /// (track, name, from, to), by decoding and sorting as Perfetto does: by time, then by place in the file.
-fn slices(bytes: &[u8]) -> Vec<(String, String, u64, u64)> {
+fn all_slices(bytes: &[u8]) -> Vec<(String, String, u64, u64)> {
     let mut packets = Trace::decode(bytes).unwrap().packet;
     assert!(packets.iter().all(|p| p.trusted_packet_sequence_id == Some(SEQUENCE)));
     let data = packets.iter().filter_map(|p| p.interned_data.clone()).flat_map(|d| d.event_names);
@@ -49,16 +79,22 @@ fn slices(bytes: &[u8]) -> Vec<(String, String, u64, u64)> {
 
 /// (FIFO, cycle, slots).
 fn counters(bytes: &[u8]) -> Vec<(String, u64, i64)> {
+    counters_of(bytes, "slots")
+}
+
+/// (track, cycle, number) of counters with this unit of measure.
+fn counters_of(bytes: &[u8], unit: &str) -> Vec<(String, u64, i64)> {
     let packets = Trace::decode(bytes).unwrap().packet;
     let described = packets.iter().filter_map(|p| p.track_descriptor.clone());
-    let counted = described.filter(|t| t.counter.as_ref().is_some_and(|c| c.unit_name.as_deref() == Some("slots")));
+    let counted = described.filter(|t| t.counter.as_ref().is_some_and(|c| c.unit_name.as_deref() == Some(unit)));
     let tracks: BTreeMap<u64, String> = counted.map(|t| (t.uuid.unwrap(), t.name.unwrap())).collect();
     let events = packets.iter().filter_map(|p| Some((p.timestamp?, p.track_event.as_ref()?)));
     let events = events.filter(|(_, event)| event.r#type == Some(proto::COUNTER));
-    events.map(|(at, event)| (tracks[&event.track_uuid.unwrap()].clone(), at, event.counter_value.unwrap())).collect()
+    events.filter_map(|(at, event)| Some((tracks.get(&event.track_uuid?)?.clone(), at, event.counter_value.unwrap()))).collect()
 }
 
-fn expected(recorder: &Recorder, names: &[StageNames], total: u64) -> Vec<(String, String, u64, u64)> {
+fn expected(recorder: &Recorder, board: &Board, total: u64) -> Vec<(String, String, u64, u64)> {
+    let names = &board.diagram.stages;
     let name = |i: &Interval| match i.cause {
         None => "busy".into(),
         Some(Cause::Starved(k)) => format!("starved: {}", names[i.stage].inputs[k]),
@@ -66,43 +102,39 @@ fn expected(recorder: &Recorder, names: &[StageNames], total: u64) -> Vec<(Strin
         Some(Cause::Memory(k)) => format!("memory: {}", names[i.stage].clients[k]),
     };
     let all = recorder.stages.iter().flatten();
-    let mut all: Vec<_> = all.map(|i| (names[i.stage].unit.clone(), name(i), i.from.0, i.to.0)).collect();
+    let mut all: Vec<_> = all.map(|i| (names[i.stage].name.clone(), name(i), i.from.0, i.to.0)).collect();
     for (stage, intervals) in names.iter().zip(&recorder.stages) {
         if let Some(end) = intervals.last().map(|i| i.to.0).filter(|&end| end < total) {
-            all.push((stage.unit.clone(), "done".into(), end, total));
+            all.push((stage.name.clone(), "done".into(), end, total));
         }
     }
+    let cut = |(unit, name, from, to): (String, String, u64, u64)| (unit, name, from.max(board.from), to.min(board.to));
+    let mut all: Vec<_> = all.into_iter().map(cut).filter(|(.., from, to)| from < to).collect();
     all.sort();
     all
 }
 
 #[test]
-fn the_trace_holds_what_the_recorder_saw() {
+fn both_engines_show_the_same_slices_in_every_window() {
     let mut recorder = Recorder::default();
     let run = record(&mut recorder, Engine::Timed);
-    let recorded = slices(&write_recorded(vec![], "plan", &recorder, &run).unwrap());
-    assert_eq!(recorded, expected(&recorder, &names(), run.total));
-    for kind in ["busy", "starved: f", "blocked: f", "memory: p"] {
-        assert!(recorded.iter().any(|(_, name, ..)| name == kind), "{kind}");
+    for board in [samples::board(), window()] {
+        let expected = expected(&recorder, &board, run.total);
+        for engine in [Engine::Timed, Engine::Ticked] {
+            let (told, bytes) = traced(&board, engine);
+            assert_eq!((told, slices(&bytes)), (run.clone(), expected.clone()), "{engine:?}");
+        }
     }
-}
-
-#[test]
-fn streaming_and_both_engines_give_the_same_slices() {
-    let mut recorder = Recorder::default();
-    let run = record(&mut recorder, Engine::Timed);
-    for engine in [Engine::Timed, Engine::Ticked] {
-        let mut timeline = Timeline::new(vec![], "plan", &names());
-        assert_eq!(record(&mut timeline, engine), run);
-        assert_eq!(slices(&timeline.finish(&run).unwrap()), expected(&recorder, &names(), run.total), "{engine:?}");
+    let all = expected(&recorder, &samples::board(), run.total);
+    for kind in ["busy", "starved: f", "blocked: f", "memory: p"] {
+        assert!(all.iter().any(|(_, name, ..)| name == kind), "{kind}");
     }
 }
 
 #[test]
 fn slices_of_a_unit_sum_to_its_account() {
-    let mut timeline = Timeline::new(vec![], "plan", &names());
-    let run = record(&mut timeline, Engine::Timed);
-    let slices = slices(&timeline.finish(&run).unwrap());
+    let (run, bytes) = traced(&samples::board(), Engine::Timed);
+    let slices = slices(&bytes);
     for unit in &run.units {
         let busy = slices.iter().filter(|s| s.0 == unit.name && s.1 == "busy").map(|s| s.3 - s.2).sum::<u64>();
         assert_eq!(busy, unit.account.busy, "{}", unit.name);
@@ -111,39 +143,151 @@ fn slices_of_a_unit_sum_to_its_account() {
 }
 
 #[test]
-fn fifos_have_counters() {
-    let (mut recorder, mut timeline) = (Recorder::default(), Timeline::new(vec![], "plan", &names()));
-    let run = record(&mut recorder, Engine::Timed);
-    record(&mut timeline, Engine::Timed);
-    let mut shown = counters(&timeline.finish(&run).unwrap());
-    shown.sort();
-    let told = |(name, fills): (&str, &Vec<(Cycle, usize)>)| -> Vec<(String, u64, i64)> {
-        fills.iter().map(|&(at, slots)| (name.to_owned(), at.0, slots as i64)).collect()
+fn fifos_have_counters_that_begin_with_what_they_hold() {
+    let mut recorder = Recorder::default();
+    record(&mut recorder, Engine::Timed);
+    for board in [samples::board(), window()] {
+        let mut shown = counters(&traced(&board, Engine::Timed).1);
+        shown.sort();
+        let told = |(name, fills): (&str, &Vec<(Cycle, usize)>)| -> Vec<(String, u64, i64)> {
+            let before = fills.iter().rfind(|(at, _)| at.0 <= board.from).map_or(0, |(_, slots)| *slots);
+            let within = fills.iter().filter(|(at, _)| board.from < at.0 && at.0 < board.to);
+            let within = within.map(|&(at, slots)| (at.0, slots));
+            std::iter::once((board.from, before)).chain(within).map(|(at, n)| (name.to_owned(), at, n as i64)).collect()
+        };
+        let expected: Vec<_> = ["f", "g"].into_iter().zip(&recorder.fifos).flat_map(told).collect();
+        assert!(expected.iter().any(|(name, _, slots)| name == "f" && *slots == 3), "it was full");
+        assert_eq!(shown, expected);
+    }
+}
+
+#[test]
+fn only_units_that_are_asked_for_are_shown_and_the_fifos_at_their_ends() {
+    let all = slices(&traced(&samples::board(), Engine::Timed).1);
+    let mut board = samples::board();
+    board.show_only(&["source".into()]).unwrap();
+    let (_, bytes) = traced(&board, Engine::Timed);
+    let of_source: Vec<_> = all.into_iter().filter(|(unit, ..)| unit == "source").collect();
+    assert_eq!(slices(&bytes), of_source);
+    assert!(counters(&bytes).iter().all(|(fifo, ..)| fifo == "f") && !counters(&bytes).is_empty());
+    assert!(!tracks(&bytes).iter().any(|name| name == "g" || name == "sink"));
+}
+
+/// Names of all tracks.
+fn tracks(bytes: &[u8]) -> Vec<String> {
+    Trace::decode(bytes).unwrap().packet.into_iter().filter_map(|p| p.track_descriptor?.name).collect()
+}
+
+#[test]
+fn time_is_that_of_the_device_and_units_have_their_numerals() {
+    let mut board = Board { hz: 200_000_000, ..samples::board() };
+    board.numerals[0] = "110".into();
+    let shown = slices(&traced(&board, Engine::Timed).1);
+    let cycles = slices(&traced(&samples::board(), Engine::Timed).1);
+    let real = |(unit, name, from, to): (String, String, u64, u64)| {
+        (if unit == "source" { "source (110)".into() } else { unit }, name, 5 * from, 5 * to)
     };
-    let expected: Vec<_> = ["f", "g"].into_iter().zip(&recorder.fifos).flat_map(told).collect();
-    assert!(expected.iter().any(|(name, _, slots)| name == "f" && *slots == 3), "it was full");
+    let mut expected: Vec<_> = cycles.into_iter().map(real).collect();
+    expected.sort();
     assert_eq!(shown, expected);
+    assert_eq!(tracks(&traced(&board, Engine::Timed).1)[0], "plan: a cycle is 5 ns");
 }
 
 #[test]
 fn frames_have_a_track_of_their_own() {
     let mut run = samples::run();
     run.marks = vec![30, 12];
-    let frames = slices(&write_recorded(vec![], "plan", &Recorder::default(), &run).unwrap());
     let frame = |name: &str, from, to| ("frames".to_owned(), name.to_owned(), from, to);
-    assert_eq!(frames, [frame("frame 1", 0, 30), frame("frame 2", 30, 42)]);
+    assert_eq!(slices(&told(&samples::board(), &run, |_| ())), [frame("frame 1", 0, 30), frame("frame 2", 30, 42)]);
+    assert_eq!(slices(&told(&window(), &run, |_| ())), [frame("frame 1", 17, 30), frame("frame 2", 30, 41)]);
 }
 
 #[test]
 fn what_reaches_beyond_a_run_cut_short_is_cut() {
     let mut run = samples::run();
     (run.total, run.outcome) = (10, Outcome::Limit);
-    let mut timeline = Timeline::new(vec![], "plan", &names());
-    timeline.worked(0, Cycle(4), Cycle(90));
-    timeline.worked(1, Cycle(10), Cycle(11));
-    timeline.worked(99, Cycle(0), Cycle(1));
-    let slices = slices(&timeline.finish(&run).unwrap());
-    assert_eq!(slices, [("source".to_owned(), "busy".to_owned(), 4, 10)]);
+    let bytes = told(&samples::board(), &run, |watcher| {
+        watcher.worked(0, Cycle(4), Cycle(90));
+        watcher.worked(1, Cycle(10), Cycle(11));
+        watcher.worked(99, Cycle(0), Cycle(1));
+    });
+    assert_eq!(slices(&bytes), [("source".to_owned(), "busy".to_owned(), 4, 10)]);
+}
+
+#[test]
+fn a_window_behind_the_end_shows_nothing() {
+    let board = Board { from: 1 << 40, ..samples::board() };
+    let (_, bytes) = traced(&board, Engine::Timed);
+    assert_eq!((slices(&bytes), counters(&bytes)), (vec![], vec![]));
+}
+
+/// (counter, cycle, value) of those that have fractions.
+fn rates(bytes: &[u8]) -> Vec<(String, u64, f64)> {
+    let packets = Trace::decode(bytes).unwrap().packet;
+    let described = packets.iter().filter_map(|p| p.track_descriptor.clone());
+    let tracks: BTreeMap<u64, String> = described.map(|t| (t.uuid.unwrap(), t.name.unwrap())).collect();
+    let events = packets.iter().filter_map(|p| Some((p.timestamp?, p.track_event.as_ref()?)));
+    events.filter_map(|(at, event)| Some((tracks[&event.track_uuid?].clone(), at, event.double_counter_value?))).collect()
+}
+
+/// The plan's machine with a cache.
+fn cached() -> Board {
+    let mut board = samples::board();
+    board.diagram.clients[0].cache = Some("c".into());
+    board
+}
+
+#[test]
+fn rates_are_those_of_256_cycles() {
+    let moved =
+        |from, to| MemoryEvent::Moved { memory: 0, channel: 0, client: 0, write: false, from: Cycle(from), to: Cycle(to) };
+    let looked_up = |at, hits, misses| {
+        let found = CacheCounts { hits, misses, merged: 0 };
+        MemoryEvent::LookedUp { client: 0, at: Cycle(at), found }
+    };
+    let mut run = samples::run();
+    run.total = 2000;
+    let bytes = told(&cached(), &run, |watcher| {
+        for event in [
+            moved(0, 4),
+            moved(254, 258),
+            moved(1024, 1024 + 256),
+            looked_up(3, 1, 0),
+            looked_up(255, 0, 3),
+            looked_up(512, 2, 0),
+        ] {
+            watcher.memory(event);
+        }
+    });
+    // Bursts of 32 bytes in 4 cycles; the last interval in which the bus moves anything ends in 1280.
+    let expected = |name: &str, whole: f64| {
+        let busy = [(0, 6.0), (256, 2.0), (512, 0.0), (1024, 256.0), (1280, 0.0)];
+        busy.map(|(at, busy)| (name.to_owned(), at, whole * busy / 256.0)).to_vec()
+    };
+    let of = |name: &str| rates(&bytes).into_iter().filter(|(of, ..)| of == name).collect::<Vec<_>>();
+    assert_eq!(of("memory m: bytes per cycle"), expected("memory m: bytes per cycle", 8.0));
+    assert_eq!(of("memory m: bus use"), expected("memory m: bus use", 100.0));
+    let hits = [(0, 25.0), (512, 100.0)].map(|(at, rate)| ("cache c: hit rate".to_owned(), at, rate));
+    assert_eq!(of("cache c: hit rate"), hits);
+}
+
+#[test]
+fn memory_tracks_add_up_to_the_report() {
+    for engine in [Engine::Timed, Engine::Ticked] {
+        let (run, bytes) = traced(&samples::board(), engine);
+        let (memory, slices) = (&run.memories[0], all_slices(&bytes));
+        let of = |track: &str| slices.iter().filter(|(name, ..)| name == track).cloned().collect::<Vec<_>>();
+        let cycles = |slices: &[(String, String, u64, u64)]| slices.iter().map(|(.., from, to)| to - from).sum::<u64>();
+        let bus = of("memory m: bus");
+        assert!(bus.iter().all(|(_, name, ..)| name == "p read" || name == "p write"), "{bus:?}");
+        assert_eq!(cycles(&bus) / 4, memory.ports[0].counts.rows.bursts());
+        let rows = [of("memory m: bank 0"), of("memory m: bank 1")].concat();
+        let counts = memory.channels[0].rows;
+        assert_eq!(rows.len() as u64, counts.closed + counts.conflicts);
+        assert!(rows.iter().all(|(_, name, ..)| name.starts_with("row ")));
+        let credits: Vec<_> = counters_of(&bytes, "credits").into_iter().map(|(.., credits)| credits).collect();
+        assert_eq!((credits[0], credits.iter().min()), (2, Some(&0)), "they are all used at some time");
+    }
 }
 
 /// Takes some bytes, then no more.
@@ -161,11 +305,10 @@ impl Write for Full {
 
 #[test]
 fn memory_does_not_grow_with_the_run_and_write_errors_are_told() {
-    let mut timeline = Timeline::new(Full(10 * CHUNK), "plan", &names());
+    let mut timeline = Box::new(Timeline::new(Full(10 * CHUNK), &samples::board()));
     for k in 0..20_000 {
-        timeline.worked(0, Cycle(2 * k), Cycle(2 * k + 1));
+        timeline.state(0, State::Busy, 2 * k, 2 * k + 1);
         assert!(timeline.buffer.capacity() <= 2 * CHUNK);
     }
-    let error = timeline.finish(&samples::run()).err().unwrap();
-    assert_eq!(error.to_string(), "disk full");
+    assert_eq!(timeline.finish(u64::MAX).unwrap_err().to_string(), "disk full");
 }

@@ -20,7 +20,7 @@ mod turntable;
 use crate::camera::{Bounds, Viewpoint};
 use crate::model::bounds;
 use crate::view::{Lamp, ViewHints};
-use crate::{SceneError, ViewOptions};
+use crate::{SceneError, Subject, ViewOptions};
 use basrelief_signals::{Scene, Shading};
 use stage::Stage;
 use std::ops::RangeInclusive;
@@ -130,6 +130,20 @@ pub const DEMOS: &[DemoInfo] = &[
 /// # Errors
 /// No demo of this name; a tessellation that it does not have; options out of range.
 pub fn demo(name: &str, options: &ViewOptions) -> Result<Scene, SceneError> {
+    Subject::demo(name)?.seen(options)
+}
+
+impl Subject {
+    /// Builds a demo scene as [`demo`](crate::demo) does, to be looked at later.
+    ///
+    /// # Errors
+    /// No demo of this name; a tessellation that it does not have.
+    pub fn demo(name: &str) -> Result<Self, SceneError> {
+        subject(name)
+    }
+}
+
+fn subject(name: &str) -> Result<Subject, SceneError> {
     let (title, tessellation) = name.split_once('@').map_or((name, None), |(title, n)| (title, Some(n)));
     let info = DEMOS.iter().find(|d| d.name == title).ok_or_else(|| {
         let names: Vec<&str> = DEMOS.iter().map(|d| d.name).collect();
@@ -145,7 +159,7 @@ pub fn demo(name: &str, options: &ViewOptions) -> Result<Scene, SceneError> {
         light_orbit: stage.light_orbit,
         shading: Shading::default(),
     };
-    Ok(Scene { name: name.into(), frames: hints.frames(options)?, objects: stage.objects, warnings: Vec::new() })
+    Ok(Subject { name: name.into(), objects: stage.objects, hints, warnings: Vec::new() })
 }
 
 /// The camera that frames a box, from this azimuth and elevation \[degrees\], its field of view 30 degrees.

@@ -84,7 +84,7 @@ pub fn short_cuts(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>
         for multiply in MULTIPLY_CYCLES {
             let settings = settings("shade", &[(MULTIPLY, multiply)], true)?;
             let of_short_cuts = ablate(&settings, &mut Unobserved, |settings, observer| {
-                run(RunInput::Scene(Arc::clone(&scene)), settings, observer, None)
+                run(RunInput::scene(Arc::clone(&scene)), settings, observer, None)
             })?;
             let variants = &of_short_cuts.variants;
             let mut cells = vec![(*name).to_owned(), multiply.to_owned(), grouped(variants[0].cycles)];

@@ -61,7 +61,7 @@ pub fn settings(machine: &str, set: Set<'_>, exact: bool) -> Result<RunOptions, 
 /// # Errors
 /// As the run.
 pub fn report(scene: &Arc<Scene>, settings: &RunOptions) -> Result<Report, Box<dyn Error>> {
-    Ok(run(RunInput::Scene(Arc::clone(scene)), settings, &mut Unobserved, None)?.report)
+    Ok(run(RunInput::scene(Arc::clone(scene)), settings, &mut Unobserved, None)?.report)
 }
 
 /// Cycles of all frames.

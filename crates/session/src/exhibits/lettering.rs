@@ -3,7 +3,7 @@
 use basrelief_reference::Picture;
 
 /// Three columns by five rows each: one octal digit per row.
-const GLYPHS: [(char, [u8; 5]); 40] = [
+const GLYPHS: [(char, [u8; 5]); 44] = [
     ('0', [7, 5, 5, 5, 7]),
     ('1', [2, 6, 2, 2, 7]),
     ('2', [7, 1, 7, 4, 7]),
@@ -44,6 +44,10 @@ const GLYPHS: [(char, [u8; 5]); 40] = [
     ('-', [0, 0, 7, 0, 0]),
     ('_', [0, 0, 0, 0, 7]),
     (':', [0, 2, 0, 2, 0]),
+    (',', [0, 0, 0, 2, 4]),
+    ('+', [0, 2, 7, 2, 0]),
+    ('(', [1, 2, 2, 2, 1]),
+    (')', [4, 2, 2, 2, 4]),
 ];
 
 /// Picture pixels per pixel of a glyph.
@@ -52,8 +56,23 @@ const SCALE: u32 = 2;
 pub(super) const ADVANCE: u32 = 4 * SCALE;
 /// Height of a glyph \[pixels\].
 pub(super) const HEIGHT: u32 = 5 * SCALE;
+/// From line to line \[pixels\].
+pub(super) const LINE: u32 = HEIGHT + 4;
 
-/// Writes in white capitals, from this column and row on. What is no letter, digit or `.-_:` is a blank.
+/// Breaks a text between words into lines of at most this width, unless a word is wider \[pixels\].
+pub(super) fn lines(text: &str, width: u32) -> Vec<String> {
+    let most = (width / ADVANCE) as usize;
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.len() + 1 + word.len() <= most => *line += &format!(" {word}"),
+            _ => lines.push(word.into()),
+        }
+    }
+    lines
+}
+
+/// Writes in white capitals, from this column and row on. What is no letter, digit or `.-_:,+()` is a blank.
 pub(super) fn write(picture: &mut Picture, start: u32, row: u32, text: &str) {
     for (k, letter) in (0..).zip(text.chars()) {
         let letter = letter.to_ascii_uppercase();
@@ -78,6 +97,13 @@ pub(super) fn set(picture: &mut Picture, x: u32, y: u32, color: [u8; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_break_between_words() {
+        assert_eq!(lines("ab cd  efgh i", 5 * ADVANCE + 1), ["ab cd", "efgh", "i"]);
+        assert_eq!(lines("abcdef g", ADVANCE), ["abcdef", "g"], "a word stays whole");
+        assert!(lines("", 100).is_empty());
+    }
 
     #[test]
     fn every_letter_looks_different_and_what_has_none_is_a_blank() {

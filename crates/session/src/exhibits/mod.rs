@@ -3,6 +3,7 @@
 //! handed those.
 
 pub(crate) mod content;
+pub(crate) mod costs;
 pub(crate) mod defer;
 mod heat_map;
 mod lettering;

@@ -1,7 +1,7 @@
 //! The exhibits of machine `texel`: spans, displacements, division points.
 
 use super::content::Form;
-use super::heat_map::heat_map;
+use super::heat_map::{Scale, heat_map};
 use super::spec::ExhibitSpec;
 use basrelief_machines::texel::{DisplacementMap, FrameLog, SpanRecord, TexelMachineConfig};
 use basrelief_reference::Picture;
@@ -54,7 +54,8 @@ fn displacement_picture(map: &DisplacementMap, error_bound: f64) -> Picture {
     let largest = map.displacement.iter().copied().filter(|d| !d.is_nan()).fold(0.0, f32::max);
     let top = f64::from(largest).max(error_bound);
     let marks: &[f64] = if top > error_bound { &[error_bound] } else { &[] };
-    heat_map(map.width, &map.displacement, top, marks)
+    let title = "pixels from the place of its texel";
+    heat_map(map.width, &map.displacement, &Scale { marks, ..Scale::new(title, top) })
 }
 
 /// The machine's picture, darkened and grey, with every visible pixel whose coordinates were divided in yellow: the ends of

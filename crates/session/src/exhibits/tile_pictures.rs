@@ -1,7 +1,7 @@
 //! The pictures of machine `defer`: layer depth, tile load lists.
 
-use super::heat_map::heat_map;
-use super::lettering::{ADVANCE, HEIGHT, set, write};
+use super::heat_map::{Scale, heat_map};
+use super::lettering::{ADVANCE, LINE, set, write};
 use basrelief_deferred_renderer::{Cell, FilledBuffer, Layer, Page, TileList, TileState};
 use basrelief_reference::Picture;
 use std::sync::Arc;
@@ -16,7 +16,9 @@ pub(super) fn layer_depth_picture(filled: &FilledBuffer) -> Picture {
     let depth = |cell: &Cell| if cell.page().is_some() { cell.depth } else { f32::NAN };
     let depths: Vec<f32> = filled.cells.iter().map(depth).collect();
     let between: Vec<f64> = (1..deepest).map(f64::from).collect();
-    let mut picture = heat_map(filled.width, &depths, deepest.into(), &between);
+    let title = "layer of the pyramid, 0 is the coarsest, grey: no texture";
+    let scale = Scale { marks: &between, ..Scale::new(title, deepest.into()) };
+    let mut picture = heat_map(filled.width, &depths, &scale);
     for (at, _) in filled.cells.iter().enumerate().filter(|(_, cell)| cell.is_drawn() && cell.page().is_none()) {
         picture.rgb[at] = DIRECT;
         picture.covered[at] = true;
@@ -28,8 +30,6 @@ pub(super) fn layer_depth_picture(filled: &FilledBuffer) -> Picture {
 const TILE_SIDE: u32 = 6;
 /// Between textures, and between layers \[pixels\].
 const GAP: u32 = 10;
-/// A line of text, with the gap to what is below \[pixels\].
-const LINE: u32 = HEIGHT + 4;
 /// Widest and highest map \[pixels\].
 const MOST: u32 = 8192;
 
@@ -131,6 +131,7 @@ fn fill(picture: &mut Picture, [left, top]: [u32; 2], colour: [u8; 3]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::heat_map::BAR_HEIGHT;
     use super::*;
     use basrelief_deferred_renderer::Cut;
     use basrelief_signals::{Image, Sampler, Texture};
@@ -152,9 +153,10 @@ mod tests {
         assert_eq!(picture.covered[..4], [true, true, true, false]);
         assert_eq!(picture.rgb[2], DIRECT);
         // The bar below runs from the colour of layer 0 to that of Dmax = 2, with a tick for layer 1 in its middle.
-        let bar: Vec<_> = (0..100).map(|x| picture.rgb[(2 + 6) * 100 + x]).collect();
+        let top = (picture.height - BAR_HEIGHT) as usize;
+        let bar: Vec<_> = (0..100).map(|x| picture.rgb[(top + 6) * 100 + x]).collect();
         assert_eq!((bar[6], picture.rgb[1]), (picture.rgb[0], [252, 250, 180]));
-        let ticks: Vec<usize> = (0..100).filter(|x| picture.rgb[(2 + 13) * 100 + x] == [255; 3]).collect();
+        let ticks: Vec<usize> = (0..100).filter(|x| picture.rgb[(top + 13) * 100 + x] == [255; 3]).collect();
         assert_eq!(ticks, [6, 49, 93]);
     }
 

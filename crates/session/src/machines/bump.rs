@@ -1,6 +1,7 @@
 //! The quantized bump-mapping processor as a [`MachineSpec`].
 
 use super::spec::{Logs, MachineSpec};
+use crate::costs::CostPoints;
 use basrelief_brightness::Components;
 use basrelief_machines::bump::{self, BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd, ReferenceFilter};
@@ -11,6 +12,7 @@ impl MachineSpec for BumpProcessorConfig {
     const ABOUT: &'static str = "Sony's quantized bump-mapping processor";
     const DIAGRAM: &'static str = bump::DIAGRAM;
     const DEMOS: &'static [&'static str] = &["golf-ball", "coin", "brick", "mixed", "sphere"];
+    const COST_POINTS: CostPoints = CostPoints { drawn: "fragments", shown: &["tested_pixels", "pixels"] };
     type Machine<F: FrontEnd> = BumpProcessor<F>;
     type Log = ();
 

@@ -1,6 +1,7 @@
 //! The rate-limited renderer as a [`MachineSpec`].
 
 use super::spec::{Logs, MachineSpec, PictureRecord, RunSummary, TileFetch};
+use crate::costs::CostPoints;
 use crate::exhibits::defer::{DeferLog, EXHIBITS};
 use crate::exhibits::spec::ExhibitSpec;
 use basrelief_deferred_renderer::{Lighting, RenderMode, TexelCentre, TileSource};
@@ -21,6 +22,7 @@ impl MachineSpec for DeferConfig {
     /// Layers at the server, the pyramid (134) with what is known of its tiles, tile lists, and the pyramid of the exact
     /// picture: 3.3 times a texture of a single level.
     const TEXTURE_COPIES: u64 = 4;
+    const COST_POINTS: CostPoints = CostPoints { drawn: "fragments", shown: &["cells"] };
     type Machine<F: FrontEnd> = DeferredRenderer<F>;
     type Log = DeferLog;
 

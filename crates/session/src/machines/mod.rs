@@ -12,6 +12,7 @@ pub use info::MachineInfo;
 pub use spec::TileFetch;
 pub(crate) use spec::{Logs, MachineSpec, PictureRecord, RunSummary};
 
+use crate::costs::CostPoints;
 use basrelief_kernel::Hardware;
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::defer::DeferConfig;
@@ -110,6 +111,13 @@ impl MachineConfig {
     /// How the machine asks for tiles, where it fetches any.
     pub fn tile_fetch(&self) -> Option<TileFetch> {
         for_machine!(self, machine => machine.tile_fetch())
+    }
+
+    pub(crate) fn cost_points(&self) -> CostPoints {
+        fn of<S: MachineSpec>(_: &S) -> CostPoints {
+            S::COST_POINTS
+        }
+        for_machine!(self, machine => of(machine))
     }
 
     pub(crate) fn front(&self) -> FrontConfig {

@@ -1,6 +1,7 @@
 //! The figure shading device as a [`MachineSpec`].
 
 use super::spec::{Logs, MachineSpec, ShortCut};
+use crate::costs::CostPoints;
 use basrelief_machines::shade::{self, FigureShadingDevice, ShadeConfig};
 use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
 use basrelief_reference::{Components, Options, Shading, Style, TextureFilter};
@@ -15,6 +16,7 @@ impl MachineSpec for ShadeConfig {
         ("flatness", |c| c.shortcut.flatness.enabled = false),
         ("same-plane", |c| c.shortcut.same_plane.enabled = false),
     ];
+    const COST_POINTS: CostPoints = CostPoints { drawn: "pixels", shown: &["tested_pixels", "pixels"] };
     type Machine<F: FrontEnd> = FigureShadingDevice<F>;
     type Log = ();
 

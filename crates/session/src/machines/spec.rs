@@ -1,5 +1,6 @@
 //! What a run needs to know of a machine, whichever it is.
 
+use crate::costs::CostPoints;
 use crate::exhibits::spec::ExhibitSpec;
 use crate::methods::MethodSpecs;
 use basrelief_deferred_renderer::{TileEncoding, TileSource};
@@ -30,6 +31,8 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
     const SHORT_CUTS: &'static [ShortCut<Self>] = &[];
     /// What it shows beside its finished pictures.
     const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = &[];
+    /// Where its fragments come into being, and where they end.
+    const COST_POINTS: CostPoints;
     /// How it can do the same work to the same error.
     const METHODS: Option<MethodSpecs<Self>> = None;
     /// Its textures come over a path, from a server that may be elsewhere.

@@ -1,6 +1,7 @@
 //! The texture mapping system as a [`MachineSpec`].
 
 use super::spec::{Logs, MachineSpec};
+use crate::costs::CostPoints;
 use crate::drive::picture;
 use crate::exhibits::spec::ExhibitSpec;
 use crate::exhibits::texel::{EXHIBITS, TexelLog};
@@ -20,6 +21,7 @@ impl MachineSpec for TexelMachineConfig {
     const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = EXHIBITS;
     const METHODS: Option<MethodSpecs<Self>> =
         Some(MethodSpecs { bound: |c| c.texel.error_bound, error: "displacement_largest", methods: &METHODS });
+    const COST_POINTS: CostPoints = CostPoints { drawn: "texels", shown: &["pixels"] };
     type Machine<F: FrontEnd> = TextureMappingSystem<F>;
     type Log = TexelLog;
 

@@ -3,10 +3,10 @@
 use super::pieces::{Pieces, ReelsOfFile};
 use super::{End, Given, TapeFileError};
 use crate::ended::Ended;
-use crate::machines::{MachineConfig, MachineInfo};
+use crate::machines::{MachineConfig, MachineInfo, for_machine};
 use crate::run::Way;
 use basrelief_input::{Budget, Held};
-use basrelief_kernel::tape::Reel;
+use basrelief_kernel::Tape;
 use std::io::Read;
 
 /// A whole tape in memory.
@@ -14,7 +14,7 @@ pub(crate) struct Loaded {
     machine: &'static MachineInfo,
     pub(crate) given: Given,
     pub(crate) way: Way,
-    pub(crate) reels: Vec<Reel>,
+    pub(crate) tape: Tape<'static>,
     /// What is left of the run beside its times.
     pub(crate) ended: Ended,
     /// SHA-256 of the work.
@@ -34,7 +34,11 @@ impl Loaded {
         }
         match reels.end {
             Some(End { ended, work, .. }) if work == reels.work.finish() => {
-                Ok(Self { machine, given: head.given, way: head.way, reels: all, ended, work, _held: reels.waiting })
+                let (given, way) = (head.given, head.way);
+                let shape = for_machine!(&given.config(machine, &[])?, spec => way.shape(spec));
+                let shape = shape.map_err(|problem| TapeFileError::Format(problem.to_string()))?;
+                let tape = Tape::new(all, &shape, budget.left());
+                Ok(Self { machine, given, way, tape, ended, work, _held: reels.waiting })
             }
             _ => Err(TapeFileError::Format("its work has another SHA-256 than it says".into())),
         }

@@ -10,7 +10,7 @@ mod retime;
 
 pub(crate) use loaded::Loaded;
 pub use retime::{RetimeOptions, retime, retime_to};
-pub(crate) use retime::{config, same_work, timed};
+pub(crate) use retime::{config, same_work};
 
 use crate::ended::Ended;
 use crate::limits::Kept;

@@ -8,12 +8,10 @@ use crate::observer::{Observer, Unobserved};
 use crate::run::Way;
 use crate::settings::When;
 use basrelief_input::Budget;
-use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{self as kernel, NoProbe, Outcome, RetimeError, RunReport, Shape};
+use basrelief_kernel::{self as kernel, NoProbe, Outcome, Shape};
 use basrelief_machines::ConfigProblem;
 use basrelief_parameters::Effect;
 use basrelief_report::Report;
-use std::borrow::Cow;
 use std::io::Read;
 
 /// How to time a tape again.
@@ -82,7 +80,7 @@ fn timed_again<'a, S: MachineSpec>(
     facts.put(&figures);
     let mut report = ended.report(spec, facts, Some(&run));
     if let Some(reels) = kept.as_ref().and_then(Kept::reels) {
-        Recorded { spec, given, way, reels, run: &run }.measure(&mut report);
+        Recorded { spec, given, way, reels, room: options.budget.left(), run: &run }.measure(&mut report);
     }
     Ok(report)
 }
@@ -111,10 +109,4 @@ pub(crate) fn same_work<S: MachineSpec>((recorded, spec): (&S, &S), way: Way) ->
         return Err(TapeFileError::OtherWork("its units are built of other hardware".into()));
     }
     Ok(shape)
-}
-
-/// The run of these reels on a machine of this shape.
-pub(crate) fn timed(reels: &[Reel], shape: Shape) -> Result<RunReport, RetimeError> {
-    let mut reels = reels.iter().map(Cow::Borrowed);
-    kernel::retime(shape, &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX)
 }

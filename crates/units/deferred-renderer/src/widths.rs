@@ -2,10 +2,10 @@
 
 use crate::config::WRAP_BITS;
 use crate::tokens::{
-    CellBlock, CellFlow, EncodedTile, ExpandedTile, Mark, MarkFlow, Order, Parcel, PassFlow, PlacedCell, Request, Round,
+    CellBlock, CellFlow, Content, EncodedTile, ExpandedTile, Mark, MarkFlow, Order, Parcel, PassFlow, PlacedCell, Request, Round,
 };
 use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER};
-use basrelief_signals::{Signal, Stamp, Widths};
+use basrelief_signals::{About, Pixels, Signal, Stamp, Widths};
 
 /// Cell of the reference buffer (126), on the way there.
 const CELL: u32 = 16 + WRAP_BITS + 3 * 16 + 3 * NUMBER;
@@ -18,12 +18,25 @@ impl Signal for PlacedCell {
     fn bits(_: &Widths) -> u32 {
         2 * COORDINATE + CELL
     }
+
+    fn about(&self) -> About {
+        About::Pixels(Pixels::one(self.x, self.y))
+    }
 }
 
 /// Cells or control; two bits tell which.
 impl Signal for CellFlow {
     fn bits(widths: &Widths) -> u32 {
         2 + Stamp::<PlacedCell>::bits(widths).max(CONTROL)
+    }
+
+    fn about(&self) -> About {
+        match self {
+            Self::Frame(frame) => About::frame(frame),
+            Self::Page(_) => About::Made,
+            Self::Cells(cells) => cells.about(),
+            Self::FrameEnd => About::Whole,
+        }
     }
 }
 
@@ -32,11 +45,24 @@ impl Signal for CellBlock {
     fn bits(_: &Widths) -> u32 {
         2 * COORDINATE + 16 * (1 + CELL)
     }
+
+    fn about(&self) -> About {
+        About::Pixels(Pixels::block(self.at, self.mask))
+    }
 }
 
 impl Signal for PassFlow {
     fn bits(widths: &Widths) -> u32 {
         3 + CellBlock::bits(widths).max(CONTROL)
+    }
+
+    fn about(&self) -> About {
+        match self {
+            Self::Frame(frame) => About::frame(frame),
+            Self::Page(_) => About::Made,
+            Self::Begin | Self::End => About::Whole,
+            Self::Cells(block) => block.about(),
+        }
     }
 }
 
@@ -50,6 +76,14 @@ impl Signal for Mark {
 impl Signal for MarkFlow {
     fn bits(widths: &Widths) -> u32 {
         2 + MARKS * (1 + Mark::bits(widths))
+    }
+
+    /// Marks are about the pixels of the block that wants them.
+    fn about(&self) -> About {
+        match self {
+            Self::Page(_) | Self::Marks(_) => About::Made,
+            Self::Frame | Self::End => About::Whole,
+        }
     }
 }
 
@@ -90,5 +124,12 @@ impl Signal for ExpandedTile {
 impl Signal for Parcel {
     fn bits(widths: &Widths) -> u32 {
         2 + NUMBER + EncodedTile::bits(widths).max(CONTROL)
+    }
+
+    fn about(&self) -> About {
+        match &self.content {
+            Content::Asked(control) | Content::Mesh(control) => control.about(),
+            Content::Tile(_) => About::Whole,
+        }
     }
 }

@@ -4,7 +4,7 @@ use crate::signals::{
     Coordinates, GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Point, Segment, Span, TexelPacket, TexturePacket,
 };
 use basrelief_signals::width::{COORDINATE, NUMBER};
-use basrelief_signals::{PACKET_PIXELS, Packet, Signal, Widths};
+use basrelief_signals::{About, PACKET_PIXELS, Packet, Pixels, Signal, Widths};
 
 /// Pixels of a packet.
 const PIXELS: u32 = PACKET_PIXELS as u32;
@@ -33,12 +33,20 @@ impl Signal for Span {
     fn bits(widths: &Widths) -> u32 {
         4 * COORDINATE + 2 + 2 * EXPONENT + 3 * Point::bits(widths) + 2 * widths.depth + 4 * NUMBER
     }
+
+    fn about(&self) -> About {
+        row([self.x, self.y], self.count, self.backwards)
+    }
 }
 
 /// Row, first column, pixels, triangle and a flag; two weights at both ends.
 impl Signal for LitSpan {
     fn bits(_: &Widths) -> u32 {
         4 * COORDINATE + 1 + 4 * NUMBER
+    }
+
+    fn about(&self) -> About {
+        row([self.x, self.y], self.count, self.backwards)
     }
 }
 
@@ -47,12 +55,20 @@ impl Signal for Segment {
     fn bits(widths: &Widths) -> u32 {
         Span::bits(widths) + 3 * COORDINATE + 2
     }
+
+    fn about(&self) -> About {
+        row([self.span.column(self.from), self.span.y], self.walk, self.span.backwards)
+    }
 }
 
 /// Place, division points, and u, v and depth by pixel.
 impl Signal for TexelPacket {
     fn bits(widths: &Widths) -> u32 {
         Packet::bits(widths) + PIXELS * (1 + 2 * widths.texture + widths.depth)
+    }
+
+    fn about(&self) -> About {
+        self.packet.about()
     }
 }
 
@@ -61,12 +77,22 @@ impl Signal for GradientPacket {
     fn bits(widths: &Widths) -> u32 {
         Packet::bits(widths) + PIXELS * 2 * widths.texture
     }
+
+    fn about(&self) -> About {
+        self.packet.about()
+    }
 }
 
 /// Level by pixel: 4 bits, and 8 of a fraction.
 impl Signal for LevelPacket {
     fn bits(_: &Widths) -> u32 {
         PIXELS * 12
+    }
+
+    /// The nearest whole levels.
+    fn about(&self) -> About {
+        let bits = |level: f32| u64::from((level + 0.5).clamp(0.0, 15.0) as u8);
+        About::Levels((0..).zip(self.level).map(|(i, level)| bits(level) << (4 * i)).sum())
     }
 }
 
@@ -75,6 +101,10 @@ impl Signal for TexturePacket {
     fn bits(widths: &Widths) -> u32 {
         Packet::bits(widths) + PIXELS * (1 + 4 * COMPONENT)
     }
+
+    fn about(&self) -> About {
+        self.packet.about()
+    }
 }
 
 /// Place, and RGBA by pixel.
@@ -82,6 +112,16 @@ impl Signal for IlluminancePacket {
     fn bits(widths: &Widths) -> u32 {
         Packet::bits(widths) + PIXELS * 4 * COMPONENT
     }
+
+    fn about(&self) -> About {
+        self.packet.about()
+    }
+}
+
+/// So many pixels from this column on, or up to it.
+fn row([x, y]: [u16; 2], count: u16, backwards: bool) -> About {
+    let first = if backwards { x.saturating_sub(count.saturating_sub(1)) } else { x };
+    About::Pixels(Pixels::row([first, y], count))
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ fn texture() -> Arc<Texture> {
 
 /// What is served, and the hash of its textures.
 fn served() -> TileService {
-    TileService::new(list(b"list".to_vec()), [texture()], hash_of(b"textures"))
+    TileService::new(list(b"list".to_vec()), [texture()], &hash_of(b"textures"))
 }
 
 /// A list that is made.

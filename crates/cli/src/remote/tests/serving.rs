@@ -51,7 +51,7 @@ fn addresses_that_are_none_are_refused() {
 #[test]
 fn a_texture_under_work_holds_up_no_other() {
     let other = Arc::new(Texture { id: 5, ..Texture::clone(&texture()) });
-    let served = TileService::new(list(vec![]), [texture(), other], String::new());
+    let served = TileService::new(list(vec![]), [texture(), other], "");
     let _under_work = served.textures[&4].pyramid.lock().unwrap();
     assert!(served.tile("/tile/5/64x64/png/85/0").is_ok());
 }
@@ -76,7 +76,7 @@ fn who_sends_nothing_or_half_a_request_is_let_go_and_others_are_answered() {
 #[test]
 fn who_takes_nothing_is_let_go_and_others_are_answered() {
     // More than lies on the way.
-    let large = TileService::new(list(vec![0; 32 << 20]), [texture()], hash_of(b"textures"));
+    let large = TileService::new(list(vec![0; 32 << 20]), [texture()], &hash_of(b"textures"));
     let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 1, ..LITTLE }).unwrap();
     let mut stalled = TcpStream::connect(address).unwrap();
     stalled.write_all(b"GET /polygons HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
@@ -168,7 +168,7 @@ fn idle_and_dripping_clients_many_times_as_many_as_are_served_hold_up_nobody() {
 
 #[test]
 fn as_many_as_there_may_be_that_take_nothing_hold_up_no_other_for_long() {
-    let large = TileService::new(list(vec![0; 32 << 20]), [texture()], hash_of(b"textures"));
+    let large = TileService::new(list(vec![0; 32 << 20]), [texture()], &hash_of(b"textures"));
     let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 4, ..Limits::default() }).unwrap();
     let stalled = [(); 4].map(|()| {
         let mut stream = TcpStream::connect(address).unwrap();
@@ -185,7 +185,7 @@ fn as_many_as_there_may_be_that_take_nothing_hold_up_no_other_for_long() {
 #[test]
 fn while_the_list_is_made_tiles_are_served_and_who_asks_for_the_list_waits_for_it() {
     let making = PolygonList::default();
-    let served = TileService::new(making.clone(), [texture()], hash_of(b"textures"));
+    let served = TileService::new(making.clone(), [texture()], &hash_of(b"textures"));
     let (address, _server) = served.listen(LOOPBACK.into(), LITTLE).unwrap();
     let request = |path: &str| format!("GET {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
     let answer = exchange(address, request("/polygons").as_bytes());
@@ -204,7 +204,7 @@ fn while_the_list_is_made_tiles_are_served_and_who_asks_for_the_list_waits_for_i
 
 #[test]
 fn a_server_that_never_has_its_list_is_left() {
-    let served = TileService::new(PolygonList::default(), [texture()], hash_of(b"textures"));
+    let served = TileService::new(PolygonList::default(), [texture()], &hash_of(b"textures"));
     let (address, _server) = served.listen(LOOPBACK.into(), LITTLE).unwrap();
     let patience = Patience { making: Duration::from_millis(100), ..PATIENCE };
     let error = Fetcher::new(&format!("http://{address}"), patience).polygons(|_| ()).unwrap_err();

@@ -5,7 +5,7 @@ mod read;
 mod tests;
 
 use super::markup::{Html, el, el_text, text};
-use super::svg::{fill, px, rect, share, svg};
+use super::svg::{fill, px, rect, share, svg_sized};
 use super::units::parts;
 use crate::model::Report;
 use crate::text::{in_frames, mean_occupancy};
@@ -13,6 +13,8 @@ use read::{Placed, Sheet, Side, Wire};
 
 /// Width and height of a cell of the grid.
 const CELL: (f64, f64) = (8.0, 26.0);
+/// How much larger than its grid it is shown: letters of 15 pixels.
+const ENLARGED: f64 = 1.15;
 /// Between a box and the edge of its row.
 const MARGIN: f64 = 1.0;
 /// Height of the filled strip at the bottom of a box, and of the gauge under a name.
@@ -34,10 +36,8 @@ pub(super) fn draw(diagram: &str, report: &Report) -> Html {
         .chain(by_place(&sheet.names).map(|(name, first)| wire_name(name, first, report)))
         .chain(by_place(&sheet.boxes).map(|(unit, first)| unit_box(unit, first, report)))
         .chain(by_place(&sheet.memories).map(|(memory, first)| memory_box(memory, first, report)));
-    let drawing = svg("blocks", (width, height), &says, "xMinYMin meet", shapes.collect());
-    let natural = format!("min-width:{}px;max-width:{}px", px(width), px(1.3 * width));
-    let sized = el("div", &[("style", &natural)], [drawing]);
-    el("div", &[("class", "wide"), ("role", "region"), ("tabindex", "0"), ("aria-label", "Block diagram")], [sized])
+    let drawing = svg_sized("blocks", (width, height), ENLARGED, &says, shapes.collect());
+    el("div", &[("class", "wide"), ("role", "region"), ("tabindex", "0"), ("aria-label", "Block diagram")], [drawing])
 }
 
 /// Whether each is drawn there for the first time.

@@ -1,0 +1,94 @@
+//! When look-ups are answered (law 5).
+
+use super::{Client, MemorySystem};
+use crate::Cycle;
+use crate::asked::LookUps;
+use crate::cache::{CacheCounts, Pending};
+use std::collections::VecDeque;
+
+/// Look-ups of a client that have no answer yet.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Queue {
+    /// By step.
+    pub(crate) steps: VecDeque<Pending>,
+    /// The requests that fill lines that were held, of each step as many as are [open](Pending::open).
+    pub(crate) open: VecDeque<u64>,
+}
+
+impl MemorySystem {
+    /// Makes the look-ups of a step that starts at `start`: what is known of them. Numbers of requests whose answers are not known, of
+    /// lines that were held, are put behind the `open` ones. With it the least occupancy that they need (law 5).
+    #[inline]
+    pub(crate) fn look_up(
+        &mut self,
+        client: usize,
+        start: Cycle,
+        (look_ups, held, new): (&LookUps, &[u64], &[u64]),
+        open: &mut VecDeque<u64>,
+    ) -> (Pending, u64) {
+        let Client { port, cache } = &mut self.clients[client];
+        let (line_bytes, cycles) = cache.as_ref().map_or((1, 1), |c| (c.config.line_bytes, c.cycles(look_ups.lines)));
+        self.memories[port.memory].arrived += new.len() as u64;
+        for &line in new {
+            port.issue(start, line * u64::from(line_bytes), line_bytes, false);
+        }
+        let counts = CacheCounts { hits: (look_ups.lines - look_ups.new).into(), misses: look_ups.new.into(), merged: 0 };
+        let request = if new.is_empty() { look_ups.last_held } else { port.issued };
+        let mut pending = Pending { start, request, fill: Cycle::ZERO, counts, open: 0 };
+        let Some(last) = look_ups.last_held.checked_sub(1) else { return (pending, cycles) };
+        // Answers come in order: mostly the last of them is there.
+        let fill = port.answer(last);
+        if fill > start {
+            let hits = &mut pending.counts.hits;
+            for fill in held.iter().map(|&request| (request, port.answer(request))) {
+                match fill {
+                    (_, fill) if fill <= start => {}
+                    (request, Cycle::UNKNOWN) => {
+                        open.push_back(request);
+                        pending.open += 1;
+                        *hits -= 1;
+                    }
+                    _ => {
+                        pending.counts.merged += 1;
+                        *hits -= 1;
+                    }
+                }
+            }
+        }
+        if new.is_empty() && fill.is_known() {
+            (pending.request, pending.fill) = (0, fill);
+        }
+        (pending, cycles)
+    }
+
+    /// Takes out the first look-ups whose fills are known by now, as many as there are `left` to take; the last of them has this
+    /// `answer`. To be asked in order of look-up.
+    #[inline]
+    pub(crate) fn resolve(&mut self, client: usize, queue: &mut Queue, left: &mut u32, answer: &mut Cycle) {
+        let Client { port, cache } = &mut self.clients[client];
+        let Some(cache) = cache else { return };
+        while *left > 0
+            && let Some(&Pending { start, request, mut fill, mut counts, open }) = queue.steps.front()
+        {
+            if let Some(last) = request.checked_sub(1) {
+                fill = port.answer(last);
+            }
+            if !fill.is_known() {
+                return;
+            }
+            for request in queue.open.drain(..open as usize) {
+                *if port.answer(request) > start { &mut counts.merged } else { &mut counts.hits } += 1;
+            }
+            *answer = cache.resolve(start, fill, counts);
+            queue.steps.pop_front();
+            *left -= 1;
+        }
+    }
+
+    /// Accounts for look-ups that wait for nothing, and gives their answer.
+    #[inline(always)]
+    pub(crate) fn resolve_at_once(&mut self, client: usize, pending: &Pending) -> Cycle {
+        let cache = self.clients[client].cache.as_mut();
+        cache.map_or(Cycle::ZERO, |cache| cache.resolve(pending.start, pending.fill, pending.counts))
+    }
+}

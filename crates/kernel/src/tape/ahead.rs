@@ -1,0 +1,108 @@
+//! Steps that are read from a tape, ahead of when they are timed.
+
+use super::class::Class;
+use crate::asked::{Asked, Caches, Count, LookUps};
+use crate::cache::Tags;
+use crate::shape::StageShape;
+use crate::time::Made;
+use crate::wiring::MAX_CLIENTS;
+use crate::{Demand, MemorySystem, Request};
+
+/// Steps that are read: several replays may share them, as no times are in them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Ahead {
+    pub(super) steps: Vec<Step>,
+    /// What they ask.
+    pub(super) asked: Asked,
+    /// What is wrong with what the last of them asks.
+    pub(super) refused: Option<String>,
+}
+
+/// A step that is read: what its class says of it, in few bytes, since there may be millions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    pub(super) demand: Demand,
+    pub(super) occupancy: u32,
+    latency: u32,
+    outputs: u32,
+    requests: u32,
+    caches: u8,
+    marked: bool,
+}
+
+impl Step {
+    /// Numbers of classes that are read have 32 bits.
+    pub(super) fn of(Class { demand, made, count, .. }: &Class) -> Self {
+        let (occupancy, latency) = (made.occupancy as u32, made.latency as u32);
+        let (requests, caches) = (count.requests as u32, count.caches as u8);
+        Self { demand: *demand, occupancy, latency, outputs: made.outputs, requests, caches, marked: made.marked }
+    }
+
+    #[inline(always)]
+    pub(super) fn made(&self) -> Made {
+        let &Self { occupancy, latency, outputs, marked, .. } = self;
+        Made { occupancy: occupancy.into(), latency: latency.into(), outputs, marked }
+    }
+
+    /// The same, but that nothing is asked: what was asked was refused.
+    pub(super) fn asking_nothing(self) -> Self {
+        Self { requests: 0, caches: 0, ..self }
+    }
+
+    #[inline(always)]
+    pub(super) fn count(&self) -> Count {
+        Count { requests: self.requests as usize, caches: usize::from(self.caches) }
+    }
+}
+
+/// The tags of a stage's caches, and how many requests each client has issued.
+#[derive(Clone, Debug)]
+pub(super) struct TagsOfStage {
+    clients: usize,
+    tags: [Option<Tags>; MAX_CLIENTS],
+    issued: [u64; MAX_CLIENTS],
+}
+
+impl Caches for &mut TagsOfStage {
+    #[inline(always)]
+    fn clients(&self) -> usize {
+        self.clients
+    }
+    #[inline(always)]
+    fn tags(&mut self, client: usize) -> Option<(&mut Tags, u64)> {
+        Some((self.tags[client].as_mut()?, self.issued[client]))
+    }
+}
+
+impl TagsOfStage {
+    /// At power-on.
+    pub(super) fn new(shape: &StageShape, memories: &MemorySystem) -> Self {
+        let tags = std::array::from_fn(|i| tags_of(shape, memories, i).cloned());
+        Self { clients: shape.clients.len(), tags, issued: [0; MAX_CLIENTS] }
+    }
+
+    /// Whether look-ups find the same in a stage's caches.
+    pub(super) fn is_alike(&self, shape: &StageShape, memories: &MemorySystem) -> bool {
+        self.tags.iter().enumerate().all(|(i, ours)| match (ours, tags_of(shape, memories, i)) {
+            (Some(ours), Some(theirs)) => ours.is_alike(theirs),
+            (ours, theirs) => ours.is_none() && theirs.is_none(),
+        })
+    }
+
+    /// Forgets all lines: nothing will be looked up again.
+    pub(super) fn forget(&mut self) {
+        self.tags.iter_mut().flatten().for_each(Tags::forget);
+    }
+
+    /// Counts the requests of a step.
+    #[inline(always)]
+    pub(super) fn count(&mut self, look_ups: &[LookUps], requests: &[Request]) {
+        look_ups.iter().for_each(|l| self.issued[l.client as usize % MAX_CLIENTS] += u64::from(l.new));
+        requests.iter().for_each(|r| self.issued[r.client as usize % MAX_CLIENTS] += 1);
+    }
+}
+
+/// The tags of a stage's client, at power-on.
+fn tags_of<'a>(shape: &StageShape, memories: &'a MemorySystem, client: usize) -> Option<&'a Tags> {
+    memories.clients()[*shape.clients.get(client)?].cache.as_ref().map(|cache| &cache.tags)
+}

@@ -1,0 +1,101 @@
+//! Labels: what a probe that asks is told of steps.
+
+use basrelief_kernel::contract::{Sink, Source};
+use basrelief_kernel::{
+    Cause, Cycle, Demand, Engine, Fifo, Label, Limits, Machine, MemorySystem, Probe, Stage, Step, Traffic, Unit, Visitor,
+    run_with,
+};
+
+/// Adds neighbours: every other step gives a sum.
+#[derive(Default)]
+struct Pairs(Option<u64>);
+
+impl Unit for Pairs {
+    type In = Option<u64>;
+    type Out = Option<u64>;
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+    fn step(&mut self, number: Option<u64>, _: &mut Traffic) -> Step<Option<u64>> {
+        let sum = self.0.take().zip(number).map(|(a, b)| a + b);
+        self.0 = if sum.is_none() { number } else { None };
+        Step::after(1, sum).busy(3)
+    }
+}
+
+struct Sums {
+    source: Stage<Source<std::ops::Range<u64>>>,
+    numbers: Fifo<u64>,
+    pairs: Stage<Pairs>,
+    sums: Fifo<u64>,
+    sink: Stage<Sink<u64>>,
+    memories: MemorySystem,
+}
+
+impl Machine for Sums {
+    fn wire<V: Visitor>(&mut self, v: &mut V) {
+        v.stage(self.source.between((), &mut self.numbers));
+        v.stage(self.pairs.between(&mut self.numbers, &mut self.sums));
+        v.stage(self.sink.between(&mut self.sums, ()));
+    }
+    fn memories(&mut self) -> &mut MemorySystem {
+        &mut self.memories
+    }
+}
+
+/// What was told of each stage, in order.
+#[derive(Default, PartialEq, Debug)]
+struct Told {
+    asks: bool,
+    steps: [Vec<(u32, Vec<u64>)>; 3],
+    worked: [usize; 3],
+    /// Intervals told ahead of the step that they are of.
+    early: usize,
+}
+
+impl Probe for Told {
+    fn reads_labels(&self) -> bool {
+        self.asks
+    }
+    fn stepped(&mut self, stage: usize, taken: u32, given: &[(usize, Label)]) {
+        assert!(given.iter().all(|(output, label)| *output == 0 && label.0[1..] == [0; 2]));
+        self.steps[stage].push((taken, given.iter().map(|(_, label)| label.0[0]).collect()));
+    }
+    fn worked(&mut self, stage: usize, _: Cycle, _: Cycle) {
+        self.worked[stage] += 1;
+        self.early += usize::from(self.asks && self.worked[stage] > self.steps[stage].len());
+    }
+    fn waited(&mut self, _: usize, _: Cause, _: Cycle, _: Cycle) {}
+}
+
+fn told(engine: Engine, asks: bool) -> Told {
+    let numbers = |n: &u64| Label([100 + n, 0, 0]);
+    let mut machine = Sums {
+        source: Stage::new("source", Source::new(0..4)),
+        numbers: Fifo::new("numbers", 1, 1).labelled(numbers),
+        pairs: Stage::new("pairs", Pairs::default()),
+        sums: Fifo::new("sums", 2, 1).labelled(|sum| Label([*sum, 0, 0])),
+        sink: Stage::new("sink", Sink::new()),
+        memories: MemorySystem::default(),
+    };
+    let mut told = Told { asks, ..Told::default() };
+    run_with(&mut machine, engine, &mut told, Limits { max_cycles: u64::MAX, progress: &mut |_| true });
+    told
+}
+
+#[test]
+fn a_probe_that_asks_is_told_what_each_step_takes_and_gives_ahead_of_its_time() {
+    for engine in [Engine::Timed, Engine::Ticked] {
+        let told = told(engine, true);
+        assert_eq!(told.steps[0], [100, 101, 102, 103].map(|label| (0, vec![label])));
+        assert_eq!(told.steps[1], [(1, vec![]), (1, vec![1]), (1, vec![]), (1, vec![5])]);
+        assert_eq!(told.steps[2], [(1, vec![]), (1, vec![])]);
+        assert_eq!((told.worked, told.early), ([4, 4, 2], 0));
+    }
+}
+
+#[test]
+fn a_probe_that_does_not_ask_is_told_times_only() {
+    let told = told(Engine::Timed, false);
+    assert_eq!((told.steps, told.worked), (Default::default(), [4, 4, 2]));
+}

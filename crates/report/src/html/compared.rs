@@ -1,0 +1,118 @@
+//! Two reports or more on one page: what changed, what explains it, and both side by side.
+
+use super::markup::{Html, details, el, el_text, text as words};
+use super::svg::{Part, bar};
+use super::table::{html as table_of, with_cells};
+use super::{Beside, block_diagram, head, pictures, section, units, whole_page};
+use crate::Comparison;
+use crate::compare::Share;
+use crate::model::Report;
+use crate::text::Align::{Left, Right};
+use crate::text::number::{signed, thousands};
+use indexmap::IndexSet;
+
+/// A report on the page of a comparison.
+#[derive(Clone, Debug)]
+pub struct Side<'a> {
+    /// As the user named it.
+    pub name: &'a str,
+    /// The report.
+    pub report: &'a Report,
+    /// What is shown of it beside: its drawing, and its picture where it is at hand.
+    pub beside: Beside,
+}
+
+/// The page that holds a report against others.
+pub fn compared(a: &Side<'_>, others: &[(Side<'_>, &Comparison)]) -> String {
+    let title = format!("{} against {} · Basrelief", a.name, others.iter().map(|(b, _)| b.name).collect::<Vec<_>>().join(", "));
+    let several = others.len() > 1;
+    let parts = (1..).zip(others).map(|(number, (b, comparison))| {
+        let id = |part: &str| if several { format!("{part}-{number}") } else { part.to_owned() };
+        pair(a, b, comparison, &id)
+    });
+    let heading = el("h1", &[], [words("Basrelief "), el_text("span", "quiet", "what changed")]);
+    let body = el("body", &[], [el("header", &[], [heading]), el("main", &[], parts)]);
+    whole_page(&title, body)
+}
+
+fn pair(a: &Side<'_>, b: &Side<'_>, comparison: &Comparison, id: &dyn Fn(&str) -> String) -> Html {
+    let names = el(
+        "p",
+        &[],
+        [el_text("b", "", "A"), words(format!(": {}   ", a.name)), el_text("b", "", "B"), words(format!(": {}", b.name))],
+    );
+    let explanation = [names, el_text("p", "lead", &comparison.explanation), numbers(a.report, b.report), shares(comparison)];
+    let parts = [
+        ("explained", "What explains it", explanation.into_iter().collect()),
+        ("pictures", "Pictures", side_by_side(both(a, b, |side| pictures::pictures(side.report, &side.beside.pictures)))),
+        ("units", "Where the cycles went", bars(a.report, b.report)),
+        ("diagram", "Block diagrams", both(a, b, |side| block_diagram(side.report, &side.beside.diagram))),
+        ("changes", "Every change", changes(comparison)),
+    ];
+    let shown = parts.into_iter().filter(|(_, _, content): &(_, _, Html)| !content.is_empty());
+    shown.map(|(part, title, content)| section(&id(part), title, content)).collect()
+}
+
+/// The figures of the head, of both.
+fn numbers(a: &Report, b: &Report) -> Html {
+    let (of_a, of_b) = (head::numbers(a), head::numbers(b));
+    let rows = of_b.into_iter().filter_map(|(number, unit)| {
+        let before = &of_a.iter().find(|(_, of)| *of == unit)?.0;
+        Some(vec![words(&unit), words(before), words(number)])
+    });
+    with_cells("The largest figures", &[("", Left), ("A", Right), ("B", Right)], rows.collect())
+}
+
+/// What each group of parameters has to do with the cycles.
+fn shares(comparison: &Comparison) -> Html {
+    let Some(explained) = comparison.explained.as_ref() else { return Html::default() };
+    let most = explained.shares.iter().filter_map(|share| share.by).chain([explained.together]).map(i64::unsigned_abs).max();
+    let row = |name: &str, by: Option<i64>| {
+        let part: Part = ("amount", "cycles".into(), by.map_or(0, i64::unsigned_abs));
+        let told = by.map_or("not measured".into(), |by| signed(by as f64));
+        vec![words(name), bar(&[part], most.unwrap_or(1).max(1)), words(told)]
+    };
+    let rows = explained.shares.iter().map(|Share { group, by, .. }| row(group, *by));
+    let rows = rows.chain([row("only together", Some(explained.together))]).collect();
+    let columns = [("through", Left), ("", Left), ("cycles in B", Right)];
+    el("div", &[("class", "bars")], [with_cells("Measured by timing the same work again", &columns, rows)])
+}
+
+/// Something of A, then the same of B.
+fn both(a: &Side<'_>, b: &Side<'_>, of: impl Fn(&Side<'_>) -> Html) -> Html {
+    let part = |name: &str, side| {
+        let content: Html = of(side);
+        if content.is_empty() { content } else { el("div", &[], [el_text("h3", "", name), content]) }
+    };
+    [part("A", a), part("B", b)].into_iter().collect()
+}
+
+/// Beside each other, where there is room.
+fn side_by_side(both: Html) -> Html {
+    if both.is_empty() { both } else { el("div", &[("class", "pair")], [both]) }
+}
+
+/// Two bars per unit, of the cycles that each run has.
+fn bars(a: &Report, b: &Report) -> Html {
+    let (Some(of_a), Some(of_b)) = (&a.units, &b.units) else { return Html::default() };
+    let whole = a.frame_cycles().max(b.frame_cycles());
+    let names: IndexSet<&String> = of_a.keys().chain(of_b.keys()).collect();
+    let rows = names.into_iter().flat_map(|name| {
+        [("A", a, of_a.get(name)), ("B", b, of_b.get(name))].into_iter().filter_map(move |(which, report, unit)| {
+            let (parts, own) = units::parts(report, unit?);
+            let heading = if which == "A" || of_a.get(name).is_none() { words(name) } else { Html::default() };
+            Some(vec![heading, words(which), bar(&parts, whole.max(own)), words(thousands(unit?.busy))])
+        })
+    });
+    let columns = [("unit", Left), ("", Left), ("cycles of the frames, both on one scale", Left), ("busy", Right)];
+    let table = with_cells("Units, A above B", &columns, rows.collect());
+    [units::legend(units::STATES), el("div", &[("class", "bars compared")], [table])].into_iter().collect()
+}
+
+fn changes(comparison: &Comparison) -> Html {
+    let tables = comparison.sections.iter().map(|section| {
+        let table = section.table();
+        details(&format!("{} ({})", section.title(), section.changes.len()), table_of(section.title(), &table))
+    });
+    tables.collect()
+}

@@ -1,0 +1,109 @@
+//! What units did when, in so many columns: a time line to be looked at as a whole.
+
+use basrelief_kernel::{Cause, Cycle, Probe};
+
+/// Most columns; there are at least half as many, of a run that is long enough.
+const COLUMNS: usize = 2048;
+
+/// What a unit can do, in the order of a column's counts.
+const STATES: usize = 4;
+
+/// A probe that counts, for each unit and column of the time line, the cycles that the unit was busy, waited for memory, was starved
+/// and was blocked. The columns grow with the run.
+#[derive(Clone, Debug)]
+pub struct Strips {
+    units: Vec<Vec<[u64; STATES]>>,
+    /// Cycles of a column.
+    width: u64,
+}
+
+impl Default for Strips {
+    fn default() -> Self {
+        Self { units: Vec::new(), width: 1 }
+    }
+}
+
+impl Strips {
+    /// Cycles of a column, a power of two.
+    pub fn width(&self) -> u64 {
+        self.width
+    }
+
+    /// For each unit, in the order of the wiring, its columns: cycles busy, waiting for memory, starved, blocked. What is missing of a
+    /// column's width, the unit was done. A unit may have fewer columns than others.
+    pub fn units(&self) -> &[Vec<[u64; STATES]>] {
+        &self.units
+    }
+
+    fn add(&mut self, unit: usize, state: usize, from: Cycle, to: Cycle) {
+        while to.0 > self.width.saturating_mul(COLUMNS as u64) {
+            self.halve();
+        }
+        if self.units.len() <= unit {
+            self.units.resize(unit + 1, Vec::new());
+        }
+        let columns = &mut self.units[unit];
+        let mut at = from.0;
+        while at < to.0 {
+            let column = (at / self.width) as usize;
+            let end = to.0.min((column as u64 + 1).saturating_mul(self.width));
+            columns.resize(columns.len().max(column + 1), [0; STATES]);
+            columns[column][state] += end - at;
+            at = end;
+        }
+    }
+
+    /// Two columns become one.
+    fn halve(&mut self) {
+        for columns in &mut self.units {
+            let pair = |pair: &[[u64; STATES]]| std::array::from_fn(|state| pair.iter().map(|column| column[state]).sum());
+            *columns = columns.chunks(2).map(pair).collect();
+        }
+        self.width = self.width.saturating_mul(2);
+    }
+}
+
+impl Probe for Strips {
+    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+        self.add(stage, 0, from, to);
+    }
+
+    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+        let state = match cause {
+            Cause::Memory(_) => 1,
+            Cause::Starved(_) => 2,
+            Cause::Blocked(_) => 3,
+        };
+        self.add(stage, state, from, to);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cycle_is_in_one_column_however_long_the_run() {
+        let mut strips = Strips::default();
+        let (mut at, mut sums) = (0, [0; STATES]);
+        for n in 0..4000_u64 {
+            let (state, end) = ((n % 4) as usize, at + 1 + n * 7 % 13);
+            strips.add(1, state, Cycle(at), Cycle(end));
+            sums[state] += end - at;
+            at = end;
+        }
+        let columns = &strips.units()[1];
+        assert!(strips.units()[0].is_empty() && (COLUMNS / 2..=COLUMNS).contains(&columns.len()), "{}", columns.len());
+        assert_eq!(std::array::from_fn(|state| columns.iter().map(|column| column[state]).sum::<u64>()), sums);
+        let (last, full) = columns.split_last().unwrap();
+        assert!(full.iter().all(|column| column.iter().sum::<u64>() == strips.width()));
+        assert_eq!(last.iter().sum::<u64>(), at - full.len() as u64 * strips.width());
+    }
+
+    #[test]
+    fn cycles_beyond_all_bounds_are_counted_too() {
+        let mut strips = Strips::default();
+        strips.worked(0, Cycle(1 << 40), Cycle((1 << 40) + 5));
+        assert_eq!(strips.units()[0].iter().map(|column| column[0]).sum::<u64>(), 5);
+    }
+}

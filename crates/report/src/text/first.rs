@@ -1,0 +1,59 @@
+//! The first screen: what a run costs, how good its picture is, and what it is built of, in a line each.
+
+use super::number::{real, thousands};
+use crate::model::{Cycles, Hardware, Report};
+use crate::work::work;
+use basrelief_kernel::HardwareKind;
+
+/// The lines, of a run that came to its end or not.
+pub(super) fn lines(report: &Report) -> Vec<String> {
+    [cycles(report), quality(report), traffic(report), hardware(report)].into_iter().flatten().collect()
+}
+
+/// `n` of something, and by `per` how much of it for each fragment.
+fn each(n: u64, per: &str, report: &Report) -> String {
+    let work = work(report);
+    let Some(each) = (work.count > 0).then(|| n as f64 / work.count as f64) else { return String::new() };
+    format!(", {each:.2} {per} {}", work.one)
+}
+
+fn frames(cycles: &Cycles) -> u64 {
+    (cycles.frames.len() as u64).max(1)
+}
+
+fn cycles(report: &Report) -> Option<String> {
+    let cycles = report.cycles.as_ref()?;
+    let all = report.frame_cycles();
+    let (mean, (least, most)) = (all / frames(cycles), (cycles.frames.iter().min(), cycles.frames.iter().max()));
+    let range = least.zip(most).filter(|(least, most)| least < most);
+    let range = range.map_or(String::new(), |(least, most)| format!(" ({} to {})", thousands(*least), thousands(*most)));
+    let hz = report.clock_hz();
+    let time = hz.map_or(String::new(), |hz| {
+        format!("; {:.3} ms per frame at {} MHz", 1000.0 * all as f64 / frames(cycles) as f64 / hz, real(hz / 1e6))
+    });
+    Some(format!("{} cycles per frame{range}{}{time}", thousands(mean), each(all, "per", report)))
+}
+
+fn quality(report: &Report) -> Option<String> {
+    let quality = report.quality.as_ref()?.last;
+    let (psnr, ssim, flip) = (quality.psnr_db, quality.ssim, quality.flip);
+    Some(format!("{psnr:.2} dB PSNR, SSIM {ssim:.4}, FLIP {flip:.4} against the exact picture"))
+}
+
+fn traffic(report: &Report) -> Option<String> {
+    let bytes = report.memory_bytes()?;
+    let frames = report.cycles.as_ref().map_or(1, frames);
+    Some(format!("{} bytes of memory traffic per frame{}", thousands(bytes / frames), each(bytes, "per", report)))
+}
+
+fn hardware(report: &Report) -> Option<String> {
+    let of = |is: &dyn Fn(&&Hardware) -> bool, size: fn(&Hardware) -> u64| {
+        report.hardware.iter().filter(is).map(size).fold(0, u64::saturating_add)
+    };
+    let bits = of(&|h| !h.kind.computes(), Hardware::bits);
+    let counted =
+        HardwareKind::ALL.into_iter().filter(|kind| kind.computes()).map(|kind| (kind, of(&|h| h.kind == kind, |h| h.count)));
+    let name = |kind: HardwareKind, n| if n == 1 { kind.to_string().trim_end_matches('s').to_owned() } else { kind.to_string() };
+    let counted = counted.filter(|(_, n)| *n > 0).map(|(kind, n)| format!(", {} {}", thousands(n), name(kind, n)));
+    (!report.hardware.is_empty()).then(|| format!("{} bits of storage{}", thousands(bits), counted.collect::<String>()))
+}

@@ -1,0 +1,60 @@
+//! Whom a step is for.
+
+use basrelief_signals::Pixels;
+
+/// Frame, object, polygon, pixels, as far as a token has them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Origin {
+    /// Number of the frame.
+    pub(super) frame: Option<u32>,
+    /// Number of the object.
+    pub(super) object: Option<u32>,
+    /// Number of the polygon in the run.
+    pub(super) polygon: Option<usize>,
+    pub(super) pixels: Option<Pixels>,
+    /// MIP level of each pixel, 4 bits each, by place in the token.
+    pub(super) levels: Option<u64>,
+}
+
+impl Origin {
+    /// The frame as a whole.
+    pub(super) fn whole(frame: Option<u32>) -> Self {
+        Self { frame, ..Self::default() }
+    }
+
+    /// What this becomes where a token is about pixels of its own.
+    #[must_use]
+    pub(super) fn at(self, pixels: Pixels) -> Self {
+        let levels = pixels.levels.map(|levels| (0..).zip(levels).map(|(i, level)| u64::from(level) << (4 * i)).sum());
+        Self { pixels: Some(pixels), levels, ..self }
+    }
+
+    /// Of two tokens taken together the one that says more, and the first where both say as much; levels are those of either.
+    #[must_use]
+    pub(super) fn or_finer(self, other: Self) -> Self {
+        let levels = self.levels.or(other.levels);
+        let finer = if other.fineness() > self.fineness() { other } else { self };
+        Self { levels, ..finer }
+    }
+
+    fn fineness(&self) -> usize {
+        let has = [self.frame.is_some(), self.object.is_some(), self.polygon.is_some(), self.pixels.is_some()];
+        has.iter().rposition(|has| *has).map_or(0, |at| at + 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_tokens_the_one_counts_that_says_more() {
+        let frame = Origin::whole(Some(3));
+        let polygon = Origin { object: Some(1), polygon: Some(7), ..frame };
+        let pixel = polygon.at(Pixels::one(4, 5));
+        assert_eq!(frame.or_finer(polygon), polygon);
+        assert_eq!(pixel.or_finer(polygon), pixel);
+        let other = Origin { levels: Some(9), ..polygon.at(Pixels::one(6, 5)) };
+        assert_eq!(pixel.or_finer(other), Origin { levels: Some(9), ..pixel }, "the first, with the levels of the second");
+    }
+}

@@ -1,0 +1,85 @@
+//! The command that repeats a run.
+
+use crate::ask::View;
+use std::fmt::Write;
+
+/// What is drawn, as the command line names it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Drawn {
+    Demo(String),
+    File(String),
+}
+
+impl Drawn {
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            Self::Demo(name) | Self::File(name) => name,
+        }
+    }
+}
+
+/// The command line that gives the same report. `machine` is none where it goes without saying.
+pub(crate) fn command(drawn: &Drawn, machine: Option<&str>, view: Option<&View>, set: &[(String, String)]) -> String {
+    let mut line = match drawn {
+        Drawn::Demo(name) => format!("basrelief demo {}", quoted(name)),
+        Drawn::File(name) => format!("basrelief run {}", quoted(name)),
+    };
+    if let Some(machine) = machine {
+        let _ = write!(line, " --machine {machine}");
+    }
+    if let Some(view) = view {
+        options(&mut line, view);
+    }
+    for (key, value) in set {
+        let _ = write!(line, " --set {}", quoted(&format!("{key}={value}")));
+    }
+    line
+}
+
+fn options(line: &mut String, View { size, turn, zoom, light, frames, orbit }: &View) {
+    if let Some([width, height]) = size {
+        let _ = write!(line, " --size {width}x{height}");
+    }
+    if let Some([around, up]) = turn {
+        let _ = write!(line, " --turn {around},{up}");
+    }
+    if let Some(zoom) = zoom {
+        let _ = write!(line, " --zoom {zoom}");
+    }
+    if let Some([x, y, z]) = light {
+        let _ = write!(line, " --light {x},{y},{z}");
+    }
+    if let Some(frames) = frames {
+        let _ = write!(line, " --frames {frames}");
+    }
+    if let Some(orbit) = orbit {
+        let _ = write!(line, " --orbit {orbit}");
+    }
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "@%+=:,./_-".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_says_what_is_not_the_default() {
+        let view = View { size: Some([320, 240]), turn: Some([-30.0, 10.5]), ..View::default() };
+        let set = [("replacement.entries".into(), "[256, 64]".into())];
+        let line = command(&Drawn::Demo("coin".into()), Some("shade"), Some(&view), &set);
+        let expected = "basrelief demo coin --machine shade --size 320x240 --turn -30,10.5 --set 'replacement.entries=[256, 64]'";
+        assert_eq!(line, expected);
+    }
+
+    #[test]
+    fn names_are_quoted_for_a_shell() {
+        let line = |name: &str| command(&Drawn::File(name.into()), None, None, &[]);
+        assert_eq!(line("a/b.glb"), "basrelief run a/b.glb");
+        assert_eq!(line("it's; rm"), "basrelief run 'it'\\''s; rm'");
+    }
+}

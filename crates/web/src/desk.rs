@@ -1,0 +1,189 @@
+//! Who answers, and what is kept from one question to the next.
+
+use crate::ask::{Ask, File, RunAsk, View};
+use crate::command::{Drawn, command};
+use crate::parcel::Parcel;
+use crate::shown::{Shown, catalogue};
+use basrelief_display_list::looks_like_trace;
+use basrelief_input::{Budget, Held};
+use basrelief_report::Strips;
+use basrelief_scene::{Memory, Subject};
+use basrelief_session::{Costs, Given, MachineConfig, MachineInfo, Prepared, RunInput, RunOptions, When, board, run};
+use serde::Deserialize as _;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::io::{self, Cursor, Read};
+use std::sync::Arc;
+
+/// Answers questions, one after the other. Keeps what is drawn, and of it what settings do not change.
+#[derive(Default)]
+pub struct Desk {
+    lying: Option<Lying>,
+    /// What the pixels of the last run cost that was asked for it.
+    costs: Option<Costs>,
+}
+
+/// What is drawn.
+struct Lying {
+    drawn: Drawn,
+    kind: Kind,
+}
+
+enum Kind {
+    /// A model or a demo, and the view of it that was asked for last.
+    Subject(Box<Subject>, Option<(View, Prepared)>, Budget, #[expect(dead_code, reason = "held as long as the model")] Held),
+    /// A display list, and the files beside it.
+    Trace(BTreeMap<String, Arc<[u8]>>, Budget),
+}
+
+/// Memory for what strangers send; the page has 4 GiB of address space in all.
+fn budget() -> Budget {
+    Budget::with_advice(Budget::DEFAULT, "the page holds no more: take less, or the command line with --memory-limit")
+}
+
+impl Desk {
+    /// Answers a question, as [`Parcel`]s travel. What is wrong is an answer, too: its JSON has the one key `error`.
+    pub fn answer(&mut self, question: &[u8]) -> Vec<u8> {
+        let answer = Parcel::read(question).and_then(|question| self.answer_to(&question));
+        answer.unwrap_or_else(|error| Parcel::of(json!({ "error": error }))).into_bytes()
+    }
+
+    fn answer_to(&mut self, question: &Parcel) -> Result<Parcel, String> {
+        match Ask::deserialize(&question.json).map_err(|e| format!("no question: {e}"))? {
+            Ask::Catalogue => Ok(Parcel::of(catalogue())),
+            Ask::Demo { name } => {
+                let subject = Subject::demo(&name).map_err(|e| e.to_string())?;
+                let machine = MachineInfo::of_demo(&name).name;
+                let budget = budget();
+                self.take(Drawn::Demo(name), Kind::Subject(Box::new(subject), None, budget.clone(), budget.nothing()), machine)
+            }
+            Ask::Files { name, files } => {
+                let kind = opened(&name, files, question)?;
+                self.take(Drawn::File(name), kind, basrelief_session::MACHINES[0].name)
+            }
+            Ask::Run(ask) => self.run(&ask),
+            Ask::Costs(ask) => self.costs(&ask),
+            Ask::Pixel { x, y } => Ok(Parcel::of(pixel(self.costs.as_ref(), x, y))),
+        }
+    }
+
+    /// From now on this is drawn. `machine` is the one that draws it where nobody says otherwise.
+    fn take(&mut self, drawn: Drawn, kind: Kind, machine: &str) -> Result<Parcel, String> {
+        let about = match &kind {
+            Kind::Subject(subject, ..) => {
+                json!({ "machine": machine, "scene": true, "triangles": subject.triangles(), "warnings": subject.warnings() })
+            }
+            Kind::Trace(..) => json!({ "machine": machine, "scene": false }),
+        };
+        self.lying = Some(Lying { drawn, kind });
+        self.costs = None;
+        Ok(Parcel::of(about))
+    }
+
+    fn run(&mut self, ask: &RunAsk) -> Result<Parcel, String> {
+        let (lying, machine, (input, options)) = self.asked(ask)?;
+        let board = board(&input, &options).map_err(|e| e.to_string())?;
+        let names = board.diagram.stages.into_iter().map(|stage| stage.name).collect();
+        let (mut shown, mut strips) = (Shown::default(), Strips::default());
+        let ran = run(input, &options, &mut shown, if ask.exact { Some(&mut strips) } else { None });
+        let report = ran.map_err(|e| e.to_string())?.report;
+        let strips = ask.exact.then_some((strips, names));
+        shown.answer(&report, &lying.command(machine, ask), strips)
+    }
+
+    /// Runs once more, for what each pixel costs.
+    fn costs(&mut self, ask: &RunAsk) -> Result<Parcel, String> {
+        let (_, _, (input, options)) = self.asked(ask)?;
+        let options = RunOptions { costs: true, exact: false, limits: When::Never, exhibits: vec![], ..options };
+        let mut shown = Shown::default();
+        let ran = run(input, &options, &mut shown, None).map_err(|e| e.to_string())?;
+        self.costs = ran.costs;
+        shown.exhibits()
+    }
+
+    /// What is to be run, on which machine, and how.
+    fn asked(&mut self, ask: &RunAsk) -> Result<(&Lying, &'static MachineInfo, (RunInput, RunOptions)), String> {
+        let lying = self.lying.as_mut().ok_or("there is nothing to draw yet: choose a demo, or drop a model")?;
+        let (machine, given) = (MachineInfo::named(&ask.machine)?, Given { toml: String::new(), settings: ask.set.clone() });
+        let config = given.config(machine, &[]).map_err(|e| e.to_string())?;
+        config.check().map_err(|e| e.to_string())?;
+        let (input, budget) = lying.input(&ask.view)?;
+        Ok((lying, machine, (input, options(config, given, ask, budget))))
+    }
+}
+
+/// What a pixel costs; nothing where that is not known.
+fn pixel(costs: Option<&Costs>, x: u32, y: u32) -> Value {
+    let Some(pixel) = costs.and_then(|costs| costs.pixel(x, y)) else { return Value::Null };
+    let ways: Vec<Value> = pixel
+        .ways
+        .iter()
+        .map(|way| json!({ "unit": way.unit, "kind": way.kind.name(), "of": way.of, "cycles": way.cycles }))
+        .collect();
+    let polygon =
+        pixel.polygon.map(|polygon| json!({ "polygon": polygon.number, "object": polygon.object, "frame": polygon.frame }));
+    json!({
+        "cycles": pixel.cycles, "ways": ways, "overdraw": pixel.overdraw, "level": pixel.level, "entry": pixel.entry,
+        "polygon": polygon,
+    })
+}
+
+fn options(config: MachineConfig, given: Given, ask: &RunAsk, budget: Budget) -> RunOptions {
+    let exhibits = config.machine().exhibits().into_iter().filter(|_| ask.exact).filter(Shown::takes).collect();
+    let limits = if ask.limits { When::IfShort } else { When::Never };
+    RunOptions { config, given, exact: ask.exact, limits, exhibits, budget, ..RunOptions::default() }
+}
+
+impl Lying {
+    fn input(&mut self, view: &View) -> Result<(RunInput, Budget), String> {
+        match &mut self.kind {
+            Kind::Subject(subject, seen, budget, _) => {
+                let prepared = match seen.take() {
+                    Some((of, prepared)) if of == *view => prepared,
+                    _ => Prepared::kept(Arc::new(subject.seen(&view.options()).map_err(|e| e.to_string())?), budget),
+                };
+                *seen = Some((view.clone(), prepared.clone()));
+                Ok((RunInput::Scene(prepared), budget.clone()))
+            }
+            Kind::Trace(files, budget) => {
+                let name = self.drawn.name();
+                let reader = Box::new(Cursor::new(Arc::clone(files.get(name).ok_or("the display list is gone")?)));
+                let files = files.clone();
+                let beside = move |name: &str| match files.get(name) {
+                    Some(bytes) => Ok(Box::new(Cursor::new(Arc::clone(bytes))) as Box<dyn Read>),
+                    None => Err(io::Error::from(io::ErrorKind::NotFound)),
+                };
+                Ok((RunInput::Trace { reader, files: Box::new(beside), name: name.into() }, budget.clone()))
+            }
+        }
+    }
+
+    /// The command that gives the same report.
+    fn command(&self, machine: &MachineInfo, ask: &RunAsk) -> String {
+        let usual = match &self.drawn {
+            Drawn::Demo(name) => MachineInfo::of_demo(name).name,
+            Drawn::File(_) => basrelief_session::MACHINES[0].name,
+        };
+        let machine = Some(machine.name).filter(|name| *name != usual);
+        let view = Some(&ask.view).filter(|_| matches!(self.kind, Kind::Subject(..)));
+        command(&self.drawn, machine, view, &ask.set)
+    }
+}
+
+/// Opens a model or a display list.
+fn opened(name: &str, files: Vec<File>, question: &Parcel) -> Result<Kind, String> {
+    let bytes = |file: &File| question.bytes(file.at).ok_or_else(|| format!("{}: is not in the question", file.name));
+    let main = files.iter().find(|file| file.name == name).ok_or_else(|| format!("{name}: is not among the files"))?;
+    let budget = budget();
+    if looks_like_trace(bytes(main)?) {
+        let all = files.iter().map(|file| Ok((file.name.clone(), Arc::from(bytes(file)?)))).collect::<Result<_, String>>()?;
+        return Ok(Kind::Trace(all, budget));
+    }
+    let mut memory = Memory::default();
+    for file in files.iter().filter(|file| file.name != name) {
+        memory = memory.with(&file.name, bytes(file)?);
+    }
+    let loaded = Subject::load_within(bytes(main)?, name, &memory, &budget);
+    let (subject, held) = loaded.map_err(|e| e.to_string())?;
+    Ok(Kind::Subject(Box::new(subject), None, budget, held))
+}

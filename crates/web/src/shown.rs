@@ -1,0 +1,135 @@
+//! What an answer shows.
+
+use crate::parcel::Parcel;
+use basrelief_reference::{Picture, metrics};
+use basrelief_report::html::sections;
+use basrelief_report::{Report, Strips};
+use basrelief_scene::DEMOS;
+use basrelief_session::{Content, Exhibit, ExhibitInfo, Form, MACHINES, MachineInfo, Observer, Pictures, beside};
+use serde_json::{Value, json};
+
+/// Which machines there are, with their units and parameters, and which demos.
+pub(crate) fn catalogue() -> Value {
+    let machines: Vec<Value> = MACHINES.iter().map(machine).collect();
+    let demos: Vec<Value> = DEMOS
+        .iter()
+        .map(|demo| json!({ "name": demo.name, "about": demo.about, "machine": MachineInfo::of_demo(demo.name).name }))
+        .collect();
+    json!({ "version": env!("CARGO_PKG_VERSION"), "machines": machines, "demos": demos })
+}
+
+/// What people turn first on a machine, ahead of its hundred other parameters.
+fn main_parameters(machine: &str) -> &'static [&'static str] {
+    match machine {
+        "bump" => &[
+            "replacement.entries",
+            "replacement.lanes",
+            "brightness.levels",
+            "brightness.bits",
+            "fifo.fragments.depth",
+            "memory.graphics.part",
+        ],
+        "shade" => &["shade.mode", "shortcut.flatness.enabled", "shortcut.same_plane.enabled", "memory.frame.part"],
+        "texel" => &["texel.method", "texel.error_bound", "cache.texture.sets", "memory.texture.part"],
+        "defer" => &["defer.mode", "tile.width", "tile.encoding", "path.bits_per_second"],
+        _ => &[],
+    }
+}
+
+fn machine(machine: &MachineInfo) -> Value {
+    let parameters = machine.load("", &[]).map(|config| config.described()).unwrap_or_default();
+    let unit = |unit: &basrelief_machines::UnitInfo| json!({ "name": unit.name, "numeral": unit.numeral, "role": unit.role });
+    let units: Vec<Value> = machine.units().iter().map(unit).collect();
+    json!({ "name": machine.name, "about": machine.about, "demos": machine.demos, "main": main_parameters(machine.name), "units": units, "parameters": parameters })
+}
+
+/// The pictures of a run: of its last frame, and of each exhibit the last.
+#[derive(Default)]
+pub(crate) struct Shown {
+    machine: Option<Picture>,
+    exact: Option<Picture>,
+    exhibits: Vec<(ExhibitInfo, Picture)>,
+}
+
+impl Observer for Shown {
+    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+        self.machine = Some(pictures.machine.clone());
+        self.exact = pictures.exact.map(|(exact, _)| exact.clone());
+        Ok(())
+    }
+
+    fn exhibit(&mut self, exhibit: &Exhibit<'_>) -> Result<(), String> {
+        let (Content::Picture(picture) | Content::NamedPicture(_, picture)) = exhibit.content else { return Ok(()) };
+        self.exhibits.retain(|(info, _)| *info != exhibit.info);
+        self.exhibits.push((exhibit.info, picture.clone()));
+        Ok(())
+    }
+}
+
+impl Shown {
+    /// Whether it shows this exhibit: those that are pictures, but none of the machine's own pictures over again.
+    pub(crate) fn takes(info: &ExhibitInfo) -> bool {
+        !matches!(info.form, Form::Lines | Form::PicturePerRound)
+    }
+
+    /// The answer to a question for a run, with the command that repeats it, and what the units, by name, did when.
+    pub(crate) fn answer(self, report: &Report, command: &str, strips: Option<(Strips, Vec<String>)>) -> Result<Parcel, String> {
+        let mut parcel = Parcel::default();
+        let pictures = self.pictures(&mut parcel)?;
+        let strips = strips.map(|(strips, names)| packed(&strips, &names, &mut parcel));
+        let sections: Vec<Value> = sections(report, &beside(report)?)
+            .into_iter()
+            .map(|section| json!({ "id": section.id, "title": section.title, "html": section.html }))
+            .collect();
+        // As a text: what a value holds has lost its order.
+        let report = parcel.pack(report.to_json().map_err(|e| e.to_string())?.as_bytes());
+        parcel.json = json!({
+            "report": report, "command": command, "sections": sections, "pictures": pictures, "strips": strips,
+        });
+        Ok(parcel)
+    }
+
+    /// The answer that holds the exhibits alone.
+    pub(crate) fn exhibits(self) -> Result<Parcel, String> {
+        let mut parcel = Parcel::default();
+        let pictures = Self { machine: None, ..self }.pictures(&mut parcel)?;
+        parcel.json = json!({ "pictures": pictures });
+        Ok(parcel)
+    }
+
+    fn pictures(&self, parcel: &mut Parcel) -> Result<Vec<Value>, String> {
+        let mut list = Vec::new();
+        let mut add = |name: &str, about: String, picture: &Picture| {
+            let at = parcel.pack(&picture.to_rgba());
+            list.push(json!({ "name": name, "about": about, "at": at, "width": picture.width, "height": picture.height }));
+        };
+        if let Some(machine) = &self.machine {
+            add("image", "the machine's picture".into(), machine);
+            if let Some(exact) = &self.exact {
+                let (difference, largest) = metrics::scaled_difference(exact, machine).map_err(|e| e.to_string())?;
+                add("reference", "the exact picture".into(), exact);
+                add("difference", format!("the difference, white where it is largest: {largest} of 255 steps"), &difference);
+            }
+        }
+        for (info, picture) in &self.exhibits {
+            add(info.name, info.about.into(), picture);
+        }
+        Ok(list)
+    }
+}
+
+/// The time line: for each unit its columns, for each column the shares of four states, 255 for all of it.
+fn packed(strips: &Strips, names: &[String], parcel: &mut Parcel) -> Value {
+    let width = strips.width();
+    let share = |cycles: u64| (cycles.saturating_mul(255) / width) as u8;
+    let units: Vec<Value> = strips
+        .units()
+        .iter()
+        .zip(names)
+        .map(|(columns, name)| {
+            let bytes: Vec<u8> = columns.iter().flatten().map(|cycles| share(*cycles)).collect();
+            json!({ "name": name, "at": parcel.pack(&bytes) })
+        })
+        .collect();
+    json!({ "width": width, "units": units })
+}

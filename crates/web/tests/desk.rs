@@ -1,0 +1,133 @@
+//! Questions and answers, as the page asks and is answered.
+
+use basrelief_scene::{ViewOptions, demo};
+use basrelief_session::{Given, MACHINES, MachineInfo, RunInput, RunOptions, Unobserved, When, run};
+use basrelief_web::{Desk, Parcel};
+use serde_json::{Value, json};
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [48, 36];
+
+fn ask(desk: &mut Desk, question: Value) -> Parcel {
+    Parcel::read(&desk.answer(&Parcel::of(question).into_bytes())).expect("an answer")
+}
+
+fn ask_with(desk: &mut Desk, json: Value, rest: &[u8]) -> Value {
+    let question = Parcel { json, rest: rest.to_vec() };
+    Parcel::read(&desk.answer(&question.into_bytes())).expect("an answer").json
+}
+
+/// The report of an answer.
+fn reported(answer: &Parcel) -> Value {
+    let place = serde_json::from_value(answer.json["report"].clone()).unwrap_or_else(|_| panic!("no report: {}", answer.json));
+    serde_json::from_slice(answer.bytes(place).expect("a report")).expect("JSON")
+}
+
+fn error(answer: &Value) -> &str {
+    answer["error"].as_str().unwrap_or_else(|| panic!("no error: {answer}"))
+}
+
+/// The report of a run as the command line makes it.
+fn report(machine: &str, name: &str, set: &[(&str, &str)]) -> Value {
+    let settings = set.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    let given = Given { toml: String::new(), settings };
+    let config = given.config(MachineInfo::named(machine).unwrap(), &[]).unwrap();
+    let options = RunOptions { config, given, limits: When::IfShort, ..RunOptions::default() };
+    let scene = demo(name, &ViewOptions { size: SIZE, turn: Some([20.0, 5.0]), ..ViewOptions::default() }).unwrap();
+    let report = run(RunInput::scene(Arc::new(scene)), &options, &mut Unobserved, None).unwrap().report;
+    serde_json::to_value(report).unwrap()
+}
+
+#[test]
+fn every_machine_answers_with_the_report_of_a_run() {
+    let demos = [("bump", "cut-plane@1"), ("shade", "goblet@1"), ("texel", "corridor"), ("defer", "turntable")];
+    for (machine, name) in demos {
+        let mut desk = Desk::default();
+        assert_eq!(ask(&mut desk, json!({"ask": "demo", "name": name})).json["scene"], true);
+        let view = json!({"size": SIZE, "turn": [20.0, 5.0]});
+        let question = |depth: &str, exact: bool| {
+            let set = json!([["fifo.polygons.depth", depth]]);
+            json!({"ask": "run", "machine": machine, "set": set, "view": view, "exact": exact, "limits": exact})
+        };
+        // What was answered before makes no difference.
+        for depth in ["8", "64"] {
+            let quick = ask(&mut desk, question(depth, false));
+            let whole = ask(&mut desk, question(depth, true));
+            let expected = report(machine, name, &[("fifo.polygons.depth", depth)]);
+            assert_eq!(reported(&quick)["cycles"], expected["cycles"], "{machine}");
+            assert_eq!(reported(&whole), expected, "{machine}");
+            let [image, exact] = [0, 1].map(|n| &whole.json["pictures"][n]);
+            assert_eq!([&image["name"], &exact["name"]], ["image", "reference"]);
+            let at = serde_json::from_value(image["at"].clone()).unwrap();
+            assert_eq!(whole.bytes(at).map(<[u8]>::len), Some((4 * SIZE[0] * SIZE[1]) as usize));
+        }
+    }
+}
+
+#[test]
+fn the_command_repeats_the_run() {
+    let mut desk = Desk::default();
+    ask(&mut desk, json!({"ask": "demo", "name": "goblet@1"}));
+    let view = json!({"size": SIZE, "zoom": 1.5});
+    let run = json!({"ask": "run", "machine": "shade", "set": [["shade.mode", "polyhedron"]], "view": view});
+    let expected = "basrelief demo goblet@1 --size 48x36 --zoom 1.5 --set shade.mode=polyhedron";
+    assert_eq!(ask(&mut desk, run).json["command"], expected);
+    let other = json!({"ask": "run", "machine": "bump", "set": [], "view": {}});
+    assert_eq!(ask(&mut desk, other).json["command"], "basrelief demo goblet@1 --machine bump");
+}
+
+#[test]
+fn what_people_turn_first_are_parameters() {
+    let catalogue = ask(&mut Desk::default(), json!({"ask": "catalogue"})).json;
+    let machines = catalogue["machines"].as_array().unwrap();
+    assert_eq!(machines.len(), MACHINES.len());
+    for machine in machines {
+        let keys: Vec<&Value> = machine["parameters"].as_array().unwrap().iter().map(|p| &p["key"]).collect();
+        let main = machine["main"].as_array().unwrap();
+        assert!(!main.is_empty(), "{}", machine["name"]);
+        main.iter().for_each(|key| assert!(keys.contains(&key), "{key}"));
+    }
+}
+
+#[test]
+fn models_and_display_lists_are_told_by_their_content() {
+    let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let mut desk = Desk::default();
+    let files = json!([{"name": "a.obj", "at": [0, obj.len()]}]);
+    let taken = ask_with(&mut desk, json!({"ask": "files", "name": "a.obj", "files": files}), obj);
+    assert_eq!(taken["triangles"], 1);
+    let run = json!({"ask": "run", "machine": "shade", "set": [], "view": {"size": SIZE}});
+    assert_eq!(ask(&mut desk, run.clone()).json["command"], "basrelief run a.obj --machine shade --size 48x36");
+
+    let list = basrelief_session::doc_trace();
+    let files = json!([{"name": "quad.dl.jsonl", "at": [0, list.len()]}]);
+    let taken = ask_with(&mut desk, json!({"ask": "files", "name": "quad.dl.jsonl", "files": files}), &list);
+    assert_eq!(taken["scene"], false);
+    // A display list has its own view.
+    let answer = ask(&mut desk, run);
+    assert_eq!(answer.json["command"], "basrelief run quad.dl.jsonl --machine shade");
+    assert!(reported(&answer)["cycles"]["total"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn what_is_wrong_is_an_answer() {
+    let mut desk = Desk::default();
+    let run = |set: Value| json!({"ask": "run", "machine": "bump", "set": set, "view": {"size": SIZE}});
+    assert!(error(&ask(&mut desk, run(json!([]))).json).contains("nothing to draw yet"));
+    assert!(error(&ask(&mut desk, json!({"ask": "demo", "name": "teapot"})).json).contains("no demo is called `teapot`"));
+    ask(&mut desk, json!({"ask": "demo", "name": "cut-plane@1"}));
+    assert!(error(&ask(&mut desk, run(json!([["replacement.lanes", "0"]]))).json).contains("expected 1..=65536"));
+    assert!(error(&ask(&mut desk, run(json!([["lanes", "1"]]))).json).contains("unknown parameter"));
+    let lathe = json!({"ask": "run", "machine": "lathe", "set": [], "view": {}});
+    assert!(error(&ask(&mut desk, lathe).json).contains("no machine is called `lathe`"));
+    assert!(error(&ask(&mut desk, json!({"ask": "dance"})).json).contains("no question"));
+    let files = json!([{"name": "a.glb", "at": [0, 9]}]);
+    assert!(error(&ask_with(&mut desk, json!({"ask": "files", "name": "a.glb", "files": files}), b"short")).contains("a.glb"));
+    let broken = json!([{"name": "a.glb", "at": [0, 5]}]);
+    assert!(
+        error(&ask_with(&mut desk, json!({"ask": "files", "name": "a.glb", "files": broken}), b"short")).starts_with("a.glb: ")
+    );
+    assert_eq!(desk.answer(b"no"), desk.answer(b"\xff\xff\xff\xff"));
+    // What was drawn before is drawn still.
+    assert!(reported(&ask(&mut desk, run(json!([]))))["cycles"]["total"].is_u64());
+}

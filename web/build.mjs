@@ -1,0 +1,63 @@
+// Builds the page: node build.mjs SIMULATOR.wasm FOLDER. Two forms of it: files to be served, and standalone.html, one file that
+// works from a disk. Neither asks anybody else for anything, which its policy holds it to.
+import { createHash } from "node:crypto";
+import { mkdir, readFile, writeFile } from "node:fs/promises";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { brotliCompressSync, constants, gzipSync } from "node:zlib";
+import { build } from "esbuild";
+
+/** Most that whoever opens the page has to load of it \[bytes, brotli\]. */
+const BUDGET = 1_350_000;
+
+const here = dirname(fileURLToPath(import.meta.url));
+const [wasmPath, folder] = process.argv.slice(2);
+if (!wasmPath || !folder) {
+  console.error("usage: node build.mjs SIMULATOR.wasm FOLDER");
+  process.exit(2);
+}
+
+async function script(entry, define = {}) {
+  const options = { bundle: true, minify: true, write: false, format: "iife", target: "es2022", legalComments: "none", define };
+  const { outputFiles } = await build({ ...options, entryPoints: [join(here, "src", entry)] });
+  return outputFiles[0].text;
+}
+
+const html = await readFile(join(here, "index.html"), "utf8");
+const style = (await Promise.all([
+  readFile(join(here, "../crates/report/src/html/style.css"), "utf8"), readFile(join(here, "style.css"), "utf8"),
+])).join("\n");
+const wasm = await readFile(wasmPath);
+const [served, worker] = await Promise.all([script("served.ts"), script("worker.ts")]);
+
+/** Puts pieces in their places. (By a function: `$` in a piece means nothing.) */
+function page(policy, styles, scripts) {
+  const meta = `<meta http-equiv="Content-Security-Policy" content="${policy}">`;
+  return html.replace("<!--policy-->", () => meta).replace("<!--style-->", () => styles).replace("<!--script-->", () => scripts);
+}
+
+const common = "default-src 'none'; base-uri 'none'; form-action 'none'; img-src 'self' blob: data:";
+const strict = `${common}; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; style-src 'self'; connect-src 'self'`;
+const link = '<link rel="stylesheet" href="page.css"><link rel="icon" href="data:,">';
+const index = page(strict, link, '<script src="page.js" defer></script>');
+
+const packed = gzipSync(wasm, { level: 9 }).toString("base64");
+const alone = (await script("standalone.ts", { WORKER: JSON.stringify(worker), SIMULATOR: JSON.stringify(packed) }))
+  .replaceAll("</script", "<\\/script");
+const hash = text => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
+const closed = `${common}; script-src ${hash(alone)} 'wasm-unsafe-eval'; worker-src blob:; style-src ${hash(style)}`;
+const standalone = page(closed, `<style>${style}</style><link rel="icon" href="data:,">`, `<script>${alone}</script>`);
+
+await mkdir(folder, { recursive: true });
+const files = {
+  "index.html": index, "page.css": style, "page.js": served, "worker.js": worker, "basrelief.wasm": wasm, "standalone.html": standalone,
+};
+await Promise.all(Object.entries(files).map(([name, content]) => writeFile(join(folder, name), content)));
+
+const quality = { params: { [constants.BROTLI_PARAM_QUALITY]: 11, [constants.BROTLI_PARAM_LGWIN]: 24 } };
+const loaded = [index, style, served, worker, wasm].reduce((sum, file) => sum + brotliCompressSync(file, quality).length, 0);
+console.log(`the page is ${loaded} bytes in brotli, allowed ${BUDGET}; standalone.html is ${standalone.length} bytes`);
+if (loaded > BUDGET) {
+  console.error("the page is too large");
+  process.exit(1);
+}

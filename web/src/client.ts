@@ -1,0 +1,55 @@
+// The page's side of the worker. Of runs that wait, the latest one counts.
+import type { Answer, Lost, Parcel, Place, Start } from "./protocol";
+
+export interface Answered<T> extends Parcel<T> { ms: number }
+
+interface Waiting { resolve(answer: Answered<unknown>): void; reject(error: Error): void }
+
+export class Client {
+  #worker: Worker;
+  #asked = new Map<number, Waiting>();
+  #next = 0;
+
+  constructor(private readonly start: () => Worker, private readonly wasm: ArrayBuffer) {
+    this.#worker = this.#begin();
+  }
+
+  #begin(): Worker {
+    const worker = this.start();
+    const message: Start = { wasm: this.wasm.slice(0) };
+    worker.postMessage(message, [message.wasm]);
+    worker.onmessage = (event: MessageEvent<Answer | Lost>) => {
+      if ("lost" in event.data) return this.restart(`The simulator stopped: ${event.data.lost}`);
+      const { id, json, rest, ms } = event.data;
+      this.#asked.get(id)?.resolve({ json, rest, ms });
+      this.#asked.delete(id);
+    };
+    worker.onerror = event => this.restart(event.message);
+    return worker;
+  }
+
+  /** Ends whatever is being answered; the simulator begins anew, and knows of nothing. */
+  restart(why: string): void {
+    this.#worker.terminate();
+    const asked = [...this.#asked.values()];
+    this.#asked.clear();
+    this.#worker = this.#begin();
+    asked.forEach(({ reject }) => reject(new Error(why)));
+  }
+
+  /** Asks; what is wrong with the question is an error. */
+  async ask<T>(json: unknown, rest = new Uint8Array()): Promise<Answered<T>> {
+    const id = this.#next++;
+    const answer = await new Promise<Answered<unknown>>((resolve, reject) => {
+      this.#asked.set(id, { resolve, reject });
+      this.#worker.postMessage({ id, json, rest });
+    });
+    const { error } = answer.json as { error?: string };
+    if (error !== undefined) throw new Error(error);
+    return answer as Answered<T>;
+  }
+}
+
+export function bytesAt(rest: Uint8Array, [place, length]: Place): Uint8Array {
+  return rest.subarray(place, place + length);
+}

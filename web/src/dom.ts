@@ -1,0 +1,37 @@
+// Elements.
+
+type Attributes = Record<string, string | number | boolean | ((event: Event) => void)>;
+
+/** An element with attributes, event handlers ("onclick") and children. */
+export function el<K extends keyof HTMLElementTagNameMap>(
+  name: K, attributes: Attributes = {}, ...children: (Node | string)[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (typeof value === "function") element.addEventListener(key.slice(2), value);
+    else if (value === true) element.setAttribute(key, "");
+    else if (value !== false) element.setAttribute(key, String(value));
+  }
+  element.append(...children);
+  return element;
+}
+
+export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
+  return document.getElementById(id) as T;
+}
+
+const grouped = new Intl.NumberFormat("en-US");
+
+/** A count, by thousands. */
+export const thousands = (n: number): string => grouped.format(n);
+
+export const percent = (part: number, whole: number): string => (whole > 0 ? `${((100 * part) / whole).toFixed(1)} %` : "0 %");
+
+/** How much more, with its sign. */
+export function change(now: number, before: number): string {
+  if (now === before) return "the same";
+  const sign = now > before ? "+" : "\u2212";
+  const share = before === 0 ? "" : ` (${sign}${((100 * Math.abs(now - before)) / Math.abs(before)).toFixed(2)} %)`;
+  const by = Math.abs(now - before);
+  return `${sign}${Number.isInteger(by) ? thousands(by) : by.toFixed(2)}${share}`;
+}

@@ -1,0 +1,105 @@
+// How the page and the simulator talk: JSON, and bytes behind it (crates/web/src/parcel.rs).
+
+/** Place and length of bytes behind the JSON. */
+export type Place = [number, number];
+
+export interface Parcel<T = unknown> {
+  json: T;
+  rest: Uint8Array;
+}
+
+/** A question on its way to the worker, and what it comes to. */
+export interface Question { id: number; json: unknown; rest: Uint8Array }
+export interface Answer { id: number; json: unknown; rest: Uint8Array; ms: number }
+/** The worker is told its simulator first. */
+export interface Start { wasm: ArrayBuffer }
+/** The simulator has stopped in the middle of a question: nothing follows. */
+export interface Lost { lost: string }
+
+export type Takes =
+  | { kind: "switch" } | { kind: "text" }
+  | { kind: "choice"; choices: { name: string; about: string }[] }
+  | { kind: "integer" | "number"; min: number; max: number };
+
+export interface Parameter {
+  key: string; value: unknown; default: unknown; unit: string; range: string; takes: Takes;
+  about: string; effect: "work" | "timing"; provenance: { kind: string; text: string };
+}
+
+export interface Machine {
+  name: string; about: string; demos: string[]; main: string[];
+  units: { name: string; numeral: string; role: string }[]; parameters: Parameter[];
+}
+
+export interface Catalogue { version: string; machines: Machine[]; demos: { name: string; about: string; machine: string }[] }
+
+/** What a model or a demo is. */
+export interface Taken { machine: string; scene: boolean; triangles?: number; warnings?: string[] }
+
+export interface PictureInfo { name: string; about: string; at: Place; width: number; height: number }
+
+export interface Unit {
+  busy: number; done: number; numeral?: number;
+  starved: Record<string, number>; blocked: Record<string, number>; memory: Record<string, number>;
+}
+
+/** The part of report.json that the page itself reads; all of it is shown by what the simulator writes. */
+export interface Report {
+  machine: string;
+  input: { name: string };
+  outcome: { kind: string; message?: string };
+  size: { width: number; height: number };
+  config: Record<string, unknown>;
+  cycles?: { total: number; drain: number; frames: number[] };
+  units?: Record<string, Unit>;
+  memories?: Record<string, { clients: Record<string, { read_bytes: number; write_bytes: number }> }>;
+  limits?: { resource: string; what: string; set: string[]; cycles: number; saved: number }[];
+  hardware: { kind: string; width: number; count: number }[];
+  quality?: { psnr_db: number; ssim: number; flip: number };
+  image: { sha256: string }[];
+  derived: Record<string, { value: number; unit: string }>;
+  warnings: string[];
+}
+
+/** An answer to a question for a run, as it travels. */
+export type Told = Omit<Run, "report" | "text"> & { report: Place };
+
+export interface Run {
+  report: Report;
+  /** The report as the command line writes it, but for what the host took. */
+  text: string;
+  command: string;
+  sections: { id: string; title: string; html: string }[];
+  pictures: PictureInfo[];
+  strips: { width: number; units: { name: string; at: Place }[] } | null;
+}
+
+/** What a pixel costs. */
+export interface Pixel {
+  cycles: number;
+  ways: { unit: string; kind: "busy" | "memory" | "starved" | "blocked"; of: string; cycles: number }[];
+  overdraw: number; level: number | null; entry: number | null;
+  polygon: { polygon: number; object: number | null; frame: number } | null;
+}
+
+export interface View {
+  size: [number, number];
+  turn?: [number, number]; zoom?: number; light?: [number, number, number]; frames?: number; orbit?: number;
+}
+
+const LENGTH = 4;
+
+export function pack(json: unknown, rest: Uint8Array): Uint8Array {
+  const text = new TextEncoder().encode(JSON.stringify(json));
+  const bytes = new Uint8Array(LENGTH + text.length + rest.length);
+  new DataView(bytes.buffer).setUint32(0, text.length, true);
+  bytes.set(text, LENGTH);
+  bytes.set(rest, LENGTH + text.length);
+  return bytes;
+}
+
+export function unpack(bytes: Uint8Array): Parcel {
+  const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(0, true);
+  const json: unknown = JSON.parse(new TextDecoder().decode(bytes.slice(LENGTH, LENGTH + length)));
+  return { json, rest: bytes.slice(LENGTH + length) };
+}

@@ -1,0 +1,15 @@
+// The page as one file: worker and simulator stand in it.
+import { page } from "./main";
+
+/** Put in by the build: the text of the worker, and the simulator, compressed with gzip, in base64. */
+declare const WORKER: string;
+declare const SIMULATOR: string;
+
+void page({
+  wasm: async () => {
+    const bytes = Uint8Array.from(atob(SIMULATOR), c => c.charCodeAt(0));
+    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    return new Response(unpacked).arrayBuffer();
+  },
+  worker: () => new Worker(URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }))),
+});

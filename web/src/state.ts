@@ -1,0 +1,60 @@
+// What the page shows, as its address says it: who sends the address on sends the run.
+import type { View } from "./protocol";
+
+export interface State {
+  demo: string | null;
+  machine: string | null;
+  set: Map<string, string>;
+  view: View;
+  panel: string;
+}
+
+export const SIZES: [number, number][] = [[160, 120], [320, 240], [640, 480], [1280, 720], [1920, 1080]];
+
+export function initial(): State {
+  return { demo: "golf-ball", machine: null, set: new Map(), view: { size: [640, 480] }, panel: "units" };
+}
+
+const numbers = (text: string | null): number[] => (text ?? "").split(",").map(Number);
+
+function list<N extends number>(text: string | null, length: N): number[] | undefined {
+  const all = numbers(text);
+  return text !== null && all.length === length && all.every(Number.isFinite) ? all : undefined;
+}
+
+export function read(hash: string): State {
+  const from = new URLSearchParams(hash.replace(/^#/, ""));
+  const state = initial();
+  state.demo = from.get("demo") ?? (from.has("file") ? null : state.demo);
+  state.machine = from.get("machine");
+  state.panel = from.get("show") ?? state.panel;
+  const size = from.get("size")?.split("x").map(Number);
+  if (size?.length === 2 && size.every(side => Number.isInteger(side) && side > 0)) state.view.size = size as [number, number];
+  const turn = list(from.get("turn"), 2);
+  if (turn) state.view.turn = turn as [number, number];
+  const light = list(from.get("light"), 3);
+  if (light) state.view.light = light as [number, number, number];
+  for (const key of ["zoom", "frames", "orbit"] as const) {
+    const value = list(from.get(key), 1);
+    if (value) state.view[key] = value[0]!;
+  }
+  for (const setting of from.getAll("set")) {
+    const at = setting.indexOf("=");
+    if (at > 0) state.set.set(setting.slice(0, at), setting.slice(at + 1));
+  }
+  return state;
+}
+
+export function write({ demo, machine, set, view, panel }: State): string {
+  const to = new URLSearchParams();
+  if (demo === null) to.set("file", "");
+  else to.set("demo", demo);
+  if (machine !== null) to.set("machine", machine);
+  to.set("size", view.size.join("x"));
+  if (view.turn) to.set("turn", view.turn.join(","));
+  if (view.light) to.set("light", view.light.join(","));
+  for (const key of ["zoom", "frames", "orbit"] as const) if (view[key] !== undefined) to.set(key, String(view[key]));
+  for (const [key, value] of set) to.append("set", `${key}=${value}`);
+  if (panel !== "units") to.set("show", panel);
+  return `#${to}`;
+}

@@ -1,0 +1,184 @@
+// The page in Chromium, as people use it.
+//
+//   node test/browser.mjs PROGRAM PAGE_FOLDER [MODEL...]
+import assert from "node:assert/strict";
+import { readdirSync, readFileSync } from "node:fs";
+import { basename, dirname, join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+import { comparable, Native } from "./native.mjs";
+
+const [program, folder, ...models] = process.argv.slice(2);
+const native = new Native(program);
+const server = await native.serve(folder);
+const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: quiet });
+const faults = [];
+
+async function opened(address) {
+  const page = await browser.newPage({ viewport: { width: 1400, height: 900 } });
+  page.setDefaultTimeout(120_000);
+  page.on("console", message => message.type() !== "log" && faults.push(`${message.type()}: ${message.text()}`));
+  page.on("pageerror", error => faults.push(String(error)));
+  page.on("request", request => {
+    const { protocol, hostname } = new URL(request.url());
+    const inside = ["blob:", "data:", "file:"].includes(protocol) || hostname === "127.0.0.1";
+    if (!inside) faults.push(`asks for ${request.url()}`);
+  });
+  await page.goto(address);
+  await whole(page);
+  return page;
+}
+
+/** Waits for the whole answer to what was changed last. */
+async function whole(page) {
+  await page.waitForTimeout(50);
+  await page.waitForFunction(() => document.documentElement.dataset.settled === "true");
+  assert.equal(await page.isVisible("#problem"), false, await page.textContent("#problem"));
+}
+
+/** The report as it is saved, and the command that repeats it. */
+async function shown(page) {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+  return { report: comparable(JSON.parse(readFileSync(await download.path(), "utf8"))), command: await page.textContent("#command") };
+}
+
+async function equalsNative(page, where) {
+  const { report, command } = await shown(page);
+  assert.deepEqual(report, native.report(command, where), command);
+  console.log(`equal: ${command}: ${report.cycles.total} cycles, picture ${report.image.at(-1).sha256.slice(0, 12)}`);
+}
+
+async function machines() {
+  for (const demo of ["golf-ball", "goblet", "corridor", "gallery"]) {
+    const page = await opened(`${server.address}#demo=${demo}&size=320x240`);
+    await equalsNative(page);
+    assert.ok((await page.locator("#panel svg").count()) > 3, "bars of the units");
+    for (const tab of await page.locator("#tabs button").all()) {
+      await tab.click();
+      assert.ok((await page.textContent("#panel")).length > 20, await tab.textContent());
+    }
+    await page.close();
+  }
+}
+
+/** From the movement of a slider to the picture and figures on the page. */
+async function slider() {
+  const page = await opened(`${server.address}#demo=golf-ball&size=320x240`);
+  const slide = page.locator('[id="slide-replacement.lanes"]');
+  const before = await page.textContent("#numbers dd");
+  const times = [];
+  await slide.focus();
+  for (let n = 0; n < 12; n++) {
+    await page.keyboard.press(n < 6 ? "ArrowLeft" : "ArrowRight");
+    await page.waitForFunction(() => document.documentElement.dataset.version === document.documentElement.dataset.asked);
+    times.push(Number(await page.evaluate(() => document.documentElement.dataset.first)));
+  }
+  times.sort((a, b) => a - b);
+  console.log(`slider to answer at 320 x 240: median ${times[6].toFixed(0)} ms, ${times[0].toFixed(0)} to ${times[11].toFixed(0)} ms`);
+  await slide.press("Home");
+  await whole(page);
+  assert.notEqual(await page.textContent("#numbers dd"), before);
+  assert.match(await page.textContent("#command"), /--set replacement\.lanes=1$/);
+  await equalsNative(page);
+  await page.close();
+}
+
+async function turned() {
+  const page = await opened(`${server.address}#demo=coin&size=160x120&frames=2`);
+  await page.focus("#picture");
+  for (const key of ["ArrowRight", "ArrowUp", "+"]) await page.keyboard.press(key);
+  await whole(page);
+  assert.match(await page.textContent("#command"), /--size 160x120 --turn 10,10 --zoom 1\.25 --frames 2$/);
+  await equalsNative(page);
+  await page.locator("#picture").scrollIntoViewIfNeeded();
+  const box = await page.locator("#picture").boundingBox();
+  await page.mouse.move(box.x + 100, box.y + 100);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 160, box.y + 90, { steps: 5 });
+  await page.mouse.up();
+  await whole(page);
+  assert.match(await page.textContent("#command"), /--turn -/);
+  await equalsNative(page);
+  // The address holds it all.
+  const again = await opened(page.url());
+  assert.deepEqual(await shown(again), await shown(page));
+  await again.close();
+  await page.close();
+}
+
+async function pinned() {
+  const page = await opened(`${server.address}#demo=corridor&size=160x120`);
+  await page.click("#pin");
+  await page.selectOption('[id="set-texel.method"]', { index: 1 });
+  await whole(page);
+  assert.match(await page.textContent("#numbers"), /[+\u2212]/);
+  await page.click("#tab-changes");
+  assert.match(await page.textContent("#panel"), /texel\.method/);
+  await page.selectOption("#right", "pinned");
+  assert.match(await page.textContent("#caption"), /the pinned run's picture/);
+  await page.close();
+}
+
+/** What a pixel costs: pictures, and what lies under the pointer. */
+async function costs() {
+  const page = await opened(`${server.address}#demo=golf-ball&size=160x120`);
+  await page.waitForFunction(() => document.documentElement.dataset.costs === document.documentElement.dataset.asked);
+  const names = await page.locator("#left option").allTextContents();
+  for (const name of ["cost", "wait", "overdraw", "level", "entry"]) assert.ok(names.includes(name), name);
+  const box = await page.locator("#picture").boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.waitForFunction(() => /cycles of units: .*fragment/.test(document.getElementById("caption").textContent));
+  console.log(await page.textContent("#caption"));
+  await page.selectOption("#left", "cost");
+  await page.close();
+}
+
+async function wrong() {
+  const page = await opened(`${server.address}#demo=cut-plane@1&size=160x120&machine=shade`);
+  await page.fill("#search", "lanes of nothing");
+  assert.match(await page.textContent("#controls"), /No parameter has these words/);
+  await page.fill("#search", "fifo.polygons.depth");
+  await page.fill('[id="set-fifo.polygons.depth"]', "0");
+  await page.keyboard.press("Tab");
+  await page.waitForSelector("#problem:visible");
+  assert.match(await page.textContent("#problem"), /fifo\.polygons\.depth.*expected/);
+  await page.setInputFiles("#files", { name: "broken.glb", mimeType: "", buffer: Buffer.from("glTF and no more") });
+  await page.waitForFunction(() => document.getElementById("problem").textContent.startsWith("broken.glb"));
+  await page.close();
+}
+
+/** A model is dropped onto the page. */
+async function dropped(model) {
+  const page = await opened(`${server.address}#demo=cut-plane@1&size=160x120&machine=shade`);
+  // A glTF file with all that lies beside it, but for other models.
+  const beside = model.endsWith(".gltf") ? readdirSync(dirname(model)).filter(name => !/\.(gltf|glb|obj)$/.test(name)) : [];
+  const files = [basename(model), ...beside].map(name => [name, readFileSync(join(dirname(model), name)).toString("base64")]);
+  await page.evaluate(files => {
+    const transfer = new DataTransfer();
+    for (const [name, bytes] of files) transfer.items.add(new File([Uint8Array.from(atob(bytes), c => c.charCodeAt(0))], name));
+    window.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, cancelable: true }));
+  }, files);
+  await page.waitForFunction(name => document.getElementById("what").textContent.includes(name), basename(model));
+  await page.waitForFunction(() => document.documentElement.dataset.settled === "true");
+  await equalsNative(page, dirname(resolve(model)));
+  await page.close();
+}
+
+async function standalone() {
+  const page = await opened(`${pathToFileURL(resolve(folder, "standalone.html"))}#demo=goblet@1&size=160x120`);
+  await equalsNative(page);
+  await page.close();
+}
+
+try {
+  for (const test of [wrong, standalone, machines, slider, turned, pinned, costs]) {
+    await test();
+    console.log(`ok: ${test.name}`);
+  }
+  for (const model of models) await dropped(model);
+  assert.deepEqual(faults, []);
+} finally {
+  await browser.close();
+  server.stop();
+}
