@@ -140,16 +140,22 @@ const COORDINATE_BITS: u32 = 44;
 
 /// Segments of any length, and u, v of the most bits.
 pub fn config(error_bound: f64) -> TexelConfig {
-    TexelConfig { error_bound, longest_segment: 16_384, coordinate_bits: COORDINATE_BITS, step_bits: 32, ..TexelConfig::default() }
+    TexelConfig {
+        error_bound,
+        longest_segment: 16_384,
+        coordinate_bits: COORDINATE_BITS,
+        step_bits: 32,
+        ..TexelConfig::default()
+    }
 }
 
 /// How far the width of u, v alone may displace a pixel of the span \[pixels\]. U and W are rounded to it, and so are their
-/// quotient and what lies between two of them: less than four units. They count the more, the slower the texture runs, which it
-/// does at the end with the larger W: by `|du| / length * small W / large W` per pixel.
+/// quotient and what lies between two of them: less than four units. They count the more, the slower the coordinate runs that is
+/// asked, which it does at the end with the larger W: by `|du| / length * small W / large W` per pixel.
 pub fn rounding(span: &Span) -> f64 {
     let (a, b) = (span.ends[0], span.ends[1]);
-    let change = [0, 1].map(|i| (b[i] / b[2] - a[i] / a[2]).abs());
-    let slowest = change[0].max(change[1]) / f64::from(span.last().max(1)) * a[2].min(b[2]) / a[2].max(b[2]);
+    let change = [0, 1].map(|i| (b[i] / b[2] - a[i] / a[2]).abs()).into_iter().filter(|change| *change > 0.0);
+    let slowest = change.reduce(f64::min).unwrap_or(0.0) / f64::from(span.last().max(1)) * a[2].min(b[2]) / a[2].max(b[2]);
     let unit = 0.5f64.powi(COORDINATE_BITS as i32 - 1);
     if slowest == 0.0 { 0.0 } else { 4.0 * unit / slowest }
 }

@@ -112,7 +112,7 @@ proptest! {
         prop_assert_eq!(walked.divider.state.counters.points, walked.counters.division_points + ends);
         prop_assert_eq!(walked.divider.state.counters.divisions, 2 * walked.divider.state.counters.points);
         if method == Method::Exact {
-            prop_assert!(walked.largest_displacement() <= rounding(&span));
+            prop_assert!(walked.largest_displacement() <= rounding(&span), "{} measured, {} by rounding", walked.largest_displacement(), rounding(&span));
         }
     }
 }
