@@ -160,6 +160,29 @@ def check_caches(shown):
         shown.equal(f"cache {name}, whether it ever hits", max(values) > 0, cache["hits"] > 0)
 
 
+def check_whose(shown):
+    """The slices of each object and polygon are as long as the report says that these have cost."""
+    arguments = ", ".join(f"EXTRACT_ARG(s.arg_set_id, 'debug.{name}') AS {name}" for name in ("frame", "object", "polygon"))
+    rows = shown.trace.query(
+        f"SELECT {arguments}, SUM(s.dur) AS dur FROM slice s JOIN track t ON s.track_id = t.id "
+        "WHERE t.name NOT LIKE 'memory %' AND t.name <> 'frames' GROUP BY 1, 2, 3"
+    )
+    objects, polygons, framed = {}, {}, 0
+    for row in rows:
+        cycles = shown.cycles(row.dur)
+        framed += cycles if row.frame is not None else 0
+        objects[row.object] = objects.get(row.object, 0) + cycles
+        polygons[row.frame, row.polygon] = polygons.get((row.frame, row.polygon), 0) + cycles
+    costs = shown.report["costs"]
+    shown.equal("all frames", framed, sum(frame["cycles"] for frame in costs["frames"]))
+    for told in costs["objects"]:
+        shown.equal(f"object {told['object']}", objects[told["object"]], told["spent"]["cycles"])
+    for told in costs["polygons"]:
+        at = f"frame {told['frame']}, polygon {told['polygon']}"
+        shown.equal(at, polygons[told["frame"] + 1, told["polygon"]], told["spent"]["cycles"])
+    shown.equal("whether there are polygons", len(costs["polygons"]) > 5, True)
+
+
 def check_window(run, simulator, folder, whole):
     """A window shows what the whole shows there: slices cut at its ends, and levels from its beginning on."""
     units, start, end = WINDOW
@@ -188,7 +211,7 @@ def check_window(run, simulator, folder, whole):
 
 def traced(run, simulator, folder):
     trace, out = folder / "t.pftrace", folder / "out"
-    subprocess.run([simulator, *run.split(), "--timeline", trace, "--out", out, "--no-exact", "--no-limits", "--quiet"], check=True)
+    subprocess.run([simulator, *run.split(), "--timeline", trace, "--out", out, "--costs", "--no-exact", "--no-limits", "--quiet"], check=True)
     return Shown(Trace(trace), json.loads((out / "report.json").read_text()))
 
 
@@ -198,7 +221,7 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
             shown = traced(run, simulator, folder)
-            for check in (check_health, check_units, check_fifos, check_memories, check_caches):
+            for check in (check_health, check_units, check_fifos, check_memories, check_caches, check_whose):
                 check(shown)
             checks = shown.checks + (check_window(run, simulator, folder, shown) if run == RUNS[0] else 0)
             print(f"{run}: {checks} comparisons", flush=True)

@@ -18,6 +18,10 @@ pub trait Probe {
     fn reads_labels(&self) -> bool {
         false
     }
+    /// Whether it is to be told of FIFOs and memories; asked before the first step.
+    fn reads_levels(&self) -> bool {
+        true
+    }
     /// The next step of stage `stage` takes a token of each of these inputs, one bit each, and gives tokens of these labels to these
     /// outputs. Told in the order in which the work is done, ahead of how long the step keeps the stage: a token is given before
     /// it is taken; otherwise stages interleave as the engine pleases. Not told of a [tape](crate::tape): it has no tokens.
@@ -48,6 +52,10 @@ impl Probe for NoProbe {
     fn is_on() -> bool {
         false
     }
+    /// As it is asked behind a pointer, where it is on.
+    fn reads_levels(&self) -> bool {
+        false
+    }
     fn worked(&mut self, _: usize, _: Cycle, _: Cycle) {}
     fn waited(&mut self, _: usize, _: Cause, _: Cycle, _: Cycle) {}
 }
@@ -55,6 +63,9 @@ impl Probe for NoProbe {
 impl<P: Probe + ?Sized> Probe for &mut P {
     fn reads_labels(&self) -> bool {
         (**self).reads_labels()
+    }
+    fn reads_levels(&self) -> bool {
+        (**self).reads_levels()
     }
     fn stepped(&mut self, stage: usize, taken: u32, given: &[(usize, Label)]) {
         (**self).stepped(stage, taken, given);

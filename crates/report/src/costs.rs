@@ -80,6 +80,12 @@ pub struct PolygonCost {
     pub object: Option<u32>,
     /// Its fragments, hidden ones among them.
     pub fragments: u64,
+    /// The cycle in which the first step for it began.
+    #[serde(default)]
+    pub from: u64,
+    /// The cycle after its last step.
+    #[serde(default)]
+    pub to: u64,
     /// All that was for it, its pixels among it.
     pub spent: Spent,
 }
@@ -159,11 +165,19 @@ pub(crate) fn objects(report: &Report, most: usize) -> Table {
 
 /// The most expensive polygons; `most` of them.
 pub(crate) fn polygons(report: &Report, most: usize) -> Table {
-    let mut polygons = table(&[("Polygon", Left, 0), ("frame", Right, 0), ("object", Right, 0), ("fragments", Right, 0)]);
+    let mut polygons = table(&[
+        ("Polygon", Left, 0),
+        ("frame", Right, 0),
+        ("object", Right, 0),
+        ("fragments", Right, 0),
+        ("from cycle", Right, 2),
+        ("to cycle", Right, 2),
+    ]);
     let Some(costs) = &report.costs else { return polygons };
     for p in costs.polygons.iter().take(most) {
         let object = p.object.map_or(String::new(), |object| object.to_string());
-        let cells = [p.polygon.to_string(), p.frame.to_string(), object, thousands(p.fragments)];
+        let [from, to] = [p.from, p.to].map(thousands);
+        let cells = [p.polygon.to_string(), p.frame.to_string(), object, thousands(p.fragments), from, to];
         row(&mut polygons, cells, (&p.spent, costs.unit_cycles));
     }
     polygons

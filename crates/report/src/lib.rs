@@ -48,4 +48,4 @@ pub use methods::Methods;
 pub use model::Report;
 pub use strips::Strips;
 pub use text::{Style, Tables, hardware, to_text};
-pub use timeline::{Board, Chart, Timeline, Watcher, Waves};
+pub use timeline::{Board, Chart, Life, Timeline, Tokens, Watcher, Waves, Whose};

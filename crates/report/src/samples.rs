@@ -285,7 +285,15 @@ pub fn before_and_after() -> (Report, Report) {
 pub fn costed() -> Report {
     let mut report = balanced();
     let spent = |busy, starved| Spent { cycles: busy + starved, busy, starved, ..Spent::default() };
-    let polygon = |polygon, busy| PolygonCost { frame: 1, polygon, object: Some(3), fragments: 40, spent: spent(busy, 2_000) };
+    let polygon = |polygon, busy| PolygonCost {
+        frame: 1,
+        polygon,
+        object: Some(3),
+        fragments: 40,
+        from: 100,
+        to: 2_100,
+        spent: spent(busy, 2_000),
+    };
     report.costs = Some(Costs {
         unit_cycles: 5 * TOTAL,
         pixels: spent(1_400_000, 900_000),

@@ -62,7 +62,11 @@ fn shown<S: MachineSpec>(
         observer.progress(0, None)
     };
     let limits = Limits { max_cycles: settings.max_cycles, progress: &mut take };
-    let report = kernel::run_with(&mut machine, engine, &mut NoProbe, limits);
+    #[cfg(feature = "unwatched")]
+    let mut probe = NoProbe;
+    #[cfg(not(feature = "unwatched"))]
+    let mut probe: &mut dyn kernel::Probe = &mut NoProbe;
+    let report = kernel::run_with(&mut machine, engine, &mut probe, limits);
     take(&mut machine);
     // By frame, the last picture behind the others.
     pictures.sort();

@@ -129,7 +129,10 @@ pub fn run(
         // By pointer: so the machines are compiled once, with this crate, and not once more in every program that runs them;
         // that took a fifth of the time of a test build.
         Some(mut probe) => run_probed(source, settings, observer, &mut probe),
+        #[cfg(feature = "unwatched")]
         None => run_probed(source, settings, observer, &mut NoProbe),
+        #[cfg(not(feature = "unwatched"))]
+        None => run(source, settings, observer, Some(&mut NoProbe)),
     }
 }
 

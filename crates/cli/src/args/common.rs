@@ -5,6 +5,7 @@ use crate::commands::{dump, tables as of_tables};
 use basrelief_report::Tables;
 use basrelief_session::MachineInfo;
 use clap::{ArgAction, ArgGroup, Args, ValueEnum};
+use std::num::NonZeroU64;
 use std::path::PathBuf;
 
 /// The engines.
@@ -91,6 +92,16 @@ impl TablesArgs {
     }
 }
 
+/// Tokens whose life is told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TokenKind {
+    /// What polygons are drawn as: stamps of pixels, packets of a span or single pixels, as the machine has them.
+    #[default]
+    Fragments,
+    /// Polygons, until they are drawn.
+    Polygons,
+}
+
 /// How to simulate, and what to write.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Simulation", group = ArgGroup::new("time_line").multiple(true))]
@@ -99,7 +110,7 @@ pub struct SimulationArgs {
     #[arg(long, value_enum, default_value_t)]
     pub engine: EngineName,
     /// No time: the same steps with memories that answer at once; the same picture, no cycles.
-    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline", "waves", "requests", "costs"])]
+    #[arg(long, conflicts_with_all = ["engine", "max_cycles", "timeline", "waves", "tokens", "requests", "costs"])]
     pub functional: bool,
     /// Stop after this many cycles, with exit code 1 and the state so far.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -137,13 +148,23 @@ pub struct SimulationArgs {
     /// the end of the run, within --memory-limit.
     #[arg(long, value_name = "FILE", group = "time_line")]
     pub waves: Option<PathBuf>,
-    /// The first cycle that time line and waves show [default: 0].
+    /// Write the life of single tokens, from unit to unit, as Konata shows that of instructions: `.kanata`, or `.kanata.zst` compressed. A
+    /// token that a test removes is flushed. Kept until the end of the run, within --memory-limit.
+    #[arg(long, value_name = "FILE", group = "time_line")]
+    pub tokens: Option<PathBuf>,
+    /// Tell the life of one token of so many.
+    #[arg(long, value_name = "N", requires = "tokens", default_value = "64")]
+    pub tokens_every: NonZeroU64,
+    /// The tokens whose life is told.
+    #[arg(long, value_name = "WHAT", requires = "tokens", value_enum, default_value_t)]
+    pub tokens_of: TokenKind,
+    /// The first cycle that time line, waves and tokens show [default: 0].
     #[arg(long, value_name = "N", requires = "time_line")]
     pub from_cycle: Option<u64>,
-    /// The first cycle after those that time line and waves show [default: the end of the run].
+    /// The first cycle after those that time line, waves and tokens show [default: the end of the run].
     #[arg(long, value_name = "N", requires = "time_line", value_parser = clap::value_parser!(u64).range(1..))]
     pub to_cycle: Option<u64>,
-    /// The units that time line and waves show, with the FIFOs at their ends and the memories that they use; several with commas
+    /// The units that time line, waves and tokens show, with the FIFOs at their ends and the memories that they use; several with commas
     /// between [default: all].
     #[arg(long, value_name = "NAME,NAME", requires = "time_line", value_delimiter = ',')]
     pub units: Vec<String>,
@@ -168,9 +189,9 @@ pub struct SimulationArgs {
     pub requests_memory: Option<String>,
     /// Run the same input without each short cut of the machine in turn, and without any, and write the table of cycles and
     /// changes as ablation.json and ablation.csv, and nothing else.
-    #[arg(long, conflicts_with_all = ["functional", "timeline", "waves", "html", "tape", "requests", "costs", "csv", "dump"])]
+    #[arg(long, conflicts_with_all = ["functional", "timeline", "waves", "tokens", "html", "tape", "requests", "costs", "csv", "dump"])]
     pub ablate: bool,
-    #[arg(long, help = of_tables::methods_help(), conflicts_with_all = ["functional", "timeline", "waves", "html", "tape", "requests", "costs", "csv", "dump", "ablate"])]
+    #[arg(long, help = of_tables::methods_help(), conflicts_with_all = ["functional", "timeline", "waves", "tokens", "html", "tape", "requests", "costs", "csv", "dump", "ablate"])]
     pub compare_methods: bool,
     #[arg(long, help = dump::help(), num_args = 2, value_names = ["WHAT", "FILE"], action = ArgAction::Append)]
     pub dump: Vec<PathBuf>,

@@ -6,7 +6,7 @@ mod lists;
 mod run;
 mod values;
 
-pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, TablesArgs, ViewArgs};
+pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, TablesArgs, TokenKind, ViewArgs};
 pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
 pub use run::{DemoArgs, PageArgs, RetimeArgs, RunArgs, ServeArgs, SizeFifosArgs};

@@ -129,11 +129,12 @@ pub fn spare_inputs(simulation: &SimulationArgs, input: Option<&Path>, machine: 
 fn named_outputs(simulation: &SimulationArgs) -> Vec<(&'static str, &Path)> {
     let timeline = simulation.timeline.iter().map(|path| ("--timeline", &**path));
     let waves = simulation.waves.iter().map(|path| ("--waves", &**path));
+    let tokens = simulation.tokens.iter().map(|path| ("--tokens", &**path));
     let requests = simulation.requests.iter().map(|path| ("--requests", &**path));
     let tape = simulation.tape.iter().map(|path| ("--tape", &**path));
     let page = simulation.html.iter().map(|path| ("--html", &**path));
     let dumps = simulation.dump.as_chunks::<2>().0.iter().map(|[_, path]| ("--dump", &**path));
-    timeline.chain(waves).chain(requests).chain(tape).chain(page).chain(dumps).collect()
+    timeline.chain(waves).chain(tokens).chain(requests).chain(tape).chain(page).chain(dumps).collect()
 }
 
 /// A run whose errors name the input, unless it is the parameters or an output that are wrong.

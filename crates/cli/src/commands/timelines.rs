@@ -1,51 +1,66 @@
 //! Time lines of a run: which files, of which units, from which cycle to which.
 
-use crate::args::SimulationArgs;
+use crate::args::{SimulationArgs, TokenKind};
 use crate::error::{Done, Failure};
 use crate::outputs::PartialFile;
 use basrelief_input::{Budget, OverBudget};
 use basrelief_kernel::Probe;
 use basrelief_parameters::nearest;
-use basrelief_report::{Board, Chart, Timeline, Watcher, Waves};
-use basrelief_session::{self as session, Run, RunInput, RunOptions};
-use std::io::{self, BufWriter};
+use basrelief_report::{Board, Chart, Timeline, Tokens, Watcher, Waves};
+use basrelief_session::{self as session, Following, MachineConfig, Run, RunInput, RunOptions, Sample};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+
+/// A file, and where it is to be.
+type Output = (PartialFile, PathBuf);
 
 /// The files that show when each unit did what.
 pub struct TimelineFiles {
     board: Board,
-    timeline: Option<(PartialFile, PathBuf)>,
-    waves: Option<(PartialFile, PathBuf)>,
+    config: MachineConfig,
+    timeline: Option<Output>,
+    waves: Option<Output>,
+    tokens: Option<Output>,
+    sample: Option<Sample>,
     budget: Budget,
 }
 
 impl TimelineFiles {
     /// Begins those that are asked for, if any is.
     pub fn open(simulation: &SimulationArgs, source: &RunInput, settings: &RunOptions) -> Done<Option<Self>> {
-        let SimulationArgs { timeline, waves, .. } = simulation;
-        if timeline.is_none() && waves.is_none() {
+        let SimulationArgs { timeline, waves, tokens, tokens_every, tokens_of, .. } = simulation;
+        if timeline.is_none() && waves.is_none() && tokens.is_none() {
             return Ok(None);
         }
         let board = session::board(source, settings).map_err(Failure::bad)?;
         let board = cut(board, simulation)?;
-        let [timeline, waves] = [timeline, waves].map(|path| path.clone().map(create).transpose());
-        Ok(Some(Self { board, timeline: timeline?, waves: waves?, budget: settings.budget.clone() }))
+        let sample = Sample { every: *tokens_every, polygons: *tokens_of == TokenKind::Polygons };
+        let sample = tokens.as_ref().map(|_| sample);
+        let [timeline, waves, tokens] = [timeline, waves, tokens].map(|path| path.clone().map(create).transpose());
+        let (config, budget) = (settings.config.clone(), settings.budget.clone());
+        Ok(Some(Self { board, config, timeline: timeline?, waves: waves?, tokens: tokens?, sample, budget }))
     }
 
     /// Writes them during a run.
     pub fn watch(&mut self, run: impl FnOnce(&mut dyn Probe) -> Done<Run>) -> Done<Run> {
-        let mut charts: Vec<Box<dyn Chart + '_>> = vec![];
-        let mut paths = vec![];
-        if let Some((file, path)) = &mut self.timeline {
-            charts.push(Box::new(Timeline::new(BufWriter::new(file), &self.board)));
-            paths.push(&*path);
+        let Self { board, config, timeline, waves, tokens, sample, budget } = self;
+        let stages = &board.diagram.stages;
+        let mut charts: Vec<(Box<dyn Chart + '_>, &Path)> = vec![];
+        if let Some((file, path)) = timeline {
+            charts.push((Box::new(Timeline::new(BufWriter::new(file), board)), path));
         }
-        if let Some((file, path)) = &mut self.waves {
-            charts.push(Box::new(Waves::new(BufWriter::new(file), &self.board, &self.budget)));
-            paths.push(&*path);
+        if let Some((file, path)) = waves {
+            charts.push((Box::new(Waves::new(BufWriter::new(file), board, budget)), path));
         }
-        let mut watcher = Watcher::new(self.board.clone(), charts);
-        let run = run(&mut watcher)?;
+        if let Some((file, path)) = tokens {
+            let last = session::last_stage(config, stages);
+            charts.push((Box::new(Tokens::new(packed(file, path)?, board, last, budget)), path));
+        }
+        let (charts, paths): (Vec<_>, Vec<_>) = charts.into_iter().unzip();
+        let mut watcher = Watcher::new(board.clone(), charts);
+        let mut following = Following::new(config, stages, *sample, budget, &mut watcher);
+        let run = run(&mut following)?;
+        following.finish().map_err(|over| Failure::Bad(less(&over)))?;
         if let Some(timing) = &run.timing {
             for (finished, path) in watcher.finish(timing).into_iter().zip(paths) {
                 finished.map_err(|error| unwritten(path, error))?;
@@ -56,22 +71,49 @@ impl TimelineFiles {
 
     /// Puts them in their places.
     pub fn publish(self) -> Done {
-        for (file, path) in self.timeline.into_iter().chain(self.waves) {
+        for (file, path) in self.timeline.into_iter().chain(self.waves).chain(self.tokens) {
             file.publish().map_err(Failure::file(&path, "be written"))?;
         }
         Ok(())
     }
 }
 
-/// Waves are kept until the run is over; what to do where they are too many.
+/// Compressed where its name says so.
+fn packed<'a>(file: &'a mut PartialFile, path: &Path) -> Done<Box<dyn Write + 'a>> {
+    if path.extension().is_none_or(|extension| extension != "zst") {
+        return Ok(Box::new(BufWriter::new(file)));
+    }
+    let encoder = zstd::Encoder::new(file, zstd::DEFAULT_COMPRESSION_LEVEL).map_err(Failure::file(path, "be written"))?;
+    Ok(Box::new(BufWriter::new(Packed(encoder))))
+}
+
+/// A compressed file that ends where it is flushed: charts are flushed once, and tell what went wrong.
+struct Packed<'a>(zstd::Encoder<'static, &'a mut PartialFile>);
+
+impl Write for Packed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.do_finish()?;
+        self.0.get_mut().flush()
+    }
+}
+
+/// What charts keep they keep until the run is over; what to do where that is too much.
 fn unwritten(path: &Path, error: io::Error) -> Failure {
     match OverBudget::within(&error) {
-        Some(over) => Failure::Bad(format!("{}: {over}; or show less, with --from-cycle, --to-cycle or --units", path.display())),
+        Some(over) => Failure::Bad(format!("{}: {}", path.display(), less(over))),
         None => Failure::file(path, "be written")(error),
     }
 }
 
-fn create(path: PathBuf) -> Done<(PartialFile, PathBuf)> {
+fn less(over: &OverBudget) -> String {
+    format!("{over}; or show less, with --from-cycle, --to-cycle, --units or --tokens-every")
+}
+
+fn create(path: PathBuf) -> Done<Output> {
     let file = PartialFile::create(&path).map_err(Failure::file(&path, "be written"))?;
     Ok((file, path))
 }

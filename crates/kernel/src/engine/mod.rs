@@ -90,7 +90,7 @@ fn run_on<M: Machine, P: Probe>(
         Err(error) => return RunReport::of_fault(error.to_string()),
     };
     let mut time = Time::new(shape);
-    time.keep_fills::<P>();
+    time.keep_fills(&*probe);
     let halt = engine(machine, &mut time, probe);
     let report = time.conclude(&rests(machine), halt);
     time.show_fills(probe, Some(Cycle(report.total)));

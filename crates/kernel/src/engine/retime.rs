@@ -191,7 +191,7 @@ fn timed_again<P: Probe>(
     max_cycles: u64,
 ) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
     let mut time = Time::new(shape);
-    time.keep_fills::<P>();
+    time.keep_fills(&*probe);
     if readers.iter().any(|reader| reader.demand().is_none()) {
         feed(&mut readers, reels, &time)?;
     }

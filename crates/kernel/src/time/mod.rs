@@ -84,8 +84,8 @@ impl Time {
     }
 
     /// Keeps how full FIFOs are and what memories do, for a probe that looks on.
-    pub(crate) fn keep_fills<P: Probe>(&mut self) {
-        if P::is_on() {
+    pub(crate) fn keep_fills<P: Probe>(&mut self, probe: &P) {
+        if P::is_on() && probe.reads_levels() {
             self.fifos.iter().for_each(Slots::keep_fills);
             self.memories.keep_watch();
         }
@@ -93,7 +93,7 @@ impl Time {
 
     /// Shows a probe how full FIFOs were and what memories did, as far as that is settled, or up to the `end` of the run.
     pub(crate) fn show_fills<P: Probe>(&mut self, probe: &mut P, end: Option<Cycle>) {
-        if P::is_on() {
+        if P::is_on() && probe.reads_levels() {
             for (number, fifo) in self.fifos.iter().enumerate() {
                 fifo.take_fills(end).into_iter().for_each(|(at, slots)| probe.held(number, at, slots));
             }

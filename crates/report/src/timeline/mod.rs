@@ -7,6 +7,7 @@
 //! | [`watcher`] | from what a probe is told to what is shown |
 //! | [`perfetto`] | shows it as a trace for ui.perfetto.dev |
 //! | [`waves`] | shows it as waves for GTKWave and Surfer |
+//! | [`tokens`] | shows the life of single tokens for Konata |
 
 pub mod board;
 pub mod levels;
@@ -14,6 +15,7 @@ pub mod perfetto;
 mod proto;
 mod scale;
 mod streams;
+pub mod tokens;
 pub mod watcher;
 pub mod waves;
 mod wires;
@@ -21,10 +23,13 @@ mod wires;
 pub use board::Board;
 pub use levels::{Levels, RATE_CYCLES, Value};
 pub use perfetto::Timeline;
-pub use watcher::{Chart, State, Transfer, Watcher};
+pub use tokens::Tokens;
+pub use watcher::{Chart, Life, State, Transfer, Watcher, Whose};
 pub use waves::Waves;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tokens_tests;
 #[cfg(test)]
 mod waves_tests;

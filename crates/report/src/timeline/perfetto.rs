@@ -1,5 +1,6 @@
 //! A time line as a trace for ui.perfetto.dev: one track per unit, slices named `busy`, `starved: <fifo>`, `blocked: <fifo>`,
-//! `memory: <client>` and, after its last step, `done`; a track of frames; a counter per FIFO: the slots that it holds; and for each
+//! `memory: <client>` and, after its last step, `done`, each with whom it was for, as far as the run says that: arguments `frame`, from 1
+//! as on the track of frames, and `object`, `polygon` in its frame and MIP `level`, from 0; a track of frames; a counter per FIFO: the slots that it holds; and for each
 //! memory a track of its bus with slices `<client> read` and `<client> write`, of each bank with slices `row <number>`, and counters.
 //!
 //! A trace counts in whole nanoseconds. They are those of the device, by `clock.hz`; the name of the machine's track says so.
@@ -12,9 +13,11 @@
 
 use super::board::Board;
 use super::levels::{Channel, Level, Levels, Value};
-use super::proto::{self, CounterDescriptor, EventName, InternedData, TracePacket, TrackDescriptor, TrackEvent};
+use super::proto::{
+    self, CounterDescriptor, DebugAnnotation, InternedData, InternedName, TracePacket, TrackDescriptor, TrackEvent,
+};
 use super::scale::Scale;
-use super::watcher::{Chart, State, Transfer};
+use super::watcher::{Chart, State, Transfer, Whose};
 use crate::blame::Wait;
 use crate::text::cause;
 use basrelief_kernel::{Cause, StageTopology};
@@ -24,8 +27,8 @@ use std::io::{self, Write};
 
 /// Bytes that are written at once.
 pub(super) const CHUNK: usize = 1 << 16;
-/// Most bytes ahead of what follows the time of a packet: two keys, two numbers of at most ten bytes.
-const HEAD: usize = 22;
+/// Most bytes ahead of an event in its packet: three keys, three numbers of at most ten bytes.
+const HEAD: usize = 33;
 /// All packets are of one sequence: one writer.
 pub(super) const SEQUENCE: u32 = 1;
 /// Track of the machine; its children are the frames, then the units.
@@ -36,7 +39,10 @@ const FIRST_UNIT: u64 = 3;
 const BUSY: u64 = 1;
 const DONE: u64 = 2;
 
-/// The packets of a stage's slices, but for their time: they differ in nothing else, so each is encoded once.
+/// Interned names of arguments, in the order of [`annotate`]; the first has number 1.
+const ARGUMENTS: [&str; 4] = ["frame", "object", "polygon", "level"];
+
+/// The events of a stage's slices, but for whom they are for: each is encoded once.
 #[derive(Clone, Debug)]
 struct Slices {
     busy: Vec<u8>,
@@ -48,7 +54,7 @@ struct Slices {
 }
 
 impl Slices {
-    /// The packet that begins a slice of this state; `None` where the stage has no such FIFO or client.
+    /// The event that begins a slice of this state; `None` where the stage has no such FIFO or client.
     fn begin(&self, state: State) -> Option<&Vec<u8>> {
         match state {
             State::Busy => Some(&self.busy),
@@ -67,6 +73,10 @@ pub struct Timeline<W> {
     /// Packets, encoded as they come: keeping them as such until they are written took longer than the encoding.
     pub(super) buffer: Vec<u8>,
     scale: Scale,
+    /// What is the same in all packets of events.
+    tail: Vec<u8>,
+    /// Encoded arguments of an event.
+    arguments: Vec<u8>,
     slices: Vec<Slices>,
     /// Numbers of the names of each client's reads and writes.
     transfers: Vec<[u64; 2]>,
@@ -95,9 +105,24 @@ impl<W: Write> Timeline<W> {
         };
         let banks = levels.channels.iter().flat_map(banks_of).collect();
         let (scale, buffer) = (Scale::nanoseconds(board.hz), Vec::with_capacity(2 * CHUNK));
-        let mut timeline = Self { out, buffer, scale, slices, transfers, first_level, first_bus, first_bank, banks, error: None };
+        let (tail, arguments) = (tail(), vec![]);
+        let mut timeline = Self {
+            out,
+            buffer,
+            scale,
+            tail,
+            arguments,
+            slices,
+            transfers,
+            first_level,
+            first_bus,
+            first_bank,
+            banks,
+            error: None,
+        };
+        let debug_annotation_names = (1..).zip(ARGUMENTS).map(|(iid, name)| interned(iid, name.into())).collect();
         timeline.packet(TracePacket {
-            interned_data: Some(InternedData { event_names: names }),
+            interned_data: Some(InternedData { event_names: names, debug_annotation_names }),
             sequence_flags: Some(proto::INCREMENTAL_STATE_CLEARED),
             ..TracePacket::default()
         });
@@ -135,7 +160,7 @@ impl<W: Write> Timeline<W> {
     }
 
     fn event(&mut self, cycle: u64, event: TrackEvent) {
-        at_time(&mut self.buffer, self.scale.at(cycle), &timeless(event));
+        at_time(&mut self.buffer, self.scale.at(cycle), [&event.encode_to_vec(), &[], &self.tail]);
         self.write_out_if_full();
     }
 
@@ -165,11 +190,12 @@ impl<W: Write> Timeline<W> {
 }
 
 impl<W: Write> Chart for Timeline<W> {
-    fn state(&mut self, stage: usize, state: State, from: u64, to: u64) {
+    fn state(&mut self, stage: usize, state: State, whose: &Whose, from: u64, to: u64) {
         let Some(slices) = self.slices.get(stage) else { return };
         let Some(begin) = slices.begin(state) else { return };
-        at_time(&mut self.buffer, self.scale.at(from), begin);
-        at_time(&mut self.buffer, self.scale.at(to), &slices.end);
+        annotate(&mut self.arguments, whose);
+        at_time(&mut self.buffer, self.scale.at(from), [begin, &self.arguments, &self.tail]);
+        at_time(&mut self.buffer, self.scale.at(to), [&slices.end, &[], &self.tail]);
         self.write_out_if_full();
     }
 
@@ -222,10 +248,10 @@ fn name_of(level: &Level) -> String {
 }
 
 /// Numbers the names of what buses move for each client: of reads, and of writes.
-fn intern_transfers(board: &Board, names: &mut Vec<EventName>) -> Vec<[u64; 2]> {
+fn intern_transfers(board: &Board, names: &mut Vec<InternedName>) -> Vec<[u64; 2]> {
     let mut add = |name: String| {
         let iid = names.len() as u64 + 1;
-        names.push(EventName { iid: Some(iid), name: Some(name) });
+        names.push(interned(iid, name));
         iid
     };
     board.diagram.clients.iter().map(|client| ["read", "write"].map(|kind| add(format!("{} {kind}", client.name)))).collect()
@@ -235,10 +261,9 @@ fn event(kind: i32, track: u64) -> TrackEvent {
     TrackEvent { r#type: Some(kind), track_uuid: Some(track), ..TrackEvent::default() }
 }
 
-/// The packet of an event, but for its time.
-fn timeless(event: TrackEvent) -> Vec<u8> {
+/// What is the same in all packets of events.
+fn tail() -> Vec<u8> {
     let packet = TracePacket {
-        track_event: Some(event),
         trusted_packet_sequence_id: Some(SEQUENCE),
         sequence_flags: Some(proto::NEEDS_INCREMENTAL_STATE),
         ..TracePacket::default()
@@ -246,29 +271,48 @@ fn timeless(event: TrackEvent) -> Vec<u8> {
     packet.encode_to_vec()
 }
 
-/// Appends a packet with its time \[ns\] put ahead of the rest. Its head is made in an array: byte by byte, a vector asks each time
+/// Encodes whom a slice is for.
+fn annotate(arguments: &mut Vec<u8>, whose: &Whose) {
+    arguments.clear();
+    let Whose { frame, object, polygon, level, .. } = *whose;
+    let values = [frame.map(|frame| u64::from(frame) + 1), object.map(u64::from), polygon.map(u64::from), level.map(u64::from)];
+    for (name, value) in (1..).zip(values) {
+        if value.is_some() {
+            message::encode(proto::DEBUG_ANNOTATIONS, &DebugAnnotation { name_iid: Some(name), uint_value: value }, arguments);
+        }
+    }
+}
+
+/// Appends the packet of an event with its time \[ns\] and arguments. Its head is made in an array: byte by byte, a vector asks each time
 /// whether it must grow.
-fn at_time(buffer: &mut Vec<u8>, time: u64, rest: &[u8]) {
+fn at_time(buffer: &mut Vec<u8>, time: u64, [event, arguments, tail]: [&[u8]; 3]) {
+    let of_event = event.len() + arguments.len();
+    let ahead =
+        key_len(proto::TIMESTAMP) + encoded_len_varint(time) + key_len(proto::TRACK_EVENT) + encoded_len_varint(of_event as u64);
     let mut head = [0; HEAD];
     let mut free = &mut head[..];
     encode_key(proto::PACKET, WireType::LengthDelimited, &mut free);
-    encode_varint((key_len(proto::TIMESTAMP) + encoded_len_varint(time) + rest.len()) as u64, &mut free);
+    encode_varint((ahead + of_event + tail.len()) as u64, &mut free);
     uint64::encode(proto::TIMESTAMP, &time, &mut free);
+    encode_key(proto::TRACK_EVENT, WireType::LengthDelimited, &mut free);
+    encode_varint(of_event as u64, &mut free);
     let used = HEAD - free.len();
-    buffer.extend_from_slice(&head[..used]);
-    buffer.extend_from_slice(rest);
+    [&head[..used], event, arguments, tail].into_iter().for_each(|part| buffer.extend_from_slice(part));
+}
+
+fn interned(iid: u64, name: String) -> InternedName {
+    InternedName { iid: Some(iid), name: Some(name) }
 }
 
 /// Numbers every cause of every stage, so that a slice's name takes one or two bytes.
-fn intern(stages: &[StageTopology]) -> (Vec<Slices>, Vec<EventName>) {
-    let mut names =
-        vec![EventName { iid: Some(BUSY), name: Some("busy".into()) }, EventName { iid: Some(DONE), name: Some("done".into()) }];
+fn intern(stages: &[StageTopology]) -> (Vec<Slices>, Vec<InternedName>) {
+    let mut names = vec![interned(BUSY, "busy".into()), interned(DONE, "done".into())];
     let mut slices = Vec::new();
     for (track, stage) in (FIRST_UNIT..).zip(stages) {
-        let begin = |name| timeless(TrackEvent { name_iid: Some(name), ..event(proto::SLICE_BEGIN, track) });
+        let begin = |name| TrackEvent { name_iid: Some(name), ..event(proto::SLICE_BEGIN, track) }.encode_to_vec();
         let mut add = |list: &[String], wait: fn(&str) -> Wait<'_>| {
             let first = names.len() as u64 + 1;
-            names.extend((first..).zip(list).map(|(iid, name)| EventName { iid: Some(iid), name: Some(cause(wait(name))) }));
+            names.extend((first..).zip(list).map(|(iid, name)| interned(iid, cause(wait(name)))));
             (first..).take(list.len()).map(begin).collect()
         };
         slices.push(Slices {
@@ -277,7 +321,7 @@ fn intern(stages: &[StageTopology]) -> (Vec<Slices>, Vec<EventName>) {
             starved: add(&stage.inputs, |name| Wait::Starved(name)),
             blocked: add(&stage.outputs, |name| Wait::Blocked(name)),
             memory: add(&stage.clients, |name| Wait::Memory(name)),
-            end: timeless(event(proto::SLICE_END, track)),
+            end: event(proto::SLICE_END, track).encode_to_vec(),
         });
     }
     (slices, names)

@@ -4,6 +4,9 @@
 
 /// Tag of a packet in a trace. A trace is packets, one after the other; two traces joined end to end are a trace.
 pub(super) const PACKET: u32 = 1;
+/// Tag of the event of a packet, and of the arguments of an event.
+pub(super) const TRACK_EVENT: u32 = 11;
+pub(super) const DEBUG_ANNOTATIONS: u32 = 4;
 /// Tag of the time of a packet \[ns\], the first of its fields.
 pub(super) const TIMESTAMP: u32 = 8;
 
@@ -56,6 +59,8 @@ pub(super) const EXPLICIT_ORDER: i32 = 3;
 
 #[derive(Clone, PartialEq, prost::Message)]
 pub(super) struct TrackEvent {
+    #[prost(message, repeated, tag = "4")]
+    pub debug_annotations: Vec<DebugAnnotation>,
     #[prost(int32, optional, tag = "9")]
     pub r#type: Option<i32>,
     #[prost(uint64, optional, tag = "10")]
@@ -77,11 +82,22 @@ pub(super) const COUNTER: i32 = 4;
 #[derive(Clone, PartialEq, prost::Message)]
 pub(super) struct InternedData {
     #[prost(message, repeated, tag = "2")]
-    pub event_names: Vec<EventName>,
+    pub event_names: Vec<InternedName>,
+    #[prost(message, repeated, tag = "3")]
+    pub debug_annotation_names: Vec<InternedName>,
+}
+
+/// An argument of an event.
+#[derive(Clone, PartialEq, prost::Message)]
+pub(super) struct DebugAnnotation {
+    #[prost(uint64, optional, tag = "1")]
+    pub name_iid: Option<u64>,
+    #[prost(uint64, optional, tag = "3")]
+    pub uint_value: Option<u64>,
 }
 
 #[derive(Clone, PartialEq, prost::Message)]
-pub(super) struct EventName {
+pub(super) struct InternedName {
     /// From 1; 0 is no number.
     #[prost(uint64, optional, tag = "1")]
     pub iid: Option<u64>,

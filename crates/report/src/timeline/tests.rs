@@ -194,6 +194,34 @@ fn time_is_that_of_the_device_and_units_have_their_numerals() {
 }
 
 #[test]
+fn a_slice_says_whom_it_is_for_and_ends_where_it_is_for_another() {
+    let board = samples::board();
+    let some = Whose { frame: Some(0), object: Some(2), polygon: Some(9), level: Some(1), life: None };
+    let other = Whose { level: None, ..some };
+    let run = RunReport { total: 6, outcome: Outcome::Complete, ..record(&mut Recorder::default(), Engine::Timed) };
+    let bytes = told(&board, &run, |watcher| {
+        for (at, whose) in [some, some, other, Whose::default()].iter().enumerate() {
+            let from = at as u64;
+            watcher.add(Interval { stage: 1, cause: None, from: Cycle(from), to: Cycle(from + 1) }, whose);
+        }
+    });
+    let trace = Trace::decode(&*bytes).unwrap();
+    let data = trace.packet.iter().filter_map(|p| p.interned_data.clone()).flat_map(|d| d.debug_annotation_names);
+    let names: BTreeMap<u64, String> = data.map(|n| (n.iid.unwrap(), n.name.unwrap())).collect();
+    let begins = trace.packet.iter().filter(|p| p.track_event.as_ref().is_some_and(|e| e.r#type == Some(proto::SLICE_BEGIN)));
+    let of_unit = begins.filter(|p| p.track_event.as_ref().unwrap().name_iid == Some(1));
+    let arguments = of_unit.map(|p| {
+        let event = p.track_event.clone().unwrap();
+        let argument = |a: proto::DebugAnnotation| (names[&a.name_iid.unwrap()].clone(), a.uint_value.unwrap());
+        (p.timestamp.unwrap(), event.debug_annotations.into_iter().map(argument).collect::<Vec<_>>())
+    });
+    let all: Vec<(u64, Vec<(String, u64)>)> = arguments.collect();
+    let whose = |list: &[(&str, u64)]| list.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect::<Vec<_>>();
+    let of_some = whose(&[("frame", 1), ("object", 2), ("polygon", 9), ("level", 1)]);
+    assert_eq!(all, [(0, of_some.clone()), (2, of_some[..3].to_vec()), (3, vec![])]);
+}
+
+#[test]
 fn frames_have_a_track_of_their_own() {
     let mut run = samples::run();
     run.marks = vec![30, 12];
@@ -307,7 +335,7 @@ impl Write for Full {
 fn memory_does_not_grow_with_the_run_and_write_errors_are_told() {
     let mut timeline = Box::new(Timeline::new(Full(10 * CHUNK), &samples::board()));
     for k in 0..20_000 {
-        timeline.state(0, State::Busy, 2 * k, 2 * k + 1);
+        timeline.state(0, State::Busy, &Whose::default(), 2 * k, 2 * k + 1);
         assert!(timeline.buffer.capacity() <= 2 * CHUNK);
     }
     assert_eq!(timeline.finish(u64::MAX).unwrap_err().to_string(), "disk full");

@@ -16,6 +16,32 @@ pub enum State {
     Done,
 }
 
+/// Whom a step was for, as far as that is known; and a wait: for whom the step that ended it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Whose {
+    /// Number of the frame, from 0.
+    pub frame: Option<u32>,
+    /// Number of the object.
+    pub object: Option<u32>,
+    /// Number of the polygon in its frame, from 0.
+    pub polygon: Option<u32>,
+    /// MIP level of the first of its pixels.
+    pub level: Option<u8>,
+    /// The token that it comes from, of those whose life is told.
+    pub life: Option<Life>,
+}
+
+/// A token whose life is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Life {
+    /// Its number among those of its kind.
+    pub number: u64,
+    /// Column and row of its first pixel, where it has any.
+    pub pixel: Option<[u16; 2]>,
+    /// How many pixels it has.
+    pub pixels: usize,
+}
+
 /// Whose data a bus moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Transfer {
@@ -28,8 +54,8 @@ pub struct Transfer {
 /// A file that shows a run. What it is told lies within the window of its [`Board`], and is of what that shows. What is of one unit or
 /// one level comes in order of time; between these there is no order.
 pub trait Chart {
-    /// A unit was in a state from one cycle to the one before another.
-    fn state(&mut self, stage: usize, state: State, from: u64, to: u64);
+    /// A unit was in a state, for somebody, from one cycle to the one before another.
+    fn state(&mut self, stage: usize, state: State, whose: &Whose, from: u64, to: u64);
     /// A [level](Levels) holds a value from a cycle on. The first is told at the window's beginning.
     fn level(&mut self, level: usize, at: u64, value: Value);
     /// The bus of a [channel](Levels) moved data of a client, or to it.
@@ -75,8 +101,8 @@ struct HitsNow {
 pub struct Watcher<'a> {
     board: Board,
     charts: Vec<Box<dyn Chart + 'a>>,
-    /// The state of each stage that may still go on.
-    open: Vec<Option<Interval>>,
+    /// The state of each stage that may still go on, and for whom.
+    open: Vec<Option<(Interval, Whose)>>,
     numbers: Levels,
     levels: Vec<Now>,
     buses: Vec<BusNow>,
@@ -110,11 +136,11 @@ impl<'a> Watcher<'a> {
         // What is behind the end of a run cut short is not shown.
         self.board.to = end;
         for stage in 0..self.open.len() {
-            if let Some(mut last) = self.open[stage].take() {
+            if let Some((mut last, whose)) = self.open[stage].take() {
                 last.to = last.to.min(Cycle(run.total));
-                self.show(last);
+                self.show(last, &whose);
                 if run.outcome == Outcome::Complete {
-                    self.state(stage, State::Done, last.to.0, run.total);
+                    self.state(stage, State::Done, &Whose::default(), last.to.0, run.total);
                 }
             }
         }
@@ -145,25 +171,26 @@ impl<'a> Watcher<'a> {
         (from < to).then_some((from, to))
     }
 
-    fn add(&mut self, new: Interval) {
+    /// A stage was at work, or waited, for somebody. What follows at once, and is the same for the same, is one.
+    pub fn add(&mut self, new: Interval, whose: &Whose) {
         let Some(open) = self.open.get_mut(new.stage) else { return };
         match open {
-            Some(last) if last.cause == new.cause && last.to == new.from => last.to = new.to,
+            Some((last, of)) if last.cause == new.cause && last.to == new.from && of == whose => last.to = new.to,
             _ => {
-                if let Some(last) = open.replace(new) {
-                    self.show(last);
+                if let Some((last, whose)) = open.replace((new, *whose)) {
+                    self.show(last, &whose);
                 }
             }
         }
     }
 
-    fn show(&mut self, Interval { stage, cause, from, to }: Interval) {
-        self.state(stage, cause.map_or(State::Busy, State::Waits), from.0, to.0);
+    fn show(&mut self, Interval { stage, cause, from, to }: Interval, whose: &Whose) {
+        self.state(stage, cause.map_or(State::Busy, State::Waits), whose, from.0, to.0);
     }
 
-    fn state(&mut self, stage: usize, state: State, from: u64, to: u64) {
+    fn state(&mut self, stage: usize, state: State, whose: &Whose, from: u64, to: u64) {
         if let Some((from, to)) = self.cut(from, to).filter(|_| self.board.shows(stage)) {
-            self.charts.iter_mut().for_each(|chart| chart.state(stage, state, from, to));
+            self.charts.iter_mut().for_each(|chart| chart.state(stage, state, whose, from, to));
         }
     }
 
@@ -249,11 +276,11 @@ impl<'a> Watcher<'a> {
 
 impl Probe for Watcher<'_> {
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
-        self.add(Interval { stage, cause: None, from, to });
+        self.add(Interval { stage, cause: None, from, to }, &Whose::default());
     }
 
     fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
-        self.add(Interval { stage, cause: Some(cause), from, to });
+        self.add(Interval { stage, cause: Some(cause), from, to }, &Whose::default());
     }
 
     fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {

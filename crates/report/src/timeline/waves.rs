@@ -21,7 +21,7 @@ use super::board::Board;
 use super::levels::Value;
 use super::scale::Scale;
 use super::streams::Streams;
-use super::watcher::{Chart, State, Transfer};
+use super::watcher::{Chart, State, Transfer, Whose};
 use super::wires::{BUSY, DONE, FIRST_WAIT, FRAME, Numbers, Signals};
 use basrelief_input::Budget;
 use basrelief_kernel::Cause;
@@ -97,7 +97,7 @@ impl<W: Write + Seek> Waves<W> {
 }
 
 impl<W: Write + Seek> Chart for Waves<W> {
-    fn state(&mut self, stage: usize, state: State, from: u64, to: u64) {
+    fn state(&mut self, stage: usize, state: State, _: &Whose, from: u64, to: u64) {
         let wait = |kind, i: usize| FIRST_WAIT + 3 * i as u64 + kind;
         let state = match state {
             State::Busy => BUSY,

@@ -1,6 +1,6 @@
 //! What is known of each pixel beside its cycles.
 
-use super::origin::Origin;
+use crate::flow::Origin;
 use basrelief_input::{Held, OverBudget};
 
 /// Nothing known: of what is a number of 32 bits.
@@ -58,7 +58,7 @@ impl Drawing {
 
     /// These pixels are shown, unless others come in front.
     pub(super) fn show(&mut self, origin: &Origin) {
-        let polygon = origin.polygon.map_or(NONE, |n| n as u32);
+        let polygon = origin.polygon.map_or(NONE, |polygon| polygon.run as u32);
         self.each(origin, |drawing, _, place| drawing.polygons[place] = polygon);
     }
 

@@ -1,7 +1,7 @@
 //! What each unit was kept by, and waited for, pixel by pixel.
 
 use super::drawing::Drawing;
-use super::origin::Origin;
+use crate::flow::Origin;
 use basrelief_input::{Held, OverBudget};
 use basrelief_kernel::{Account, Cause, MAX_CLIENTS, MAX_LINKS, StageTopology, UnitReport};
 

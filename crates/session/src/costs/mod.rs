@@ -3,9 +3,7 @@
 //! the rest, and what was for nobody sum to the accounts of the units (law 9), to the part of a cycle.
 
 mod drawing;
-mod flow;
 mod ledger;
-mod origin;
 mod polygons;
 mod probe;
 mod report;

@@ -1,11 +1,10 @@
 //! The probe that adds up costs.
 
 use super::drawing::Drawing;
-use super::flow::Flow;
 use super::ledger::{Ledger, kind_of, slot_of};
-use super::origin::Origin;
 use super::polygons::Polygons;
 use super::{CostPoints, Costs};
+use crate::flow::{Flow, Follower, Origin};
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_kernel::{Cause, Cycle, Label, MemoryEvent, Probe, RunReport, StageTopology};
 use std::collections::VecDeque;
@@ -19,15 +18,43 @@ pub(crate) struct CostProbe<'a> {
     /// No step starts in this cycle or later, nor counts what it takes beyond.
     end: u64,
     flow: Flow,
-    drawing: Drawing,
-    polygons: Polygons,
+    tally: Tally,
     ledgers: Vec<Ledger>,
     /// Of each stage, whom its steps are for whose time is not told yet; and what it has waited for since its last step.
     whose: Vec<VecDeque<Origin>>,
     waits: Vec<Vec<(usize, u64)>>,
-    held: Held,
     over: Option<OverBudget>,
     also: Option<&'a mut dyn Probe>,
+}
+
+/// Whom there is something to be charged to.
+struct Tally {
+    drawing: Drawing,
+    polygons: Polygons,
+    held: Held,
+}
+
+impl Follower for Tally {
+    fn frame(&mut self, size: [u32; 2]) -> Result<(), OverBudget> {
+        self.drawing.begin(size, &mut self.held)
+    }
+
+    fn entered(&mut self, origin: &Origin) -> Result<(), OverBudget> {
+        self.polygons.enter(origin, &mut self.held)
+    }
+
+    fn drawn(&mut self, origin: &Origin) {
+        self.drawing.draw(origin);
+        self.polygons.draw(origin);
+    }
+
+    fn shown(&mut self, origin: &Origin) {
+        self.drawing.show(origin);
+    }
+
+    fn taken(&mut self, origin: &Origin) {
+        self.drawing.note(origin);
+    }
 }
 
 impl<'a> CostProbe<'a> {
@@ -39,24 +66,24 @@ impl<'a> CostProbe<'a> {
     ) -> Self {
         let count = stages.len();
         Self {
-            flow: Flow::new(&stages, points),
+            flow: Flow::new(&stages, points, None, budget),
             stages,
             end,
-            drawing: Drawing::default(),
-            polygons: Polygons::default(),
+            tally: Tally { drawing: Drawing::default(), polygons: Polygons::default(), held: budget.nothing() },
             ledgers: vec![Ledger::default(); count],
             whose: vec![VecDeque::new(); count],
             waits: vec![Vec::new(); count],
-            held: budget.nothing(),
             over: None,
             also,
         }
     }
 
     /// Charges a step and what it waited for.
-    fn charge(&mut self, stage: usize, busy: u64) -> Result<(), OverBudget> {
+    fn charge(&mut self, stage: usize, from: Cycle, to: Cycle) -> Result<(), OverBudget> {
         let origin = self.whose[stage].pop_front().unwrap_or_default();
-        let Self { ledgers, drawing, polygons, held, waits, .. } = self;
+        let Self { ledgers, tally: Tally { drawing, polygons, held }, waits, .. } = self;
+        let (to, busy) = (to.0.min(self.end), Cycle(to.0.min(self.end)).since(from));
+        polygons.live(&origin, from.0, to);
         let spent = polygons.spent(&origin);
         for (slot, cycles) in waits[stage].drain(..).chain([(0, busy)]) {
             spent.charge(kind_of(slot), cycles);
@@ -75,17 +102,17 @@ impl<'a> CostProbe<'a> {
 
     /// What the run has cost, by its report.
     pub(crate) fn finish(self, report: &RunReport) -> Costs {
-        let Polygons { list, objects, frames, .. } = self.polygons;
+        let Tally { drawing, polygons: Polygons { list, objects, frames, .. }, held } = self.tally;
         let units = self.ledgers.into_iter().zip(&self.stages).zip(&report.units);
         Costs {
             cycles: report.total,
             frames: self.flow.frames(),
             units: units.map(|((ledger, stage), unit)| ledger.finish(stage, unit)).collect(),
             polygons: list,
-            drawing: self.drawing,
+            drawing,
             objects,
             whole_frames: frames,
-            _held: self.held,
+            _held: held,
         }
     }
 }
@@ -95,6 +122,10 @@ impl Probe for CostProbe<'_> {
         self.over.is_none() || self.also.as_ref().is_some_and(|probe| probe.reads_labels())
     }
 
+    fn reads_levels(&self) -> bool {
+        self.also.as_ref().is_some_and(|probe| probe.reads_levels())
+    }
+
     fn stepped(&mut self, stage: usize, taken: u32, given: &[(usize, Label)]) {
         if let Some(also) = self.also.as_mut().filter(|probe| probe.reads_labels()) {
             also.stepped(stage, taken, given);
@@ -102,8 +133,7 @@ impl Probe for CostProbe<'_> {
         if self.over.is_some() {
             return;
         }
-        let drawn = (&mut self.drawing, &mut self.polygons);
-        match self.flow.step((stage, taken), given, drawn, &mut self.held) {
+        match self.flow.step((stage, taken), given, &mut self.tally) {
             Ok(whose) => self.whose[stage].push_back(whose),
             Err(over) => self.over = Some(over),
         }
@@ -114,8 +144,7 @@ impl Probe for CostProbe<'_> {
             also.worked(stage, from, to);
         }
         if self.over.is_none() {
-            let busy = Cycle(to.0.min(self.end)).since(from);
-            self.over = self.charge(stage, busy).err();
+            self.over = self.charge(stage, from, to).err();
         }
     }
 

@@ -22,6 +22,8 @@ impl Costs {
             polygon: p.number,
             object: p.object,
             fragments: p.fragments,
+            from: p.life[0],
+            to: p.life[1],
             spent: p.spent.into(),
         });
         let (polygons, other_polygons) = listed(polygons.collect(), |p| (p.fragments, p.spent));

@@ -1,24 +1,35 @@
 //! Whom a step is for.
 
+use crate::following::Sample;
 use basrelief_signals::Pixels;
+
+/// Numbers of a polygon, from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Polygon {
+    /// In the run.
+    pub(crate) run: usize,
+    /// In its frame.
+    pub(crate) frame: u32,
+}
 
 /// Frame, object, polygon, pixels, as far as a token has them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Origin {
+pub(crate) struct Origin {
     /// Number of the frame.
-    pub(super) frame: Option<u32>,
+    pub(crate) frame: Option<u32>,
     /// Number of the object.
-    pub(super) object: Option<u32>,
-    /// Number of the polygon in the run.
-    pub(super) polygon: Option<usize>,
-    pub(super) pixels: Option<Pixels>,
+    pub(crate) object: Option<u32>,
+    pub(crate) polygon: Option<Polygon>,
+    pub(crate) pixels: Option<Pixels>,
     /// MIP level of each pixel, 4 bits each, by place in the token.
-    pub(super) levels: Option<u64>,
+    pub(crate) levels: Option<u64>,
+    /// Number of the token whose life is told that this comes from.
+    pub(crate) life: Option<u64>,
 }
 
 impl Origin {
     /// The frame as a whole.
-    pub(super) fn whole(frame: Option<u32>) -> Self {
+    pub(crate) fn whole(frame: Option<u32>) -> Self {
         Self { frame, ..Self::default() }
     }
 
@@ -32,9 +43,20 @@ impl Origin {
     /// Of two tokens taken together the one that says more, and the first where both say as much; levels are those of either.
     #[must_use]
     pub(super) fn or_finer(self, other: Self) -> Self {
-        let levels = self.levels.or(other.levels);
+        let (levels, life) = (self.levels.or(other.levels), self.life.or(other.life));
         let finer = if other.fineness() > self.fineness() { other } else { self };
-        Self { levels, ..finer }
+        Self { levels, life, ..finer }
+    }
+
+    /// Whether it is one of those to choose from.
+    pub(super) fn is_of(&self, sample: Sample) -> bool {
+        if sample.polygons { self.polygon.is_some() } else { self.pixels.is_some() }
+    }
+
+    /// MIP level of its first pixel.
+    pub(crate) fn level(&self) -> Option<u8> {
+        let (place, _) = self.pixels?.places().next()?;
+        Some((self.levels? >> (4 * (place & 15)) & 15) as u8)
     }
 
     fn fineness(&self) -> usize {
@@ -50,7 +72,7 @@ mod tests {
     #[test]
     fn of_two_tokens_the_one_counts_that_says_more() {
         let frame = Origin::whole(Some(3));
-        let polygon = Origin { object: Some(1), polygon: Some(7), ..frame };
+        let polygon = Origin { object: Some(1), polygon: Some(Polygon { run: 7, frame: 2 }), ..frame };
         let pixel = polygon.at(Pixels::one(4, 5));
         assert_eq!(frame.or_finer(polygon), polygon);
         assert_eq!(pixel.or_finer(polygon), pixel);

@@ -4,14 +4,38 @@
 //! divider hands on are for the pixels of the point that it took, though a quotient does not know them. Of a step that takes nothing,
 //! as when a rasterizer goes on with its polygon, what it gives says for whom it is.
 
-use super::CostPoints;
-use super::drawing::Drawing;
-use super::origin::Origin;
-use super::polygons::Polygons;
-use basrelief_input::{Held, OverBudget};
+mod entered;
+mod origin;
+
+pub(crate) use origin::{Origin, Polygon};
+
+use crate::costs::CostPoints;
+use crate::following::Sample;
+use basrelief_input::{Budget, OverBudget};
 use basrelief_kernel::{Label, StageTopology};
 use basrelief_signals::About;
+use entered::Entered;
 use std::collections::VecDeque;
+
+/// Follows tokens: told in the order of the work.
+pub(crate) trait Follower {
+    /// A frame of this width and height begins.
+    ///
+    /// # Errors
+    /// More than may be held.
+    fn frame(&mut self, size: [u32; 2]) -> Result<(), OverBudget>;
+    /// A polygon enters.
+    ///
+    /// # Errors
+    /// More than may be held.
+    fn entered(&mut self, origin: &Origin) -> Result<(), OverBudget>;
+    /// Fragments come into being.
+    fn drawn(&mut self, origin: &Origin);
+    /// Pixels come to where the visible ones end.
+    fn shown(&mut self, origin: &Origin);
+    /// A unit takes a token.
+    fn taken(&mut self, origin: &Origin);
+}
 
 /// Numbers of the FIFOs of a stage.
 struct Ends {
@@ -20,7 +44,7 @@ struct Ends {
 }
 
 /// Who is behind each token in each FIFO.
-pub(super) struct Flow {
+pub(crate) struct Flow {
     stages: Vec<Ends>,
     fifos: Vec<VecDeque<Origin>>,
     /// Of each stage, whom its last step was for that took a token, or gave control.
@@ -29,12 +53,16 @@ pub(super) struct Flow {
     enter: Option<usize>,
     drawn: Option<usize>,
     shown: Option<usize>,
+    entered: Entered,
+    /// Tokens of which the life is told one by one, and how many there were to choose from so far.
+    sample: Option<Sample>,
+    lives: u64,
     /// Frames begun.
     frames: u32,
 }
 
 impl Flow {
-    pub(super) fn new(stages: &[StageTopology], points: CostPoints) -> Self {
+    pub(crate) fn new(stages: &[StageTopology], points: CostPoints, sample: Option<Sample>, budget: &Budget) -> Self {
         let mut names: Vec<&str> = stages.iter().flat_map(|s| &s.outputs).map(String::as_str).collect();
         names.sort_unstable();
         let number = |name: &str| names.binary_search(&name).ok();
@@ -46,6 +74,9 @@ impl Flow {
             drawn: number(points.drawn),
             shown: points.shown.iter().find_map(|name| number(name)),
             fifos: vec![VecDeque::new(); names.len()],
+            entered: Entered::new(budget),
+            sample,
+            lives: 0,
             frames: 0,
         }
     }
@@ -54,31 +85,31 @@ impl Flow {
     ///
     /// # Errors
     /// More than may be held.
-    pub(super) fn step(
+    pub(crate) fn step(
         &mut self,
         (stage, taken): (usize, u32),
         given: &[(usize, Label)],
-        (drawing, polygons): (&mut Drawing, &mut Polygons),
-        held: &mut Held,
+        follower: &mut impl Follower,
     ) -> Result<Origin, OverBudget> {
-        let taken = self.take(stage, taken, drawing);
+        let taken = self.take(stage, taken, follower);
         let mut whose = taken;
         for &(output, label) in given {
             let Some(&fifo) = self.stages[stage].outputs.get(output) else { continue };
             let about = About::from(label.0);
             if let About::Frame { index, size } = about {
-                drawing.begin(size, held)?;
+                follower.frame(size)?;
                 self.frames = self.frames.max(index.saturating_add(1));
             }
             let current = self.current[stage];
-            let origin = match about {
+            let mut origin = match about {
                 About::Polygon(place) if self.enter == Some(fifo) => {
-                    let entered = polygons.enter(place, &current, held)?;
+                    let entered = self.entered.enter(place, &current)?;
+                    follower.entered(&entered)?;
                     // It is here that there is a polygon: what was taken is a triangle of the object.
                     whose = Some(entered);
                     entered
                 }
-                about => about_whom(about, current, polygons),
+                about => about_whom(about, current, &self.entered),
             };
             if taken.is_none() {
                 whose = Some(whose.map_or(origin, |whose| whose.or_finer(origin)));
@@ -87,33 +118,46 @@ impl Flow {
                 }
             }
             if self.drawn == Some(fifo) {
-                drawing.draw(&origin);
-                polygons.draw(&origin);
+                follower.drawn(&origin);
             }
+            self.follow(fifo, &mut origin);
             self.fifos[fifo].push_back(origin);
         }
         Ok(whose.unwrap_or(self.current[stage]))
     }
 
     /// Frames begun so far.
-    pub(super) fn frames(&self) -> u64 {
+    pub(crate) fn frames(&self) -> u64 {
         self.frames.into()
     }
 
+    /// A token comes into a FIFO: where lives begin, one in so many is followed from now on.
+    fn follow(&mut self, fifo: usize, origin: &mut Origin) {
+        let Some(sample) = self.sample else { return };
+        let begins = if sample.polygons { self.enter } else { self.drawn };
+        if begins == Some(fifo) && origin.is_of(sample) {
+            origin.life = self.lives.is_multiple_of(sample.every.get()).then_some(self.lives);
+            self.lives += 1;
+        } else if self.drawn == Some(fifo) {
+            // What is drawn of a polygon has a life of its own.
+            origin.life = None;
+        }
+    }
+
     /// Takes tokens out; whom they are for, if there are any.
-    fn take(&mut self, stage: usize, taken: u32, drawing: &mut Drawing) -> Option<Origin> {
+    fn take(&mut self, stage: usize, taken: u32, follower: &mut impl Follower) -> Option<Origin> {
         let Self { stages, fifos, current, shown, .. } = self;
         let inputs = stages[stage].inputs.iter().enumerate().filter(|(i, _)| taken >> i & 1 == 1);
         let mut whose: Option<Origin> = None;
         for (_, &fifo) in inputs {
             let origin = fifos[fifo].pop_front().unwrap_or_default();
             if *shown == Some(fifo) {
-                drawing.show(&origin);
+                follower.shown(&origin);
             }
             whose = Some(whose.map_or(origin, |whose| whose.or_finer(origin)));
         }
         if let Some(whose) = &whose {
-            drawing.note(whose);
+            follower.taken(whose);
             current[stage] = *whose;
         }
         whose
@@ -121,7 +165,7 @@ impl Flow {
 }
 
 /// Whom a token is for that says this and is given by a step for `whom`.
-fn about_whom(about: About, whom: Origin, polygons: &Polygons) -> Origin {
+fn about_whom(about: About, whom: Origin, entered: &Entered) -> Origin {
     match about {
         About::Made => whom,
         About::Levels(levels) => Origin { levels: Some(levels), ..whom },
@@ -130,6 +174,9 @@ fn about_whom(about: About, whom: Origin, polygons: &Polygons) -> Origin {
         About::Whole => Origin::whole(whom.frame),
         About::Object(object) => Origin { object: Some(object), ..Origin::whole(whom.frame) },
         // One that is none of the list's own is for that which it was made of.
-        About::Polygon(place) => polygons.origin(place).unwrap_or(Origin { pixels: None, levels: None, ..whom }),
+        About::Polygon(place) => {
+            let polygon = entered.origin(place).unwrap_or(Origin { pixels: None, levels: None, ..whom });
+            Origin { life: whom.life, ..polygon }
+        }
     }
 }
