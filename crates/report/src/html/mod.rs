@@ -16,6 +16,7 @@ mod fifos;
 mod frames;
 mod head;
 mod limits;
+mod lives;
 mod markup;
 mod memories;
 mod parameters;
@@ -169,6 +170,7 @@ fn costs(report: &Report) -> Html {
         table::html("For whom", &whom(report)),
         details("The most expensive objects", table::html("Objects", &objects(report, LISTED))),
         details("The most expensive polygons", table::html("Polygons", &polygons(report, LISTED))),
+        details("When these were under way", lives::draw(report)),
     ];
     std::iter::once(el_text("p", "quiet", says)).chain(lists).collect()
 }
