@@ -96,6 +96,30 @@ fn waves_beyond_the_memory_limit_are_an_error_and_no_file() {
     assert!(!place.path("w.fst").exists());
 }
 
+#[test]
+fn the_life_of_tokens_is_the_same_of_both_engines_and_each_ends_once() {
+    let place = Place::new();
+    let run = "demo mixed --size 64x48 --frames 1 --no-exact --no-limits --tokens-every 1 --out out --tokens";
+    place.ok(&format!("{run} t.kanata"));
+    place.ok(&format!("{run} u.kanata.zst --engine ticked"));
+    let text = place.text("t.kanata");
+    assert_eq!(zstd::decode_all(&*place.bytes("u.kanata.zst")).unwrap(), text.as_bytes());
+    let count =
+        |pattern: &str, end: &str| text.lines().filter(|line| line.starts_with(pattern) && line.ends_with(end)).count() as u64;
+    let (begun, retired, flushed) = (count("I\t", ""), count("R\t", "\t0"), count("R\t", "\t1"));
+    let fifos = &place.report("out")["fifos"];
+    // Frames begin and end by tokens of their own, which go the same way and are nobody's life.
+    let tokens = |fifo: &str| fifos[fifo]["tokens"].as_u64().unwrap();
+    let (drawn, passed) = (tokens("fragments"), tokens("tested_fragments"));
+    assert!(drawn > begun && drawn - begun < 20, "{begun} of {drawn}");
+    assert_eq!(flushed, drawn - passed, "what the depth test removes is flushed");
+    assert_eq!(begun, retired + flushed);
+    place.ok(&format!("{run} p.kanata --tokens-of polygons"));
+    let polygons = place.text("p.kanata");
+    assert!(polygons.lines().filter(|line| line.starts_with("R\t")).all(|line| line.ends_with("\t0")), "all are drawn");
+    assert!(place.run("demo coin --tokens-every 3").error(2).contains("--tokens"));
+}
+
 /// Number of packets of a Perfetto trace: field 1 of the outermost message, again and again.
 fn packets(mut bytes: &[u8]) -> usize {
     let mut count = 0;

@@ -1,7 +1,8 @@
 //! From TOML and `key=value` pairs to a checked configuration.
 
 use crate::{Parameters, RangeError};
-use serde::Deserialize as _;
+use serde::de::Unexpected;
+use serde_json::Value as Json;
 use toml::{Table, Value};
 
 /// What is wrong with a configuration, where, and what to write instead.
@@ -95,7 +96,7 @@ fn hint(nearest: &Option<String>) -> String {
 /// The first parameter that alone keeps a configuration from being read: the reader's own words, without the place that it
 /// repeats, and what the table says of the parameter. (A reader that remembers where it is, for every type of every machine, took
 /// a tenth of the time of a build.)
-fn wrong_type<C: Parameters>(given: &Table, known: &[String], whole: &toml::de::Error) -> ConfigError {
+fn wrong_type<C: Parameters>(given: &Table, known: &[String], whole: &serde_json::Error) -> ConfigError {
     let alone = |(key, value): (String, &Value)| {
         let mut tree = Table::new();
         insert(&mut tree, &key, value.clone()).ok()?;
@@ -123,20 +124,25 @@ fn leaves<'a>(tree: &'a Table, prefix: &str, known: &[String]) -> Vec<(String, &
 
 /// All parameters: as given, the rest as the whole configuration has it. (Serde's own defaults would be those of the
 /// innermost struct, so that setting one parameter of a group would reset what the group says of its neighbours.)
-fn over_defaults<C: Parameters>(given: Table) -> Result<C, toml::de::Error> {
-    let default = serde_json::to_value(C::default()).map_err(<toml::de::Error as serde::de::Error>::custom)?;
-    let mut tree = Table::deserialize(default).map_err(<toml::de::Error as serde::de::Error>::custom)?;
-    merge(&mut tree, given);
-    C::deserialize(Value::Table(tree))
+///
+/// What is read is a value of JSON, as configurations in reports and tapes are: each reader is compiled for every type of every machine,
+/// and one of TOML's values beside it took an eighth of the page.
+fn over_defaults<C: Parameters>(given: Table) -> Result<C, serde_json::Error> {
+    let mut tree = serde_json::to_value(C::default())?;
+    merge(&mut tree, Value::Table(given))?;
+    serde_json::from_value(tree)
 }
 
-fn merge(tree: &mut Table, given: Table) {
-    for (key, value) in given {
-        match (tree.get_mut(&key), value) {
-            (Some(Value::Table(inner)), Value::Table(given)) => merge(inner, given),
-            (_, value) => {
-                tree.insert(key, value);
-            }
+fn merge(tree: &mut Json, given: Value) -> Result<(), serde_json::Error> {
+    match given {
+        Value::Table(given) if tree.is_object() => given.into_iter().try_for_each(|(key, value)| merge(&mut tree[key], value)),
+        // JSON has no such numbers, and would call them null.
+        Value::Float(number) if !number.is_finite() => {
+            Err(serde::de::Error::invalid_value(Unexpected::Float(number), &"a finite number"))
+        }
+        given => {
+            *tree = serde_json::to_value(given)?;
+            Ok(())
         }
     }
 }

@@ -74,9 +74,12 @@ impl<'a, 'b> Following<'a, 'b> {
     }
 }
 
-/// Number of the stage that visible pixels end in.
-pub fn last_stage(config: &MachineConfig, stages: &[StageTopology]) -> Option<usize> {
-    let CostPoints { shown, .. } = config.cost_points();
+/// Number of the stage in which the lives of these end that are not cut short: where polygons are drawn, or where visible pixels end.
+pub fn last_stage(sample: Sample, config: &MachineConfig, stages: &[StageTopology]) -> Option<usize> {
+    let CostPoints { drawn, shown } = config.cost_points();
+    if sample.polygons {
+        return stages.iter().position(|stage| stage.outputs.iter().any(|output| output == drawn));
+    }
     shown.iter().find_map(|fifo| stages.iter().position(|stage| stage.inputs.iter().any(|input| input == fifo)))
 }
 

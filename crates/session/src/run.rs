@@ -101,12 +101,12 @@ impl MachineConfig {
 type Passing = Box<dyn Iterator<Item = Result<(Control, Option<u64>), String>>>;
 
 /// The machine with nothing to draw.
-fn unfed<S: MachineSpec>(spec: &S) -> Result<impl Draws + use<S>, ConfigProblem> {
+pub(crate) fn unfed<S: MachineSpec>(spec: &S) -> Result<impl Draws + use<S>, ConfigProblem> {
     spec.build(SceneFront::new(CountedDraws::none(), spec.front()))
 }
 
 /// The same behind a display list.
-fn unfed_trace<S: MachineSpec>(spec: &S) -> Result<impl Draws + use<S>, ConfigProblem> {
+pub(crate) fn unfed_trace<S: MachineSpec>(spec: &S) -> Result<impl Draws + use<S>, ConfigProblem> {
     spec.build(TraceFront::new(Box::new(std::iter::empty()) as Passing, spec.front()))
 }
 

@@ -45,6 +45,8 @@ impl TimelineFiles {
     pub fn watch(&mut self, run: impl FnOnce(&mut dyn Probe) -> Done<Run>) -> Done<Run> {
         let Self { board, config, timeline, waves, tokens, sample, budget } = self;
         let stages = &board.diagram.stages;
+        // Waves do not say whom a step was for: it need not be found out.
+        let follows = timeline.is_some() || tokens.is_some();
         let mut charts: Vec<(Box<dyn Chart + '_>, &Path)> = vec![];
         if let Some((file, path)) = timeline {
             charts.push((Box::new(Timeline::new(BufWriter::new(file), board)), path));
@@ -52,15 +54,20 @@ impl TimelineFiles {
         if let Some((file, path)) = waves {
             charts.push((Box::new(Waves::new(BufWriter::new(file), board, budget)), path));
         }
-        if let Some((file, path)) = tokens {
-            let last = session::last_stage(config, stages);
+        if let (Some((file, path)), Some(sample)) = (tokens, *sample) {
+            let last = session::last_stage(sample, config, stages);
             charts.push((Box::new(Tokens::new(packed(file, path)?, board, last, budget)), path));
         }
         let (charts, paths): (Vec<_>, Vec<_>) = charts.into_iter().unzip();
         let mut watcher = Watcher::new(board.clone(), charts);
-        let mut following = Following::new(config, stages, *sample, budget, &mut watcher);
-        let run = run(&mut following)?;
-        following.finish().map_err(|over| Failure::Bad(less(&over)))?;
+        let run = if follows {
+            let mut following = Following::new(config, stages, *sample, budget, &mut watcher);
+            let run = run(&mut following)?;
+            following.finish().map_err(|over| Failure::Bad(less(&over)))?;
+            run
+        } else {
+            run(&mut watcher)?
+        };
         if let Some(timing) = &run.timing {
             for (finished, path) in watcher.finish(timing).into_iter().zip(paths) {
                 finished.map_err(|error| unwritten(path, error))?;

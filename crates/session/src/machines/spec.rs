@@ -3,13 +3,13 @@
 use crate::costs::CostPoints;
 use crate::exhibits::spec::ExhibitSpec;
 use crate::methods::MethodSpecs;
+use crate::run::{unfed, unfed_trace};
 use basrelief_deferred_renderer::{TileEncoding, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{Hardware, RunReport};
-use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, SceneFront, TraceFront, UnitInfo, units};
+use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, UnitInfo, units};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
-use basrelief_signals::Control;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
@@ -60,19 +60,18 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
     /// The boxes of the block diagram.
     fn units() -> Vec<UnitInfo> {
         let spec = Self::default();
-        let scene = spec.build(SceneFront::new(std::iter::empty(), spec.front()));
-        let nothing = std::iter::empty::<Result<(Control, Option<u64>), String>>();
-        let trace = spec.build(TraceFront::new(nothing, spec.front()));
         // What is built as its defaults have it has no problems.
-        scene.ok().zip(trace.ok()).map_or(vec![], |(mut scene, mut trace)| units(Self::DIAGRAM, &mut scene, &mut trace))
+        unfed(&spec)
+            .ok()
+            .zip(unfed_trace(&spec).ok())
+            .map_or(vec![], |(mut scene, mut trace)| units(Self::DIAGRAM, &mut scene, &mut trace))
     }
     /// What it is built of, as it is configured.
     ///
     /// # Errors
     /// Parameters, each in its range, that do not fit together.
     fn hardware(&self) -> Result<Vec<Hardware>, ConfigProblem> {
-        let facts = self.build(SceneFront::new(std::iter::empty(), self.front()))?.facts();
-        Ok(facts.all_hardware().to_vec())
+        Ok(unfed(self)?.facts().all_hardware().to_vec())
     }
     /// How it asks for tiles, where it fetches any.
     fn tile_fetch(&self) -> Option<TileFetch> {
