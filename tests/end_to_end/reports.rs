@@ -108,10 +108,10 @@ fn the_life_of_tokens_is_the_same_of_both_engines_and_each_ends_once() {
         |pattern: &str, end: &str| text.lines().filter(|line| line.starts_with(pattern) && line.ends_with(end)).count() as u64;
     let (begun, retired, flushed) = (count("I\t", ""), count("R\t", "\t0"), count("R\t", "\t1"));
     let fifos = &place.report("out")["fifos"];
-    // Frames begin and end by tokens of their own, which go the same way and are nobody's life.
+    // Frames, objects and polygons go the same way, by tokens of their own whose life is not told.
     let tokens = |fifo: &str| fifos[fifo]["tokens"].as_u64().unwrap();
     let (drawn, passed) = (tokens("fragments"), tokens("tested_fragments"));
-    assert!(drawn > begun && drawn - begun < 20, "{begun} of {drawn}");
+    assert!(begun > 1000 && begun < drawn, "{begun} of {drawn}");
     assert_eq!(flushed, drawn - passed, "what the depth test removes is flushed");
     assert_eq!(begun, retired + flushed);
     place.ok(&format!("{run} p.kanata --tokens-of polygons"));
