@@ -23,10 +23,10 @@ pub trait Probe {
         true
     }
     /// The next step of stage `stage` takes a token of each of these inputs, one bit each, and gives tokens of these labels to these
-    /// outputs. Told in the order in which the work is done, ahead of how long the step keeps the stage: a token is given before
+    /// outputs; `asked` has a bit for each of its memory clients that it asked for something. Told in the order in which the work is done, ahead of how long the step keeps the stage: a token is given before
     /// it is taken; otherwise stages interleave as the engine pleases. Not told of a [tape](crate::tape): it has no tokens.
-    fn stepped(&mut self, stage: usize, taken: u32, given: &[(usize, Label)]) {
-        _ = (stage, taken, given);
+    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
+        _ = (stage, taken, asked, given);
     }
     /// Stage `stage` was kept by a step.
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle);
@@ -67,8 +67,8 @@ impl<P: Probe + ?Sized> Probe for &mut P {
     fn reads_levels(&self) -> bool {
         (**self).reads_levels()
     }
-    fn stepped(&mut self, stage: usize, taken: u32, given: &[(usize, Label)]) {
-        (**self).stepped(stage, taken, given);
+    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
+        (**self).stepped(stage, [taken, asked], given);
     }
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
         (**self).worked(stage, from, to);

@@ -35,6 +35,11 @@ impl Traffic {
         Self { muted: true, ..Self::default() }
     }
 
+    /// The clients that were asked for something, one bit each.
+    pub(crate) fn clients(&self) -> u32 {
+        self.requests.iter().chain(&self.look_ups).fold(0, |clients, request| clients | 1 << (request.client & 31))
+    }
+
     /// Reads `bytes` at `address` through client `client`; the step delivers when the data are there.
     #[inline]
     pub fn read(&mut self, client: u32, address: u64, bytes: u32) {

@@ -57,7 +57,8 @@ impl Probe for Told {
     fn reads_labels(&self) -> bool {
         self.asks
     }
-    fn stepped(&mut self, stage: usize, taken: u32, given: &[(usize, Label)]) {
+    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
+        assert_eq!(asked, 0, "there is no memory");
         assert!(given.iter().all(|(output, label)| *output == 0 && label.0[1..] == [0; 2]));
         self.steps[stage].push((taken, given.iter().map(|(_, label)| label.0[0]).collect()));
     }

@@ -24,8 +24,9 @@ pub struct Sample {
 /// ended the wait.
 pub struct Following<'a, 'b> {
     flow: Flow,
-    /// Of each stage, whom its steps are for whose time is not told yet; and how it has waited since its last step.
-    whose: Vec<VecDeque<Origin>>,
+    /// Of each stage, whom its steps are for whose time is not told yet, with the clients that they asked; and how it has waited since its
+    /// last step.
+    whose: Vec<VecDeque<(Origin, u32)>>,
     waits: Vec<Vec<Interval>>,
     over: Option<OverBudget>,
     watcher: &'a mut Watcher<'b>,
@@ -92,6 +93,7 @@ fn whose(origin: &Origin) -> Whose {
         object: origin.object,
         polygon: origin.polygon.map(|polygon| polygon.frame),
         level: origin.level(),
+        asks: 0,
         life: origin.life.map(|number| Life { number, pixel, pixels }),
     }
 }
@@ -116,17 +118,18 @@ impl Probe for Following<'_, '_> {
         self.over.is_none()
     }
 
-    fn stepped(&mut self, stage: usize, taken: u32, given: &[(usize, Label)]) {
+    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         match self.flow.step((stage, taken), given, &mut Unfollowed) {
-            Ok(whose) => self.whose[stage].push_back(whose),
+            Ok(whose) => self.whose[stage].push_back((whose, asked)),
             Err(over) => self.over = Some(over),
         }
     }
 
     fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
-        let whose = whose(&self.whose[stage].pop_front().unwrap_or_default());
+        let (origin, asks) = self.whose[stage].pop_front().unwrap_or_default();
+        let whose = whose(&origin);
         self.show_waits(stage, &whose);
-        self.watcher.add(Interval { stage, cause: None, from, to }, &whose);
+        self.watcher.add(Interval { stage, cause: None, from, to }, &Whose { asks, ..whose });
     }
 
     fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {

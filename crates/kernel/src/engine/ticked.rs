@@ -39,7 +39,7 @@ impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
             charge(&mut self.time.accounts[number], self.probe, number, wait);
         }
         let made = work.step(demand, &mut self.traffic);
-        work.tell(number, demand, &made, self.probe);
+        work.tell(number, (demand, &made), &self.traffic, self.probe);
         let (mut visit, _) = self.time.visit::<Unknown>(number);
         let asks = work.asks(&mut self.traffic, &mut visit);
         visit.step_asking::<Unknown>(self.now, demand, &made, asks);

@@ -110,7 +110,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 visit.charge_wait::<W, _>(demand, at, *probe);
             }
             let made = work.step(demand, traffic);
-            work.tell(number, demand, &made, probe);
+            work.tell(number, (demand, &made), traffic, probe);
             if let Some(path) = path {
                 path.step(shape, &visit.sight(), (at, demand), &made);
             }

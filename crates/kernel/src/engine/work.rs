@@ -22,8 +22,8 @@ pub(crate) trait Work: Known {
     /// Goes on behind that step.
     fn go_on(&mut self, traffic: &mut Traffic);
     /// Tells a probe that asks what the step was about that has just been made.
-    fn tell<P: Probe>(&self, number: usize, demand: Demand, made: &Made, probe: &mut P) {
-        _ = (number, demand, made, probe);
+    fn tell<P: Probe>(&self, number: usize, (demand, made): (Demand, &Made), traffic: &Traffic, probe: &mut P) {
+        _ = (number, demand, made, traffic, probe);
     }
 }
 
@@ -90,12 +90,12 @@ where
     }
 
     #[inline(always)]
-    fn tell<P: Probe>(&self, number: usize, demand: Demand, made: &Made, probe: &mut P) {
+    fn tell<P: Probe>(&self, number: usize, (demand, made): (Demand, &Made), traffic: &Traffic, probe: &mut P) {
         if P::is_on() && probe.reads_labels() {
             let Connections { inputs, outputs, .. } = &self.connections;
             let given = (0..outputs.count()).filter(|i| made.outputs >> i & 1 == 1).map(|i| (i, outputs.last_label(i)));
             let given: Vec<_> = given.collect();
-            probe.stepped(number, demand.of(inputs.count()), &given);
+            probe.stepped(number, [demand.of(inputs.count()), traffic.clients()], &given);
         }
     }
 }

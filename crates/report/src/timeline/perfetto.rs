@@ -1,6 +1,7 @@
 //! A time line as a trace for ui.perfetto.dev: one track per unit, slices named `busy`, `starved: <fifo>`, `blocked: <fifo>`,
 //! `memory: <client>` and, after its last step, `done`, each with whom it was for, as far as the run says that: arguments `frame`, from 1
-//! as on the track of frames, and `object`, `polygon` in its frame and MIP `level`, from 0; a track of frames; a counter per FIFO: the slots that it holds; and for each
+//! as on the track of frames, and `object`, `polygon` in its frame and MIP `level`, from 0; and what it `asks` memories for, by the names of
+//! the clients; a track of frames; a counter per FIFO: the slots that it holds; and for each
 //! memory a track of its bus with slices `<client> read` and `<client> write`, of each bank with slices `row <number>`, and counters.
 //!
 //! A trace counts in whole nanoseconds. They are those of the device, by `clock.hz`; the name of the machine's track says so.
@@ -40,7 +41,7 @@ const BUSY: u64 = 1;
 const DONE: u64 = 2;
 
 /// Interned names of arguments, in the order of [`annotate`]; the first has number 1.
-const ARGUMENTS: [&str; 4] = ["frame", "object", "polygon", "level"];
+const ARGUMENTS: [&str; 5] = ["frame", "object", "polygon", "level", "asks"];
 
 /// The events of a stage's slices, but for whom they are for: each is encoded once.
 #[derive(Clone, Debug)]
@@ -51,6 +52,7 @@ struct Slices {
     memory: Vec<Vec<u8>>,
     done: Vec<u8>,
     end: Vec<u8>,
+    clients: Vec<String>,
 }
 
 impl Slices {
@@ -193,7 +195,7 @@ impl<W: Write> Chart for Timeline<W> {
     fn state(&mut self, stage: usize, state: State, whose: &Whose, from: u64, to: u64) {
         let Some(slices) = self.slices.get(stage) else { return };
         let Some(begin) = slices.begin(state) else { return };
-        annotate(&mut self.arguments, whose);
+        annotate(&mut self.arguments, whose, &slices.clients);
         at_time(&mut self.buffer, self.scale.at(from), [begin, &self.arguments, &self.tail]);
         at_time(&mut self.buffer, self.scale.at(to), [&slices.end, &[], &self.tail]);
         self.write_out_if_full();
@@ -271,15 +273,23 @@ fn tail() -> Vec<u8> {
     packet.encode_to_vec()
 }
 
-/// Encodes whom a slice is for.
-fn annotate(arguments: &mut Vec<u8>, whose: &Whose) {
+/// Encodes whom a slice is for, and what it asks, of these clients.
+fn annotate(arguments: &mut Vec<u8>, whose: &Whose, clients: &[String]) {
     arguments.clear();
-    let Whose { frame, object, polygon, level, .. } = *whose;
+    let Whose { frame, object, polygon, level, asks, .. } = *whose;
     let values = [frame.map(|frame| u64::from(frame) + 1), object.map(u64::from), polygon.map(u64::from), level.map(u64::from)];
     for (name, value) in (1..).zip(values) {
         if value.is_some() {
-            message::encode(proto::DEBUG_ANNOTATIONS, &DebugAnnotation { name_iid: Some(name), uint_value: value }, arguments);
+            let argument = DebugAnnotation { name_iid: Some(name), uint_value: value, string_value: None };
+            message::encode(proto::DEBUG_ANNOTATIONS, &argument, arguments);
         }
+    }
+    if asks != 0 {
+        let asked = clients.iter().enumerate().filter(|(client, _)| asks >> client & 1 == 1).map(|(_, name)| name.as_str());
+        let names = asked.collect::<Vec<_>>().join(", ");
+        let name = ARGUMENTS.len() as u64;
+        let argument = DebugAnnotation { name_iid: Some(name), uint_value: None, string_value: Some(names) };
+        message::encode(proto::DEBUG_ANNOTATIONS, &argument, arguments);
     }
 }
 
@@ -322,6 +332,7 @@ fn intern(stages: &[StageTopology]) -> (Vec<Slices>, Vec<InternedName>) {
             blocked: add(&stage.outputs, |name| Wait::Blocked(name)),
             memory: add(&stage.clients, |name| Wait::Memory(name)),
             end: event(proto::SLICE_END, track).encode_to_vec(),
+            clients: stage.clients.clone(),
         });
     }
     (slices, names)

@@ -94,6 +94,8 @@ pub(super) struct DebugAnnotation {
     pub name_iid: Option<u64>,
     #[prost(uint64, optional, tag = "3")]
     pub uint_value: Option<u64>,
+    #[prost(string, optional, tag = "6")]
+    pub string_value: Option<String>,
 }
 
 #[derive(Clone, PartialEq, prost::Message)]

@@ -196,13 +196,14 @@ fn time_is_that_of_the_device_and_units_have_their_numerals() {
 #[test]
 fn a_slice_says_whom_it_is_for_and_ends_where_it_is_for_another() {
     let board = samples::board();
-    let some = Whose { frame: Some(0), object: Some(2), polygon: Some(9), level: Some(1), life: None };
+    let stage = board.diagram.stages.iter().position(|stage| !stage.clients.is_empty()).unwrap();
+    let some = Whose { frame: Some(0), object: Some(2), polygon: Some(9), level: Some(1), asks: 0, life: None };
     let other = Whose { level: None, ..some };
     let run = RunReport { total: 6, outcome: Outcome::Complete, ..record(&mut Recorder::default(), Engine::Timed) };
     let bytes = told(&board, &run, |watcher| {
-        for (at, whose) in [some, some, other, Whose::default()].iter().enumerate() {
+        for (at, whose) in [some, some, other, Whose { asks: 1, ..Whose::default() }].iter().enumerate() {
             let from = at as u64;
-            watcher.add(Interval { stage: 1, cause: None, from: Cycle(from), to: Cycle(from + 1) }, whose);
+            watcher.add(Interval { stage, cause: None, from: Cycle(from), to: Cycle(from + 1) }, whose);
         }
     });
     let trace = Trace::decode(&*bytes).unwrap();
@@ -212,13 +213,16 @@ fn a_slice_says_whom_it_is_for_and_ends_where_it_is_for_another() {
     let of_unit = begins.filter(|p| p.track_event.as_ref().unwrap().name_iid == Some(1));
     let arguments = of_unit.map(|p| {
         let event = p.track_event.clone().unwrap();
-        let argument = |a: proto::DebugAnnotation| (names[&a.name_iid.unwrap()].clone(), a.uint_value.unwrap());
+        let argument = |a: proto::DebugAnnotation| {
+            (names[&a.name_iid.unwrap()].clone(), a.uint_value.map_or_else(|| a.string_value.unwrap(), |n| n.to_string()))
+        };
         (p.timestamp.unwrap(), event.debug_annotations.into_iter().map(argument).collect::<Vec<_>>())
     });
-    let all: Vec<(u64, Vec<(String, u64)>)> = arguments.collect();
-    let whose = |list: &[(&str, u64)]| list.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect::<Vec<_>>();
-    let of_some = whose(&[("frame", 1), ("object", 2), ("polygon", 9), ("level", 1)]);
-    assert_eq!(all, [(0, of_some.clone()), (2, of_some[..3].to_vec()), (3, vec![])]);
+    let all: Vec<(u64, Vec<(String, String)>)> = arguments.collect();
+    let whose = [("frame", "1"), ("object", "2"), ("polygon", "9"), ("level", "1")]
+        .map(|(name, value)| (name.to_owned(), value.to_owned()));
+    let asks = ("asks".to_owned(), board.diagram.stages[stage].clients[0].clone());
+    assert_eq!(all, [(0, whose.to_vec()), (2, whose[..3].to_vec()), (3, vec![asks])]);
 }
 
 #[test]

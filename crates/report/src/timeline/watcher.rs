@@ -27,6 +27,8 @@ pub struct Whose {
     pub polygon: Option<u32>,
     /// MIP level of the first of its pixels.
     pub level: Option<u8>,
+    /// The memory clients of its stage that the step asked for something, one bit each; of a wait none.
+    pub asks: u32,
     /// The token that it comes from, of those whose life is told.
     pub life: Option<Life>,
 }

@@ -126,9 +126,9 @@ impl Probe for CostProbe<'_> {
         self.also.as_ref().is_some_and(|probe| probe.reads_levels())
     }
 
-    fn stepped(&mut self, stage: usize, taken: u32, given: &[(usize, Label)]) {
+    fn stepped(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         if let Some(also) = self.also.as_mut().filter(|probe| probe.reads_labels()) {
-            also.stepped(stage, taken, given);
+            also.stepped(stage, [taken, asked], given);
         }
         if self.over.is_some() {
             return;
