@@ -14,6 +14,7 @@ const FLOORS: &[&[&str]] = &[
     &["scene", "reference"],
     &["machines"],
     &["report"],
+    &["charts"],
     &["session"],
     &["cli", "bench", "web"],
 ];
