@@ -34,7 +34,8 @@ impl Recording {
             return Err(TapeFileError::OtherWork(format!("it is of machine `{}`", self.tape.machine.name)));
         }
         let differs = self.config.parameters().into_iter().zip(config.parameters());
-        let work = differs.filter(|(recorded, _)| recorded.effect == Effect::Work).find(|(recorded, p)| recorded.default != p.default);
+        let work =
+            differs.filter(|(recorded, _)| recorded.effect == Effect::Work).find(|(recorded, p)| recorded.default != p.default);
         if let Some((parameter, _)) = work {
             return Err(TapeFileError::Work(parameter.key));
         }
