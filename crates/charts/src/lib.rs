@@ -3,11 +3,26 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`table`] | [`Table`]: a row per point, columns with units; axes, objectives, constraints |
+//! | [`explore`] | which points to run next, to find the front with few |
+//! | [`front`](mod@front) | what no other point beats |
+//! | [`hypervolume`] | how good a front is, in one number |
+//! | [`effects`] | how far each objective moves over the values of an axis |
+//! | [`sample`] | Latin hypercubes and Sobol sequences on a grid |
 //! | [`write`](mod@write) | the table as CSV and as JSON lines |
 //!
 //! Nothing here opens a file, reads a clock or prints. Equal tables give equal bytes, on every machine.
 
+mod chance;
+pub mod effects;
+pub mod explore;
+pub mod front;
+pub mod hypervolume;
+mod levels;
+pub mod sample;
 pub mod table;
 pub mod write;
 
+pub use effects::{Effect, effects};
+pub use front::{candidates, front};
+pub use hypervolume::Space;
 pub use table::{Cell, Column, Comparison, Constraint, Goal, Objective, Role, Row, State, Table};
