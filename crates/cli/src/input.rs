@@ -154,7 +154,7 @@ pub fn demo_scene(name: &str, view: &ViewArgs, budget: &Budget) -> Done<Arc<Scen
 }
 
 /// What a TOML text takes when it is read, at most: short keys with short values do \[times its length\].
-const TOML_GROWTH: u64 = 200;
+pub const TOML_GROWTH: u64 = 200;
 
 /// A text file, and what it takes; a device that never ends is an error, not all of the memory.
 pub fn read_text(path: &Path, budget: &Budget) -> Done<(String, Held)> {

@@ -16,6 +16,7 @@ const FLOORS: &[&[&str]] = &[
     &["report"],
     &["charts"],
     &["session"],
+    &["sweep"],
     &["cli", "bench", "web"],
 ];
 
