@@ -1,5 +1,6 @@
 //! A sweep as a Vega-Lite specification: to be opened in the Vega editor, in a notebook, or with `vl-convert`.
 
+use crate::front::front_by;
 use crate::table::{Column, Goal, Role, State, Table};
 use crate::write::value;
 use serde_json::{Map, Value, json};
@@ -12,7 +13,8 @@ pub const SCHEMA: &str = "https://vega.github.io/schema/vega-lite/v6.json";
 /// objectives than two the first columns that are left stand in.
 ///
 /// The data is within: of each point that has run its axes, objectives and constrained figures under the names of their
-/// columns, `id`, `front` (whether no other point beats it) and `feasible` (whether it keeps the constraints).
+/// columns, `id`, `front` (whether no other point beats it), `line` (whether none does by the two that are shown) and `feasible`
+/// (whether it keeps the constraints).
 pub fn vega(table: &Table) -> Value {
     let told: Vec<usize> = (0..table.columns.len()).filter(|&at| is_told(table, at)).collect();
     let objectives = || table.objectives().map(|(at, _)| at);
@@ -33,7 +35,7 @@ pub fn vega(table: &Table) -> Value {
         "encoding": encoding(across, upright),
         "layer": [
             {
-                "transform": [{ "filter": "datum.front" }],
+                "transform": [{ "filter": "datum.line" }],
                 "mark": { "type": "line", "interpolate": stair(table), "color": "#b8432c" },
             },
             {
@@ -95,6 +97,9 @@ fn stair(table: &Table) -> &'static str {
 
 fn points(table: &Table, told: &[usize]) -> Vec<Value> {
     let front: BTreeSet<usize> = crate::front(table).into_iter().collect();
+    let shown: Vec<(usize, Goal)> = table.objectives().take(2).collect();
+    // Fewer than two make no line.
+    let line: BTreeSet<usize> = if shown.len() == 2 { front_by(table, &shown).into_iter().collect() } else { BTreeSet::new() };
     let run = table.rows.iter().enumerate().filter(|(_, row)| row.state == State::Ok);
     let point = |(number, row): (usize, &crate::Row)| {
         let own =

@@ -3,7 +3,7 @@
 use super::data::{COLOURS, Sweep, colour};
 use super::number;
 use super::scale::{Scale, WHOLE};
-use crate::front::nondominated;
+use crate::front::front_by;
 use crate::table::{Goal, Role};
 use basrelief_report::html::markup::{Html, el, el_text, text};
 use basrelief_report::html::svg::{label, px, svg};
@@ -123,13 +123,8 @@ fn lines(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
 
 /// From step to step of the front of two objectives: what lies beyond the line, a point of it beats.
 fn stairs(sweep: &Sweep<'_>, a: (usize, Goal), b: (usize, Goal), [across, upright]: [&Scale; 2]) -> String {
-    let table = sweep.table;
-    let cost = |row: usize, (at, goal): (usize, Goal)| Some(goal.cost(table.rows[row].cells.get(at)?.number()?));
-    let feasible = (0..table.rows.len()).filter(|row| table.feasible(&table.rows[*row]));
-    let (rows, costs): (Vec<usize>, Vec<[f64; 2]>) =
-        feasible.filter_map(|row| Some((row, [cost(row, a)?, cost(row, b)?]))).unzip();
-    let mut steps: Vec<(u32, u32)> =
-        nondominated(&costs).into_iter().filter_map(|at| Some((across.at[rows[at]]?, upright.at[rows[at]]?))).collect();
+    let front = front_by(sweep.table, &[a, b]).into_iter();
+    let mut steps: Vec<(u32, u32)> = front.filter_map(|row| Some((across.at[row]?, upright.at[row]?))).collect();
     steps.sort_unstable();
     steps.dedup();
     let better_right = a.1 == Goal::Max;
