@@ -4,14 +4,18 @@
 //! dominates. Only [candidates](candidates) count: rows that have run, keep every constraint and have a finite number for every
 //! objective. Points that are equal by every objective do not dominate each other: all of them are on the front, or none.
 
-use crate::table::Table;
+use crate::table::{Cell, Goal, Table};
 use std::cmp::Ordering;
 
 /// Rows that may be chosen, by number, each with its costs: a value per objective, of which the smaller is better. None if the
 /// table has no objective.
 pub fn candidates(table: &Table) -> Vec<(usize, Vec<f64>)> {
-    let objectives: Vec<_> = table.objectives().collect();
-    let costs = |cells: &[crate::Cell]| -> Option<Vec<f64>> {
+    by(table, &table.objectives().collect::<Vec<_>>())
+}
+
+/// As [`candidates`], by these objectives alone.
+fn by(table: &Table, objectives: &[(usize, Goal)]) -> Vec<(usize, Vec<f64>)> {
+    let costs = |cells: &[Cell]| -> Option<Vec<f64>> {
         objectives.iter().map(|&(at, goal)| Some(goal.cost(cells.get(at)?.number()?))).collect()
     };
     if objectives.is_empty() {
@@ -42,7 +46,12 @@ pub fn candidates(table: &Table) -> Vec<(usize, Vec<f64>)> {
 /// assert_eq!(front(&table), [0, 1, 3]);
 /// ```
 pub fn front(table: &Table) -> Vec<usize> {
-    let (rows, costs): (Vec<usize>, Vec<Vec<f64>>) = candidates(table).into_iter().unzip();
+    front_by(table, &table.objectives().collect::<Vec<_>>())
+}
+
+/// As [`front`], by these objectives alone.
+pub(crate) fn front_by(table: &Table, objectives: &[(usize, Goal)]) -> Vec<usize> {
+    let (rows, costs): (Vec<usize>, Vec<Vec<f64>>) = by(table, objectives).into_iter().unzip();
     nondominated(&costs).into_iter().map(|at| rows[at]).collect()
 }
 
@@ -78,7 +87,7 @@ pub(crate) fn lexicographic(a: &[f64], b: &[f64]) -> Ordering {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Cell, Column, Goal, Role, Row, State};
+    use crate::{Column, Role, Row, State};
     use proptest::prelude::*;
 
     /// Few different values, so that there are ties.

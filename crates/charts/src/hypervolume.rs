@@ -7,8 +7,8 @@
 use crate::front::{lexicographic, nondominated};
 use crate::table::Table;
 
-/// Most points a slice may be cut for, all slices of all slices together: some seconds.
-const MOST_WORK: f64 = 2e8;
+/// Most points a slice may be cut for, all slices of all slices together: half a second.
+const MOST_WORK: f64 = 2e7;
 
 /// The space that a front is measured in.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +57,7 @@ impl Space {
 
 /// The volume that these costs dominate up to a reference point, exactly. The same to the bit in whatever order they come.
 ///
-/// Nothing if it would take too long: points to the power of objectives less one, for which 2e8 is the bound.
+/// Nothing if it would take too long: points to the power of objectives less one, for which 2e7 is the bound.
 ///
 /// ```
 /// use basrelief_charts::hypervolume::hypervolume;
@@ -85,13 +85,24 @@ fn volume(mut points: Vec<&[f64]>, reference: &[f64]) -> f64 {
         return area(&points, rest[0], end);
     }
     let ends = points.iter().skip(1).map(|point| point[last]).chain([end]);
-    let slices = points.iter().zip(ends).enumerate().filter(|(_, (point, end))| *end > point[last]);
-    let slice = |(at, (point, end)): (usize, (&&[f64], f64))| {
-        let below: Vec<&[f64]> = points[..=at].iter().map(|point| &point[..last]).collect();
-        let below = nondominated(&below).into_iter().map(|at| below[at]).collect();
-        (end - point[last]) * volume(below, rest)
-    };
-    slices.map(slice).sum()
+    let mut below: Vec<&[f64]> = vec![];
+    let mut sum = 0.0;
+    for (point, end) in points.iter().zip(ends) {
+        add(&mut below, &point[..last]);
+        if end > point[last] {
+            sum += (end - point[last]) * volume(below.clone(), rest);
+        }
+    }
+    sum
+}
+
+/// Adds a point to a front.
+fn add<'a>(front: &mut Vec<&'a [f64]>, point: &'a [f64]) {
+    let covers = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a <= b);
+    if !front.iter().any(|other| covers(other, point)) {
+        front.retain(|other| !covers(point, other));
+        front.push(point);
+    }
 }
 
 /// Of points in order of their last cost: steps of a stair.

@@ -8,6 +8,8 @@
 //! | [`hypervolume`] | how good a front is, in one number |
 //! | [`effects`] | how far each objective moves over the values of an axis |
 //! | [`sample`] | Latin hypercubes and Sobol sequences on a grid |
+//! | [`page`](mod@page) | the sweep as one page |
+//! | [`vega`](mod@vega) | the sweep as a Vega-Lite specification |
 //! | [`write`](mod@write) | the table as CSV and as JSON lines |
 //!
 //! Nothing here opens a file, reads a clock or prints. Equal tables give equal bytes, on every machine.
@@ -18,11 +20,15 @@ pub mod explore;
 pub mod front;
 pub mod hypervolume;
 mod levels;
+pub mod page;
 pub mod sample;
 pub mod table;
+pub mod vega;
 pub mod write;
 
 pub use effects::{Effect, effects};
 pub use front::{candidates, front};
 pub use hypervolume::Space;
+pub use page::{PageOptions, page};
 pub use table::{Cell, Column, Comparison, Constraint, Goal, Objective, Role, Row, State, Table};
+pub use vega::vega;
