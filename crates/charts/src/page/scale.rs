@@ -118,7 +118,7 @@ fn logarithmic_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
 fn short(x: f64) -> String {
     let (unit, suffix) = unit(x);
     let x = x / unit;
-    if (1e-3..1e3).contains(&x) { format!("{x}{suffix}") } else { format!("{x:e}{suffix}") }
+    if (1e-3..1e4).contains(&x) { format!("{x}{suffix}") } else { format!("{x:e}{suffix}") }
 }
 
 /// What large numbers are counted in.
@@ -147,7 +147,7 @@ mod tests {
         assert_eq!(labels(&[120_000.0, 190_000.0]), ["120 k", "140 k", "160 k", "180 k"]);
         assert_eq!(labels(&[700.0, 90_000.0]), ["1000", "2000", "5000", "10 k", "20 k", "50 k"]);
         assert_eq!(labels(&[1.0, 1e6]), ["1", "10", "100", "1000", "10 k", "100 k", "1 M"]);
-        assert_eq!(labels(&[1e-9, 2e-9]), ["1.200e-9", "1.400e-9", "1.600e-9", "1.800e-9", "2.000e-9"]);
+        assert_eq!(labels(&[1e-9, 2e-9]), ["1.000e-9", "1.200e-9", "1.400e-9", "1.600e-9", "1.800e-9", "2.000e-9"]);
     }
 
     proptest! {
