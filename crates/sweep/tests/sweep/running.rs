@@ -6,8 +6,9 @@ use std::fs;
 use tempfile::tempdir;
 
 /// Two works, each under six times.
-const PLAN: &str = "input = \"demo:ellipsoid@1\"\nmachine = \"bump\"\nobjectives = [\"cycles min\", \"hardware.bits min\"]\n\
-                    [axes]\nreplacement.entries = [4, 16]\nfifo.shaded.depth = [1, 4, 64]\nmemory.graphics.part = [\"sdr-100\", \"ddr-400\"]\n";
+const PLAN: &str = "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjectives = [\"cycles min\", \"hardware.bits min\"]\n\
+                    [axes]\nshade.mode = [\"normal\", \"brightness\"]\nfifo.interpolated.depth = [1, 2, 64]\n\
+                    memory.frame.part = [\"fpm-80\", \"sram\"]\n";
 
 #[test]
 fn a_point_that_is_timed_again_has_the_bytes_of_one_that_is_run() {
@@ -116,7 +117,7 @@ fn what_is_there_is_not_run_again_and_what_failed_only_on_demand() {
 fn a_second_plan_finds_the_points_of_the_first() {
     let folder = tempdir().unwrap();
     sweep(PLAN, folder.path(), 2);
-    let (plan, tally) = sweep(&PLAN.replace("[1, 4, 64]", "[4, 8]").replace("cycles min", "cycles max"), folder.path(), 2);
+    let (plan, tally) = sweep(&PLAN.replace("[1, 2, 64]", "[2, 8]").replace("cycles min", "cycles max"), folder.path(), 2);
     assert_eq!((plan.points.len(), tally.there, tally.run + tally.retimed), (8, 4, 4));
 }
 
@@ -145,8 +146,8 @@ fn objectives_come_first_then_axes_then_all_figures_each_with_its_unit() {
     let folder = tempdir().unwrap();
     sweep(PLAN, folder.path(), 2);
     let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
-    let head = "id,state,reason,cycles.total [cycles],hardware.bits [bits],replacement.entries [reference normals],\
-                fifo.shaded.depth [tokens],memory.graphics.part,cycles.drain [cycles],";
+    let head = "id,state,reason,cycles.total [cycles],hardware.bits [bits],shade.mode,\
+                fifo.interpolated.depth [tokens],memory.frame.part,cycles.drain [cycles],";
     assert!(table.starts_with(head), "{table:.600}");
     assert_eq!(table.lines().count(), 13);
     let front = fs::read_to_string(folder.path().join("front.txt")).unwrap();
