@@ -12,6 +12,7 @@ use std::time::Duration;
 const PLAN: &str = r#"
 title = "Modes and depths"
 input = "demo:ellipsoid@2"
+machine = "shade"
 objectives = ["cycles min", "hardware.bits min", "quality.psnr_db max"]
 
 [view]
@@ -19,7 +20,7 @@ size = "96x72"
 
 [axes]
 shade.mode = ["normal", "brightness", "polyhedron"]
-light.count = [1, 2]
+geometry.multipliers = [4, 8]
 fifo.interpolated.depth = { from = 1, to = 8, factor = 2 }
 "#;
 
