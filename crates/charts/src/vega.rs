@@ -80,9 +80,9 @@ fn channel(table: &Table, at: usize) -> Value {
         return channel;
     }
     let numbers = table.rows.iter().filter_map(|row| row.cells.get(at)?.number());
-    let scale = if range(numbers).is_some_and(logarithmic) { "log" } else { "linear" };
+    let logarithmic = range(numbers).is_some_and(logarithmic);
     channel["type"] = "quantitative".into();
-    channel["scale"] = json!({ "type": scale, "zero": false });
+    channel["scale"] = if logarithmic { json!({ "type": "log" }) } else { json!({ "zero": false }) };
     channel
 }
 

@@ -52,6 +52,13 @@
 
   const make = (name, text) => Object.assign(document.createElement(name), { textContent: text });
 
+  // Gone where there is no such file.
+  function pictured(picture) {
+    const image = Object.assign(new Image(), { src: picture, alt: "picture of this point" });
+    image.addEventListener("error", () => image.remove());
+    return image;
+  }
+
   function show(row) {
     current = row;
     const { id, picture, best, values } = rows[row];
@@ -60,7 +67,7 @@
     const same = rows.filter((_, other) => place(other)?.join() === here).length;
     point.replaceChildren(make("h3", best ? "On the front" : "Not on the front"), make("code", id));
     if (here && same > 1) point.append(make("p", `One of ${same} points at this place.`));
-    if (picture) point.append(Object.assign(new Image(), { src: picture, alt: "picture of this point" }));
+    if (picture) point.append(pictured(picture));
     const list = make("dl", "");
     names.forEach((name, at) => list.append(make("dt", name), make("dd", values[at])));
     point.append(list);
