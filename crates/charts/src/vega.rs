@@ -141,8 +141,8 @@ mod tests {
         let encoding = &spec["encoding"];
         assert_eq!((&encoding["x"]["field"], &encoding["x"]["scale"]["type"]), (&json!("cycles\\.total"), &json!("log")));
         assert_eq!(
-            (&encoding["y"]["title"], &encoding["y"]["scale"]["type"]),
-            (&json!("quality.psnr_db [dB]"), &json!("linear"))
+            (&encoding["y"]["title"], &encoding["y"]["scale"]),
+            (&json!("quality.psnr_db [dB]"), &json!({ "zero": false }))
         );
         let [line, points] = spec["layer"].as_array().unwrap().as_slice() else { panic!("{}", spec["layer"]) };
         assert_eq!(line["mark"]["interpolate"], "step-after");
