@@ -1,12 +1,12 @@
 //! Pages to look at: of a made-up device with so many points, or of reports that `basrelief run` has written.
 //!
 //! ```text
-//! cargo run -p basrelief-charts --example page -- sweep.html 10000
-//! cargo run -p basrelief-charts --example page -- sweep.html out/64/report.json out/256/report.json ...
+//! cargo run -p basrelief-charts --example sweep_page -- sweep.html 10000
+//! cargo run -p basrelief-charts --example sweep_page -- sweep.html out/64/report.json out/256/report.json ...
 //! ```
 //!
-//! Beside the page come `sweep.csv` and the Vega-Lite specification. Axes are the parameters that differ; pictures are looked for
-//! in the folders of the reports.
+//! Beside the page come its table as CSV and the Vega-Lite specification. Axes are the parameters that differ; pictures are looked
+//! for in the folders of the reports, which must lie below that of the page.
 
 use basrelief_charts::{Cell, Column, Goal, PageOptions, Role, Row, State, Table, page, vega, write};
 use basrelief_report::Report;
@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let table = match what {
         [count] if count.parse::<usize>().is_ok() => samples::device(count.parse()?),
-        files => of_reports(files)?,
+        files => of_reports(files, Path::new(out).parent().unwrap_or(Path::new("")))?,
     };
     table.check()?;
     let csv = Path::new(out).with_extension("csv");
@@ -42,7 +42,7 @@ fn column(name: &str, unit: &str, role: Role) -> Column {
 }
 
 /// Parameters that differ are axes; cycles, decibels and bytes are objectives.
-fn of_reports(files: &[String]) -> Result<Table, Box<dyn Error>> {
+fn of_reports(files: &[String], beside: &Path) -> Result<Table, Box<dyn Error>> {
     let read = |file: &String| Ok::<_, Box<dyn Error>>(Report::from_json(&std::fs::read_to_string(file)?)?);
     let reports: Vec<Report> = files.iter().map(read).collect::<Result<_, _>>()?;
     let configs: Vec<BTreeMap<String, Cell>> = reports.iter().map(|report| flat(&report.config)).collect();
@@ -61,8 +61,9 @@ fn of_reports(files: &[String]) -> Result<Table, Box<dyn Error>> {
         let figures = [whole(report.cycles.as_ref().map(|cycles| cycles.total)), db, whole(report.memory_bytes())];
         let cells = figures.into_iter().chain(axes.iter().map(|name| config.get(*name).cloned().unwrap_or(Cell::Missing)));
         let folder = Path::new(file).parent().unwrap_or(Path::new("."));
-        let picture = folder.join("image.png").exists().then(|| folder.join("image.png").display().to_string());
-        Row { id: folder.display().to_string(), state: State::Ok, cells: cells.collect(), picture }
+        let below = folder.strip_prefix(beside).unwrap_or(folder).display().to_string();
+        let picture = folder.join("image.png").exists().then(|| format!("{below}/image.png"));
+        Row { id: below, state: State::Ok, cells: cells.collect(), picture }
     };
     let rows = files.iter().zip(&reports).zip(&configs).map(row).collect();
     Ok(Table { title: format!("{} · {}", reports[0].machine, reports[0].input.name), columns, constraints: vec![], rows })
