@@ -203,3 +203,26 @@ fn files_of_a_plan_lie_relative_to_it() {
     assert_eq!(swept, crate::support::without_host(place.report("run")));
     assert_eq!(place.bytes(&format!("out/points/{id}/image.png")), place.bytes("run/image.png"));
 }
+
+#[test]
+fn the_study_of_fifo_depths_finds_what_its_page_says() {
+    let place = Place::new();
+    let plan = workspace().join("studies/fifo-depths.toml");
+    let said = place.ok(&format!("sweep {} --no-pictures --verify 2", plan.display())).out;
+    let (tally, front) = said.split_once("\n\n").unwrap();
+    assert_eq!(tally, "81 points: 0 there before, 1 run, 80 timed again; 0 failed\n2 points run again: the same to the byte");
+    let page = fs::read_to_string(workspace().join("docs/sweep.md")).unwrap();
+    assert!(page.contains(tally.lines().next().unwrap()));
+    let cells =
+        |line: &str| line.replace(',', "").split(['|', ' ']).filter_map(|cell| cell.parse::<u64>().ok()).collect::<Vec<_>>();
+    let rows: Vec<Vec<u64>> = page.lines().map(cells).filter(|cells| cells.len() == 6).collect();
+    let (chosen, default) = rows.split_at(3);
+    let front: Vec<Vec<u64>> = front.lines().map(cells).filter(|cells| cells.len() == 6).collect();
+    assert_eq!((front.len(), chosen.len(), default.len()), (21, 3, 1));
+    assert!(chosen.iter().all(|row| front.contains(row)), "{front:?}");
+    assert!(chosen[1][0] < default[0][0] && chosen[1][1] < default[0][1], "better by both");
+    let [cycles, bits, depths @ ..] = default[0].as_slice() else { panic!("six cells") };
+    let depths: Vec<String> = depths.iter().map(u64::to_string).collect();
+    let table = place.text("out/sweep.csv");
+    assert!(table.contains(&format!(",{cycles},{bits},{},", depths.join(","))), "the default is one of the points");
+}
