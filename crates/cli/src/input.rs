@@ -6,7 +6,7 @@ use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_input::{Budget, Held, OverBudget, json_weight, read_to_end};
 use basrelief_parameters::ConfigError;
 use basrelief_scene::{SceneError, ViewOptions, demo, load_path_within, read_camera};
-use basrelief_session::{Given, MACHINES, MachineConfig, MachineInfo, Prepared, RunInput};
+use basrelief_session::{Given, MachineConfig, MachineInfo, Prepared, RunInput};
 use basrelief_signals::Scene;
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -154,7 +154,7 @@ pub fn demo_scene(name: &str, view: &ViewArgs, budget: &Budget) -> Done<Arc<Scen
 }
 
 /// What a TOML text takes when it is read, at most: short keys with short values do \[times its length\].
-const TOML_GROWTH: u64 = 200;
+pub const TOML_GROWTH: u64 = 200;
 
 /// A text file, and what it takes; a device that never ends is an error, not all of the memory.
 pub fn read_text(path: &Path, budget: &Budget) -> Done<(String, Held)> {
@@ -222,33 +222,14 @@ pub fn config_of(
     // Single settings may mend what does not fit together in the file, or the other way round.
     let file_fits = match &of_file {
         Err(ConfigError::Unfit { .. }) => false,
-        Err(e) => return Err(in_file(explained(e, machine))),
+        Err(e) => return Err(in_file(machine.explain(e))),
         Ok(config) => config.check().is_ok(),
     };
     let blame = |e: String| if file_fits { wrong(e) } else { in_file(e) };
     let config = machine.load(&text, &single).map_err(|e| match &e {
         ConfigError::Unfit { .. } => blame(e.to_string()),
-        _ => wrong(explained(&e, machine)),
+        _ => wrong(machine.explain(&e)),
     })?;
     config.check().map_err(|problem| blame(problem.to_string()))?;
     Ok((config, Given { toml: text, settings: settings.to_vec() }))
-}
-
-/// What is wrong with a configuration. A parameter of another machine is no slip of the pen.
-fn explained(error: &ConfigError, machine: &MachineInfo) -> String {
-    let ConfigError::Unknown { key, .. } = error else { return error.to_string() };
-    let group = format!("{key}.");
-    if let Some(first) = machine.parameters().iter().find(|p| p.key.starts_with(&group)) {
-        return format!("`{key}` is a group of parameters; set one of them, such as `{}`", first.key);
-    }
-    let knows = |m: &&MachineInfo| m.parameters().iter().any(|p| p.key == *key || p.key.starts_with(&group));
-    MACHINES.iter().filter(|m| m.name != machine.name).find(knows).map_or_else(
-        || error.to_string(),
-        |other| {
-            format!(
-                "`{key}` is a parameter of machine `{0}`, and this is `{1}`; --machine {0} takes that one",
-                other.name, machine.name
-            )
-        },
-    )
 }

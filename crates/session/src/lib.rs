@@ -58,16 +58,16 @@ pub use expectation::{check_expectation, expectation_of};
 pub use explained::{Taped, explain};
 pub use following::{Following, Sample, last_stage};
 pub use held::textures as hold_textures;
-pub use machines::{MACHINES, MachineConfig, MachineInfo, TileFetch};
+pub use machines::{ConfigLoader, MACHINES, MachineConfig, MachineInfo, TileFetch};
 pub use methods::compare_methods;
 pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name};
 pub use outcome::{Run, SessionError};
 pub use prepared::Prepared;
-pub use record::{begin_of, display_list};
+pub use record::{begin_of, display_list, input_sha256};
 pub use run::{board, run};
 pub use settings::{RunInput, RunOptions, When};
 pub use sizing::{Choice, Sizes, size_fifos};
-pub use tape::{Given, RetimeOptions, TapeFileError, retime, retime_to};
+pub use tape::{Given, Recording, RetimeOptions, TapeFileError, retime, retime_to};
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]

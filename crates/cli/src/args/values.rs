@@ -1,5 +1,6 @@
 //! Values on the command line, checked where they are given.
 
+use super::Shard;
 use basrelief_report::Tables;
 use basrelief_session::{MACHINES, MachineInfo};
 use basrelief_signals::MAX_PICTURE_PIXELS;
@@ -65,6 +66,18 @@ pub fn finite(text: &str) -> Result<f64, String> {
     text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| "expected a finite number".into())
 }
 
+/// A share of all.
+pub fn percent(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|p| (0.0..=100.0).contains(p)).ok_or_else(|| "expected a number from 0 to 100".into())
+}
+
+/// A part of several.
+pub fn shard(text: &str) -> Result<Shard, String> {
+    let parts = text.split_once('/').and_then(|(number, count)| Some((number.parse().ok()?, count.parse().ok()?)));
+    let shard = parts.map(|(number, count)| Shard { number, count }).filter(|s| (1..=s.count).contains(&s.number));
+    shard.ok_or_else(|| "expected I/N, I from 1 to N, such as 2/8".into())
+}
+
 /// Two angles.
 pub fn angles(text: &str) -> Result<[f64; 2], String> {
     let expected = "expected AROUND,UP, two angles in degrees such as 30,-10";
@@ -94,6 +107,10 @@ mod tests {
         assert!(angles("30").is_err() && angles("30,inf").is_err() && angles("1,2,3").is_err());
         assert_eq!(key_value("a.b=[1, 2]"), Ok(("a.b".into(), "[1, 2]".into())));
         assert!(key_value("a.b").is_err());
+        assert_eq!(shard("2/8"), Ok(Shard { number: 2, count: 8 }));
+        assert!(["0/8", "9/8", "1/0", "-1/2", "1", "a/b", "1/2/3"].iter().all(|wrong| shard(wrong).is_err()));
+        assert_eq!(percent("12.5"), Ok(12.5));
+        assert!(percent("-1").is_err() && percent("101").is_err() && percent("NaN").is_err());
     }
 
     #[test]
