@@ -4,7 +4,8 @@
 //! dominates. Only [candidates](candidates) count: rows that have run, keep every constraint and have a finite number for every
 //! objective. Points that are equal by every objective do not dominate each other: all of them are on the front, or none.
 
-use crate::table::{Cell, Goal, Table};
+use crate::rules::Goal;
+use crate::table::{Cell, Table};
 use std::cmp::Ordering;
 
 /// Rows that may be chosen, by number, each with its costs: a value per objective, of which the smaller is better. None if the
