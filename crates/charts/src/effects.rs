@@ -6,7 +6,8 @@
 //! there are. Effects that two axes have only together do not show; a heat map of both shows them.
 
 use crate::levels::Levels;
-use crate::table::{Goal, State, Table};
+use crate::rules::Goal;
+use crate::table::{State, Table};
 
 /// What an axis does to an objective.
 #[derive(Clone, Debug, PartialEq)]

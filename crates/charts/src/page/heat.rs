@@ -6,7 +6,7 @@ use super::scale::WHOLE;
 use super::scatter::cut;
 use crate::effects::{Level, effects, level};
 use crate::levels::{Levels, logarithmic, range};
-use crate::table::Goal;
+use crate::rules::Goal;
 use basrelief_report::html::markup::{Html, details, el, el_text};
 use basrelief_report::html::svg::{label, px, svg_sized};
 

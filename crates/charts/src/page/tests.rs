@@ -1,6 +1,7 @@
 use super::*;
+use crate::rules::{Constraint, Goal};
 use crate::samples;
-use crate::table::{Cell, Column, Constraint, Goal, Role, Row, State};
+use crate::table::{Cell, Column, Role, Row, State};
 use proptest::prelude::*;
 
 /// The page without styles, data and script, which are no markup; panics where the rest is not well-formed.

@@ -15,8 +15,9 @@ pub(super) fn tornado(sweep: &Sweep<'_>) -> Html {
     if tables.is_empty() {
         return tables;
     }
-    let about = "For each value of an axis the mean of an objective over all points with that value. The bar reaches from the lowest mean to \
-                 the highest: the longer, the more depends on this axis. In a sample, unlike a whole grid, chance adds to it.";
+    let about = "For each value of an axis the mean of an objective over all points with that value. The bar reaches from the \
+                 lowest mean to the highest: the longer, the more depends on this axis. In a sample, unlike a whole grid, chance \
+                 adds to it.";
     [el_text("p", "quiet", about), tables].into_iter().collect()
 }
 
