@@ -243,3 +243,24 @@ fn the_plan_of_the_readme_runs() {
     assert!(said.starts_with("18 points: 0 there before, 6 run, 12 timed again; 0 failed\n"), "{said}");
     assert!(place.text("out/sweep/sweep.html").contains("<html"), "a page");
 }
+
+#[test]
+fn an_exploration_runs_few_points_and_says_how_much_of_the_front_they_have() {
+    let place = place();
+    let said = place.ok("explore plan.toml --budget 10 --threads 2").out;
+    assert!(said.starts_with("10 points: 0 there before, "), "{said}");
+    assert!(said.contains("\nof 24 in the grid\n"), "{said}");
+    assert_eq!(reports(&place), 10);
+    let few = files(&place.path("out"));
+    place.ok("explore plan.toml --budget 10 --threads 1 --out alone");
+    same(&files(&place.path("alone")), &few);
+    // What it has run a sweep does not run again; then the whole grid is known.
+    assert!(place.ok("sweep plan.toml").out.starts_with("24 points: 10 there before, "));
+    let said = place.ok("explore plan.toml --budget 10").out;
+    assert!(said.starts_with("10 points: 10 there before, 0 run, 0 timed again; 0 failed\n"), "{said}");
+    let share: f64 = said.split("are there: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!((90.0..=100.0).contains(&share), "{said}");
+    assert!(place.ok("explore plan.toml --budget 24").out.contains("100.00 % of the hypervolume of their front"));
+    fs::write(place.path("two.toml"), PLAN.replace("input = \"demo:ellipsoid@2\"", "input = [\"demo:ellipsoid@2\", \"demo:coin\"]")).unwrap();
+    assert!(place.run("explore two.toml --budget 4").error(1).contains("two.toml: input: 2 inputs; expected one"));
+}

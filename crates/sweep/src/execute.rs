@@ -47,6 +47,15 @@ pub struct Tally {
 }
 
 impl Tally {
+    /// Both, one after the other.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.points += other.points;
+        self.there += other.there;
+        self.run += other.run;
+        self.retimed += other.retimed;
+        self.failed += other.failed;
+    }
+
     /// Points that are there.
     pub fn done(&self) -> usize {
         self.there + self.run + self.retimed

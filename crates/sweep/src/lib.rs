@@ -11,12 +11,14 @@
 //! | [`figures`] | the numbers of a report by their paths, with units |
 //! | [`folder`] | where points lie |
 //! | [`execute`](mod@execute) | running what is missing, on all cores |
+//! | [`explore`](mod@explore) | the front with few of the points |
 //! | [`verify`](mod@verify) | running points again, to compare |
 //! | [`tables`](mod@tables) | the table of all points |
 //!
 //! Files and progress are the caller's: see [`Host`].
 
 pub mod execute;
+pub mod explore;
 pub mod figures;
 pub mod folder;
 mod host;
@@ -26,6 +28,7 @@ pub mod tables;
 pub mod verify;
 
 pub use execute::{Tally, Work, execute};
+pub use explore::{Explored, explore};
 pub use folder::{Folder, Found};
 pub use host::{Host, Opened};
 pub use plan::{Plan, Point};

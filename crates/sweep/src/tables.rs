@@ -33,7 +33,8 @@ pub fn tables(plan: &Plan, folder: &Folder, host: &dyn Host) -> Result<String, S
     if let Some(front) = before.strip_suffix(&stamp) {
         return Ok(front.to_owned());
     }
-    let table = table(plan, &found, folder)?;
+    let all: Vec<&Point> = plan.points.iter().collect();
+    let table = table(plan, (&all, &found), folder)?;
     let failed = |error: std::io::Error| SweepError(format!("the table: {error}"));
     let (mut lines, mut csv) = (Vec::new(), Vec::new());
     write::json_lines(&table, &mut lines).map_err(failed)?;
@@ -65,13 +66,18 @@ fn stamp(plan: &Plan, found: &[Found]) -> String {
     crate::plan::hexadecimal(hash)
 }
 
-/// The table of all points: a row for each, in the order of the plan. Columns are objectives, figures of constraints, inputs where
+/// The table of these points: a row for each. Columns are objectives, figures of constraints, inputs where
 /// there are several, axes, and all other figures.
 ///
 /// # Errors
 /// A report that cannot be read.
-fn table(plan: &Plan, found: &[Found], folder: &Folder) -> Result<Table, SweepError> {
-    let read = |(point, found): (&Point, &Found)| match found {
+pub(crate) fn table_of(plan: &Plan, points: &[&Point], folder: &Folder) -> Result<Table, SweepError> {
+    let found: Vec<Found> = points.iter().map(|point| folder.find(&point.id)).collect();
+    table(plan, (points, &found), folder)
+}
+
+fn table(plan: &Plan, (points, found): (&[&Point], &[Found]), folder: &Folder) -> Result<Table, SweepError> {
+    let read = |(point, found): (&&Point, &Found)| match found {
         Found::Report => folder.report(&point.id).map(|report| (State::Ok, figures(&report))),
         Found::Failed => folder.failure(&point.id).map(|failure| {
             let crate::folder::Failure { outcome, message } = failure;
@@ -79,11 +85,10 @@ fn table(plan: &Plan, found: &[Found], folder: &Folder) -> Result<Table, SweepEr
         }),
         Found::Missing => Ok((State::Pending, vec![])),
     };
-    let read = threads::map(plan.points.iter().zip(found).collect(), read);
-    let points = read.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let columns = columns(plan, &points);
+    let read = threads::map(points.iter().zip(found).collect(), read).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let columns = columns(plan, &read);
     let numbers: BTreeMap<&str, usize> = columns.iter().enumerate().map(|(n, column)| (column.name.as_str(), n)).collect();
-    let row = |(point, (state, figures)): (&Point, &(State, Vec<Figure>))| {
+    let row = |(point, (state, figures)): (&&Point, &(State, Vec<Figure>))| {
         let mut cells = vec![Cell::Missing; columns.len()];
         for (name, cell) in axis_cells(plan, point).chain(figures.iter().map(|figure| (&*figure.name, figure.cell.clone()))) {
             cells[numbers[name]] = cell;
@@ -91,7 +96,7 @@ fn table(plan: &Plan, found: &[Found], folder: &Folder) -> Result<Table, SweepEr
         let picture = folder.picture(&point.id).filter(|_| *state == State::Ok);
         Row { id: point.id.clone(), state: state.clone(), cells, picture }
     };
-    let rows = plan.points.iter().zip(&points).map(row).collect();
+    let rows = points.iter().zip(&read).map(row).collect();
     let table = Table { title: plan.title.clone(), columns, constraints: plan.constraints.clone(), rows };
     table.check().map_err(|error| SweepError(error.to_string()))?;
     Ok(table)

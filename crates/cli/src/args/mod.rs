@@ -11,7 +11,7 @@ pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, Tables
 pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
 pub use run::{DemoArgs, PageArgs, RetimeArgs, RunArgs, ServeArgs, SizeFifosArgs};
-pub use sweep::{Shard, SweepArgs};
+pub use sweep::{ExploreArgs, PlanArgs, Shard, SweepArgs};
 
 use basrelief_input::{Budget, Size};
 use clap::{Parser, Subcommand};
@@ -45,6 +45,8 @@ pub enum Command {
     SizeFifos(SizeFifosArgs),
     /// Run all points of a plan, or what is missing of them, and find those that no other beats.
     Sweep(SweepArgs),
+    /// Find the front of a plan with few of its points.
+    Explore(ExploreArgs),
     /// Record what the geometry processor hands on as a display list.
     Record(RecordArgs),
     /// Turn a display list from one form into another (JSON Lines or binary, plain or zstd), without loss.

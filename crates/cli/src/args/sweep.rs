@@ -13,9 +13,9 @@ pub struct Shard {
     pub count: usize,
 }
 
-/// Arguments of `sweep`.
+/// Which plan, and how its points are run.
 #[derive(Clone, Debug, Args)]
-pub struct SweepArgs {
+pub struct PlanArgs {
     /// The plan, a TOML file: inputs, machine, axes, objectives. Files that it names lie relative to it.
     pub plan: PathBuf,
     /// Folder for the points and the tables; created where absent. What is there already is not run again, whoever has run it.
@@ -30,6 +30,23 @@ pub struct SweepArgs {
     /// Run points that failed again.
     #[arg(long)]
     pub retry_failed: bool,
+}
+
+/// Arguments of `explore`.
+#[derive(Clone, Debug, Args)]
+pub struct ExploreArgs {
+    #[command(flatten)]
+    pub plan: PlanArgs,
+    /// Most points that are chosen.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub budget: u16,
+}
+
+/// Arguments of `sweep`.
+#[derive(Clone, Debug, Args)]
+pub struct SweepArgs {
+    #[command(flatten)]
+    pub plan: PlanArgs,
     /// Then run this share of the points again, each as a whole, and compare bytes: exit code 1 if any comes out otherwise.
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub verify: Option<f64>,

@@ -4,10 +4,12 @@ mod compare;
 mod convert;
 mod describe;
 pub mod dump;
+mod explore;
 mod from;
 mod html;
 mod output_files;
 mod page;
+mod plans;
 mod record;
 mod requests;
 mod run;
@@ -32,6 +34,7 @@ pub fn dispatch(cli: Cli, budget: &Budget) -> Done {
         Command::Run(args) => run::run(&args, budget, cli.quiet),
         Command::SizeFifos(args) => size_fifos::size_fifos(&args, budget),
         Command::Sweep(args) => sweep::sweep(&args, budget, cli.quiet),
+        Command::Explore(args) => explore::explore(&args, budget, cli.quiet),
         Command::Retime(args) => tape::retime(&args, budget, cli.quiet),
         Command::Record(args) => record::record(&args, budget, cli.quiet),
         Command::Convert(args) => convert::convert(&args, budget),

@@ -1,0 +1,28 @@
+//! `basrelief explore`: the front of a plan with few of its points.
+
+use super::plans::{Planned, bad, counts, work, written};
+use crate::args::ExploreArgs;
+use crate::error::{Done, Failure, print};
+use basrelief_input::Budget;
+use basrelief_sweep::{Explored, Found, explore as find};
+
+/// Explores.
+pub fn explore(args: &ExploreArgs, budget: &Budget, quiet: bool) -> Done {
+    let Planned { host, plan, folder, threads, _held } = Planned::read(&args.plan, budget, quiet)?;
+    let all = plan.points.len();
+    let work = work(&args.plan, &[], threads);
+    let name = args.plan.plan.display().to_string();
+    let found = find(plan, args.budget.into(), &work, (&folder, &host)).map_err(Failure::within(&name))?;
+    let Explored { plan, tally, share } = found;
+    let failed = plan.points.iter().filter(|point| folder.find(&point.id) == Found::Failed).count();
+    let mut said = counts(&tally, failed);
+    said += &match share {
+        Some(share) => {
+            format!("of {all} in the grid, all of which are there: {:.2} % of the hypervolume of their front\n", 100.0 * share)
+        }
+        None => format!("of {all} in the grid\n"),
+    };
+    said += &written(&plan, &folder, &args.plan, &host)?;
+    drop(host);
+    if quiet { Ok(()) } else { print(&said) }
+}
