@@ -118,12 +118,9 @@ mod tests {
     fn an_axis_without_effect_moves_nothing_at_all() {
         let mut table = grid();
         for row in &mut table.rows {
-            // Sums of these depend on their order.
-            let cell = |x: u64| Cell::Number(0.1 + 0.7 * x as f64);
-            let (Cell::Whole(a), Cell::Whole(b)) = (row.cells[2].clone(), row.cells[3].clone()) else { panic!("{row:?}") };
-            // Along `a` the same values in another order.
-            row.cells[0] = cell((a + b) % 4);
-            row.cells[3] = Cell::Whole(b);
+            let (Cell::Whole(a), Cell::Whole(b)) = (&row.cells[2], &row.cells[3]) else { panic!("{row:?}") };
+            // Along `a` the same values in another order, by which their sum would differ.
+            row.cells[0] = Cell::Number(if (a + b) % 4 == 0 { 1e16 } else { 1.0 });
         }
         let moved: Vec<f64> =
             effects(&table).iter().filter(|effect| effect.axis == 2 && effect.objective == 0).map(Effect::moved).collect();
