@@ -51,7 +51,8 @@ pub(super) fn heat(sweep: &Sweep<'_>) -> Html {
 fn maps(sweep: &Sweep<'_>) -> (Vec<Map>, Vec<Map>) {
     let effects = effects(sweep.table);
     let (mut first, mut others) = (vec![], vec![]);
-    for objective in sweep.table.objectives() {
+    // One that never differs needs no map.
+    for objective in sweep.table.objectives().filter(|(at, _)| sweep.place(*at).is_some()) {
         let of = effects.iter().filter(|effect| effect.objective == objective.0 && effect.levels.len() > 1);
         let axes: Vec<usize> = of.map(|effect| effect.axis).collect();
         let pairs = (1..axes.len()).flat_map(|b| (0..b).map(move |a| (a, b)));

@@ -122,6 +122,15 @@ fn the_page_is_the_same_to_the_byte() {
 }
 
 #[test]
+fn what_never_differs_is_said_in_words() {
+    let mut table = samples::device(300);
+    table.rows.iter_mut().for_each(|row| row.cells[1] = Cell::Number(20.5));
+    let page = shown(&table);
+    assert!(page.contains("quality.psnr_db [dB] is 20.5 whatever the axes are."));
+    assert_eq!(page.matches("class=\"map\"").count(), 6);
+}
+
+#[test]
 fn tables_with_little_in_them_have_a_page() {
     let full = samples::device(30);
     let rows =
