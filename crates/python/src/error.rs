@@ -1,0 +1,47 @@
+//! What goes wrong, as Python's exceptions, with the words of the command line.
+
+use basrelief_input::Budget;
+use basrelief_session::{SessionError, TapeFileError};
+use pyo3::exceptions::PyException;
+use pyo3::{PyErr, create_exception};
+use std::fmt::Display;
+
+create_exception!(basrelief, Error, PyException, "What goes wrong.");
+create_exception!(basrelief, UsageError, Error, "What was asked for makes no sense: the command line's exit code 2.");
+create_exception!(basrelief, InputError, Error, "Bad input: the command line's exit code 1.");
+
+/// Wrong usage.
+pub fn usage(error: impl Display) -> PyErr {
+    UsageError::new_err(error.to_string())
+}
+
+/// Bad input.
+pub fn bad(error: impl Display) -> PyErr {
+    InputError::new_err(error.to_string())
+}
+
+/// Something wrong with or in what has this name.
+pub fn within<E: Display>(name: &str) -> impl Fn(E) -> PyErr {
+    move |error| bad(format_args!("{name}: {error}"))
+}
+
+/// What keeps a run of this input from giving a report.
+pub fn of_run(name: &str) -> impl Fn(SessionError) -> PyErr {
+    move |error| match error {
+        SessionError::Trace(_) | SessionError::OverBudget(_) | SessionError::Fault(_) => within(name)(error),
+        _ => bad(error),
+    }
+}
+
+/// What is wrong with a tape, or with what it is to be timed with.
+pub fn of_tape(error: TapeFileError) -> PyErr {
+    match error {
+        TapeFileError::Work(_) | TapeFileError::OtherWork(_) | TapeFileError::Config(_) => usage(error),
+        _ => bad(error),
+    }
+}
+
+/// Memory for what is read.
+pub fn budget(limit: u64) -> Budget {
+    Budget::with_advice(limit, "give more with memory_limit, if this input is to be trusted")
+}
