@@ -107,8 +107,10 @@ class Result:
 
     @property
     def cycles(self) -> int:
-        """All cycles of the run."""
-        return int(self._timed("cycles")["total"])
+        """Cycles of the frames, which the program prints first; `report["cycles"]["total"]` has those behind the last one, too, in which
+        what was drawn is shown. Of a run that did not come to its end, all cycles."""
+        cycles = self._timed("cycles")
+        return sum(cycles["frames"]) if self.report["outcome"]["kind"] == "complete" and cycles["frames"] else int(cycles["total"])
 
     @property
     def units(self) -> Table:
