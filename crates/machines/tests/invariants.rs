@@ -15,7 +15,7 @@ const FLOORS: &[&[&str]] = &[
     &["machines"],
     &["report"],
     &["session"],
-    &["cli", "bench", "web"],
+    &["cli", "bench", "python", "web"],
 ];
 
 /// The folder of the unit crates, in `crates`; in [`FLOORS`], all of them.

@@ -23,9 +23,7 @@ pub struct Side {
 
 impl Side {
     fn taped(&self, report: &Report) -> PyResult<Option<Taped>> {
-        let read = |tape: &PyBackedBytes| {
-            Taped::read(report, &mut opened(tape)?, &budget(Budget::DEFAULT)).map_err(of_tape)
-        };
+        let read = |tape: &PyBackedBytes| Taped::read(report, &mut opened(tape)?, &budget(Budget::DEFAULT)).map_err(of_tape);
         self.tape.as_ref().map(read).transpose()
     }
 

@@ -1,8 +1,8 @@
 //! A machine with its parameters.
 
 use crate::error::{bad, budget, usage, within};
-use basrelief_session::{Given, MachineConfig, MachineInfo, Misconfigured};
 use basrelief_input::Budget;
+use basrelief_session::{Given, MachineConfig, MachineInfo, Misconfigured};
 use pyo3::{PyResult, pyclass, pymethods};
 
 /// A machine with its parameters, which fit together.

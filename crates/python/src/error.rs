@@ -37,8 +37,15 @@ pub fn of_run(name: &str) -> impl Fn(SessionError) -> PyErr {
 pub fn of_tape(error: TapeFileError) -> PyErr {
     match error {
         TapeFileError::Work(_) | TapeFileError::OtherWork(_) | TapeFileError::Config(_) => usage(error),
+        // What the decoder says in its own words.
+        TapeFileError::Read(_) => not_a_tape(),
         _ => bad(error),
     }
+}
+
+/// A tape that is none.
+pub fn not_a_tape() -> PyErr {
+    bad("not a tape, or not whole; Result.tape is one")
 }
 
 /// Memory for what is read.

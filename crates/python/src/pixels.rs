@@ -26,7 +26,10 @@ impl Given {
         let Self(width, height, rgba) = self;
         let pixels = rgba.as_chunks::<4>().0;
         if u64::from(*width) * u64::from(*height) * 4 != rgba.len() as u64 {
-            return Err(bad(format_args!("a picture of {width} x {height} pixels has {} bytes, expected 4 for each", rgba.len())));
+            return Err(bad(format_args!(
+                "a picture of {width} x {height} pixels has {} bytes, expected 4 for each",
+                rgba.len()
+            )));
         }
         let rgb = pixels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
         let covered = pixels.iter().map(|[.., alpha]| *alpha != 0).collect();

@@ -33,7 +33,8 @@ pub struct View {
 impl View {
     fn options(&self, budget: &Budget) -> PyResult<ViewOptions> {
         let whole = |name: &str, n: i64| {
-            u32::try_from(n).map_err(|_| usage(format_args!("{name}: {n}; expected a whole number from 1 on, of at most 32 bits")))
+            u32::try_from(n)
+                .map_err(|_| usage(format_args!("{name}: {n}; expected a whole number from 1 on, of at most 32 bits")))
         };
         let camera = |(name, text): &(String, String)| {
             let weight = budget.take(json_weight(text.as_bytes()), "what a camera says");
@@ -42,7 +43,9 @@ impl View {
         };
         let default = ViewOptions::default();
         Ok(ViewOptions {
-            size: self.size.map_or(Ok(default.size), |(width, height)| Ok::<_, PyErr>([whole("size", width)?, whole("size", height)?]))?,
+            size: self
+                .size
+                .map_or(Ok(default.size), |(width, height)| Ok::<_, PyErr>([whole("size", width)?, whole("size", height)?]))?,
             camera: self.camera.as_ref().map(camera).transpose()?,
             turn: self.turn,
             zoom: self.zoom,
@@ -95,7 +98,9 @@ impl Scene {
             let folder = Folder::of(&path, &budget);
             let (bytes, held) = folder.main(&path, &budget).map_err(cannot_be_read(&name))?;
             if looks_like_trace(&bytes) || Form::for_file_name(&name).is_some() {
-                return Err(usage(format_args!("{name}: a display list, which carries its own view: basrelief.display_list opens it")));
+                return Err(usage(format_args!(
+                    "{name}: a display list, which carries its own view: basrelief.display_list opens it"
+                )));
             }
             let mut scene = Self::loaded((name, bytes), &folder, view, memory_limit, &budget)?;
             let (files, of_files) = folder.into_read();

@@ -1,12 +1,12 @@
 //! Tapes, timed again.
 
-use crate::error::{bad, budget, of_tape};
+use crate::error::{bad, budget, not_a_tape, of_tape};
 use crate::run::{Ran, limits_tape, when};
 use crate::watch::Watch;
 use basrelief_input::Budget;
 use basrelief_session::{RetimeOptions, When, retime_to};
 use pyo3::pybacked::PyBackedBytes;
-use pyo3::{PyErr, PyResult, Python, pyfunction};
+use pyo3::{PyResult, Python, pyfunction};
 use std::io::Read;
 
 /// A tape that is opened.
@@ -14,12 +14,7 @@ pub type Opened<'a> = zstd::Decoder<'static, std::io::BufReader<&'a [u8]>>;
 
 /// Opens a tape.
 pub fn opened(tape: &[u8]) -> PyResult<Opened<'_>> {
-    zstd::Decoder::new(tape).map_err(not_a_tape)
-}
-
-/// What the decoder says in its own words.
-fn not_a_tape(_: std::io::Error) -> PyErr {
-    bad("not a tape, or not whole")
+    zstd::Decoder::new(tape).map_err(|_| not_a_tape())
 }
 
 /// Times a tape again, with these settings over those of the run that it holds. `keep`: whether limits are measured, and whether its tape is

@@ -21,7 +21,8 @@ def program() -> Program:
 
     def run(*options: object) -> subprocess.CompletedProcess[str]:
         command = [os.environ["BASRELIEF_PROGRAM"], *map(str, options)]
-        return subprocess.run(command, capture_output=True, text=True, check=False)
+        # As wide as a text of the package.
+        return subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, "COLUMNS": "120"})
 
     return run
 

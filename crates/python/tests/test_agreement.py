@@ -85,7 +85,7 @@ def test_a_configuration_from_a_file_is_that_of_the_program(program: Program, tm
     config.write_text("[replacement]\nentries = 16\n[fifo.shaded]\ndepth = 8\n")
     options = ["--config", config, "--set", "fifo.shaded.depth=4"]
     done = program("demo", "--size=48x36", "--out", tmp_path, "--json", *options)
-    machine = basrelief.Machine("bump", config=config, **{"fifo.shaded.depth": 4})
+    machine = basrelief.Machine("bump", config, **{"fifo.shaded.depth": 4})
     assert machine.run(basrelief.demo("golf-ball", size=(48, 36))).report == report_of(done)
     described = json.loads(program("describe", "bump", "--json", *options).stdout)
     assert machine.describe()["key"] == [row["key"] for row in described]
@@ -103,7 +103,8 @@ def test_a_page_a_text_and_a_comparison_are_those_of_the_program(program: Progra
         assert done.returncode == 0, done.stderr
         result = results[entries] = machine.set({"replacement.entries": entries}).run(scene)
         assert result.html() == (tmp_path / "page.html").read_text()
-        assert done.stdout.startswith(str(result))
+        # But for how fast the host was.
+        assert set(str(result).splitlines()) <= set(done.stdout.splitlines())
         loaded = basrelief.load(out)
         assert loaded.report == result.report
         assert loaded.tape.retime().report == result.report
@@ -131,7 +132,7 @@ def test_what_is_saved_is_what_the_program_writes(program: Program, tmp_path: Pa
     for name in names:
         of_program, of_package = (tmp_path / "program" / name).read_bytes(), (tmp_path / "package" / name).read_bytes()
         assert name == "report.json" or of_program == of_package, name
-    assert program("compare", tmp_path / "program", tmp_path / "package").stdout.startswith("No difference")
+    assert program("compare", tmp_path / "program", tmp_path / "package").stdout.startswith("The reports are equal")
 
 
 def test_timed_again_is_run() -> None:

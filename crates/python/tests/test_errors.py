@@ -22,9 +22,9 @@ WRONG: list[tuple[list[str], Callable[[], Any], int]] = [
     (["demo", "--set=shade.mode=normal"], lambda: Machine("bump", **{"shade.mode": "normal"}), 2),
     (["demo", "--set=replacement=1"], lambda: Machine("bump").set(replacement=1), 2),
     (["demo", "--set=cache.clut.line_bytes=48"], lambda: Machine("bump", {"cache.clut.line_bytes": 48}), 2),
-    (["demo", "--config=none.toml"], lambda: Machine("bump", config="none.toml"), 1),
-    (["demo", "--config=bad.toml"], lambda: Machine("bump", config="bad.toml"), 1),
-    (["demo", "--config=unknown.toml"], lambda: Machine("bump", config="unknown.toml"), 1),
+    (["demo", "--config=none.toml"], lambda: Machine("bump", "none.toml"), 1),
+    (["demo", "--config=bad.toml"], lambda: Machine("bump", "bad.toml"), 1),
+    (["demo", "--config=unknown.toml"], lambda: Machine("bump", "unknown.toml"), 1),
     (["demo", "golfball"], lambda: basrelief.demo("golfball"), 2),
     (["demo", "golf-ball", "--zoom=0"], lambda: basrelief.demo("golf-ball", zoom=0), 2),
     (["run", "none.glb"], lambda: basrelief.scene("none.glb"), 1),
@@ -50,7 +50,7 @@ def test_errors_have_the_words_of_the_program(
     (tmp_path / "bad.toml").write_text("replacement = [")
     (tmp_path / "unknown.toml").write_text("[replacement]\nentires = 64\n")
     (tmp_path / "bad.gltf").write_text('{"asset": 7}')
-    (tmp_path / "alone.gltf").write_text(PATCH.read_text())
+    (tmp_path / "alone.gltf").write_text('{"asset":{"version":"2.0"},"buffers":[{"uri":"none.bin","byteLength":4}]}')
     (tmp_path / "text.txt").write_text("no model")
     (tmp_path / "bad.jsonl").write_text('{"begin":{"format":"basrelief-display-list","version":1,"width":0}}\n')
     monkeypatch.chdir(tmp_path)

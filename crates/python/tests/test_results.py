@@ -61,7 +61,7 @@ def test_a_picture_is_an_array_without_a_copy(result: Result) -> None:
     picture = result.image
     array = numpy.asarray(picture)
     assert array.shape == (48, 64, 4) and array.dtype == numpy.uint8
-    assert numpy.shares_memory(array, numpy.frombuffer(picture.rgba, numpy.uint8))
+    assert numpy.shares_memory(array, numpy.frombuffer(picture.tobytes(), numpy.uint8))
     assert hashlib.sha256(array[..., :3].tobytes()).hexdigest() == result.report["image"][-1]["sha256"]
     with Image.open(io.BytesIO(picture.png())) as image:
         assert (numpy.asarray(image) == array).all()
@@ -110,7 +110,7 @@ def test_machines_and_scenes_are_the_same_where_their_files_are_not(tmp_path: Pa
     for name in ("patch.gltf", "patch.obj", "patch.mtl", "bumps.png", "checks.png"):
         shutil.copy(ROOT / "tests/models" / name, tmp_path)
     (tmp_path / "machine.toml").write_text("[replacement]\nentries = 16\n")
-    machine = Machine("bump", config=tmp_path / "machine.toml")
+    machine = Machine("bump", tmp_path / "machine.toml")
     view = {"size": (48, 36), "frames": 2, "orbit": 30.0}
     scenes = [basrelief.scene(tmp_path / name, **view) for name in ("patch.gltf", "patch.obj")]  # type: ignore[arg-type]
     scenes.append(basrelief.demo("goblet@2", **view))  # type: ignore[arg-type]

@@ -3,6 +3,29 @@
 from os import PathLike
 from typing import TypedDict, final
 
+__all__ = [
+    "VERSION",
+    "Config",
+    "DisplayList",
+    "Error",
+    "InputError",
+    "Scene",
+    "UsageError",
+    "compare",
+    "compared",
+    "demos",
+    "difference",
+    "machines",
+    "page",
+    "part",
+    "png",
+    "read_report",
+    "read_text",
+    "retime",
+    "run",
+    "text",
+]
+
 VERSION: str
 
 _Path = str | PathLike[str]

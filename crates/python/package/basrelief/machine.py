@@ -20,21 +20,22 @@ def machines() -> dict[str, str]:
 
 
 class Machine:
-    """A machine with its parameters: defaults, then those of a TOML file, then single ones, as `--config` and `--set` take them.
+    """A machine with its parameters: defaults, then those of `config`, a TOML file or a mapping, then single ones.
 
     >>> Machine("shade", **{"shade.mode": "normal"})
     Machine('shade', **{'shade.mode': 'normal'})
 
-    Raises `UsageError` for what the machine has not, or cannot be, and `InputError` where the file is to blame.
+    Files and values are as `--config` and `--set` take them. Raises `UsageError` for what the machine has not, or cannot be, and `InputError` where the file is to blame.
     """
 
     __slots__ = ("_config", "_made")
 
-    def __init__(
-        self, name: str, given: Mapping[str, Any] | None = None, /, *, config: FilePath | None = None, **parameters: Any
-    ) -> None:
-        file = ("", "") if config is None else (str(config), _basrelief.read_text(config))
-        self._make(name, file, settings(given or {}, parameters))
+    # By place alone: to a type checker, a name beside `**parameters` could be meant by any of their keys.
+    def __init__(self, name: str, config: FilePath | Mapping[str, Any] | None = None, /, **parameters: Any) -> None:
+        if config is None or isinstance(config, Mapping):
+            self._make(name, ("", ""), settings(config or {}, parameters))
+        else:
+            self._make(name, (str(config), _basrelief.read_text(config)), settings({}, parameters))
 
     def _make(self, name: str, file: tuple[str, str], given: Settings) -> None:
         self._made = (name, file, given)
@@ -106,7 +107,7 @@ class Machine:
 
     def __repr__(self) -> str:
         name, (file, _), given = self._made
-        config = f", config={file!r}" if file else ""
+        config = f", {file!r}" if file else ""
         return f"Machine({name!r}{config}{f', **{dict(given)!r}' if given else ''})"
 
     def _repr_html_(self) -> str:

@@ -11,7 +11,8 @@ from .files import FilePath, write
 class Picture:
     """A picture: rows from the top, pixels of red, green, blue and alpha, 8 bits each. Alpha is 255 where something was drawn.
 
-    `numpy.asarray(picture)` is an array of height x width x 4 in the memory of the picture; `PIL.Image.fromarray(picture)` takes it, too.
+    `numpy.asarray(picture)` is an array of height x width x 4 in the memory of the picture; `PIL.Image.fromarray(picture)`
+    takes it, too.
     """
 
     __slots__ = ("_pixels",)
@@ -24,15 +25,15 @@ class Picture:
         """Width and height [pixels]."""
         return self._pixels[:2]
 
-    @property
-    def rgba(self) -> bytes:
+    def tobytes(self) -> bytes:
         """The pixels."""
         return self._pixels[2]
 
     @property
     def __array_interface__(self) -> dict[str, Any]:
         width, height, rgba = self._pixels
-        return {"shape": (height, width, 4), "typestr": "|u1", "data": rgba, "version": 3}
+        # Strides, though they follow from the shape: where there are none, Pillow asks for a buffer.
+        return {"shape": (height, width, 4), "strides": (4 * width, 4, 1), "typestr": "|u1", "data": rgba, "version": 3}
 
     def png(self) -> bytes:
         """The picture as a PNG file."""

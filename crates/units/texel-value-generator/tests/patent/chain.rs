@@ -140,7 +140,13 @@ const COORDINATE_BITS: u32 = 44;
 
 /// Segments of any length, and u, v of the most bits.
 pub fn config(error_bound: f64) -> TexelConfig {
-    TexelConfig { error_bound, longest_segment: 16_384, coordinate_bits: COORDINATE_BITS, step_bits: 32, ..TexelConfig::default() }
+    TexelConfig {
+        error_bound,
+        longest_segment: 16_384,
+        coordinate_bits: COORDINATE_BITS,
+        step_bits: 32,
+        ..TexelConfig::default()
+    }
 }
 
 /// How far the width of u, v alone may displace a pixel of the span \[pixels\]. U and W are rounded to it, and so are their
