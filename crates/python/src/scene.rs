@@ -200,11 +200,14 @@ impl Scene {
     }
 }
 
+/// What [`Scene::of_files`] takes.
+type OfFiles = ((String, Py<PyBytes>), BTreeMap<String, Py<PyBytes>>, View, Option<u64>);
+
 /// What makes a scene again, and what of.
 #[derive(IntoPyObject)]
 pub enum Reduced<'py> {
     Demo(Bound<'py, PyAny>, (String, View, Option<u64>)),
-    Model(Bound<'py, PyAny>, ((String, Py<PyBytes>), BTreeMap<String, Py<PyBytes>>, View, Option<u64>)),
+    Model(Bound<'py, PyAny>, OfFiles),
 }
 
 /// The folder of a model. What is read of it is kept, to make the same scene elsewhere.
