@@ -53,6 +53,34 @@ impl Drop for Progress {
     }
 }
 
+/// Shows how far the points of a sweep have come. Of what was there before none is counted in its rate.
+#[derive(Debug)]
+pub struct PointProgress(ProgressBar);
+
+impl PointProgress {
+    /// Hidden if quiet or not on a terminal.
+    pub fn new(quiet: bool) -> Self {
+        let bar = bar(ProgressBar::new(0), quiet);
+        set_style(&bar, "{wide_bar} {human_pos} of {human_len} points, {per_sec}, {eta} left{msg}");
+        Self(bar)
+    }
+
+    /// So many are done of so many that were missing; so many of them have failed.
+    pub fn at(&self, (done, of): (u64, u64), failed: usize) {
+        self.0.set_length(of);
+        self.0.set_position(done);
+        if failed > 0 {
+            self.0.set_message(format!(", {failed} failed"));
+        }
+    }
+}
+
+impl Drop for PointProgress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
 /// What has come from a server.
 #[derive(Clone, Copy, Debug, Default)]
 struct Come {

@@ -14,7 +14,9 @@ const FLOORS: &[&[&str]] = &[
     &["scene", "reference"],
     &["machines"],
     &["report"],
+    &["charts"],
     &["session"],
+    &["sweep"],
     &["cli", "bench", "python", "web"],
 ];
 

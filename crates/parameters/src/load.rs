@@ -75,7 +75,8 @@ pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result
 /// Longest that a message may be that shows the line it is about: a line can be as long as the file \[bytes\].
 const LONGEST: usize = 1000;
 
-fn syntax(text: &str, error: &toml::de::Error) -> String {
+/// What is wrong with a TOML text, with its line and column.
+pub fn syntax(text: &str, error: &toml::de::Error) -> String {
     let whole = error.to_string();
     if whole.len() <= LONGEST {
         return whole.trim_end().into();

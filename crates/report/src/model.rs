@@ -89,7 +89,7 @@ impl Report {
     }
 
     /// Bytes that all memories moved, saturating, as a report may come from a file; none of a functional run.
-    pub(crate) fn memory_bytes(&self) -> Option<u64> {
+    pub fn memory_bytes(&self) -> Option<u64> {
         let clients = self.memories.as_ref()?.values().flat_map(|memory| memory.clients.values());
         Some(clients.map(Client::bytes).fold(0, u64::saturating_add))
     }

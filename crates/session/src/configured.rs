@@ -1,12 +1,12 @@
 //! Parameters as they were given, checked: what is wrong with them, and where.
 
-use crate::machines::{MACHINES, MachineConfig, MachineInfo};
+use crate::machines::{MachineConfig, MachineInfo};
 use crate::tape::Given;
 use basrelief_input::Budget;
 use basrelief_parameters::ConfigError;
 
 /// What a TOML text takes when it is read, at most: short keys with short values do \[times its length\].
-const TOML_GROWTH: u64 = 200;
+pub const TOML_GROWTH: u64 = 200;
 
 /// What is wrong with parameters, in a sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,35 +28,16 @@ impl Given {
         // Single settings may mend what does not fit together in the file, or the other way round.
         let file_fits = match machine.load(&self.toml, &[]) {
             Err(ConfigError::Unfit { .. }) => false,
-            Err(error) => return Err(Misconfigured::File(explained(&error, machine))),
+            Err(error) => return Err(Misconfigured::File(machine.explain(&error))),
             Ok(config) => config.check().is_ok(),
         };
         let blame = |error: String| if file_fits { Misconfigured::Settings(error) } else { Misconfigured::File(error) };
         let single: Vec<(&str, &str)> = self.settings.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect();
         let config = machine.load(&self.toml, &single).map_err(|error| match &error {
             ConfigError::Unfit { .. } => blame(error.to_string()),
-            _ => Misconfigured::Settings(explained(&error, machine)),
+            _ => Misconfigured::Settings(machine.explain(&error)),
         })?;
         config.check().map_err(|problem| blame(problem.to_string()))?;
         Ok(config)
     }
-}
-
-/// What is wrong with a configuration. A parameter of another machine is no slip of the pen.
-fn explained(error: &ConfigError, machine: &MachineInfo) -> String {
-    let ConfigError::Unknown { key, .. } = error else { return error.to_string() };
-    let group = format!("{key}.");
-    if let Some(first) = machine.parameters().iter().find(|p| p.key.starts_with(&group)) {
-        return format!("`{key}` is a group of parameters; set one of them, such as `{}`", first.key);
-    }
-    let knows = |m: &&MachineInfo| m.parameters().iter().any(|p| p.key == *key || p.key.starts_with(&group));
-    MACHINES.iter().filter(|m| m.name != machine.name).find(knows).map_or_else(
-        || error.to_string(),
-        |other| {
-            format!(
-                "`{key}` is a parameter of machine `{0}`, and this is `{1}`; --machine {0} takes that one",
-                other.name, machine.name
-            )
-        },
-    )
 }

@@ -49,7 +49,7 @@ mod tee;
 
 pub use ablation::ablate;
 pub use beside::{beside, page_pictures};
-pub use configured::Misconfigured;
+pub use configured::{Misconfigured, TOML_GROWTH};
 pub use costs::{CostKind, CostPoints, Costs, PARTS, PixelCost, PixelWay, PolygonCost, Spent, UnitCost, WayCost};
 pub use described::{Choice as ParameterChoice, Described, From as ValueFrom, Takes};
 pub use exhibits::content::{Content, Exhibit, ExhibitInfo, Form};
@@ -62,11 +62,11 @@ pub use methods::compare_methods;
 pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name};
 pub use outcome::{Run, SessionError};
 pub use prepared::Prepared;
-pub use record::{begin_of, display_list};
+pub use record::{begin_of, display_list, input_sha256};
 pub use run::{board, run};
 pub use settings::{RunInput, RunOptions, When};
 pub use sizing::{Choice, Sizes, size_fifos};
-pub use tape::{Given, RetimeOptions, TapeFileError, retime, retime_to};
+pub use tape::{Given, Recording, RetimeOptions, TapeFileError, retime, retime_to};
 
 /// A trace of one grey quad, for the example above.
 #[doc(hidden)]

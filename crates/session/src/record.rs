@@ -1,14 +1,19 @@
 //! What the geometry processor (102) hands on, without the rest of the machine.
 
+use crate::held;
 use crate::machines::MachineConfig;
+use crate::outcome::SessionError;
 use crate::prepared::Prepared;
-use basrelief_display_list::{Begin, CanonicalHash, Digest, TraceError};
+use crate::settings::RunInput;
+use basrelief_display_list::{Begin, CanonicalHash, Digest, Files, NoFiles, Resolver, TraceError};
 use basrelief_geometry_processor::SceneDraws;
+use basrelief_input::Budget;
 use basrelief_kernel::{Demand, Traffic, Unit};
 use basrelief_machines::FrontConfig;
 use basrelief_signals::{Control, Draw, Scene};
 use basrelief_threads::Later;
 use std::cell::Cell;
+use std::io::Read;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,6 +31,32 @@ fn controls(scene: &Arc<Scene>, front: FrontConfig) -> impl Iterator<Item = Cont
         debug_assert_eq!(geometry.demand(), Demand::All, "one draw command, at most one control token");
         geometry.step(Some(draw), &mut traffic).out
     })
+}
+
+/// The hash of an input as reports have it, [`Input::sha256`](basrelief_report::model::Input), without a run: of the display list that
+/// the machine's front end makes of a scene, or of a display list itself.
+///
+/// # Errors
+/// A display list that cannot be read or hashed, and what is over the budget.
+pub fn input_sha256(source: RunInput, config: &MachineConfig, budget: &Budget) -> Result<String, SessionError> {
+    let digest = match source {
+        RunInput::Scene(prepared) => {
+            let _textures = held::textures(prepared.scene(), 0, budget)?;
+            SceneHash::start(&prepared, config.front()).get()?
+        }
+        RunInput::Trace { reader, mut files, .. } => Some(trace_hash(reader, move |name: &str| files.open(name), budget)?),
+        RunInput::Remote { reader, .. } => Some(trace_hash(reader, NoFiles, budget)?),
+    };
+    Ok(digest.map(|digest| digest.to_string()).unwrap_or_default())
+}
+
+fn trace_hash(reader: Box<dyn Read>, files: impl Files, budget: &Budget) -> Result<Digest, TraceError> {
+    let mut resolver = Resolver::within(reader, files, budget)?;
+    let mut hash = CanonicalHash::new(resolver.begin());
+    for command in &mut resolver {
+        hash.update(&command?.0)?;
+    }
+    Ok(hash.finish())
 }
 
 /// How a trace of this scene begins.

@@ -6,8 +6,8 @@ use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::Report;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_session::{
-    Given, MACHINES, MachineInfo, Observer, RetimeOptions, RunInput, RunOptions, TapeFileError, Taped, When, begin_of,
-    display_list, explain, retime, run,
+    Given, MACHINES, MachineConfig, MachineInfo, Observer, Recording, RetimeOptions, RunInput, RunOptions, TapeFileError, Taped,
+    When, begin_of, display_list, explain, input_sha256, retime, run,
 };
 use basrelief_signals::Scene;
 use proptest::prelude::*;
@@ -47,8 +47,7 @@ fn of_trace(machine: &MachineInfo) -> RunInput {
 
 /// Report and tape of a run; none where the parameters do not fit.
 fn recorded(machine: &MachineInfo, source: RunInput, settings: &Settings, limits: When) -> Option<(Report, Vec<u8>)> {
-    let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
-    let config = machine.load("", &borrowed).ok().filter(|config| config.check().is_ok())?;
+    let config = config(machine, settings)?;
     let given = Given { toml: String::new(), settings: settings.clone() };
     let settings = RunOptions { config, exact: false, limits, given, tape: When::Always, ..RunOptions::default() };
     let mut taping = Taping::default();
@@ -115,6 +114,53 @@ proptest! {
             }
             Err(error) => prop_assert!(matches!(error, TapeFileError::OtherWork(_)), "{}: {:?}", error, &settings),
         }
+    }
+}
+
+/// The configuration of a machine with these settings, where they fit.
+fn config(machine: &MachineInfo, settings: &Settings) -> Option<MachineConfig> {
+    let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
+    machine.load("", &borrowed).ok().filter(|config| config.check().is_ok())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// The same of a tape in memory, timed again twice.
+    #[test]
+    fn a_recording_in_memory_gives_the_report_of_a_run_as_often_as_one_likes(which in 0..8_usize, choices in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4)) {
+        let (machine, trace, tape) = &TAPES[which];
+        let recording = Recording::read(&mut Cursor::new(tape), &Budget::default()).unwrap();
+        for settings in [some_settings(machine, &choices), vec![]] {
+            let Some(config) = config(machine, &settings) else { return Ok(()) };
+            let Some((ran, _)) = recorded(machine, source(machine, *trace), &settings, When::Never) else { return Ok(()) };
+            match recording.retime(&config) {
+                Ok(again) => prop_assert_eq!(again.to_json().unwrap(), ran.to_json().unwrap(), "{:?}", &settings),
+                Err(error) => prop_assert!(matches!(error, TapeFileError::OtherWork(_)), "{}: {:?}", error, &settings),
+            }
+        }
+    }
+}
+
+#[test]
+fn a_recording_is_not_timed_as_other_work() {
+    let (machine, _, tape) = &TAPES[0];
+    let recording = Recording::read(&mut Cursor::new(tape), &Budget::default()).unwrap();
+    let error = |machine: &MachineInfo, settings: &[(&str, &str)]| {
+        let settings = settings.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
+        recording.retime(&config(machine, &settings).unwrap()).unwrap_err().to_string()
+    };
+    let work = error(machine, &[("replacement.entries", "64")]);
+    assert!(work.contains("`replacement.entries` changes what the units do"), "{work}");
+    assert!(error(&MACHINES[1], &[]).contains("it is of machine `bump`"));
+}
+
+#[test]
+fn the_hash_of_an_input_is_that_of_its_report() {
+    for (machine, trace, _) in TAPES.iter() {
+        let config = machine.load("", &[]).unwrap();
+        let (report, _) = recorded(machine, source(machine, *trace), &vec![], When::Never).unwrap();
+        assert_eq!(input_sha256(source(machine, *trace), &config, &Budget::default()).unwrap(), report.input.sha256);
     }
 }
 

@@ -8,6 +8,7 @@ mod later;
 
 pub use later::Later;
 
+use std::cell::Cell;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -15,6 +16,11 @@ use std::thread::{self, Builder};
 
 /// Whether everything is to be done on the caller's thread.
 static ALONE: AtomicBool = AtomicBool::new(false);
+
+thread_local! {
+    /// Whether this thread is a member of a crew.
+    static IN_CREW: Cell<bool> = const { Cell::new(false) };
+}
 
 /// From now on no thread is started. For a process that may take little address space: each thread reserves a stack and a heap of
 /// its own there, whether it needs them or not.
@@ -25,7 +31,7 @@ pub fn work_alone() {
 /// How many pieces of work are done at once.
 pub fn workers() -> usize {
     static CORES: OnceLock<usize> = OnceLock::new();
-    if ALONE.load(Ordering::Relaxed) {
+    if ALONE.load(Ordering::Relaxed) || IN_CREW.get() {
         return 1;
     }
     *CORES.get_or_init(|| thread::available_parallelism().map_or(1, usize::from))
@@ -70,6 +76,24 @@ pub fn map<I: Send, T: Send>(items: Vec<I>, work: impl Fn(I) -> T + Sync) -> Vec
     });
     done.sort_by_key(|(number, _)| *number);
     done.into_iter().map(|(_, made)| made).collect()
+}
+
+/// Has so many threads do the same at once, the caller's among them: as a rule they take from one list what there is to do. Where
+/// there are several, each works alone: the other cores have work of their own. Fewer do it where there are no more to be had.
+pub fn crew(members: usize, work: impl Fn() + Sync) {
+    if members <= 1 {
+        return work();
+    }
+    let work = || {
+        let before = IN_CREW.replace(true);
+        work();
+        IN_CREW.set(before);
+    };
+    thread::scope(|scope| {
+        let others: Vec<_> = (1..members).filter_map(|_| Builder::new().spawn_scoped(scope, work).ok()).collect();
+        work();
+        others.into_iter().for_each(|thread| joined(thread.join()));
+    });
 }
 
 /// Rows that are filled by one thread in one go: few enough for all to end together, and far more work than to ask for them.
@@ -129,6 +153,19 @@ mod tests {
             let expected: Vec<usize> = (0..height).flat_map(|row| (0..width).map(move |column| 1000 * row + column)).collect();
             assert_eq!(made, expected);
         }
+    }
+
+    #[test]
+    fn a_crew_works_at_once_and_each_member_alone() {
+        let (barrier, alone) = (std::sync::Barrier::new(3), Mutex::new(Vec::new()));
+        crew(3, || {
+            barrier.wait();
+            alone.lock().unwrap().push(workers());
+        });
+        assert_eq!(alone.into_inner().unwrap(), [1; 3]);
+        let cores = thread::available_parallelism().map_or(1, usize::from);
+        crew(1, || assert_eq!(workers(), cores));
+        assert_eq!(workers(), cores, "afterwards, too");
     }
 
     #[test]

@@ -4,12 +4,14 @@ mod common;
 mod describe;
 mod lists;
 mod run;
+mod sweep;
 mod values;
 
 pub use common::{EngineName, MachineArgs, RequestsFormat, SimulationArgs, TablesArgs, ViewArgs};
 pub use describe::{CompareArgs, DescribeArgs, SchemaArgs, SchemaName};
 pub use lists::{ConvertArgs, RecordArgs, VerifyArgs};
 pub use run::{DemoArgs, PageArgs, RetimeArgs, RunArgs, ServeArgs, SizeFifosArgs};
+pub use sweep::{Shard, SweepArgs};
 
 use basrelief_input::{Budget, Size};
 use clap::{Parser, Subcommand};
@@ -41,6 +43,8 @@ pub enum Command {
     Retime(RetimeArgs),
     /// Find the smallest FIFOs that keep the cycles of runs.
     SizeFifos(SizeFifosArgs),
+    /// Run all points of a plan, or what is missing of them, and find those that no other beats.
+    Sweep(SweepArgs),
     /// Record what the geometry processor hands on as a display list.
     Record(RecordArgs),
     /// Turn a display list from one form into another (JSON Lines or binary, plain or zstd), without loss.

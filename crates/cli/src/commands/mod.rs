@@ -15,6 +15,7 @@ mod schema;
 mod serve;
 mod simulate;
 mod size_fifos;
+mod sweep;
 pub mod tables;
 mod tape;
 mod timelines;
@@ -30,6 +31,7 @@ pub fn dispatch(cli: Cli, budget: &Budget) -> Done {
         Command::Demo(args) => run::demo(&args, budget, cli.quiet),
         Command::Run(args) => run::run(&args, budget, cli.quiet),
         Command::SizeFifos(args) => size_fifos::size_fifos(&args, budget),
+        Command::Sweep(args) => sweep::sweep(&args, budget, cli.quiet),
         Command::Retime(args) => tape::retime(&args, budget, cli.quiet),
         Command::Record(args) => record::record(&args, budget, cli.quiet),
         Command::Convert(args) => convert::convert(&args, budget),

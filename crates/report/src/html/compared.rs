@@ -3,7 +3,7 @@
 use super::markup::{Html, details, el, el_text, text as words};
 use super::svg::{Part, bar};
 use super::table::{html as table_of, with_cells};
-use super::{Beside, block_diagram, head, pictures, section, units, whole_page};
+use super::{Beside, POLICY, block_diagram, head, pictures, section, units, whole_page};
 use crate::Comparison;
 use crate::compare::Share;
 use crate::model::Report;
@@ -32,7 +32,7 @@ pub fn compared(a: &Side<'_>, others: &[(Side<'_>, &Comparison)]) -> String {
     });
     let heading = el("h1", &[], [words("Basrelief "), el_text("span", "quiet", "what changed")]);
     let body = el("body", &[], [el("header", &[], [heading]), el("main", &[], parts)]);
-    whole_page(&title, body)
+    whole_page(&title, POLICY, "", body)
 }
 
 fn pair(a: &Side<'_>, b: &Side<'_>, comparison: &Comparison, id: &dyn Fn(&str) -> String) -> Html {

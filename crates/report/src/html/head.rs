@@ -11,11 +11,16 @@ use base64::prelude::BASE64_STANDARD;
 pub(super) fn head(report: &Report) -> Html {
     let what = format!("{} · {} · {} × {}", report.machine, report.input.name, report.size.width, report.size.height);
     let title = el("h1", &[], [text("Basrelief "), el_text("span", "quiet", what)]);
-    let numbers = el("dl", &[("class", "numbers")], numbers(report).into_iter().map(big));
+    let numbers = big_numbers(numbers(report));
     let message = report.outcome.message.as_deref().unwrap_or("The run did not come to its end.");
     let ended = report.outcome.kind == OutcomeKind::Complete;
     let message = if ended { Html::default() } else { el("p", &[("class", "bad"), ("role", "alert")], [text(message)]) };
     el("header", &[], [title, message, numbers])
+}
+
+/// Numbers with their units, to be read from a distance.
+pub fn big_numbers(numbers: impl IntoIterator<Item = (String, String)>) -> Html {
+    el("dl", &[("class", "numbers")], numbers.into_iter().map(big))
 }
 
 fn big((number, unit): (String, String)) -> Html {

@@ -7,19 +7,32 @@ const VOID: [&str; 2] = ["meta", "img"];
 
 /// A piece of a page.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Html(String);
+pub struct Html(String);
 
 impl Html {
-    /// A style sheet of this crate.
-    pub(super) fn style(sheet: &'static str) -> Self {
+    /// A style sheet of a program.
+    pub fn style(sheet: &'static str) -> Self {
         Self(format!("<style>{sheet}</style>"))
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    /// A script of a program, which must not hold `</script`; the policy of the page must name its hash.
+    pub fn script(code: &'static str) -> Self {
+        Self(format!("<script>{code}</script>"))
+    }
+
+    /// Data for a script, as an element with this id. It may hold anything: no `<` of it stands in the page.
+    pub fn data(id: &str, value: &serde_json::Value) -> Self {
+        let json = value.to_string().replace('<', "\\u003c");
+        Self(format!("<script type=\"application/json\" id=\"{}\">{json}</script>\n", escape(id)))
+    }
+
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    pub(super) fn into_text(self) -> String {
+    /// As text.
+    pub fn into_text(self) -> String {
         self.0
     }
 }
@@ -31,12 +44,12 @@ impl FromIterator<Html> for Html {
 }
 
 /// A text, escaped.
-pub(super) fn text(text: impl AsRef<str>) -> Html {
+pub fn text(text: impl AsRef<str>) -> Html {
     Html(escape(text.as_ref()))
 }
 
-/// An element.
-pub(super) fn el(name: &str, attributes: &[(&str, &str)], children: impl IntoIterator<Item = Html>) -> Html {
+/// An element: its name, its attributes, what is in it.
+pub fn el(name: &str, attributes: &[(&str, &str)], children: impl IntoIterator<Item = Html>) -> Html {
     let mut out = format!("<{name}");
     for (key, value) in attributes {
         let _ = write!(out, " {key}=\"{}\"", escape(value));
@@ -54,14 +67,14 @@ pub(super) fn el(name: &str, attributes: &[(&str, &str)], children: impl IntoIte
     Html(out)
 }
 
-/// An element that holds a text.
-pub(super) fn el_text(name: &str, class: &str, content: impl AsRef<str>) -> Html {
+/// An element that holds a text, with its class where that is not empty.
+pub fn el_text(name: &str, class: &str, content: impl AsRef<str>) -> Html {
     let class = [("class", class)];
     el(name, if class[0].1.is_empty() { &[] } else { &class }, [text(content)])
 }
 
 /// What is long: shown when its title is opened.
-pub(super) fn details(title: &str, content: Html) -> Html {
+pub fn details(title: &str, content: Html) -> Html {
     if content.is_empty() { content } else { el("details", &[], [el_text("summary", "", title), content]) }
 }
 
@@ -91,6 +104,12 @@ mod tests {
     fn text_and_attributes_are_escaped() {
         let page = el("p", &[("title", "\"><script>")], [text("a < b & 'c'\u{0}")]);
         assert_eq!(page.into_text(), "<p title=\"&quot;&gt;&lt;script&gt;\">a &lt; b &amp; &#39;c&#39; </p>\n");
+    }
+
+    #[test]
+    fn data_cannot_end_its_element() {
+        let data = Html::data("rows", &serde_json::json!(["</script><script>"])).into_text();
+        assert_eq!(data, "<script type=\"application/json\" id=\"rows\">[\"\\u003c/script>\\u003cscript>\"]</script>\n");
     }
 
     #[test]

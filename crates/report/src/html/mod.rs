@@ -16,24 +16,27 @@ mod fifos;
 mod frames;
 mod head;
 mod limits;
-mod markup;
+pub mod markup;
 mod memories;
 mod parameters;
 mod pictures;
-mod svg;
+pub mod svg;
 mod table;
 #[cfg(test)]
 mod tests;
 mod units;
 
 use crate::model::Report;
-use crate::text::{self, Align, Table};
+use crate::text::{self, Table};
 use crate::work;
 use markup::{Html, details, el, el_text};
 
+pub use crate::text::Align;
 pub use compared::{Side, compared};
+pub use head::big_numbers;
 pub use parameters::ParameterRow;
 pub use pictures::PagePicture;
+pub use table::with_cells;
 
 /// What a page shows beside the report.
 #[derive(Clone, Debug, Default)]
@@ -62,28 +65,31 @@ pub fn to_html(report: &Report, beside: &Beside) -> Result<String, serde_json::E
     let main = el("main", &[], parts);
     let save = head::save(&report.to_json()?);
     let body = el("body", &[], [head::head(report), nav, main, save]);
-    Ok(whole_page(&format!("{} · {} · Basrelief", report.machine, report.input.name), body))
+    Ok(whole_page(&format!("{} · {} · Basrelief", report.machine, report.input.name), POLICY, "", body))
 }
 
-fn whole_page(title: &str, body: Html) -> String {
-    let page = el("html", &[("lang", "en")], [page_head(title), body]);
+/// A page that looks like all of ours: its title, its policy for content, a style sheet to stand behind [`STYLE`], its body.
+pub fn whole_page(title: &str, policy: &str, style: &'static str, body: Html) -> String {
+    let page = el("html", &[("lang", "en")], [page_head(title, policy, style), body]);
     format!("<!DOCTYPE html>\n{}\n", page.into_text())
 }
 
-fn page_head(title: &str) -> Html {
+fn page_head(title: &str, policy: &str, style: &'static str) -> Html {
     let meta = |attributes: &[(&str, &str)]| el("meta", attributes, []);
     let children = [
         meta(&[("charset", "utf-8")]),
-        meta(&[("http-equiv", "Content-Security-Policy"), ("content", POLICY)]),
+        meta(&[("http-equiv", "Content-Security-Policy"), ("content", policy)]),
         meta(&[("name", "viewport"), ("content", "width=device-width, initial-scale=1")]),
         meta(&[("name", "color-scheme"), ("content", "light dark")]),
         el_text("title", "", title),
         Html::style(STYLE),
+        if style.is_empty() { Html::default() } else { Html::style(style) },
     ];
     el("head", &[], children)
 }
 
-fn section(id: &str, title: &str, content: Html) -> Html {
+/// A part of a page under its heading.
+pub fn section(id: &str, title: &str, content: Html) -> Html {
     let heading = format!("{id}-title");
     let title = el("h2", &[("id", &heading)], [markup::text(title)]);
     el("section", &[("id", id), ("aria-labelledby", &heading)], [title, content])

@@ -4,20 +4,20 @@ use super::markup::{Html, el, el_text, text};
 use crate::text::number::thousands;
 
 /// A length of a drawing, with at most two decimals.
-pub(super) fn px(x: f64) -> String {
+pub fn px(x: f64) -> String {
     let text = format!("{x:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// A rectangle: left, top, width, height; what it says when pointed at.
-pub(super) fn rect(class: &str, [x, y, width, height]: [f64; 4], title: &str) -> Html {
+pub fn rect(class: &str, [x, y, width, height]: [f64; 4], title: &str) -> Html {
     let title = if title.is_empty() { None } else { Some(el_text("title", "", title)) };
     let sides = [x, y, width, height].map(px);
     el("rect", &[("class", class), ("x", &sides[0]), ("y", &sides[1]), ("width", &sides[2]), ("height", &sides[3])], title)
 }
 
 /// A drawing of this size that says in words what it shows; `fit` is its `preserveAspectRatio`.
-pub(super) fn svg(class: &str, (width, height): (f64, f64), says: &str, fit: &str, shapes: Html) -> Html {
+pub fn svg(class: &str, (width, height): (f64, f64), says: &str, fit: &str, shapes: Html) -> Html {
     let view = format!("0 0 {} {}", px(width), px(height));
     let attributes =
         [("class", class), ("viewBox", view.as_str()), ("preserveAspectRatio", fit), ("role", "img"), ("aria-label", says)];
@@ -25,7 +25,7 @@ pub(super) fn svg(class: &str, (width, height): (f64, f64), says: &str, fit: &st
 }
 
 /// A drawing that is shown so many times its size, however wide its place: by attributes, since a page may forbid styles.
-pub(super) fn svg_sized(class: &str, (width, height): (f64, f64), times: f64, says: &str, shapes: Html) -> Html {
+pub fn svg_sized(class: &str, (width, height): (f64, f64), times: f64, says: &str, shapes: Html) -> Html {
     let view = format!("0 0 {} {}", px(width), px(height));
     let (width, height) = (px(times * width), px(times * height));
     let attributes = [
@@ -146,8 +146,8 @@ fn number(n: f64) -> String {
     if n.fract() == 0.0 { thousands(n as u64) } else { px(n) }
 }
 
-/// Text in a drawing.
-pub(super) fn label(anchor: &str, x: f64, y: f64, content: &str) -> Html {
+/// Text in a drawing; `anchor` is its `text-anchor`.
+pub fn label(anchor: &str, x: f64, y: f64, content: &str) -> Html {
     el("text", &[("text-anchor", anchor), ("x", &px(x)), ("y", &px(y))], [text(content)])
 }
 

@@ -11,7 +11,7 @@ pub(super) fn html(caption: &str, table: &Table) -> Html {
 }
 
 /// A table of these titles; the first cell of a row is its heading.
-pub(super) fn with_cells(caption: &str, columns: &[(&str, Align)], rows: Vec<Vec<Html>>) -> Html {
+pub fn with_cells(caption: &str, columns: &[(&str, Align)], rows: Vec<Vec<Html>>) -> Html {
     if rows.is_empty() {
         return Html::default();
     }

@@ -17,7 +17,8 @@ pub(crate) use hardware::{pieces, totals};
 use crate::blame::blame;
 use crate::model::{Cycles, OutcomeKind, Report};
 pub(crate) use sections::{cause, figure, full_cycles, in_frames, mean_occupancy};
-pub(crate) use table::{Align, Table};
+pub use table::Align;
+pub(crate) use table::Table;
 pub use tables::Tables;
 
 /// How to set a text.

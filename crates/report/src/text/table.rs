@@ -5,8 +5,10 @@ use comfy_table::{CellAlignment, ContentArrangement, LineStyle, TableStyle};
 
 /// Where a column's text stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Align {
+pub enum Align {
+    /// At its left end: words.
     Left,
+    /// At its right end: numbers.
     Right,
 }
 

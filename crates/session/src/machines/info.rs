@@ -95,4 +95,21 @@ impl MachineInfo {
     pub fn load(&self, toml: &str, settings: &[(&str, &str)]) -> Result<MachineConfig, ConfigError> {
         (self.load)(toml, settings)
     }
+
+    /// What is wrong with a configuration. A parameter of another machine is no slip of the pen.
+    pub fn explain(&self, error: &ConfigError) -> String {
+        let ConfigError::Unknown { key, .. } = error else { return error.to_string() };
+        let group = format!("{key}.");
+        if let Some(first) = self.parameters().iter().find(|p| p.key.starts_with(&group)) {
+            return format!("`{key}` is a group of parameters; set one of them, such as `{}`", first.key);
+        }
+        let knows = |m: &&Self| m.parameters().iter().any(|p| p.key == *key || p.key.starts_with(&group));
+        MACHINES.iter().filter(|m| m.name != self.name).find(knows).map_or_else(
+            || error.to_string(),
+            |other| {
+                let (name, other) = (self.name, other.name);
+                format!("`{key}` is a parameter of machine `{other}`, and this is `{name}`; --machine {other} takes that one")
+            },
+        )
+    }
 }

@@ -7,16 +7,19 @@ use crate::machines::{MachineConfig, MachineInfo, for_machine};
 use crate::run::Way;
 use basrelief_input::{Budget, Held};
 use basrelief_kernel::Tape;
+use basrelief_kernel::facts::Value as FactValue;
 use std::io::Read;
 
 /// A whole tape in memory.
 pub(crate) struct Loaded {
-    machine: &'static MachineInfo,
+    pub(super) machine: &'static MachineInfo,
     pub(crate) given: Given,
     pub(crate) way: Way,
     pub(crate) tape: Tape<'static>,
     /// What is left of the run beside its times.
     pub(crate) ended: Ended,
+    /// What the units counted.
+    pub(super) figures: Vec<(String, FactValue)>,
     /// SHA-256 of the work.
     pub(crate) work: String,
     _held: Held,
@@ -33,12 +36,12 @@ impl Loaded {
             all.push(reel);
         }
         match reels.end {
-            Some(End { ended, work, .. }) if work == reels.work.finish() => {
+            Some(End { ended, figures, work }) if work == reels.work.finish() => {
                 let (given, way) = (head.given, head.way);
                 let shape = for_machine!(&given.config(machine, &[])?, spec => way.shape(spec));
                 let shape = shape.map_err(|problem| TapeFileError::Format(problem.to_string()))?;
                 let tape = Tape::new(all, &shape, budget.left());
-                Ok(Self { machine, given, way, tape, ended, work, _held: reels.waiting })
+                Ok(Self { machine, given, way, tape, ended, figures, work, _held: reels.waiting })
             }
             _ => Err(TapeFileError::Format("its work has another SHA-256 than it says".into())),
         }

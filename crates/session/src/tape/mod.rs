@@ -6,9 +6,11 @@
 
 mod loaded;
 mod pieces;
+mod recording;
 mod retime;
 
 pub(crate) use loaded::Loaded;
+pub use recording::Recording;
 pub use retime::{RetimeOptions, retime, retime_to};
 pub(crate) use retime::{config, same_work};
 

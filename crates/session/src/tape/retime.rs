@@ -2,13 +2,15 @@
 
 use super::pieces::{Pieces, ReelsOfFile};
 use super::{End, Given, TapeFileError};
+use crate::ended::Ended;
 use crate::limits::{Kept, Recorded};
 use crate::machines::{MachineConfig, MachineSpec, for_machine};
 use crate::observer::{Observer, Unobserved};
 use crate::run::Way;
 use crate::settings::When;
 use basrelief_input::Budget;
-use basrelief_kernel::{self as kernel, NoProbe, Outcome, Shape};
+use basrelief_kernel::facts::Value as FactValue;
+use basrelief_kernel::{self as kernel, NoProbe, Outcome, RunReport, Shape};
 use basrelief_machines::ConfigProblem;
 use basrelief_parameters::Effect;
 use basrelief_report::Report;
@@ -69,20 +71,32 @@ fn timed_again<'a, S: MachineSpec>(
         return Err(fault);
     }
     let run = timed?;
-    if run.outcome != Outcome::Complete {
-        return Err(TapeFileError::Incomplete(outcome_text(&run.outcome)));
-    }
+    complete(&run)?;
     let Some(End { ended, figures, work: stated }) = end else { return Err(TapeFileError::Format("it has no end".into())) };
     if work.finish() != stated {
         return Err(TapeFileError::Format("its work has another SHA-256 than it says".into()));
     }
-    let mut facts = way.facts(spec).map_err(config)?;
-    facts.put(&figures);
-    let mut report = ended.report(spec, facts, Some(&run));
+    let mut report = report((spec, way), (ended, &figures), &run)?;
     if let Some(reels) = kept.as_ref().and_then(Kept::reels) {
         Recorded { spec, given, way, reels, room: options.budget.left(), run: &run }.measure(&mut report);
     }
     Ok(report)
+}
+
+/// The report of a run that is complete, from what is left of it beside its times.
+pub(super) fn report<S: MachineSpec>(
+    (spec, way): (&S, Way),
+    (ended, figures): (Ended, &[(String, FactValue)]),
+    run: &RunReport,
+) -> Result<Report, TapeFileError> {
+    let mut facts = way.facts(spec).map_err(config)?;
+    facts.put(figures);
+    Ok(ended.report(spec, facts, Some(run)))
+}
+
+/// Whether it came to its end: otherwise pictures and counts would be others.
+pub(super) fn complete(run: &RunReport) -> Result<(), TapeFileError> {
+    if run.outcome == Outcome::Complete { Ok(()) } else { Err(TapeFileError::Incomplete(outcome_text(&run.outcome))) }
 }
 
 pub(crate) fn config(error: ConfigProblem) -> TapeFileError {

@@ -1,0 +1,123 @@
+//! Main effects: how far an objective moves over the values of an axis, whatever the other axes are.
+//!
+//! For each value of an axis the mean and the best of an objective are taken over all points with that value. The distance from
+//! the lowest to the highest mean is what the axis moves the objective by: the length of its bar in a tornado. In a whole
+//! grid all else is balanced, so that the axis alone has moved it; in a sample chance adds to it, and the less the more points
+//! there are. Effects that two axes have only together do not show; a heat map of both shows them.
+
+use crate::levels::Levels;
+use crate::table::{Goal, State, Table};
+
+/// What an axis does to an objective.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effect {
+    /// Number of the axis's column.
+    pub axis: usize,
+    /// Number of the objective's column.
+    pub objective: usize,
+    /// For the values of the axis, in their order; several values are one level where there are more than twelve.
+    pub levels: Vec<Level>,
+}
+
+/// Points of one value of an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// The value; `first to last` of several.
+    pub label: String,
+    /// Points with it, one at least.
+    pub points: usize,
+    /// Mean of the objective, in its unit.
+    pub mean: f64,
+    /// Its best value.
+    pub best: f64,
+}
+
+impl Effect {
+    /// The levels of lowest and highest mean.
+    pub fn ends(&self) -> Option<(&Level, &Level)> {
+        let by_mean = |a: &&Level, b: &&Level| a.mean.total_cmp(&b.mean);
+        Some((self.levels.iter().min_by(by_mean)?, self.levels.iter().max_by(by_mean)?))
+    }
+
+    /// From the lowest mean to the highest, in the unit of the objective.
+    pub fn moved(&self) -> f64 {
+        self.ends().map_or(0.0, |(low, high)| high.mean - low.mean)
+    }
+
+    /// From the lowest to the highest of the best values.
+    pub fn best_moved(&self) -> f64 {
+        let best = || self.levels.iter().map(|level| level.best);
+        best().reduce(f64::max).zip(best().reduce(f64::min)).map_or(0.0, |(high, low)| high - low)
+    }
+}
+
+/// Effects of all axes on all objectives: by objective in the order of the table, of each the largest first, equal ones in the
+/// order of the table. Counted are all points that have run, whether they keep the constraints or not.
+pub fn effects(table: &Table) -> Vec<Effect> {
+    let axes: Vec<(usize, Levels)> = table.axes().map(|axis| (axis, Levels::of(table, axis))).collect();
+    let of = |(objective, goal)| {
+        let effect = |(axis, levels): &(usize, Levels)| Effect {
+            axis: *axis,
+            objective,
+            levels: levels
+                .labels
+                .iter()
+                .zip(levels.rows())
+                .filter_map(|(label, rows)| level(table, (objective, goal), label, &rows))
+                .collect(),
+        };
+        let mut effects: Vec<Effect> = axes.iter().map(effect).collect();
+        effects.sort_by(|a, b| b.moved().total_cmp(&a.moved()));
+        effects
+    };
+    table.objectives().flat_map(of).collect()
+}
+
+/// Nothing where no point with these rows has run.
+pub(crate) fn level(table: &Table, (objective, goal): (usize, Goal), label: &str, rows: &[usize]) -> Option<Level> {
+    let run = rows.iter().map(|&row| &table.rows[row]).filter(|row| row.state == State::Ok);
+    let values: Vec<f64> = run.filter_map(|row| row.cells.get(objective)?.number()).collect();
+    let best = values.iter().copied().reduce(|a, b| if goal.better(b, a) { b } else { a })?;
+    // Each divided first: a sum of large values must not overflow.
+    let mean = values.iter().map(|value| value / values.len() as f64).sum();
+    Some(Level { label: label.into(), points: values.len(), mean, best })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Cell, Column, Role, Row};
+
+    /// cycles = 100 a + 10 b, dB = b, over a 3 x 4 grid.
+    fn grid() -> Table {
+        let column = |(name, role): (&str, Role)| Column { name: name.into(), unit: "".into(), role, what: "".into() };
+        let roles = [Role::Objective(Goal::Min), Role::Objective(Goal::Max), Role::Axis, Role::Axis];
+        let cells = |a: u64, b: u64| vec![Cell::Whole(100 * a + 10 * b), Cell::Number(b as f64), Cell::Whole(a), Cell::Whole(b)];
+        let row = |(a, b)| Row { id: format!("{a}{b}"), state: State::Ok, cells: cells(a, b), picture: None };
+        Table {
+            columns: ["cycles", "dB", "a", "b"].into_iter().zip(roles).map(column).collect(),
+            rows: (0..3).flat_map(|a| (0..4).map(move |b| (a, b))).map(row).collect(),
+            ..Table::default()
+        }
+    }
+
+    #[test]
+    fn the_axis_that_moves_most_comes_first() {
+        let effects = effects(&grid());
+        let told: Vec<_> = effects.iter().map(|e| (e.objective, e.axis, e.moved(), e.best_moved())).collect();
+        assert_eq!(told, [(0, 2, 200.0, 200.0), (0, 3, 30.0, 30.0), (1, 3, 3.0, 3.0), (1, 2, 0.0, 0.0)]);
+        let (low, high) = effects[0].ends().unwrap();
+        assert_eq!((low, high.label.as_str()), (&Level { label: "0".into(), points: 4, mean: 15.0, best: 0.0 }, "2"));
+        assert_eq!(effects[3].levels[0].best, 3.0);
+    }
+
+    #[test]
+    fn failed_points_move_nothing() {
+        let mut table = grid();
+        table.rows.iter_mut().take(4).for_each(|row| row.state = State::Failed("deadlock".into()));
+        let effects = effects(&table);
+        assert_eq!((effects[0].moved(), effects[0].levels.len()), (100.0, 2));
+        table.rows.clear();
+        assert!(super::effects(&table).iter().all(|effect| effect.moved() == 0.0 && effect.ends().is_none()));
+    }
+}

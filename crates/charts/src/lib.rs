@@ -1,0 +1,34 @@
+//! Many runs side by side: the mathematics and the pictures of a sweep.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`table`] | [`Table`]: a row per point, columns with units; axes, objectives, constraints |
+//! | [`explore`] | which points to run next, to find the front with few |
+//! | [`front`](mod@front) | what no other point beats |
+//! | [`hypervolume`] | how good a front is, in one number |
+//! | [`effects`] | how far each objective moves over the values of an axis |
+//! | [`sample`] | Latin hypercubes and Sobol sequences on a grid |
+//! | [`page`](mod@page) | the sweep as one page |
+//! | [`vega`](mod@vega) | the sweep as a Vega-Lite specification |
+//! | [`write`](mod@write) | the table as CSV and as JSON lines |
+//!
+//! Nothing here opens a file, reads a clock or prints. Equal tables give equal bytes, on every machine.
+
+mod chance;
+pub mod effects;
+pub mod explore;
+pub mod front;
+pub mod hypervolume;
+mod levels;
+pub mod page;
+pub mod sample;
+pub mod table;
+pub mod vega;
+pub mod write;
+
+pub use effects::{Effect, effects};
+pub use front::{candidates, front};
+pub use hypervolume::Space;
+pub use page::{PageOptions, page};
+pub use table::{Cell, Column, Comparison, Constraint, Goal, Objective, Role, Row, State, Table};
+pub use vega::vega;

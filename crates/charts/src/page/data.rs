@@ -1,0 +1,112 @@
+//! What the page draws: which rows, which columns, and where.
+
+use super::PageOptions;
+use super::scale::{Scale, WHOLE};
+use crate::table::{Role, State, Table};
+use std::collections::BTreeSet;
+
+/// Most rows that are drawn.
+pub(super) const MOST_ROWS: usize = 2_000;
+/// Most of them from the front.
+const MOST_FRONT: usize = 1_000;
+/// Most columns to choose from.
+const MOST_COLUMNS: usize = 24;
+/// Colours of a scale.
+pub(super) const COLOURS: u32 = 7;
+
+/// A column that can be drawn.
+pub(super) struct Shown {
+    /// Its number in the table.
+    pub(super) column: usize,
+    pub(super) scale: Scale,
+}
+
+/// A sweep, ready to be drawn.
+pub(super) struct Sweep<'a> {
+    pub(super) table: &'a Table,
+    /// Rows on the front, in the order of the table.
+    pub(super) front: Vec<usize>,
+    /// Rows that are drawn: those on the front last, so that nothing hides them.
+    pub(super) drawn: Vec<usize>,
+    /// Columns that can be drawn: objectives, axes, constrained figures, those asked for, then others.
+    pub(super) shown: Vec<Shown>,
+    on_front: BTreeSet<usize>,
+}
+
+impl<'a> Sweep<'a> {
+    pub(super) fn new(table: &'a Table, options: &'a PageOptions) -> Self {
+        let front = crate::front(table);
+        let on_front: BTreeSet<usize> = front.iter().copied().collect();
+        let best = thinned(&front, MOST_FRONT);
+        let run = |row: &usize| table.rows[*row].state == State::Ok && !on_front.contains(row);
+        let others: Vec<usize> = (0..table.rows.len()).filter(run).collect();
+        let drawn = thinned(&others, MOST_ROWS - best.len()).into_iter().chain(best).collect();
+        Self { table, drawn, shown: shown(table, options), on_front, front }
+    }
+
+    /// Whether a row is on the front.
+    pub(super) fn is_best(&self, row: usize) -> bool {
+        self.on_front.contains(&row)
+    }
+
+    /// Columns that say which point it is and how good: objectives, axes, constrained figures.
+    pub(super) fn told(&self) -> Vec<usize> {
+        told(self.table).collect()
+    }
+
+    /// Name and unit of a column.
+    pub(super) fn header(&self, column: usize) -> String {
+        self.table.columns[column].header()
+    }
+
+    /// The place of a column among those shown.
+    pub(super) fn place(&self, column: usize) -> Option<usize> {
+        self.shown.iter().position(|shown| shown.column == column)
+    }
+
+    /// How many rows have run.
+    pub(super) fn run(&self) -> usize {
+        self.table.rows.iter().filter(|row| row.state == State::Ok).count()
+    }
+}
+
+/// At most so many of these, at equal distances.
+pub(super) fn thinned(rows: &[usize], most: usize) -> Vec<usize> {
+    let count = rows.len().min(most);
+    (0..count).map(|at| rows[at * rows.len() / count]).collect()
+}
+
+fn told(table: &Table) -> impl Iterator<Item = usize> + '_ {
+    let constrained = |at: &usize| table.constraints.iter().any(|rule| rule.column == table.columns[*at].name);
+    let figures = (0..table.columns.len()).filter(|at| table.columns[*at].role == Role::Figure);
+    table.objectives().map(|(at, _)| at).chain(table.axes()).chain(figures.filter(constrained))
+}
+
+fn shown(table: &Table, options: &PageOptions) -> Vec<Shown> {
+    let asked = options.figures.iter().filter_map(|name| table.column(name));
+    let mut before = BTreeSet::new();
+    let columns = told(table).chain(asked).chain(0..table.columns.len()).filter(|column| before.insert(*column));
+    columns.filter_map(|column| Some(Shown { column, scale: Scale::of(table, column)? })).take(MOST_COLUMNS).collect()
+}
+
+/// The colour of a position.
+pub(super) fn colour(at: u32) -> u32 {
+    (at * COLOURS / (WHOLE + 1)).min(COLOURS - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_equal_distances() {
+        assert_eq!(thinned(&[4, 5, 6, 7], 2), [4, 6]);
+        assert_eq!(thinned(&[4, 5], 9), [4, 5]);
+        assert!(thinned(&[], 3).is_empty() && thinned(&[1, 2], 0).is_empty());
+    }
+
+    #[test]
+    fn colours_divide_the_scale_evenly() {
+        assert_eq!([0, 1428, 1429, WHOLE / 2, WHOLE].map(colour), [0, 0, 1, 3, 6]);
+    }
+}

@@ -1,0 +1,83 @@
+//! What was found, in words.
+
+use super::data::Sweep;
+use super::number;
+use crate::Space;
+use crate::table::{Goal, State};
+use basrelief_report::html::big_numbers;
+use basrelief_report::html::markup::{Html, el, el_text, text};
+use basrelief_report::text::number::{about, thousands};
+
+/// Title, a sentence, and numbers that can be read from a distance.
+pub(super) fn head(sweep: &Sweep<'_>) -> Html {
+    let title = el("h1", &[], [text("Basrelief "), el_text("span", "quiet", &sweep.table.title)]);
+    let best = sweep.table.objectives().filter_map(|objective| best(sweep, objective));
+    let counts = [
+        (thousands(sweep.run() as u64), "points have run".to_owned()),
+        (thousands(sweep.front.len() as u64), "on the front".to_owned()),
+    ];
+    let best = best.map(|(row, at, goal)| {
+        let least = if goal == Goal::Min { "least" } else { "most" };
+        (number::cell(&sweep.table.rows[row].cells[at]), format!("{least} {}", sweep.header(at)))
+    });
+    el(
+        "header",
+        &[],
+        [
+            title,
+            big_numbers(counts.into_iter().chain(best)),
+            el_text("p", "lead", found(sweep)),
+            el_text("p", "quiet", volume(sweep)),
+        ],
+    )
+}
+
+/// The first row that is best by an objective, among those that may be chosen.
+pub(super) fn best(sweep: &Sweep<'_>, (at, goal): (usize, Goal)) -> Option<(usize, usize, Goal)> {
+    let value = |row: &usize| sweep.table.rows[*row].cells.get(at)?.number();
+    let better = |a: usize, b: usize| match (value(&a), value(&b)) {
+        (Some(x), Some(y)) if goal.better(y, x) => b,
+        _ => a,
+    };
+    sweep.front.iter().copied().filter(|row| value(row).is_some()).reduce(better).map(|row| (row, at, goal))
+}
+
+/// How many points there are, and which are best.
+fn found(sweep: &Sweep<'_>) -> String {
+    let table = sweep.table;
+    let count = |state: fn(&State) -> bool| table.rows.iter().filter(|row| state(&row.state)).count() as u64;
+    let (failed, pending) = (count(|state| matches!(state, State::Failed(_))), count(|state| *state == State::Pending));
+    let mut says = format!("{} {}", thousands(table.rows.len() as u64), if table.rows.len() == 1 { "point" } else { "points" });
+    for (count, what) in [(failed, "failed"), (pending, "not run yet")] {
+        if count > 0 {
+            says += &format!(", {} {what}", thousands(count));
+        }
+    }
+    says += ". ";
+    if !table.constraints.is_empty() {
+        let kept = table.rows.iter().filter(|row| table.feasible(row)).count() as u64;
+        let rules: Vec<String> = table.constraints.iter().map(ToString::to_string).collect();
+        says += &format!("{} keep {}. ", thousands(kept), rules.join(" and "));
+    }
+    let objectives: Vec<String> = table.objectives().map(|(at, goal)| format!("{} {goal}", table.columns[at].name)).collect();
+    let front = sweep.front.len();
+    says + &match (objectives.len(), front) {
+        (0, _) => "No objective was named, so that no point is better than another.".into(),
+        (_, 0) => format!("None can be chosen by {}.", objectives.join(", ")),
+        (_, 1) => format!("One beats all others by {}.", objectives.join(", ")),
+        _ => format!("{} are on the front: no other beats them by {}.", thousands(front as u64), objectives.join(", ")),
+    }
+}
+
+/// The hypervolume with the space it stands for.
+fn volume(sweep: &Sweep<'_>) -> String {
+    let costs: Vec<Vec<f64>> = crate::candidates(sweep.table).into_iter().map(|(_, costs)| costs).collect();
+    let share = Space::of(&costs).and_then(|space| space.hypervolume(&costs));
+    let share = share.filter(|_| sweep.front.len() > 1);
+    share.map_or(String::new(), |share| {
+        format!(
+            "The front dominates {} of the space between the best of each objective and a tenth of its range beyond the worst.",
+            about(share)
+        )
+    })
+}

@@ -1,0 +1,127 @@
+//! An objective over two axes at once.
+
+use super::data::{COLOURS, Sweep, colour};
+use super::number::rounded;
+use super::scale::WHOLE;
+use super::scatter::cut;
+use crate::effects::{Level, effects, level};
+use crate::levels::Levels;
+use crate::table::Goal;
+use basrelief_report::html::markup::{Html, details, el, el_text};
+use basrelief_report::html::svg::{label, px, svg_sized};
+
+/// Most maps.
+const MOST_MAPS: usize = 24;
+const CELL: (f64, f64) = (74.0, 30.0);
+const LEFT: f64 = 110.0;
+const TOP: f64 = 40.0;
+
+/// Two axes and an objective.
+struct Map {
+    objective: (usize, Goal),
+    upright: usize,
+    across: usize,
+}
+
+/// Of each objective the two axes that move it most; others on demand.
+pub(super) fn heat(sweep: &Sweep<'_>) -> Html {
+    let (first, others) = maps(sweep);
+    let total = first.len() + others.len();
+    let draw = |map: &Map| figure(sweep, map);
+    let cards = el("div", &[("class", "maps")], first.iter().map(draw));
+    let kept = others.len().min(MOST_MAPS.saturating_sub(first.len()));
+    let more = el("div", &[("class", "maps")], others[..kept].iter().map(draw));
+    if total == 0 {
+        return Html::default();
+    }
+    let left = first.len() + kept;
+    let left = if left < total {
+        format!(" {left} of {total} maps are drawn, those of the axes that move most first.")
+    } else {
+        String::new()
+    };
+    let about =
+        format!("Mean of an objective over all points with these two values. Where nothing stands, no point has run.{left}");
+    let more = if kept > 0 { details(&format!("{kept} other pairs of axes"), more) } else { Html::default() };
+    [el_text("p", "quiet", about), cards, more].into_iter().collect()
+}
+
+/// The first of each objective, then all others, by the order of their axes in the tornado.
+fn maps(sweep: &Sweep<'_>) -> (Vec<Map>, Vec<Map>) {
+    let effects = effects(sweep.table);
+    let (mut first, mut others) = (vec![], vec![]);
+    for objective in sweep.table.objectives() {
+        let of = effects.iter().filter(|effect| effect.objective == objective.0 && effect.levels.len() > 1);
+        let axes: Vec<usize> = of.map(|effect| effect.axis).collect();
+        let pairs = (1..axes.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+        let mut maps = pairs.map(|(a, b)| Map { objective, upright: axes[a], across: axes[b] });
+        first.extend(maps.next());
+        others.extend(maps);
+    }
+    (first, others)
+}
+
+fn figure(sweep: &Sweep<'_>, map: &Map) -> Html {
+    let [upright, across] = [map.upright, map.across].map(|axis| Levels::of(sweep.table, axis));
+    let cells = cells(sweep, map, &upright, &across);
+    let means = || cells.iter().map(|(_, _, level)| level.mean);
+    let (low, high) = (means().reduce(f64::min).unwrap_or(0.0), means().reduce(f64::max).unwrap_or(0.0));
+    let names = [map.upright, map.across].map(|axis| sweep.table.columns[axis].name.as_str());
+    let shapes = cells.iter().map(|(row, column, level)| cell((*row, *column), level, low, high));
+    let sides = sides(&upright, &across, names);
+    let size = (LEFT + CELL.0 * across.labels.len() as f64 + 4.0, TOP + CELL.1 * upright.labels.len() as f64 + 4.0);
+    let title = format!("Mean of {}", sweep.header(map.objective.0));
+    let says = format!("{title} by {} and {}, from {} to {}", names[0], names[1], rounded(low), rounded(high));
+    let drawing = svg_sized("map", size, 1.0, &says, shapes.chain(sides).collect());
+    el("figure", &[], [el_text("figcaption", "", title), el("div", &[("class", "wide"), ("tabindex", "0")], [drawing])])
+}
+
+/// Row, column and points of each cell that has any.
+fn cells(sweep: &Sweep<'_>, map: &Map, upright: &Levels, across: &Levels) -> Vec<(usize, usize, Level)> {
+    let mut rows = vec![vec![]; upright.labels.len() * across.labels.len()];
+    for (row, (a, b)) in upright.of_row.iter().zip(&across.of_row).enumerate() {
+        if let Some((a, b)) = a.zip(*b) {
+            rows[a * across.labels.len() + b].push(row);
+        }
+    }
+    let width = across.labels.len();
+    let of = |(at, rows): (usize, &Vec<usize>)| Some((at / width, at % width, level(sweep.table, map.objective, "", rows)?));
+    rows.iter().enumerate().filter_map(of).collect()
+}
+
+fn cell((row, column): (usize, usize), level: &Level, low: f64, high: f64) -> Html {
+    let share = if high > low { (level.mean - low) / (high - low) } else { 0.0 };
+    let colour = colour((share * f64::from(WHOLE)) as u32).min(COLOURS - 1);
+    let (x, y) = (LEFT + CELL.0 * column as f64, TOP + CELL.1 * row as f64);
+    let points = if level.points == 1 { "1 point".into() } else { format!("{} points", level.points) };
+    let title = format!("mean {}, best {}, {points}", rounded(level.mean), rounded(level.best));
+    let shape = [
+        ("class", format!("level-{colour}")),
+        ("x", px(x)),
+        ("y", px(y)),
+        ("width", px(CELL.0 - 1.0)),
+        ("height", px(CELL.1 - 1.0)),
+    ];
+    let shape: Vec<(&str, &str)> = shape.iter().map(|(name, value)| (*name, value.as_str())).collect();
+    let written = label("middle", x + CELL.0 / 2.0, y + CELL.1 / 2.0 + 4.0, &cut(&rounded(level.mean), CELL.0));
+    el("g", &[("class", &format!("on-{colour}"))], [el_text("title", "", title), el("rect", &shape, []), written])
+}
+
+/// Names and values of both axes.
+fn sides<'a>(upright: &'a Levels, across: &'a Levels, [of_rows, of_columns]: [&'a str; 2]) -> impl Iterator<Item = Html> + 'a {
+    let rows = upright
+        .labels
+        .iter()
+        .enumerate()
+        .map(|(row, name)| label("end", LEFT - 6.0, TOP + CELL.1 * (row as f64 + 0.5) + 4.0, &cut(name, LEFT - 8.0)));
+    let columns = across
+        .labels
+        .iter()
+        .enumerate()
+        .map(|(column, name)| label("middle", LEFT + CELL.0 * (column as f64 + 0.5), TOP - 6.0, &cut(name, CELL.0)));
+    let names = [
+        label("start", 2.0, TOP - 6.0, &cut(&format!("{of_rows} ↓"), LEFT)),
+        label("start", LEFT, 14.0, &format!("{of_columns} →")),
+    ];
+    rows.chain(columns).chain(names)
+}

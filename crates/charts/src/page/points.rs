@@ -1,0 +1,72 @@
+//! Points on the front, one by one; and those that failed.
+
+use super::data::Sweep;
+use super::number;
+use crate::table::State;
+use basrelief_report::html::markup::{Html, el, el_text, text};
+use basrelief_report::html::{Align, with_cells};
+use basrelief_report::text::number::thousands;
+use std::collections::BTreeMap;
+
+/// Most rows of a table.
+const MOST: usize = 200;
+/// Most reasons that are told.
+const MOST_REASONS: usize = 20;
+/// Characters of a hash that tell points apart.
+const SHORT: usize = 10;
+
+/// The front as a table, best by the first objective first.
+pub(super) fn front(sweep: &Sweep<'_>) -> Html {
+    let told = sweep.told();
+    let Some((first, goal)) = sweep.table.objectives().next() else { return Html::default() };
+    let cost = |row: usize| sweep.table.rows[row].cells.get(first).and_then(|cell| Some(goal.cost(cell.number()?)));
+    let mut rows = sweep.front.clone();
+    rows.sort_by(|&a, &b| cost(a).unwrap_or(f64::MAX).total_cmp(&cost(b).unwrap_or(f64::MAX)));
+    let left = rows.len().saturating_sub(MOST);
+    rows.truncate(MOST);
+    let pictures = rows.iter().any(|&row| sweep.table.rows[row].picture.is_some());
+    let headers: Vec<String> = told.iter().map(|&at| sweep.header(at)).collect();
+    let own = [("point", Align::Left), ("picture", Align::Left)];
+    let own = &own[..if pictures { 2 } else { 1 }];
+    let columns: Vec<(&str, Align)> =
+        own.iter().copied().chain(headers.iter().map(|name| (name.as_str(), Align::Right))).collect();
+    let body = rows.iter().map(|&row| cells(sweep, row, &told, pictures)).collect();
+    let caption = if left > 0 {
+        format!("The first {MOST} of {}", thousands(sweep.front.len() as u64))
+    } else {
+        "All points on the front".into()
+    };
+    let table = with_cells(&caption, &columns, body);
+    if table.is_empty() { table } else { el("div", &[("id", "chosen")], [table]) }
+}
+
+fn cells(sweep: &Sweep<'_>, row: usize, told: &[usize], pictures: bool) -> Vec<Html> {
+    let of = &sweep.table.rows[row];
+    let short: String = of.id.chars().take(SHORT).collect();
+    // The script shows the point that is named.
+    let name = el("button", &[("type", "button"), ("title", &of.id), ("data-id", &of.id)], [text(short)]);
+    let picture = of.picture.as_deref().map_or_else(Html::default, |path| {
+        el("img", &[("src", path), ("alt", ""), ("loading", "lazy"), ("class", "thumbnail")], [])
+    });
+    let values = told.iter().map(|&at| text(of.cells.get(at).map_or(String::new(), number::cell)));
+    [name].into_iter().chain(pictures.then_some(picture)).chain(values).collect()
+}
+
+/// Why points failed, the most frequent reason first.
+pub(super) fn failures(sweep: &Sweep<'_>) -> Html {
+    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for row in &sweep.table.rows {
+        if let State::Failed(reason) = &row.state {
+            reasons.entry(reason).or_default().push(&row.id);
+        }
+    }
+    let mut reasons: Vec<(&str, Vec<&str>)> = reasons.into_iter().collect();
+    reasons.sort_by_key(|(_, ids)| std::cmp::Reverse(ids.len()));
+    let count = reasons.len();
+    let row =
+        |(reason, ids): (&str, Vec<&str>)| vec![text(thousands(ids.len() as u64)), text(reason), el_text("code", "", ids[0])];
+    let columns = [("points", Align::Right), ("why", Align::Left), ("the first of them", Align::Left)];
+    let caption =
+        if count > MOST_REASONS { format!("The {MOST_REASONS} most frequent of {count} reasons") } else { "All reasons".into() };
+    with_cells(&caption, &columns, reasons.into_iter().take(MOST_REASONS).map(row).collect())
+}

@@ -1,0 +1,170 @@
+//! Where the values of a column stand along an axis, and what is written beside it.
+
+use super::number::rounded;
+use crate::levels::Levels;
+use crate::table::{Cell, Role, Table};
+
+/// Positions are whole numbers from 0 to this: finer than a pixel, short in a file.
+pub(super) const WHOLE: u32 = 10_000;
+/// From this ratio of largest to smallest value on, a scale is logarithmic.
+const LOGARITHMIC: f64 = 50.0;
+/// Share of the scale that is left free at either end.
+const PADDING: f64 = 0.03;
+/// Parts that a linear scale is divided into, about.
+const PARTS: f64 = 6.0;
+/// Most marks of a logarithmic scale.
+const MARKS: i32 = 8;
+
+/// The scale of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Scale {
+    /// Marks: position, and what is written there.
+    pub(super) ticks: Vec<(u32, String)>,
+    /// Position of each row, up to [`WHOLE`]; none without a value.
+    pub(super) at: Vec<Option<u32>>,
+    /// Lowest and highest value in words.
+    pub(super) ends: [String; 2],
+    /// Whether equal ratios have equal lengths.
+    pub(super) logarithmic: bool,
+}
+
+impl Scale {
+    /// The scale of a column of which rows differ; none of others. Words, and few values of an axis, stand at equal distances.
+    pub(super) fn of(table: &Table, column: usize) -> Option<Self> {
+        let cells: Vec<&Cell> = table.rows.iter().filter_map(|row| row.cells.get(column)).collect();
+        let levels = || Some(Levels::of(table, column));
+        let words = cells.iter().any(|cell| matches!(cell, Cell::Text(_)));
+        let few = levels().filter(|levels| levels.single && table.columns[column].role == Role::Axis || words);
+        match few {
+            Some(levels) => Self::equal(&levels),
+            None => Self::numeric(&cells.iter().map(|cell| cell.number()).collect::<Vec<_>>()),
+        }
+    }
+
+    fn equal(levels: &Levels) -> Option<Self> {
+        let count = levels.labels.len();
+        let position = |level: usize| part((level as f64 + 0.5) / count as f64);
+        let [first, .., last] = levels.labels.as_slice() else { return None };
+        Some(Self {
+            ticks: levels.labels.iter().enumerate().map(|(level, label)| (position(level), label.clone())).collect(),
+            at: levels.of_row.iter().map(|level| level.map(position)).collect(),
+            ends: [first.clone(), last.clone()],
+            logarithmic: false,
+        })
+    }
+
+    fn numeric(values: &[Option<f64>]) -> Option<Self> {
+        let finite = || values.iter().flatten().copied();
+        let (low, high) = (finite().reduce(f64::min)?, finite().reduce(f64::max)?);
+        if low >= high {
+            return None;
+        }
+        let logarithmic = low > 0.0 && high / low >= LOGARITHMIC;
+        let along = |x: f64| if logarithmic { libm::log10(x) } else { x };
+        // Halves: a distance of two large numbers must not overflow.
+        let (start, end) = (along(low) / 2.0, along(high) / 2.0);
+        let position = |x: f64| part(PADDING + (1.0 - 2.0 * PADDING) * (along(x) / 2.0 - start) / (end - start));
+        let ticks = if logarithmic { logarithmic_ticks(low, high) } else { linear_ticks(low, high) };
+        Some(Self {
+            ticks: ticks.into_iter().map(|(x, label)| (position(x), label)).collect(),
+            at: values.iter().map(|value| value.map(position)).collect(),
+            ends: [low, high].map(rounded),
+            logarithmic,
+        })
+    }
+}
+
+fn part(share: f64) -> u32 {
+    libm::round(share * f64::from(WHOLE)) as u32
+}
+
+/// 10 to a power, exactly as the number is written.
+fn power(exponent: i32) -> f64 {
+    format!("1e{exponent}").parse().unwrap_or(f64::MAX)
+}
+
+/// Round numbers from low to high, at distances of 1, 2 or 5 times a power of ten.
+fn linear_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
+    let raw = high / PARTS - low / PARTS;
+    let exponent = libm::floor(libm::log10(raw)) as i32;
+    let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power(exponent) >= raw).unwrap_or(10.0);
+    let (factor, exponent) = if factor == 10.0 { (1.0, exponent + 1) } else { (factor, exponent) };
+    let step = factor * power(exponent);
+    let (unit, suffix) = unit(low.abs().max(high.abs()));
+    let decimals = (f64::from(-exponent) + libm::log10(unit)).clamp(0.0, 17.0) as usize;
+    let first = libm::ceil(low / step);
+    let values = (0..=2 * PARTS as u32).map(|k| first + f64::from(k)).map(|k| k * step).take_while(|x| *x <= high);
+    values.map(|x| (x, written(x / unit, decimals, suffix))).collect()
+}
+
+fn written(x: f64, decimals: usize, suffix: &str) -> String {
+    // Zero has no sign.
+    let x = if x == 0.0 { 0.0 } else { x };
+    let long = x.abs() >= 1e6 || decimals > 6;
+    if long { format!("{x:.3e}") } else { format!("{x:.decimals$}{suffix}") }
+}
+
+/// Powers of ten; where there are few, twice and five times as much, too.
+fn logarithmic_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
+    let ends = [low, high].map(|x| libm::floor(libm::log10(x)) as i32);
+    let factors: &[f64] = if ends[1] - ends[0] <= 2 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let every = (ends[1] - ends[0]) / MARKS + 1;
+    let powers = (ends[0]..=ends[1]).step_by(every as usize);
+    let values = powers.flat_map(|exponent| factors.iter().map(move |factor| factor * power(exponent)));
+    values.filter(|x| (low..=high).contains(x)).map(|x| (x, short(x))).collect()
+}
+
+/// A round number, short.
+fn short(x: f64) -> String {
+    let (unit, suffix) = unit(x);
+    let x = x / unit;
+    if (1e-3..1e3).contains(&x) { format!("{x}{suffix}") } else { format!("{x:e}{suffix}") }
+}
+
+/// What large numbers are counted in.
+fn unit(largest: f64) -> (f64, &'static str) {
+    let units = [(1e9, " G"), (1e6, " M"), (1e4, " k")];
+    let found = units.into_iter().find(|(least, _)| (*least..1e12).contains(&largest));
+    found.map_or((1.0, ""), |(least, suffix)| if least == 1e4 { (1e3, suffix) } else { (least, suffix) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn labels(values: &[f64]) -> Vec<String> {
+        let scale = Scale::numeric(&values.iter().map(|x| Some(*x)).collect::<Vec<_>>()).unwrap();
+        scale.ticks.into_iter().map(|(_, label)| label).collect()
+    }
+
+    #[test]
+    fn marks_are_round_and_short() {
+        assert_eq!(labels(&[16.63, 33.06]), ["20", "25", "30"]);
+        assert_eq!(labels(&[0.0, 0.7]), ["0.0", "0.2", "0.4", "0.6"]);
+        assert_eq!(labels(&[237_929.0, 3_428_606.0]), ["1 M", "2 M", "3 M"]);
+        assert_eq!(labels(&[-3.0, 3.0]), ["-3", "-2", "-1", "0", "1", "2", "3"]);
+        assert_eq!(labels(&[120_000.0, 190_000.0]), ["120 k", "140 k", "160 k", "180 k"]);
+        assert_eq!(labels(&[700.0, 90_000.0]), ["1000", "2000", "5000", "10 k", "20 k", "50 k"]);
+        assert_eq!(labels(&[1.0, 1e6]), ["1", "10", "100", "1000", "10 k", "100 k", "1 M"]);
+        assert_eq!(labels(&[1e-9, 2e-9]), ["1.200e-9", "1.400e-9", "1.600e-9", "1.800e-9", "2.000e-9"]);
+    }
+
+    proptest! {
+        #[test]
+        fn any_numbers_have_a_scale(values in prop::collection::vec(prop::num::f64::ANY, 2..6)) {
+            let known: Vec<Option<f64>> = values.iter().map(|x| Some(*x).filter(|x| x.is_finite())).collect();
+            if let Some(scale) = Scale::numeric(&known) {
+                prop_assert!(scale.at.iter().flatten().all(|at| *at <= WHOLE), "{:?}", scale);
+                prop_assert!(scale.ticks.iter().all(|(at, label)| *at <= WHOLE && label.len() <= 12), "{:?}", scale);
+                prop_assert!(scale.ticks.len() <= 13 && scale.ticks.is_sorted_by(|a, b| a.0 <= b.0), "{:?}", scale);
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_differ_has_no_scale() {
+        assert_eq!(Scale::numeric(&[Some(1.0), None, Some(1.0)]), None);
+        assert_eq!(Scale::numeric(&[]), None);
+    }
+}

@@ -1,0 +1,228 @@
+//! Points by any two or three figures.
+
+use super::data::{COLOURS, Sweep, colour};
+use super::number;
+use super::scale::{Scale, WHOLE};
+use crate::front::front_by;
+use crate::table::{Goal, Role};
+use basrelief_report::html::markup::{Html, el, el_text, text};
+use basrelief_report::html::svg::{label, px, svg};
+use basrelief_report::text::number::thousands;
+use serde_json::{Value, json};
+
+const SIZE: (f64, f64) = (860.0, 520.0);
+/// Left, top, width, height of what points stand in.
+const BOX: [f64; 4] = [76.0, 26.0, 768.0, 440.0];
+
+/// The drawing, what chooses its figures, and the point that is looked at.
+pub(super) fn scatter(sweep: &Sweep<'_>) -> Html {
+    let Some((across, upright)) = chosen(sweep) else { return Html::default() };
+    let shapes = [axes(sweep, across, upright), lines(sweep, across, upright), points(sweep, across, upright)];
+    let says = format!("Scatter plot of {} points by the figures chosen. Arrow keys go from point to point.", sweep.drawn.len());
+    let plot = svg("plot", SIZE, &says, "xMidYMid meet", shapes.into_iter().collect());
+    let plot = el("div", &[("id", "plot"), ("tabindex", "0"), ("role", "group"), ("aria-label", &says)], [plot]);
+    let point = el("aside", &[("id", "point"), ("aria-live", "polite"), ("hidden", "hidden")], []);
+    let sides = el("div", &[("class", "beside")], [el("div", &[], [plot, legend(sweep)]), point]);
+    [el_text("p", "quiet", about(sweep)), choices(sweep, across, upright), sides].into_iter().collect()
+}
+
+/// Which two figures are shown first: the first two objectives, else what there is.
+fn chosen(sweep: &Sweep<'_>) -> Option<(usize, usize)> {
+    let mut places = sweep.table.objectives().filter_map(|(at, _)| sweep.place(at)).chain(0..sweep.shown.len());
+    let across = places.next()?;
+    Some((across, places.find(|place| *place != across)?))
+}
+
+fn about(sweep: &Sweep<'_>) -> String {
+    let (run, drawn) = (sweep.run() as u64, sweep.drawn.len() as u64);
+    let all = if drawn == run {
+        format!("All {} points that have run are drawn. ", thousands(run))
+    } else {
+        format!(
+            "Of {} points that have run {} are drawn: the front, and of the others each so many. ",
+            thousands(run),
+            thousands(drawn)
+        )
+    };
+    all + "The line is the front of the two figures that are shown, where both are objectives; a point on the front of all objectives may \
+           stand beside it. Arrow keys go from point to point; a click or Enter keeps one."
+}
+
+/// Places of each pair of figures in the drawing: titles, marks, both directions; only those of two are seen.
+fn axes(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
+    let [left, top, width, height] = BOX;
+    let frame = format!("M{} {} V{} H{}", px(left), px(top), px(top + height), px(left + width));
+    let each = sweep.shown.iter().enumerate().flat_map(|(place, shown)| {
+        let title = axis_title(sweep, shown.column, &shown.scale);
+        [("x", across, across_marks(&shown.scale, &title)), ("y", upright, upright_marks(&shown.scale, &title))]
+            .map(|(name, seen, marks)| group(&format!("{name}-{place}"), place == seen, marks))
+    });
+    each.chain([el("path", &[("class", "axis"), ("d", &frame)], [])]).collect()
+}
+
+/// Shapes that are seen or not.
+fn group(id: &str, seen: bool, shapes: Html) -> Html {
+    el("g", &[("id", id), ("class", if seen { "" } else { "off" })], [shapes])
+}
+
+fn axis_title(sweep: &Sweep<'_>, column: usize, scale: &Scale) -> String {
+    let goal = match sweep.table.columns[column].role {
+        Role::Objective(Goal::Min) => ", less is better",
+        Role::Objective(Goal::Max) => ", more is better",
+        Role::Axis | Role::Figure => "",
+    };
+    format!("{}{goal}{}", sweep.header(column), if scale.logarithmic { ", logarithmic" } else { "" })
+}
+
+fn x(at: u32) -> f64 {
+    BOX[0] + f64::from(at) / f64::from(WHOLE) * BOX[2]
+}
+
+fn y(at: u32) -> f64 {
+    BOX[1] + (1.0 - f64::from(at) / f64::from(WHOLE)) * BOX[3]
+}
+
+fn across_marks(scale: &Scale, title: &str) -> Html {
+    let [left, top, width, height] = BOX;
+    let room = width / scale.ticks.len().max(1) as f64;
+    let marks = scale.ticks.iter().flat_map(|(at, name)| {
+        let line = format!("M{} {} V{}", px(x(*at)), px(top), px(top + height));
+        [el("path", &[("class", "mark"), ("d", &line)], []), label("middle", x(*at), top + height + 17.0, &cut(name, room))]
+    });
+    marks.chain([label("end", left + width, top + height + 40.0, title)]).collect()
+}
+
+fn upright_marks(scale: &Scale, title: &str) -> Html {
+    let [left, _, width, _] = BOX;
+    let marks = scale.ticks.iter().flat_map(|(at, name)| {
+        let line = format!("M{} {} H{}", px(left), px(y(*at)), px(left + width));
+        [el("path", &[("class", "mark"), ("d", &line)], []), label("end", left - 6.0, y(*at) + 4.0, &cut(name, left - 8.0))]
+    });
+    marks.chain([label("start", 4.0, 14.0, title)]).collect()
+}
+
+/// A label that fits into so much room.
+pub(super) fn cut(text: &str, room: f64) -> String {
+    let most = ((room / 6.8) as usize).max(3);
+    if text.chars().count() <= most { text.into() } else { text.chars().take(most - 1).chain(['…']).collect() }
+}
+
+/// Fronts of each two objectives, as stairs.
+fn lines(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
+    let objectives: Vec<(usize, usize, Goal)> =
+        sweep.table.objectives().filter_map(|(at, goal)| Some((sweep.place(at)?, at, goal))).collect();
+    let pairs = objectives.iter().flat_map(|a| objectives.iter().filter(move |b| a.0 != b.0).map(move |b| (a, b)));
+    let line = |(a, b): (&(usize, usize, Goal), &(usize, usize, Goal))| {
+        let seen = (a.0, b.0) == (across, upright);
+        let path = stairs(sweep, (a.1, a.2), (b.1, b.2), [&sweep.shown[a.0].scale, &sweep.shown[b.0].scale]);
+        let class = if seen { "line" } else { "line off" };
+        el("path", &[("id", &format!("line-{}-{}", a.0, b.0)), ("class", class), ("d", &path)], [])
+    };
+    pairs.map(line).collect()
+}
+
+/// From step to step of the front of two objectives: what lies beyond the line, a point of it beats.
+fn stairs(sweep: &Sweep<'_>, a: (usize, Goal), b: (usize, Goal), [across, upright]: [&Scale; 2]) -> String {
+    let front = front_by(sweep.table, &[a, b]).into_iter();
+    let mut steps: Vec<(u32, u32)> = front.filter_map(|row| Some((across.at[row]?, upright.at[row]?))).collect();
+    steps.sort_unstable();
+    steps.dedup();
+    let better_right = a.1 == Goal::Max;
+    let mut path = String::new();
+    for (number, (at_x, at_y)) in steps.into_iter().enumerate() {
+        let (x, y) = (px(x(at_x)), px(y(at_y)));
+        path += &match (number, better_right) {
+            (0, _) => format!("M{x} {y}"),
+            (_, false) => format!(" H{x} V{y}"),
+            (_, true) => format!(" V{y} H{x}"),
+        };
+    }
+    path
+}
+
+fn points(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
+    let [horizontal, vertical] = [across, upright].map(|place| &sweep.shown[place].scale.at);
+    let point = |&row: &usize| {
+        let (at_x, at_y) = (horizontal[row], vertical[row]);
+        let class = format!("{}{}", class(sweep, row), if at_x.and(at_y).is_some() { "" } else { " off" });
+        let (cx, cy) = (px(x(at_x.unwrap_or(0))), px(y(at_y.unwrap_or(0))));
+        let radius = if sweep.is_best(row) { "5.5" } else { "3.5" };
+        el("circle", &[("class", &class), ("cx", &cx), ("cy", &cy), ("r", radius)], [])
+    };
+    let cursor = el("circle", &[("id", "cursor"), ("class", "off"), ("r", "10")], []);
+    el("g", &[("id", "points")], sweep.drawn.iter().map(point).chain([cursor]))
+}
+
+/// What a point is.
+fn class(sweep: &Sweep<'_>, row: usize) -> &'static str {
+    match row {
+        _ if sweep.is_best(row) => "point best",
+        _ if sweep.table.feasible(&sweep.table.rows[row]) => "point",
+        _ => "point broken",
+    }
+}
+
+fn legend(sweep: &Sweep<'_>) -> Html {
+    let item = |class: &str, radius: &str, meaning: &str| {
+        let dot = el("circle", &[("class", class), ("cx", "7"), ("cy", "7"), ("r", radius)], []);
+        let dot = el("svg", &[("class", "dot"), ("viewBox", "0 0 14 14"), ("aria-hidden", "true")], [dot]);
+        el("li", &[], [dot, text(meaning)])
+    };
+    let broken = sweep.table.constraints.iter().map(|_| item("point broken", "3.5", "breaks a constraint")).take(1);
+    let items = [item("point best", "5.5", "on the front"), item("point", "3.5", "another")].into_iter().chain(broken);
+    let scales = sweep.shown.iter().enumerate().map(|(place, shown)| {
+        let swatches = (0..COLOURS).map(|k| el_text("span", &format!("swatch level-{k}"), ""));
+        let [low, high] = &shown.scale.ends;
+        let ends = |end: &str| el_text("span", "quiet", end);
+        let name = sweep.header(shown.column);
+        let parts = [ends(&format!("{name}: {low}"))].into_iter().chain(swatches).chain([ends(high)]);
+        el("p", &[("id", &format!("colours-{place}")), ("class", "colours"), ("hidden", "hidden")], parts)
+    });
+    el("div", &[], [el("ul", &[("class", "legend")], items), scales.collect()])
+}
+
+fn choices(sweep: &Sweep<'_>, across: usize, upright: usize) -> Html {
+    let option = |value: &str, name: &str, chosen: bool| {
+        let attributes = [("value", value), ("selected", "selected")];
+        el("option", &attributes[..if chosen { 2 } else { 1 }], [text(name)])
+    };
+    let options = |chosen: Option<usize>| -> Html {
+        let each = sweep.shown.iter().enumerate();
+        each.map(|(place, shown)| option(&place.to_string(), &sweep.header(shown.column), chosen == Some(place))).collect()
+    };
+    let select = |id: &str, name: &str, options: Html| {
+        el("label", &[], [text(format!("{name} ")), el("select", &[("id", id)], [options])])
+    };
+    let none = option("", "front and others", true);
+    let selects = [
+        select("across", "across", options(Some(across))),
+        select("upright", "upright", options(Some(upright))),
+        select("colour", "colour", [none, options(None)].into_iter().collect()),
+    ];
+    // Without the script nothing would happen.
+    el("form", &[("id", "choose"), ("hidden", "hidden")], selects)
+}
+
+/// What the script needs: positions and colours of all that is drawn, and what is said of a point.
+pub(super) fn data(sweep: &Sweep<'_>) -> Html {
+    let told = sweep.told();
+    let columns: Vec<Value> = sweep.shown.iter().map(|shown| column(sweep, &shown.scale)).collect();
+    let rows: Vec<Value> = sweep.drawn.iter().map(|&row| point(sweep, &told, row)).collect();
+    let names: Vec<String> = told.iter().map(|&at| sweep.header(at)).collect();
+    let parallel = super::parallel::places(sweep);
+    let value = json!({ "box": BOX, "whole": WHOLE, "columns": columns, "names": names, "rows": rows, "parallel": parallel });
+    Html::data("sweep", &value)
+}
+
+fn column(sweep: &Sweep<'_>, scale: &Scale) -> Value {
+    let at: Vec<Option<u32>> = sweep.drawn.iter().map(|&row| scale.at[row]).collect();
+    let colours: String = at.iter().map(|at| at.and_then(|at| char::from_digit(colour(at), 10)).unwrap_or('-')).collect();
+    json!({ "at": at, "colours": colours })
+}
+
+fn point(sweep: &Sweep<'_>, told: &[usize], row: usize) -> Value {
+    let cells = &sweep.table.rows[row].cells;
+    let values: Vec<String> = told.iter().map(|&at| cells.get(at).map_or(String::new(), number::cell)).collect();
+    let of = &sweep.table.rows[row];
+    json!({ "id": of.id, "picture": of.picture, "best": sweep.is_best(row), "values": values })
+}

@@ -1,0 +1,58 @@
+//! What each axis moves, largest first.
+
+use super::data::Sweep;
+use super::number::rounded;
+use crate::effects::{Effect, effects};
+use basrelief_report::html::markup::{Html, el, el_text, text};
+use basrelief_report::html::svg::{rect, svg};
+use basrelief_report::html::{Align, with_cells};
+
+/// A table of bars per objective.
+pub(super) fn tornado(sweep: &Sweep<'_>) -> Html {
+    let effects = effects(sweep.table);
+    let told: Vec<&[Effect]> = effects.chunk_by(|a, b| a.objective == b.objective).collect();
+    let tables: Html = told.into_iter().map(|effects| table(sweep, effects)).collect();
+    if tables.is_empty() {
+        return tables;
+    }
+    let about = "For each value of an axis the mean of an objective over all points with that value. The bar reaches from the lowest mean to \
+                 the highest: the longer, the more depends on this axis. In a sample, unlike a whole grid, chance adds to it.";
+    [el_text("p", "quiet", about), tables].into_iter().collect()
+}
+
+fn table(sweep: &Sweep<'_>, effects: &[Effect]) -> Html {
+    let ends: Vec<_> = effects.iter().filter_map(|effect| Some((effect, effect.ends()?))).collect();
+    let low = ends.iter().map(|(_, (low, _))| low.mean).reduce(f64::min);
+    let high = ends.iter().map(|(_, (_, high))| high.mean).reduce(f64::max);
+    let Some((low, high)) = low.zip(high) else { return Html::default() };
+    let rows = ends.iter().map(|(effect, (least, most))| {
+        let share = |x: f64| if high > low { (x - low) / (high - low) * 1000.0 } else { 0.0 };
+        let (from, to) = (share(least.mean), share(most.mean));
+        let shape = rect("amount", [from, 0.0, (to - from).max(2.0), 10.0], "");
+        let says = format!("from {} at {} to {} at {}", rounded(least.mean), least.label, rounded(most.mean), most.label);
+        vec![
+            text(&sweep.table.columns[effect.axis].name),
+            svg("bar", (1000.0, 10.0), &says, "none", shape),
+            text(rounded(effect.moved())),
+            text(rounded(least.mean)),
+            text(&least.label),
+            text(rounded(most.mean)),
+            text(&most.label),
+            text(rounded(effect.best_moved())),
+        ]
+    });
+    use Align::{Left, Right};
+    let span = format!("{} to {}", rounded(low), rounded(high));
+    let columns = [
+        ("axis", Left),
+        (span.as_str(), Left),
+        ("moves the mean by", Right),
+        ("lowest mean", Right),
+        ("at", Left),
+        ("highest mean", Right),
+        ("at", Left),
+        ("moves the best by", Right),
+    ];
+    let caption = format!("Mean of {}", sweep.header(effects[0].objective));
+    el("div", &[("class", "bars")], [with_cells(&caption, &columns, rows.collect())])
+}

@@ -1,0 +1,447 @@
+//! A table of points: one row for each, one column for each axis, objective and figure.
+
+use crate::write::RESERVED;
+use std::fmt;
+use std::str::FromStr;
+
+/// What a sweep found.
+///
+/// Every row has as many cells as there are columns; [`Table::check`] says where one has not. Names of columns are
+/// different from each other, and none is `id`, `state`, `reason` or `picture`, which every written table has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// What was swept, in words: a heading.
+    pub title: String,
+    /// Columns, in the order in which they are written: objectives first.
+    pub columns: Vec<Column>,
+    /// What a point must keep to be chosen.
+    pub constraints: Vec<Constraint>,
+    /// Points, in the order of the plan.
+    pub rows: Vec<Row>,
+}
+
+/// What the cells of a column are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Name: of an axis the parameter, of a figure its path in the report.
+    pub name: String,
+    /// Unit of measure; empty for a pure number or a word.
+    pub unit: String,
+    /// What the column is for.
+    pub role: Role,
+    /// What it is, in words; may be empty.
+    pub what: String,
+}
+
+/// What a column is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Was chosen by the plan.
+    Axis,
+    /// Is to be as small or as large as possible.
+    Objective(Goal),
+    /// Was measured.
+    Figure,
+}
+
+/// Which of two values is better.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Goal {
+    /// The smaller.
+    Min,
+    /// The larger.
+    Max,
+}
+
+/// A point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// What the point is known by: its hash.
+    pub id: String,
+    /// Whether it has figures.
+    pub state: State,
+    /// A value for each column.
+    pub cells: Vec<Cell>,
+    /// Its picture, as a path relative to the folder of the table, parts separated by `/`.
+    pub picture: Option<String>,
+}
+
+/// How far a point has come.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It has run to its end.
+    Ok,
+    /// It has not, and this is why. Cells of its axes have values; others may have.
+    Failed(String),
+    /// It has not run yet.
+    Pending,
+}
+
+/// A value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// A measure. What is not finite (`NaN`, an infinite number) is written, but never drawn, compared or chosen.
+    Number(f64),
+    /// A count.
+    Whole(u64),
+    /// A word: a choice, a name.
+    Text(String),
+    /// Nothing is known.
+    Missing,
+}
+
+/// A column that is to be as small or as large as possible: `cycles min`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Objective {
+    /// Name of the column.
+    pub column: String,
+    /// Which of two values is better.
+    pub goal: Goal,
+}
+
+/// What a point must keep: `quality.psnr_db >= 36`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constraint {
+    /// Name of the column.
+    pub column: String,
+    /// How the value must stand to the bound.
+    pub comparison: Comparison,
+    /// The bound, in the unit of the column; finite.
+    pub bound: f64,
+}
+
+/// How a value must stand to a bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Comparison {
+    /// `>=`
+    AtLeast,
+    /// `<=`
+    AtMost,
+    /// `>`
+    Above,
+    /// `<`
+    Below,
+    /// `=`, also written `==`
+    Equal,
+}
+
+/// What is wrong with an objective or a constraint in words.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RuleError {
+    /// No column and goal.
+    #[error("objective `{0}`: expected the name of a figure and `min` or `max`, as in `cycles min`")]
+    Objective(String),
+    /// No column, comparison and bound.
+    #[error(
+        "constraint `{0}`: expected the name of a figure, one of `>=`, `<=`, `>`, `<`, `=`, and a number, as in `quality.psnr_db >= 36`"
+    )]
+    Constraint(String),
+}
+
+/// What is wrong with a table.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TableError {
+    /// A row that is too long or too short.
+    #[error("row {row} (`{id}`) has {cells} cells, expected {columns}: one for each column")]
+    Cells {
+        /// Number of the row, from 0.
+        row: usize,
+        /// What it is known by.
+        id: String,
+        /// How many cells it has.
+        cells: usize,
+        /// How many columns there are.
+        columns: usize,
+    },
+    /// A name that two columns have.
+    #[error("two columns are named `{0}`; expected a name of its own for each")]
+    Name(String),
+    /// A constraint on what is no column.
+    #[error("a constraint is on `{0}`, which is no column of the table")]
+    Constraint(String),
+}
+
+impl Table {
+    /// The number of the column of this name, from 0.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column.name == name)
+    }
+
+    /// Columns that the plan chose values for, by number.
+    pub fn axes(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.columns.len()).filter(|&at| self.columns[at].role == Role::Axis)
+    }
+
+    /// Objectives, with the number of their column.
+    pub fn objectives(&self) -> impl Iterator<Item = (usize, Goal)> + '_ {
+        self.columns.iter().enumerate().filter_map(|(at, column)| match column.role {
+            Role::Objective(goal) => Some((at, goal)),
+            Role::Axis | Role::Figure => None,
+        })
+    }
+
+    /// Whether the point has run, and keeps every constraint. A constraint on a cell without a finite number is not kept.
+    pub fn feasible(&self, row: &Row) -> bool {
+        let kept = |constraint: &Constraint| {
+            let cell = self.column(&constraint.column).and_then(|at| row.cells.get(at));
+            cell.and_then(Cell::number).is_some_and(|value| constraint.keeps(value))
+        };
+        row.state == State::Ok && self.constraints.iter().all(kept)
+    }
+
+    /// That rows have a cell for each column, names of columns are different, and constraints are on columns.
+    ///
+    /// # Errors
+    /// The first that is wrong.
+    pub fn check(&self) -> Result<(), TableError> {
+        let names = || RESERVED.into_iter().chain(self.columns.iter().map(|column| column.name.as_str()));
+        if let Some((_, name)) = names().enumerate().find(|(at, name)| names().take(*at).any(|before| before == *name)) {
+            return Err(TableError::Name(name.into()));
+        }
+        if let Some(constraint) = self.constraints.iter().find(|constraint| self.column(&constraint.column).is_none()) {
+            return Err(TableError::Constraint(constraint.column.clone()));
+        }
+        let columns = self.columns.len();
+        match self.rows.iter().enumerate().find(|(_, row)| row.cells.len() != columns) {
+            Some((row, Row { id, cells, .. })) => Err(TableError::Cells { row, id: id.clone(), cells: cells.len(), columns }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Column {
+    /// Name and unit, as in `cycles.total [cycles]`; the name alone where there is no unit.
+    pub fn header(&self) -> String {
+        if self.unit.is_empty() { self.name.clone() } else { format!("{} [{}]", self.name, self.unit) }
+    }
+}
+
+impl Cell {
+    /// The value as a finite number, if it is one. Counts beyond 2^53 are rounded.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(x) => Some(*x).filter(|x| x.is_finite()),
+            Self::Whole(n) => Some(*n as f64),
+            Self::Text(_) | Self::Missing => None,
+        }
+    }
+}
+
+/// As it is written: the shortest digits that read back to the same value.
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            // With an exponent where the number is long: 1e300 has 301 digits.
+            Self::Number(x) => write!(f, "{x:?}"),
+            Self::Whole(n) => n.fmt(f),
+            Self::Text(text) => f.write_str(text),
+            Self::Missing => Ok(()),
+        }
+    }
+}
+
+impl State {
+    /// One word: `ok`, `failed` or `pending`.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Failed(_) => "failed",
+            Self::Pending => "pending",
+        }
+    }
+
+    /// Why it failed; empty where it has not.
+    pub fn reason(&self) -> &str {
+        if let Self::Failed(reason) = self { reason } else { "" }
+    }
+}
+
+impl Goal {
+    /// Whether `a` is better than `b`.
+    pub fn better(self, a: f64, b: f64) -> bool {
+        match self {
+            Self::Min => a < b,
+            Self::Max => a > b,
+        }
+    }
+
+    /// A value of which the smaller is better.
+    pub fn cost(self, value: f64) -> f64 {
+        match self {
+            Self::Min => value,
+            Self::Max => -value,
+        }
+    }
+}
+
+impl fmt::Display for Goal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Min => "min",
+            Self::Max => "max",
+        })
+    }
+}
+
+impl Comparison {
+    /// All, two characters before one, so that the first that is found in a text is the right one.
+    const ALL: [(&'static str, Self); 6] = [
+        (">=", Self::AtLeast),
+        ("<=", Self::AtMost),
+        ("==", Self::Equal),
+        (">", Self::Above),
+        ("<", Self::Below),
+        ("=", Self::Equal),
+    ];
+}
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::AtLeast => ">=",
+            Self::AtMost => "<=",
+            Self::Above => ">",
+            Self::Below => "<",
+            Self::Equal => "=",
+        })
+    }
+}
+
+impl Constraint {
+    /// Whether a value keeps it.
+    pub fn keeps(&self, value: f64) -> bool {
+        match self.comparison {
+            Comparison::AtLeast => value >= self.bound,
+            Comparison::AtMost => value <= self.bound,
+            Comparison::Above => value > self.bound,
+            Comparison::Below => value < self.bound,
+            Comparison::Equal => value == self.bound,
+        }
+    }
+}
+
+impl fmt::Display for Objective {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.column, self.goal)
+    }
+}
+
+impl fmt::Display for Constraint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} {}", self.column, self.comparison, self.bound)
+    }
+}
+
+/// Of the form `cycles min`.
+impl FromStr for Objective {
+    type Err = RuleError;
+
+    fn from_str(text: &str) -> Result<Self, RuleError> {
+        let wrong = || RuleError::Objective(text.into());
+        let mut words = text.split_whitespace();
+        let (Some(column), Some(goal), None) = (words.next(), words.next(), words.next()) else { return Err(wrong()) };
+        let goal = match goal {
+            "min" => Goal::Min,
+            "max" => Goal::Max,
+            _ => return Err(wrong()),
+        };
+        Ok(Self { column: column.into(), goal })
+    }
+}
+
+/// Of the form `quality.psnr_db >= 36`; blanks may be left out.
+impl FromStr for Constraint {
+    type Err = RuleError;
+
+    fn from_str(text: &str) -> Result<Self, RuleError> {
+        let wrong = || RuleError::Constraint(text.into());
+        let at = text.find(['<', '>', '=']).ok_or_else(wrong)?;
+        let (column, rest) = (text[..at].trim(), &text[at..]);
+        let found = Comparison::ALL.iter().find_map(|(sign, comparison)| Some((*comparison, rest.strip_prefix(sign)?)));
+        let (comparison, bound) = found.ok_or_else(wrong)?;
+        let bound: f64 = bound.trim().parse().map_err(|_| wrong())?;
+        if column.is_empty() || column.contains(char::is_whitespace) || !bound.is_finite() {
+            return Err(wrong());
+        }
+        Ok(Self { column: column.into(), comparison, bound })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn objectives_and_constraints_read_back_as_they_are_written() {
+        for text in ["cycles min", "quality.psnr_db max"] {
+            assert_eq!(text.parse::<Objective>().unwrap().to_string(), text);
+        }
+        for text in ["quality.psnr_db >= 36", "a <= 0.5", "a > -1", "a < 1", "a = 2"] {
+            assert_eq!(text.parse::<Constraint>().unwrap().to_string(), text);
+        }
+        let tight: Constraint = "a==1e3".parse().unwrap();
+        assert_eq!(tight, Constraint { column: "a".into(), comparison: Comparison::Equal, bound: 1000.0 });
+    }
+
+    #[test]
+    fn wrong_rules_say_what_was_expected() {
+        for text in ["", "cycles", "cycles least", "min cycles", "cycles min max"] {
+            let error = text.parse::<Objective>().unwrap_err().to_string();
+            assert!(error.contains(&format!("`{text}`")) && error.contains("`min` or `max`"), "{error}");
+        }
+        for text in ["", "a", "a >=", ">= 3", "a => 3", "a >= x", "a >= inf", "a >= NaN", "a b > 1", "a >> 1"] {
+            let error = text.parse::<Constraint>().unwrap_err().to_string();
+            assert!(error.contains(&format!("`{text}`")) && error.contains("and a number"), "{error}");
+        }
+    }
+
+    #[test]
+    fn bounds_are_kept_to_the_letter() {
+        let kept = |text: &str| [0.0, 1.0, 2.0].map(|x| text.parse::<Constraint>().unwrap().keeps(x));
+        assert_eq!(kept("a >= 1"), [false, true, true]);
+        assert_eq!(kept("a <= 1"), [true, true, false]);
+        assert_eq!(kept("a > 1"), [false, false, true]);
+        assert_eq!(kept("a < 1"), [true, false, false]);
+        assert_eq!(kept("a = 1"), [false, true, false]);
+    }
+
+    fn table(cells: Vec<Cell>) -> Table {
+        let column = |name: &str, role| Column { name: name.into(), unit: "".into(), role, what: "".into() };
+        Table {
+            title: "t".into(),
+            columns: vec![column("cycles", Role::Objective(Goal::Min)), column("lanes", Role::Axis)],
+            constraints: vec!["cycles < 10".parse().unwrap()],
+            rows: vec![Row { id: "a".into(), state: State::Ok, cells, picture: None }],
+        }
+    }
+
+    #[test]
+    fn only_what_has_run_and_keeps_the_constraints_is_feasible() {
+        let feasible = |cell: Cell, state: State| {
+            let mut table = table(vec![cell, Cell::Text("x".into())]);
+            table.rows[0].state = state;
+            table.feasible(&table.rows[0])
+        };
+        assert!(feasible(Cell::Whole(9), State::Ok) && feasible(Cell::Number(9.5), State::Ok));
+        assert!(!feasible(Cell::Whole(10), State::Ok) && !feasible(Cell::Missing, State::Ok));
+        assert!(!feasible(Cell::Number(f64::NEG_INFINITY), State::Ok) && !feasible(Cell::Text("9".into()), State::Ok));
+        assert!(!feasible(Cell::Whole(9), State::Failed("deadlock".into())) && !feasible(Cell::Whole(9), State::Pending));
+    }
+
+    #[test]
+    fn a_table_says_where_it_is_wrong() {
+        let good = table(vec![Cell::Missing, Cell::Missing]);
+        assert_eq!(good.check(), Ok(()));
+        assert_eq!((good.axes().collect::<Vec<_>>(), good.objectives().collect::<Vec<_>>()), (vec![1], vec![(0, Goal::Min)]));
+        let error = table(vec![]).check().unwrap_err().to_string();
+        assert_eq!(error, "row 0 (`a`) has 0 cells, expected 2: one for each column");
+        let mut twice = good.clone();
+        twice.columns[1].name = "cycles".into();
+        assert_eq!(twice.check(), Err(TableError::Name("cycles".into())));
+        twice.columns[1].name = "state".into();
+        assert_eq!(twice.check(), Err(TableError::Name("state".into())));
+        let mut unknown = good;
+        unknown.constraints[0].column = "bits".into();
+        assert_eq!(unknown.check(), Err(TableError::Constraint("bits".into())));
+    }
+}

@@ -1,0 +1,262 @@
+//! Running what is missing, on all cores.
+//!
+//! Points that do the same work, and differ in times only, are a group. The first of a group that is missing is run and recorded; the
+//! others are timed again from its tape, which takes a fraction of the time. Where that cannot be - the tape is too long, the run does
+//! not come to its end, its work turns out to be another - points are run by themselves. The results are the same to the byte.
+//!
+//! Groups are begun at a place drawn at random: of two processes on one folder each does its own part, and finds the other's when it
+//! gets there.
+
+use crate::one::{Ran, run_point};
+use crate::plan::{Plan, Point};
+use crate::{Folder, Found, Host, SweepError};
+use basrelief_session::Recording;
+use basrelief_threads as threads;
+use std::collections::hash_map::RandomState;
+use std::collections::{BTreeMap, VecDeque};
+use std::hash::{BuildHasher, Hasher};
+use std::io::Cursor;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+/// What is to be done.
+#[derive(Clone, Copy, Debug)]
+pub struct Work<'a> {
+    /// Of these points.
+    pub points: &'a [&'a Point],
+    /// Points that failed are run again.
+    pub retry_failed: bool,
+    /// A picture of each point is written beside its report.
+    pub pictures: bool,
+    /// Points under way at a time.
+    pub threads: usize,
+}
+
+/// How far points have come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// All that are to be there.
+    pub points: usize,
+    /// Were there before, or came from another process meanwhile.
+    pub there: usize,
+    /// Were run.
+    pub run: usize,
+    /// Were timed again.
+    pub retimed: usize,
+    /// Of those run here, failed.
+    pub failed: usize,
+}
+
+impl Tally {
+    /// Points that are there.
+    pub fn done(&self) -> usize {
+        self.there + self.run + self.retimed
+    }
+}
+
+/// Runs what is missing of these points.
+///
+/// # Errors
+/// The first that cannot be written, or an input that cannot be opened any more. A point that fails is none: its failure is written
+/// down.
+pub fn execute(plan: &Plan, work: &Work<'_>, folder: &Folder, host: &dyn Host) -> Result<Tally, SweepError> {
+    let missing: Vec<&Point> = work.points.iter().copied().filter(|point| is_missing(point, work, folder)).collect();
+    let (points, there) = (work.points.len(), work.points.len() - missing.len());
+    let tally = Tally { points, there, ..Tally::default() };
+    let tasks = missing.len();
+    let queue = Queue { groups: groups(missing), tally, ..Queue::default() };
+    let crew = Crew { plan, work, folder, host, queue: Mutex::new(queue), changed: Condvar::new() };
+    host.progress(&tally);
+    threads::crew(work.threads.min(tasks), || crew.work());
+    let queue = crew.queue.into_inner().unwrap_or_else(PoisonError::into_inner);
+    queue.failed.map_or(Ok(queue.tally), Err)
+}
+
+fn is_missing(point: &Point, work: &Work<'_>, folder: &Folder) -> bool {
+    match folder.find(&point.id) {
+        Found::Report => false,
+        Found::Failed => work.retry_failed,
+        Found::Missing => true,
+    }
+}
+
+/// Points by their work, in the order of the plan but for where it begins.
+fn groups(points: Vec<&Point>) -> VecDeque<Vec<&Point>> {
+    let mut places = BTreeMap::new();
+    let mut groups: VecDeque<Vec<&Point>> = VecDeque::new();
+    for point in points {
+        let place = *places.entry(&point.work).or_insert(groups.len());
+        match groups.get_mut(place) {
+            Some(group) => group.push(point),
+            None => groups.push_back(vec![point]),
+        }
+    }
+    let begin = RandomState::new().build_hasher().finish() as usize;
+    let place = |length: usize| if length == 0 { 0 } else { begin % length };
+    groups.rotate_left(place(groups.len()));
+    for group in &mut groups {
+        let place = place(group.len());
+        group.rotate_left(place);
+    }
+    groups
+}
+
+/// A tape, and the picture of all points that are timed from it.
+struct Recorded {
+    recording: Recording,
+    png: Option<Vec<u8>>,
+}
+
+#[derive(Default)]
+struct Queue<'a> {
+    /// To be run: the first of each.
+    groups: VecDeque<Vec<&'a Point>>,
+    /// To be timed again.
+    again: VecDeque<(Arc<Recorded>, &'a Point)>,
+    /// Groups whose first is under way, of which others will follow.
+    begun: usize,
+    tally: Tally,
+    failed: Option<SweepError>,
+}
+
+enum Task<'a> {
+    Run(Vec<&'a Point>),
+    Retime(Arc<Recorded>, &'a Point),
+}
+
+/// How a point came to be there.
+enum Way {
+    There,
+    Run { failed: bool },
+    Retimed,
+}
+
+struct Crew<'a> {
+    plan: &'a Plan,
+    work: &'a Work<'a>,
+    folder: &'a Folder,
+    host: &'a dyn Host,
+    queue: Mutex<Queue<'a>>,
+    changed: Condvar,
+}
+
+impl<'a> Crew<'a> {
+    fn queue(&self) -> MutexGuard<'_, Queue<'a>> {
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What each member does, until nothing is left.
+    fn work(&self) {
+        while let Some(task) = self.next() {
+            let done = match task {
+                Task::Run(group) => self.run(group),
+                Task::Retime(recorded, point) => self.retime(&recorded, point).map(|way| self.count(way)),
+            };
+            if let Err(error) = done {
+                self.queue().failed.get_or_insert(error);
+            }
+            self.changed.notify_all();
+        }
+    }
+
+    fn next(&self) -> Option<Task<'a>> {
+        let mut queue = self.queue();
+        loop {
+            if queue.failed.is_some() {
+                return None;
+            }
+            // First what is recorded, so that its tape goes.
+            if let Some((recorded, point)) = queue.again.pop_front() {
+                return Some(Task::Retime(recorded, point));
+            }
+            if let Some(group) = queue.groups.pop_front() {
+                queue.begun += 1;
+                return Some(Task::Run(group));
+            }
+            if queue.begun == 0 {
+                return None;
+            }
+            queue = self.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Runs the first point of a group that is still missing; the others are then timed again, or run after it.
+    fn run(&self, group: Vec<&'a Point>) -> Result<(), SweepError> {
+        let before = group.len();
+        let mut missing = group.into_iter().filter(|point| is_missing(point, self.work, self.folder)).collect::<VecDeque<_>>();
+        (missing.len()..before).for_each(|_| self.count(Way::There));
+        let ran = missing.pop_front().map(|first| self.run_and_put(first, !missing.is_empty()));
+        let recorded = match ran {
+            Some(Ok(recorded)) => recorded,
+            Some(Err(error)) => {
+                self.queue().begun -= 1;
+                return Err(error);
+            }
+            None => None,
+        };
+        let mut queue = self.queue();
+        queue.begun -= 1;
+        match recorded {
+            Some(recorded) => {
+                let recorded = Arc::new(recorded);
+                queue.again.extend(missing.into_iter().map(|point| (Arc::clone(&recorded), point)));
+            }
+            None if missing.is_empty() => {}
+            None => queue.groups.push_front(missing.into()),
+        }
+        Ok(())
+    }
+
+    /// Runs a point and puts it in its place; its tape, where there are others to be timed from it.
+    fn run_and_put(&self, point: &Point, is_recorded: bool) -> Result<Option<Recorded>, SweepError> {
+        let (way, png, tape) = self.run_one(point, is_recorded)?;
+        self.count(way);
+        // Where it cannot be held, points are run.
+        let recording = tape.and_then(|tape| Recording::read(&mut Cursor::new(tape), self.host.budget()).ok());
+        Ok(recording.map(|recording| Recorded { recording, png }))
+    }
+
+    fn retime(&self, recorded: &Recorded, point: &Point) -> Result<Way, SweepError> {
+        if !is_missing(point, self.work, self.folder) {
+            return Ok(Way::There);
+        }
+        let report = self.plan.config(&point.places).ok().and_then(|config| recorded.recording.retime(&config).ok());
+        let in_time = |total: u64| total <= self.plan.max_cycles;
+        match report.filter(|report| report.cycles.as_ref().is_some_and(|cycles| in_time(cycles.total))) {
+            Some(report) => self.put(point, &report, recorded.png.as_deref()).map(|()| Way::Retimed),
+            // Other work, or no end: what there is to say of it only a run knows.
+            None => self.run_one(point, false).map(|(way, ..)| way),
+        }
+    }
+
+    /// Runs a point and puts it in its place: how that went, its picture, and its tape.
+    fn run_one(&self, point: &Point, is_recorded: bool) -> Result<(Way, Option<Vec<u8>>, Option<Vec<u8>>), SweepError> {
+        let Ran { report, png, tape } = run_point(self.plan, point, (self.work.pictures, is_recorded), self.host)?;
+        let failed = report.is_err();
+        match report {
+            Ok(report) => self.put(point, &report, png.as_deref())?,
+            Err(failure) => self.folder.put_failure(&point.id, &failure, self.host)?,
+        }
+        Ok((Way::Run { failed }, png, tape))
+    }
+
+    fn put(&self, point: &Point, report: &basrelief_report::Report, png: Option<&[u8]>) -> Result<(), SweepError> {
+        let text = report.to_json().map_err(|error| SweepError(error.to_string()))?;
+        self.folder.put(&point.id, (&text, png), self.host)
+    }
+
+    fn count(&self, way: Way) {
+        let tally = {
+            let tally = &mut self.queue().tally;
+            match way {
+                Way::There => tally.there += 1,
+                Way::Run { failed } => {
+                    tally.run += 1;
+                    tally.failed += usize::from(failed);
+                }
+                Way::Retimed => tally.retimed += 1,
+            }
+            *tally
+        };
+        self.host.progress(&tally);
+    }
+}

@@ -1,0 +1,132 @@
+//! Where points lie: `points/HASH/report.json` of each that has run to its end, `failed.json` of each that has not, and its picture.
+//!
+//! A file is there as a whole or not at all, and says the same whoever has written it: so nothing is locked, and any number of
+//! processes and machines can work on one folder.
+
+use crate::{Host, SweepError};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+const REPORT: &str = "report.json";
+const FAILED: &str = "failed.json";
+const PICTURE: &str = "image.png";
+
+/// A folder of points.
+#[derive(Clone, Debug)]
+pub struct Folder(PathBuf);
+
+/// What there is of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// It has run to its end.
+    Report,
+    /// It has not, and why is known.
+    Failed,
+    /// Nothing, or a part that a killed process has left.
+    Missing,
+}
+
+/// Why a point has no report.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Failure {
+    /// In one word: `deadlock`, `limit`, `fault`, `unfit` of parameters, or `error`.
+    pub outcome: String,
+    /// In a sentence.
+    pub message: String,
+}
+
+impl Folder {
+    /// The folder at this path, there or not.
+    pub fn new(path: &Path) -> Self {
+        Self(path.into())
+    }
+
+    /// Where a file of the sweep as a whole lies.
+    pub fn place(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn of_point(&self, id: &str, name: &str) -> PathBuf {
+        self.0.join("points").join(id).join(name)
+    }
+
+    /// What there is of a point.
+    pub fn find(&self, id: &str) -> Found {
+        match [REPORT, FAILED].map(|name| self.of_point(id, name).is_file()) {
+            [true, _] => Found::Report,
+            [_, true] => Found::Failed,
+            _ => Found::Missing,
+        }
+    }
+
+    /// The report of a point, as it was written.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn report_text(&self, id: &str) -> Result<String, SweepError> {
+        let path = self.of_point(id, REPORT);
+        fs::read_to_string(&path).map_err(|e| SweepError(format!("{}: cannot be read: {e}", path.display())))
+    }
+
+    /// The report of a point.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is no report.
+    pub fn report(&self, id: &str) -> Result<Value, SweepError> {
+        parse(&self.report_text(id)?, &self.of_point(id, REPORT))
+    }
+
+    /// Why a point failed.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or says something else.
+    pub fn failure(&self, id: &str) -> Result<Failure, SweepError> {
+        let path = self.of_point(id, FAILED);
+        let text = fs::read_to_string(&path).map_err(|e| SweepError(format!("{}: cannot be read: {e}", path.display())))?;
+        parse(&text, &path)
+    }
+
+    /// The picture of a point, relative to the folder, where it has one.
+    pub fn picture(&self, id: &str) -> Option<String> {
+        self.of_point(id, PICTURE).is_file().then(|| format!("points/{id}/{PICTURE}"))
+    }
+
+    /// Puts the report of a point in its place, behind its picture; an earlier failure goes.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn put(&self, id: &str, (report, picture): (&str, Option<&[u8]>), host: &dyn Host) -> Result<(), SweepError> {
+        if let Some(picture) = picture {
+            publish(&self.of_point(id, PICTURE), picture, host)?;
+        }
+        publish(&self.of_point(id, REPORT), report.as_bytes(), host)?;
+        let failed = self.of_point(id, FAILED);
+        match fs::remove_file(&failed) {
+            Err(e) if e.kind() != ErrorKind::NotFound => Err(SweepError(format!("{}: cannot be removed: {e}", failed.display()))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Says why a point has no report.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn put_failure(&self, id: &str, failure: &Failure, host: &dyn Host) -> Result<(), SweepError> {
+        let text = serde_json::to_string_pretty(failure).map_err(|e| SweepError(e.to_string()))?;
+        publish(&self.of_point(id, FAILED), format!("{text}\n").as_bytes(), host)
+    }
+}
+
+fn parse<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T, SweepError> {
+    let wrong = |e| SweepError(format!("{}: {e}: no basrelief wrote this; remove it, and run the sweep again", path.display()));
+    serde_json::from_str(text).map_err(wrong)
+}
+
+/// Puts a file in its place.
+pub(crate) fn publish(path: &Path, bytes: &[u8], host: &dyn Host) -> Result<(), SweepError> {
+    host.publish(path, bytes).map_err(|e| SweepError(format!("{}: cannot be written: {e}", path.display())))
+}

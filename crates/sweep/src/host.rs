@@ -1,0 +1,56 @@
+//! What a sweep asks of the program that it runs in.
+
+use crate::execute::Tally;
+use basrelief_input::Budget;
+use basrelief_reference::Picture;
+use basrelief_session::{Prepared, RunInput};
+use std::io;
+use std::path::Path;
+
+/// An input that a plan names.
+#[derive(Clone, Debug)]
+pub enum Opened {
+    /// A scene, kept for many runs.
+    Scene(Prepared),
+    /// A display list, which is [opened](Host::trace) for each run.
+    Trace,
+}
+
+/// The program around a sweep: it opens files, and writes them so that nothing half-written is ever seen.
+pub trait Host: Sync {
+    /// Opens a model, `demo:NAME` or a display list, seen with these options: name and value, as the command line takes them.
+    ///
+    /// # Errors
+    /// A sentence that names the input, or the option.
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String>;
+
+    /// Opens a display list from its beginning.
+    ///
+    /// # Errors
+    /// A sentence that names the file.
+    fn trace(&self, name: &str) -> Result<RunInput, String>;
+
+    /// A text file that the plan names.
+    ///
+    /// # Errors
+    /// A sentence that names the file.
+    fn text(&self, name: &str) -> Result<String, String>;
+
+    /// A picture as a PNG file.
+    ///
+    /// # Errors
+    /// A sentence.
+    fn png(&self, picture: &Picture) -> Result<Vec<u8>, String>;
+
+    /// Puts a file with these bytes in its place by renaming, folders above it created where absent.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
+
+    /// So far have points come.
+    fn progress(&self, tally: &Tally);
+
+    /// For what inputs and tapes hold.
+    fn budget(&self) -> &Budget;
+}

@@ -1,0 +1,138 @@
+//! One point, run by itself.
+
+use crate::figures::{Figure, figures};
+use crate::folder::Failure;
+use crate::plan::{Plan, Point};
+use crate::{Host, Opened, SweepError};
+use basrelief_input::Held;
+use basrelief_reference::Picture;
+use basrelief_report::Report;
+use basrelief_report::model::OutcomeKind;
+use basrelief_session::{
+    MachineConfig, Observer, Pictures, RunInput, RunOptions, SessionError, Unobserved, When, doc_trace, run,
+};
+use basrelief_signals::{Frame, Scene};
+use std::sync::Arc;
+
+/// What a run of a point came to.
+pub(crate) struct Ran {
+    /// The report, or why there is none.
+    pub(crate) report: Result<Report, Failure>,
+    /// The last picture, as a file.
+    pub(crate) png: Option<Vec<u8>>,
+    /// The tape, of a run that came to its end and was to be recorded.
+    pub(crate) tape: Option<Vec<u8>>,
+}
+
+/// An input, from its beginning.
+pub(crate) fn source(name: &str, opened: &Opened, host: &dyn Host) -> Result<RunInput, String> {
+    match opened {
+        Opened::Scene(prepared) => Ok(RunInput::Scene(prepared.clone())),
+        Opened::Trace => host.trace(name),
+    }
+}
+
+/// Takes the last picture, and the tape as long as there is room for it.
+struct Watch<'a> {
+    host: &'a dyn Host,
+    pictures: bool,
+    picture: Option<Picture>,
+    tape: Option<(Vec<u8>, Held)>,
+}
+
+impl Observer for Watch<'_> {
+    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+        self.picture = self.pictures.then(|| pictures.machine.clone());
+        Ok(())
+    }
+
+    fn tape(&mut self, bytes: &[u8], _: bool) -> Result<(), String> {
+        // Where there is no room, points are run instead.
+        self.tape = self.tape.take().and_then(|(mut tape, mut held)| {
+            held.grow(bytes.len() as u64, "a tape").ok()?;
+            tape.extend_from_slice(bytes);
+            Some((tape, held))
+        });
+        Ok(())
+    }
+}
+
+/// Runs a point.
+pub(crate) fn run_point(plan: &Plan, point: &Point, (pictures, tape): (bool, bool), host: &dyn Host) -> Result<Ran, SweepError> {
+    let config = match plan.config(&point.places) {
+        Ok(config) => config,
+        Err(message) => return Ok(Ran { report: Err(failure("unfit", message)), png: None, tape: None }),
+    };
+    let input = &plan.inputs[point.input];
+    let source = source(&input.name, &input.opened, host).map_err(SweepError)?;
+    let options = RunOptions {
+        tape: if tape { When::Always } else { When::Never },
+        given: plan.given(&point.places),
+        ..options(config, plan.max_cycles, host)
+    };
+    let mut watch = Watch { host, pictures, picture: None, tape: tape.then(|| (vec![], host.budget().nothing())) };
+    let ran = run(source, &options, &mut watch, None);
+    let Watch { host, picture, tape, .. } = watch;
+    let png = picture.map(|picture| host.png(&picture)).transpose().map_err(SweepError)?;
+    Ok(match ran {
+        Ok(run) if run.report.outcome.kind == OutcomeKind::Complete => {
+            let tape = tape.filter(|_| run.tape_is_whole).map(|(tape, _)| tape);
+            Ran { report: Ok(run.report), png, tape }
+        }
+        Ok(run) => Ran { report: Err(incomplete(&run.report)), png: None, tape: None },
+        Err(error) => Ran { report: Err(of_error(&error)), png: None, tape: None },
+    })
+}
+
+fn options(config: MachineConfig, max_cycles: u64, host: &dyn Host) -> RunOptions {
+    RunOptions { config, max_cycles, budget: host.budget().clone(), ..RunOptions::default() }
+}
+
+fn failure(outcome: &str, message: String) -> Failure {
+    Failure { outcome: outcome.into(), message }
+}
+
+fn incomplete(report: &Report) -> Failure {
+    let message = report.outcome.message.clone().unwrap_or_default();
+    match report.outcome.kind {
+        OutcomeKind::Deadlock => failure("deadlock", message),
+        OutcomeKind::Limit => failure("limit", "stopped at the limit of max_cycles".into()),
+        OutcomeKind::Complete | OutcomeKind::Stopped | OutcomeKind::Fault => failure("fault", message),
+    }
+}
+
+fn of_error(error: &SessionError) -> Failure {
+    let outcome = match error {
+        SessionError::Config(_) => "unfit",
+        SessionError::Fault(_) => "fault",
+        _ => "error",
+    };
+    failure(outcome, error.to_string())
+}
+
+/// Most cycles of a rehearsal: far more than its few pixels take.
+const REHEARSAL: u64 = 1 << 26;
+/// Size of its picture \[pixels\].
+const SMALL: (u32, u32) = (16, 12);
+
+/// The figures that reports of this plan will have, from a run of its first point that can run, on a small picture; none where no
+/// such run gives a report.
+pub(crate) fn rehearse(plan: &Plan, host: &dyn Host) -> Option<Vec<Figure>> {
+    let fits = |point: &&Point| plan.config(&point.places).is_ok_and(|config| config.check().is_ok());
+    let config = plan.points.iter().find(fits).and_then(|point| plan.config(&point.places).ok());
+    let default = plan.machine.load("", &[]).ok();
+    config.into_iter().chain(default).find_map(|config| {
+        let source = match &plan.inputs.first()?.opened {
+            Opened::Scene(prepared) => RunInput::scene(Arc::new(small(prepared.scene())?)),
+            Opened::Trace => RunInput::trace(std::io::Cursor::new(doc_trace()), "quad.dl.jsonl"),
+        };
+        let run = run(source, &options(config, REHEARSAL, host), &mut Unobserved, None).ok()?;
+        serde_json::to_value(&run.report).ok().map(|report| figures(&report))
+    })
+}
+
+/// The first frame of a scene as a small picture.
+fn small(scene: &Scene) -> Option<Scene> {
+    let frame = Frame { width: SMALL.0, height: SMALL.1, ..(**scene.frames.first()?).clone() };
+    Some(Scene { frames: vec![Arc::new(frame)], ..scene.clone() })
+}

@@ -1,0 +1,32 @@
+//! Running points again, to compare.
+
+use crate::one::{Ran, run_point};
+use crate::plan::{Plan, Point};
+use crate::{Folder, Found, Host, SweepError};
+use basrelief_threads as threads;
+
+/// Runs `percent` of the points that have a report again, each as a whole, and compares bytes: how many were run, and the hashes of
+/// those that have come out otherwise. Which points goes by their hashes, so it is the same sample each time.
+///
+/// # Errors
+/// A report that cannot be read, an input that cannot be opened.
+pub fn verify(
+    plan: &Plan,
+    points: &[&Point],
+    percent: f64,
+    folder: &Folder,
+    host: &dyn Host,
+) -> Result<(usize, Vec<String>), SweepError> {
+    let mut there: Vec<&Point> = points.iter().copied().filter(|point| folder.find(&point.id) == Found::Report).collect();
+    there.sort_by(|a, b| a.id.cmp(&b.id));
+    there.truncate((there.len() as f64 * percent / 100.0).ceil() as usize);
+    let count = there.len();
+    let compared = threads::map(there, |point| {
+        let Ran { report, .. } = run_point(plan, point, (false, false), host)?;
+        let again = report.ok().and_then(|report| report.to_json().ok());
+        let same = again.as_deref() == Some(folder.report_text(&point.id)?.as_str());
+        Ok((!same).then(|| point.id.clone()))
+    });
+    let others = compared.into_iter().collect::<Result<Vec<_>, SweepError>>()?;
+    Ok((count, others.into_iter().flatten().collect()))
+}
