@@ -1,6 +1,6 @@
 //! What changed from one run to another.
 
-use crate::error::{bad, budget, of_tape};
+use crate::error::{Done, bad, budget, of_tape};
 use crate::page::{WIDTH, pictures, report_of};
 use crate::pixels;
 use crate::tape::opened;
@@ -9,7 +9,7 @@ use basrelief_report::html::{self, compared as page_of};
 use basrelief_report::{Comparison, Report, Style, compare as difference};
 use basrelief_session::{Taped, beside, explain};
 use pyo3::pybacked::PyBackedBytes;
-use pyo3::{FromPyObject, PyResult, Python, pyfunction};
+use pyo3::{FromPyObject, Python, pyfunction};
 
 /// A run that is held against another.
 #[derive(FromPyObject)]
@@ -22,12 +22,12 @@ pub struct Side {
 }
 
 impl Side {
-    fn taped(&self, report: &Report) -> PyResult<Option<Taped>> {
+    fn taped(&self, report: &Report) -> Done<Option<Taped>> {
         let read = |tape: &PyBackedBytes| Taped::read(report, &mut opened(tape)?, &budget(Budget::DEFAULT)).map_err(of_tape);
         self.tape.as_ref().map(read).transpose()
     }
 
-    fn shown<'a>(&'a self, report: &'a Report) -> PyResult<html::Side<'a>> {
+    fn shown<'a>(&'a self, report: &'a Report) -> Done<html::Side<'a>> {
         let beside = html::Beside { pictures: pictures(self.image.as_ref(), None)?, ..beside(report).map_err(bad)? };
         Ok(html::Side { name: &self.name, report, beside })
     }
@@ -35,7 +35,7 @@ impl Side {
 
 /// What changed from `a` to `b`: as JSON, and as the text of the command line.
 #[pyfunction]
-pub fn compare(py: Python<'_>, a: Side, b: Side) -> PyResult<(String, String)> {
+pub fn compare(py: Python<'_>, a: Side, b: Side) -> Done<(String, String)> {
     py.detach(|| {
         let comparison = compared_reports((&a, &report_of(&a.report)?), (&b, &report_of(&b.report)?))?;
         let text = comparison.to_text(Style { width: WIDTH, color: false });
@@ -45,7 +45,7 @@ pub fn compare(py: Python<'_>, a: Side, b: Side) -> PyResult<(String, String)> {
 
 /// The same as a page.
 #[pyfunction]
-pub fn compared(py: Python<'_>, a: Side, b: Side) -> PyResult<String> {
+pub fn compared(py: Python<'_>, a: Side, b: Side) -> Done<String> {
     py.detach(|| {
         let (of_a, of_b) = (report_of(&a.report)?, report_of(&b.report)?);
         let comparison = compared_reports((&a, &of_a), (&b, &of_b))?;
@@ -53,7 +53,7 @@ pub fn compared(py: Python<'_>, a: Side, b: Side) -> PyResult<String> {
     })
 }
 
-fn compared_reports((a, of_a): (&Side, &Report), (b, of_b): (&Side, &Report)) -> PyResult<Comparison> {
+fn compared_reports((a, of_a): (&Side, &Report), (b, of_b): (&Side, &Report)) -> Done<Comparison> {
     let explained = a.taped(of_a)?.zip(b.taped(of_b)?).and_then(|(a, b)| explain(&a, &b));
     Ok(difference(of_a, of_b, explained))
 }

@@ -1,9 +1,9 @@
 //! A machine with its parameters.
 
-use crate::error::{bad, budget, usage, within};
+use crate::error::{Done, bad, budget, usage, within};
 use basrelief_input::Budget;
 use basrelief_session::{Given, MachineConfig, MachineInfo, Misconfigured};
-use pyo3::{PyResult, pyclass, pymethods};
+use pyo3::{pyclass, pymethods};
 
 /// A machine with its parameters, which fit together.
 #[pyclass(frozen, module = "basrelief._basrelief")]
@@ -16,7 +16,7 @@ pub struct Config {
 impl Config {
     /// The machine of this name with defaults, then the TOML text of a file of this name, then single settings.
     #[new]
-    fn new(machine: &str, file: (String, String), settings: Vec<(String, String)>) -> PyResult<Self> {
+    fn new(machine: &str, file: (String, String), settings: Vec<(String, String)>) -> Done<Self> {
         let (file, toml) = file;
         let machine = MachineInfo::named(machine).map_err(usage)?;
         let given = Given { toml, settings };
@@ -28,7 +28,7 @@ impl Config {
     }
 
     /// All parameters with every fact about them, as `basrelief describe --json` prints them.
-    fn described(&self) -> PyResult<String> {
+    fn described(&self) -> Done<String> {
         serde_json::to_string(&self.config.described()).map_err(bad)
     }
 }

@@ -14,6 +14,7 @@ mod page;
 mod pixels;
 mod run;
 mod scene;
+mod sweep;
 mod tape;
 mod watch;
 
@@ -35,6 +36,8 @@ mod _basrelief {
     use crate::run::run;
     #[pymodule_export]
     use crate::scene::{DisplayList, Scene, read_text};
+    #[pymodule_export]
+    use crate::sweep::Plan;
     #[pymodule_export]
     use crate::tape::retime;
 

@@ -1,7 +1,7 @@
 //! A run.
 
 use crate::config::Config;
-use crate::error::{bad, budget, of_run, usage};
+use crate::error::{Done, bad, budget, of_run, usage};
 use crate::pixels::Pixels;
 use crate::scene::{Drawn, Source};
 use crate::watch::Watch;
@@ -28,7 +28,7 @@ pub struct Options {
 }
 
 impl Options {
-    fn run_options(&self, config: &Config) -> PyResult<RunOptions> {
+    fn run_options(&self, config: &Config) -> Done<RunOptions> {
         let engine = match self.engine.as_str() {
             "timed" => Some(Engine::Timed),
             "ticked" => Some(Engine::Ticked),

@@ -1,13 +1,14 @@
 //! What is drawn: scenes, which are looked at, and display lists, which carry their view.
 
-use crate::error::{bad, budget, usage, within};
+use crate::error::{Done, Failure, bad, budget, usage, within};
 use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
-use basrelief_scene::{Directory, Files, Memory, SceneError, ViewOptions, demo, load_within, read_camera};
+use basrelief_parameters::nearest;
+use basrelief_scene::{Directory, Files, Memory, SceneError, ViewOptions, demo, load_within, read_camera, text};
 use basrelief_session::{Prepared, RunInput};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyAnyMethods, PyBytes, PyType};
-use pyo3::{Bound, FromPyObject, IntoPyObject, Py, PyAny, PyErr, PyRef, PyResult, Python, pyclass, pyfunction, pymethods};
+use pyo3::{Bound, FromPyObject, IntoPyObject, Py, PyAny, PyRef, PyResult, Python, pyclass, pyfunction, pymethods};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// How a scene is looked at: the options of the command line.
-#[derive(Clone, FromPyObject, IntoPyObject)]
+#[derive(Clone, Default, PartialEq, FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
 pub struct View {
     size: Option<(i64, i64)>,
@@ -30,8 +31,42 @@ pub struct View {
     light_orbit: Option<f64>,
 }
 
+/// Options of a view, as the command line has them.
+const OPTIONS: [&str; 8] = ["size", "camera", "turn", "zoom", "frames", "orbit", "light", "light_orbit"];
+
 impl View {
-    fn options(&self, budget: &Budget) -> PyResult<ViewOptions> {
+    /// What a plan says of the view. `camera` opens the file of this name.
+    pub fn of_plan(options: &[(String, String)], camera: impl Fn(&str) -> Done<(String, String)>) -> Result<Self, String> {
+        let mut view = Self::default();
+        for (name, value) in options {
+            let failed = |error: String| format!("view: invalid value '{value}' for '--{name}': {error}");
+            match name.as_str() {
+                "size" => {
+                    view.size = Some(text::size(value).map(|[width, height]| (width.into(), height.into())).map_err(failed)?)
+                }
+                "camera" => view.camera = Some(camera(value).map_err(|error| error.to_string())?),
+                "turn" => view.turn = Some(text::angles(value).map_err(failed)?),
+                "zoom" => view.zoom = Some(text::finite(value).map_err(failed)?),
+                "frames" => view.frames = Some(value.parse().map_err(|_| failed("expected a whole number".into()))?),
+                "orbit" => view.orbit = Some(text::finite(value).map_err(failed)?),
+                "light" => view.light = Some(text::direction(value).map_err(failed)?),
+                "light_orbit" => view.light_orbit = Some(text::finite(value).map_err(failed)?),
+                _ => {
+                    let hint =
+                        nearest(name, OPTIONS.into_iter()).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+                    return Err(format!("view: no option is called `{name}`{hint} (basrelief.scene has all)"));
+                }
+            }
+        }
+        Ok(view)
+    }
+
+    /// Whether everything is left to the model.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    pub fn options(&self, budget: &Budget) -> Done<ViewOptions> {
         let whole = |name: &str, n: i64| {
             u32::try_from(n)
                 .map_err(|_| usage(format_args!("{name}: {n}; expected a whole number from 1 on, of at most 32 bits")))
@@ -45,7 +80,7 @@ impl View {
         Ok(ViewOptions {
             size: self
                 .size
-                .map_or(Ok(default.size), |(width, height)| Ok::<_, PyErr>([whole("size", width)?, whole("size", height)?]))?,
+                .map_or(Ok(default.size), |(width, height)| Ok::<_, Failure>([whole("size", width)?, whole("size", height)?]))?,
             camera: self.camera.as_ref().map(camera).transpose()?,
             turn: self.turn,
             zoom: self.zoom,
@@ -80,7 +115,7 @@ pub struct Scene {
 impl Scene {
     /// A demo scene.
     #[staticmethod]
-    fn demo(py: Python<'_>, name: String, view: View, memory_limit: Option<u64>) -> PyResult<Self> {
+    fn demo(py: Python<'_>, name: String, view: View, memory_limit: Option<u64>) -> Done<Self> {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
             let scene = demo(&name, &view.options(&budget)?).map_err(usage)?;
@@ -91,7 +126,7 @@ impl Scene {
 
     /// A model: a .glb, .gltf or .obj file.
     #[staticmethod]
-    fn open(py: Python<'_>, path: PathBuf, view: View, memory_limit: Option<u64>) -> PyResult<Self> {
+    fn open(py: Python<'_>, path: PathBuf, view: View, memory_limit: Option<u64>) -> Done<Self> {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
             let name = path.display().to_string();
@@ -121,7 +156,7 @@ impl Scene {
         files: BTreeMap<String, PyBackedBytes>,
         view: View,
         memory_limit: Option<u64>,
-    ) -> PyResult<Self> {
+    ) -> Done<Self> {
         py.detach(|| {
             let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
             let (name, main) = main;
@@ -191,7 +226,7 @@ impl Scene {
         view: View,
         memory_limit: Option<u64>,
         budget: &Budget,
-    ) -> PyResult<Self> {
+    ) -> Done<Self> {
         // What is wrong may lie in a file that the model refers to; the model is named all the same.
         let failed = |e: SceneError| if e.file == name { bad(e) } else { within(&name)(e) };
         let (scene, held) = load_within(&main, &name, files, &view.options(budget)?, budget).map_err(failed)?;
@@ -255,13 +290,11 @@ pub struct DisplayList {
 #[pymethods]
 impl DisplayList {
     #[new]
-    fn new(path: PathBuf) -> PyResult<Self> {
+    fn new(path: PathBuf) -> Done<Self> {
         let name = path.display().to_string();
         let path = std::path::absolute(&path).map_err(cannot_be_read(&name))?;
         let list = Self { name, path };
-        let mut start = Vec::new();
-        list.opened()?.take(64).read_to_end(&mut start).map_err(cannot_be_read(&list.name))?;
-        if looks_like_trace(&start) || Form::for_file_name(&list.name).is_some() {
+        if list.is_one()? {
             return Ok(list);
         }
         Err(usage(format_args!("{}: not a display list: basrelief.scene opens a model", list.name)))
@@ -283,8 +316,20 @@ impl DisplayList {
 }
 
 impl DisplayList {
+    /// Of a file that a plan names.
+    pub fn of_plan(path: &Path) -> Self {
+        Self { name: path.display().to_string(), path: path.into() }
+    }
+
+    /// Whether it is a display list: by its first bytes, or by its name.
+    pub fn is_one(&self) -> Done<bool> {
+        let mut start = Vec::new();
+        self.opened()?.take(64).read_to_end(&mut start).map_err(cannot_be_read(&self.name))?;
+        Ok(looks_like_trace(&start) || Form::for_file_name(&self.name).is_some())
+    }
+
     /// Pipes are refused: each run reads it from its beginning.
-    fn opened(&self) -> PyResult<File> {
+    fn opened(&self) -> Done<File> {
         let cannot = cannot_be_read(&self.name);
         if !fs::metadata(&self.path).map_err(&cannot)?.is_file() {
             return Err(cannot(io::Error::other("not a regular file")));
@@ -293,7 +338,7 @@ impl DisplayList {
     }
 }
 
-fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> PyErr {
+fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> Failure {
     move |error| match OverBudget::within(&error) {
         Some(error) => within(name)(error),
         None => bad(format_args!("{name}: cannot be read: {error}")),
@@ -302,8 +347,13 @@ fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> PyErr {
 
 /// A text file, such as a configuration or a camera.
 #[pyfunction]
-pub fn read_text(py: Python<'_>, path: PathBuf) -> PyResult<String> {
-    let read = py.detach(|| basrelief_input::read_text(&path, &budget(Budget::DEFAULT)));
+pub fn read_text(py: Python<'_>, path: PathBuf) -> Done<String> {
+    py.detach(|| text_of(&path, &budget(Budget::DEFAULT)))
+}
+
+/// The same within a budget.
+pub fn text_of(path: &Path, budget: &Budget) -> Done<String> {
+    let read = basrelief_input::read_text(path, budget);
     read.map(|(text, _)| text).map_err(cannot_be_read(&path.display().to_string()))
 }
 
@@ -332,7 +382,7 @@ impl Drawn<'_> {
 }
 
 impl Source {
-    pub fn into_input(self) -> PyResult<RunInput> {
+    pub fn into_input(self) -> Done<RunInput> {
         match self {
             Self::Scene(prepared) => Ok(RunInput::Scene(prepared)),
             Self::DisplayList(list) => {

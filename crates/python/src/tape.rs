@@ -1,6 +1,6 @@
 //! Tapes, timed again.
 
-use crate::error::{bad, budget, not_a_tape, of_tape};
+use crate::error::{Done, bad, budget, not_a_tape, of_tape};
 use crate::run::{Ran, limits_tape, when};
 use crate::watch::Watch;
 use basrelief_input::Budget;
@@ -13,7 +13,7 @@ use std::io::Read;
 pub type Opened<'a> = zstd::Decoder<'static, std::io::BufReader<&'a [u8]>>;
 
 /// Opens a tape.
-pub fn opened(tape: &[u8]) -> PyResult<Opened<'_>> {
+pub fn opened(tape: &[u8]) -> Done<Opened<'_>> {
     zstd::Decoder::new(tape).map_err(|_| not_a_tape())
 }
 
