@@ -22,6 +22,7 @@ mod reports;
 mod requests;
 mod samples;
 mod support;
+mod sweeps;
 mod tapes;
 mod texel;
 mod traces;

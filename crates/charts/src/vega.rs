@@ -102,8 +102,12 @@ fn points(table: &Table, told: &[usize]) -> Vec<Value> {
     let line: BTreeSet<usize> = if shown.len() == 2 { front_by(table, &shown).into_iter().collect() } else { BTreeSet::new() };
     let run = table.rows.iter().enumerate().filter(|(_, row)| row.state == State::Ok);
     let point = |(number, row): (usize, &crate::Row)| {
-        let own =
-            [("id", row.id.as_str().into()), ("front", front.contains(&number).into()), ("feasible", table.feasible(row).into())];
+        let own: [(&str, Value); 4] = [
+            ("id", row.id.as_str().into()),
+            ("front", front.contains(&number).into()),
+            ("line", line.contains(&number).into()),
+            ("feasible", table.feasible(row).into()),
+        ];
         let cells = told.iter().filter_map(|&at| Some((table.columns[at].name.clone(), value(row.cells.get(at)?))));
         // The columns of the table come first: the point's own words are not to be replaced by them.
         let all: Map<String, Value> = cells.chain(own.map(|(name, value)| (name.to_owned(), value))).collect();

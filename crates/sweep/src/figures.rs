@@ -8,6 +8,7 @@ use basrelief_charts::Cell;
 use basrelief_report::model::Hardware;
 use serde::Deserialize as _;
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// A number of a report.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +31,8 @@ pub fn path_of(name: &str) -> &str {
 /// Parts of a report whose numbers are figures as they stand there.
 const PLAIN: [&str; 6] = ["cycles", "quality", "units", "fifos", "memories", "caches"];
 
-/// The figures of a report, in its order.
+/// The figures of a report, part by part, in the order of their names: that of JSON's keys goes by features that other crates may ask
+/// for.
 pub fn figures(report: &Value) -> Vec<Figure> {
     let mut figures = Vec::new();
     for part in PLAIN {
@@ -39,12 +41,12 @@ pub fn figures(report: &Value) -> Vec<Figure> {
         });
     }
     figures.extend(sums(report));
-    for (name, value) in report["figures"].as_object().into_iter().flatten() {
+    for (name, value) in sorted(&report["figures"]) {
         let legend = |key: &str| report["legend"][name][key].as_str().unwrap_or_default().to_owned();
         let figure = |cell| Figure { name: format!("figures.{name}"), unit: legend("unit"), what: legend("about"), cell };
         figures.extend(number(value).map(figure));
     }
-    for (name, derived) in report["derived"].as_object().into_iter().flatten() {
+    for (name, derived) in sorted(&report["derived"]) {
         let text = |key: &str| derived[key].as_str().unwrap_or_default().to_owned();
         let unit = Some(text("unit")).filter(|unit| unit != "1").unwrap_or_default();
         let figure = |cell| Figure { name: format!("derived.{name}"), unit, what: text("formula"), cell };
@@ -53,13 +55,17 @@ pub fn figures(report: &Value) -> Vec<Figure> {
     figures
 }
 
+fn sorted(group: &Value) -> BTreeMap<&str, &Value> {
+    group.as_object().into_iter().flatten().map(|(name, value)| (name.as_str(), value)).collect()
+}
+
 fn number(value: &Value) -> Option<Cell> {
     value.as_u64().map(Cell::Whole).or_else(|| value.as_f64().map(Cell::Number))
 }
 
 /// All numbers below, groups opened.
 fn numbers<'a>(value: &'a Value, path: &mut Vec<&'a str>, found: &mut impl FnMut(&[&str], Cell)) {
-    for (name, value) in value.as_object().into_iter().flatten() {
+    for (name, value) in sorted(value) {
         path.push(name);
         match number(value) {
             // A name in the patent, and no number of the run.

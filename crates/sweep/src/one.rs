@@ -136,3 +136,22 @@ fn small(scene: &Scene) -> Option<Scene> {
     let frame = Frame { width: SMALL.0, height: SMALL.1, ..(**scene.frames.first()?).clone() };
     Some(Scene { frames: vec![Arc::new(frame)], ..scene.clone() })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_does_not_come_to_its_end_says_so_in_a_word_and_a_sentence() {
+        let source = RunInput::trace(std::io::Cursor::new(doc_trace()), "quad.dl.jsonl");
+        let mut report = run(source, &RunOptions::default(), &mut Unobserved, None).unwrap().report;
+        let mut ended = |kind, message: Option<&str>| {
+            (report.outcome.kind, report.outcome.message) = (kind, message.map(str::to_owned));
+            incomplete(&report)
+        };
+        assert_eq!(ended(OutcomeKind::Deadlock, Some("a waits for b")), failure("deadlock", "a waits for b".into()));
+        assert_eq!(ended(OutcomeKind::Limit, None), failure("limit", "stopped at the limit of max_cycles".into()));
+        assert_eq!(ended(OutcomeKind::Fault, Some("no more")), failure("fault", "no more".into()));
+        assert_eq!(of_error(&SessionError::Fault("no more".into())), failure("fault", "no more".into()));
+    }
+}

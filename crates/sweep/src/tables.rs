@@ -4,17 +4,22 @@ use crate::figures::{Figure, figures};
 use crate::folder::publish;
 use crate::plan::{Plan, Point};
 use crate::{Folder, Found, Host, SweepError};
-use basrelief_charts::{Cell, Column, Goal, Role, Row, State, Table, front, write};
+use basrelief_charts::{Cell, Column, Goal, PageOptions, Role, Row, State, Table, front, page, vega, write};
 use basrelief_threads as threads;
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs;
 
-/// The file with the front in words, written last: where it is of these points, the other tables are, too.
+/// What a sweep writes beside its points, and what each is. The front is written last: where it is of these points, the others are.
+pub const FILES: [(&str, &str); 5] = [
+    ("sweep.html", "the sweep as a page"),
+    ("sweep.jsonl", "the whole table, a JSON object per point"),
+    ("sweep.csv", "the same as CSV"),
+    ("sweep.vl.json", "a chart of the front for Vega-Lite"),
+    (FRONT, "the front in words"),
+];
 const FRONT: &str = "front.txt";
-/// What a sweep writes beside its points.
-pub const FILES: [&str; 3] = ["sweep.jsonl", "sweep.csv", FRONT];
 
 /// Writes the tables of all points, and gives the front in words. Where they are there already, of the same points, nothing is read or
 /// written.
@@ -33,10 +38,18 @@ pub fn tables(plan: &Plan, folder: &Folder, host: &dyn Host) -> Result<String, S
     let (mut lines, mut csv) = (Vec::new(), Vec::new());
     write::json_lines(&table, &mut lines).map_err(failed)?;
     write::csv(&table, &mut csv).map_err(failed)?;
-    publish(&folder.place("sweep.jsonl"), &lines, host)?;
-    publish(&folder.place("sweep.csv"), &csv, host)?;
+    let page = page(
+        &table,
+        &PageOptions {
+            files: FILES.iter().skip(1).map(|(file, what)| ((*file).into(), (*what).into())).collect(),
+            ..PageOptions::default()
+        },
+    );
+    let chart = serde_json::to_string_pretty(&vega(&table)).map_err(|error| SweepError(error.to_string()))? + "\n";
     let front = front_text(&table);
-    publish(&folder.place(FRONT), format!("{front}{stamp}").as_bytes(), host)?;
+    let last = format!("{front}{stamp}");
+    let all = [page.as_bytes(), &lines, &csv, chart.as_bytes(), last.as_bytes()];
+    FILES.iter().zip(all).try_for_each(|((file, _), bytes)| publish(&folder.place(file), bytes, host))?;
     Ok(front)
 }
 

@@ -3,7 +3,7 @@
 use super::data::Sweep;
 use super::number;
 use crate::Space;
-use crate::table::{Goal, State};
+use crate::table::{Cell, Goal, State};
 use basrelief_report::html::big_numbers;
 use basrelief_report::html::markup::{Html, el, el_text, text};
 use basrelief_report::text::number::{about, thousands};
@@ -18,7 +18,7 @@ pub(super) fn head(sweep: &Sweep<'_>) -> Html {
     ];
     let best = best.map(|(row, at, goal)| {
         let least = if goal == Goal::Min { "least" } else { "most" };
-        (number::cell(&sweep.table.rows[row].cells[at]), format!("{least} {}", sweep.header(at)))
+        (value(&sweep.table.rows[row].cells[at]), format!("{least} {}", sweep.header(at)))
     });
     el(
         "header",
@@ -32,8 +32,16 @@ pub(super) fn head(sweep: &Sweep<'_>) -> Html {
     )
 }
 
+/// Counts whole, measures to four digits.
+fn value(cell: &Cell) -> String {
+    match cell {
+        Cell::Number(x) => number::rounded(*x),
+        other => number::cell(other),
+    }
+}
+
 /// The first row that is best by an objective, among those that may be chosen.
-pub(super) fn best(sweep: &Sweep<'_>, (at, goal): (usize, Goal)) -> Option<(usize, usize, Goal)> {
+fn best(sweep: &Sweep<'_>, (at, goal): (usize, Goal)) -> Option<(usize, usize, Goal)> {
     let value = |row: &usize| sweep.table.rows[*row].cells.get(at)?.number();
     let better = |a: usize, b: usize| match (value(&a), value(&b)) {
         (Some(x), Some(y)) if goal.better(y, x) => b,

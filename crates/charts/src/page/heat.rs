@@ -1,8 +1,8 @@
 //! An objective over two axes at once.
 
-use super::data::{COLOURS, Sweep, colour};
-use super::number::rounded;
-use super::scale::WHOLE;
+use super::data::{Sweep, colour};
+use super::number::{compact, rounded};
+use super::scale::{LOGARITHMIC, WHOLE};
 use super::scatter::cut;
 use crate::effects::{Level, effects, level};
 use crate::levels::Levels;
@@ -13,7 +13,8 @@ use basrelief_report::html::svg::{label, px, svg_sized};
 /// Most maps.
 const MOST_MAPS: usize = 24;
 const CELL: (f64, f64) = (74.0, 30.0);
-const LEFT: f64 = 110.0;
+/// Most room for the values of the upright axis.
+const LEFT: f64 = 140.0;
 const TOP: f64 = 40.0;
 
 /// Two axes and an objective.
@@ -66,14 +67,49 @@ fn figure(sweep: &Sweep<'_>, map: &Map) -> Html {
     let cells = cells(sweep, map, &upright, &across);
     let means = || cells.iter().map(|(_, _, level)| level.mean);
     let (low, high) = (means().reduce(f64::min).unwrap_or(0.0), means().reduce(f64::max).unwrap_or(0.0));
+    let colours = Colours { low, high, logarithmic: low > 0.0 && high / low >= LOGARITHMIC };
     let names = [map.upright, map.across].map(|axis| sweep.table.columns[axis].name.as_str());
-    let shapes = cells.iter().map(|(row, column, level)| cell((*row, *column), level, low, high));
+    let left = left(&upright);
+    let shapes = cells
+        .iter()
+        .map(|(row, column, level)| cell([left + CELL.0 * *column as f64, TOP + CELL.1 * *row as f64], level, &colours));
     let sides = sides(&upright, &across, names);
-    let size = (LEFT + CELL.0 * across.labels.len() as f64 + 4.0, TOP + CELL.1 * upright.labels.len() as f64 + 4.0);
+    let title_width = 6.8 * (names[0].chars().count() + names[1].chars().count() + 7) as f64;
+    let size =
+        ((left + CELL.0 * across.labels.len() as f64 + 4.0).max(title_width), TOP + CELL.1 * upright.labels.len() as f64 + 4.0);
     let title = format!("Mean of {}", sweep.header(map.objective.0));
+    let logarithmic = if colours.logarithmic { ", logarithmic colours" } else { "" };
+    let title = format!("{title}{logarithmic}");
     let says = format!("{title} by {} and {}, from {} to {}", names[0], names[1], rounded(low), rounded(high));
     let drawing = svg_sized("map", size, 1.0, &says, shapes.chain(sides).collect());
     el("figure", &[], [el_text("figcaption", "", title), el("div", &[("class", "wide"), ("tabindex", "0")], [drawing])])
+}
+
+/// Room for the values of an upright axis.
+fn left(levels: &Levels) -> f64 {
+    let longest = levels.labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
+    (longest as f64 * 6.8 + 12.0).min(LEFT)
+}
+
+/// What colour a value has, and how it is written.
+struct Colours {
+    low: f64,
+    high: f64,
+    logarithmic: bool,
+}
+
+impl Colours {
+    fn of(&self, x: f64) -> u32 {
+        let along = |x: f64| if self.logarithmic { libm::log10(x) } else { x };
+        let (low, high) = (along(self.low) / 2.0, along(self.high) / 2.0);
+        let share = if high > low { (along(x) / 2.0 - low) / (high - low) } else { 0.0 };
+        colour((share * f64::from(WHOLE)) as u32)
+    }
+
+    /// All of a map in the same way, as it fits into its cells.
+    fn written(&self, x: f64) -> String {
+        if self.low.abs().max(self.high.abs()) < 1e7 { rounded(x) } else { compact(x) }
+    }
 }
 
 /// Row, column and points of each cell that has any.
@@ -89,10 +125,8 @@ fn cells(sweep: &Sweep<'_>, map: &Map, upright: &Levels, across: &Levels) -> Vec
     rows.iter().enumerate().filter_map(of).collect()
 }
 
-fn cell((row, column): (usize, usize), level: &Level, low: f64, high: f64) -> Html {
-    let share = if high > low { (level.mean - low) / (high - low) } else { 0.0 };
-    let colour = colour((share * f64::from(WHOLE)) as u32).min(COLOURS - 1);
-    let (x, y) = (LEFT + CELL.0 * column as f64, TOP + CELL.1 * row as f64);
+fn cell([x, y]: [f64; 2], level: &Level, colours: &Colours) -> Html {
+    let colour = colours.of(level.mean);
     let points = if level.points == 1 { "1 point".into() } else { format!("{} points", level.points) };
     let title = format!("mean {}, best {}, {points}", rounded(level.mean), rounded(level.best));
     let shape = [
@@ -103,25 +137,19 @@ fn cell((row, column): (usize, usize), level: &Level, low: f64, high: f64) -> Ht
         ("height", px(CELL.1 - 1.0)),
     ];
     let shape: Vec<(&str, &str)> = shape.iter().map(|(name, value)| (*name, value.as_str())).collect();
-    let written = label("middle", x + CELL.0 / 2.0, y + CELL.1 / 2.0 + 4.0, &cut(&rounded(level.mean), CELL.0));
+    let written = label("middle", x + CELL.0 / 2.0, y + CELL.1 / 2.0 + 4.0, &colours.written(level.mean));
     el("g", &[("class", &format!("on-{colour}"))], [el_text("title", "", title), el("rect", &shape, []), written])
 }
 
 /// Names and values of both axes.
 fn sides<'a>(upright: &'a Levels, across: &'a Levels, [of_rows, of_columns]: [&'a str; 2]) -> impl Iterator<Item = Html> + 'a {
-    let rows = upright
-        .labels
-        .iter()
-        .enumerate()
-        .map(|(row, name)| label("end", LEFT - 6.0, TOP + CELL.1 * (row as f64 + 0.5) + 4.0, &cut(name, LEFT - 8.0)));
-    let columns = across
-        .labels
-        .iter()
-        .enumerate()
-        .map(|(column, name)| label("middle", LEFT + CELL.0 * (column as f64 + 0.5), TOP - 6.0, &cut(name, CELL.0)));
-    let names = [
-        label("start", 2.0, TOP - 6.0, &cut(&format!("{of_rows} ↓"), LEFT)),
-        label("start", LEFT, 14.0, &format!("{of_columns} →")),
-    ];
-    rows.chain(columns).chain(names)
+    let left = left(upright);
+    let row = move |(at, name): (usize, &String)| {
+        label("end", left - 6.0, TOP + CELL.1 * (at as f64 + 0.5) + 4.0, &cut(name, left - 8.0))
+    };
+    let column =
+        move |(at, name): (usize, &String)| label("middle", left + CELL.0 * (at as f64 + 0.5), TOP - 6.0, &cut(name, CELL.0));
+    let names = label("start", 2.0, 14.0, &format!("{of_rows} ↓   {of_columns} →"));
+    let (rows, columns) = (upright.labels.iter().enumerate().map(row), across.labels.iter().enumerate().map(column));
+    rows.chain(columns).chain([names])
 }

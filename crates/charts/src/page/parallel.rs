@@ -1,98 +1,83 @@
 //! A line per point, across an upright axis per column.
 
 use super::data::{Sweep, thinned};
-use super::scale::{Scale, WHOLE};
+use super::scale::WHOLE;
 use super::scatter::cut;
 use basrelief_report::html::markup::{Html, el, el_text};
 use basrelief_report::html::svg::{label, px, svg_sized};
 use basrelief_report::text::number::thousands;
 use serde_json::{Value, json};
 
-/// Most lines.
-const MOST_LINES: usize = 400;
+/// Most lines, and how many of them from the front: more would hide each other.
+const MOST_LINES: usize = 300;
+const MOST_BEST: usize = 60;
 /// Most axes.
 const MOST_AXES: usize = 14;
-/// Distance of two axes, and room beside the first and the last.
+/// Least distance of two axes, width of all where there is room, and room beside the first and the last.
 const APART: f64 = 132.0;
+const WIDTH: f64 = 1130.0;
 const SIDE: f64 = 70.0;
 const TOP: f64 = 48.0;
 const HEIGHT: f64 = 300.0;
 
-/// Axes of the plan first, then objectives: from what was chosen to what came of it. Places among the columns shown.
-fn columns(sweep: &Sweep<'_>) -> Vec<usize> {
-    let objectives = sweep.table.objectives().map(|(at, _)| at);
-    let all = sweep.table.axes().chain(objectives).chain(sweep.told());
-    let mut places: Vec<usize> = vec![];
-    for place in all.filter_map(|at| sweep.place(at)) {
-        if !places.contains(&place) {
-            places.push(place);
-        }
-    }
-    places.truncate(MOST_AXES);
-    places
+/// The axes of the drawing.
+struct Threads {
+    /// Places among the columns shown: axes of the plan first, then objectives; from what was chosen to what came of it.
+    columns: Vec<usize>,
+    /// Distance of two.
+    apart: f64,
 }
 
-fn x(number: usize) -> f64 {
-    SIDE + number as f64 * APART
+impl Threads {
+    fn of(sweep: &Sweep<'_>) -> Self {
+        let objectives = sweep.table.objectives().map(|(at, _)| at);
+        let all = sweep.table.axes().chain(objectives).chain(sweep.told());
+        let mut columns: Vec<usize> = vec![];
+        for place in all.filter_map(|at| sweep.place(at)) {
+            if !columns.contains(&place) {
+                columns.push(place);
+            }
+        }
+        columns.truncate(MOST_AXES);
+        let apart = (WIDTH / (columns.len().max(2) - 1) as f64).max(APART);
+        Self { columns, apart }
+    }
+
+    /// How far from the left an axis stands.
+    fn x(&self, number: usize) -> f64 {
+        SIDE + number as f64 * self.apart
+    }
+
+    /// The line of a row; with a gap where nothing is known.
+    fn path(&self, sweep: &Sweep<'_>, row: usize) -> String {
+        let mut path = String::new();
+        let mut pen = 'M';
+        for (number, &place) in self.columns.iter().enumerate() {
+            let at = sweep.shown[place].scale.at[row];
+            path.extend(at.map(|at| format!("{pen}{} {}", px(self.x(number)), px(y(at)))));
+            pen = if at.is_some() { 'L' } else { 'M' };
+        }
+        path
+    }
+
+    fn axis(&self, sweep: &Sweep<'_>, number: usize) -> Html {
+        let shown = &sweep.shown[self.columns[number]];
+        let column = &sweep.table.columns[shown.column];
+        let x = self.x(number);
+        let line = format!("M{} {} V{}", px(x), px(TOP), px(TOP + HEIGHT));
+        let unit = if column.unit.is_empty() { String::new() } else { format!("[{}]", column.unit) };
+        let titles = [
+            label("middle", x, 14.0, &end(&column.name, self.apart)),
+            label("middle", x, 28.0, &cut(&unit, self.apart)),
+            el("path", &[("class", "axis"), ("d", &line)], []),
+        ];
+        let mark = |(at, name): &(u32, String)| label("end", x - 5.0, y(*at) + 4.0, &cut(name, self.apart / 2.0));
+        el("g", &[], titles.into_iter().chain(shown.scale.ticks.iter().map(mark)))
+    }
 }
 
 fn y(at: u32) -> f64 {
     TOP + (1.0 - f64::from(at) / f64::from(WHOLE)) * HEIGHT
-}
-
-pub(super) fn parallel(sweep: &Sweep<'_>) -> Html {
-    let columns = columns(sweep);
-    if columns.len() < 3 || sweep.drawn.is_empty() {
-        return Html::default();
-    }
-    let (best, others): (Vec<usize>, Vec<usize>) = sweep.drawn.iter().partition(|row| sweep.is_best(**row));
-    let best = thinned(&best, MOST_LINES / 2);
-    let others = thinned(&others, MOST_LINES - best.len());
-    let line = |class: &'static str| {
-        let columns = &columns;
-        move |row: usize| el("path", &[("class", class), ("d", &path(sweep, columns, row))], [])
-    };
-    let about = format!(
-        "A line per point, from what was chosen to what came of it: {} on the front, drawn strong, and {} others of {}.",
-        thousands(best.len() as u64),
-        thousands(others.len() as u64),
-        thousands((sweep.run() - sweep.front.len()) as u64)
-    );
-    let lines = others.iter().copied().map(line("thread")).chain(best.iter().copied().map(line("thread best")));
-    let cursor = el("path", &[("id", "thread"), ("class", "off")], []);
-    let axes = columns.iter().enumerate().map(|(number, &place)| axis(sweep, number, place));
-    let size = (x(columns.len() - 1) + SIDE, TOP + HEIGHT + 16.0);
-    let drawing = svg_sized("threads", size, 1.0, &about, lines.chain([cursor]).chain(axes).collect());
-    [el_text("p", "quiet", &about), el("div", &[("class", "wide"), ("tabindex", "0")], [drawing])].into_iter().collect()
-}
-
-/// A gap where nothing is known.
-fn path(sweep: &Sweep<'_>, columns: &[usize], row: usize) -> String {
-    let mut path = String::new();
-    let mut pen = 'M';
-    for (number, &place) in columns.iter().enumerate() {
-        match sweep.shown[place].scale.at[row] {
-            Some(at) => path += &format!("{pen}{} {}", px(x(number)), px(y(at))),
-            None => pen = 'M',
-        }
-        if sweep.shown[place].scale.at[row].is_some() {
-            pen = 'L';
-        }
-    }
-    path
-}
-
-fn axis(sweep: &Sweep<'_>, number: usize, place: usize) -> Html {
-    let shown = &sweep.shown[place];
-    let column = &sweep.table.columns[shown.column];
-    let line = format!("M{} {} V{}", px(x(number)), px(TOP), px(TOP + HEIGHT));
-    let unit = if column.unit.is_empty() { String::new() } else { format!("[{}]", column.unit) };
-    let titles = [
-        label("middle", x(number), 14.0, &end(&column.name, APART)),
-        label("middle", x(number), 28.0, &cut(&unit, APART)),
-        el("path", &[("class", "axis"), ("d", &line)], []),
-    ];
-    el("g", &[], titles.into_iter().chain(marks(&shown.scale, number)))
 }
 
 /// The last part of a name says most.
@@ -102,12 +87,36 @@ fn end(name: &str, room: f64) -> String {
     if count <= most { name.into() } else { std::iter::once('…').chain(name.chars().skip(count + 1 - most)).collect() }
 }
 
-fn marks(scale: &Scale, number: usize) -> impl Iterator<Item = Html> {
-    scale.ticks.iter().map(move |(at, name)| label("end", x(number) - 5.0, y(*at) + 4.0, &cut(name, APART / 2.0)))
+/// The drawing; nothing of fewer than three columns, which the scatter shows.
+pub(super) fn parallel(sweep: &Sweep<'_>) -> Html {
+    let threads = Threads::of(sweep);
+    if threads.columns.len() < 3 || sweep.drawn.is_empty() {
+        return Html::default();
+    }
+    let (best, others): (Vec<usize>, Vec<usize>) = sweep.drawn.iter().partition(|row| sweep.is_best(**row));
+    let best = thinned(&best, MOST_BEST);
+    let others = thinned(&others, MOST_LINES - best.len());
+    let all = [best.len(), sweep.front.len(), others.len(), sweep.run() - sweep.front.len()].map(|count| thousands(count as u64));
+    let [of_front, front, of_others, not] = all;
+    let about = format!(
+        "A line per point, from what was chosen to what came of it: {of_front} of {front} points on the front, drawn strong, and \
+         {of_others} of {not} others."
+    );
+    let line = |class: &'static str| {
+        let threads = &threads;
+        move |&row: &usize| el("path", &[("class", class), ("d", &threads.path(sweep, row))], [])
+    };
+    let lines = others.iter().map(line("thread")).chain(best.iter().map(line("thread best")));
+    let cursor = el("path", &[("id", "thread"), ("class", "off")], []);
+    let axes = (0..threads.columns.len()).map(|number| threads.axis(sweep, number));
+    let size = (threads.x(threads.columns.len() - 1) + SIDE, TOP + HEIGHT + 16.0);
+    let drawing = svg_sized("threads", size, 1.0, &about, lines.chain([cursor]).chain(axes).collect());
+    [el_text("p", "quiet", &about), el("div", &[("class", "wide"), ("tabindex", "0")], [drawing])].into_iter().collect()
 }
 
 /// Where the axes stand, for the script: place of the column and distance from the left.
 pub(super) fn places(sweep: &Sweep<'_>) -> Value {
-    let places: Vec<(usize, f64)> = columns(sweep).into_iter().enumerate().map(|(number, place)| (place, x(number))).collect();
-    json!({ "axes": places, "top": TOP, "height": HEIGHT })
+    let threads = Threads::of(sweep);
+    let axes: Vec<(usize, f64)> = threads.columns.iter().enumerate().map(|(number, &place)| (place, threads.x(number))).collect();
+    json!({ "axes": axes, "top": TOP, "height": HEIGHT })
 }

@@ -3,13 +3,14 @@
 use super::data::Sweep;
 use super::number;
 use crate::table::State;
-use basrelief_report::html::markup::{Html, el, el_text, text};
+use basrelief_report::html::markup::{Html, details, el, el_text, text};
 use basrelief_report::html::{Align, with_cells};
 use basrelief_report::text::number::thousands;
 use std::collections::BTreeMap;
 
-/// Most rows of a table.
+/// Most rows of the table, and how many of them are seen at once.
 const MOST: usize = 200;
+const OPEN: usize = 16;
 /// Most reasons that are told.
 const MOST_REASONS: usize = 20;
 /// Characters of a hash that tell points apart.
@@ -22,7 +23,6 @@ pub(super) fn front(sweep: &Sweep<'_>) -> Html {
     let cost = |row: usize| sweep.table.rows[row].cells.get(first).and_then(|cell| Some(goal.cost(cell.number()?)));
     let mut rows = sweep.front.clone();
     rows.sort_by(|&a, &b| cost(a).unwrap_or(f64::MAX).total_cmp(&cost(b).unwrap_or(f64::MAX)));
-    let left = rows.len().saturating_sub(MOST);
     rows.truncate(MOST);
     let pictures = rows.iter().any(|&row| sweep.table.rows[row].picture.is_some());
     let headers: Vec<String> = told.iter().map(|&at| sweep.header(at)).collect();
@@ -30,14 +30,20 @@ pub(super) fn front(sweep: &Sweep<'_>) -> Html {
     let own = &own[..if pictures { 2 } else { 1 }];
     let columns: Vec<(&str, Align)> =
         own.iter().copied().chain(headers.iter().map(|name| (name.as_str(), Align::Right))).collect();
-    let body = rows.iter().map(|&row| cells(sweep, row, &told, pictures)).collect();
-    let caption = if left > 0 {
-        format!("The first {MOST} of {}", thousands(sweep.front.len() as u64))
-    } else {
-        "All points on the front".into()
+    let table = |rows: &[usize], caption: &str| {
+        with_cells(caption, &columns, rows.iter().map(|&row| cells(sweep, row, &told, pictures)).collect())
     };
-    let table = with_cells(&caption, &columns, body);
-    if table.is_empty() { table } else { el("div", &[("id", "chosen")], [table]) }
+    let (first, others) = rows.split_at(rows.len().min(OPEN));
+    let (all, shown) = (sweep.front.len(), rows.len());
+    let caption =
+        if first.len() == all { "All of them".into() } else { format!("The first {} of {}", first.len(), thousands(all as u64)) };
+    let left = if shown < all {
+        format!("{} of {} more", others.len(), thousands((all - first.len()) as u64))
+    } else {
+        format!("{} more", others.len())
+    };
+    let tables = [table(first, &caption), details(&left, table(others, "The others"))];
+    if rows.is_empty() { Html::default() } else { el("div", &[("id", "chosen")], tables) }
 }
 
 fn cells(sweep: &Sweep<'_>, row: usize, told: &[usize], pictures: bool) -> Vec<Html> {

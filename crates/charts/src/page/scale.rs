@@ -7,7 +7,7 @@ use crate::table::{Cell, Role, Table};
 /// Positions are whole numbers from 0 to this: finer than a pixel, short in a file.
 pub(super) const WHOLE: u32 = 10_000;
 /// From this ratio of largest to smallest value on, a scale is logarithmic.
-const LOGARITHMIC: f64 = 50.0;
+pub(super) const LOGARITHMIC: f64 = 10.0;
 /// Share of the scale that is left free at either end.
 const PADDING: f64 = 0.03;
 /// Parts that a linear scale is divided into, about.
@@ -118,11 +118,11 @@ fn logarithmic_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
 fn short(x: f64) -> String {
     let (unit, suffix) = unit(x);
     let x = x / unit;
-    if (1e-3..1e3).contains(&x) { format!("{x}{suffix}") } else { format!("{x:e}{suffix}") }
+    if (1e-3..1e4).contains(&x) { format!("{x}{suffix}") } else { format!("{x:e}{suffix}") }
 }
 
 /// What large numbers are counted in.
-fn unit(largest: f64) -> (f64, &'static str) {
+pub(super) fn unit(largest: f64) -> (f64, &'static str) {
     let units = [(1e9, " G"), (1e6, " M"), (1e4, " k")];
     let found = units.into_iter().find(|(least, _)| (*least..1e12).contains(&largest));
     found.map_or((1.0, ""), |(least, suffix)| if least == 1e4 { (1e3, suffix) } else { (least, suffix) })
@@ -142,12 +142,12 @@ mod tests {
     fn marks_are_round_and_short() {
         assert_eq!(labels(&[16.63, 33.06]), ["20", "25", "30"]);
         assert_eq!(labels(&[0.0, 0.7]), ["0.0", "0.2", "0.4", "0.6"]);
-        assert_eq!(labels(&[237_929.0, 3_428_606.0]), ["1 M", "2 M", "3 M"]);
+        assert_eq!(labels(&[437_929.0, 3_428_606.0]), ["1 M", "2 M", "3 M"]);
         assert_eq!(labels(&[-3.0, 3.0]), ["-3", "-2", "-1", "0", "1", "2", "3"]);
         assert_eq!(labels(&[120_000.0, 190_000.0]), ["120 k", "140 k", "160 k", "180 k"]);
         assert_eq!(labels(&[700.0, 90_000.0]), ["1000", "2000", "5000", "10 k", "20 k", "50 k"]);
         assert_eq!(labels(&[1.0, 1e6]), ["1", "10", "100", "1000", "10 k", "100 k", "1 M"]);
-        assert_eq!(labels(&[1e-9, 2e-9]), ["1.200e-9", "1.400e-9", "1.600e-9", "1.800e-9", "2.000e-9"]);
+        assert_eq!(labels(&[1e-9, 2e-9]), ["1.000e-9", "1.200e-9", "1.400e-9", "1.600e-9", "1.800e-9", "2.000e-9"]);
     }
 
     proptest! {

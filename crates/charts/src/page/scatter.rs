@@ -34,14 +34,15 @@ fn chosen(sweep: &Sweep<'_>) -> Option<(usize, usize)> {
 }
 
 fn about(sweep: &Sweep<'_>) -> String {
-    let (run, drawn) = (sweep.run() as u64, sweep.drawn.len() as u64);
+    let (run, drawn) = (sweep.run(), sweep.drawn.len());
+    let best = sweep.drawn.iter().filter(|row| sweep.is_best(**row)).count();
+    let [of_front, of_others, front, others] =
+        [best, drawn - best, sweep.front.len(), run - sweep.front.len()].map(|count| thousands(count as u64));
     let all = if drawn == run {
-        format!("All {} points that have run are drawn. ", thousands(run))
+        format!("All {} points that have run are drawn. ", thousands(run as u64))
     } else {
         format!(
-            "Of {} points that have run {} are drawn: the front, and of the others each so many. ",
-            thousands(run),
-            thousands(drawn)
+            "Drawn are {of_front} of {front} points on the front, and {of_others} of {others} others, at equal distances in the plan. "
         )
     };
     all + "The line is the front of the two figures that are shown, where both are objectives; a point on the front of all objectives may \

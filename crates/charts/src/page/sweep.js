@@ -56,7 +56,10 @@
     current = row;
     const { id, picture, best, values } = rows[row];
     const point = get("point");
+    const here = place(row)?.join();
+    const same = rows.filter((_, other) => place(other)?.join() === here).length;
     point.replaceChildren(make("h3", best ? "On the front" : "Not on the front"), make("code", id));
+    if (here && same > 1) point.append(make("p", `One of ${same} points at this place.`));
     if (picture) point.append(Object.assign(new Image(), { src: picture, alt: "picture of this point" }));
     const list = make("dl", "");
     names.forEach((name, at) => list.append(make("dt", name), make("dd", values[at])));

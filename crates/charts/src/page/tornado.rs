@@ -21,7 +21,8 @@ pub(super) fn tornado(sweep: &Sweep<'_>) -> Html {
 }
 
 fn table(sweep: &Sweep<'_>, effects: &[Effect]) -> Html {
-    let ends: Vec<_> = effects.iter().filter_map(|effect| Some((effect, effect.ends()?))).collect();
+    let varied = effects.iter().filter(|effect| effect.levels.len() > 1);
+    let ends: Vec<_> = varied.filter_map(|effect| Some((effect, effect.ends()?))).collect();
     let low = ends.iter().map(|(_, (low, _))| low.mean).reduce(f64::min);
     let high = ends.iter().map(|(_, (_, high))| high.mean).reduce(f64::max);
     let Some((low, high)) = low.zip(high) else { return Html::default() };

@@ -14,7 +14,7 @@ use basrelief_sweep::{Folder, Found, Host, Opened, Plan, Point, SweepError, Tall
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};
 use std::fmt::Write as _;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Runs a sweep.
@@ -91,7 +91,8 @@ fn results(
         return Ok(said);
     }
     let front = tables(plan, folder, host).map_err(bad)?;
-    let _ = write!(said, "\n{front}\nWritten to {}/: {}\n", args.out.display(), tables::FILES.join(", "));
+    let files: Vec<&str> = basrelief_sweep::tables::FILES.iter().map(|(file, _)| *file).collect();
+    let _ = write!(said, "\n{front}\nWritten to {}/: {}\n", args.out.display(), files.join(", "));
     Ok(said)
 }
 
@@ -210,9 +211,7 @@ impl Host for Program<'_> {
 
     fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         path.parent().map_or(Ok(()), std::fs::create_dir_all)?;
-        let mut file = PartialFile::create(path)?;
-        file.write_all(bytes)?;
-        file.publish()
+        PartialFile::write_whole(path, bytes)
     }
 
     fn progress(&self, tally: &Tally) {

@@ -1,0 +1,205 @@
+//! Sweeps: they go on where they were killed, share a folder, and end with the same bytes.
+
+use crate::support::{PROGRAM, Place, wait, workspace};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+/// Six works, each under four times.
+const PLAN: &str = r#"
+title = "Modes and depths"
+input = "demo:ellipsoid@2"
+machine = "shade"
+objectives = ["cycles min", "hardware.bits min", "quality.psnr_db max"]
+
+[view]
+size = "96x72"
+
+[axes]
+shade.mode = ["normal", "brightness", "polyhedron"]
+geometry.multipliers = [4, 8]
+fifo.interpolated.depth = { from = 1, to = 8, factor = 2 }
+"#;
+
+const POINTS: usize = 24;
+
+fn place() -> Place {
+    let place = Place::new();
+    fs::write(place.path("plan.toml"), PLAN).unwrap();
+    place
+}
+
+/// All files below, with their bytes; hidden ones, too.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(next) = folders.pop() {
+        for path in fs::read_dir(next).into_iter().flatten().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                all.insert(path.strip_prefix(folder).unwrap().into(), fs::read(&path).unwrap());
+            }
+        }
+    }
+    all
+}
+
+fn names(files: &BTreeMap<PathBuf, Vec<u8>>) -> Vec<String> {
+    files.keys().map(|path| path.display().to_string()).collect()
+}
+
+/// What a sweep leaves that nobody has disturbed.
+fn undisturbed(place: &Place) -> BTreeMap<PathBuf, Vec<u8>> {
+    let said = place.ok("sweep plan.toml --out whole").out;
+    assert!(said.starts_with("24 points: 0 there before, 6 run, 18 timed again; 0 failed\n\nModes and depths\n"), "{said}");
+    files(&place.path("whole"))
+}
+
+fn same(left: &BTreeMap<PathBuf, Vec<u8>>, right: &BTreeMap<PathBuf, Vec<u8>>) {
+    assert_eq!(names(left), names(right));
+    let other = left.iter().find(|(path, bytes)| right[*path] != **bytes);
+    assert!(other.is_none(), "{:?}", other.map(|(path, _)| path));
+}
+
+fn start(place: &Place, line: &str) -> Child {
+    place.command(line).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts")
+}
+
+/// Reports that are there.
+fn reports(place: &Place) -> usize {
+    names(&files(&place.path("out"))).iter().filter(|name| name.ends_with("report.json")).count()
+}
+
+#[test]
+fn a_sweep_that_is_killed_at_random_ten_times_ends_as_one_that_is_not() {
+    let place = place();
+    let whole = undisturbed(&place);
+    // Numbers as they come, but the same each time: 0 to 4 points more, and then so many microseconds.
+    let mut seed = 7_u64;
+    let mut random = |below: u64| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) % below
+    };
+    for _ in 0..10 {
+        let wanted = reports(&place) + random(5) as usize;
+        let mut child = start(&place, "sweep plan.toml --threads 2");
+        while reports(&place) < wanted && child.try_wait().unwrap().is_none() {
+            sleep(Duration::from_millis(1));
+        }
+        sleep(Duration::from_micros(random(20_000)));
+        // SIGKILL, on Unix.
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    let before = reports(&place);
+    let said = place.ok("sweep plan.toml").out;
+    assert!(said.starts_with(&format!("24 points: {before} there before, ")), "{said}");
+    same(&files(&place.path("out")), &whole);
+}
+
+#[test]
+fn two_sweeps_at_once_on_one_folder_end_as_one() {
+    let place = place();
+    let whole = undisturbed(&place);
+    let both = ["sweep plan.toml --threads 1", "sweep plan.toml --threads 2"].map(|line| start(&place, line));
+    for mut child in both {
+        let status = wait(&mut child, Duration::from_secs(120)).expect("ends");
+        assert!(status.success(), "{status}");
+    }
+    same(&files(&place.path("out")), &whole);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sweep_keeps_what_is_finished_and_goes_on() {
+    let place = place();
+    let whole = undisturbed(&place);
+    let mut child = start(&place, "sweep plan.toml --threads 1");
+    while reports(&place) < 2 {
+        sleep(Duration::from_millis(1));
+    }
+    assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let status = wait(&mut child, Duration::from_secs(10)).expect("ends soon");
+    assert_eq!(status.code(), Some(130), "{status}");
+    assert!((2..POINTS).contains(&reports(&place)));
+    assert!(!names(&files(&place.path("out"))).iter().any(|name| name.contains(".partial")));
+    place.ok("sweep plan.toml");
+    same(&files(&place.path("out")), &whole);
+}
+
+#[test]
+fn commands_that_are_listed_and_shards_do_all_that_is_missing() {
+    let place = place();
+    let whole = undisturbed(&place);
+    let said = place.ok("sweep plan.toml --shard 1/3").out;
+    assert_eq!(
+        said,
+        "8 points: 0 there before, 2 run, 6 timed again; 0 failed\n16 points of other shards are missing: the tables are written when they are there\n"
+    );
+    let listed = place.ok("sweep plan.toml --list").out;
+    assert_eq!(listed.lines().count(), 16);
+    for line in listed.lines().take(3) {
+        let arguments = line.strip_prefix("basrelief ").expect("a command");
+        assert_eq!(place.ok(arguments).out, "1 points: 0 there before, 1 run, 0 timed again; 0 failed\n");
+    }
+    let script = place.ok("sweep plan.toml --slurm").out;
+    assert!(script.starts_with("#!/bin/sh\n# 13 points are missing."), "{script}");
+    assert!(script.contains("\n#SBATCH --array=1-6\n"), "{script}");
+    fs::write(place.path("job.sh"), script).unwrap();
+    let folder = Path::new(PROGRAM).parent().unwrap();
+    let path = format!("{}:{}", folder.display(), std::env::var("PATH").unwrap());
+    for task in 1..=6 {
+        // As Slurm runs it.
+        let mut job = std::process::Command::new("sh");
+        job.arg("job.sh").env("SLURM_ARRAY_TASK_ID", task.to_string()).env("PATH", &path).current_dir(place.path(""));
+        assert!(job.status().unwrap().success());
+    }
+    assert_eq!(place.ok("sweep plan.toml --list").out, "");
+    same(&files(&place.path("out")), &whole);
+}
+
+#[test]
+fn the_wrong_plan_is_said_with_its_name_and_what_to_do() {
+    let place = place();
+    let says = |replaced: &str, by: &str, code: i32, expected: &str| {
+        fs::write(place.path("wrong.toml"), PLAN.replace(replaced, by)).unwrap();
+        let outcome = place.run("sweep wrong.toml");
+        assert!(outcome.error(code).contains(expected), "{}", outcome.err);
+        assert!(!place.path("out").exists());
+    };
+    says("size =", "sise =", 1, "wrong.toml: view: no option is called `sise`; did you mean `size`?");
+    says("\"96x72\"", "\"96\"", 1, "wrong.toml: view: invalid value '96' for '--size <WIDTHxHEIGHT>': expected WIDTHxHEIGHT");
+    says("demo:ellipsoid@2", "none.gltf", 1, "wrong.toml: input: none.gltf: cannot be read");
+    says("cycles min", "cycels min", 1, "wrong.toml: objectives: the report has no figure `cycels`");
+    let unknown = place.run("sweep plan.toml --point 12");
+    assert!(unknown.error(2).contains("the plan has no point 12; --list says which are missing"), "{}", unknown.err);
+    assert!(place.run("sweep none.toml").error(1).starts_with("none.toml: cannot be read: "));
+}
+
+#[test]
+fn files_of_a_plan_lie_relative_to_it() {
+    let place = Place::new();
+    fs::create_dir(place.path("plans")).unwrap();
+    fs::copy(workspace().join("tests/models/patch.gltf"), place.path("plans/patch.gltf")).unwrap();
+    fs::write(place.path("plans/base.toml"), "[replacement]\nentries = 4\n").unwrap();
+    let text = "input = [\"patch.gltf\", \"list.dl.jsonl\"]\nconfig = \"base.toml\"\nobjectives = [\"cycles min\"]\n[axes]\nreplacement.lanes = [4, 8]\n";
+    fs::write(place.path("plans/plan.toml"), text).unwrap();
+    place.ok("record plans/patch.gltf --size 40x30 --out plans/list.dl.jsonl");
+    let said = place.ok("sweep plans/plan.toml --verify 50").out;
+    assert!(
+        said.starts_with("4 points: 0 there before, 4 run, 0 timed again; 0 failed\n2 points run again: the same to the byte\n"),
+        "{said}"
+    );
+    let table = place.text("out/sweep.csv");
+    assert!(table.lines().nth(3).unwrap().contains("list.dl.jsonl,4,"), "{table}");
+    // A point is a run: with the same report, but for the host's figures.
+    place.ok("run plans/patch.gltf --config plans/base.toml --set replacement.lanes=4 --no-limits --out run");
+    let id = table.lines().nth(1).unwrap().split(',').next().unwrap();
+    let swept = place.report(&format!("out/points/{id}"));
+    assert_eq!(swept, crate::support::without_host(place.report("run")));
+    assert_eq!(place.bytes(&format!("out/points/{id}/image.png")), place.bytes("run/image.png"));
+}
