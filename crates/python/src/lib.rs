@@ -37,7 +37,7 @@ mod _basrelief {
     #[pymodule_export]
     use crate::scene::{DisplayList, Scene, read_text};
     #[pymodule_export]
-    use crate::sweep::Plan;
+    use crate::sweep::{Plan, work_alone};
     #[pymodule_export]
     use crate::tape::retime;
 

@@ -39,7 +39,7 @@ impl View {
     pub fn of_plan(options: &[(String, String)], camera: impl Fn(&str) -> Done<(String, String)>) -> Result<Self, String> {
         let mut view = Self::default();
         for (name, value) in options {
-            let failed = |error: String| format!("view: invalid value '{value}' for '--{name}': {error}");
+            let failed = |error: String| format!("view: {name}: {error}");
             match name.as_str() {
                 "size" => {
                     view.size = Some(text::size(value).map(|[width, height]| (width.into(), height.into())).map_err(failed)?)

@@ -8,7 +8,7 @@ use basrelief_scene::{demo, load_path_within};
 use basrelief_session::{Prepared, RunInput, TOML_GROWTH};
 use basrelief_sweep::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
 use basrelief_threads as threads;
-use pyo3::{PyErr, PyResult, Python, pyclass, pymethods};
+use pyo3::{PyErr, PyResult, Python, pyclass, pyfunction, pymethods};
 use std::collections::BTreeSet;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -94,6 +94,12 @@ impl Plan {
     fn title(&self) -> &str {
         &self.plan.title
     }
+}
+
+/// From now on no run of this process uses more than one core: others have work of their own.
+#[pyfunction]
+pub fn work_alone() {
+    threads::work_alone();
 }
 
 /// What a plan names.

@@ -16,6 +16,7 @@ from .machine import Machine, machines
 from .picture import Picture
 from .result import IncompleteError, Result, Tape, load
 from .scene import demo, demos, display_list, scene
+from .sweep import Sweep, sweep
 from .table import Table
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "Picture",
     "Result",
     "Scene",
+    "Sweep",
     "Table",
     "Tape",
     "UsageError",
@@ -38,4 +40,5 @@ __all__ = [
     "load",
     "machines",
     "scene",
+    "sweep",
 ]

@@ -9,6 +9,7 @@ __all__ = [
     "DisplayList",
     "Error",
     "InputError",
+    "Plan",
     "Scene",
     "UsageError",
     "compare",
@@ -24,6 +25,7 @@ __all__ = [
     "retime",
     "run",
     "text",
+    "work_alone",
 ]
 
 VERSION: str
@@ -115,6 +117,22 @@ class DisplayList:
     def name(self) -> str:
         """As the user named it."""
 
+@final
+class Plan:
+    """A plan whose parts fit together, with its inputs open."""
+
+    def __new__(cls, name: _Path, text: str, memory_limit: int | None) -> Plan: ...
+    def __len__(self) -> int: ...
+    @property
+    def title(self) -> str:
+        """A heading."""
+    def missing(self, folder: _Path, retry_failed: bool) -> list[tuple[str, str]]: ...
+    def execute(
+        self, points: list[str], folder: _Path, at_once: int | None, options: tuple[bool, bool]
+    ) -> tuple[int, int, int, int]: ...
+    def tables(self, folder: _Path) -> str: ...
+
+def work_alone() -> None: ...
 def machines() -> list[tuple[str, str]]: ...
 def demos() -> list[tuple[str, str, str]]: ...
 def read_text(path: _Path) -> str: ...
