@@ -9,6 +9,9 @@
 //! 3. where all of that has been: two steps, four, and so on,
 //! 4. where that has been, too: the rest of the Sobol sequence.
 //!
+//! On two made-up problems (see the tests) a tenth of the points finds 99 % of the full grid's hypervolume, where a Sobol sequence of
+//! as many points finds 95 %.
+//!
 //! Points beside wide gaps of the front come first. What is proposed follows from what is known alone, so that an
 //! exploration that was killed goes on where it was.
 
@@ -226,8 +229,8 @@ mod tests {
             for (model, axes) in PROBLEMS {
                 let points: usize = axes.iter().product();
                 let [quarter, tenth] = [4, 10].map(|part| found(model, axes, points / part, 8, seed));
-                // 0.9957 and 0.9933 are the least of these.
-                assert!(quarter >= 0.95 && tenth >= 0.95, "{quarter} {tenth}");
+                // The least of these are 0.9957 and 0.9933; of Sobol samples of as many points 0.9751 and 0.9548.
+                assert!(quarter >= 0.995 && tenth >= 0.99, "{quarter} {tenth}");
             }
         }
     }

@@ -1,10 +1,23 @@
-//! The values of an axis, few enough to be told one by one.
+//! The values of a column: their range, and those of an axis, few enough to be told one by one.
 
 use crate::table::{Cell, Table};
 use std::collections::BTreeMap;
 
 /// Most levels of an axis. Where there are more values, several that follow each other are one level.
 pub(crate) const MOST: usize = 12;
+
+/// From this ratio of largest to smallest value on, a scale is logarithmic.
+const LOGARITHMIC: f64 = 10.0;
+
+/// Lowest and highest of finite numbers.
+pub(crate) fn range(numbers: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    numbers.fold(None, |range, x| range.map_or(Some((x, x)), |(low, high): (f64, f64)| Some((low.min(x), high.max(x)))))
+}
+
+/// Whether a scale from low to high is to be logarithmic.
+pub(crate) fn logarithmic((low, high): (f64, f64)) -> bool {
+    low > 0.0 && high / low >= LOGARITHMIC
+}
 
 /// The values of a column, in order: numbers ascending, then words as they come first.
 #[derive(Clone, Debug, PartialEq)]

@@ -22,6 +22,8 @@ pub mod hypervolume;
 mod levels;
 pub mod page;
 pub mod sample;
+#[cfg(test)]
+mod samples;
 pub mod table;
 pub mod vega;
 pub mod write;

@@ -1,6 +1,7 @@
 //! A sweep as a Vega-Lite specification: to be opened in the Vega editor, in a notebook, or with `vl-convert`.
 
 use crate::front::front_by;
+use crate::levels::{logarithmic, range};
 use crate::table::{Column, Goal, Role, State, Table};
 use crate::write::value;
 use serde_json::{Map, Value, json};
@@ -20,12 +21,15 @@ pub fn vega(table: &Table) -> Value {
     let objectives = || table.objectives().map(|(at, _)| at);
     let mut places: Vec<usize> = objectives().collect();
     places.extend(told.iter().copied().filter(|&at| objectives().all(|objective| objective != at)));
-    let shown: Vec<&Column> = places.iter().map(|&at| &table.columns[at]).collect();
-    let tooltip: Vec<Value> =
-        shown.iter().map(|column| json!({ "field": field(&column.name), "title": column.header() })).collect();
-    let (across, upright) = (shown.first().map(|column| channel(column)), shown.get(1).map(|column| channel(column)));
-    let third = objectives().nth(2).map(|at| &table.columns[at]);
-    let colour = third.map_or(json!({ "field": "front", "type": "nominal", "title": "on the front" }), channel);
+    let tooltip: Vec<Value> = places.iter().map(|&at| named(&table.columns[at])).collect();
+    let [across, upright] = [0, 1].map(|number| places.get(number).map(|&at| channel(table, at)));
+    let mut colour = json!({ "field": "front", "type": "nominal", "title": "on the front" });
+    if let Some(third) = objectives().nth(2) {
+        colour = channel(table, third);
+        // The other way round, its first colours would be lost on white.
+        colour["scale"]["scheme"] = "viridis".into();
+        colour["scale"]["reverse"] = true.into();
+    }
     json!({
         "$schema": SCHEMA,
         "title": table.title,
@@ -62,16 +66,23 @@ fn encoding(across: Option<Value>, upright: Option<Value>) -> Value {
     Value::Object(channels.collect())
 }
 
-fn channel(column: &Column) -> Value {
-    let mut channel = json!({ "field": field(&column.name), "title": column.header() });
-    match column.role {
-        // A measure may be anything; a parameter may be a word.
-        Role::Axis => channel["type"] = "ordinal".into(),
-        Role::Objective(_) | Role::Figure => {
-            channel["type"] = "quantitative".into();
-            channel["scale"] = json!({ "zero": false });
-        }
+/// A column under its name and unit.
+fn named(column: &Column) -> Value {
+    json!({ "field": field(&column.name), "title": column.header() })
+}
+
+/// A column by position or colour.
+fn channel(table: &Table, at: usize) -> Value {
+    let mut channel = named(&table.columns[at]);
+    if table.columns[at].role == Role::Axis {
+        // A parameter may be a word.
+        channel["type"] = "ordinal".into();
+        return channel;
     }
+    let numbers = table.rows.iter().filter_map(|row| row.cells.get(at)?.number());
+    let logarithmic = range(numbers).is_some_and(logarithmic);
+    channel["type"] = "quantitative".into();
+    channel["scale"] = if logarithmic { json!({ "type": "log" }) } else { json!({ "zero": false }) };
     channel
 }
 
@@ -114,4 +125,48 @@ fn points(table: &Table, told: &[usize]) -> Vec<Value> {
         Value::Object(all)
     };
     run.map(point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+
+    /// The schema has 30,000 lines; these are the parts of it that a scatter needs. That all of it holds was seen with the schema
+    /// of vega-lite 6.4.3.
+    #[test]
+    fn a_scatter_has_points_a_line_and_what_the_pointer_tells() {
+        let spec = vega(&samples::device(30));
+        assert_eq!(spec["$schema"], SCHEMA);
+        let encoding = &spec["encoding"];
+        assert_eq!((&encoding["x"]["field"], &encoding["x"]["scale"]["type"]), (&json!("cycles\\.total"), &json!("log")));
+        assert_eq!(
+            (&encoding["y"]["title"], &encoding["y"]["scale"]),
+            (&json!("quality.psnr_db [dB]"), &json!({ "zero": false }))
+        );
+        let [line, points] = spec["layer"].as_array().unwrap().as_slice() else { panic!("{}", spec["layer"]) };
+        assert_eq!(line["mark"]["interpolate"], "step-after");
+        assert_eq!(points["encoding"]["color"]["field"], "memories\\.bytes");
+        assert_eq!(points["encoding"]["tooltip"].as_array().unwrap().len(), 7);
+    }
+
+    #[test]
+    fn the_data_is_that_of_the_points_that_have_run() {
+        let table = samples::device(30);
+        let spec = vega(&table);
+        let values = spec["data"]["values"].as_array().unwrap();
+        let run: Vec<&crate::Row> = table.rows.iter().filter(|row| row.state == State::Ok).collect();
+        assert_eq!((values.len(), run.len()), (29, 29));
+        assert_eq!(values[0]["cycles.total"], value(&run[0].cells[0]));
+        let count = |name: &str| values.iter().filter(|point| point[name] == true).count();
+        let shown: Vec<(usize, Goal)> = table.objectives().take(2).collect();
+        assert_eq!((count("front"), count("line")), (crate::front(&table).len(), front_by(&table, &shown).len()));
+    }
+
+    #[test]
+    fn names_do_not_lead_into_objects_and_nothing_is_needed() {
+        assert_eq!(field("a.b[0]'\""), "a\\.b\\[0\\]\\'\\\"");
+        let empty = vega(&Table::default());
+        assert_eq!((&empty["encoding"], &empty["data"]["values"]), (&json!({}), &json!([])));
+    }
 }

@@ -184,7 +184,7 @@ fn every_platform_computes_the_same_bits() {
     let words: Vec<String> =
         functions.iter().flat_map(|f| [format!(".{f}("), format!("f32::{f}("), format!("f64::{f}(")]).collect();
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    let importers = ["display-list", "scene", "reference", "report"].map(str::to_owned);
+    let importers = ["display-list", "scene", "reference", "report", "charts"].map(str::to_owned);
     absent(&[pure(), importers.to_vec()].concat(), &words);
 }
 

@@ -32,7 +32,7 @@ extern crate self as basrelief_parameters;
 mod load;
 mod table;
 
-pub use load::{ConfigError, Given, load, nearest, syntax};
+pub use load::{ConfigError, Given, Loader, load, nearest, syntax};
 pub use table::{Effect, Parameter, Parameters, Provenance, RangeError, as_option, resolved};
 
 /// Used by the macros; not part of the interface.

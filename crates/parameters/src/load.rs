@@ -2,6 +2,7 @@
 
 use crate::{Parameters, RangeError};
 use serde::Deserialize as _;
+use std::marker::PhantomData;
 use toml::{Table, Value};
 
 /// What is wrong with a configuration, where, and what to write instead.
@@ -58,18 +59,73 @@ impl Given<'_> {
 /// A setting's value is TOML (`32`, `[256, 128]`, `true`); what is no TOML is taken as a string, so that
 /// `replacement.codebook=fixed` needs no quotes.
 pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result<C, ConfigError> {
-    let mut tree: Table = toml_text.parse().map_err(|e| ConfigError::Syntax(syntax(toml_text, &e)))?;
-    let known: Vec<String> = C::table().into_iter().map(|p| p.key).collect();
-    for (key, value) in settings {
-        check_known(key, &known)?;
-        insert(&mut tree, key, parse_value(value))?;
+    Loader::new(toml_text)?.load(settings)
+}
+
+/// Loads many configurations over one TOML text: what does not go by the settings is done once.
+#[derive(Clone, Debug)]
+pub struct Loader<C> {
+    given: Table,
+    known: Vec<String>,
+    default: Table,
+    of: PhantomData<fn() -> C>,
+}
+
+impl<C: Parameters> Loader<C> {
+    /// Over this text.
+    ///
+    /// # Errors
+    /// A text that is no TOML. What else is wrong with it is said when it is loaded.
+    pub fn new(toml_text: &str) -> Result<Self, ConfigError> {
+        let given: Table = toml_text.parse().map_err(|e| ConfigError::Syntax(syntax(toml_text, &e)))?;
+        let known = C::table().into_iter().map(|p| p.key).collect();
+        let wrong = |error: serde_json::Error| ConfigError::Syntax(error.to_string());
+        let default = serde_json::to_value(C::default()).map_err(wrong)?;
+        Ok(Self { given, known, default: Table::deserialize(default).map_err(wrong)?, of: PhantomData })
     }
-    check_tree(&tree, "", &known)?;
-    let mut config: C = over_defaults(tree.clone()).map_err(|error| wrong_type::<C>(&tree, &known, &error))?;
-    config.check("")?;
-    config.complete(&Given(&tree))?;
-    config.check("")?;
-    Ok(config)
+
+    /// As [`load`] with its text and these settings.
+    ///
+    /// # Errors
+    /// As [`load`].
+    pub fn load(&self, settings: &[(&str, &str)]) -> Result<C, ConfigError> {
+        let mut tree = self.given.clone();
+        for (key, value) in settings {
+            check_known(key, &self.known)?;
+            insert(&mut tree, key, parse_value(value))?;
+        }
+        check_tree(&tree, "", &self.known)?;
+        let mut config = self.over_defaults(tree.clone()).map_err(|error| self.wrong_type(&tree, &error))?;
+        config.check("")?;
+        config.complete(&Given(&tree))?;
+        config.check("")?;
+        Ok(config)
+    }
+
+    /// All parameters: as given, the rest as the whole configuration has it. (Serde's own defaults would be those of the
+    /// innermost struct, so that setting one parameter of a group would reset what the group says of its neighbours.)
+    fn over_defaults(&self, given: Table) -> Result<C, toml::de::Error> {
+        let mut tree = self.default.clone();
+        merge(&mut tree, given);
+        C::deserialize(Value::Table(tree))
+    }
+
+    /// The first parameter that alone keeps a configuration from being read: the reader's own words, without the place that it
+    /// repeats, and what the table says of the parameter. (A reader that remembers where it is, for every type of every machine,
+    /// took a tenth of the time of a build.)
+    fn wrong_type(&self, given: &Table, whole: &toml::de::Error) -> ConfigError {
+        let alone = |(key, value): (String, &Value)| {
+            let mut tree = Table::new();
+            insert(&mut tree, &key, value.clone()).ok()?;
+            self.over_defaults(tree).err().map(|error| (key, error.to_string()))
+        };
+        let (key, message) =
+            leaves(given, "", &self.known).into_iter().find_map(alone).unwrap_or_else(|| (String::new(), whole.to_string()));
+        let first = message.trim().lines().next().unwrap_or_default();
+        let known = C::table().into_iter().find(|p| p.key == key && !p.range.is_empty());
+        let range = known.map_or_else(String::new, |p| format!("; expected {}", format!("{} {}", p.range, p.unit).trim_end()));
+        ConfigError::Type { key, message: format!("{first}{range}") }
+    }
 }
 
 /// Longest that a message may be that shows the line it is about: a line can be as long as the file \[bytes\].
@@ -93,23 +149,6 @@ fn hint(nearest: &Option<String>) -> String {
     nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }
 
-/// The first parameter that alone keeps a configuration from being read: the reader's own words, without the place that it
-/// repeats, and what the table says of the parameter. (A reader that remembers where it is, for every type of every machine, took
-/// a tenth of the time of a build.)
-fn wrong_type<C: Parameters>(given: &Table, known: &[String], whole: &toml::de::Error) -> ConfigError {
-    let alone = |(key, value): (String, &Value)| {
-        let mut tree = Table::new();
-        insert(&mut tree, &key, value.clone()).ok()?;
-        over_defaults::<C>(tree).err().map(|error| (key, error.to_string()))
-    };
-    let (key, message) =
-        leaves(given, "", known).into_iter().find_map(alone).unwrap_or_else(|| (String::new(), whole.to_string()));
-    let first = message.trim().lines().next().unwrap_or_default();
-    let known = C::table().into_iter().find(|p| p.key == key && !p.range.is_empty());
-    let range = known.map_or_else(String::new, |p| format!("; expected {}", format!("{} {}", p.range, p.unit).trim_end()));
-    ConfigError::Type { key, message: format!("{first}{range}") }
-}
-
 /// Dotted names and values of what is given, groups opened.
 fn leaves<'a>(tree: &'a Table, prefix: &str, known: &[String]) -> Vec<(String, &'a Value)> {
     let leaf = |(name, value): (&String, &'a Value)| {
@@ -120,15 +159,6 @@ fn leaves<'a>(tree: &'a Table, prefix: &str, known: &[String]) -> Vec<(String, &
         }
     };
     tree.iter().flat_map(leaf).collect()
-}
-
-/// All parameters: as given, the rest as the whole configuration has it. (Serde's own defaults would be those of the
-/// innermost struct, so that setting one parameter of a group would reset what the group says of its neighbours.)
-fn over_defaults<C: Parameters>(given: Table) -> Result<C, toml::de::Error> {
-    let default = serde_json::to_value(C::default()).map_err(<toml::de::Error as serde::de::Error>::custom)?;
-    let mut tree = Table::deserialize(default).map_err(<toml::de::Error as serde::de::Error>::custom)?;
-    merge(&mut tree, given);
-    C::deserialize(Value::Table(tree))
 }
 
 fn merge(tree: &mut Table, given: Table) {

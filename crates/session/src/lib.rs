@@ -57,7 +57,7 @@ pub use exhibits::costs::COST_PICTURES;
 pub use expectation::{check_expectation, expectation_of};
 pub use explained::{Taped, explain};
 pub use held::textures as hold_textures;
-pub use machines::{MACHINES, MachineConfig, MachineInfo, TileFetch};
+pub use machines::{ConfigLoader, MACHINES, MachineConfig, MachineInfo, TileFetch};
 pub use methods::compare_methods;
 pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name};
 pub use outcome::{Run, SessionError};

@@ -20,16 +20,7 @@ pub(super) fn head(sweep: &Sweep<'_>) -> Html {
         let least = if goal == Goal::Min { "least" } else { "most" };
         (value(&sweep.table.rows[row].cells[at]), format!("{least} {}", sweep.header(at)))
     });
-    el(
-        "header",
-        &[],
-        [
-            title,
-            big_numbers(counts.into_iter().chain(best)),
-            el_text("p", "lead", found(sweep)),
-            el_text("p", "quiet", volume(sweep)),
-        ],
-    )
+    el("header", &[], [title, big_numbers(counts.into_iter().chain(best)), el_text("p", "lead", found(sweep)), volume(sweep)])
 }
 
 /// Counts whole, measures to four digits.
@@ -77,15 +68,15 @@ fn found(sweep: &Sweep<'_>) -> String {
     }
 }
 
-/// The hypervolume with the space it stands for.
-fn volume(sweep: &Sweep<'_>) -> String {
+/// The hypervolume with the space it stands for; nothing of a front of one point, or where it would take too long.
+fn volume(sweep: &Sweep<'_>) -> Html {
     let costs: Vec<Vec<f64>> = crate::candidates(sweep.table).into_iter().map(|(_, costs)| costs).collect();
-    let share = Space::of(&costs).and_then(|space| space.hypervolume(&costs));
-    let share = share.filter(|_| sweep.front.len() > 1);
-    share.map_or(String::new(), |share| {
-        format!(
-            "The front dominates {} of the space between the best of each objective and a tenth of its range beyond the worst.",
-            about(share)
-        )
+    let share = Space::of(&costs).filter(|_| sweep.front.len() > 1).and_then(|space| space.hypervolume(&costs));
+    share.map_or_else(Html::default, |share| {
+        let share = about(share);
+        let says = format!(
+            "The front dominates {share} of the space between the best of each objective and a tenth of its range beyond the worst."
+        );
+        el_text("p", "quiet", says)
     })
 }

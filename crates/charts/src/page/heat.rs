@@ -2,10 +2,10 @@
 
 use super::data::{Sweep, colour};
 use super::number::{compact, rounded};
-use super::scale::{LOGARITHMIC, WHOLE};
+use super::scale::WHOLE;
 use super::scatter::cut;
 use crate::effects::{Level, effects, level};
-use crate::levels::Levels;
+use crate::levels::{Levels, logarithmic, range};
 use crate::table::Goal;
 use basrelief_report::html::markup::{Html, details, el, el_text};
 use basrelief_report::html::svg::{label, px, svg_sized};
@@ -65,21 +65,17 @@ fn maps(sweep: &Sweep<'_>) -> (Vec<Map>, Vec<Map>) {
 fn figure(sweep: &Sweep<'_>, map: &Map) -> Html {
     let [upright, across] = [map.upright, map.across].map(|axis| Levels::of(sweep.table, axis));
     let cells = cells(sweep, map, &upright, &across);
-    let means = || cells.iter().map(|(_, _, level)| level.mean);
-    let (low, high) = (means().reduce(f64::min).unwrap_or(0.0), means().reduce(f64::max).unwrap_or(0.0));
-    let colours = Colours { low, high, logarithmic: low > 0.0 && high / low >= LOGARITHMIC };
+    let (low, high) = range(cells.iter().map(|(_, _, level)| level.mean)).unwrap_or_default();
+    let colours = Colours { low, high, logarithmic: logarithmic((low, high)) };
     let names = [map.upright, map.across].map(|axis| sweep.table.columns[axis].name.as_str());
     let left = left(&upright);
     let shapes = cells
         .iter()
         .map(|(row, column, level)| cell([left + CELL.0 * *column as f64, TOP + CELL.1 * *row as f64], level, &colours));
     let sides = sides(&upright, &across, names);
-    let title_width = 6.8 * (names[0].chars().count() + names[1].chars().count() + 7) as f64;
-    let size =
-        ((left + CELL.0 * across.labels.len() as f64 + 4.0).max(title_width), TOP + CELL.1 * upright.labels.len() as f64 + 4.0);
-    let title = format!("Mean of {}", sweep.header(map.objective.0));
-    let logarithmic = if colours.logarithmic { ", logarithmic colours" } else { "" };
-    let title = format!("{title}{logarithmic}");
+    let size = size(&upright, &across, names);
+    let how = if colours.logarithmic { ", logarithmic colours" } else { "" };
+    let title = format!("Mean of {}{how}", sweep.header(map.objective.0));
     let says = format!("{title} by {} and {}, from {} to {}", names[0], names[1], rounded(low), rounded(high));
     let drawing = svg_sized("map", size, 1.0, &says, shapes.chain(sides).collect());
     el("figure", &[], [el_text("figcaption", "", title), el("div", &[("class", "wide"), ("tabindex", "0")], [drawing])])
@@ -89,6 +85,13 @@ fn figure(sweep: &Sweep<'_>, map: &Map) -> Html {
 fn left(levels: &Levels) -> f64 {
     let longest = levels.labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
     (longest as f64 * 6.8 + 12.0).min(LEFT)
+}
+
+/// Room for cells and what stands beside them.
+fn size(upright: &Levels, across: &Levels, names: [&str; 2]) -> (f64, f64) {
+    let cells = left(upright) + CELL.0 * across.labels.len() as f64 + 4.0;
+    let title = 6.8 * (names[0].chars().count() + names[1].chars().count() + 7) as f64;
+    (cells.max(title), TOP + CELL.1 * upright.labels.len() as f64 + 4.0)
 }
 
 /// What colour a value has, and how it is written.

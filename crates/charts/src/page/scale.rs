@@ -1,13 +1,11 @@
 //! Where the values of a column stand along an axis, and what is written beside it.
 
 use super::number::rounded;
-use crate::levels::Levels;
+use crate::levels::{Levels, logarithmic, range};
 use crate::table::{Cell, Role, Table};
 
 /// Positions are whole numbers from 0 to this: finer than a pixel, short in a file.
 pub(super) const WHOLE: u32 = 10_000;
-/// From this ratio of largest to smallest value on, a scale is logarithmic.
-pub(super) const LOGARITHMIC: f64 = 10.0;
 /// Share of the scale that is left free at either end.
 const PADDING: f64 = 0.03;
 /// Parts that a linear scale is divided into, about.
@@ -54,12 +52,11 @@ impl Scale {
     }
 
     fn numeric(values: &[Option<f64>]) -> Option<Self> {
-        let finite = || values.iter().flatten().copied();
-        let (low, high) = (finite().reduce(f64::min)?, finite().reduce(f64::max)?);
+        let (low, high) = range(values.iter().flatten().copied())?;
         if low >= high {
             return None;
         }
-        let logarithmic = low > 0.0 && high / low >= LOGARITHMIC;
+        let logarithmic = logarithmic((low, high));
         let along = |x: f64| if logarithmic { libm::log10(x) } else { x };
         // Halves: a distance of two large numbers must not overflow.
         let (start, end) = (along(low) / 2.0, along(high) / 2.0);
@@ -142,7 +139,8 @@ mod tests {
     fn marks_are_round_and_short() {
         assert_eq!(labels(&[16.63, 33.06]), ["20", "25", "30"]);
         assert_eq!(labels(&[0.0, 0.7]), ["0.0", "0.2", "0.4", "0.6"]);
-        assert_eq!(labels(&[437_929.0, 3_428_606.0]), ["1 M", "2 M", "3 M"]);
+        assert_eq!(labels(&[437_929.0, 3_428_606.0]), ["0.5 M", "1.0 M", "1.5 M", "2.0 M", "2.5 M", "3.0 M"]);
+        assert_eq!(labels(&[237_929.0, 3_428_606.0]), ["500 k", "1 M", "2 M"]);
         assert_eq!(labels(&[-3.0, 3.0]), ["-3", "-2", "-1", "0", "1", "2", "3"]);
         assert_eq!(labels(&[120_000.0, 190_000.0]), ["120 k", "140 k", "160 k", "180 k"]);
         assert_eq!(labels(&[700.0, 90_000.0]), ["1000", "2000", "5000", "10 k", "20 k", "50 k"]);

@@ -52,6 +52,13 @@
 
   const make = (name, text) => Object.assign(document.createElement(name), { textContent: text });
 
+  // Gone where there is no such file.
+  function pictured(picture) {
+    const image = Object.assign(new Image(), { src: picture, alt: "picture of this point" });
+    image.addEventListener("error", () => image.remove());
+    return image;
+  }
+
   function show(row) {
     current = row;
     const { id, picture, best, values } = rows[row];
@@ -60,7 +67,7 @@
     const same = rows.filter((_, other) => place(other)?.join() === here).length;
     point.replaceChildren(make("h3", best ? "On the front" : "Not on the front"), make("code", id));
     if (here && same > 1) point.append(make("p", `One of ${same} points at this place.`));
-    if (picture) point.append(Object.assign(new Image(), { src: picture, alt: "picture of this point" }));
+    if (picture) point.append(pictured(picture));
     const list = make("dl", "");
     names.forEach((name, at) => list.append(make("dt", name), make("dd", values[at])));
     point.append(list);
@@ -68,17 +75,21 @@
     mark();
   }
 
-  // The point nearest to a place on the screen, if it is near.
+  // The point nearest to a place on the screen, if it is near; the one that is looked at, if hardly another is nearer: where a
+  // pointer was pressed is told in whole pixels.
   function nearest(event) {
     const here = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-    let [found, least] = [-1, 24 ** 2];
-    rows.forEach((_, row) => {
+    const distance = (row) => {
       const at = place(row);
-      const distance = at ? (at[0] - here.x) ** 2 + (at[1] - here.y) ** 2 : Infinity;
+      return at ? Math.hypot(at[0] - here.x, at[1] - here.y) : Infinity;
+    };
+    let [found, least] = [-1, 24];
+    rows.forEach((_, row) => {
       // Of equal ones the last, which is drawn above the others.
-      if (distance <= least) [found, least] = [row, distance];
+      const away = distance(row);
+      if (away <= least) [found, least] = [row, away];
     });
-    return found;
+    return found >= 0 && current >= 0 && distance(current) <= least + 2 ? current : found;
   }
 
   // Points from left to right; with `front` only those on the front.

@@ -1,1 +1,182 @@
+use super::*;
+use crate::samples;
+use crate::table::{Cell, Column, Constraint, Goal, Role, Row, State};
+use proptest::prelude::*;
 
+/// The page without styles, data and script, which are no markup; panics where the rest is not well-formed.
+fn parsed(page: &str) -> String {
+    let mut rest = page.strip_prefix("<!DOCTYPE html>\n").unwrap().to_owned();
+    for (start, end) in [("<style>", "</style>"), ("<script", "</script>")] {
+        while let Some(from) = rest.find(start) {
+            let to = rest[from..].find(end).unwrap() + end.len();
+            rest.replace_range(from..from + to, "");
+        }
+    }
+    roxmltree::Document::parse(&rest).unwrap_or_else(|error| panic!("{error}: {rest}"));
+    rest
+}
+
+/// What the script reads.
+fn data_of(page: &str) -> serde_json::Value {
+    let (_, rest) = page.split_once("id=\"sweep\">").unwrap();
+    serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
+}
+
+fn shown(table: &Table) -> String {
+    page(table, &PageOptions::default())
+}
+
+#[test]
+fn a_page_has_its_parts_in_their_order() {
+    let page = shown(&samples::device(300));
+    let markup = parsed(&page);
+    let ids: Vec<&str> = markup.split("<section id=\"").skip(1).filter_map(|part| part.split('"').next()).collect();
+    assert_eq!(ids, ["scatter", "front", "sensitivities", "pairs", "parallel", "failures"]);
+    assert!(markup.contains("300 points, 4 failed. "), "{markup}");
+    assert!(markup.contains("keep quality.psnr_db &gt;= 18. "));
+    assert!(markup.contains("deadlock: `shaded` is full"));
+    assert!(markup.contains("All 296 points that have run are drawn."));
+    assert_eq!(markup.matches("class=\"map\"").count(), 9);
+}
+
+#[test]
+fn the_policy_allows_this_script_and_no_other() {
+    let page = shown(&samples::device(30));
+    let (_, rest) = page.split_once("script-src &#39;sha256-").unwrap();
+    let code = page.rsplit_once("<script>").unwrap().1.split_once("</script>").unwrap().0;
+    assert_eq!(rest.split_once("&#39;").unwrap().0, BASE64_STANDARD.encode(Sha256::digest(code)));
+    assert_eq!(page.matches("<script").count(), 2);
+    for text in ["http:", "https:", "@import", "url(", "javascript:", "style=", "onclick"] {
+        assert!(!page.contains(text), "{text}");
+    }
+}
+
+#[test]
+fn names_are_escaped_wherever_they_stand() {
+    let bad = "</script>\"'/><script>alert('x')</script>&";
+    let mut table = samples::device(30);
+    table.title = bad.into();
+    table.columns.iter_mut().for_each(|column| (column.name, column.unit) = (format!("{}{bad}", column.name), bad.into()));
+    table.constraints[0].column = table.columns[1].name.clone();
+    table.rows.iter_mut().for_each(|row| {
+        row.id += bad;
+        row.picture = Some(bad.into());
+        row.cells[6] = Cell::Text(bad.into());
+        row.state = if row.state == State::Ok { State::Ok } else { State::Failed(bad.into()) };
+    });
+    let page = page(&table, &PageOptions { figures: vec![], files: vec![(bad.into(), bad.into())] });
+    parsed(&page);
+    assert_eq!((page.matches("<script").count(), page.matches("</script").count()), (2, 2));
+    assert_eq!(data_of(&page)["rows"][0]["picture"], bad);
+}
+
+/// Where points are drawn is where the script moves them back to.
+#[test]
+fn the_script_has_the_positions_that_are_drawn() {
+    let page = shown(&samples::device(300));
+    let data = data_of(&page);
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let [left, top, width, height] = [0, 1, 2, 3].map(|at| number(&data["box"][at]));
+    let (x, y) = (&data["columns"][0]["at"], &data["columns"][1]["at"]);
+    let markup = parsed(&page);
+    let points = markup.split_once("<g id=\"points\">").unwrap().1.split_once("</g>").unwrap().0;
+    let of = |point: &str, name: &str| -> f64 {
+        point.split_once(&format!(" {name}=\"")).unwrap().1.split('"').next().unwrap().parse().unwrap()
+    };
+    let points: Vec<&str> = points.split("<circle class=\"point").skip(1).collect();
+    assert_eq!((points.len(), data["rows"].as_array().unwrap().len()), (296, 296));
+    for (row, point) in points.into_iter().enumerate() {
+        assert!((of(point, "cx") - (left + number(&x[row]) / 1e4 * width)).abs() < 0.01);
+        assert!((of(point, "cy") - (top + (1.0 - number(&y[row]) / 1e4) * height)).abs() < 0.01);
+    }
+}
+
+#[test]
+fn what_is_drawn_is_bounded_and_said() {
+    let mut table = samples::device(10_000);
+    let all = shown(&table);
+    assert!(all.contains("1,821 of 9,717 others, at equal distances in the plan"));
+    // The legend has three circles, the cursor is one.
+    assert_eq!(all.matches("<circle").count(), data::MOST_ROWS + 4);
+    // Every point on the front, by a stair of 10,000 steps.
+    table.constraints.clear();
+    for (at, row) in table.rows.iter_mut().enumerate() {
+        row.state = State::Ok;
+        row.cells[0] = Cell::Whole(at as u64);
+        row.cells[1] = Cell::Whole(at as u64);
+    }
+    let stair = shown(&table);
+    assert!(stair.contains("1,000 of 10,000 points on the front"));
+    assert_eq!(stair.matches("<circle").count(), 1_000 + 3);
+    for page in [all, stair] {
+        assert!(page.len() < 2_000_000, "{}", page.len());
+        assert!(page.matches('<').count() < 30_000, "{}", page.matches('<').count());
+    }
+}
+
+#[test]
+fn the_page_is_the_same_to_the_byte() {
+    let hash = Sha256::digest(shown(&samples::device(300)));
+    insta::assert_snapshot!("page_sha256", hash.iter().map(|byte| format!("{byte:02x}")).collect::<String>());
+}
+
+#[test]
+fn tables_with_little_in_them_have_a_page() {
+    let full = samples::device(30);
+    let rows =
+        |keep: fn(&Row) -> bool| Table { rows: full.rows.iter().filter(|row| keep(row)).cloned().collect(), ..full.clone() };
+    let mut pending = full.clone();
+    pending.rows.iter_mut().for_each(|row| (row.state, row.cells) = (State::Pending, vec![Cell::Missing; 7]));
+    let mut aimless = full.clone();
+    aimless.columns.iter_mut().for_each(|column| column.role = Role::Figure);
+    assert!(shown(&Table::default()).contains("0 points. No objective was named"));
+    assert!(shown(&rows(|row| row.state != State::Ok)).contains("1 point, 1 failed."));
+    assert!(shown(&pending).contains("30 points, 30 not run yet."));
+    assert!(shown(&aimless).contains("No objective was named"));
+    for table in [Table::default(), rows(|_| false), rows(|row| row.state != State::Ok), pending, aimless] {
+        parsed(&shown(&table));
+    }
+}
+
+fn cell() -> impl Strategy<Value = Cell> {
+    prop_oneof![
+        any::<f64>().prop_map(Cell::Number),
+        (0u64..5).prop_map(Cell::Whole),
+        any::<u64>().prop_map(Cell::Whole),
+        "[a-c<&\" é]{0,20}".prop_map(Cell::Text),
+        Just(Cell::Missing),
+    ]
+}
+
+fn table() -> impl Strategy<Value = Table> {
+    let role =
+        prop_oneof![Just(Role::Axis), Just(Role::Objective(Goal::Min)), Just(Role::Objective(Goal::Max)), Just(Role::Figure)];
+    let state = prop_oneof![4 => Just(State::Ok), 1 => Just(State::Failed("fault".into())), 1 => Just(State::Pending)];
+    let tables = prop::collection::vec(role, 1..6).prop_flat_map(move |roles| {
+        let row = (state.clone(), prop::collection::vec(cell(), roles.len()));
+        (Just(roles), prop::collection::vec(row, 0..30))
+    });
+    tables.prop_map(|(roles, rows)| Table {
+        title: "any".into(),
+        columns: roles
+            .iter()
+            .enumerate()
+            .map(|(at, &role)| Column { name: format!("c{at}"), unit: "u".into(), role, what: "".into() })
+            .collect(),
+        constraints: vec![Constraint { column: "c0".into(), comparison: crate::Comparison::AtMost, bound: 3.0 }],
+        rows: rows
+            .into_iter()
+            .enumerate()
+            .map(|(at, (state, cells))| Row { id: at.to_string(), state, cells, picture: None })
+            .collect(),
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    #[test]
+    fn any_table_has_a_page(table in table()) {
+        parsed(&shown(&table));
+        crate::vega(&table);
+    }
+}

@@ -3,8 +3,9 @@
 use super::{MACHINES, MachineConfig, MachineSpec};
 use crate::exhibits::content::ExhibitInfo;
 use basrelief_machines::UnitInfo;
-use basrelief_parameters::{ConfigError, Parameter, resolved};
+use basrelief_parameters::{ConfigError, Loader, Parameter, resolved};
 use serde_json::Value;
+use std::fmt;
 
 /// What there is to know of a machine before it runs.
 #[derive(Clone, Copy, Debug)]
@@ -25,11 +26,29 @@ pub struct MachineInfo {
     exhibits: fn() -> Vec<ExhibitInfo>,
     table: fn() -> Vec<Parameter>,
     schema: fn() -> Value,
-    load: Load,
+    loader: fn(&str) -> Result<ConfigLoader, ConfigError>,
 }
 
-/// Makes a configuration of TOML and single settings.
-type Load = fn(&str, &[(&str, &str)]) -> Result<MachineConfig, ConfigError>;
+/// Makes configurations of a machine, of one TOML text and settings over it.
+pub struct ConfigLoader(Box<Load>);
+
+type Load = dyn Fn(&[(&str, &str)]) -> Result<MachineConfig, ConfigError> + Send + Sync;
+
+impl ConfigLoader {
+    /// A configuration: defaults, then the text, then these settings in order.
+    ///
+    /// # Errors
+    /// As [`basrelief_parameters::load`].
+    pub fn load(&self, settings: &[(&str, &str)]) -> Result<MachineConfig, ConfigError> {
+        (self.0)(settings)
+    }
+}
+
+impl fmt::Debug for ConfigLoader {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("ConfigLoader")
+    }
+}
 
 impl MachineInfo {
     pub(super) const fn of<S: MachineSpec>() -> Self
@@ -47,7 +66,10 @@ impl MachineInfo {
             exhibits: || S::EXHIBITS.iter().map(|e| e.info).collect(),
             table: || resolved(&S::default()),
             schema: || schemars::schema_for!(S).to_value(),
-            load: |toml, settings| basrelief_parameters::load::<S>(toml, settings).map(MachineConfig::from),
+            loader: |toml| {
+                let loader = Loader::<S>::new(toml)?;
+                Ok(ConfigLoader(Box::new(move |settings| loader.load(settings).map(MachineConfig::from))))
+            },
         }
     }
 
@@ -93,7 +115,15 @@ impl MachineInfo {
     /// # Errors
     /// As [`basrelief_parameters::load`].
     pub fn load(&self, toml: &str, settings: &[(&str, &str)]) -> Result<MachineConfig, ConfigError> {
-        (self.load)(toml, settings)
+        self.loader(toml)?.load(settings)
+    }
+
+    /// What makes many configurations of one TOML text.
+    ///
+    /// # Errors
+    /// A text that is no TOML.
+    pub fn loader(&self, toml: &str) -> Result<ConfigLoader, ConfigError> {
+        (self.loader)(toml)
     }
 
     /// What is wrong with a configuration. A parameter of another machine is no slip of the pen.

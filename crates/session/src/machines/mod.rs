@@ -8,7 +8,7 @@ mod shade;
 mod spec;
 mod texel;
 
-pub use info::MachineInfo;
+pub use info::{ConfigLoader, MachineInfo};
 pub use spec::TileFetch;
 pub(crate) use spec::{Logs, MachineSpec, PictureRecord, RunSummary};
 

@@ -15,7 +15,7 @@ use crate::{Host, Opened, SweepError};
 use axes::{Exclusion, Places};
 use basrelief_charts::{Constraint, Objective};
 use basrelief_parameters::{ConfigError, nearest};
-use basrelief_session::{Given, MachineConfig, MachineInfo, input_sha256};
+use basrelief_session::{ConfigLoader, Given, MachineConfig, MachineInfo, input_sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use written::{Config, Written};
 
@@ -40,6 +40,8 @@ pub struct Plan {
     pub points: Vec<Point>,
     /// Parameters that all points share, as TOML.
     base: String,
+    /// The same, read.
+    loader: ConfigLoader,
 }
 
 /// An input of a plan.
@@ -78,6 +80,7 @@ impl Plan {
             Some(Config::Inline(table)) => toml::to_string(table).map_err(|error| format!("config: {error}"))?,
             Some(Config::File(name)) => host.text(name).map_err(|error| format!("config: {error}"))?,
         };
+        let loader = machine.loader(&base).map_err(|error| format!("config: {error}"))?;
         let mut plan = Self {
             title: written.title.clone().unwrap_or_else(|| format!("{}, {}", machine.name, names.join(", "))),
             inputs: vec![],
@@ -88,6 +91,7 @@ impl Plan {
             max_cycles: written.max_cycles.unwrap_or(u64::MAX),
             points: vec![],
             base,
+            loader,
         };
         plan.check_parameters()?;
         let exclusions = written.exclude.iter().map(|table| Exclusion::of(table, &plan.axes)).collect::<Result<Vec<_>, _>>()?;
@@ -130,7 +134,7 @@ impl Plan {
 
     /// Parameters that do not fit together are no mistake of the plan: others may mend that, and otherwise the point is a row.
     fn check_value(&self, place: &str, settings: &[(&str, &str)]) -> Result<(), String> {
-        match self.machine.load(&self.base, settings) {
+        match self.loader.load(settings) {
             Err(ConfigError::Unfit { .. }) | Ok(_) => Ok(()),
             Err(error) => Err(format!("{place}: {}", self.machine.explain(&error))),
         }
@@ -192,7 +196,7 @@ impl Plan {
     pub fn config(&self, places: &[usize]) -> Result<MachineConfig, String> {
         let settings = self.settings(places);
         let settings: Vec<(&str, &str)> = settings.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect();
-        self.machine.load(&self.base, &settings).map_err(|error| error.to_string())
+        self.loader.load(&settings).map_err(|error| error.to_string())
     }
 }
 

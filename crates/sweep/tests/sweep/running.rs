@@ -3,6 +3,7 @@
 use crate::support::{Program, files, plan, sweep};
 use basrelief_sweep::{Folder, Found, Work, execute, tables, verify};
 use std::fs;
+use std::time::Instant;
 use tempfile::tempdir;
 
 /// Two works, each under six times.
@@ -155,4 +156,23 @@ fn objectives_come_first_then_axes_then_all_figures_each_with_its_unit() {
         front.contains("of 12 points are not beaten by another\ncycles.total [cycles] min  hardware.bits [bits] min  "),
         "{front}"
     );
+}
+
+#[test]
+fn ten_thousand_points_are_checked_found_and_resumed_at_once() {
+    let text = "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjectives = [\"cycles min\"]\n[axes]\nshade.mode = [\"normal\", \"brightness\"]\n\
+                fifo.pixels.depth = { from = 1, to = 50, step = 1 }\nfifo.interpolated.depth = { from = 1, to = 100, step = 1 }\n";
+    let (folder, host) = (tempdir().unwrap(), Program::new());
+    let store = Folder::new(folder.path());
+    for point in &plan(text, &host).points {
+        store.put(&point.id, ("{ \"cycles\": { \"total\": 7 } }", None), &host).unwrap();
+    }
+    sweep(text, folder.path(), 2);
+    let began = Instant::now();
+    let (plan, tally) = sweep(text, folder.path(), 2);
+    let seconds = began.elapsed().as_secs_f64();
+    println!("{} points checked, found and resumed in {seconds:.2} s", plan.points.len());
+    assert_eq!((plan.points.len(), tally.there, tally.run), (10_000, 10_000, 0));
+    // Less than 1 s when built for release; here, for debugging and beside other tests, ten times that is no mistake.
+    assert!(seconds < 20.0, "{seconds} s");
 }
