@@ -174,6 +174,7 @@ fn the_wrong_plan_is_said_with_its_name_and_what_to_do() {
     says("size =", "sise =", 1, "wrong.toml: view: no option is called `sise`; did you mean `size`?");
     says("\"96x72\"", "\"96\"", 1, "wrong.toml: view: invalid value '96' for '--size <WIDTHxHEIGHT>': expected WIDTHxHEIGHT");
     says("demo:ellipsoid@2", "none.gltf", 1, "wrong.toml: input: none.gltf: cannot be read");
+    says("demo:ellipsoid@2", "-", 1, "wrong.toml: input: -: can be read only once, and a sweep reads it for each run: give a file");
     says("cycles min", "cycels min", 1, "wrong.toml: objectives: the report has no figure `cycels`");
     let unknown = place.run("sweep plan.toml --point 12");
     assert!(unknown.error(2).contains("the plan has no point 12; --list says which are missing"), "{}", unknown.err);
@@ -202,4 +203,38 @@ fn files_of_a_plan_lie_relative_to_it() {
     let swept = place.report(&format!("out/points/{id}"));
     assert_eq!(swept, crate::support::without_host(place.report("run")));
     assert_eq!(place.bytes(&format!("out/points/{id}/image.png")), place.bytes("run/image.png"));
+}
+
+#[test]
+fn the_study_of_fifo_depths_finds_what_its_page_says() {
+    let place = Place::new();
+    let plan = workspace().join("studies/fifo-depths.toml");
+    let said = place.ok(&format!("sweep {} --no-pictures --verify 2", plan.display())).out;
+    let (tally, front) = said.split_once("\n\n").unwrap();
+    assert_eq!(tally, "108 points: 0 there before, 1 run, 107 timed again; 0 failed\n3 points run again: the same to the byte");
+    let page = fs::read_to_string(workspace().join("docs/sweep.md")).unwrap();
+    assert!(page.contains(tally.lines().next().unwrap()));
+    let cells =
+        |line: &str| line.replace(',', "").split(['|', ' ']).filter_map(|cell| cell.parse::<u64>().ok()).collect::<Vec<_>>();
+    let rows: Vec<Vec<u64>> = page.lines().map(cells).filter(|cells| cells.len() == 6).collect();
+    let (chosen, default) = rows.split_at(3);
+    let front: Vec<Vec<u64>> = front.lines().map(cells).filter(|cells| cells.len() == 6).collect();
+    assert_eq!((front.len(), chosen.len(), default.len()), (22, 3, 1));
+    assert!(chosen.iter().all(|row| front.contains(row)), "{front:?}");
+    assert!(chosen[2][0] < default[0][0] && chosen[2][1] < default[0][1], "better by both");
+    let [cycles, bits, depths @ ..] = default[0].as_slice() else { panic!("six cells") };
+    let depths: Vec<String> = depths.iter().map(u64::to_string).collect();
+    let table = place.text("out/sweep.csv");
+    assert!(table.contains(&format!(",{cycles},{bits},{},", depths.join(","))), "the default is one of the points");
+}
+
+#[test]
+fn the_plan_of_the_readme_runs() {
+    let place = Place::new();
+    let readme = fs::read_to_string(workspace().join("README.md")).unwrap();
+    let (_, behind) = readme.split_once("```toml\n").expect("a plan");
+    fs::write(place.path("plan.toml"), behind.split_once("```").unwrap().0).unwrap();
+    let said = place.ok("sweep plan.toml --out out/sweep").out;
+    assert!(said.starts_with("18 points: 0 there before, 6 run, 12 timed again; 0 failed\n"), "{said}");
+    assert!(place.text("out/sweep/sweep.html").contains("<html"), "a page");
 }

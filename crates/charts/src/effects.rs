@@ -6,7 +6,8 @@
 //! there are. Effects that two axes have only together do not show; a heat map of both shows them.
 
 use crate::levels::Levels;
-use crate::table::{Goal, State, Table};
+use crate::rules::Goal;
+use crate::table::{State, Table};
 
 /// What an axis does to an objective.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,8 +77,10 @@ pub fn effects(table: &Table) -> Vec<Effect> {
 /// Nothing where no point with these rows has run.
 pub(crate) fn level(table: &Table, (objective, goal): (usize, Goal), label: &str, rows: &[usize]) -> Option<Level> {
     let run = rows.iter().map(|&row| &table.rows[row]).filter(|row| row.state == State::Ok);
-    let values: Vec<f64> = run.filter_map(|row| row.cells.get(objective)?.number()).collect();
+    let mut values: Vec<f64> = run.filter_map(|row| row.cells.get(objective)?.number()).collect();
     let best = values.iter().copied().reduce(|a, b| if goal.better(b, a) { b } else { a })?;
+    // The same values have the same mean, in whatever order they come: an axis that moves nothing is seen to move nothing.
+    values.sort_by(f64::total_cmp);
     // Each divided first: a sum of large values must not overflow.
     let mean = values.iter().map(|value| value / values.len() as f64).sum();
     Some(Level { label: label.into(), points: values.len(), mean, best })
@@ -109,6 +112,19 @@ mod tests {
         let (low, high) = effects[0].ends().unwrap();
         assert_eq!((low, high.label.as_str()), (&Level { label: "0".into(), points: 4, mean: 15.0, best: 0.0 }, "2"));
         assert_eq!(effects[3].levels[0].best, 3.0);
+    }
+
+    #[test]
+    fn an_axis_without_effect_moves_nothing_at_all() {
+        let mut table = grid();
+        for row in &mut table.rows {
+            let (Cell::Whole(a), Cell::Whole(b)) = (&row.cells[2], &row.cells[3]) else { panic!("{row:?}") };
+            // Along `a` the same values in another order, by which their sum would differ.
+            row.cells[0] = Cell::Number(if (a + b) % 4 == 0 { 1e16 } else { 1.0 });
+        }
+        let moved: Vec<f64> =
+            effects(&table).iter().filter(|effect| effect.axis == 2 && effect.objective == 0).map(Effect::moved).collect();
+        assert_eq!(moved, [0.0]);
     }
 
     #[test]

@@ -9,8 +9,8 @@
 //! 3. where all of that has been: two steps, four, and so on,
 //! 4. where that has been, too: the rest of the Sobol sequence.
 //!
-//! On two made-up problems (see the tests) a tenth of the points finds 99 % of the full grid's hypervolume, where a Sobol sequence of
-//! as many points finds 95 %.
+//! On two made-up problems (see the tests) a tenth of the points finds 99 % of the full grid's hypervolume, where a Sobol
+//! sequence of as many points finds 95 %.
 //!
 //! Points beside wide gaps of the front come first. What is proposed follows from what is known alone, so that an
 //! exploration that was killed goes on where it was.

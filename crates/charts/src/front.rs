@@ -4,7 +4,8 @@
 //! dominates. Only [candidates](candidates) count: rows that have run, keep every constraint and have a finite number for every
 //! objective. Points that are equal by every objective do not dominate each other: all of them are on the front, or none.
 
-use crate::table::{Cell, Goal, Table};
+use crate::rules::Goal;
+use crate::table::{Cell, Table};
 use std::cmp::Ordering;
 
 /// Rows that may be chosen, by number, each with its costs: a value per objective, of which the smaller is better. None if the
@@ -62,21 +63,51 @@ pub fn dominates(a: &[f64], b: &[f64]) -> bool {
 
 /// Places of the costs that no others dominate, ascending. All have the same length, and numbers that are finite.
 ///
-/// Takes time in proportion to points times points on the front.
+/// Takes time in proportion to n log n up to three objectives, beyond that to n times the points on the front.
 pub fn nondominated(costs: &[impl AsRef<[f64]>]) -> Vec<usize> {
     let of = |at: usize| costs[at].as_ref();
     let mut order: Vec<usize> = (0..costs.len()).collect();
     order.sort_by(|&a, &b| lexicographic(of(a), of(b)));
-    // What dominates a point stands before it, and of those only what is on the front itself need be asked.
-    let mut front: Vec<usize> = vec![];
-    for at in order {
-        // The latest are the nearest, and most often those that dominate.
-        if !front.iter().rev().any(|&other| dominates(of(other), of(at))) {
-            front.push(at);
+    let (mut seen, mut front) = (Seen::default(), vec![]);
+    // What dominates a point stands before it, and equal points stand together.
+    for equal in order.chunk_by(|&a, &b| of(a) == of(b)) {
+        if seen.add(of(equal[0])) {
+            front.extend_from_slice(equal);
         }
     }
     front.sort_unstable();
     front
+}
+
+/// Points of a front, in lexicographic order.
+#[derive(Default)]
+struct Seen<'a> {
+    /// With up to three costs: the second and the third of those that no other is below in both, the second ascending.
+    stair: Vec<[f64; 2]>,
+    /// With more: all of them.
+    points: Vec<&'a [f64]>,
+}
+
+impl<'a> Seen<'a> {
+    /// Adds a point unless one of those before dominates it; whether it has.
+    fn add(&mut self, costs: &'a [f64]) -> bool {
+        if costs.len() > 3 {
+            // The latest are the nearest, and most often those that dominate.
+            let free = !self.points.iter().rev().any(|other| dominates(other, costs));
+            self.points.extend(free.then_some(costs));
+            return free;
+        }
+        // The first cost of all before is no higher.
+        let [second, third] = [1, 2].map(|at| costs.get(at).copied().unwrap_or(0.0));
+        let before = self.stair.partition_point(|step| step[0] <= second);
+        let free = before == 0 || self.stair[before - 1][1] > third;
+        if free {
+            let from = self.stair.partition_point(|step| step[0] < second);
+            let covered = self.stair[from..].iter().take_while(|step| step[1] >= third).count();
+            self.stair.splice(from..from + covered, [[second, third]]);
+        }
+        free
+    }
 }
 
 /// By the first number, then the second, and so on; zeros of either sign are equal.
@@ -132,6 +163,15 @@ mod tests {
         assert_eq!(front(&table), [0]);
         table.columns.iter_mut().for_each(|column| column.role = Role::Figure);
         assert!(front(&table).is_empty());
+    }
+
+    #[test]
+    fn long_fronts_are_found() {
+        // By comparing each with each other, these would take minutes.
+        let stair: Vec<[f64; 2]> = (0..100_000).map(|at| [f64::from(at), f64::from(-at)]).collect();
+        assert_eq!(nondominated(&stair).len(), 100_000);
+        let plane: Vec<[f64; 3]> = (0..300).flat_map(|x| (0..300).map(move |y| [x, y, -x - y].map(f64::from))).collect();
+        assert_eq!(nondominated(&plane).len(), 90_000);
     }
 
     #[test]

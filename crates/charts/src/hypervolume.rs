@@ -149,8 +149,12 @@ mod tests {
         }
 
         #[test]
-        fn the_share_is_between_0_and_1_and_no_other_unit_changes_it(costs in prop::collection::vec(prop::array::uniform3(0u32..9), 1..20)) {
-            let scaled = |factor: f64| -> Vec<Vec<f64>> { costs.iter().map(|cost| cost.map(|c| f64::from(c) * factor).into()).collect() };
+        fn the_share_is_between_0_and_1_and_no_other_unit_changes_it(
+            costs in prop::collection::vec(prop::array::uniform3(0u32..9), 1..20)
+        ) {
+            let scaled = |factor: f64| -> Vec<Vec<f64>> {
+                costs.iter().map(|cost| cost.map(|c| f64::from(c) * factor).into()).collect()
+            };
             let share = |costs: Vec<Vec<f64>>| Space::of(&costs).unwrap().hypervolume(&costs).unwrap();
             let (one, other) = (share(scaled(1.0)), share(scaled(1000.0)));
             prop_assert!((0.0..=1.0).contains(&one) && (one - other).abs() < 1e-12, "{} {}", one, other);

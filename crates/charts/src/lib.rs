@@ -2,7 +2,8 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`table`] | [`Table`]: a row per point, columns with units; axes, objectives, constraints |
+//! | [`table`] | [`Table`]: a row per point, columns with units |
+//! | [`rules`] | objectives and constraints: what is to be reached, what must be kept |
 //! | [`explore`] | which points to run next, to find the front with few |
 //! | [`front`](mod@front) | what no other point beats |
 //! | [`hypervolume`] | how good a front is, in one number |
@@ -21,6 +22,7 @@ pub mod front;
 pub mod hypervolume;
 mod levels;
 pub mod page;
+pub mod rules;
 pub mod sample;
 #[cfg(test)]
 mod samples;
@@ -32,5 +34,6 @@ pub use effects::{Effect, effects};
 pub use front::{candidates, front};
 pub use hypervolume::Space;
 pub use page::{PageOptions, page};
-pub use table::{Cell, Column, Comparison, Constraint, Goal, Objective, Role, Row, State, Table};
+pub use rules::{Comparison, Constraint, Goal, Objective};
+pub use table::{Cell, Column, Role, Row, State, Table};
 pub use vega::vega;

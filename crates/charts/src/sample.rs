@@ -105,7 +105,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_latin_hypercube_takes_each_value_equally_often(points in 1usize..60, axes in prop::collection::vec(1usize..70, 1..5), seed: u32) {
+        fn a_latin_hypercube_takes_each_value_equally_often(
+            points in 1usize..60, axes in prop::collection::vec(1usize..70, 1..5), seed: u32
+        ) {
             let sample = latin_hypercube(points, &axes, seed).unwrap();
             prop_assert_eq!(sample.len(), points);
             for (axis, &length) in axes.iter().enumerate() {

@@ -2,7 +2,8 @@
 
 use crate::front::front_by;
 use crate::levels::{logarithmic, range};
-use crate::table::{Column, Goal, Role, State, Table};
+use crate::rules::Goal;
+use crate::table::{Column, Role, State, Table};
 use crate::write::value;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;

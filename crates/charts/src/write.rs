@@ -70,7 +70,8 @@ pub(crate) fn value(cell: &Cell) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::{Column, Goal, Role, State};
+    use crate::rules::Goal;
+    use crate::table::{Column, Role, State};
     use proptest::prelude::*;
 
     fn column(name: &str, unit: &str) -> Column {

@@ -1,8 +1,8 @@
 //! The numbers of a report, each by its path: `cycles.total`, `quality.psnr_db`, `units.replacement.busy`.
 //!
-//! The path is that in `report.json`, with the exception of `derived.NAME`, whose `value` is meant. Lists have no path. Two sums are
-//! added: `memories.bytes`, what all memories moved, and `hardware.bits`, what the machine holds. `cycles` alone is short for
-//! `cycles.total`.
+//! The path is that in `report.json`, with the exception of `derived.NAME`, whose `value` is meant. Lists have no path. Three sums are
+//! added: `cycles.frames`, the cycles of all frames, for which `cycles` is short; `memories.bytes`, what all memories moved; and
+//! `hardware.bits`, what the machine holds.
 
 use basrelief_charts::Cell;
 use basrelief_report::model::Hardware;
@@ -25,7 +25,7 @@ pub struct Figure {
 
 /// The path that a name in a plan stands for.
 pub fn path_of(name: &str) -> &str {
-    if name == "cycles" { "cycles.total" } else { name }
+    if name == "cycles" { "cycles.frames" } else { name }
 }
 
 /// Parts of a report whose numbers are figures as they stand there.
@@ -78,6 +78,7 @@ fn numbers<'a>(value: &'a Value, path: &mut Vec<&'a str>, found: &mut impl FnMut
 }
 
 fn sums(report: &Value) -> Vec<Figure> {
+    let frames = report["cycles"]["frames"].as_array().map(|frames| frames.iter().filter_map(Value::as_u64).sum());
     let memories = report["memories"].as_object();
     let clients = memories.into_iter().flatten().filter_map(|(_, memory)| memory["clients"].as_object()).flatten();
     let bytes =
@@ -91,7 +92,8 @@ fn sums(report: &Value) -> Vec<Figure> {
     };
     let bytes = memories.map(|_| sum("memories.bytes", "bytes", "what all memories moved", bytes.sum()));
     let bits = sum("hardware.bits", "bits", "what the machine holds", hardware.iter().map(Hardware::bits).sum());
-    bytes.into_iter().chain([bits]).collect()
+    let frames = frames.map(|cycles| sum("cycles.frames", "cycles", "of all frames", cycles));
+    frames.into_iter().chain(bytes).chain([bits]).collect()
 }
 
 /// The unit of measure of a figure that has none in the report: docs of `basrelief_report::model` say the same in words.
@@ -144,6 +146,7 @@ mod tests {
                 "units.a.tokens = 2 tokens",
                 "memories.m.clients.z.read_bytes = 5 bytes",
                 "memories.m.clients.z.write_bytes = 8 bytes",
+                "cycles.frames = 7 cycles",
                 "memories.bytes = 13 bytes",
                 "hardware.bits = 24 bits",
                 "figures.fragments = 9 fragments",
@@ -151,6 +154,6 @@ mod tests {
                 "derived.time_ms = 2.5 ms",
             ]
         );
-        assert_eq!((path_of("cycles"), path_of("cycles.drain")), ("cycles.total", "cycles.drain"));
+        assert_eq!((path_of("cycles"), path_of("cycles.drain")), ("cycles.frames", "cycles.drain"));
     }
 }

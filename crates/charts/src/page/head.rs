@@ -3,7 +3,8 @@
 use super::data::Sweep;
 use super::number;
 use crate::Space;
-use crate::table::{Cell, Goal, State};
+use crate::rules::Goal;
+use crate::table::{Cell, State};
 use basrelief_report::html::big_numbers;
 use basrelief_report::html::markup::{Html, el, el_text, text};
 use basrelief_report::text::number::{about, thousands};

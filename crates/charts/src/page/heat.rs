@@ -6,7 +6,7 @@ use super::scale::WHOLE;
 use super::scatter::cut;
 use crate::effects::{Level, effects, level};
 use crate::levels::{Levels, logarithmic, range};
-use crate::table::Goal;
+use crate::rules::Goal;
 use basrelief_report::html::markup::{Html, details, el, el_text};
 use basrelief_report::html::svg::{label, px, svg_sized};
 
@@ -51,7 +51,8 @@ pub(super) fn heat(sweep: &Sweep<'_>) -> Html {
 fn maps(sweep: &Sweep<'_>) -> (Vec<Map>, Vec<Map>) {
     let effects = effects(sweep.table);
     let (mut first, mut others) = (vec![], vec![]);
-    for objective in sweep.table.objectives() {
+    // One that never differs needs no map.
+    for objective in sweep.table.objectives().filter(|(at, _)| sweep.place(*at).is_some()) {
         let of = effects.iter().filter(|effect| effect.objective == objective.0 && effect.levels.len() > 1);
         let axes: Vec<usize> = of.map(|effect| effect.axis).collect();
         let pairs = (1..axes.len()).flat_map(|b| (0..b).map(move |a| (a, b)));

@@ -4,7 +4,8 @@ use super::data::{COLOURS, Sweep, colour};
 use super::number;
 use super::scale::{Scale, WHOLE};
 use crate::front::front_by;
-use crate::table::{Goal, Role};
+use crate::rules::Goal;
+use crate::table::Role;
 use basrelief_report::html::markup::{Html, el, el_text, text};
 use basrelief_report::html::svg::{label, px, svg};
 use basrelief_report::text::number::thousands;
@@ -42,11 +43,12 @@ fn about(sweep: &Sweep<'_>) -> String {
         format!("All {} points that have run are drawn. ", thousands(run as u64))
     } else {
         format!(
-            "Drawn are {of_front} of {front} points on the front, and {of_others} of {others} others, at equal distances in the plan. "
+            "Drawn are {of_front} of {front} points on the front, and {of_others} of {others} others, at equal distances in the \
+             plan. "
         )
     };
-    all + "The line is the front of the two figures that are shown, where both are objectives; a point on the front of all objectives may \
-           stand beside it. Arrow keys go from point to point; a click or Enter keeps one."
+    all + "The line is the front of the two figures that are shown, where both are objectives; a point on the front of all \
+           objectives may stand beside it. Arrow keys go from point to point; a click or Enter keeps one."
 }
 
 /// Places of each pair of figures in the drawing: titles, marks, both directions; only those of two are seen.

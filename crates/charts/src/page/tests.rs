@@ -1,6 +1,7 @@
 use super::*;
+use crate::rules::{Constraint, Goal};
 use crate::samples;
-use crate::table::{Cell, Column, Constraint, Goal, Role, Row, State};
+use crate::table::{Cell, Column, Role, Row, State};
 use proptest::prelude::*;
 
 /// The page without styles, data and script, which are no markup; panics where the rest is not well-formed.
@@ -118,6 +119,15 @@ fn what_is_drawn_is_bounded_and_said() {
 fn the_page_is_the_same_to_the_byte() {
     let hash = Sha256::digest(shown(&samples::device(300)));
     insta::assert_snapshot!("page_sha256", hash.iter().map(|byte| format!("{byte:02x}")).collect::<String>());
+}
+
+#[test]
+fn what_never_differs_is_said_in_words() {
+    let mut table = samples::device(300);
+    table.rows.iter_mut().for_each(|row| row.cells[1] = Cell::Number(20.5));
+    let page = shown(&table);
+    assert!(page.contains("quality.psnr_db [dB] is 20.5 whatever the axes are."));
+    assert_eq!(page.matches("class=\"map\"").count(), 6);
 }
 
 #[test]

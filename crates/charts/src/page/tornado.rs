@@ -15,8 +15,9 @@ pub(super) fn tornado(sweep: &Sweep<'_>) -> Html {
     if tables.is_empty() {
         return tables;
     }
-    let about = "For each value of an axis the mean of an objective over all points with that value. The bar reaches from the lowest mean to \
-                 the highest: the longer, the more depends on this axis. In a sample, unlike a whole grid, chance adds to it.";
+    let about = "For each value of an axis the mean of an objective over all points with that value. The bar reaches from the \
+                 lowest mean to the highest: the longer, the more depends on this axis. In a sample, unlike a whole grid, chance \
+                 adds to it.";
     [el_text("p", "quiet", about), tables].into_iter().collect()
 }
 
@@ -26,6 +27,11 @@ fn table(sweep: &Sweep<'_>, effects: &[Effect]) -> Html {
     let low = ends.iter().map(|(_, (low, _))| low.mean).reduce(f64::min);
     let high = ends.iter().map(|(_, (_, high))| high.mean).reduce(f64::max);
     let Some((low, high)) = low.zip(high) else { return Html::default() };
+    let objective = effects[0].objective;
+    if sweep.place(objective).is_none() {
+        let says = format!("{} is {} whatever the axes are.", sweep.header(objective), rounded(low));
+        return el_text("p", "", says);
+    }
     let rows = ends.iter().map(|(effect, (least, most))| {
         let share = |x: f64| if high > low { (x - low) / (high - low) * 1000.0 } else { 0.0 };
         let (from, to) = (share(least.mean), share(most.mean));
@@ -54,6 +60,6 @@ fn table(sweep: &Sweep<'_>, effects: &[Effect]) -> Html {
         ("at", Left),
         ("moves the best by", Right),
     ];
-    let caption = format!("Mean of {}", sweep.header(effects[0].objective));
+    let caption = format!("Mean of {}", sweep.header(objective));
     el("div", &[("class", "bars")], [with_cells(&caption, &columns, rows.collect())])
 }

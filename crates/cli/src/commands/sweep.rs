@@ -190,9 +190,14 @@ impl Host for Program<'_> {
     fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String> {
         let view = self.view(view)?;
         let path = if demo_of(Path::new(name)).is_some() { name.into() } else { self.place(name) };
+        let once = || format!("input: {name}: can be read only once, and a sweep reads it for each run: give a file");
+        if path == Path::new("-") {
+            return Err(once());
+        }
         let opened = input::open(&path, &view, self.budget).map_err(|failure| format!("input: {}", sentence(failure)))?;
         Ok(match opened.for_several_runs(self.budget) {
             Input::Scene(prepared) => Opened::Scene(prepared),
+            Input::Trace(TraceFile { bytes: None, .. }) => return Err(once()),
             Input::Trace(_) => Opened::Trace,
         })
     }

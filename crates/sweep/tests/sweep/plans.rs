@@ -90,8 +90,8 @@ fn what_is_wrong_with_the_head_of_a_plan_is_said() {
             "objectives: the report has no figure `cycle`; did you mean",
         ),
         (
-            "input = \"demo:ellipsoid@1\"\nobjectives = [\"cycles min\", \"cycles.total max\"]",
-            "objectives: `cycles.total` is named twice",
+            "input = \"demo:ellipsoid@1\"\nobjectives = [\"cycles min\", \"cycles.frames max\"]",
+            "objectives: `cycles.frames` is named twice",
         ),
         (
             "input = \"demo:coin\"\nobjectives = [{ figure = \"cycles\", goal = \"mni\" }]",

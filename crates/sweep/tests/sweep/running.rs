@@ -147,13 +147,13 @@ fn objectives_come_first_then_axes_then_all_figures_each_with_its_unit() {
     let folder = tempdir().unwrap();
     sweep(PLAN, folder.path(), 2);
     let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
-    let head = "id,state,reason,cycles.total [cycles],hardware.bits [bits],shade.mode,\
+    let head = "id,state,reason,cycles.frames [cycles],hardware.bits [bits],shade.mode,\
                 fifo.interpolated.depth [tokens],memory.frame.part,cycles.drain [cycles],";
     assert!(table.starts_with(head), "{table:.600}");
     assert_eq!(table.lines().count(), 13);
     let front = fs::read_to_string(folder.path().join("front.txt")).unwrap();
     assert!(
-        front.contains("of 12 points are not beaten by another\ncycles.total [cycles] min  hardware.bits [bits] min  "),
+        front.contains("of 12 points are not beaten by another\ncycles.frames [cycles] min  hardware.bits [bits] min  "),
         "{front}"
     );
 }
@@ -165,7 +165,7 @@ fn ten_thousand_points_are_checked_found_and_resumed_at_once() {
     let (folder, host) = (tempdir().unwrap(), Program::new());
     let store = Folder::new(folder.path());
     for point in &plan(text, &host).points {
-        store.put(&point.id, ("{ \"cycles\": { \"total\": 7 } }", None), &host).unwrap();
+        store.put(&point.id, ("{ \"cycles\": { \"frames\": [7] } }", None), &host).unwrap();
     }
     sweep(text, folder.path(), 2);
     let began = Instant::now();
