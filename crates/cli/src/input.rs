@@ -3,15 +3,14 @@
 use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use basrelief_display_list::{Form, looks_like_trace};
-use basrelief_input::{Budget, Held, OverBudget, json_weight, read_to_end};
-use basrelief_parameters::ConfigError;
+use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
 use basrelief_scene::{SceneError, ViewOptions, demo, load_path_within, read_camera};
-use basrelief_session::{Given, MachineConfig, MachineInfo, Prepared, RunInput};
+use basrelief_session::{Given, MachineConfig, MachineInfo, Misconfigured, Prepared, RunInput};
 use basrelief_signals::Scene;
 use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::{self, BufReader, Cursor, Read};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -111,22 +110,6 @@ impl<R: Read> Read for Counting<R> {
     }
 }
 
-/// Opens files beside a trace; names with `..` or an absolute path are refused.
-pub fn beside(folder: &Path) -> impl FnMut(&str) -> io::Result<Box<dyn Read>> + 'static {
-    let folder = folder.to_path_buf();
-    move |name| {
-        let plain = Path::new(name).components().all(|c| matches!(c, Component::Normal(_)));
-        if !plain {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, "expected a relative name without `..`"));
-        }
-        let path = folder.join(name);
-        if !fs::metadata(&path)?.is_file() {
-            return Err(io::Error::other("not a regular file"));
-        }
-        Ok(Box::new(BufReader::new(File::open(path)?)))
-    }
-}
-
 /// Opens a model, a demo (`demo:NAME`) or a display list.
 pub fn open(path: &Path, view: &ViewArgs, budget: &Budget) -> Done<Input> {
     if let Some(name) = demo_of(path) {
@@ -153,19 +136,12 @@ pub fn demo_scene(name: &str, view: &ViewArgs, budget: &Budget) -> Done<Arc<Scen
     demo(name, &view_options(view, budget)?).map(Arc::new).map_err(|e| Failure::Usage(e.to_string()))
 }
 
-/// What a TOML text takes when it is read, at most: short keys with short values do \[times its length\].
-pub const TOML_GROWTH: u64 = 200;
-
-/// A text file, and what it takes; a device that never ends is an error, not all of the memory.
+/// A text file, and what it takes.
 pub fn read_text(path: &Path, budget: &Budget) -> Done<(String, Held)> {
-    let mut file = File::open(path).map_err(Failure::file(path, "be read"))?;
-    let read = read_to_end(&mut file, 0, budget, "a text");
-    let (bytes, held) = read.map_err(|e| match OverBudget::within(&e) {
+    basrelief_input::read_text(path, budget).map_err(|e| match OverBudget::within(&e) {
         Some(error) => Failure::within(&path.display().to_string())(error),
         None => Failure::file(path, "be read")(e),
-    })?;
-    let text = String::from_utf8(bytes).map_err(|_| Failure::file(path, "be read")(io::ErrorKind::InvalidData.into()))?;
-    Ok((text, held))
+    })
 }
 
 /// The view as the importer takes it.
@@ -211,25 +187,12 @@ pub fn config_of(
     settings: &[(String, String)],
     budget: &Budget,
 ) -> Done<(MachineConfig, Given)> {
-    let (text, _held) = file.map_or_else(|| Ok((String::new(), budget.nothing())), |path| read_text(path, budget))?;
+    let (toml, _held) = file.map_or_else(|| Ok((String::new(), budget.nothing())), |path| read_text(path, budget))?;
     let name = file.map(|path| path.display().to_string()).unwrap_or_default();
-    let growth = TOML_GROWTH * text.len() as u64;
-    let _growth = budget.take(growth, "what a configuration says").map_err(Failure::within(&name))?;
-    let in_file = |e: String| Failure::Bad(format!("{name}: {e}"));
-    let of_file = machine.load(&text, &[]);
-    let single: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
-    let wrong = |e: String| Failure::Usage(format!("--set: {e}"));
-    // Single settings may mend what does not fit together in the file, or the other way round.
-    let file_fits = match &of_file {
-        Err(ConfigError::Unfit { .. }) => false,
-        Err(e) => return Err(in_file(machine.explain(e))),
-        Ok(config) => config.check().is_ok(),
-    };
-    let blame = |e: String| if file_fits { wrong(e) } else { in_file(e) };
-    let config = machine.load(&text, &single).map_err(|e| match &e {
-        ConfigError::Unfit { .. } => blame(e.to_string()),
-        _ => wrong(machine.explain(&e)),
+    let given = Given { toml, settings: settings.to_vec() };
+    let config = given.checked(machine, budget).map_err(|wrong| match wrong {
+        Misconfigured::File(error) => Failure::Bad(format!("{name}: {error}")),
+        Misconfigured::Settings(error) => Failure::Usage(format!("--set: {error}")),
     })?;
-    config.check().map_err(|problem| blame(problem.to_string()))?;
-    Ok((config, Given { toml: text, settings: settings.to_vec() }))
+    Ok((config, given))
 }

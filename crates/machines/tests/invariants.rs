@@ -17,7 +17,7 @@ const FLOORS: &[&[&str]] = &[
     &["charts"],
     &["session"],
     &["sweep"],
-    &["cli", "bench", "web"],
+    &["cli", "bench", "python", "web"],
 ];
 
 /// The folder of the unit crates, in `crates`; in [`FLOORS`], all of them.

@@ -16,6 +16,7 @@ mod picture;
 pub mod pyramid;
 mod subject;
 mod tangents;
+pub mod text;
 mod textures;
 mod view;
 

@@ -2,8 +2,9 @@
 
 use crate::machines::MachineInfo;
 use basrelief_parameters::{Parameter, as_option};
+use basrelief_reference::{Picture, metrics};
 use basrelief_report::Report;
-use basrelief_report::html::{Beside, ParameterRow};
+use basrelief_report::html::{Beside, PagePicture, ParameterRow};
 use serde_json::Value;
 
 /// The drawing of the report's machine, and its parameters with their values in this run; no pictures.
@@ -14,6 +15,23 @@ pub fn beside(report: &Report) -> Result<Beside, String> {
     let machine = MachineInfo::named(&report.machine)?;
     let parameters = machine.parameters().iter().map(|parameter| row(parameter, &report.config)).collect();
     Ok(Beside { diagram: machine.diagram.into(), pictures: vec![], parameters })
+}
+
+/// The pictures of a page: the machine's, and where there is one, the exact picture and the difference.
+///
+/// # Errors
+/// Pictures of two sizes, or what no PNG can hold.
+pub fn page_pictures(machine: &Picture, exact: Option<&Picture>) -> Result<Vec<PagePicture>, String> {
+    let made = |caption: &str, picture: &Picture, largest| -> Result<PagePicture, String> {
+        Ok(PagePicture { caption: caption.into(), png: picture.to_png().map_err(|e| e.to_string())?, largest })
+    };
+    let mut list = vec![made("The machine's picture", machine, None)?];
+    if let Some(exact) = exact {
+        let (difference, largest) = metrics::scaled_difference(exact, machine).map_err(|e| e.to_string())?;
+        list.push(made("The exact picture", exact, None)?);
+        list.push(made("The difference", &difference, Some(largest))?);
+    }
+    Ok(list)
 }
 
 fn row(parameter: &Parameter, config: &Value) -> ParameterRow {

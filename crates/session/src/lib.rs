@@ -20,6 +20,7 @@
 
 mod ablation;
 mod beside;
+mod configured;
 mod costs;
 mod described;
 mod difference;
@@ -49,7 +50,8 @@ mod tape;
 mod tee;
 
 pub use ablation::ablate;
-pub use beside::beside;
+pub use beside::{beside, page_pictures};
+pub use configured::{Misconfigured, TOML_GROWTH};
 pub use costs::{CostKind, CostPoints, Costs, PARTS, PixelCost, PixelWay, PolygonCost, Spent, UnitCost, WayCost};
 pub use described::{Choice as ParameterChoice, Described, From as ValueFrom, Takes};
 pub use exhibits::content::{Content, Exhibit, ExhibitInfo, Form};

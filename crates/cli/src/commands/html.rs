@@ -1,12 +1,11 @@
 //! `--html`: the report as one page.
 
-use super::output_files::png;
 use crate::error::{Done, Failure};
 use crate::outputs::PartialFile;
-use basrelief_reference::{Picture, metrics};
-use basrelief_report::html::{Beside, PagePicture};
+use basrelief_reference::Picture;
+use basrelief_report::html::Beside;
 use basrelief_report::{Report, to_html};
-use basrelief_session::beside;
+use basrelief_session::{beside, page_pictures};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -37,24 +36,12 @@ impl HtmlFile {
     /// # Errors
     /// A file that cannot be written.
     pub fn finish(mut self, report: &Report) -> Done<PartialFile> {
-        let pictures = self.last.as_ref().map(pictures).transpose()?.unwrap_or_default();
+        let pictures = self.last.as_ref().map(|(machine, exact)| page_pictures(machine, exact.as_ref()));
+        let pictures = pictures.transpose().map_err(Failure::Bad)?.unwrap_or_default();
         let beside = Beside { pictures, ..beside(report).map_err(Failure::bad)? };
         let page = to_html(report, &beside).map_err(Failure::bad)?;
         let written = self.file.write_all(page.as_bytes()).and_then(|()| self.file.flush());
         written.map_err(Failure::file(&self.path, "be written"))?;
         Ok(self.file)
     }
-}
-
-fn pictures((machine, exact): &(Picture, Option<Picture>)) -> Done<Vec<PagePicture>> {
-    let made = |caption: &str, picture: &Picture, largest| -> Done<PagePicture> {
-        Ok(PagePicture { caption: caption.into(), png: png(picture).map_err(Failure::bad)?, largest })
-    };
-    let mut list = vec![made("The machine's picture", machine, None)?];
-    if let Some(exact) = exact {
-        let (difference, largest) = metrics::scaled_difference(exact, machine).map_err(Failure::bad)?;
-        list.push(made("The exact picture", exact, None)?);
-        list.push(made("The difference", &difference, Some(largest))?);
-    }
-    Ok(list)
 }

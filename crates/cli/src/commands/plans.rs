@@ -1,6 +1,5 @@
 //! What is common to the commands that run the points of a plan.
 
-use super::output_files::png;
 use crate::args::{PlanArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use crate::input::{self, Input, TraceFile, demo_of, read_text};
@@ -10,7 +9,7 @@ use crate::progress::PointProgress;
 use basrelief_input::{Budget, Held};
 use basrelief_parameters::nearest;
 use basrelief_reference::Picture;
-use basrelief_session::RunInput;
+use basrelief_session::{RunInput, TOML_GROWTH};
 use basrelief_sweep::{Folder, Host, Opened, Plan, Point, SweepError, Tally, Work, tables};
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};
@@ -41,7 +40,7 @@ impl<'a> Planned<'a> {
         let host = Program { plan: args.plan.clone(), budget, progress: PointProgress::new(quiet) };
         let name = args.plan.display().to_string();
         let (text, held) = read_text(&args.plan, budget)?;
-        let growth = budget.take(input::TOML_GROWTH * text.len() as u64, "what a plan says").map_err(Failure::within(&name))?;
+        let growth = budget.take(TOML_GROWTH * text.len() as u64, "what a plan says").map_err(Failure::within(&name))?;
         let plan = Plan::read(&text, &host).map_err(Failure::within(&name))?;
         let threads = args.threads.map_or_else(threads::workers, usize::from);
         Ok(Self { host, plan, folder: Folder::new(&args.out), threads, _held: [held, growth] })
@@ -145,7 +144,7 @@ impl Host for Program<'_> {
     }
 
     fn png(&self, picture: &Picture) -> Result<Vec<u8>, String> {
-        png(picture).map_err(|error| error.to_string())
+        picture.to_png().map_err(|error| error.to_string())
     }
 
     fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {

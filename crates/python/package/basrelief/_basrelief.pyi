@@ -1,0 +1,148 @@
+"""What crosses between Python and the simulator: texts, bytes and numbers."""
+
+from os import PathLike
+from typing import TypedDict, final
+
+__all__ = [
+    "VERSION",
+    "Config",
+    "DisplayList",
+    "Error",
+    "InputError",
+    "Plan",
+    "Scene",
+    "UsageError",
+    "compare",
+    "compared",
+    "demos",
+    "difference",
+    "machines",
+    "page",
+    "part",
+    "png",
+    "read_report",
+    "read_text",
+    "retime",
+    "run",
+    "text",
+    "work_alone",
+]
+
+VERSION: str
+
+_Path = str | PathLike[str]
+# Width, height, and RGBA bytes, top row first.
+_Pixels = tuple[int, int, bytes]
+_Settings = list[tuple[str, str]]
+
+class _View(TypedDict):
+    size: tuple[int, int] | None
+    camera: tuple[str, str] | None
+    turn: tuple[float, float] | None
+    zoom: float | None
+    frames: int | None
+    orbit: float | None
+    light: tuple[float, float, float] | None
+    light_orbit: float | None
+
+class _Options(TypedDict):
+    engine: str
+    max_cycles: int | None
+    exact: bool
+    limits: bool | None
+    costs: bool
+    tape: bool
+    memory_limit: int | None
+
+class _Ran(TypedDict):
+    report: str
+    image: _Pixels | None
+    reference: _Pixels | None
+    tape: bytes | None
+
+class _Side(TypedDict):
+    name: str
+    report: str
+    image: _Pixels | None
+    tape: bytes | None
+
+class Error(Exception):
+    """What goes wrong."""
+
+class UsageError(Error):
+    """What was asked for makes no sense: the command line's exit code 2."""
+
+class InputError(Error):
+    """Bad input: the command line's exit code 1."""
+
+@final
+class Config:
+    """A machine with its parameters, which fit together."""
+
+    def __new__(cls, machine: str, file: tuple[str, str], settings: _Settings) -> Config: ...
+    def described(self) -> str: ...
+
+@final
+class Scene:
+    """A scene, ready to be run: what parameters do not change is done once, whoever runs it."""
+
+    @property
+    def name(self) -> str:
+        """As the user named it."""
+    @property
+    def frames(self) -> int:
+        """Number of pictures."""
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the pictures [pixels]."""
+    @property
+    def triangles(self) -> int:
+        """Number of triangles of the model."""
+    @property
+    def warnings(self) -> list[str]:
+        """What was left out or replaced on import, one sentence each."""
+    @staticmethod
+    def demo(name: str, view: _View, memory_limit: int | None) -> Scene: ...
+    @staticmethod
+    def open(path: _Path, view: _View, memory_limit: int | None) -> Scene: ...
+    @staticmethod
+    def of_files(main: tuple[str, bytes], files: dict[str, bytes], view: _View, memory_limit: int | None) -> Scene: ...
+
+@final
+class DisplayList:
+    """A display list: what a geometry processor handed on. It is read anew for each run, and pickles as its path."""
+
+    def __new__(cls, path: _Path) -> DisplayList: ...
+    @property
+    def name(self) -> str:
+        """As the user named it."""
+
+@final
+class Plan:
+    """A plan whose parts fit together, with its inputs open."""
+
+    def __new__(cls, name: _Path, text: str, memory_limit: int | None) -> Plan: ...
+    def __len__(self) -> int: ...
+    @property
+    def title(self) -> str:
+        """A heading."""
+    def missing(self, folder: _Path, retry_failed: bool) -> list[tuple[str, str]]: ...
+    def execute(
+        self, points: list[str], folder: _Path, at_once: int | None, options: tuple[bool, bool]
+    ) -> tuple[int, int, int, int]: ...
+    def tables(self, folder: _Path) -> str: ...
+
+def work_alone() -> None: ...
+def machines() -> list[tuple[str, str]]: ...
+def demos() -> list[tuple[str, str, str]]: ...
+def read_text(path: _Path) -> str: ...
+def run(config: Config, drawn: Scene | DisplayList, options: _Options) -> _Ran: ...
+def retime(tape: bytes, settings: _Settings, keep: tuple[bool | None, bool], memory_limit: int | None) -> _Ran: ...
+def compare(a: _Side, b: _Side) -> tuple[str, str]: ...
+def compared(a: _Side, b: _Side) -> str: ...
+def page(report: str, pictures: tuple[_Pixels | None, _Pixels | None]) -> str: ...
+def part(report: str, pictures: tuple[_Pixels | None, _Pixels | None]) -> str: ...
+def read_report(name: str, text: str) -> str: ...
+def text(report: str) -> str: ...
+def png(pixels: _Pixels) -> bytes: ...
+def difference(exact: _Pixels, machine: _Pixels) -> _Pixels: ...

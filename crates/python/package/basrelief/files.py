@@ -1,0 +1,31 @@
+"""Writing files: nothing half-written is ever in their place."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from os import PathLike
+from pathlib import Path
+
+FilePath = str | PathLike[str]
+
+
+def write(path: FilePath, content: bytes) -> None:
+    """Writes a file beside its place, and puts it there."""
+    place = Path(path)
+    handle, name = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        # As any file that a program makes; mkstemp's are for their owner alone.
+        os.chmod(name, 0o666 & ~_umask())
+        os.replace(name, place)
+    except BaseException:
+        os.unlink(name)
+        raise
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

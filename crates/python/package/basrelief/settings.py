@@ -1,0 +1,33 @@
+"""Parameters as the simulator takes them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from ._basrelief import UsageError
+
+Settings = list[tuple[str, str]]
+
+
+def settings(given: Mapping[str, Any], named: Mapping[str, Any]) -> Settings:
+    """Keys with values, as behind `--set`."""
+    return [(key, _value(key, value)) for key, value in {**given, **named}.items()]
+
+
+def _value(key: str, value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(_element(key, element) for element in value)}]"
+    return _element(key, value)
+
+
+def _element(key: str, value: Any) -> str:
+    """In TOML, which writes switches, numbers and texts as JSON does."""
+    # Numbers of numpy know themselves as Python's.
+    plain = value.item() if hasattr(value, "item") else value
+    if isinstance(plain, (bool, int, float, str)):
+        return json.dumps(plain)
+    raise UsageError(f"`{key}`: {value!r}; expected a number, a switch, a text or a list of these")

@@ -1,0 +1,44 @@
+"""Tables: named columns of equal length."""
+
+from __future__ import annotations
+
+from html import escape
+from importlib import import_module
+from typing import Any
+
+from ._basrelief import UsageError
+
+_LIBRARIES = ("pandas", "polars")
+
+
+class Table(dict[str, list[Any]]):
+    """A dictionary of columns, all of one length: what `pandas.DataFrame` and `polars.DataFrame` take as it is."""
+
+    @classmethod
+    def of_rows(cls, rows: list[dict[str, Any]], columns: list[str] | None = None) -> Table:
+        """The table with these rows; where a row has no such column it is None."""
+        names = columns or list(dict.fromkeys(name for row in rows for name in row))
+        return cls({name: [row.get(name) for row in rows] for name in names})
+
+    def rows(self) -> list[dict[str, Any]]:
+        """The rows, each a dictionary."""
+        return [dict(zip(self, values, strict=True)) for values in zip(*self.values(), strict=True)]
+
+    def frame(self, library: str = "pandas") -> Any:
+        """The table as a data frame of pandas or polars, which must be installed."""
+        if library not in _LIBRARIES:
+            raise UsageError(f"frame: `{library}`; expected {' or '.join(_LIBRARIES)}")
+        return import_module(library).DataFrame(dict(self))
+
+    def _repr_html_(self) -> str:
+        def line(kind: str, cells: list[Any]) -> str:
+            return "<tr>" + "".join(f"<{kind}>{escape(_shown(cell))}</{kind}>" for cell in cells) + "</tr>"
+
+        body = "".join(line("td", list(row.values())) for row in self.rows())
+        return f"<table><thead>{line('th', list(self))}</thead><tbody>{body}</tbody></table>"
+
+
+def _shown(cell: Any) -> str:
+    if cell is None:
+        return ""
+    return f"{cell:,}" if isinstance(cell, int) and not isinstance(cell, bool) else str(cell)

@@ -1,0 +1,52 @@
+//! Pictures as they cross to Python.
+
+use crate::error::{Done, bad};
+use basrelief_reference::{Picture, metrics};
+use pyo3::pybacked::PyBackedBytes;
+use pyo3::types::PyBytes;
+use pyo3::{Bound, FromPyObject, IntoPyObject, Python, pyfunction};
+
+/// A picture of this width, height, and RGBA bytes, top row first.
+#[derive(IntoPyObject)]
+pub struct Pixels<'py>(u32, u32, Bound<'py, PyBytes>);
+
+impl<'py> Pixels<'py> {
+    pub fn of(py: Python<'py>, picture: &Picture) -> Self {
+        Self(picture.width, picture.height, PyBytes::new(py, &picture.to_rgba()))
+    }
+}
+
+/// The same on its way back.
+#[derive(FromPyObject)]
+pub struct Given(u32, u32, PyBackedBytes);
+
+impl Given {
+    /// As [`Picture::to_rgba`] had it.
+    pub fn picture(&self) -> Done<Picture> {
+        let Self(width, height, rgba) = self;
+        let pixels = rgba.as_chunks::<4>().0;
+        if u64::from(*width) * u64::from(*height) * 4 != rgba.len() as u64 {
+            return Err(bad(format_args!(
+                "a picture of {width} x {height} pixels has {} bytes, expected 4 for each",
+                rgba.len()
+            )));
+        }
+        let rgb = pixels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
+        let covered = pixels.iter().map(|[.., alpha]| *alpha != 0).collect();
+        Ok(Picture { width: *width, height: *height, rgb, covered })
+    }
+}
+
+/// The picture as a PNG file.
+#[pyfunction]
+pub fn png<'py>(py: Python<'py>, pixels: Given) -> Done<Bound<'py, PyBytes>> {
+    let png = py.detach(|| pixels.picture()?.to_png().map_err(bad))?;
+    Ok(PyBytes::new(py, &png))
+}
+
+/// How far a picture is from the exact one, pixel by pixel.
+#[pyfunction]
+pub fn difference<'py>(py: Python<'py>, exact: Given, machine: Given) -> Done<Pixels<'py>> {
+    let difference = py.detach(|| metrics::difference(&exact.picture()?, &machine.picture()?).map_err(bad))?;
+    Ok(Pixels::of(py, &difference))
+}

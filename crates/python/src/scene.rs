@@ -1,0 +1,395 @@
+//! What is drawn: scenes, which are looked at, and display lists, which carry their view.
+
+use crate::error::{Done, Failure, bad, budget, usage, within};
+use basrelief_display_list::{Form, looks_like_trace};
+use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
+use basrelief_parameters::nearest;
+use basrelief_scene::{Directory, Files, Memory, SceneError, ViewOptions, demo, load_within, read_camera, text};
+use basrelief_session::{Prepared, RunInput};
+use pyo3::pybacked::PyBackedBytes;
+use pyo3::types::{PyAnyMethods, PyBytes, PyType};
+use pyo3::{Bound, FromPyObject, IntoPyObject, Py, PyAny, PyRef, PyResult, Python, pyclass, pyfunction, pymethods};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// How a scene is looked at: the options of the command line.
+#[derive(Clone, Default, PartialEq, FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+pub struct View {
+    size: Option<(i64, i64)>,
+    /// Name and text of a camera file.
+    camera: Option<(String, String)>,
+    turn: Option<[f64; 2]>,
+    zoom: Option<f64>,
+    frames: Option<i64>,
+    orbit: Option<f64>,
+    light: Option<[f64; 3]>,
+    light_orbit: Option<f64>,
+}
+
+/// Options of a view, as the command line has them.
+const OPTIONS: [&str; 8] = ["size", "camera", "turn", "zoom", "frames", "orbit", "light", "light_orbit"];
+
+impl View {
+    /// What a plan says of the view. `camera` opens the file of this name.
+    pub fn of_plan(options: &[(String, String)], camera: impl Fn(&str) -> Done<(String, String)>) -> Result<Self, String> {
+        let mut view = Self::default();
+        for (name, value) in options {
+            let failed = |error: String| format!("view: {name}: {error}");
+            match name.as_str() {
+                "size" => {
+                    view.size = Some(text::size(value).map(|[width, height]| (width.into(), height.into())).map_err(failed)?)
+                }
+                "camera" => view.camera = Some(camera(value).map_err(|error| error.to_string())?),
+                "turn" => view.turn = Some(text::angles(value).map_err(failed)?),
+                "zoom" => view.zoom = Some(text::finite(value).map_err(failed)?),
+                "frames" => view.frames = Some(value.parse().map_err(|_| failed("expected a whole number".into()))?),
+                "orbit" => view.orbit = Some(text::finite(value).map_err(failed)?),
+                "light" => view.light = Some(text::direction(value).map_err(failed)?),
+                "light_orbit" => view.light_orbit = Some(text::finite(value).map_err(failed)?),
+                _ => {
+                    let hint =
+                        nearest(name, OPTIONS.into_iter()).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+                    return Err(format!("view: no option is called `{name}`{hint} (basrelief.scene has all)"));
+                }
+            }
+        }
+        Ok(view)
+    }
+
+    /// Whether everything is left to the model.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    pub fn options(&self, budget: &Budget) -> Done<ViewOptions> {
+        let whole = |name: &str, n: i64| {
+            u32::try_from(n)
+                .map_err(|_| usage(format_args!("{name}: {n}; expected a whole number from 1 on, of at most 32 bits")))
+        };
+        let camera = |(name, text): &(String, String)| {
+            let weight = budget.take(json_weight(text.as_bytes()), "what a camera says");
+            let _held = weight.map_err(within(name))?;
+            read_camera(text, name).map_err(bad)
+        };
+        let default = ViewOptions::default();
+        Ok(ViewOptions {
+            size: self
+                .size
+                .map_or(Ok(default.size), |(width, height)| Ok::<_, Failure>([whole("size", width)?, whole("size", height)?]))?,
+            camera: self.camera.as_ref().map(camera).transpose()?,
+            turn: self.turn,
+            zoom: self.zoom,
+            frames: self.frames.map(|frames| whole("frames", frames)).transpose()?,
+            orbit_degrees: self.orbit,
+            light: self.light,
+            light_orbit_degrees: self.light_orbit,
+        })
+    }
+}
+
+/// What a scene was made of: enough to make it again, on another computer as well.
+enum Made {
+    Demo,
+    /// The bytes of the model, and of the files that it refers to.
+    Model(Vec<u8>, BTreeMap<String, Vec<u8>>),
+}
+
+/// A scene, ready to be run: what parameters do not change is done once, whoever runs it.
+#[pyclass(frozen, module = "basrelief")]
+pub struct Scene {
+    /// Of the demo, or as the user named the file.
+    name: String,
+    made: Made,
+    view: View,
+    memory_limit: Option<u64>,
+    prepared: Prepared,
+    _held: Held,
+}
+
+#[pymethods]
+impl Scene {
+    /// A demo scene.
+    #[staticmethod]
+    fn demo(py: Python<'_>, name: String, view: View, memory_limit: Option<u64>) -> Done<Self> {
+        py.detach(|| {
+            let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
+            let scene = demo(&name, &view.options(&budget)?).map_err(usage)?;
+            let prepared = Prepared::kept(Arc::new(scene), &budget);
+            Ok(Self { name, made: Made::Demo, view, memory_limit, prepared, _held: budget.nothing() })
+        })
+    }
+
+    /// A model: a .glb, .gltf or .obj file.
+    #[staticmethod]
+    fn open(py: Python<'_>, path: PathBuf, view: View, memory_limit: Option<u64>) -> Done<Self> {
+        py.detach(|| {
+            let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
+            let name = path.display().to_string();
+            let folder = Folder::of(&path, &budget);
+            let (bytes, held) = folder.main(&path, &budget).map_err(cannot_be_read(&name))?;
+            if looks_like_trace(&bytes) || Form::for_file_name(&name).is_some() {
+                return Err(usage(format_args!(
+                    "{name}: a display list, which carries its own view: basrelief.display_list opens it"
+                )));
+            }
+            let mut scene = Self::loaded((name, bytes), &folder, view, memory_limit, &budget)?;
+            let (files, of_files) = folder.into_read();
+            if let Made::Model(_, read) = &mut scene.made {
+                *read = files;
+            }
+            scene._held.join(held);
+            scene._held.join(of_files);
+            Ok(scene)
+        })
+    }
+
+    /// A model out of its files: what `files` gives.
+    #[staticmethod]
+    fn of_files(
+        py: Python<'_>,
+        main: (String, PyBackedBytes),
+        files: BTreeMap<String, PyBackedBytes>,
+        view: View,
+        memory_limit: Option<u64>,
+    ) -> Done<Self> {
+        py.detach(|| {
+            let budget = budget(memory_limit.unwrap_or(Budget::DEFAULT));
+            let (name, main) = main;
+            let files: BTreeMap<String, Vec<u8>> = files.into_iter().map(|(name, bytes)| (name, bytes.to_vec())).collect();
+            let memory = files.iter().fold(Memory::default(), |memory, (name, bytes)| memory.with(name, bytes.as_slice()));
+            let mut scene = Self::loaded((name, main.to_vec()), &memory, view, memory_limit, &budget)?;
+            scene.made = Made::Model(main.to_vec(), files);
+            Ok(scene)
+        })
+    }
+
+    /// Pickles as the bytes of its files and its view; a demo as its name.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let of = py.get_type::<Self>();
+        let view = self.view.clone();
+        Ok(match &self.made {
+            Made::Demo => Reduced::Demo(of.getattr("demo")?, (self.name.clone(), view, self.memory_limit)),
+            Made::Model(main, files) => {
+                let bytes = |bytes: &Vec<u8>| PyBytes::new(py, bytes).unbind();
+                let files = files.iter().map(|(name, of)| (name.clone(), bytes(of))).collect();
+                Reduced::Model(of.getattr("of_files")?, ((self.name.clone(), bytes(main)), files, view, self.memory_limit))
+            }
+        })
+    }
+
+    /// As the user named it.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of pictures.
+    #[getter]
+    fn frames(&self) -> usize {
+        self.prepared.scene().frames.len()
+    }
+
+    /// Width and height of the pictures [pixels].
+    #[getter]
+    fn size(&self) -> (u32, u32) {
+        self.prepared.scene().frames.first().map_or((0, 0), |frame| (frame.width, frame.height))
+    }
+
+    /// Number of triangles of the model.
+    #[getter]
+    fn triangles(&self) -> usize {
+        self.prepared.scene().objects.iter().map(|object| object.mesh.indices.len() / 3).sum()
+    }
+
+    /// What was left out or replaced on import, one sentence each.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.prepared.scene().warnings.clone()
+    }
+
+    fn __repr__(&self) -> String {
+        let ((width, height), frames) = (self.size(), self.frames());
+        format!("Scene({:?}, {width} x {height}, {frames} frame{})", self.name, if frames == 1 { "" } else { "s" })
+    }
+}
+
+impl Scene {
+    /// Its files are put in by whoever has them.
+    fn loaded(
+        (name, main): (String, Vec<u8>),
+        files: &dyn Files,
+        view: View,
+        memory_limit: Option<u64>,
+        budget: &Budget,
+    ) -> Done<Self> {
+        // What is wrong may lie in a file that the model refers to; the model is named all the same.
+        let failed = |e: SceneError| if e.file == name { bad(e) } else { within(&name)(e) };
+        let (scene, held) = load_within(&main, &name, files, &view.options(budget)?, budget).map_err(failed)?;
+        let prepared = Prepared::kept(Arc::new(scene), budget);
+        Ok(Self { name, made: Made::Model(main, BTreeMap::new()), view, memory_limit, prepared, _held: held })
+    }
+}
+
+/// What [`Scene::of_files`] takes.
+type OfFiles = ((String, Py<PyBytes>), BTreeMap<String, Py<PyBytes>>, View, Option<u64>);
+
+/// What makes a scene again, and what of.
+#[derive(IntoPyObject)]
+pub enum Reduced<'py> {
+    Demo(Bound<'py, PyAny>, (String, View, Option<u64>)),
+    Model(Bound<'py, PyAny>, OfFiles),
+}
+
+/// The folder of a model. What is read of it is kept, to make the same scene elsewhere.
+struct Folder {
+    folder: Directory,
+    read: RefCell<(BTreeMap<String, Vec<u8>>, Held)>,
+}
+
+impl Folder {
+    fn of(path: &Path, budget: &Budget) -> Self {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self { folder: Directory::new(folder), read: RefCell::new((BTreeMap::new(), budget.nothing())) }
+    }
+
+    /// The model itself.
+    fn main(&self, path: &Path, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
+        let name = path.file_name().and_then(|name| name.to_str());
+        self.folder.read(name.ok_or_else(|| io::Error::other("expected a file with a name in UTF-8"))?, budget)
+    }
+
+    fn into_read(self) -> (BTreeMap<String, Vec<u8>>, Held) {
+        self.read.into_inner()
+    }
+}
+
+impl Files for Folder {
+    fn read(&self, relative: &str, budget: &Budget) -> io::Result<(Vec<u8>, Held)> {
+        let (bytes, held) = self.folder.read(relative, budget)?;
+        let (files, kept) = &mut *self.read.borrow_mut();
+        kept.grow(bytes.len() as u64, "files of a model")?;
+        files.insert(relative.into(), bytes.clone());
+        Ok((bytes, held))
+    }
+}
+
+/// A display list: what a geometry processor handed on. It is read anew for each run, and pickles as its path.
+#[pyclass(frozen, module = "basrelief")]
+#[derive(Clone)]
+pub struct DisplayList {
+    /// As the user named it.
+    name: String,
+    path: PathBuf,
+}
+
+#[pymethods]
+impl DisplayList {
+    #[new]
+    fn new(path: PathBuf) -> Done<Self> {
+        let name = path.display().to_string();
+        let path = std::path::absolute(&path).map_err(cannot_be_read(&name))?;
+        let list = Self { name, path };
+        if list.is_one()? {
+            return Ok(list);
+        }
+        Err(usage(format_args!("{}: not a display list: basrelief.scene opens a model", list.name)))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyType>, (PathBuf,)) {
+        (py.get_type::<Self>(), (self.path.clone(),))
+    }
+
+    /// As the user named it.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn __repr__(&self) -> String {
+        format!("DisplayList({:?})", self.name)
+    }
+}
+
+impl DisplayList {
+    /// Of a file that a plan names.
+    pub fn of_plan(path: &Path) -> Self {
+        Self { name: path.display().to_string(), path: path.into() }
+    }
+
+    /// Whether it is a display list: by its first bytes, or by its name.
+    pub fn is_one(&self) -> Done<bool> {
+        let mut start = Vec::new();
+        self.opened()?.take(64).read_to_end(&mut start).map_err(cannot_be_read(&self.name))?;
+        Ok(looks_like_trace(&start) || Form::for_file_name(&self.name).is_some())
+    }
+
+    /// Pipes are refused: each run reads it from its beginning.
+    fn opened(&self) -> Done<File> {
+        let cannot = cannot_be_read(&self.name);
+        if !fs::metadata(&self.path).map_err(&cannot)?.is_file() {
+            return Err(cannot(io::Error::other("not a regular file")));
+        }
+        File::open(&self.path).map_err(&cannot)
+    }
+}
+
+fn cannot_be_read(name: &str) -> impl Fn(io::Error) -> Failure {
+    move |error| match OverBudget::within(&error) {
+        Some(error) => within(name)(error),
+        None => bad(format_args!("{name}: cannot be read: {error}")),
+    }
+}
+
+/// A text file, such as a configuration or a camera.
+#[pyfunction]
+pub fn read_text(py: Python<'_>, path: PathBuf) -> Done<String> {
+    py.detach(|| text_of(&path, &budget(Budget::DEFAULT)))
+}
+
+/// The same within a budget.
+pub fn text_of(path: &Path, budget: &Budget) -> Done<String> {
+    let read = basrelief_input::read_text(path, budget);
+    read.map(|(text, _)| text).map_err(cannot_be_read(&path.display().to_string()))
+}
+
+/// What a run takes.
+#[derive(FromPyObject)]
+pub enum Drawn<'py> {
+    #[pyo3(transparent)]
+    Scene(PyRef<'py, Scene>),
+    #[pyo3(transparent)]
+    DisplayList(PyRef<'py, DisplayList>),
+}
+
+/// The same, to be taken along without the interpreter lock.
+pub enum Source {
+    Scene(Prepared),
+    DisplayList(DisplayList),
+}
+
+impl Drawn<'_> {
+    pub fn source(&self) -> Source {
+        match self {
+            Self::Scene(scene) => Source::Scene(scene.prepared.clone()),
+            Self::DisplayList(list) => Source::DisplayList((*list).clone()),
+        }
+    }
+}
+
+impl Source {
+    pub fn into_input(self) -> Done<RunInput> {
+        match self {
+            Self::Scene(prepared) => Ok(RunInput::Scene(prepared)),
+            Self::DisplayList(list) => {
+                let reader = Box::new(BufReader::new(list.opened()?));
+                let folder = list.path.parent().unwrap_or(Path::new(""));
+                Ok(RunInput::Trace { reader, files: Box::new(beside(folder)), name: list.name })
+            }
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Sweeps: the points of a plan.
+
+use crate::error::{Done, Failure, bad, budget, within};
+use crate::scene::{DisplayList, Source, View, text_of};
+use basrelief_input::Budget;
+use basrelief_reference::Picture;
+use basrelief_scene::{demo, load_path_within};
+use basrelief_session::{Prepared, RunInput, TOML_GROWTH};
+use basrelief_sweep::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
+use basrelief_threads as threads;
+use pyo3::{PyErr, PyResult, Python, pyclass, pyfunction, pymethods};
+use std::collections::BTreeSet;
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A plan whose parts fit together, with its inputs open.
+#[pyclass(frozen, module = "basrelief._basrelief")]
+pub struct Plan {
+    plan: SweepPlan,
+    files: Files,
+}
+
+#[pymethods]
+impl Plan {
+    /// The plan of this text, as if it stood in the file of this name: what it names lies relative to that.
+    #[new]
+    fn new(py: Python<'_>, name: PathBuf, text: &str, memory_limit: Option<u64>) -> Done<Self> {
+        py.detach(|| {
+            let shown = name.display().to_string();
+            let files = Files { plan: name, budget: budget(memory_limit.unwrap_or(Budget::DEFAULT)) };
+            let growth = files.budget.take(TOML_GROWTH * text.len() as u64, "what a plan says");
+            let _growth = growth.map_err(within(&shown))?;
+            let host = Program { files: &files, stopped: Mutex::default() };
+            let plan = SweepPlan::read(text, &host).map_err(within(&shown))?;
+            Ok(Self { plan, files })
+        })
+    }
+
+    /// The hash of each point that is missing in this folder, those that share their work behind each other, with the hash of that. Of
+    /// points that have failed, too, if they are to be run again.
+    fn missing(&self, py: Python<'_>, folder: PathBuf, retry_failed: bool) -> Vec<(String, String)> {
+        py.detach(|| {
+            let folder = Folder::new(&folder);
+            let is_missing = |point: &&Point| match folder.find(&point.id) {
+                Found::Missing => true,
+                Found::Failed => retry_failed,
+                Found::Report => false,
+            };
+            let mut missing: Vec<&Point> = self.plan.points.iter().filter(is_missing).collect();
+            missing.sort_by_key(|point| &point.work);
+            missing.into_iter().map(|point| (point.id.clone(), point.work.clone())).collect()
+        })
+    }
+
+    /// Runs these points, or what is missing of them, so many at a time: how many were there, run, timed again, and failed.
+    fn execute(
+        &self,
+        py: Python<'_>,
+        points: Vec<String>,
+        folder: PathBuf,
+        at_once: Option<usize>,
+        options: (bool, bool),
+    ) -> PyResult<(usize, usize, usize, usize)> {
+        let (retry_failed, pictures) = options;
+        py.detach(|| {
+            let wanted: BTreeSet<String> = points.into_iter().collect();
+            let points: Vec<&Point> = self.plan.points.iter().filter(|point| wanted.contains(&point.id)).collect();
+            let threads = at_once.unwrap_or_else(threads::workers);
+            let work = Work { points: &points, retry_failed, pictures, threads };
+            let host = Program { files: &self.files, stopped: Mutex::default() };
+            let done = execute(&self.plan, &work, &Folder::new(&folder), &host);
+            if let Some(stopped) = host.stopped.into_inner().unwrap_or_else(PoisonError::into_inner) {
+                return Err(stopped);
+            }
+            let Tally { there, run, retimed, failed, .. } = done.map_err(bad)?;
+            Ok((there, run, retimed, failed))
+        })
+    }
+
+    /// Writes the tables of all points, and gives the front in words.
+    fn tables(&self, py: Python<'_>, folder: PathBuf) -> Done<String> {
+        let host = Program { files: &self.files, stopped: Mutex::default() };
+        py.detach(|| tables(&self.plan, &Folder::new(&folder), &host).map_err(bad))
+    }
+
+    /// Number of points.
+    fn __len__(&self) -> usize {
+        self.plan.points.len()
+    }
+
+    /// A heading.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.plan.title
+    }
+}
+
+/// From now on no run of this process uses more than one core: others have work of their own.
+#[pyfunction]
+pub fn work_alone() {
+    threads::work_alone();
+}
+
+/// What a plan names.
+struct Files {
+    plan: PathBuf,
+    budget: Budget,
+}
+
+impl Files {
+    fn place(&self, name: &str) -> PathBuf {
+        self.plan.parent().map_or_else(|| name.into(), |folder| folder.join(name))
+    }
+
+    fn opened(&self, name: &str, view: &View) -> Done<Opened> {
+        let budget = &self.budget;
+        let kept = |scene| Opened::Scene(Prepared::kept(Arc::new(scene), budget));
+        if let Some(name) = name.strip_prefix("demo:") {
+            return demo(name, &view.options(budget)?).map(kept).map_err(bad);
+        }
+        let path = self.place(name);
+        if DisplayList::of_plan(&path).is_one()? {
+            return if view.is_default() { Ok(Opened::Trace) } else { Err(bad(VIEW_OF_A_DISPLAY_LIST)) };
+        }
+        let shown = path.display().to_string();
+        let loaded = load_path_within(&path, &view.options(budget)?, budget);
+        let (scene, held) = loaded.map_err(|error| if error.file == shown { bad(error) } else { within(&shown)(error) })?;
+        // It is there as long as the budget.
+        held.keep();
+        Ok(kept(scene))
+    }
+}
+
+const VIEW_OF_A_DISPLAY_LIST: &str = "a display list carries its own view: a plan's view is for scenes";
+
+/// What a sweep asks of Python.
+struct Program<'a> {
+    files: &'a Files,
+    /// By Ctrl-C.
+    stopped: Mutex<Option<PyErr>>,
+}
+
+fn sentence(failure: Failure) -> String {
+    failure.to_string()
+}
+
+impl Host for Program<'_> {
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String> {
+        let camera = |name: &str| {
+            let path = self.files.place(name);
+            Ok((path.display().to_string(), text_of(&path, &self.files.budget)?))
+        };
+        let view = View::of_plan(view, camera)?;
+        self.files.opened(name, &view).map_err(|failure| format!("input: {failure}"))
+    }
+
+    fn trace(&self, name: &str) -> Result<RunInput, String> {
+        Source::DisplayList(DisplayList::of_plan(&self.files.place(name))).into_input().map_err(sentence)
+    }
+
+    fn text(&self, name: &str) -> Result<String, String> {
+        text_of(&self.files.place(name), &self.files.budget).map_err(sentence)
+    }
+
+    fn png(&self, picture: &Picture) -> Result<Vec<u8>, String> {
+        picture.to_png().map_err(|error| error.to_string())
+    }
+
+    fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        self.look()?;
+        publish(path, bytes)
+    }
+
+    fn progress(&self, _: &Tally) {}
+
+    fn budget(&self) -> &Budget {
+        &self.files.budget
+    }
+}
+
+impl Program<'_> {
+    /// Nothing more is written once somebody has pressed Ctrl-C.
+    fn look(&self) -> io::Result<()> {
+        let mut stopped = self.stopped.lock().unwrap_or_else(PoisonError::into_inner);
+        if stopped.is_none() {
+            *stopped = Python::attach(|py| py.check_signals()).err();
+        }
+        if stopped.is_some() { Err(ErrorKind::Interrupted.into()) } else { Ok(()) }
+    }
+}
+
+/// Writes a file beside its place, and puts it there.
+fn publish(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    std::fs::create_dir_all(folder)?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".partial-");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.persist(path).map(drop).map_err(|error| error.error)
+}

@@ -1,0 +1,46 @@
+//! Tapes, timed again.
+
+use crate::error::{Done, bad, budget, not_a_tape, of_tape};
+use crate::run::{Ran, limits_tape, when};
+use crate::watch::Watch;
+use basrelief_input::Budget;
+use basrelief_session::{RetimeOptions, When, retime_to};
+use pyo3::pybacked::PyBackedBytes;
+use pyo3::{PyResult, Python, pyfunction};
+use std::io::Read;
+
+/// A tape that is opened.
+pub type Opened<'a> = zstd::Decoder<'static, std::io::BufReader<&'a [u8]>>;
+
+/// Opens a tape.
+pub fn opened(tape: &[u8]) -> Done<Opened<'_>> {
+    zstd::Decoder::new(tape).map_err(|_| not_a_tape())
+}
+
+/// Times a tape again, with these settings over those of the run that it holds. `keep`: whether limits are measured, and whether its tape is
+/// kept however long it is.
+#[pyfunction]
+pub fn retime(
+    py: Python<'_>,
+    tape: PyBackedBytes,
+    settings: Vec<(String, String)>,
+    keep: (Option<bool>, bool),
+    memory_limit: Option<u64>,
+) -> PyResult<Ran<'_>> {
+    let (limits, keep) = keep;
+    let limits = when(limits);
+    let kept = if keep { When::Always } else { limits_tape(limits) };
+    let options = RetimeOptions { settings, limits, budget: budget(memory_limit.unwrap_or(Budget::DEFAULT)) };
+    let (report, watch) = py.detach(|| watched(&mut opened(&tape)?, &options, kept))?;
+    Ran::new(py, (report, watch), true)
+}
+
+fn watched(reader: &mut dyn Read, options: &RetimeOptions, kept: When) -> PyResult<(String, Watch)> {
+    let mut watch = Watch::new(kept, &options.budget).map_err(bad)?;
+    let report = retime_to(reader, options, &mut watch);
+    if let Some(stopped) = watch.stopped() {
+        return Err(stopped);
+    }
+    let report = report.map_err(of_tape)?;
+    Ok((report.to_json().map_err(bad)?, watch))
+}

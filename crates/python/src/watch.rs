@@ -1,0 +1,87 @@
+//! Watching a run, or a tape that is timed again: pictures, the tape, and Ctrl-C.
+
+use basrelief_input::{Budget, Held};
+use basrelief_reference::Picture;
+use basrelief_session::{Observer, Pictures, When};
+use pyo3::{PyErr, Python};
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+/// Between two looks whether somebody has pressed Ctrl-C: each waits for the interpreter lock.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
+
+/// Pictures of the last frame, the tape, and why the run was stopped.
+pub struct Watch {
+    pub last: Option<(Picture, Option<Picture>)>,
+    tape: Kept,
+    looked: Instant,
+    stopped: Option<PyErr>,
+}
+
+impl Watch {
+    /// `tape`: which are kept, within the budget.
+    pub fn new(tape: When, budget: &Budget) -> io::Result<Self> {
+        Ok(Self { last: None, tape: Kept::new(tape, budget)?, looked: Instant::now(), stopped: None })
+    }
+
+    /// Whether nobody has pressed Ctrl-C.
+    fn look(&mut self) -> bool {
+        if self.stopped.is_none() && self.looked.elapsed() >= BETWEEN_LOOKS {
+            self.stopped = Python::attach(|py| py.check_signals()).err();
+            self.looked = Instant::now();
+        }
+        self.stopped.is_none()
+    }
+
+    /// What stopped the run.
+    pub fn stopped(&mut self) -> Option<PyErr> {
+        self.stopped.take()
+    }
+
+    /// The tape, compressed; none that was not kept.
+    pub fn into_tape(self) -> io::Result<Option<Vec<u8>>> {
+        self.tape.encoder.map(zstd::Encoder::finish).transpose()
+    }
+}
+
+impl Observer for Watch {
+    fn progress(&mut self, _: u64, _: Option<u64>) -> bool {
+        self.look()
+    }
+
+    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+        self.last = Some((pictures.machine.clone(), pictures.exact.map(|(exact, _)| exact.clone())));
+        Ok(())
+    }
+
+    fn tape(&mut self, bytes: &[u8], is_short: bool) -> Result<(), String> {
+        if !self.look() {
+            return Err("stopped".into());
+        }
+        self.tape.keep(bytes, is_short).map_err(|error| error.to_string())
+    }
+}
+
+/// A tape in memory, compressed.
+struct Kept {
+    always: bool,
+    /// None where nobody wants it, or once it was too long.
+    encoder: Option<zstd::Encoder<'static, Vec<u8>>>,
+    held: Held,
+}
+
+impl Kept {
+    fn new(which: When, budget: &Budget) -> io::Result<Self> {
+        let encoder = || zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL);
+        let encoder = (which != When::Never).then(encoder).transpose()?;
+        Ok(Self { always: which == When::Always, encoder, held: budget.nothing() })
+    }
+
+    fn keep(&mut self, bytes: &[u8], is_short: bool) -> io::Result<()> {
+        self.encoder = self.encoder.take().filter(|_| is_short || self.always);
+        let Some(encoder) = &mut self.encoder else { return Ok(()) };
+        encoder.write_all(bytes)?;
+        let more = (encoder.get_ref().len() as u64).saturating_sub(self.held.bytes());
+        Ok(self.held.grow(more, "the tape, compressed")?)
+    }
+}

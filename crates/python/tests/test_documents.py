@@ -1,0 +1,43 @@
+"""What documents show is what happens."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import ROOT
+
+
+def blocks(text: str) -> list[str]:
+    """The examples in Python."""
+    return re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+
+
+def check(code: str, place: str, names: dict[str, Any]) -> int:
+    """Runs an example. Where behind an expression a value stands as a comment, it must be that; how many there are."""
+    checked = 0
+    lines = code.splitlines()
+    for statement in ast.parse(code).body:
+        if not isinstance(statement, ast.Expr):
+            exec(compile(ast.Module([statement], []), place, "exec"), names)
+            continue
+        value = eval(compile(ast.Expression(statement.value), place, "eval"), names)
+        _, _, comment = lines[(statement.end_lineno or 1) - 1].partition("# ")
+        try:
+            said = ast.literal_eval(comment)
+        except (SyntaxError, ValueError):
+            continue  # Words.
+        assert value == said, f"{place}: {ast.unparse(statement)}"
+        checked += 1
+    return checked
+
+
+@pytest.mark.parametrize(("document", "values"), [("docs/python.md", 8), ("README.md", 1)])
+def test_examples_give_what_they_say(document: str, values: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    examples = blocks((ROOT / document).read_text())
+    assert sum(check(example, document, names) for example in examples) == values

@@ -1,0 +1,103 @@
+"""What is wrong is said as the program says it."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import basrelief
+import pytest
+from basrelief import InputError, Machine, UsageError
+from conftest import ROOT, Program
+
+PATCH = ROOT / "tests/models/patch.gltf"
+
+# Options of the program, what the package is asked for, and the program's exit code.
+WRONG: list[tuple[list[str], Callable[[], Any], int]] = [
+    (["demo", "--set=replacement.entires=64"], lambda: Machine("bump", **{"replacement.entires": 64}), 2),
+    (["demo", "--set=replacement.entries=0"], lambda: Machine("bump", **{"replacement.entries": 0}), 2),
+    (["demo", "--set=replacement.entries=many"], lambda: Machine("bump", **{"replacement.entries": "many"}), 2),
+    (["demo", "--set=shade.mode=normal"], lambda: Machine("bump", **{"shade.mode": "normal"}), 2),
+    (["demo", "--set=replacement=1"], lambda: Machine("bump").set(replacement=1), 2),
+    (["demo", "--set=cache.clut.line_bytes=48"], lambda: Machine("bump", {"cache.clut.line_bytes": 48}), 2),
+    (["demo", "--config=none.toml"], lambda: Machine("bump", "none.toml"), 1),
+    (["demo", "--config=bad.toml"], lambda: Machine("bump", "bad.toml"), 1),
+    (["demo", "--config=unknown.toml"], lambda: Machine("bump", "unknown.toml"), 1),
+    (["demo", "golfball"], lambda: basrelief.demo("golfball"), 2),
+    (["demo", "golf-ball", "--zoom=0"], lambda: basrelief.demo("golf-ball", zoom=0), 2),
+    (["run", "none.glb"], lambda: basrelief.scene("none.glb"), 1),
+    (["run", "bad.gltf"], lambda: basrelief.scene("bad.gltf"), 1),
+    (["run", "alone.gltf"], lambda: basrelief.scene("alone.gltf"), 1),
+    (["run", "text.txt"], lambda: basrelief.scene("text.txt"), 1),
+    (["run", "none.jsonl"], lambda: basrelief.display_list("none.jsonl"), 1),
+    (["run", "bad.jsonl"], lambda: Machine("bump").run(basrelief.display_list("bad.jsonl")), 1),
+    (["run", str(PATCH), "--camera=bad.gltf"], lambda: basrelief.scene(PATCH, camera="bad.gltf"), 1),
+    (["compare", "bad.gltf", "bad.gltf"], lambda: basrelief.load("bad.gltf"), 1),
+]
+
+
+@pytest.mark.parametrize(("options", "asked", "code"), WRONG, ids=[" ".join(wrong[0][-2:]) for wrong in WRONG])
+def test_errors_have_the_words_of_the_program(
+    program: Program,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    options: list[str],
+    asked: Callable[[], Any],
+    code: int,
+) -> None:
+    (tmp_path / "bad.toml").write_text("replacement = [")
+    (tmp_path / "unknown.toml").write_text("[replacement]\nentires = 64\n")
+    (tmp_path / "bad.gltf").write_text('{"asset": 7}')
+    (tmp_path / "alone.gltf").write_text('{"asset":{"version":"2.0"},"buffers":[{"uri":"none.bin","byteLength":4}]}')
+    (tmp_path / "text.txt").write_text("no model")
+    (tmp_path / "bad.jsonl").write_text('{"begin":{"format":"basrelief-display-list","version":1,"width":0}}\n')
+    monkeypatch.chdir(tmp_path)
+    done = program(*options)
+    with pytest.raises(basrelief.Error) as raised:
+        asked()
+    assert (done.returncode, str(raised.value) in done.stderr) == (code, True), f"{raised.value}\n{done.stderr}"
+    assert raised.type is {1: InputError, 2: UsageError}[code]
+
+
+def test_what_only_the_package_can_be_asked_for_wrongly_is_said_in_a_sentence(tmp_path: Path) -> None:
+    scene, machine = basrelief.demo("golf-ball", size=(16, 12)), Machine("bump")
+    trace = ROOT / "traces/patch-one-level.jsonl"
+
+    def says(words: str, asked: Callable[[], Any], kind: type[basrelief.Error] = UsageError) -> None:
+        with pytest.raises(kind) as raised:
+            asked()
+        assert words in str(raised.value), str(raised.value)
+        assert type(pickle.loads(pickle.dumps(raised.value))) is kind
+
+    says("no machine is called `bmp`; expected bump, ", lambda: Machine("bmp"))
+    says("`clock.hz`: None; expected a number", lambda: Machine("bump", **{"clock.hz": None}))
+    says("size: -3; expected a whole number", lambda: basrelief.demo("golf-ball", size=(-3, 2)))
+    says("engine: `fast`; expected timed", lambda: machine.run(scene, engine="fast"))  # type: ignore[arg-type]
+    says("functional model has no time", lambda: machine.run(scene, engine="functional", tape=True))
+    says("max_cycles: 0; expected 1 or more", lambda: machine.run(scene, max_cycles=0))
+    says("basrelief.display_list opens it", lambda: basrelief.scene(trace))
+    says("basrelief.scene opens a model", lambda: basrelief.display_list(PATCH))
+    says("not a regular file", lambda: basrelief.display_list(tmp_path), InputError)
+    says("frame: `arrow`; expected pandas or polars", lambda: machine.describe().frame("arrow"))
+    says("give more with memory_limit", lambda: basrelief.scene(PATCH, memory_limit=1000), InputError)
+    result = machine.run(scene, exact=False, limits=False, engine="functional")
+    says("the functional model has no time", lambda: result.cycles, basrelief.Error)
+    says("run(limits=True)", lambda: result.limits, basrelief.Error)
+    says("run(tape=True)", lambda: result.tape, basrelief.Error)
+    says("run(exact=True)", lambda: result.reference, basrelief.Error)
+    tape = machine.run(scene).tape
+    says("`replacement.entries` changes what the units do", lambda: tape.retime({"replacement.entries": 64}))
+    says("no picture", lambda: tape.retime().image, basrelief.Error)
+    says("not a tape", lambda: basrelief.Tape(b"none").retime(), InputError)
+
+
+def test_a_run_that_does_not_come_to_its_end_leaves_its_report(program: Program, tmp_path: Path) -> None:
+    with pytest.raises(basrelief.IncompleteError) as raised:
+        Machine("bump").run(basrelief.demo("golf-ball", size=(32, 24)), max_cycles=1000)
+    assert str(raised.value).startswith("stopped at the limit of max_cycles")
+    assert raised.value.result.cycles == 1000
+    assert raised.value.result.report["outcome"]["kind"] == "limit"
+    again = pickle.loads(pickle.dumps(raised.value))
+    assert (str(again), again.result.report) == (str(raised.value), raised.value.result.report)

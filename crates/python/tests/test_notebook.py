@@ -1,0 +1,39 @@
+"""The notebook in docs/ runs, and what comes out is what stands in it.
+
+With BASRELIEF_BLESS=1 in the environment, what comes out is written into it.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import nbformat
+from conftest import ROOT
+from nbclient import NotebookClient
+
+NOTEBOOK = ROOT / "docs/python.ipynb"
+
+
+def shown(notebook: Any) -> list[dict[str, Any]]:
+    """What the cells show; tables in the words of pandas alone, whose markup differs between its versions."""
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    assert all(output.output_type in ("execute_result", "stream") for output in outputs), outputs
+    return [of_pandas_as_text(output["data"]) if "data" in output else {"text": output["text"]} for output in outputs]
+
+
+def of_pandas_as_text(data: dict[str, Any]) -> dict[str, Any]:
+    is_pandas = 'class="dataframe"' in data.get("text/html", "")
+    return {kind: content.strip() for kind, content in data.items() if not (is_pandas and kind == "text/html")}
+
+
+def test_the_notebook_shows_what_comes_out() -> None:
+    stands = nbformat.read(NOTEBOOK, as_version=4)
+    made = NotebookClient(nbformat.read(NOTEBOOK, as_version=4), timeout=120, kernel_name="python3", record_timing=False).execute()
+    if os.environ.get("BASRELIEF_BLESS") == "1":
+        for cell in made.cells:
+            cell.metadata.clear()
+        made.metadata["language_info"] = {"name": "python"}
+        nbformat.write(made, NOTEBOOK)
+    else:
+        assert shown(made) == shown(stands), f"{NOTEBOOK} is old: BASRELIEF_BLESS=1 crates/python/check writes it anew"

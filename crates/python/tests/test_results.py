@@ -1,0 +1,146 @@
+"""Tables, pictures, pickles."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import pickle
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import basrelief
+import numpy
+import pandas
+import polars
+import pytest
+from basrelief import Machine, Result, Table
+from conftest import ROOT
+from PIL import Image
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return Machine("bump", **{"replacement.entries": 64}).run(basrelief.demo("golf-ball", size=(64, 48)))
+
+
+def test_cycles_of_every_unit_sum_to_the_run(result: Result) -> None:
+    units = result.units.frame()
+    columns = ["busy", "starved", "blocked", "memory", "done"]
+    assert (units[columns].sum(axis=1) == result.report["cycles"]["total"]).all()
+    assert list(units["unit"]) == list(result.report["units"])
+
+
+def test_tables_are_frames_of_pandas_and_polars(result: Result) -> None:
+    for name in ("units", "fifos", "memories", "caches", "limits", "figures"):
+        table: Table = getattr(result, name)
+        rows = len(table.rows())
+        assert rows > 0 and all(len(column) == rows for column in table.values()), name
+        if name != "figures":  # Whose values are numbers, texts and lists.
+            assert polars.DataFrame(table).shape == (rows, len(table)) == table.frame("polars").shape
+        assert pandas.DataFrame(table).shape == (rows, len(table)) == table.frame().shape
+        assert table._repr_html_().count("<tr>") == rows + 1
+    fifos = result.fifos
+    assert all(0 <= mean <= high <= depth for mean, high, depth in zip(*(fifos[n] for n in ("mean", "high_water", "depth"))))
+    bytes_moved = sum(result.memories["read_bytes"]) + sum(result.memories["write_bytes"])
+    assert bytes_moved == sum(
+        client["read_bytes"] + client["write_bytes"]
+        for memory in result.report["memories"].values()
+        for client in memory["clients"].values()
+    )
+
+
+def test_neither_pandas_nor_polars_nor_numpy_is_loaded_unasked() -> None:
+    script = "import sys, basrelief; basrelief.Machine('bump').describe(); print({'pandas', 'polars', 'numpy'} & set(sys.modules))"
+    assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout == "set()\n"
+
+
+def test_a_picture_is_an_array_without_a_copy(result: Result) -> None:
+    picture = result.image
+    array = numpy.asarray(picture)
+    assert array.shape == (48, 64, 4) and array.dtype == numpy.uint8
+    assert numpy.shares_memory(array, numpy.frombuffer(picture.tobytes(), numpy.uint8))
+    assert hashlib.sha256(array[..., :3].tobytes()).hexdigest() == result.report["image"][-1]["sha256"]
+    with Image.open(io.BytesIO(picture.png())) as image:
+        assert (numpy.asarray(image) == array).all()
+    assert picture._repr_png_() == picture.png() == result._repr_png_()
+    assert Image.fromarray(picture).size == picture.size == (64, 48)
+
+
+def test_a_notebook_shows_a_result_and_is_left_alone_by_its_style(result: Result) -> None:
+    html = result._repr_html_()
+    for part in ("What limits this run", "Block diagram", "Where the cycles went", "data:image/png;base64,"):
+        assert part in html, part
+    style = html.partition("<style>")[2].partition("</style>")[0]
+    assert style.startswith("@scope (.basrelief) {")
+    assert not any(line.startswith((":root", "body")) for line in style.splitlines())
+    assert style.count("{") == style.count("}")
+
+
+def test_files_are_written_whole_or_not_at_all(result: Result, tmp_path: Path) -> None:
+    result.save(tmp_path / "a" / "b")
+    assert basrelief.load(tmp_path / "a" / "b").report == result.report
+    with pytest.raises(OSError):
+        result.image.save(tmp_path / "none" / "image.png")
+    with pytest.raises(OSError):
+        result.image.save(tmp_path / "a")
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+    result.image.save(tmp_path / "image.png")
+    plain = tmp_path / "plain"
+    plain.touch()
+    assert (tmp_path / "image.png").stat().st_mode == plain.stat().st_mode
+
+
+def test_what_is_pickled_comes_back(result: Result) -> None:
+    again = pickle.loads(pickle.dumps(result))
+    assert (again.report, again.image, again.reference, again.tape) == (
+        result.report,
+        result.image,
+        result.reference,
+        result.tape,
+    )
+    machine = Machine("shade", **{"shade.mode": "normal"})
+    assert pickle.loads(pickle.dumps(machine)) == machine != Machine("shade")
+    assert hash(pickle.loads(pickle.dumps(machine))) == hash(machine)
+
+
+def test_machines_and_scenes_are_the_same_where_their_files_are_not(tmp_path: Path) -> None:
+    for name in ("patch.gltf", "patch.obj", "patch.mtl", "bumps.png", "checks.png"):
+        shutil.copy(ROOT / "tests/models" / name, tmp_path)
+    (tmp_path / "machine.toml").write_text("[replacement]\nentries = 16\n")
+    machine = Machine("bump", tmp_path / "machine.toml")
+    view = {"size": (48, 36), "frames": 2, "orbit": 30.0}
+    scenes = [basrelief.scene(tmp_path / name, **view) for name in ("patch.gltf", "patch.obj")]  # type: ignore[arg-type]
+    scenes.append(basrelief.demo("goblet@2", **view))  # type: ignore[arg-type]
+    reports = [machine.run(scene).report for scene in scenes]
+    pickled = pickle.dumps((machine, scenes))
+    shutil.rmtree(tmp_path)
+    # In a process of its own, as a worker has it.
+    script = "import pickle, sys; m, s = pickle.load(sys.stdin.buffer); sys.stdout.buffer.write(pickle.dumps([m.run(x).report for x in s]))"
+    done = subprocess.run([sys.executable, "-c", script], input=pickled, capture_output=True, check=True)
+    assert pickle.loads(done.stdout) == reports
+    machine, scenes = pickle.loads(pickled)
+    assert [scene.size for scene in scenes] == [(48, 36)] * 3
+    assert [repr(scene).partition("(")[2] for scene in scenes][2] == '"goblet@2", 48 x 36, 2 frames)'
+
+
+def test_a_display_list_pickles_as_its_path(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(ROOT / "traces")
+    trace = basrelief.display_list("patch-one-level.jsonl")
+    monkeypatch.chdir(tmp_path)
+    machine = Machine("bump")
+    assert machine.run(pickle.loads(pickle.dumps(trace))).report == machine.run(trace).report
+
+
+def test_what_there_is() -> None:
+    assert list(basrelief.machines()) == ["bump", "shade", "texel", "defer"]
+    demos = basrelief.demos()
+    assert set(demos["machine"]) == set(basrelief.machines())
+    assert "golf-ball" in demos["name"]
+    described = Machine("bump", **{"replacement.entries": 64}).describe()
+    row = next(row for row in described.rows() if row["key"] == "replacement.entries")
+    assert (row["value"], row["default"], row["effect"], row["provenance"]) == (64, 256, "work", row["provenance"])
+    assert set(described["provenance"]) == {"stated", "derived", "assumed"}
+    assert os.path.exists(os.path.join(os.path.dirname(basrelief.__file__), "py.typed"))

@@ -1,0 +1,159 @@
+"""Sweeps, here and on workers, are those of the program, to the byte."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import basrelief
+import pytest
+from basrelief.sweep import _batches  # type: ignore[import-not-found,unused-ignore]
+from conftest import ROOT, Program
+from distributed import Client, LocalCluster
+
+# Six works, each under four times; the FIFO that is too shallow for its users' tokens is none of them.
+PLAN = """
+title = "Modes and depths"
+input = ["demo:ellipsoid@2", "patch.obj"]
+machine = "shade"
+objectives = ["cycles min", "quality.psnr_db max"]
+
+[view]
+size = "96x72"
+turn = [10, -20]
+
+[axes]
+shade.mode = ["normal", "brightness", "polyhedron"]
+fifo.interpolated.depth = { from = 1, to = 8, factor = 2 }
+"""
+POINTS = 24
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Path:
+    for name in ("patch.obj", "patch.mtl", "bumps.png", "checks.png"):
+        (tmp_path / name).write_bytes((ROOT / "tests/models" / name).read_bytes())
+    plan = tmp_path / "plan.toml"
+    plan.write_text(PLAN)
+    return plan
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Any]:
+    cluster = LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None)
+    with cluster, Client(cluster) as client:
+        yield client
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """All that is in a folder; what begins with a point was never finished."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and not path.name.startswith(".")
+    }
+
+
+@pytest.fixture
+def expected(program: Program, plan: Path) -> dict[str, bytes]:
+    """What the program leaves."""
+    done = program("sweep", plan, "--out", plan.parent / "program")
+    assert done.returncode == 0, done.stderr
+    return files(plan.parent / "program")
+
+
+def test_a_sweep_is_that_of_the_program_and_resumes(plan: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
+    out = tmp_path / "here"
+    done = basrelief.sweep(plan, out=out)
+    assert (done.points, done.there, done.run, done.retimed, done.failed) == (POINTS, 0, 6, 18, 0)
+    assert files(out) == expected
+    again = basrelief.sweep(plan, out=out)
+    assert (again.there, again.run, again.retimed, str(again)) == (POINTS, 0, 0, str(done))
+    table = done.table
+    assert len(table.rows()) == POINTS
+    hashes = sorted(path.name for path in (out / "points").iterdir())
+    assert done.result(hashes[0]).cycles > 0
+
+
+def test_workers_leave_the_same_bytes(client: Any, plan: Path, expected: dict[str, bytes], tmp_path: Path) -> None:
+    out = tmp_path / "workers"
+    done = basrelief.sweep(plan, client, out=out)
+    assert (done.points, done.there, done.run + done.retimed, done.failed) == (POINTS, 0, POINTS, 0)
+    assert files(out) == expected
+    again = basrelief.sweep(plan, client, out=out)
+    assert (again.there, again.run, again.retimed) == (POINTS, 0, 0)
+
+
+def test_a_killed_worker_costs_nothing_but_time(
+    client: Any, plan: Path, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    out = tmp_path / "killed"
+    killed: list[int] = []
+    victims: list[int] = []
+
+    def kill() -> None:
+        while len(list(out.glob("points/*/report.json"))) < 3:
+            time.sleep(0.001)
+        victims.append(next(iter(client.run(os.getpid).values())))
+        killed.append(len(list(out.glob("points/*/report.json"))))
+        os.kill(victims[0], signal.SIGKILL)
+
+    thread = threading.Thread(target=kill, daemon=True)
+    thread.start()
+    done = basrelief.sweep(plan, client, out=out)
+    thread.join(timeout=10)
+    assert killed and killed[0] < POINTS, "in the middle"
+    assert victims[0] not in client.run(os.getpid).values()
+    assert (done.points, done.failed) == (POINTS, 0)
+    assert files(out) == expected
+
+
+def test_a_plan_that_makes_no_sense_is_refused_as_the_program_refuses_it(
+    client: Any, program: Program, plan: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(plan.parent)
+    good = plan.read_text()
+    for old, new in [
+        ("shade.mode", "shade.mood"),
+        ("cycles min", "cycels min"),
+        ('"96x72"', '"96"'),
+        ("turn", "turned"),
+        ("patch.obj", "none.obj"),
+        ("demo:ellipsoid@2", "demo:teapot"),
+        ("[axes]", "[axes"),
+    ]:
+        plan.write_text(good.replace(old, new))
+        said = program("sweep", "plan.toml").stderr
+        with pytest.raises(basrelief.InputError) as raised:
+            basrelief.sweep("plan.toml", client)
+        # What a view has and how it is written, each says in its own words.
+        words = str(raised.value).partition(" (basrelief.scene")[0].rpartition("view: size: ")[2]
+        assert words in said, f"{raised.value}\n{said}"
+        assert not (plan.parent / "out").exists()
+
+
+def test_a_point_that_fails_is_a_row(client: Any, tmp_path: Path) -> None:
+    scene, machine = basrelief.demo("golf-ball", size=(48, 36)), basrelief.Machine("bump")
+    totals = [machine.set({"replacement.entries": n}).run(scene).report["cycles"]["total"] for n in (16, 1024)]
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        f'input = "demo:golf-ball"\nobjectives = ["cycles min"]\nmax_cycles = {sum(totals) // 2}\n[view]\nsize = "48x36"\n'
+        "[axes]\nreplacement.entries = [16, 1024]\n"
+    )
+    here, there = basrelief.sweep(plan, out=tmp_path / "here"), basrelief.sweep(plan, client, out=tmp_path / "there")
+    assert here.failed == there.failed == 1
+    assert files(tmp_path / "here") == files(tmp_path / "there")
+    assert "failed" in str(here.table)
+    assert basrelief.sweep(plan, client, out=tmp_path / "there").run == 0
+    assert basrelief.sweep(plan, client, out=tmp_path / "there", retry_failed=True).run == 1
+
+
+def test_batches_keep_together_what_shares_its_work_and_fill_up() -> None:
+    points = [(f"{work}{n}", work) for work, count in (("a", 5), ("b", 1), ("c", 1), ("d", 2)) for n in range(count)]
+    assert _batches(points, 3) == [["a0", "a1", "a2"], ["a3", "a4", "b0"], ["c0", "d0", "d1"]]
+    assert _batches([], 0) == []

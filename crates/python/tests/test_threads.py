@@ -1,0 +1,77 @@
+"""The interpreter is free while a machine runs, and Ctrl-C stops it."""
+
+from __future__ import annotations
+
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import basrelief
+from basrelief import Machine
+
+
+def test_other_threads_go_on_while_a_machine_runs() -> None:
+    scene, machine = basrelief.demo("golf-ball", size=(320, 240)), Machine("bump")
+    took = []
+
+    def run() -> None:
+        began = time.perf_counter()
+        machine.run(scene, exact=False, limits=False, engine="ticked")
+        took.append(time.perf_counter() - began)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    longest, last = 0.0, time.perf_counter()
+    while thread.is_alive():
+        time.sleep(0.001)
+        now = time.perf_counter()
+        longest, last = max(longest, now - last), now
+    # Held by the run, the lock would keep this loop waiting for about all of it.
+    assert longest < 0.5 * took[0], f"{longest:.3f} s of {took[0]:.3f} s"
+
+
+def test_runs_of_one_scene_at_once_are_those_one_after_the_other() -> None:
+    scene = basrelief.demo("golf-ball", size=(64, 48))
+    machines = [Machine("bump", **{"replacement.entries": entries}) for entries in (16, 32, 64, 128)]
+    alone = [machine.run(scene).report for machine in machines]
+    with ThreadPoolExecutor(4) as pool:
+        assert [result.report for result in pool.map(lambda machine: machine.run(scene), machines)] == alone
+
+
+def test_ctrl_c_stops_a_run() -> None:
+    script = """
+import basrelief, sys
+scene = basrelief.demo("sphere", size=(640, 480), frames=1000, orbit=360)
+print("running", flush=True)
+try:
+    basrelief.Machine("bump").run(scene, exact=False, limits=False)
+except KeyboardInterrupt:
+    print("stopped", basrelief.Machine("shade").name, flush=True)
+"""
+    process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "running\n"
+        time.sleep(0.3)
+        began = time.perf_counter()
+        process.send_signal(signal.SIGINT)
+        out, _ = process.communicate(timeout=60)
+        assert (out, process.returncode) == ("stopped shade\n", 0)
+        assert time.perf_counter() - began < 10
+    finally:
+        process.kill()
+
+
+def test_a_machine_and_a_scene_go_to_processes() -> None:
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    scene, machine = basrelief.demo("golf-ball", size=(32, 24)), Machine("bump")
+    for method in ("spawn", "fork"):
+        with ProcessPoolExecutor(1, mp_context=get_context(method)) as pool:
+            result = pool.submit(machine.run, scene).result(timeout=60)
+        assert pickle.dumps(result.report) == pickle.dumps(machine.run(scene).report)
