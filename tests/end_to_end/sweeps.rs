@@ -261,6 +261,10 @@ fn an_exploration_runs_few_points_and_says_how_much_of_the_front_they_have() {
     let share: f64 = said.split("are there: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!((90.0..=100.0).contains(&share), "{said}");
     assert!(place.ok("explore plan.toml --budget 24").out.contains("100.00 % of the hypervolume of their front"));
-    fs::write(place.path("two.toml"), PLAN.replace("input = \"demo:ellipsoid@2\"", "input = [\"demo:ellipsoid@2\", \"demo:coin\"]")).unwrap();
+    fs::write(
+        place.path("two.toml"),
+        PLAN.replace("input = \"demo:ellipsoid@2\"", "input = [\"demo:ellipsoid@2\", \"demo:coin\"]"),
+    )
+    .unwrap();
     assert!(place.run("explore two.toml --budget 4").error(1).contains("two.toml: input: 2 inputs; expected one"));
 }

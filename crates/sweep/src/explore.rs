@@ -30,15 +30,12 @@ pub struct Explored {
 ///
 /// # Errors
 /// A plan of several inputs, or with samples of its own; and those of [`execute`].
-pub fn explore(
-    plan: Plan,
-    budget: usize,
-    work: &Work<'_>,
-    (folder, host): (&Folder, &dyn Host),
-) -> Result<Explored, SweepError> {
+pub fn explore(plan: Plan, budget: usize, work: &Work<'_>, (folder, host): (&Folder, &dyn Host)) -> Result<Explored, SweepError> {
     if plan.inputs.len() != 1 {
         let count = plan.inputs.len();
-        return Err(SweepError(format!("input: {count} inputs; expected one: a front is of one input, so write a plan for each")));
+        return Err(SweepError(format!(
+            "input: {count} inputs; expected one: a front is of one input, so write a plan for each"
+        )));
     }
     let lengths: Vec<usize> = plan.axes.iter().map(|axis| axis.values.len()).collect();
     let explorer = Explorer::new(&lengths, budget, SEED).map_err(|error| SweepError(error.to_string()))?;
@@ -88,8 +85,7 @@ fn share(plan: &Plan, chosen: &BTreeSet<usize>, folder: &Folder) -> Result<Optio
     let all: Vec<&Point> = plan.points.iter().collect();
     let costs = candidates(&table_of(plan, &all, folder)?);
     let of_all: Vec<Vec<f64>> = costs.iter().map(|(_, costs)| costs.clone()).collect();
-    let of_chosen: Vec<Vec<f64>> =
-        costs.into_iter().filter(|(row, _)| chosen.contains(row)).map(|(_, costs)| costs).collect();
+    let of_chosen: Vec<Vec<f64>> = costs.into_iter().filter(|(row, _)| chosen.contains(row)).map(|(_, costs)| costs).collect();
     let volumes = Space::of(&of_all).and_then(|space| Some((space.hypervolume(&of_chosen)?, space.hypervolume(&of_all)?)));
     Ok(volumes.filter(|(_, all)| *all > 0.0).map(|(chosen, all)| chosen / all))
 }

@@ -1,6 +1,6 @@
 //! `basrelief explore`: the front of a plan with few of its points.
 
-use super::plans::{Planned, bad, counts, work, written};
+use super::plans::{Planned, counts, work, written};
 use crate::args::ExploreArgs;
 use crate::error::{Done, Failure, print};
 use basrelief_input::Budget;
