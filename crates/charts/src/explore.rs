@@ -9,8 +9,10 @@
 //! 3. where all of that has been: two steps, four, and so on,
 //! 4. where that has been, too: the rest of the Sobol sequence.
 //!
-//! On two made-up problems (see the tests) a tenth of the points finds 99 % of the full grid's hypervolume, where a Sobol
-//! sequence of as many points finds 95 %.
+//! How much that finds, the example `explored` measures on grids that have been swept as a whole. Of `golf-ball`, four FIFO depths
+//! at 160 x 120 (1,296 points), a tenth of the points finds 99.6 % of the full grid's hypervolume at least, in eight seeds, where
+//! a Sobol sequence finds 96.6 %; of entries, lanes, levels and bits at 96 x 72 (420 points) 95.8 and 95.7 %, and with a quarter
+//! of the points 100 and 99.8 %. With a twentieth it may find less than the sequence.
 //!
 //! Points beside wide gaps of the front come first. What is proposed follows from what is known alone, so that an
 //! exploration that was killed goes on where it was.
@@ -22,6 +24,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// What is known of points: costs as of [`candidates`](crate::candidates), of which the smaller are better; none of a point that
 /// failed or breaks a constraint. All costs are finite, and as many for each point.
 pub type Known = BTreeMap<Point, Option<Vec<f64>>>;
+
+/// Points of the coarse sample for each axis, where the budget is small.
+const PER_AXIS: usize = 6;
 
 /// Looks for the front of a grid.
 #[derive(Clone, Debug)]
@@ -76,9 +81,9 @@ impl Explorer {
         points.filter(|point| !known.contains_key(point) && taken.insert(point.clone())).take(most).collect()
     }
 
-    /// Points of the coarse sample: a quarter of the budget.
+    /// Points of the coarse sample: a quarter of the budget; of small ones up to half, so that each axis is seen.
     fn start(&self) -> usize {
-        self.budget.div_ceil(4)
+        self.budget.div_ceil(4).max((PER_AXIS * self.axes.len()).min(self.budget / 2))
     }
 
     /// Around the front of what is known.
@@ -263,8 +268,8 @@ mod tests {
 
     #[test]
     fn axes_that_limit_come_first() {
-        let explorer = Explorer::new(&[9, 9, 9], 9, 0).unwrap();
-        let mut known: Known = explorer.next(&Known::new(), 5, &|_| vec![]).into_iter().map(|point| (point, None)).collect();
+        let explorer = Explorer::new(&[9, 9, 9], 11, 0).unwrap();
+        let mut known: Known = explorer.next(&Known::new(), 7, &|_| vec![]).into_iter().map(|point| (point, None)).collect();
         known.insert(vec![4, 4, 4], Some(vec![1.0]));
         let next = |hint: &[usize]| explorer.next(&known, 3, &|_| hint.to_vec());
         assert_eq!(next(&[2, 7]), [[4, 4, 5], [4, 4, 3], [5, 4, 4]]);

@@ -1,7 +1,7 @@
 //! Points that no other beats.
 //!
 //! A point *dominates* another if it is at least as good by every objective and better by one. The front is what no point
-//! dominates. Only [candidates](candidates) count: rows that have run, keep every constraint and have a finite number for every
+//! dominates. Only [`candidates`] count: rows that have run, keep every constraint and have a finite number for every
 //! objective. Points that are equal by every objective do not dominate each other: all of them are on the front, or none.
 
 use crate::rules::Goal;

@@ -7,7 +7,7 @@
 //! | [`explore`] | which points to run next, to find the front with few |
 //! | [`front`](mod@front) | what no other point beats |
 //! | [`hypervolume`] | how good a front is, in one number |
-//! | [`effects`] | how far each objective moves over the values of an axis |
+//! | [`effects`](mod@effects) | how far each objective moves over the values of an axis |
 //! | [`sample`] | Latin hypercubes and Sobol sequences on a grid |
 //! | [`page`](mod@page) | the sweep as one page |
 //! | [`vega`](mod@vega) | the sweep as a Vega-Lite specification |
