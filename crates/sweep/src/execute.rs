@@ -4,8 +4,9 @@
 //! others are timed again from its tape, which takes a fraction of the time. Where that cannot be - the tape is too long, the run does
 //! not come to its end, its work turns out to be another - points are run by themselves. The results are the same to the byte.
 //!
-//! Groups are begun at a place drawn at random: of two processes on one folder each does its own part, and finds the other's when it
-//! gets there.
+//! Points are taken in an order drawn at random, and looked for again before each: of two processes on one folder each finds what the
+//! other has done. Only to begin at another place in the same order would not do: the one behind would catch up, and from there both
+//! would run the same.
 
 use crate::one::{Ran, run_point};
 use crate::plan::{Plan, Point};
@@ -14,7 +15,7 @@ use basrelief_session::Recording;
 use basrelief_threads as threads;
 use std::collections::hash_map::RandomState;
 use std::collections::{BTreeMap, VecDeque};
-use std::hash::{BuildHasher, Hasher};
+use std::hash::BuildHasher;
 use std::io::Cursor;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -88,24 +89,15 @@ fn is_missing(point: &Point, work: &Work<'_>, folder: &Folder) -> bool {
     }
 }
 
-/// Points by their work, in the order of the plan but for where it begins.
+/// Points by their work, groups and the points in them in an order drawn at random.
 fn groups(points: Vec<&Point>) -> VecDeque<Vec<&Point>> {
-    let mut places = BTreeMap::new();
-    let mut groups: VecDeque<Vec<&Point>> = VecDeque::new();
+    let chance = RandomState::new();
+    let mut groups: BTreeMap<(u64, &str), Vec<&Point>> = BTreeMap::new();
     for point in points {
-        let place = *places.entry(&point.work).or_insert(groups.len());
-        match groups.get_mut(place) {
-            Some(group) => group.push(point),
-            None => groups.push_back(vec![point]),
-        }
+        groups.entry((chance.hash_one(&point.work), &point.work)).or_default().push(point);
     }
-    let begin = RandomState::new().build_hasher().finish() as usize;
-    let place = |length: usize| if length == 0 { 0 } else { begin % length };
-    groups.rotate_left(place(groups.len()));
-    for group in &mut groups {
-        let place = place(group.len());
-        group.rotate_left(place);
-    }
+    let mut groups: VecDeque<Vec<&Point>> = groups.into_values().collect();
+    groups.iter_mut().for_each(|group| group.sort_by_key(|point| chance.hash_one(&point.id)));
     groups
 }
 

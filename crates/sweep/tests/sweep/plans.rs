@@ -140,6 +140,7 @@ fn a_point_is_known_by_all_that_its_report_depends_on_and_by_nothing_else() {
     // Others.
     let mut all: Vec<String> = first.into_iter().map(|(id, _)| id).collect();
     for text in [
+        HEAD.to_owned(),
         format!("{HEAD}[view]\nframes = 2\n"),
         format!("{HEAD}max_cycles = 1000000\n"),
         format!("{HEAD}[axes]\nfifo.shaded.depth = [3]\n"),
