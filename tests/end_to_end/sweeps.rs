@@ -174,7 +174,12 @@ fn the_wrong_plan_is_said_with_its_name_and_what_to_do() {
     says("size =", "sise =", 1, "wrong.toml: view: no option is called `sise`; did you mean `size`?");
     says("\"96x72\"", "\"96\"", 1, "wrong.toml: view: invalid value '96' for '--size <WIDTHxHEIGHT>': expected WIDTHxHEIGHT");
     says("demo:ellipsoid@2", "none.gltf", 1, "wrong.toml: input: none.gltf: cannot be read");
-    says("demo:ellipsoid@2", "-", 1, "wrong.toml: input: -: can be read only once, and a sweep reads it for each run: give a file");
+    says(
+        "demo:ellipsoid@2",
+        "-",
+        1,
+        "wrong.toml: input: -: can be read only once, and a sweep reads it for each run: give a file",
+    );
     says("cycles min", "cycels min", 1, "wrong.toml: objectives: the report has no figure `cycels`");
     let unknown = place.run("sweep plan.toml --point 12");
     assert!(unknown.error(2).contains("the plan has no point 12; --list says which are missing"), "{}", unknown.err);
