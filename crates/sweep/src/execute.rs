@@ -130,6 +130,13 @@ enum Way {
     Retimed,
 }
 
+/// A point that was run and is in its place.
+struct Placed {
+    way: Way,
+    png: Option<Vec<u8>>,
+    tape: Option<Vec<u8>>,
+}
+
 struct Crew<'a> {
     plan: &'a Plan,
     work: &'a Work<'a>,
@@ -208,7 +215,7 @@ impl<'a> Crew<'a> {
 
     /// Runs a point and puts it in its place; its tape, where there are others to be timed from it.
     fn run_and_put(&self, point: &Point, is_recorded: bool) -> Result<Option<Recorded>, SweepError> {
-        let (way, png, tape) = self.run_one(point, is_recorded)?;
+        let Placed { way, png, tape } = self.run_one(point, is_recorded)?;
         self.count(way);
         // Where it cannot be held, points are run.
         let recording = tape.and_then(|tape| Recording::read(&mut Cursor::new(tape), self.host.budget()).ok());
@@ -224,19 +231,19 @@ impl<'a> Crew<'a> {
         match report.filter(|report| report.cycles.as_ref().is_some_and(|cycles| in_time(cycles.total))) {
             Some(report) => self.put(point, &report, recorded.png.as_deref()).map(|()| Way::Retimed),
             // Other work, or no end: what there is to say of it only a run knows.
-            None => self.run_one(point, false).map(|(way, ..)| way),
+            None => self.run_one(point, false).map(|placed| placed.way),
         }
     }
 
-    /// Runs a point and puts it in its place: how that went, its picture, and its tape.
-    fn run_one(&self, point: &Point, is_recorded: bool) -> Result<(Way, Option<Vec<u8>>, Option<Vec<u8>>), SweepError> {
+    /// Runs a point and puts it in its place.
+    fn run_one(&self, point: &Point, is_recorded: bool) -> Result<Placed, SweepError> {
         let Ran { report, png, tape } = run_point(self.plan, point, (self.work.pictures, is_recorded), self.host)?;
         let failed = report.is_err();
         match report {
             Ok(report) => self.put(point, &report, png.as_deref())?,
             Err(failure) => self.folder.put_failure(&point.id, &failure, self.host)?,
         }
-        Ok((Way::Run { failed }, png, tape))
+        Ok(Placed { way: Way::Run { failed }, png, tape })
     }
 
     fn put(&self, point: &Point, report: &basrelief_report::Report, png: Option<&[u8]>) -> Result<(), SweepError> {

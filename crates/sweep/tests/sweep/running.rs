@@ -32,7 +32,7 @@ fn a_point_that_was_tampered_with_is_found() {
     fs::write(&path, fs::read_to_string(&path).unwrap().replacen("\"total\": ", "\"total\": 1", 1)).unwrap();
     let points: Vec<_> = plan.points.iter().collect();
     let (_, others) = verify(&plan, &points, 100.0, &Folder::new(folder.path()), &Program::new()).unwrap();
-    assert_eq!(others, [id.clone()]);
+    assert_eq!(others, std::slice::from_ref(id));
     let (count, _) = verify(&plan, &points, 10.0, &Folder::new(folder.path()), &Program::new()).unwrap();
     assert_eq!(count, 2, "a tenth of twelve, and what is left");
 }
