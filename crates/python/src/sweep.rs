@@ -9,7 +9,7 @@ use basrelief_session::{Prepared, RunInput, TOML_GROWTH};
 use basrelief_sweep::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
 use basrelief_threads as threads;
 use pyo3::{PyErr, PyResult, Python, pyclass, pyfunction, pymethods};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -37,8 +37,9 @@ impl Plan {
         })
     }
 
-    /// The hash of each point that is missing in this folder, those that share their work behind each other, with the hash of that. Of
-    /// points that have failed, too, if they are to be run again.
+    /// The hash of each point that is missing in this folder, with that of its work; in the order of the plan, in which neighbours have
+    /// most in common, but for those that share their work, which stand together. Of points that have failed, too, if they are to be run
+    /// again.
     fn missing(&self, py: Python<'_>, folder: PathBuf, retry_failed: bool) -> Vec<(String, String)> {
         py.detach(|| {
             let folder = Folder::new(&folder);
@@ -48,7 +49,11 @@ impl Plan {
                 Found::Report => false,
             };
             let mut missing: Vec<&Point> = self.plan.points.iter().filter(is_missing).collect();
-            missing.sort_by_key(|point| &point.work);
+            let mut first = BTreeMap::new();
+            for (number, &point) in missing.iter().enumerate() {
+                first.entry(&point.work).or_insert(number);
+            }
+            missing.sort_by_key(|point| first[&point.work]);
             missing.into_iter().map(|point| (point.id.clone(), point.work.clone())).collect()
         })
     }
