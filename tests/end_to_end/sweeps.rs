@@ -234,6 +234,18 @@ fn the_study_of_fifo_depths_finds_what_its_page_says() {
 }
 
 #[test]
+fn exploring_the_study_finds_as_much_as_its_page_says() {
+    let place = Place::new();
+    let plan = workspace().join("studies/fifo-depths.toml");
+    place.ok(&format!("sweep {} --no-pictures", plan.display()));
+    let said = place.ok(&format!("explore {} --no-pictures --budget 27", plan.display())).out;
+    let (_, share) = said.split_once("all of which are there: ").unwrap();
+    let share = share.split_once(" of the hypervolume").unwrap().0;
+    let page = fs::read_to_string(workspace().join("docs/sweep.md")).unwrap();
+    assert!(page.contains(&format!("| 108 | 27 | {share} |")), "{share}");
+}
+
+#[test]
 fn the_plan_of_the_readme_runs() {
     let place = Place::new();
     let readme = fs::read_to_string(workspace().join("README.md")).unwrap();
