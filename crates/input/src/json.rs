@@ -38,15 +38,21 @@ pub fn from_slice<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, JsonFault> {
     read(|| Deserializer::from_slice(bytes))
 }
 
-/// Keeping track of the place takes time, so it is done only where there is a fault to place, at a second reading.
+/// Keeping track of the place takes time, so it is done only where there is a fault to place, at a second reading. Not so in the page:
+/// there every reader is loaded, and of every type a second one.
 fn read<'a, R: Read<'a>, T: DeserializeOwned>(open: impl Fn() -> Deserializer<R>) -> Result<T, JsonFault> {
-    let mut json = open();
-    if let Ok(value) = T::deserialize(Strict(&mut json)) {
-        return json.end().map(|()| value).map_err(|error| fault(Track::new().path(), &error));
+    let unplaced = |error| fault(Track::new().path(), &error);
+    #[cfg(not(target_family = "wasm"))]
+    {
+        let mut json = open();
+        if let Ok(value) = T::deserialize(Strict(&mut json)) {
+            return json.end().map(|()| value).map_err(unplaced);
+        }
     }
     let (mut json, mut track) = (open(), Track::new());
-    T::deserialize(serde_path_to_error::Deserializer::new(Strict(&mut json), &mut track))
-        .map_err(|error| fault(track.path(), &error))
+    let read = T::deserialize(serde_path_to_error::Deserializer::new(Strict(&mut json), &mut track));
+    let value = read.map_err(|error| fault(track.path(), &error))?;
+    json.end().map(|()| value).map_err(unplaced)
 }
 
 fn fault(path: Path, error: &serde_json::Error) -> JsonFault {
