@@ -75,18 +75,18 @@ fn part(share: f64) -> u32 {
     libm::round(share * f64::from(WHOLE)) as u32
 }
 
-/// 10 to a power, exactly as the number is written.
-fn power(exponent: i32) -> f64 {
-    format!("1e{exponent}").parse().unwrap_or(f64::MAX)
+/// A digit times a power of ten, exactly as the number is written: products of the two may be a little off, and then are long.
+fn round_number(digit: u32, exponent: i32) -> f64 {
+    format!("{digit}e{exponent}").parse().unwrap_or(f64::MAX)
 }
 
 /// Round numbers from low to high, at distances of 1, 2 or 5 times a power of ten.
 fn linear_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let raw = high / PARTS - low / PARTS;
     let exponent = libm::floor(libm::log10(raw)) as i32;
-    let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power(exponent) >= raw).unwrap_or(10.0);
-    let (factor, exponent) = if factor == 10.0 { (1.0, exponent + 1) } else { (factor, exponent) };
-    let step = factor * power(exponent);
+    let digit = [1, 2, 5].into_iter().find(|digit| round_number(*digit, exponent) >= raw);
+    let (digit, exponent) = digit.map_or((1, exponent + 1), |digit| (digit, exponent));
+    let step = round_number(digit, exponent);
     let (unit, suffix) = unit(low.abs().max(high.abs()));
     let decimals = (f64::from(-exponent) + libm::log10(unit)).clamp(0.0, 17.0) as usize;
     let first = libm::ceil(low / step);
@@ -104,10 +104,10 @@ fn written(x: f64, decimals: usize, suffix: &str) -> String {
 /// Powers of ten; where there are few, twice and five times as much, too.
 fn logarithmic_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let ends = [low, high].map(|x| libm::floor(libm::log10(x)) as i32);
-    let factors: &[f64] = if ends[1] - ends[0] <= 2 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let digits: &[u32] = if ends[1] - ends[0] <= 2 { &[1, 2, 5] } else { &[1] };
     let every = (ends[1] - ends[0]) / MARKS + 1;
     let powers = (ends[0]..=ends[1]).step_by(every as usize);
-    let values = powers.flat_map(|exponent| factors.iter().map(move |factor| factor * power(exponent)));
+    let values = powers.flat_map(|exponent| digits.iter().map(move |digit| round_number(*digit, exponent)));
     values.filter(|x| (low..=high).contains(x)).map(|x| (x, short(x))).collect()
 }
 
