@@ -21,7 +21,9 @@ fn read(text: &str) -> Vec<Read> {
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some("Kanata\t0004"));
     let mut now = lines.next().unwrap().strip_prefix("C=\t").unwrap().parse::<u64>().unwrap();
-    let (mut tokens, mut open): (Vec<Read>, BTreeMap<(usize, u64), (String, u64)>) = (vec![], BTreeMap::new());
+    let mut tokens: Vec<Read> = vec![];
+    // By token and lane, what it is in, and since when.
+    let mut open: BTreeMap<(usize, u64), (String, u64)> = BTreeMap::new();
     let mut retired = 0;
     for line in lines {
         let words: Vec<&str> = line.split('\t').collect();
