@@ -1,7 +1,7 @@
 //! The simulator for Python: the native half of the package `basrelief`, whose other half is in [`package`](../package/basrelief).
 //!
-//! What crosses between the two is plain: texts, bytes and numbers, of reports the JSON. Only a [`Scene`](scene::Scene), a
-//! [`DisplayList`](scene::DisplayList) and a [`Config`](config::Config) are held on this side. Whatever takes long is done without
+//! What crosses between the two is plain: texts, bytes and numbers, of reports the JSON. Only a `Scene`, a
+//! `DisplayList` and a `Config` are held on this side. Whatever takes long is done without
 //! Python's interpreter lock, which is taken only to ask whether somebody has pressed Ctrl-C.
 
 use pyo3::pymodule;

@@ -29,7 +29,7 @@ pub struct Explored {
 /// Chooses at most `budget` points of a plan, a few at a time, and runs them: the front of these is close to that of all.
 ///
 /// # Errors
-/// A plan of several inputs, or with samples of its own; and those of [`execute`].
+/// A plan of several inputs, or with samples of its own; and those of [`execute()`].
 pub fn explore(plan: Plan, budget: usize, work: &Work<'_>, (folder, host): (&Folder, &dyn Host)) -> Result<Explored, SweepError> {
     if plan.inputs.len() != 1 {
         let count = plan.inputs.len();

@@ -2,8 +2,8 @@
 //!
 //! A [`Plan`] says what is run: inputs, a machine, axes of parameters, objectives and constraints. It is checked as a whole before the
 //! first run. Its points are known by a hash over all that their reports depend on, and lie in a [`Folder`] under that hash: who finds a
-//! report there need not run the point again, whichever plan, process or machine has put it there. [`execute`] runs what is missing;
-//! points that differ in times only are run once and timed again from the tape of that run. [`tables`] puts all points into one table.
+//! report there need not run the point again, whichever plan, process or machine has put it there. [`execute()`] runs what is missing;
+//! points that differ in times only are run once and timed again from the tape of that run. [`tables()`] puts all points into one table.
 //!
 //! | module | what it holds |
 //! |---|---|
