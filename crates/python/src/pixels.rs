@@ -2,6 +2,7 @@
 
 use crate::error::{Done, bad};
 use basrelief_reference::{Picture, metrics};
+use basrelief_session::to_png;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use pyo3::{Bound, FromPyObject, IntoPyObject, Python, pyfunction};
@@ -40,7 +41,7 @@ impl Given {
 /// The picture as a PNG file.
 #[pyfunction]
 pub fn png<'py>(py: Python<'py>, pixels: Given) -> Done<Bound<'py, PyBytes>> {
-    let png = py.detach(|| pixels.picture()?.to_png().map_err(bad))?;
+    let png = py.detach(|| to_png(&pixels.picture()?).map_err(bad))?;
     Ok(PyBytes::new(py, &png))
 }
 

@@ -1,8 +1,5 @@
 //! A finished picture.
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageResult};
-
 /// RGB, 8 bits each, and which pixels were drawn. Background is black and not covered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
@@ -27,16 +24,6 @@ impl Picture {
     pub fn to_rgba(&self) -> Vec<u8> {
         let pixel = |(rgb, covered): (&[u8; 3], &bool)| [rgb[0], rgb[1], rgb[2], if *covered { 255 } else { 0 }];
         self.rgb.iter().zip(&self.covered).flat_map(pixel).collect()
-    }
-
-    /// The same as a PNG file. In memory: the encoder would wrap what is wrong with a disk in words of its own.
-    ///
-    /// # Errors
-    /// What the encoder does not take, such as a picture without pixels.
-    pub fn to_png(&self) -> ImageResult<Vec<u8>> {
-        let mut png = Vec::new();
-        PngEncoder::new(&mut png).write_image(&self.to_rgba(), self.width, self.height, ExtendedColorType::Rgba8)?;
-        Ok(png)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a page shows of a machine beside a report.
 
 use crate::machines::MachineInfo;
+use crate::to_png;
 use basrelief_parameters::{Parameter, as_option};
 use basrelief_reference::{Picture, metrics};
 use basrelief_report::Report;
@@ -23,7 +24,7 @@ pub fn beside(report: &Report) -> Result<Beside, String> {
 /// Pictures of two sizes, or what no PNG can hold.
 pub fn page_pictures(machine: &Picture, exact: Option<&Picture>) -> Result<Vec<PagePicture>, String> {
     let made = |caption: &str, picture: &Picture, largest| -> Result<PagePicture, String> {
-        Ok(PagePicture { caption: caption.into(), png: picture.to_png().map_err(|e| e.to_string())?, largest })
+        Ok(PagePicture { caption: caption.into(), png: to_png(picture)?, largest })
     };
     let mut list = vec![made("The machine's picture", machine, None)?];
     if let Some(exact) = exact {

@@ -40,6 +40,7 @@ mod machines;
 mod methods;
 mod observer;
 mod outcome;
+mod png;
 mod prepared;
 mod record;
 mod rehearsal;
@@ -64,6 +65,7 @@ pub use machines::{ConfigLoader, MACHINES, MachineConfig, MachineInfo, TileFetch
 pub use methods::compare_methods;
 pub use observer::{MemoryRequests, Observer, Pictures, Unobserved, picture_name};
 pub use outcome::{Run, SessionError};
+pub use png::to_png;
 pub use prepared::Prepared;
 pub use record::{begin_of, display_list, input_sha256};
 pub use run::{board, run};

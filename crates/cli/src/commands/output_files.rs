@@ -10,9 +10,8 @@ use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
 use basrelief_reference::metrics;
 use basrelief_report::Report;
-use basrelief_session::{Content, Exhibit, Form, MemoryRequests, Observer, Pictures, RunOptions, picture_name};
+use basrelief_session::{Content, Exhibit, Form, MemoryRequests, Observer, Pictures, RunOptions, picture_name, to_png};
 use basrelief_threads as threads;
-use image::ImageResult;
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -59,7 +58,7 @@ impl Observer for OutputFiles {
             exact.map(|exact| metrics::difference(exact, pictures.machine)).transpose().map_err(|e| e.to_string())?;
         let drawn = [("image", Some(pictures.machine)), ("reference", exact), ("difference", difference.as_ref())];
         let drawn = drawn.into_iter().filter_map(|(kind, picture)| Some((kind, picture?))).collect();
-        for (kind, png) in threads::map(drawn, |(kind, picture)| (kind, picture.to_png())) {
+        for (kind, png) in threads::map(drawn, |(kind, picture)| (kind, to_png(picture))) {
             self.save([0, index], kind, png)?;
         }
         Ok(())
@@ -68,9 +67,9 @@ impl Observer for OutputFiles {
     fn exhibit(&mut self, exhibit: &Exhibit<'_>) -> Result<(), String> {
         match &exhibit.content {
             Content::Lines(write) => self.dumps.write(exhibit.info, write),
-            Content::Picture(picture) => self.save([1, exhibit.frame as usize], exhibit.info.name, picture.to_png()),
+            Content::Picture(picture) => self.save([1, exhibit.frame as usize], exhibit.info.name, to_png(picture)),
             Content::NamedPicture(name, picture) => {
-                self.write(name, picture.to_png())?;
+                self.write(name, to_png(picture))?;
                 self.extra.push(name.clone());
                 if exhibit.info.form == Form::PicturePerRound {
                     self.shown = Some((exhibit.frame, name.clone()));
@@ -151,7 +150,7 @@ impl OutputFiles {
     }
 
     /// Writes a picture of frame `index`; `exhibit` is 1 for one of the exhibits, otherwise 0.
-    fn save(&mut self, [exhibit, index]: [usize; 2], kind: &'static str, png: ImageResult<Vec<u8>>) -> Result<(), String> {
+    fn save(&mut self, [exhibit, index]: [usize; 2], kind: &'static str, png: Result<Vec<u8>, String>) -> Result<(), String> {
         let kinds = &mut self.kinds[exhibit];
         if !kinds.contains(&kind) {
             kinds.push(kind);
@@ -159,7 +158,7 @@ impl OutputFiles {
         self.write(&picture_name(kind, index, true), png)
     }
 
-    fn write(&mut self, name: &str, png: ImageResult<Vec<u8>>) -> Result<(), String> {
+    fn write(&mut self, name: &str, png: Result<Vec<u8>, String>) -> Result<(), String> {
         let failed = |e: &dyn std::fmt::Display| format!("{}: cannot be written: {e}", self.outputs.place(name).display());
         let png = png.map_err(|e| failed(&e))?;
         let write = |mut file: BufWriter<File>| file.write_all(&png).and_then(|()| file.flush());

@@ -9,7 +9,7 @@ use crate::progress::PointProgress;
 use basrelief_input::{Budget, Held};
 use basrelief_parameters::nearest;
 use basrelief_reference::Picture;
-use basrelief_session::{RunInput, TOML_GROWTH};
+use basrelief_session::{RunInput, TOML_GROWTH, to_png};
 use basrelief_sweep::{Folder, Host, Opened, Plan, Point, SweepError, Tally, Work, tables};
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};
@@ -144,7 +144,7 @@ impl Host for Program<'_> {
     }
 
     fn png(&self, picture: &Picture) -> Result<Vec<u8>, String> {
-        picture.to_png().map_err(|error| error.to_string())
+        to_png(picture)
     }
 
     fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
