@@ -280,7 +280,7 @@ pub use memory_system::MemorySystem;
 pub use operators::{OperatorConfig, Operators, Work};
 pub use outcome::{Deadlock, Fill, Outcome, Stuck, WaitsFor};
 pub use parts::Part;
-pub use path::{CriticalPath, PathPart, Phase, Stretch};
+pub use path::{CriticalPath, Groups, PathPart, Phase, Stretch};
 pub use place::{Between, ConnectionsOf, Place};
 pub use probe::{Interval, NoProbe, Probe, Recorder};
 pub use report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};

@@ -53,4 +53,33 @@ pub struct CriticalPath {
     pub cycles: u64,
     /// Longest first.
     pub parts: Vec<PathPart>,
+    /// The same cycles by group, each with its number, where steps have [`Groups`]: each stretch is of the step that it begins with.
+    pub by_group: Vec<(u32, u64)>,
+}
+
+/// What the steps of one stage are for, as the caller numbers it: runs of steps of one group, in order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Groups(Vec<(u32, u32)>);
+
+impl Groups {
+    /// What no step is for.
+    pub const NONE: u32 = u32::MAX;
+
+    /// Whether the next step is of another group than the last, so that there is one more run.
+    pub fn is_new(&self, group: u32) -> bool {
+        self.0.last().is_none_or(|&(steps, of)| of != group || steps == u32::MAX)
+    }
+
+    /// The next step is of this group.
+    pub fn push(&mut self, group: u32) {
+        match self.0.last_mut() {
+            Some((steps, of)) if *of == group && *steps < u32::MAX => *steps += 1,
+            _ => self.0.push((1, group)),
+        }
+    }
+
+    /// The groups of all steps, one after the other.
+    pub(crate) fn into_steps(self) -> impl Iterator<Item = u32> {
+        self.0.into_iter().flat_map(|(steps, group)| std::iter::repeat_n(group, steps as usize))
+    }
 }

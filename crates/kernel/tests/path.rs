@@ -3,16 +3,20 @@
 mod common;
 
 use basrelief_kernel::plan::{Kind, Plan, PlanRequest};
-use basrelief_kernel::{CriticalPath, Outcome, Shape, Stretch, critical_path};
+use basrelief_kernel::{CriticalPath, Groups, Outcome, Shape, Stretch, critical_path};
 use common::random::recipe;
 use common::{Draw, machine, run_both, small_memory, tape};
 use proptest::prelude::*;
 use std::borrow::Cow;
 
 fn path_of(plan: &Plan, most_events: usize) -> Option<CriticalPath> {
+    path_by(plan, most_events, &[])
+}
+
+fn path_by(plan: &Plan, most_events: usize, groups: &[Groups]) -> Option<CriticalPath> {
     let tape = tape(plan, u64::MAX);
     let mut reels = tape.iter().map(Cow::Borrowed);
-    critical_path(Shape::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), most_events).unwrap()
+    critical_path(Shape::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), most_events, groups).unwrap()
 }
 
 /// The parts of a path, in words.
@@ -46,6 +50,32 @@ fn the_unit_that_is_always_busy_is_the_path() {
         .unit("work", Kind::Work, ["a", "b"], &[3], &[2])
         .unit("sink", Kind::Sink, ["b", ""], &[1], &[0]);
     expect(&draw, &[("fifo a", 1), ("occupancy work", 9), ("latency work", 2), ("fifo b", 1), ("occupancy sink", 1)]);
+}
+
+/// The same; steps of each stage are for the tokens 0 to 3, one after the other.
+#[test]
+fn a_stretch_is_of_the_step_that_it_begins_with() {
+    let mut draw = Draw::default();
+    draw.fifo("a", 1, 1)
+        .fifo("b", 2, 1)
+        .unit("source", Kind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
+        .unit("work", Kind::Work, ["a", "b"], &[3], &[2])
+        .unit("sink", Kind::Sink, ["b", ""], &[1], &[0]);
+    let by_group = |groups: &[Groups]| path_by(&draw.0, usize::MAX, groups).unwrap().by_group;
+    let tokens = vec![groups(0..4); 3];
+    // Token 0 through `a`, then three of `work`; the last through `work`, `b` and `sink`.
+    assert_eq!(by_group(&tokens), [(0, 1 + 3), (1, 3), (2, 3), (3, 2 + 1 + 1)]);
+    let whole = vec![groups([7; 4]); 3];
+    assert_eq!(by_group(&whole), [(7, 14)]);
+    assert_eq!(by_group(&[]), []);
+    // Of a stage without groups no step is told: what begins there is of the step before.
+    assert_eq!(by_group(&[groups(0..4), Groups::default(), groups(0..4)]), [(0, 13), (3, 1)]);
+}
+
+fn groups(of: impl IntoIterator<Item = u32>) -> Groups {
+    let mut groups = Groups::default();
+    of.into_iter().for_each(|group| groups.push(group));
+    groups
 }
 
 /// One slot: source at 0, 2, 4, sink at 1, 3, 5.
@@ -121,6 +151,9 @@ proptest! {
             prop_assert_eq!(path.parts.iter().map(|part| part.cycles).sum::<u64>(), report.total);
             prop_assert!(path.parts.iter().all(|part| part.by_mark.iter().sum::<u64>() == part.cycles));
             prop_assert!(path.parts.is_sorted_by_key(|part| std::cmp::Reverse(part.cycles)));
+            let steps: Vec<Groups> = report.units.iter().map(|unit| groups((0..unit.steps).map(|n| n as u32 / 3))).collect();
+            let by_group = path_by(&plan, usize::MAX, &steps).unwrap().by_group;
+            prop_assert_eq!(by_group.iter().map(|(_, cycles)| cycles).sum::<u64>(), report.total);
         }
     }
 

@@ -289,6 +289,35 @@ pub struct CriticalPath {
     pub cycles: u64,
     /// Longest first.
     pub parts: Vec<PathPart>,
+    /// The same cycles by polygon, where costs were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub polygons: Option<PathPolygons>,
+}
+
+/// Cycles of a critical path by polygon: a stretch is for what the step is for that it begins with. `listed` + `others` + `elsewhere` =
+/// `cycles` of the path.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct PathPolygons {
+    /// Those with most of it, most first.
+    pub listed: Vec<PathPolygon>,
+    /// Cycles for all other polygons.
+    pub others: u64,
+    /// Cycles for objects and frames, and none of their polygons; and for nobody.
+    pub elsewhere: u64,
+}
+
+/// A polygon's part of a critical path.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct PathPolygon {
+    /// Number of its frame, from 0.
+    pub frame: u32,
+    /// Number in its frame, from 0, in the order of the display list.
+    pub polygon: u32,
+    /// Number of its object; absent where it has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub object: Option<u32>,
+    /// \[cycles\]
+    pub cycles: u64,
 }
 
 /// All stretches of a critical path that are spent on one thing.

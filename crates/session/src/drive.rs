@@ -1,5 +1,6 @@
 //! A run under way: the engine, the pictures it finishes, and the report in the end.
 
+use crate::costs::StepGroups;
 use crate::ended::Ended;
 use crate::exact::Exact;
 use crate::exhibits::content::{ExhibitInfo, Form};
@@ -25,6 +26,7 @@ use basrelief_signals::{Camera, Frame};
 use basrelief_threads::Later;
 use std::cell::RefCell;
 use std::collections::VecDeque;
+use std::rc::Rc;
 
 /// What the engine came to, and what the units counted.
 pub(crate) struct EngineResult {
@@ -58,6 +60,8 @@ pub(crate) struct Session<'a> {
     clients: Vec<String>,
     /// Of the tape that is shown.
     work: WorkHash,
+    /// For whom the steps are, where that is followed.
+    pub(crate) groups: Option<Rc<RefCell<StepGroups>>>,
     /// Seconds of simulation.
     pub(crate) simulate_s: f64,
 }
@@ -90,6 +94,7 @@ impl<'a> Session<'a> {
             over_budget,
             clients: Vec::new(),
             work: WorkHash::default(),
+            groups: None,
             simulate_s: 0.0,
         }
     }
@@ -357,7 +362,7 @@ impl<'a> Session<'a> {
         };
         let EngineResult { facts, report: run, kept } = result;
         let complete = run.as_ref().filter(|run| run.outcome == Outcome::Complete);
-        let mut tape_is_whole = false;
+        let (mut tape_is_whole, mut path_groups) = (false, vec![]);
         if complete.is_some() && shows_tape {
             let figures = facts.figures().map(|f| (f.name.clone(), f.value.clone())).collect();
             let is_short = self.work.is_short();
@@ -365,10 +370,12 @@ impl<'a> Session<'a> {
         }
         let mut report = ended.report(spec, facts, run.as_ref());
         if let (Some(run), Some(reels)) = (complete, kept.as_ref().and_then(Kept::reels)) {
-            Recorded { spec, given: &self.settings.given, way, reels, room: self.settings.budget.left(), run }
-                .measure(&mut report);
+            let groups = self.groups.as_ref().map(|groups| groups.borrow());
+            let groups = groups.as_ref().map_or(&[][..], |groups| &groups.stages);
+            let room = self.settings.budget.left();
+            path_groups = Recorded { spec, given: &self.settings.given, way, reels, room, run, groups }.measure(&mut report);
         }
-        Run { report, timing: run, costs: None, tape_is_whole, expectations, simulate_s: self.simulate_s }
+        Run { report, timing: run, costs: None, path_groups, tape_is_whole, expectations, simulate_s: self.simulate_s }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::settings::When;
 use crate::tape::{Given, bytes_of};
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{self as kernel, Phase, RunReport, Shape, Stretch, Tape};
+use basrelief_kernel::{self as kernel, Groups, Phase, RunReport, Shape, Stretch, Tape};
 use basrelief_machines::ConfigProblem;
 use basrelief_report::Report;
 use basrelief_report::model::{CriticalPath, Limit, PathPart};
@@ -16,7 +16,7 @@ use basrelief_threads as threads;
 /// How many single limits are tried in pairs.
 const PAIRED: usize = 3;
 /// Most events that a critical path is looked for in, of 16 bytes each.
-const EVENTS: usize = 8 << 20;
+pub(crate) const EVENTS: usize = 8 << 20;
 /// What two must save together, beyond what each saves alone, to be worth a line \[1/1000 of the cycles\].
 const TOGETHER: u64 = 10;
 
@@ -99,21 +99,24 @@ pub(crate) struct Recorded<'a, S> {
     /// Most that timing it more than once may hold beside \[bytes\].
     pub(crate) room: u64,
     pub(crate) run: &'a RunReport,
+    /// What the steps of each stage are for, where that was followed.
+    pub(crate) groups: &'a [Groups],
 }
 
 impl<S: MachineSpec> Recorded<'_, S> {
-    /// Puts into a report what limits the run, and its critical path.
-    pub(crate) fn measure(&self, report: &mut Report) {
-        let Ok(shape) = self.way.shape(self.spec) else { return };
+    /// Puts into a report what limits the run, and its critical path; cycles of that by group.
+    pub(crate) fn measure(&self, report: &mut Report) -> Vec<(u32, u64)> {
+        let Ok(shape) = self.way.shape(self.spec) else { return vec![] };
         let tape = Tape::new(self.reels, &shape, self.room);
         let path = self.critical_path(&tape);
         report.limits = self.limits(&tape, path.as_ref()).ok();
-        report.critical_path =
-            path.map(|path| CriticalPath { cycles: path.cycles, parts: path.parts.into_iter().map(part).collect() });
+        let Some(kernel::CriticalPath { cycles, parts, by_group }) = path else { return vec![] };
+        report.critical_path = Some(CriticalPath { cycles, parts: parts.into_iter().map(part).collect(), polygons: None });
+        by_group
     }
 
     fn critical_path(&self, tape: &Tape<'_>) -> Option<kernel::CriticalPath> {
-        tape.critical_path(self.way.shape(self.spec).ok()?, EVENTS).ok()?
+        tape.critical_path(self.way.shape(self.spec).ok()?, EVENTS, self.groups).ok()?
     }
 
     /// What could be saved, most first: each alone, and pairs that save more together than each for itself. What saves nothing is left

@@ -45,6 +45,8 @@ pub struct Run {
     pub timing: Option<RunReport>,
     /// What it has cost, for whom, where [`RunOptions::costs`](crate::RunOptions::costs) asks for it.
     pub costs: Option<Costs>,
+    /// Cycles of the critical path by group of steps.
+    pub(crate) path_groups: Vec<(u32, u64)>,
     /// Whether the observer was shown a whole tape: the run was recorded to its end.
     pub tape_is_whole: bool,
     /// What a trace expects of its replay.

@@ -1,6 +1,6 @@
 //! One run.
 
-use crate::costs::CostProbe;
+use crate::costs::{CostProbe, StepGroups};
 use crate::drive::Session;
 use crate::exact::{Exact, SceneAhead};
 use crate::exhibits::costs::show as show_costs;
@@ -11,7 +11,7 @@ use crate::outcome::{Run, SessionError};
 use crate::prepared::Prepared;
 use crate::record::{CountedDraws, Passed, SceneHash};
 use crate::rehearsal::rehearsed;
-use crate::settings::{RunInput, RunOptions};
+use crate::settings::{RunInput, RunOptions, When};
 use crate::tee::{Tee, TraceNotes};
 use basrelief_deferred_renderer::TileSource;
 use basrelief_display_list::{Files, NoFiles, Resolver};
@@ -125,14 +125,26 @@ pub fn run(
     if settings.costs {
         return run_costed(source, settings, observer, probe);
     }
+    run_following((source, None), settings, observer, probe)
+}
+
+/// For whom steps are, where that is followed.
+type Steps = Option<Rc<RefCell<StepGroups>>>;
+
+fn run_following(
+    (source, steps): (RunInput, Steps),
+    settings: &RunOptions,
+    observer: &mut dyn Observer,
+    probe: Option<&mut dyn Probe>,
+) -> Result<Run, SessionError> {
     match probe {
         // By pointer: so the machines are compiled once, with this crate, and not once more in every program that runs them;
         // that took a fifth of the time of a test build.
-        Some(mut probe) => run_probed(source, settings, observer, &mut probe),
+        Some(mut probe) => run_probed((source, steps), settings, observer, &mut probe),
         #[cfg(feature = "unwatched")]
-        None => run_probed(source, settings, observer, &mut NoProbe),
+        None => run_probed((source, steps), settings, observer, &mut NoProbe),
         #[cfg(not(feature = "unwatched"))]
-        None => run(source, settings, observer, Some(&mut NoProbe)),
+        None => run_following((source, steps), settings, observer, Some(&mut NoProbe)),
     }
 }
 
@@ -144,41 +156,46 @@ fn run_costed(
     probe: Option<&mut dyn Probe>,
 ) -> Result<Run, SessionError> {
     let points = settings.config.cost_points();
-    let mut costs =
-        CostProbe::new(board(&source, settings)?.diagram.stages, points, (settings.max_cycles, &settings.budget), probe);
+    let stages = board(&source, settings)?.diagram.stages;
+    let steps = StepGroups::new(stages.len(), settings.budget.nothing());
+    let steps = (settings.limits != When::Never).then(|| Rc::new(RefCell::new(steps)));
+    let within = (settings.max_cycles, &settings.budget);
+    let mut costs = CostProbe::new(stages, points, within, steps.clone(), probe);
     let names = match &source {
         RunInput::Scene(prepared) => prepared.scene().objects.iter().map(|object| (object.id, object.name.clone())).collect(),
         RunInput::Trace { .. } | RunInput::Remote { .. } => BTreeMap::new(),
     };
-    let mut by_pointer: &mut dyn Probe = &mut costs;
-    let run = run_probed(source, settings, observer, &mut by_pointer);
+    let run = run_following((source, steps), settings, observer, Some(&mut costs));
     costs.check()?;
     let mut run = run?;
     let Some(timing) = &run.timing else { return Ok(run) };
     let costs = costs.finish(timing);
     show_costs(&costs, observer).map_err(SessionError::Observer)?;
     run.report.costs = Some(costs.report(&names));
+    if let Some(path) = &mut run.report.critical_path {
+        path.polygons = Some(costs.path(&run.path_groups));
+    }
     run.costs = Some(costs);
     Ok(run)
 }
 
 fn run_probed<P: Probe>(
-    source: RunInput,
+    (source, steps): (RunInput, Steps),
     settings: &RunOptions,
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
     for_machine!(&settings.config, spec => match source {
-        RunInput::Scene(prepared) => run_scene(&prepared, spec, settings, observer, probe),
-        RunInput::Trace { reader, files, name } => run_trace((reader, files, name), None, spec, settings, observer, probe),
+        RunInput::Scene(prepared) => run_scene((&prepared, steps), spec, settings, observer, probe),
+        RunInput::Trace { reader, files, name } => run_trace((reader, files, name), (None, steps), spec, settings, observer, probe),
         RunInput::Remote { reader, name, tiles } => {
-            run_trace((reader, Box::new(NoFiles), name), Some(tiles), spec, settings, observer, probe)
+            run_trace((reader, Box::new(NoFiles), name), (Some(tiles), steps), spec, settings, observer, probe)
         }
     })
 }
 
 fn run_scene<S: MachineSpec, P: Probe>(
-    prepared: &Prepared,
+    (prepared, steps): (&Prepared, Steps),
     spec: &S,
     settings: &RunOptions,
     observer: &mut dyn Observer,
@@ -195,6 +212,7 @@ fn run_scene<S: MachineSpec, P: Probe>(
     let total = Some((per_frame * scene.frames.len()) as u64);
     let commands = Rc::clone(&passed);
     let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.get().commands, total)));
+    session.groups = steps;
     let result = session.drive((spec, Way::Scene), machine, probe)?;
     let digest = if passed.get().all { hash.get()? } else { None };
     let sha256 = digest.map(|d| d.to_string()).unwrap_or_default();
@@ -205,7 +223,7 @@ fn run_scene<S: MachineSpec, P: Probe>(
 
 fn run_trace<S: MachineSpec, P: Probe>(
     (reader, mut files, name): (Box<dyn Read>, Box<dyn Files>, String),
-    tiles: Option<Box<dyn TileSource>>,
+    (tiles, steps): (Option<Box<dyn TileSource>>, Steps),
     spec: &S,
     settings: &RunOptions,
     observer: &mut dyn Observer,
@@ -232,6 +250,7 @@ fn run_trace<S: MachineSpec, P: Probe>(
     let exact = if settings.exact { Exact::Trace(Rc::clone(&seen)) } else { Exact::None };
     let commands = Rc::clone(&seen);
     let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.borrow().commands, None)));
+    session.groups = steps;
     let result = session.drive((spec, Way::Trace), machine, probe);
     if let Some(error) = seen.borrow_mut().error.take() {
         return Err(error.into());

@@ -6,10 +6,11 @@ use basrelief_report::costs::Spent as Told;
 use basrelief_report::model::Figure;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_session::{
-    CostKind, Costs, Exhibit, MachineInfo, Observer, PARTS, Run, RunInput, RunOptions, Spent, Unobserved, begin_of, display_list,
-    run,
+    CostKind, Costs, Exhibit, MachineInfo, Observer, PARTS, Run, RunInput, RunOptions, Spent, Unobserved, When, begin_of,
+    display_list, run,
 };
 use basrelief_signals::Scene;
+use std::cmp::Reverse;
 use std::sync::Arc;
 
 /// Demos, one of each machine, and of its other ways; with settings.
@@ -68,6 +69,23 @@ fn check(costs: &Costs, report: &RunReport) {
         }
         let ways: u64 = unit.ways.iter().map(|way| way.on_pixels + way.elsewhere + way.for_nobody).sum();
         assert_eq!((unit.done, ways + unit.done), (*done, report.total), "{}", unit.unit);
+    }
+}
+
+#[test]
+fn a_critical_path_is_told_by_polygon_to_the_cycle() {
+    for (name, settings) in CASES {
+        let (costs, run) = costs(name, settings, |options| options.limits = When::Always);
+        let path = run.report.critical_path.unwrap();
+        let by_polygon = path.polygons.unwrap();
+        let listed: u64 = by_polygon.listed.iter().map(|polygon| polygon.cycles).sum();
+        assert_eq!(listed + by_polygon.others + by_polygon.elsewhere, path.cycles, "{name} {settings:?}");
+        assert!(by_polygon.listed.is_sorted_by_key(|polygon| Reverse(polygon.cycles)));
+        for on_path in &by_polygon.listed {
+            let polygon = costs.polygons.iter().find(|p| (p.frame, p.number) == (on_path.frame, on_path.polygon)).unwrap();
+            // What begins with the last step for it may go on behind its end.
+            assert!(polygon.life[0] < path.cycles && polygon.object == on_path.object, "{name} {settings:?} {on_path:?}");
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::report::RunReport;
 use crate::shape::Shape;
 use crate::tape::{Reader, Reel, TapeError};
 use crate::time::{Halt, Known, Made, Path, Rest, Time, Visit};
-use crate::{CriticalPath, Cycle, Demand, NoProbe, Outcome, Probe, Traffic};
+use crate::{CriticalPath, Cycle, Demand, Groups, NoProbe, Outcome, Probe, Traffic};
 use std::borrow::Cow;
 
 /// Why a tape cannot be timed.
@@ -114,13 +114,18 @@ pub fn retime<P: Probe>(
 }
 
 /// Times the work on a tape, and finds what its end waited for, back to its beginning. It keeps up to `most_events` of 16 bytes, some
-/// three per step: where that is too few, or the run is not complete, there is no path.
+/// three per step: where that is too few, or the run is not complete, there is no path. `groups`: of the steps of each stage; or none.
 ///
 /// # Errors
 /// See [`RetimeError`].
-pub fn critical_path(shape: Shape, reels: &mut Reels<'_, '_>, most_events: usize) -> Result<Option<CriticalPath>, RetimeError> {
+pub fn critical_path(
+    shape: Shape,
+    reels: &mut Reels<'_, '_>,
+    most_events: usize,
+    groups: &[Groups],
+) -> Result<Option<CriticalPath>, RetimeError> {
     let readers = new_readers(&shape);
-    Ok(timed_again((shape, readers), reels, (&mut NoProbe, Some(most_events)), u64::MAX)?.1)
+    Ok(timed_again((shape, readers), reels, (&mut NoProbe, Some((most_events, groups))), u64::MAX)?.1)
 }
 
 fn new_readers(shape: &Shape) -> Vec<Reader> {
@@ -166,11 +171,16 @@ impl<'a> Tape<'a> {
     ///
     /// # Errors
     /// See [`RetimeError`].
-    pub fn critical_path(&self, shape: Shape, most_events: usize) -> Result<Option<CriticalPath>, RetimeError> {
-        Ok(self.timed_again(shape, Some(most_events))?.1)
+    pub fn critical_path(
+        &self,
+        shape: Shape,
+        most_events: usize,
+        groups: &[Groups],
+    ) -> Result<Option<CriticalPath>, RetimeError> {
+        Ok(self.timed_again(shape, Some((most_events, groups)))?.1)
     }
 
-    fn timed_again(&self, shape: Shape, most_events: Option<usize>) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
+    fn timed_again(&self, shape: Shape, path: Wanted<'_>) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
         let fitting = |(stage, reader): (usize, &Reader)| {
             let fits = reader.fits(&shape.stages[stage], &shape.memories);
             if fits { Some(reader.clone()) } else { self.read(stage, &shape) }
@@ -179,15 +189,18 @@ impl<'a> Tape<'a> {
         let readers: Option<Vec<Reader>> = readers.and_then(|readers| readers.iter().enumerate().map(fitting).collect());
         let mut reels = self.reels.iter().map(Cow::Borrowed).skip(if readers.is_some() { self.reels.len() } else { 0 });
         let readers = readers.unwrap_or_else(|| new_readers(&shape));
-        timed_again((shape, readers), &mut |_| Ok(reels.next()), (&mut NoProbe, most_events), u64::MAX)
+        timed_again((shape, readers), &mut |_| Ok(reels.next()), (&mut NoProbe, path), u64::MAX)
     }
 }
+
+/// A critical path, where one is wanted: of how many events at most, and by which groups.
+type Wanted<'a> = Option<(usize, &'a [Groups])>;
 
 /// The report, and the critical path where it is wanted.
 fn timed_again<P: Probe>(
     (shape, mut readers): (Shape, Vec<Reader>),
     reels: &mut Reels<'_, '_>,
-    (probe, most_events): (&mut P, Option<usize>),
+    (probe, path): (&mut P, Wanted<'_>),
     max_cycles: u64,
 ) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
     let mut time = Time::new(shape);
@@ -195,7 +208,7 @@ fn timed_again<P: Probe>(
     if readers.iter().any(|reader| reader.demand().is_none()) {
         feed(&mut readers, reels, &time)?;
     }
-    let path = most_events.map(|most| Path::new(&mut time, most));
+    let path = path.map(|(most, groups)| Path::new(&mut time, most, groups));
     let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
     walk.path = path;
     let halt = loop {

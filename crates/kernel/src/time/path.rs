@@ -7,7 +7,7 @@
 
 use super::visit::Sight;
 use super::{Made, Time};
-use crate::path::{CriticalPath, PathPart, Phase, Stretch};
+use crate::path::{CriticalPath, Groups, PathPart, Phase, Stretch};
 use crate::shape::Shape;
 use crate::wiring::MAX_CLIENTS;
 use crate::{Cycle, Demand, MemorySystem};
@@ -56,7 +56,6 @@ impl Tokens {
 }
 
 /// What happened in a run so far.
-#[derive(Clone, Debug)]
 pub(crate) struct Path {
     events: Vec<Event>,
     /// Most events that are kept: there is no path through more.
@@ -68,11 +67,14 @@ pub(crate) struct Path {
     issued: Vec<Vec<u32>>,
     /// The last step that passes a mark, with its stage and when it would have delivered without memory.
     mark: Option<(u32, usize, Cycle)>,
+    /// Groups of the steps to come, by stage; and steps that belong to one, with it.
+    groups: Vec<Box<dyn Iterator<Item = u32>>>,
+    of_groups: Vec<(u32, u32)>,
 }
 
 impl Path {
-    /// Of a run that begins; it keeps no more than `most` events.
-    pub(crate) fn new(time: &mut Time, most: usize) -> Self {
+    /// Of a run that begins; it keeps no more than `most` events. `groups`: of the steps of each stage; or none.
+    pub(crate) fn new(time: &mut Time, most: usize, groups: &[Groups]) -> Self {
         time.memories.keep_answers();
         let tokens = Tokens { inside: VecDeque::new(), visible: NONE, pops: VecDeque::new() };
         Self {
@@ -82,6 +84,8 @@ impl Path {
             fifos: vec![tokens; time.fifos.len()],
             issued: vec![Vec::new(); time.memories.clients().len()],
             mark: None,
+            groups: groups.iter().map(|groups| Box::new(groups.clone().into_steps()) as _).collect(),
+            of_groups: vec![],
         }
     }
 
@@ -114,6 +118,9 @@ impl Path {
         let (after, why) = self.bound(shape, visit, (at, inputs));
         let event = self.push(at, after, why);
         self.steps[stage] = event;
+        if let Some(group) = self.groups.get_mut(stage).and_then(Iterator::next) {
+            self.of_groups.push((event, group));
+        }
         for (_, fifo) in clock.inputs.of(inputs) {
             let tokens = &mut self.fifos[fifo];
             tokens.pops.push_back(event);
@@ -220,7 +227,9 @@ impl Path {
         };
         let ends: Vec<u64> = spans.iter().scan(0, sum_up).collect();
         let mut spent: BTreeMap<Why, Vec<u64>> = BTreeMap::new();
+        let mut by_group = ByGroup::default();
         while let Some(&Event { at, after, why }) = self.events.get(event as usize) {
+            by_group.pass(self.group(event), at.since(self.at(after)));
             let by_mark = spent.entry(why).or_insert_with(|| vec![0; ends.len()]);
             split(&ends, (self.at(after).0, at.0), by_mark);
             event = after;
@@ -232,7 +241,14 @@ impl Path {
         let mut parts: Vec<PathPart> = spent.into_iter().filter_map(part).collect();
         // Stable: equals stay in the order of the block diagram.
         parts.sort_by_key(|part| std::cmp::Reverse(part.cycles));
-        Some(CriticalPath { cycles: end, parts })
+        let by_group = if self.groups.is_empty() { vec![] } else { by_group.finish() };
+        Some(CriticalPath { cycles: end, parts, by_group })
+    }
+
+    /// The group of an event, if it is a step of one.
+    fn group(&self, event: u32) -> Option<u32> {
+        let place = self.of_groups.binary_search_by_key(&event, |(event, _)| *event).ok()?;
+        Some(self.of_groups[place].1)
     }
 
     /// The event that the end of the run waits for.
@@ -246,6 +262,28 @@ impl Path {
         let stage = (0..time.stages.len()).max_by_key(|&stage| time.stages[stage].free);
         let Some(stage) = stage.filter(|&stage| self.steps[stage] != NONE) else { return NONE };
         self.push(time.stages[stage].free, self.steps[stage], Why::Occupancy(stage as u16))
+    }
+}
+
+/// Cycles of a path by group, summed up on the way back: those behind a step, up to the next one, are its own.
+#[derive(Default)]
+struct ByGroup {
+    sums: BTreeMap<u32, u64>,
+    behind: u64,
+}
+
+impl ByGroup {
+    /// Passes an event, which may be a step of a group; the cycles ahead of it.
+    fn pass(&mut self, group: Option<u32>, ahead: u64) {
+        if let Some(group) = group {
+            *self.sums.entry(group).or_default() += std::mem::take(&mut self.behind);
+        }
+        self.behind += ahead;
+    }
+
+    fn finish(mut self) -> Vec<(u32, u64)> {
+        self.pass(Some(Groups::NONE), 0);
+        self.sums.into_iter().filter(|(_, cycles)| *cycles > 0).collect()
     }
 }
 

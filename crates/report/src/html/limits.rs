@@ -7,7 +7,7 @@ use super::units::legend;
 use crate::model::{CriticalPath, Limit, PathPart, Report};
 use crate::text::Align::{Left, Right};
 use crate::text::number::thousands;
-use crate::text::what_limits;
+use crate::text::{by_polygon, what_limits};
 
 /// Parts of the critical path that are told one by one.
 const TOLD: usize = 8;
@@ -70,9 +70,10 @@ fn path(report: &Report) -> Html {
 }
 
 fn about(path: &CriticalPath) -> String {
+    let by_polygon = path.polygons.as_ref().map_or(String::new(), |polygons| by_polygon(polygons, path.cycles));
     format!(
         "What the end of the last frame waited for, back to the first cycle: {} cycles without gap or overlap. Another path \
-         may be as long.",
+         may be as long.{by_polygon}",
         thousands(path.cycles)
     )
 }

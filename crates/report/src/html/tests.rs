@@ -23,7 +23,7 @@ fn full(name: &str) -> Report {
     report.limits = Some(vec![limit(700_000), limit(0)]);
     let part = |what: &str| PathPart { resource: "replacement".into(), what: what.into(), cycles: 100_000, frames: vec![] };
     let parts = ["occupancy", "latency", "FIFO", "slot", "arrival", "bus", "bank", "data", "order", "cache"].map(part);
-    report.critical_path = Some(CriticalPath { cycles: samples::TOTAL, parts: parts.into() });
+    report.critical_path = Some(CriticalPath { cycles: samples::TOTAL, parts: parts.into(), polygons: None });
     report
 }
 

@@ -2,7 +2,7 @@
 
 use super::number::{about, percent, thousands};
 use super::{Align, Table};
-use crate::model::{Limit, PathPart, Report};
+use crate::model::{Limit, PathPart, PathPolygon, PathPolygons, Report};
 use Align::{Left, Right};
 
 /// Most rows of the table.
@@ -34,7 +34,17 @@ pub(super) fn sentence(report: &Report) -> Option<String> {
 pub(super) fn path(report: &Report) -> Option<String> {
     let path = report.critical_path.as_ref()?;
     let parts: Vec<String> = path.parts.iter().take(PARTS).map(|part| part_text(part, path.cycles)).collect();
-    Some(format!("Critical path, one of several that may be as long: {}.", parts.join(", ")))
+    let polygons = path.polygons.as_ref().map_or(String::new(), |polygons| by_polygon(polygons, path.cycles));
+    Some(format!("Critical path, one of several that may be as long: {}.{polygons}", parts.join(", ")))
+}
+
+/// The polygons with most of the path, in a sentence.
+pub(crate) fn by_polygon(polygons: &PathPolygons, total: u64) -> String {
+    let part = |PathPolygon { frame, polygon, cycles, .. }: &PathPolygon| {
+        format!("polygon {polygon} of frame {frame} ({})", about(*cycles as f64 / total.max(1) as f64))
+    };
+    let parts: Vec<String> = polygons.listed.iter().take(PARTS).map(part).collect();
+    if parts.is_empty() { String::new() } else { format!(" Most of it is for {}.", parts.join(", ")) }
 }
 
 fn part_text(PathPart { resource, what, cycles, .. }: &PathPart, total: u64) -> String {

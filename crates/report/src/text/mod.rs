@@ -16,6 +16,7 @@ pub(crate) use hardware::{pieces, totals};
 
 use crate::blame::blame;
 use crate::model::{Cycles, OutcomeKind, Report};
+pub(crate) use limits::by_polygon;
 pub(crate) use sections::{cause, figure, full_cycles, in_frames, mean_occupancy};
 pub use table::Align;
 pub(crate) use table::Table;

@@ -3,11 +3,13 @@
 //! the rest, and what was for nobody sum to the accounts of the units (law 9), to the part of a cycle.
 
 mod drawing;
+mod groups;
 mod ledger;
 mod polygons;
 mod probe;
 mod report;
 
+pub(crate) use groups::StepGroups;
 pub use ledger::{CostKind, PARTS, UnitCost, WayCost};
 pub use polygons::PolygonCost;
 pub(crate) use probe::CostProbe;

@@ -3,11 +3,13 @@
 use super::drawing::Drawing;
 use super::ledger::{Ledger, kind_of, slot_of};
 use super::polygons::Polygons;
-use super::{CostPoints, Costs};
+use super::{CostPoints, Costs, StepGroups};
 use crate::flow::{Flow, Follower, Origin};
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_kernel::{Cause, Cycle, Label, MemoryEvent, Probe, RunReport, StageTopology};
+use std::cell::RefCell;
 use std::collections::VecDeque;
+use std::rc::Rc;
 
 /// Adds up costs, and hands on what it is told to another probe where there is one.
 ///
@@ -23,6 +25,8 @@ pub(crate) struct CostProbe<'a> {
     /// Of each stage, whom its steps are for whose time is not told yet; and what it has waited for since its last step.
     whose: Vec<VecDeque<Origin>>,
     waits: Vec<Vec<(usize, u64)>>,
+    /// For whom all steps were, where that is asked for.
+    groups: Option<Rc<RefCell<StepGroups>>>,
     over: Option<OverBudget>,
     also: Option<&'a mut dyn Probe>,
 }
@@ -62,6 +66,7 @@ impl<'a> CostProbe<'a> {
         stages: Vec<StageTopology>,
         points: CostPoints,
         (end, budget): (u64, &Budget),
+        groups: Option<Rc<RefCell<StepGroups>>>,
         also: Option<&'a mut dyn Probe>,
     ) -> Self {
         let count = stages.len();
@@ -73,6 +78,7 @@ impl<'a> CostProbe<'a> {
             ledgers: vec![Ledger::default(); count],
             whose: vec![VecDeque::new(); count],
             waits: vec![Vec::new(); count],
+            groups,
             over: None,
             also,
         }
@@ -81,6 +87,9 @@ impl<'a> CostProbe<'a> {
     /// Charges a step and what it waited for.
     fn charge(&mut self, stage: usize, from: Cycle, to: Cycle) -> Result<(), OverBudget> {
         let origin = self.whose[stage].pop_front().unwrap_or_default();
+        if let Some(groups) = &self.groups {
+            groups.borrow_mut().step(stage, &origin)?;
+        }
         let Self { ledgers, tally: Tally { drawing, polygons, held }, waits, .. } = self;
         let (to, busy) = (to.0.min(self.end), Cycle(to.0.min(self.end)).since(from));
         polygons.live(&origin, from.0, to);

@@ -1,8 +1,10 @@
 //! Costs as a report tells them.
 
+use super::groups::by_polygon;
 use super::ledger::WayCost;
 use super::{Costs, Spent};
 use basrelief_report::costs::{self as told, LISTED, ObjectCost, Others};
+use basrelief_report::model::PathPolygons;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
@@ -39,6 +41,11 @@ impl Costs {
             other_objects,
             other_polygons,
         }
+    }
+
+    /// A critical path by polygon: `cycles` of each by its number in the run.
+    pub(crate) fn path(&self, cycles: &[(u32, u64)]) -> PathPolygons {
+        by_polygon(&self.polygons, cycles)
     }
 
     /// Cycles of all units, of each way those that `of` tells.

@@ -78,7 +78,7 @@ fn timed_again<'a, S: MachineSpec>(
     }
     let mut report = report((spec, way), (ended, &figures), &run)?;
     if let Some(reels) = kept.as_ref().and_then(Kept::reels) {
-        Recorded { spec, given, way, reels, room: options.budget.left(), run: &run }.measure(&mut report);
+        Recorded { spec, given, way, reels, room: options.budget.left(), run: &run, groups: &[] }.measure(&mut report);
     }
     Ok(report)
 }
