@@ -21,6 +21,7 @@ mod remote;
 mod reports;
 mod requests;
 mod samples;
+mod sensitivity;
 mod support;
 mod sweeps;
 mod tapes;

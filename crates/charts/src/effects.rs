@@ -4,10 +4,13 @@
 //! the lowest to the highest mean is what the axis moves the objective by: the length of its bar in a tornado. In a whole
 //! grid all else is balanced, so that the axis alone has moved it; in a sample chance adds to it, and the less the more points
 //! there are. Effects that two axes have only together do not show; a heat map of both shows them.
+//!
+//! Where all points differ from the first in one axis at most, those that differ in another axis say nothing of this one, and are left
+//! out: what an axis moves is then told against the first point alone.
 
 use crate::levels::Levels;
 use crate::rules::Goal;
-use crate::table::{State, Table};
+use crate::table::{Row, State, Table};
 
 /// What an axis does to an objective.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +59,8 @@ impl Effect {
 /// order of the table. Counted are all points that have run, whether they keep the constraints or not.
 pub fn effects(table: &Table) -> Vec<Effect> {
     let axes: Vec<(usize, Levels)> = table.axes().map(|axis| (axis, Levels::of(table, axis))).collect();
+    let star = is_star(table);
+    let counts = |axis: usize, row: &usize| !star || *row == 0 || table.rows[*row].cells[axis] != table.rows[0].cells[axis];
     let of = |(objective, goal)| {
         let effect = |(axis, levels): &(usize, Levels)| Effect {
             axis: *axis,
@@ -64,7 +69,10 @@ pub fn effects(table: &Table) -> Vec<Effect> {
                 .labels
                 .iter()
                 .zip(levels.rows())
-                .filter_map(|(label, rows)| level(table, (objective, goal), label, &rows))
+                .filter_map(|(label, mut rows)| {
+                    rows.retain(|row| counts(*axis, row));
+                    level(table, (objective, goal), label, &rows)
+                })
                 .collect(),
         };
         let mut effects: Vec<Effect> = axes.iter().map(effect).collect();
@@ -72,6 +80,13 @@ pub fn effects(table: &Table) -> Vec<Effect> {
         effects
     };
     table.objectives().flat_map(of).collect()
+}
+
+/// Whether each point is the first with one axis changed, or none.
+fn is_star(table: &Table) -> bool {
+    let Some((first, others)) = table.rows.split_first() else { return false };
+    let changed = |row: &Row| table.axes().filter(|&axis| row.cells[axis] != first.cells[axis]).count();
+    others.iter().all(|row| changed(row) <= 1)
 }
 
 /// Nothing where no point with these rows has run.
@@ -89,7 +104,7 @@ pub(crate) fn level(table: &Table, (objective, goal): (usize, Goal), label: &str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Cell, Column, Role, Row};
+    use crate::{Cell, Column, Role};
 
     /// cycles = 100 a + 10 b, dB = b, over a 3 x 4 grid.
     fn grid() -> Table {
@@ -125,6 +140,18 @@ mod tests {
         let moved: Vec<f64> =
             effects(&table).iter().filter(|effect| effect.axis == 2 && effect.objective == 0).map(Effect::moved).collect();
         assert_eq!(moved, [0.0]);
+    }
+
+    #[test]
+    fn around_a_first_point_others_say_nothing_of_an_axis() {
+        let mut table = grid();
+        // (0, 0), (0, 1) ... (0, 3), (1, 0), (2, 0): along `a` from 0 to 200, along `b` from 0 to 30.
+        table.rows.retain(|row| row.id.contains('0'));
+        let told: Vec<_> = effects(&table).iter().take(2).map(|e| (e.axis, e.moved(), e.levels[0].points)).collect();
+        assert_eq!(told, [(2, 200.0, 1), (3, 30.0, 1)]);
+        // With a point more it is none: means are over all points with a value.
+        table.rows.push(grid().rows[5].clone());
+        assert_eq!(effects(&table)[0].levels[0].points, 4);
     }
 
     #[test]

@@ -74,6 +74,7 @@ impl Report {
             limits: None,
             critical_path: None,
             costs: None,
+            sensitivity: None,
             hardware: context.hardware,
             figures: context.figures,
             legend: context.legend,

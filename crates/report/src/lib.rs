@@ -8,6 +8,7 @@
 //! | [`text`] | the tables of the terminal |
 //! | [`compare`](mod@compare) | what changed between two runs, and what explains it |
 //! | [`costs`] | what objects and polygons cost |
+//! | [`sensitivity`] | which of our assumptions a run hangs on |
 //! | [`ablation`] | what each short cut of a machine saves, and what it costs |
 //! | [`methods`] | what each method of choosing division points costs at the same error |
 //! | [`work`] | what a machine draws, in its own words |
@@ -32,6 +33,7 @@ pub mod methods;
 pub mod model;
 #[cfg(test)]
 mod samples;
+pub mod sensitivity;
 pub mod strips;
 pub mod text;
 mod tidy;
@@ -46,6 +48,7 @@ pub use html::to_html;
 pub use json::{ReadError, SCHEMA, schema};
 pub use methods::Methods;
 pub use model::Report;
+pub use sensitivity::Sensitivity;
 pub use strips::Strips;
 pub use text::{Style, Tables, hardware, to_text};
 pub use timeline::{Board, Chart, Life, Timeline, Tokens, Watcher, Waves, Whose};

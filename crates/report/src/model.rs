@@ -1,6 +1,7 @@
 //! The report as it stands in `report.json`: plain data, fields in fixed order, maps in the order of the block diagram.
 
 use crate::costs::Costs;
+use crate::sensitivity::Sensitivity;
 use basrelief_kernel::{self as kernel, HardwareKind, facts};
 use basrelief_reference::Quality;
 use basrelief_signals::Camera;
@@ -52,6 +53,9 @@ pub struct Report {
     /// Who the cycles of the units were for; absent where nobody has asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub costs: Option<Costs>,
+    /// What it comes to with each assumed parameter changed, one at a time; absent where nobody has asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensitivity: Option<Sensitivity>,
     /// What the machine is built of, unit by unit, each before the FIFOs that it fills; then caches.
     #[serde(default)]
     pub hardware: Vec<Hardware>,

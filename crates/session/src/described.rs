@@ -121,7 +121,7 @@ fn choice(one: &Value) -> Option<Choice> {
 }
 
 /// The ends of a range as it is written: `1..=64`, and of the first where there are several.
-fn bounds(range: &str) -> Option<[f64; 2]> {
+pub(crate) fn bounds(range: &str) -> Option<[f64; 2]> {
     let (min, rest) = range.split_once("..=")?;
     let max = rest.split(|c: char| c == ',' || c.is_whitespace()).next()?;
     Some([min.parse().ok()?, max.parse().ok()?])

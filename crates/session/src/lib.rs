@@ -38,6 +38,7 @@ mod judged;
 mod limits;
 mod machines;
 mod methods;
+mod neighbours;
 mod observer;
 mod outcome;
 mod png;

@@ -8,9 +8,10 @@
 //! other has done. Only to begin at another place in the same order would not do: the one behind would catch up, and from there both
 //! would run the same.
 
+use crate::folder::Store;
 use crate::one::{Ran, run_point};
 use crate::plan::{Plan, Point};
-use crate::{Folder, Found, Host, SweepError};
+use crate::{Found, Host, SweepError};
 use basrelief_session::Recording;
 use basrelief_threads as threads;
 use std::collections::hash_map::RandomState;
@@ -68,21 +69,21 @@ impl Tally {
 /// # Errors
 /// The first that cannot be written, or an input that cannot be opened any more. A point that fails is none: its failure is written
 /// down.
-pub fn execute(plan: &Plan, work: &Work<'_>, folder: &Folder, host: &dyn Host) -> Result<Tally, SweepError> {
-    let missing: Vec<&Point> = work.points.iter().copied().filter(|point| is_missing(point, work, folder)).collect();
+pub fn execute(plan: &Plan, work: &Work<'_>, store: &dyn Store, host: &dyn Host) -> Result<Tally, SweepError> {
+    let missing: Vec<&Point> = work.points.iter().copied().filter(|point| is_missing(point, work, store)).collect();
     let (points, there) = (work.points.len(), work.points.len() - missing.len());
     let tally = Tally { points, there, ..Tally::default() };
     let tasks = missing.len();
     let queue = Queue { groups: groups(missing), tally, ..Queue::default() };
-    let crew = Crew { plan, work, folder, host, queue: Mutex::new(queue), changed: Condvar::new() };
+    let crew = Crew { plan, work, store, host, queue: Mutex::new(queue), changed: Condvar::new() };
     host.progress(&tally);
     threads::crew(work.threads.min(tasks), || crew.work());
     let queue = crew.queue.into_inner().unwrap_or_else(PoisonError::into_inner);
     queue.failed.map_or(Ok(queue.tally), Err)
 }
 
-fn is_missing(point: &Point, work: &Work<'_>, folder: &Folder) -> bool {
-    match folder.find(&point.id) {
+fn is_missing(point: &Point, work: &Work<'_>, store: &dyn Store) -> bool {
+    match store.find(&point.id) {
         Found::Report => false,
         Found::Failed => work.retry_failed,
         Found::Missing => true,
@@ -141,7 +142,7 @@ struct Placed {
 struct Crew<'a> {
     plan: &'a Plan,
     work: &'a Work<'a>,
-    folder: &'a Folder,
+    store: &'a dyn Store,
     host: &'a dyn Host,
     queue: Mutex<Queue<'a>>,
     changed: Condvar,
@@ -190,7 +191,7 @@ impl<'a> Crew<'a> {
     /// Runs the first point of a group that is still missing; the others are then timed again, or run after it.
     fn run(&self, group: Vec<&'a Point>) -> Result<(), SweepError> {
         let before = group.len();
-        let mut missing = group.into_iter().filter(|point| is_missing(point, self.work, self.folder)).collect::<VecDeque<_>>();
+        let mut missing = group.into_iter().filter(|point| is_missing(point, self.work, self.store)).collect::<VecDeque<_>>();
         (missing.len()..before).for_each(|_| self.count(Way::There));
         let ran = missing.pop_front().map(|first| self.run_and_put(first, !missing.is_empty()));
         let recorded = match ran {
@@ -224,13 +225,13 @@ impl<'a> Crew<'a> {
     }
 
     fn retime(&self, recorded: &Recorded, point: &Point) -> Result<Way, SweepError> {
-        if !is_missing(point, self.work, self.folder) {
+        if !is_missing(point, self.work, self.store) {
             return Ok(Way::There);
         }
         let report = self.plan.config(&point.places).ok().and_then(|config| recorded.recording.retime(&config).ok());
         let in_time = |total: u64| total <= self.plan.max_cycles;
         match report.filter(|report| report.cycles.as_ref().is_some_and(|cycles| in_time(cycles.total))) {
-            Some(report) => self.put(point, &report, recorded.png.as_deref()).map(|()| Way::Retimed),
+            Some(report) => self.store.put(&point.id, (&report, recorded.png.as_deref()), self.host).map(|()| Way::Retimed),
             // Other work, or no end: what there is to say of it only a run knows.
             None => self.run_one(point, false).map(|placed| placed.way),
         }
@@ -241,15 +242,10 @@ impl<'a> Crew<'a> {
         let Ran { report, png, tape } = run_point(self.plan, point, (self.work.pictures, is_recorded), self.host)?;
         let failed = report.is_err();
         match report {
-            Ok(report) => self.put(point, &report, png.as_deref())?,
-            Err(failure) => self.folder.put_failure(&point.id, &failure, self.host)?,
+            Ok(report) => self.store.put(&point.id, (&report, png.as_deref()), self.host)?,
+            Err(failure) => self.store.put_failure(&point.id, &failure, self.host)?,
         }
         Ok(Placed { way: Way::Run { failed }, png, tape })
-    }
-
-    fn put(&self, point: &Point, report: &basrelief_report::Report, png: Option<&[u8]>) -> Result<(), SweepError> {
-        let text = report.to_json().map_err(|error| SweepError(error.to_string()))?;
-        self.folder.put(&point.id, (&text, png), self.host)
     }
 
     fn count(&self, way: Way) {

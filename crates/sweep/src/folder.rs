@@ -4,6 +4,7 @@
 //! processes and machines can work on one folder.
 
 use crate::{Host, SweepError};
+use basrelief_report::Report;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fs;
@@ -27,6 +28,40 @@ pub enum Found {
     Failed,
     /// Nothing, or a part that a killed process has left.
     Missing,
+}
+
+/// Where points are put: a [`Folder`], or whatever keeps of them what it needs.
+pub trait Store: Sync {
+    /// What there is of a point.
+    fn find(&self, id: &str) -> Found;
+
+    /// Puts the report of a point in its place, behind its picture; an earlier failure goes.
+    ///
+    /// # Errors
+    /// What cannot be written.
+    fn put(&self, id: &str, of: (&Report, Option<&[u8]>), host: &dyn Host) -> Result<(), SweepError>;
+
+    /// Says why a point has no report.
+    ///
+    /// # Errors
+    /// What cannot be written.
+    fn put_failure(&self, id: &str, failure: &Failure, host: &dyn Host) -> Result<(), SweepError>;
+}
+
+impl Store for Folder {
+    fn find(&self, id: &str) -> Found {
+        Self::find(self, id)
+    }
+
+    fn put(&self, id: &str, (report, picture): (&Report, Option<&[u8]>), host: &dyn Host) -> Result<(), SweepError> {
+        let text = report.to_json().map_err(|error| SweepError(error.to_string()))?;
+        Self::put(self, id, (&text, picture), host)
+    }
+
+    fn put_failure(&self, id: &str, failure: &Failure, host: &dyn Host) -> Result<(), SweepError> {
+        let text = serde_json::to_string_pretty(failure).map_err(|e| SweepError(e.to_string()))?;
+        publish(&self.of_point(id, FAILED), format!("{text}\n").as_bytes(), host)
+    }
 }
 
 /// Why a point has no report.
@@ -109,15 +144,6 @@ impl Folder {
             Err(e) if e.kind() != ErrorKind::NotFound => Err(SweepError(format!("{}: cannot be removed: {e}", failed.display()))),
             _ => Ok(()),
         }
-    }
-
-    /// Says why a point has no report.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn put_failure(&self, id: &str, failure: &Failure, host: &dyn Host) -> Result<(), SweepError> {
-        let text = serde_json::to_string_pretty(failure).map_err(|e| SweepError(e.to_string()))?;
-        publish(&self.of_point(id, FAILED), format!("{text}\n").as_bytes(), host)
     }
 }
 

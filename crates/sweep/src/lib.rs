@@ -12,6 +12,7 @@
 //! | [`folder`] | where points lie |
 //! | [`execute`](mod@execute) | running what is missing, on all cores |
 //! | [`explore`](mod@explore) | the front with few of the points |
+//! | [`sensitivity`](mod@sensitivity) | a plan around a run, one assumed parameter at a time |
 //! | [`verify`](mod@verify) | running points again, to compare |
 //! | [`tables`](mod@tables) | the table of all points |
 //!
@@ -24,14 +25,16 @@ pub mod folder;
 mod host;
 mod one;
 pub mod plan;
+pub mod sensitivity;
 pub mod tables;
 pub mod verify;
 
 pub use execute::{Tally, Work, execute};
 pub use explore::{Explored, explore};
-pub use folder::{Folder, Found};
+pub use folder::{Folder, Found, Store};
 pub use host::{Host, Opened};
-pub use plan::{Plan, Point};
+pub use plan::{Around, Plan, Point};
+pub use sensitivity::sensitivity;
 pub use tables::tables;
 pub use verify::verify;
 

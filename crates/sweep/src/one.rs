@@ -68,6 +68,7 @@ pub(crate) fn run_point(plan: &Plan, point: &Point, (pictures, tape): (bool, boo
     let options = RunOptions {
         tape: if tape { When::Always } else { When::Never },
         given: plan.given(&point.places),
+        exact: plan.exact,
         ..options(config, plan.max_cycles, host)
     };
     let mut watch = Watch { host, pictures, picture: None, tape: tape.then(|| (vec![], host.budget().nothing())) };

@@ -28,7 +28,7 @@ pub struct RunArgs {
     /// Render from a server (`basrelief serve`) with machine defer, such as http://127.0.0.1:8080/, instead of a file. Without
     /// the exact picture: textures stay there. What does not come, or nothing of it for 10 s, is asked for again: five times
     /// in all, and not later than 20 s after the first.
-    #[arg(long, value_name = "URL", conflicts_with_all = ["input", "ablate", "compare_methods"], value_parser = http)]
+    #[arg(long, value_name = "URL", conflicts_with_all = ["input", "ablate", "compare_methods", "sensitivity"], value_parser = http)]
     pub from: Option<String>,
     /// Keep tiles that have come in this folder, and take them from there.
     #[arg(long, value_name = "DIR")]

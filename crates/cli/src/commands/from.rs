@@ -48,7 +48,7 @@ pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done
     let mut settings = settings_of((config, given), &args.simulation, budget);
     settings.exact = false;
     let unshown = Progress::new(None, "commands", true);
-    let done = simulate_source(began, (source, unshown, None), settings, &args.simulation, quiet);
+    let done = simulate_source(began, (source, unshown, None), settings, None, &args.simulation, quiet);
     if let (Some(why), Some(folder), false) = (failed.get(), &args.tile_cache, quiet) {
         eprintln!("warning: --tile-cache {}: cannot be written: {why}; not all tiles are kept", folder.display());
     }

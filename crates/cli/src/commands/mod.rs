@@ -14,6 +14,7 @@ mod record;
 mod requests;
 mod run;
 mod schema;
+mod sensitivity;
 mod serve;
 mod simulate;
 mod size_fifos;

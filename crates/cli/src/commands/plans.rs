@@ -78,6 +78,13 @@ pub struct Program<'a> {
     progress: PointProgress,
 }
 
+impl<'a> Program<'a> {
+    /// Around a run: files lie where its command line says.
+    pub fn around_run(budget: &'a Budget, quiet: bool) -> Self {
+        Self { plan: PathBuf::new(), budget, progress: PointProgress::new(quiet) }
+    }
+}
+
 /// Options of a view by themselves.
 #[derive(Parser)]
 #[command(no_binary_name = true, disable_help_flag = true)]

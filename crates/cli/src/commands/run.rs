@@ -1,6 +1,7 @@
 //! `basrelief run` and `basrelief demo`.
 
 use super::from::run_from;
+use super::sensitivity::around;
 use super::simulate::{seconds, settings_of, simulate_source, spare_inputs};
 use super::tables::{ablate, compare_methods};
 use crate::args::{DemoArgs, RunArgs, SimulationArgs};
@@ -48,7 +49,12 @@ fn simulate(began: f64, input: Input, settings: RunOptions, simulation: &Simulat
     if simulation.compare_methods {
         return compare_methods(&input.for_several_runs(&settings.budget), &settings, simulation, quiet);
     }
-    simulate_source(began, source_of(input, quiet || simulation.json), settings, simulation, quiet)
+    if simulation.sensitivity {
+        let input = input.for_several_runs(&settings.budget);
+        let around = around(&input, &settings)?;
+        return simulate_source(began, source_of(input, quiet || simulation.json), settings, Some(around), simulation, quiet);
+    }
+    simulate_source(began, source_of(input, quiet || simulation.json), settings, None, simulation, quiet)
 }
 
 fn source_of(input: Input, quiet: bool) -> (RunInput, Progress, Option<Rc<Cell<u64>>>) {

@@ -1,6 +1,7 @@
 //! A run from its source to its files, and what all commands that simulate share.
 
 use super::output_files::OutputFiles;
+use super::sensitivity::measured;
 use super::tape::RunTape;
 use super::timelines::TimelineFiles;
 use crate::args::{EngineName, MachineArgs, SimulationArgs, TablesArgs, ViewArgs};
@@ -15,6 +16,7 @@ use basrelief_session::{
     self as session, ExhibitInfo, Form, Given, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved,
     When, picture_name,
 };
+use basrelief_sweep::Around;
 use std::cell::Cell;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -74,6 +76,7 @@ pub fn simulate_source(
     began: f64,
     (source, progress, read): (RunInput, Progress, Option<Rc<Cell<u64>>>),
     mut settings: RunOptions,
+    around: Option<Around>,
     simulation: &SimulationArgs,
     quiet: bool,
 ) -> Done {
@@ -87,10 +90,13 @@ pub fn simulate_source(
         None => run_named(source, &settings, &mut files, None),
         Some(timelines) => timelines.watch(|probe| run_named(source, &settings, &mut files, Some(probe))),
     };
-    let run = match ran {
+    let mut run = match ran {
         Ok(ran) => ran,
         Err(error) => return Err(files.rescue(error)),
     };
+    if let Some(around) = around.filter(|_| run.report.outcome.kind == OutcomeKind::Complete) {
+        run.report.sensitivity = Some(measured(around, &settings.budget, quiet || simulation.json)?);
+    }
     let tape_is_whole = run.tape_is_whole;
     let report = run.with_host(seconds() - began);
     let (beside, rest) = files.finish(&report, tape_is_whole, simulation)?;

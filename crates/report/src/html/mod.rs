@@ -109,6 +109,7 @@ fn contents(report: &Report, beside: &Beside) -> Vec<Content> {
         ("memories", "Memories", memories::memories(report)),
         ("frames", "Frames", frames::frames(report)),
         ("costs", "What it costs", costs(report)),
+        ("sensitivity", "What each assumption moves", sensitivity(report)),
         ("hardware", "Hardware", hardware(report)),
         ("figures", "Figures", figures(report)),
         ("quality", "Quality", table::html("Pictures against the exact ones", &text::sections::quality(report))),
@@ -162,6 +163,13 @@ fn block_diagram(report: &Report, diagram: &str) -> Html {
 fn diagram_legend() -> Html {
     let more = [("fifo", "slots of a FIFO held")];
     units::legend(units::STATES.into_iter().chain(more))
+}
+
+/// Which assumptions the run hangs on.
+fn sensitivity(report: &Report) -> Html {
+    let Some(of) = &report.sensitivity else { return Html::default() };
+    let failed = table::html("What came to no end", &crate::sensitivity::failed(of));
+    [table::html(&of.caption(), &crate::sensitivity::changes(of)), failed].into_iter().collect()
 }
 
 /// For whom the cycles were.

@@ -73,8 +73,10 @@ pub fn to_text(report: &Report, style: Style, tables: &[Tables]) -> String {
     parts.push(first::lines(report).iter().map(|line| style.wrap(line)).collect::<Vec<_>>().join("\n"));
     parts.push(style.wrap(&what_limits(report)));
     parts.extend(limits::path(report).map(|path| style.wrap(&path)));
-    // Who asks for costs wants to see them.
-    let tables = [tables, if report.costs.is_some() { &[Tables::Costs] } else { &[] }].concat();
+    // Who asks for one of these wants to see it.
+    let asked = [(Tables::Costs, report.costs.is_some()), (Tables::Sensitivity, report.sensitivity.is_some())];
+    let asked = asked.into_iter().filter(|(_, is_there)| *is_there).map(|(table, _)| table);
+    let tables: Vec<Tables> = tables.iter().copied().chain(asked).collect();
     for (caption, table) in Tables::ALL.iter().filter(|of| tables.contains(of)).flat_map(|of| of.of(report)) {
         let caption = if caption.is_empty() { caption } else { style.paint(Paint::Dim, &style.wrap(&caption)) + "\n" };
         parts.push(caption + &table.render(style));

@@ -4,6 +4,7 @@ use super::number::thousands;
 use super::{Table, hardware, limits, sections};
 use crate::costs;
 use crate::model::Report;
+use crate::sensitivity::{self, Sensitivity};
 use crate::work;
 
 /// Tables that belong together.
@@ -21,6 +22,8 @@ pub enum Tables {
     Caches,
     /// Whom the cycles of the units were for.
     Costs,
+    /// What each assumption moves.
+    Sensitivity,
     /// Routes, circuits, processes and lists that only some machines have.
     Machine,
     /// What the machine is built of.
@@ -35,13 +38,14 @@ pub enum Tables {
 
 impl Tables {
     /// All, in the order in which they are shown.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Limits,
         Self::Units,
         Self::Fifos,
         Self::Memories,
         Self::Caches,
         Self::Costs,
+        Self::Sensitivity,
         Self::Machine,
         Self::Hardware,
         Self::Figures,
@@ -58,6 +62,7 @@ impl Tables {
             Self::Memories => "memories",
             Self::Caches => "caches",
             Self::Costs => "costs",
+            Self::Sensitivity => "sensitivity",
             Self::Machine => "machine",
             Self::Hardware => "hardware",
             Self::Figures => "figures",
@@ -75,6 +80,7 @@ impl Tables {
             Self::Memories => "What clients moved, and how busy channels were",
             Self::Caches => "What look-ups found",
             Self::Costs => "Whom the cycles of the units were for, of a run with --costs",
+            Self::Sensitivity => "What each assumption moves, of a run with --sensitivity",
             Self::Machine => "Routes, circuits, processes and lists that only some machines have",
             Self::Hardware => "What the machine is built of, by kind",
             Self::Figures => "What the machine counted",
@@ -107,6 +113,7 @@ impl Tables {
                 let caption = format!("shares of the cycles of all units, {}", thousands(all));
                 costs::tables(report).into_iter().flat_map(|table| captioned(caption.clone(), table)).collect()
             }
+            Self::Sensitivity => report.sensitivity.iter().flat_map(sensitivity_tables).collect(),
             Self::Machine => {
                 let own = [sections::routes(report), sections::circuits(report), sections::processes(report)];
                 let lists = work::tables(report);
@@ -118,6 +125,12 @@ impl Tables {
             Self::Derived => plain(sections::derived(report)),
         }
     }
+}
+
+/// What moves, then what came to no end.
+fn sensitivity_tables(of: &Sensitivity) -> Vec<(String, Table)> {
+    let tables = [(of.caption(), sensitivity::changes(of)), (String::new(), sensitivity::failed(of))];
+    tables.into_iter().filter(|(_, table)| !table.is_empty()).collect()
 }
 
 /// What a table is of, and names of what is told in all cycles of the run instead.

@@ -14,7 +14,8 @@ pub(super) const MOST_VALUES: usize = 1 << 12;
 pub struct Axis {
     /// Parameters, as `--set` names them.
     pub keys: Vec<String>,
-    /// For each value of the axis, the values of its parameters, as they are written in TOML.
+    /// For each value of the axis, the values of its parameters, as they are written in TOML. None where the parameters are as in the
+    /// rest of the plan: that is the first place of an axis that is changed [one at a time](super::base).
     pub values: Vec<Vec<String>>,
     /// The same as cells of a table.
     pub cells: Vec<Vec<Cell>>,
@@ -145,7 +146,7 @@ fn range_values(range: &Table, place: &str) -> Result<Vec<Value>, String> {
 }
 
 /// A value as a cell of a table.
-fn cell(value: &Value) -> Cell {
+pub(super) fn cell(value: &Value) -> Cell {
     match value {
         Value::Integer(n) => u64::try_from(*n).map_or(Cell::Number(*n as f64), Cell::Whole),
         Value::Float(x) => Cell::Number(*x),
@@ -190,12 +191,14 @@ impl Exclusion {
     }
 
     pub(super) fn leaves_out(&self, places: &[usize], axes: &[Axis]) -> bool {
-        self.0.iter().all(|(axis, at, values)| values.contains(&axes[*axis].values[places[*axis]][*at]))
+        self.0
+            .iter()
+            .all(|(axis, at, values)| axes[*axis].values[places[*axis]].get(*at).is_some_and(|value| values.contains(value)))
     }
 }
 
 fn has(axes: &[Axis], (axis, at): (usize, usize), value: &str) -> bool {
-    axes[axis].values.iter().any(|row| row[at] == value)
+    axes[axis].values.iter().any(|row| row.get(at).is_some_and(|given| given == value))
 }
 
 /// Dotted names and values, groups opened.

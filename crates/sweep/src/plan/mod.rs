@@ -1,6 +1,7 @@
 //! What is run: inputs, a machine, axes, samples, objectives, constraints; and the points that follow.
 
 mod axes;
+mod base;
 mod identity;
 mod points;
 mod written;
@@ -17,7 +18,7 @@ use basrelief_charts::{Constraint, Objective};
 use basrelief_parameters::{ConfigError, nearest};
 use basrelief_session::{ConfigLoader, Given, MachineConfig, MachineInfo, input_sha256};
 use std::collections::{BTreeMap, BTreeSet};
-use written::{Config, Written};
+use written::{Config, Method, Samples, Written};
 
 /// A plan whose parts fit together, with its inputs open.
 #[derive(Debug)]
@@ -36,12 +37,31 @@ pub struct Plan {
     pub constraints: Vec<Constraint>,
     /// No step starts in this cycle or later.
     pub max_cycles: u64,
+    /// Whether exact pictures are drawn, and measured against. In a folder all points have them.
+    pub(crate) exact: bool,
     /// What is run, each once.
     pub points: Vec<Point>,
-    /// Parameters that all points share, as TOML.
-    base: String,
-    /// The same, read.
+    /// Parameters that all points share.
+    base: Given,
+    /// Their TOML, read.
     loader: ConfigLoader,
+}
+
+/// A run, to make a plan [around](Plan::around).
+#[derive(Clone, Debug)]
+pub struct Around {
+    /// As the user named it; a display list is opened by that.
+    pub name: String,
+    /// Its input.
+    pub opened: Opened,
+    /// Who draws it.
+    pub machine: &'static MachineInfo,
+    /// Parameters as they were given.
+    pub given: Given,
+    /// No step starts in this cycle or later.
+    pub max_cycles: u64,
+    /// Whether exact pictures are drawn, and measured against.
+    pub exact: bool,
 }
 
 /// An input of a plan.
@@ -67,6 +87,30 @@ impl Plan {
         Ok(plan)
     }
 
+    /// The plan whose points are a run as it is, and the same with each assumed parameter at its
+    /// [neighbours](basrelief_session::Described::neighbours), one at a time.
+    ///
+    /// # Errors
+    /// An input that cannot be read, parameters that do not fit together.
+    pub fn around(run: Around, host: &dyn Host) -> Result<Self, SweepError> {
+        let Around { name, opened, machine, given, max_cycles, exact } = run;
+        let of_run = || {
+            let loader = machine.loader(&given.toml).map_err(|error| error.to_string())?;
+            let title = format!("{}, {name}", machine.name);
+            let (axes, objectives) = (vec![], vec![]);
+            let (constraints, inputs, points) = (vec![], vec![], vec![]);
+            let mut plan =
+                Self { title, inputs, machine, axes, objectives, constraints, max_cycles, exact, points, base: given, loader };
+            plan.axes = plan.around_base()?;
+            let samples = Samples { method: Method::OneAtATime, points: None, seed: 0 };
+            let places = points::places(&plan.axes, &[], Some(&samples), 1)?;
+            plan.inputs = vec![plan.input(&name, opened, host)?];
+            plan.points = points::points(&plan, &places);
+            Ok(plan)
+        };
+        of_run().map_err(SweepError)
+    }
+
     fn parse(text: &str, host: &dyn Host) -> Result<Self, String> {
         let written = Written::parse(text)?;
         let names = written.inputs();
@@ -89,11 +133,15 @@ impl Plan {
             objectives: written.objectives()?,
             constraints: written.constraints()?,
             max_cycles: written.max_cycles.unwrap_or(u64::MAX),
+            exact: true,
             points: vec![],
-            base,
+            base: Given { toml: base, settings: vec![] },
             loader,
         };
         plan.check_parameters()?;
+        if written.samples.as_ref().is_some_and(|samples| samples.method == Method::OneAtATime) {
+            plan.axes = plan.around_base()?;
+        }
         let exclusions = written.exclude.iter().map(|table| Exclusion::of(table, &plan.axes)).collect::<Result<Vec<_>, _>>()?;
         let places = points::places(&plan.axes, &exclusions, written.samples.as_ref(), names.len())?;
         let view: Vec<(String, String)> = written.view.iter().map(|(name, value)| (name.clone(), plain(value))).collect();
@@ -103,12 +151,21 @@ impl Plan {
     }
 
     fn open(&self, name: &str, view: &[(String, String)], host: &dyn Host) -> Result<Input, String> {
-        let opened = host.open(name, view)?;
+        self.input(name, host.open(name, view)?, host)
+    }
+
+    fn input(&self, name: &str, opened: Opened, host: &dyn Host) -> Result<Input, String> {
         let source = one::source(name, &opened, host)?;
         let default = self.machine.load("", &[]).map_err(|error| error.to_string())?;
         let sha256 = input_sha256(source, &default, host.budget()).map_err(|error| format!("{name}: {error}"))?;
         let identity = identity::of_input(name, &opened, &sha256);
         Ok(Input { name: name.into(), opened, identity })
+    }
+
+    /// The axes around what the plan is without them.
+    fn around_base(&self) -> Result<Vec<Axis>, String> {
+        let base = self.load(&[]).map_err(|error| format!("config: {error}"))?;
+        base::around(self.axes.clone(), &base, &|key, value| self.load(&[(key.into(), value.into())]).ok())
     }
 
     /// Each parameter once, each value by itself.
@@ -186,7 +243,8 @@ impl Plan {
 
     /// The parameters of a point, as they are given.
     pub fn given(&self, places: &[usize]) -> Given {
-        Given { toml: self.base.clone(), settings: self.settings(places) }
+        let settings = self.base.settings.iter().cloned().chain(self.settings(places)).collect();
+        Given { toml: self.base.toml.clone(), settings }
     }
 
     /// The whole configuration of a point.
@@ -194,9 +252,13 @@ impl Plan {
     /// # Errors
     /// Parameters that do not fit together.
     pub fn config(&self, places: &[usize]) -> Result<MachineConfig, String> {
-        let settings = self.settings(places);
-        let settings: Vec<(&str, &str)> = settings.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect();
-        self.loader.load(&settings).map_err(|error| error.to_string())
+        self.load(&self.settings(places)).map_err(|error| error.to_string())
+    }
+
+    /// The base with these settings over it.
+    fn load(&self, settings: &[(String, String)]) -> Result<MachineConfig, ConfigError> {
+        let all = self.base.settings.iter().chain(settings);
+        self.loader.load(&all.map(|(key, value)| (key.as_str(), value.as_str())).collect::<Vec<_>>())
     }
 }
 

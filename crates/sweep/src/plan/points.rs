@@ -39,7 +39,13 @@ pub(super) fn places(
             let sample = if *method == Method::Sobol { sobol } else { latin_hypercube };
             sample(points, &lengths, *seed).map_err(|error| format!("samples: {error}"))?
         }
-        Some(Samples { points: Some(_), .. }) => return Err("samples: a grid has all its points; leave `points` out".into()),
+        Some(Samples { points: Some(_), .. }) => {
+            return Err("samples: a grid, or one value at a time, has all its points; leave `points` out".into());
+        }
+        Some(Samples { method: Method::OneAtATime, .. }) => {
+            bounded(Some(lengths.iter().map(|length| length - 1).sum::<usize>() + 1), inputs)?;
+            one_at_a_time(&lengths)
+        }
         _ => {
             bounded(lengths.iter().try_fold(1_usize, |product, length| product.checked_mul(*length)), inputs)?;
             grid(&lengths)
@@ -71,6 +77,21 @@ fn grid(lengths: &[usize]) -> Vec<Vec<usize>> {
         all = all.iter().flat_map(|places| (0..length).map(move |place| [&places[..], &[place]].concat())).collect();
     }
     all
+}
+
+/// The base, which is the first place of each axis, and behind it each other place of each axis alone.
+fn one_at_a_time(lengths: &[usize]) -> Vec<Vec<usize>> {
+    let base = vec![0; lengths.len()];
+    let alone = |(axis, &length): (usize, &usize)| {
+        let base = base.clone();
+        (1..length).map(move |place| {
+            let mut places = base.clone();
+            places[axis] = place;
+            places
+        })
+    };
+    let others = lengths.iter().enumerate().flat_map(alone);
+    std::iter::once(vec![0; lengths.len()]).chain(others).collect()
 }
 
 /// The points of a plan, input by input; of equal ones the first.

@@ -57,6 +57,7 @@ pub(super) enum Method {
     Grid,
     LatinHypercube,
     Sobol,
+    OneAtATime,
 }
 
 #[derive(Debug, Deserialize)]

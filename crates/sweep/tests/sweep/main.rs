@@ -2,4 +2,5 @@
 
 mod plans;
 mod running;
+mod sensitivity;
 mod support;

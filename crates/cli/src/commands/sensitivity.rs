@@ -1,0 +1,39 @@
+//! `--sensitivity`: what each assumption moves.
+
+use super::plans::{Program, bad};
+use crate::error::Done;
+use crate::input::Input;
+use basrelief_input::Budget;
+use basrelief_report::Sensitivity;
+use basrelief_session::RunOptions;
+use basrelief_sweep::{Around, Opened, Plan, sensitivity};
+use basrelief_threads as threads;
+
+/// The run that is to be changed.
+///
+/// # Errors
+/// What can be read only once.
+pub fn around(input: &Input, settings: &RunOptions) -> Done<Around> {
+    let (name, opened) = match input {
+        Input::Scene(prepared) => (prepared.scene().name.clone(), Opened::Scene(prepared.clone())),
+        Input::Trace(trace) => (trace.again()?.name, Opened::Trace),
+    };
+    Ok(Around {
+        name,
+        opened,
+        machine: settings.config.machine(),
+        given: settings.given.clone(),
+        max_cycles: settings.max_cycles,
+        exact: settings.exact,
+    })
+}
+
+/// Changes its assumptions, one at a time.
+///
+/// # Errors
+/// An input that cannot be read any more.
+pub fn measured(around: Around, budget: &Budget, quiet: bool) -> Done<Sensitivity> {
+    let host = Program::around_run(budget, quiet);
+    let plan = Plan::around(around, &host).map_err(bad)?;
+    sensitivity(&plan, threads::workers(), &host).map_err(bad)
+}

@@ -1,0 +1,297 @@
+//! Which of our assumptions a run hangs on: what it comes to with one assumed parameter changed at a time.
+
+use crate::derived::round6;
+use crate::model::Report;
+use crate::text::number::{real, thousands};
+use crate::text::{Align, Table};
+use Align::{Left, Right};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// Most rows on a terminal.
+const SHOWN: usize = 20;
+/// Longest words about a parameter in a table \[characters\].
+const ABOUT: usize = 40;
+/// So many percent a decibel counts for where rows are put in order: a decibel more error is as much more in root mean square.
+const PERCENT_PER_DB: f64 = 12.2;
+
+/// A run with each assumed parameter changed, one at a time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Sensitivity {
+    /// The run as it is configured.
+    pub base: Measure,
+    /// What moves most first, by the largest of its three moves, of which a decibel counts as 12.2 %; equal ones in the order of the
+    /// parameters; what came to no end last.
+    pub changes: Vec<Change>,
+    /// Assumed parameters that have no neighbours: texts, and lists without values.
+    pub unchanged: Vec<String>,
+}
+
+/// What is measured of each run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Measure {
+    /// Of the frames, without the drain behind the last.
+    pub cycles: u64,
+    /// That all memories moved.
+    pub bytes: u64,
+    /// Of the final picture \[dB\]; absent without exact pictures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub psnr_db: Option<f64>,
+}
+
+/// The run with one parameter at another value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Change {
+    /// As `--set` names it.
+    pub parameter: String,
+    /// What it is.
+    pub about: String,
+    /// Its unit of measure; empty for a switch or a choice.
+    pub unit: String,
+    /// Its value in the run.
+    pub from: Value,
+    /// Its value here.
+    pub to: Value,
+    /// What it comes to.
+    #[serde(flatten)]
+    pub comes_to: ComesTo,
+}
+
+/// What a change comes to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ComesTo {
+    /// To another run, which came to its end.
+    Run(Moved),
+    /// To none.
+    Nothing {
+        /// `unfit`, `deadlock`, `limit`, `fault` or `error`, and why.
+        reason: String,
+    },
+}
+
+/// How far a run is from the one as configured.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Moved {
+    /// What it came to.
+    #[serde(flatten)]
+    pub measure: Measure,
+    /// Change of the cycles, rounded to 6 decimals \[%\].
+    pub cycles_percent: f64,
+    /// Change of the bytes, rounded to 6 decimals \[%\]; 0 where none were moved before.
+    pub bytes_percent: f64,
+    /// Change of the picture, rounded to 6 decimals, more is better \[dB\]; absent without exact pictures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub psnr_change_db: Option<f64>,
+}
+
+impl Measure {
+    /// Of a run with time.
+    pub fn of(report: &Report) -> Self {
+        Self {
+            cycles: report.frame_cycles(),
+            bytes: report.memory_bytes().unwrap_or(0),
+            psnr_db: report.quality.as_ref().map(|quality| quality.last.psnr_db),
+        }
+    }
+
+    /// How far a run is from this one.
+    pub fn moved(&self, to: Self) -> Moved {
+        let percent = |from: u64, to: u64| if from == 0 { 0.0 } else { round6(100.0 * (to as f64 - from as f64) / from as f64) };
+        Moved {
+            measure: to,
+            cycles_percent: percent(self.cycles, to.cycles),
+            bytes_percent: percent(self.bytes, to.bytes),
+            psnr_change_db: self.psnr_db.zip(to.psnr_db).map(|(from, to)| round6(to - from)),
+        }
+    }
+}
+
+impl Moved {
+    /// Its largest move \[%\].
+    fn size(&self) -> f64 {
+        let decibels = self.psnr_change_db.unwrap_or(0.0) * PERCENT_PER_DB;
+        self.cycles_percent.abs().max(self.bytes_percent.abs()).max(decibels.abs())
+    }
+}
+
+impl Change {
+    /// How much it moves \[%\]; none where it came to no end.
+    fn size(&self) -> Option<f64> {
+        match &self.comes_to {
+            ComesTo::Run(moved) => Some(moved.size()),
+            ComesTo::Nothing { .. } => None,
+        }
+    }
+}
+
+impl Sensitivity {
+    /// Changes in the order of the parameters are put in that of what they move.
+    pub fn new(base: Measure, mut changes: Vec<Change>, unchanged: Vec<String>) -> Self {
+        // Stable. None is less than any number.
+        changes.sort_by(|a, b| b.size().partial_cmp(&a.size()).unwrap_or(std::cmp::Ordering::Equal));
+        Self { base, changes, unchanged }
+    }
+
+    /// What its tables tell of how many.
+    pub(crate) fn caption(&self) -> String {
+        let Measure { cycles, bytes, psnr_db } = self.base;
+        let count = |is: &dyn Fn(Option<f64>) -> bool| self.changes.iter().filter(|change| is(change.size())).count();
+        let (still, failed) = (count(&|size| size == Some(0.0)), count(&|size| size.is_none()));
+        let picture = psnr_db.map_or_else(String::new, |db| format!(", {} dB", two(db)));
+        format!(
+            "assumed parameters, one at a time; against {} cycles, {} bytes{picture}. {} changes, largest first; {still} move \
+             nothing, {failed} come to no end; all of them in report.json",
+            thousands(cycles),
+            thousands(bytes),
+            self.changes.len()
+        )
+    }
+}
+
+/// With two decimals at most.
+fn two(x: f64) -> String {
+    real((x * 100.0).round() / 100.0)
+}
+
+/// With a sign and two decimals at most; nothing where nothing moves, so that the eye finds what does.
+fn moved(x: f64) -> String {
+    match x {
+        0.0 => String::new(),
+        x if x.abs() < 0.005 => if x > 0.0 { "+0.00" } else { "-0.00" }.into(),
+        x if x > 0.0 => format!("+{}", two(x)),
+        x => two(x),
+    }
+}
+
+/// A value as `--set` takes it.
+fn plain(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// The first words about a parameter.
+fn brief(about: &str) -> String {
+    let first = about.split_once(". ").map_or(about, |(first, _)| first).trim_end_matches('.');
+    if first.chars().count() <= ABOUT {
+        return first.into();
+    }
+    let cut: String = first.chars().take(ABOUT - 4).collect();
+    format!("{} ...", cut.rsplit_once(' ').map_or(cut.as_str(), |(whole, _)| whole))
+}
+
+/// What moves most.
+pub(crate) fn changes(sensitivity: &Sensitivity) -> Table {
+    let mut table = Table::new(&[
+        ("Parameter", Left, 0),
+        ("from", Right, 0),
+        ("to", Right, 0),
+        ("cycles %", Right, 0),
+        ("bytes %", Right, 0),
+        ("dB", Right, 0),
+        ("what it is", Left, 1),
+    ]);
+    let moving = sensitivity.changes.iter().filter_map(|change| match &change.comes_to {
+        ComesTo::Run(moved) if moved.size() > 0.0 => Some((change, moved)),
+        ComesTo::Run(_) | ComesTo::Nothing { .. } => None,
+    });
+    for (change, to) in moving.take(SHOWN) {
+        table.row([
+            change.parameter.clone(),
+            plain(&change.from),
+            plain(&change.to),
+            moved(to.cycles_percent),
+            moved(to.bytes_percent),
+            to.psnr_change_db.map_or_else(String::new, moved),
+            brief(&change.about),
+        ]);
+    }
+    table
+}
+
+/// What came to no end.
+pub(crate) fn failed(sensitivity: &Sensitivity) -> Table {
+    let mut table = Table::new(&[("Parameter", Left, 0), ("from", Right, 0), ("to", Right, 0), ("why there is no run", Left, 0)]);
+    for change in &sensitivity.changes {
+        if let ComesTo::Nothing { reason } = &change.comes_to {
+            table.row([change.parameter.clone(), plain(&change.from), plain(&change.to), reason.clone()]);
+        }
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+    use crate::text::{Style, Tables, to_text};
+    use serde_json::json;
+
+    const BASE: Measure = Measure { cycles: 1000, bytes: 400, psnr_db: Some(30.0) };
+
+    fn change(parameter: &str, to: Option<(u64, u64, f64)>) -> Change {
+        let moved = |(cycles, bytes, db)| ComesTo::Run(BASE.moved(Measure { cycles, bytes, psnr_db: Some(db) }));
+        let none = || ComesTo::Nothing { reason: "deadlock: a waits for b".into() };
+        Change {
+            parameter: parameter.into(),
+            about: "Slots. More is faster.".into(),
+            unit: "tokens".into(),
+            from: json!(64),
+            to: json!(32),
+            comes_to: to.map_or_else(none, moved),
+        }
+    }
+
+    fn sensitivity() -> Sensitivity {
+        let changes = vec![
+            change("stuck", None),
+            change("still", Some((1000, 400, 30.0))),
+            change("fast", Some((900, 400, 30.0))),
+            change("bytes", Some((1000, 480, 30.0))),
+            change("fast as well", Some((1100, 400, 30.0))),
+            change("picture", Some((1000, 400, 28.0))),
+        ];
+        Sensitivity::new(BASE, changes, vec!["text".into()])
+    }
+
+    #[test]
+    fn what_moves_most_comes_first_and_what_has_no_end_last() {
+        let names: Vec<String> = sensitivity().changes.into_iter().map(|change| change.parameter).collect();
+        // 24.4 %, 20 %, 10 % twice, nothing.
+        assert_eq!(names, ["picture", "bytes", "fast", "fast as well", "still", "stuck"]);
+    }
+
+    #[test]
+    fn moves_are_against_the_run_as_configured() {
+        let moved = BASE.moved(Measure { cycles: 1333, bytes: 0, psnr_db: None });
+        assert_eq!((moved.cycles_percent, moved.bytes_percent, moved.psnr_change_db), (33.3, -100.0, None));
+        let nothing = Measure { cycles: 0, bytes: 0, psnr_db: None };
+        assert_eq!(nothing.moved(BASE).cycles_percent, 0.0);
+    }
+
+    #[test]
+    fn the_tables_tell_what_moves_and_what_fails() {
+        let report = Report { sensitivity: Some(sensitivity()), ..samples::balanced() };
+        let text = to_text(&report, Style { width: 120, color: false }, &[]);
+        let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
+        has("picture 64 32 -2 Slots");
+        has("bytes 64 32 +20 Slots");
+        has("stuck 64 32 deadlock: a waits for b");
+        let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains("6 changes, largest first; 1 move nothing, 1 come to no end"), "{text}");
+        assert!(!text.contains("still  "), "{text}");
+        assert!(!to_text(&samples::balanced(), Style::default(), &Tables::ALL).contains("assumed parameters"));
+    }
+
+    #[test]
+    fn as_json_and_back() {
+        let text = serde_json::to_string(&sensitivity()).unwrap();
+        assert_eq!(serde_json::from_str::<Sensitivity>(&text).unwrap(), sensitivity());
+        let report = Report { sensitivity: Some(sensitivity()), ..samples::balanced() };
+        let json = serde_json::to_value(&report).unwrap();
+        assert_eq!(json["sensitivity"]["changes"][1]["bytes_percent"], 20.0);
+        let validator = jsonschema::validator_for(&crate::schema()).unwrap();
+        let errors: Vec<String> = validator.iter_errors(&json).map(|e| format!("{}: {e}", e.instance_path())).collect();
+        assert!(errors.is_empty(), "{errors:?}");
+    }
+}

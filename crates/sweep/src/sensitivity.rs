@@ -1,0 +1,88 @@
+//! Which assumptions a run hangs on: a plan around it, one value at a time, whose points are kept as the few figures that are asked for.
+
+use crate::folder::{Failure, Store};
+use crate::plan::{Axis, Plan, Point};
+use crate::{Found, Host, SweepError, Work, execute};
+use basrelief_report::Report;
+use basrelief_report::sensitivity::{Change, ComesTo, Measure, Sensitivity};
+use basrelief_session::Described;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Figures of points, by their hashes.
+#[derive(Default)]
+struct Measures(Mutex<BTreeMap<String, Result<Measure, Failure>>>);
+
+impl Measures {
+    fn all(&self) -> MutexGuard<'_, BTreeMap<String, Result<Measure, Failure>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Store for Measures {
+    fn find(&self, id: &str) -> Found {
+        match self.all().get(id) {
+            Some(Ok(_)) => Found::Report,
+            Some(Err(_)) => Found::Failed,
+            None => Found::Missing,
+        }
+    }
+
+    fn put(&self, id: &str, (report, _): (&Report, Option<&[u8]>), _: &dyn Host) -> Result<(), SweepError> {
+        self.all().insert(id.into(), Ok(Measure::of(report)));
+        Ok(())
+    }
+
+    fn put_failure(&self, id: &str, failure: &Failure, _: &dyn Host) -> Result<(), SweepError> {
+        self.all().insert(id.into(), Err(failure.clone()));
+        Ok(())
+    }
+}
+
+/// Runs the points of a plan [around a run](Plan::around), so many at a time, and says what each moves. The same whatever the number.
+///
+/// # Errors
+/// An input that cannot be opened any more; a run that does not come to its end as it is configured.
+pub fn sensitivity(plan: &Plan, threads: usize, host: &dyn Host) -> Result<Sensitivity, SweepError> {
+    let measures = Measures::default();
+    let points: Vec<&Point> = plan.points.iter().collect();
+    execute(plan, &Work { points: &points, retry_failed: false, pictures: false, threads }, &measures, host)?;
+    let measures = measures.all();
+    let measure = |point: &Point| measures.get(&point.id).cloned();
+    let is_base = |point: &&Point| point.places.iter().all(|place| *place == 0);
+    let base = match plan.points.iter().find(is_base).and_then(measure) {
+        Some(Ok(base)) => base,
+        Some(Err(Failure { outcome, message })) => return Err(SweepError(format!("as configured: {outcome}: {message}"))),
+        None => return Err(SweepError("as configured: was not run".into())),
+    };
+    let described = plan.config(&vec![0; plan.axes.len()]).map_err(SweepError)?.described();
+    let described: BTreeMap<&str, &Described> = described.iter().map(|p| (p.key.as_str(), p)).collect();
+    let change = |point: &Point| {
+        let (axis, place) = plan.axes.iter().zip(&point.places).find(|(_, place)| **place > 0)?;
+        Some(change(axis, *place, described.get(axis.keys[0].as_str())?, measure(point)?, base))
+    };
+    let changes = plan.points.iter().filter_map(change).collect();
+    let unchanged = plan.axes.iter().filter(|axis| axis.values.len() < 2).map(|axis| axis.keys[0].clone()).collect();
+    Ok(Sensitivity::new(base, changes, unchanged))
+}
+
+fn change(axis: &Axis, place: usize, of: &Described, measure: Result<Measure, Failure>, base: Measure) -> Change {
+    Change {
+        parameter: of.key.clone(),
+        about: of.about.clone(),
+        unit: of.unit.into(),
+        from: of.value.clone(),
+        to: json_of(&axis.values[place][0]),
+        comes_to: match measure {
+            Ok(measure) => ComesTo::Run(base.moved(measure)),
+            Err(Failure { outcome, message }) => ComesTo::Nothing { reason: format!("{outcome}: {message}") },
+        },
+    }
+}
+
+/// A value of TOML as one of JSON.
+fn json_of(text: &str) -> Value {
+    let table: Option<toml::Table> = format!("value = {text}").parse().ok();
+    table.and_then(|mut table| serde_json::to_value(table.remove("value")?).ok()).unwrap_or_default()
+}
