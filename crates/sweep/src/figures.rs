@@ -1,7 +1,7 @@
 //! The numbers of a report, each by its path: `cycles.total`, `quality.psnr_db`, `units.replacement.busy`.
 //!
-//! The path is that in `report.json`, with the exception of `derived.NAME`, whose `value` is meant. Lists have no path. Three sums are
-//! added: `cycles.frames`, the cycles of all frames, for which `cycles` is short; `memories.bytes`, what all memories moved; and
+//! The path is that in `report.json`, with the exception of `derived.NAME`, whose `value` is meant. Of a list below `figures`, such as a
+//! number for each frame, there is the sum, `figures.NAME.sum`; other lists have no path. Three sums are added: `cycles.frames`, the cycles of all frames, for which `cycles` is short; `memories.bytes`, what all memories moved; and
 //! `hardware.bits`, what the machine holds.
 
 use basrelief_charts::Cell;
@@ -43,8 +43,9 @@ pub fn figures(report: &Value) -> Vec<Figure> {
     figures.extend(sums(report));
     for (name, value) in sorted(&report["figures"]) {
         let legend = |key: &str| report["legend"][name][key].as_str().unwrap_or_default().to_owned();
-        let figure = |cell| Figure { name: format!("figures.{name}"), unit: legend("unit"), what: legend("about"), cell };
-        figures.extend(number(value).map(figure));
+        let figure = |name, cell| Figure { name, unit: legend("unit"), what: legend("about"), cell };
+        figures.extend(number(value).map(|cell| figure(format!("figures.{name}"), cell)));
+        figures.extend(sum(value).map(|cell| figure(format!("figures.{name}.sum"), cell)));
     }
     for (name, derived) in sorted(&report["derived"]) {
         let text = |key: &str| derived[key].as_str().unwrap_or_default().to_owned();
@@ -61,6 +62,21 @@ fn sorted(group: &Value) -> BTreeMap<&str, &Value> {
 
 fn number(value: &Value) -> Option<Cell> {
     value.as_u64().map(Cell::Whole).or_else(|| value.as_f64().map(Cell::Number))
+}
+
+/// Sum of a list of numbers, if it has any.
+fn sum(value: &Value) -> Option<Cell> {
+    let cells = value.as_array().filter(|list| !list.is_empty())?.iter().map(number).collect::<Option<Vec<_>>>()?;
+    let whole = |cell: &Cell| if let Cell::Whole(n) = cell { Some(*n) } else { None };
+    let number = |cell: &Cell| match cell {
+        Cell::Whole(n) => Some(*n as f64),
+        Cell::Number(x) => Some(*x),
+        _ => None,
+    };
+    match cells.iter().map(whole).try_fold(0, |sum: u64, n| sum.checked_add(n?)) {
+        Some(sum) => Some(Cell::Whole(sum)),
+        None => cells.iter().map(number).sum::<Option<f64>>().map(Cell::Number),
+    }
 }
 
 /// All numbers below, groups opened.
@@ -127,7 +143,7 @@ mod tests {
             "units": { "a": { "numeral": 11, "busy": 4, "tokens": 2, "starved": { "in": 6 } } },
             "memories": { "m": { "clients": { "z": { "read_bytes": 5, "write_bytes": 8 } }, "channels": [{ "row_hits": 1 }] } },
             "hardware": [{ "place": "a", "kind": "table", "about": "x", "count": 8, "width": 3 }],
-            "figures": { "fragments": 9, "names": "x", "levels": [1, 2] },
+            "figures": { "fragments": 9, "names": "x", "levels": [1, 2], "none": [], "waits": [1, 0.5], "words": ["y"] },
             "legend": { "fragments": { "unit": "fragments", "about": "drawn" } },
             "derived": { "a.utilisation": { "value": 0.4, "unit": "1", "formula": "f" }, "time_ms": { "value": 2.5, "unit": "ms", "formula": "g" } },
             "quality": { "psnr_db": 30.5, "ssim": 1.0 },
@@ -150,6 +166,8 @@ mod tests {
                 "memories.bytes = 13 bytes",
                 "hardware.bits = 24 bits",
                 "figures.fragments = 9 fragments",
+                "figures.levels.sum = 3",
+                "figures.waits.sum = 1.5",
                 "derived.a.utilisation = 0.4",
                 "derived.time_ms = 2.5 ms",
             ]
