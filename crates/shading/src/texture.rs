@@ -220,6 +220,7 @@ mod tests {
             sampler: Sampler::default(),
             levels: vec![image(6, 5), image(3, 2), image(1, 1)],
             offset: 32,
+            elsewhere: None,
         };
         assert_eq!(address(&texture, 0, [0, 0], 4), 32 * 4);
         assert_eq!(address(&texture, 0, [3, 1], 4), (32 + 7) * 4);
@@ -280,7 +281,7 @@ mod tests {
         #[test]
         fn addresses_within_a_level_are_distinct(w in 1u32..20, h in 1u32..20) {
             let texture = Texture {
-                id: 0, name: String::new(), sampler: Sampler::default(), levels: vec![image(w, h)], offset: 5,
+                id: 0, name: String::new(), sampler: Sampler::default(), levels: vec![image(w, h)], offset: 5, elsewhere: None,
             };
             let mut seen: Vec<u64> = (0..w * h).map(|i| address(&texture, 0, [i % w, i / w], 4)).collect();
             seen.sort_unstable();

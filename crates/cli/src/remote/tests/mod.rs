@@ -52,7 +52,7 @@ const PATIENCE: Patience = Patience {
 fn texture() -> Arc<Texture> {
     let texels = (0..200 * 90).map(|i: u32| [i as u8, (i / 7) as u8, (i / 200) as u8, 255]).collect();
     let levels = vec![Image { width: 200, height: 90, texels }];
-    Arc::new(Texture { id: 4, name: "plane".into(), sampler: Sampler::default(), levels, offset: 0 })
+    Arc::new(Texture { id: 4, name: "plane".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
 /// What is served, and the hash of its textures.
