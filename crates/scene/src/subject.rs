@@ -1,8 +1,8 @@
 //! What a view is a view of.
 
+use crate::outside::over_budget;
 use crate::view::ViewHints;
 use crate::{SceneError, ViewOptions};
-use crate::outside::over_budget;
 use basrelief_input::{Budget, Held};
 use basrelief_signals::{Frame, Light, Object, Scene};
 use std::sync::Arc;

@@ -38,7 +38,7 @@ pub(crate) fn pictures(settings: &RunOptions, begin: &Begin) -> Result<Held, Ove
 /// More than is left.
 pub fn textures(scene: &Scene, copies: u64, budget: &Budget) -> Result<Held, OverBudget> {
     let sizes: BTreeMap<u32, u64> = textures_of(scene).map(|t| (t.id, texel_bytes(t))).collect();
-    let (all, largest) = (sizes.values().fold(0, |sum, bytes| sum.saturating_add(*bytes)), sizes.values().max().copied());
+    let (all, largest) = (sizes.values().fold(0, |sum: u64, bytes| sum.saturating_add(*bytes)), sizes.values().max().copied());
     let bytes = u64::saturating_mul(copies, all).saturating_add(largest.unwrap_or_default());
     budget.take(bytes, "copies of textures")
 }

@@ -103,7 +103,8 @@ impl<'a> Arrays<'a> {
     }
 
     fn hold(&mut self, bytes: usize, index: usize, field: &str) -> Result<(), SceneError> {
-        let held = self.budget.take(bytes as u64, "meshes of a scene").map_err(|e| over_budget(place("meshes", index, field), &e))?;
+        let held =
+            self.budget.take(bytes as u64, "meshes of a scene").map_err(|e| over_budget(place("meshes", index, field), &e))?;
         self.held.join(held);
         Ok(())
     }

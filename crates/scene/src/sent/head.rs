@@ -172,7 +172,11 @@ impl Head {
 }
 
 /// Each of a list, with its number.
-fn read<T, U>(list: &str, all: Vec<T>, of: impl Fn(T, usize) -> Result<U, (&'static str, String)>) -> Result<Vec<Arc<U>>, SceneError> {
+fn read<T, U>(
+    list: &str,
+    all: Vec<T>,
+    of: impl Fn(T, usize) -> Result<U, (&'static str, String)>,
+) -> Result<Vec<Arc<U>>, SceneError> {
     let each = all.into_iter().enumerate();
     each.map(|(i, one)| of(one, i).map(Arc::new).map_err(|(field, what)| SceneError::at(place(list, i, field), what))).collect()
 }
