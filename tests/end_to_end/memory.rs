@@ -104,14 +104,14 @@ fn what_a_server_sends_is_held_within_the_limit() {
     let address = listener.local_addr().expect("an address");
     let endless = |mut stream: TcpStream| {
         let _ = stream.read(&mut [0; 4096]);
-        let _ = write!(stream, "HTTP/1.1 200 OK\r\nx-content-sha256: {}\r\nconnection: close\r\n\r\n", "0".repeat(64));
+        let _ = write!(stream, "HTTP/1.1 200 OK\r\netag: \"{}\"\r\nconnection: close\r\n\r\n", "0".repeat(64));
         while stream.write_all(&[0; 1 << 16]).is_ok() {}
     };
     thread::spawn(move || listener.incoming().flatten().for_each(|stream| drop(thread::spawn(move || endless(stream)))));
     let place = Place::new();
     let outcome = run(&place, 1024, &format!("run --from http://{address}/ --quiet --memory-limit 64MiB"));
     let error = outcome.error(1);
-    assert!(error.contains("/polygons: would hold") && error.contains("over the limit of 64 MiB"), "{error}");
+    assert!(error.contains("/scene: would hold") && error.contains("over the limit of 64 MiB"), "{error}");
     assert!(!error.contains("attempt"), "asked for once: {error}");
 }
 

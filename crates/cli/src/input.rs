@@ -4,7 +4,7 @@ use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
-use basrelief_scene::{SceneError, ViewOptions, demo, load_path_within, read_camera};
+use basrelief_scene::{SceneError, Subject, ViewOptions, demo, load_path_within, read_camera};
 use basrelief_session::{Given, MachineConfig, MachineInfo, Misconfigured, Prepared, RunInput};
 use basrelief_signals::Scene;
 use std::cell::Cell;
@@ -122,13 +122,30 @@ pub fn open(path: &Path, view: &ViewArgs, budget: &Budget) -> Done<Input> {
         }
         return Ok(Input::Trace(trace));
     }
-    let shown = path.display().to_string();
-    // What is wrong may lie in a file that the model refers to; the model is named all the same.
-    let failed = |e: SceneError| if e.file == shown { Failure::bad(e) } else { Failure::within(&shown)(e) };
-    let (scene, held) = load_path_within(path, &view_options(view, budget)?, budget).map_err(failed)?;
+    let (scene, held) = load_path_within(path, &view_options(view, budget)?, budget).map_err(failed_within(path))?;
     // It is there to the end of the program.
     held.keep();
     Ok(Input::Scene(Arc::new(scene).into()))
+}
+
+/// Opens a model or a demo (`demo:NAME`) that nobody looks at yet; none where it is a display list.
+pub fn open_subject(path: &Path, budget: &Budget) -> Done<Option<Subject>> {
+    if let Some(name) = demo_of(path) {
+        return Subject::demo(name).map(Some).map_err(|e| Failure::Usage(e.to_string()));
+    }
+    if path == Path::new("-") || TraceFile::open(path)?.is_one()? {
+        return Ok(None);
+    }
+    let (subject, held) = Subject::load_path_within(path, budget).map_err(failed_within(path))?;
+    // It is there to the end of the program.
+    held.keep();
+    Ok(Some(subject))
+}
+
+/// What is wrong may lie in a file that the model refers to; the model is named all the same.
+fn failed_within(path: &Path) -> impl Fn(SceneError) -> Failure {
+    let shown = path.display().to_string();
+    move |e| if e.file == shown { Failure::bad(e) } else { Failure::within(&shown)(e) }
 }
 
 /// An embedded scene.

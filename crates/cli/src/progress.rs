@@ -98,17 +98,24 @@ pub struct TileProgress {
 }
 
 impl TileProgress {
-    /// Polygons first.
+    /// The scene first.
     pub fn new(quiet: bool) -> Self {
         let bar = bar(ProgressBar::no_length(), quiet);
         set_style(&bar, "{spinner} {msg}");
-        bar.set_message("polygons");
+        bar.set_message("waiting for the server");
+        bar.enable_steady_tick(Duration::from_millis(200));
         Self { bar, come: Arc::default() }
     }
 
-    /// So many bytes of polygons have come.
-    pub fn polygons(&self, bytes: u64) {
-        self.bar.set_message(format!("polygons, {}", HumanBytes(bytes)));
+    /// So many bytes of the scene have come.
+    pub fn scene(&self, bytes: u64) {
+        self.bar.set_message(format!("scene, {}", HumanBytes(bytes)));
+    }
+
+    /// A picture is there; better ones follow, perhaps.
+    pub fn shown(&self, frame: u32, round: u32, milliseconds: f64) {
+        let line = format!("frame {}, picture {round}: there after {:.2} s", frame + 1, milliseconds / 1e3);
+        self.bar.println(line);
     }
 
     /// Another acquisition lists so many tiles.

@@ -58,7 +58,7 @@ impl<W: Write> Recorder<W> {
 }
 
 /// Hash of an input: SHA-256 over the canonical JSON lines of its commands, without `expect` and `end`, all texels
-/// inline. A scene and its recorded trace have the same one; for a recorded trace in JSON Lines it is what
+/// inline; where they are elsewhere, with their hash alone. A scene and its recorded trace have the same one; for a recorded trace in JSON Lines it is what
 /// `grep -vE '^\{"(expect|end)"' | sha256sum` says.
 pub struct CanonicalHash {
     hash: BufWriter<Hashing>,
@@ -250,6 +250,7 @@ fn two_uses(id: u32) -> Fault {
 fn texture_definition(kind: TextureKind, texture: &Texture) -> Result<TextureDefinition, Fault> {
     let first = texture.levels.first().ok_or_else(|| Fault::new("levels", "is 0, expected at least one level"))?;
     let bytes = texel_bytes(kind, texture);
+    let sha256 = texture.elsewhere.map_or_else(|| Digest::of(&bytes), Digest);
     let definition = TextureDefinition {
         id: texture.id,
         name: texture.name.clone(),
@@ -259,10 +260,13 @@ fn texture_definition(kind: TextureKind, texture: &Texture) -> Result<TextureDef
         height: first.height,
         levels: texture.levels.len() as u32,
         offset: texture.offset,
-        sha256: Digest::of(&bytes),
-        data: Some(Texels(bytes)),
+        sha256,
+        data: texture.elsewhere.is_none().then_some(Texels(bytes)),
         file: None,
     };
+    if texture.elsewhere.is_some() {
+        return Ok(definition);
+    }
     for (k, (level, size)) in texture.levels.iter().zip(definition.level_sizes()).enumerate() {
         let texels = u64::from(level.width) * u64::from(level.height);
         if (level.width, level.height) != size || level.texels.len() as u64 != texels {

@@ -238,7 +238,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
         let more = texels.saturating_sub(self.copied.bytes());
         self.copied.grow(more, "a copy of texels").map_err(Fault::over_budget("width"))?;
         let TextureDefinition { id, name, kind, sampler, offset, .. } = definition;
-        let texture = Arc::new(Texture { id, name, sampler, levels, offset });
+        let texture = Arc::new(Texture { id, name, sampler, levels, offset, elsewhere: None });
         if kind == TextureKind::Color && !self.nesting.in_frame() {
             self.declared.push(Arc::clone(&texture));
         }

@@ -204,4 +204,9 @@ pub trait Machine {
     fn wire<V: Visitor>(&mut self, v: &mut V);
     /// The memories that its stages share.
     fn memories(&mut self) -> &mut MemorySystem;
+    /// Whether it has finished something that somebody waits for: [`Limits::progress`](crate::Limits::progress) is then called as soon
+    /// as its stages have been walked over, and not only every now and then. A stage may wait for the outside in its next step.
+    fn has_news(&self) -> bool {
+        false
+    }
 }

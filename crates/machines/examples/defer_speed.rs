@@ -17,7 +17,7 @@ const QUAD: u32 = 32;
 fn material(id: u32) -> Arc<Material> {
     let texel = |i: u32| [(i * 7) as u8, (i / 512) as u8, (i ^ i >> 9) as u8, 255];
     let levels = vec![Image { width: 512, height: 512, texels: (0..512 * 512).map(texel).collect() }];
-    let texture = Texture { id, name: format!("texture {id}"), sampler: Sampler::default(), levels, offset: 0 };
+    let texture = Texture { id, name: format!("texture {id}"), sampler: Sampler::default(), levels, offset: 0, elsewhere: None };
     Arc::new(Material { color_texture: Some(Arc::new(texture)), ..Material::default() })
 }
 

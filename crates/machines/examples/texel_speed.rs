@@ -24,7 +24,7 @@ fn texture() -> Arc<Texture> {
         }
     };
     let levels = (0..=SIDE.ilog2()).map(level).collect();
-    Arc::new(Texture { id: 0, name: "t".into(), sampler: Sampler::default(), levels, offset: 0 })
+    Arc::new(Texture { id: 0, name: "t".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
 /// A quad as large as the picture, ten times as far away at its right end, turned a little.

@@ -76,7 +76,14 @@ mod tests {
 
     #[test]
     fn a_pyramid_is_made_once_and_given_levels_are_taken_as_they_are() {
-        let texture = Texture { id: 3, name: "t".into(), sampler: Default::default(), levels: vec![image(9, 2)], offset: 7 };
+        let texture = Texture {
+            id: 3,
+            name: "t".into(),
+            sampler: Default::default(),
+            levels: vec![image(9, 2)],
+            offset: 7,
+            elsewhere: None,
+        };
         let texture = Arc::new(texture);
         let mut pyramids = Pyramids::default();
         assert!(Arc::ptr_eq(&pyramids.of(&texture, &Options::default()), &texture));

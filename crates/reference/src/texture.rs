@@ -148,7 +148,7 @@ mod tests {
     fn ramp(wrap: Wrap) -> Texture {
         let sampler = Modes { wrap: [wrap; 2], ..Modes::default() };
         let levels = vec![gray(4, 1, &[0, 51, 102, 153]), gray(2, 1, &[0, 255]), gray(1, 1, &[204])];
-        Texture { id: 0, name: String::new(), sampler, levels, offset: 0 }
+        Texture { id: 0, name: String::new(), sampler, levels, offset: 0, elsewhere: None }
     }
 
     /// Value in fifths at column coordinate `u` \[texels of level 0\], footprint `step` texels wide.
@@ -237,7 +237,7 @@ mod tests {
         let sampler = Modes { wrap: [wrap; 2], ..Modes::default() };
         let levels = [&[0, 10, 20, 30, 40][..], &[5, 25, 40], &[15, 40], &[28]].map(|v| gray(v.len() as u32, 1, v));
         let options = Options { pyramid: Pyramid::Tiled { tile: [1, 1], centre }, ..Options::default() };
-        (Texture { id: 0, name: String::new(), sampler, levels: levels.into(), offset: 0 }, options)
+        (Texture { id: 0, name: String::new(), sampler, levels: levels.into(), offset: 0, elsewhere: None }, options)
     }
 
     #[test]

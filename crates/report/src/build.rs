@@ -91,6 +91,7 @@ impl Report {
     pub fn with_host(mut self, wall_s: f64, simulate_s: f64) -> Self {
         let rate = |n: f64| if simulate_s > 0.0 { n / simulate_s } else { 0.0 };
         self.host = Some(crate::model::Host {
+            path: None,
             wall_s,
             simulate_s,
             cycles_per_s: self.cycles.as_ref().map(|c| rate(c.total as f64)),

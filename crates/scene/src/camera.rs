@@ -4,6 +4,7 @@ use crate::SceneError;
 use crate::gltf::parse::json_error;
 use basrelief_signals::Camera;
 use glam::{DMat4, DVec3, DVec4};
+use serde::{Deserialize, Serialize};
 
 /// Where the automatic camera stands: azimuth from +z towards +x, elevation, vertical field of view \[degrees\].
 pub(crate) const AUTO_VIEW: [f64; 3] = [30.0, 20.0, 35.0];
@@ -11,7 +12,7 @@ pub(crate) const AUTO_VIEW: [f64; 3] = [30.0, 20.0, 35.0];
 const RADIANS: f64 = std::f64::consts::PI / 180.0;
 
 /// Box around a model in the world, sides parallel to the axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Bounds {
     pub low: DVec3,
     pub high: DVec3,
@@ -40,7 +41,7 @@ impl Bounds {
 }
 
 /// How a camera projects.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Lens {
     /// Vertical field of view \[radians\], distances of the planes; `far` may be infinite.
     Perspective { field: f64, near: f64, far: f64 },
@@ -73,7 +74,7 @@ impl Lens {
 }
 
 /// A camera in the world, not yet bound to a picture's size.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Viewpoint {
     pub eye: DVec3,
     /// Unit vectors to the right, up, and back towards the viewer.

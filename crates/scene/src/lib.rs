@@ -14,6 +14,7 @@ mod obj;
 mod outside;
 mod picture;
 pub mod pyramid;
+mod sent;
 mod subject;
 mod tangents;
 pub mod text;
@@ -58,8 +59,9 @@ pub fn load_within(
     budget: &Budget,
 ) -> Result<(Scene, Held), SceneError> {
     let (subject, mut held) = Subject::load_within(bytes, name, files, budget)?;
-    subject.hold_frames(options, &mut held).map_err(|error| over_budget("", &error).in_file(name))?;
-    Ok((subject.seen(options)?, held))
+    let (scene, frames) = subject.seen_within(options, budget)?;
+    held.join(frames);
+    Ok((scene, held))
 }
 
 impl Subject {
@@ -74,6 +76,21 @@ impl Subject {
         let hints = ViewHints { shading: model.shading, ..ViewHints::still(model.bounds, model.camera, model.lamps) };
         let subject = Self { name: name.into(), objects: model.objects, hints, warnings: warnings.into_vec() };
         Ok((subject, outside.into_kept()))
+    }
+
+    /// Imports a model from the file system as [`load_path_within`](crate::load_path_within) does, to be looked at later.
+    ///
+    /// # Errors
+    /// As [`load_path_within`](crate::load_path_within).
+    pub fn load_path_within(path: &Path, budget: &Budget) -> Result<(Self, Held), SceneError> {
+        let shown = path.display().to_string();
+        let cannot = |e: io::Error| match OverBudget::within(&e) {
+            Some(error) => over_budget("", error),
+            None => SceneError::at("", format!("cannot be read: {e}")).expected("a .glb, .gltf or .obj file"),
+        };
+        let (bytes, _held) = files::read_regular(path, budget).map_err(|e| cannot(e).in_file(&shown))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::load_within(&bytes, &shown, &Directory::new(folder), budget)
     }
 }
 
@@ -90,14 +107,10 @@ pub fn load_path(path: &Path, options: &ViewOptions) -> Result<Scene, SceneError
 /// # Errors
 /// As [`load_path`], and what is over the budget.
 pub fn load_path_within(path: &Path, options: &ViewOptions, budget: &Budget) -> Result<(Scene, Held), SceneError> {
-    let shown = path.display().to_string();
-    let cannot = |e: io::Error| match OverBudget::within(&e) {
-        Some(error) => over_budget("", error),
-        None => SceneError::at("", format!("cannot be read: {e}")).expected("a .glb, .gltf or .obj file"),
-    };
-    let (bytes, _held) = files::read_regular(path, budget).map_err(|e| cannot(e).in_file(&shown))?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    load_within(&bytes, &shown, &Directory::new(folder), options, budget)
+    let (subject, mut held) = Subject::load_path_within(path, budget)?;
+    let (scene, frames) = subject.seen_within(options, budget)?;
+    held.join(frames);
+    Ok((scene, held))
 }
 
 fn import(bytes: &[u8], name: &str, outside: &Outside<'_>, warnings: &mut Warnings) -> Result<Model, SceneError> {

@@ -1,8 +1,9 @@
 //! What a view is a view of.
 
+use crate::outside::over_budget;
 use crate::view::ViewHints;
 use crate::{SceneError, ViewOptions};
-use basrelief_input::{Held, OverBudget};
+use basrelief_input::{Budget, Held};
 use basrelief_signals::{Frame, Light, Object, Scene};
 use std::sync::Arc;
 
@@ -26,10 +27,26 @@ impl Subject {
         Ok(Scene { name, objects, frames: hints.frames(options)?, warnings })
     }
 
-    /// Takes what the frames of a view hold.
-    pub(crate) fn hold_frames(&self, options: &ViewOptions, held: &mut Held) -> Result<(), OverBudget> {
+    /// As [`seen`](Self::seen), within a budget: the scene, and what its frames take of it.
+    ///
+    /// # Errors
+    /// As [`seen`](Self::seen), and what is over the budget.
+    pub fn seen_within(&self, options: &ViewOptions, budget: &Budget) -> Result<(Scene, Held), SceneError> {
         let frame = (size_of::<Frame>() + 64 + self.hints.lamps.len() * size_of::<Light>()) as u64;
-        held.grow(frame * u64::from(options.frames.unwrap_or(self.hints.frames)), "frames and their lights")
+        let frames = u64::from(options.frames.unwrap_or(self.hints.frames));
+        let held = budget.take(frame.saturating_mul(frames), "frames and their lights");
+        let held = held.map_err(|error| over_budget("", &error).in_file(&self.name))?;
+        Ok((self.seen(options)?, held))
+    }
+
+    /// Its name: that of its file, as the user named it, or of the demo.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its objects, in drawing order.
+    pub fn objects(&self) -> &[Arc<Object>] {
+        &self.objects
     }
 
     /// Its triangles.

@@ -66,7 +66,7 @@ impl TextureStore {
         *end += levels.iter().map(padded_texels).sum::<u64>();
         let id = self.next_id;
         self.next_id += 1;
-        Arc::new(Texture { id, name: name.into(), sampler, levels, offset })
+        Arc::new(Texture { id, name: name.into(), sampler, levels, offset, elsewhere: None })
     }
 }
 

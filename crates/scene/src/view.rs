@@ -4,6 +4,7 @@ use crate::SceneError;
 use crate::camera::{AUTO_VIEW, Bounds, View, Viewpoint, check_camera, direction, rows, turn, turn_around};
 use basrelief_signals::{Camera, Frame, Light, LightKind, MAX_PICTURE_PIXELS, Shading};
 use glam::{DMat4, DVec3, DVec4};
+use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
@@ -51,7 +52,7 @@ impl Default for ViewOptions {
 }
 
 /// A light in double precision.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Lamp {
     /// Unit direction towards it.
     Directional(DVec3),
@@ -60,7 +61,7 @@ pub(crate) enum Lamp {
 }
 
 /// How far the light turns, where the user does not say.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum LightOrbit {
     /// By this angle over all frames \[degrees\].
     Degrees(f64),

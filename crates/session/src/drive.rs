@@ -186,10 +186,11 @@ impl<'a> Session<'a> {
 
     /// Called by the engine between its rounds; what is done here counts as no simulation.
     fn look<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M, aside: &mut f64) -> bool {
-        let has_finished = !machine.finished().is_empty();
-        if has_finished || self.settings.requests {
+        let (rounds, has_finished) = (machine.drain_rounds(), !machine.finished().is_empty());
+        if has_finished || !rounds.is_empty() || self.settings.requests {
             let began = (self.settings.clock)();
             self.take_requests(machine);
+            self.take_rounds(spec, rounds);
             if has_finished {
                 self.take_frames(spec, machine);
             }
@@ -237,17 +238,28 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn take_frames<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M) {
-        let rounds = self.wanted::<S>(Form::PicturePerRound).filter(|_| spec.shows_rounds());
-        for shown in machine.drain_rounds() {
+    /// The exhibit of pictures that are shown of a frame, if it is wanted.
+    fn wanted_rounds<S: MachineSpec>(&self, spec: &S) -> Option<ExhibitInfo> {
+        self.wanted::<S>(Form::PicturePerRound).filter(|_| spec.shows_rounds())
+    }
+
+    fn take_rounds<S: MachineSpec>(&mut self, spec: &S, rounds: Vec<FinishedFrame>) {
+        let wanted = self.wanted_rounds(spec);
+        for shown in rounds {
             let (frame, number) = (shown.index, shown.round);
+            self.observer.shown(frame, number);
             let picture = picture(shown);
-            self.attempt(|session| rounds.map_or(Ok(()), |info| show_round(info, [frame, number], &picture, session.observer)));
+            self.attempt(|session| wanted.map_or(Ok(()), |info| show_round(info, [frame, number], &picture, session.observer)));
             let bytes = held::WAITING_PIXEL * picture.rgb.len() as u64;
             if self.hold(1, bytes, "pictures that better ones follow") {
                 self.rounds.push((frame, picture));
             }
         }
+    }
+
+    fn take_frames<S: MachineSpec, M: Logs<S::Log>>(&mut self, spec: &S, machine: &mut M) {
+        self.take_rounds(spec, machine.drain_rounds());
+        let rounds = self.wanted_rounds(spec);
         let frames = machine.drain_finished();
         self.show(spec, &machine.drain_log(&frames));
         for frame in frames {
@@ -289,6 +301,8 @@ impl<'a> Session<'a> {
             return Ok(());
         }
         let number = frame.index;
+        let before = self.rounds.iter().filter(|(of, _)| *of == number).count();
+        self.observer.shown(number, before as u32);
         let machine = picture(frame);
         let round = self.compare_rounds(number, &machine).map_err(|e| e.to_string())?;
         if let Some(info) = rounds {

@@ -38,8 +38,9 @@ pub(crate) fn pictures(settings: &RunOptions, begin: &Begin) -> Result<Held, Ove
 /// More than is left.
 pub fn textures(scene: &Scene, copies: u64, budget: &Budget) -> Result<Held, OverBudget> {
     let sizes: BTreeMap<u32, u64> = textures_of(scene).map(|t| (t.id, texel_bytes(t))).collect();
-    let (all, largest) = (sizes.values().sum::<u64>(), sizes.values().max().copied().unwrap_or_default());
-    budget.take(copies * all + largest, "copies of textures")
+    let (all, largest) = (sizes.values().fold(0, |sum: u64, bytes| sum.saturating_add(*bytes)), sizes.values().max().copied());
+    let bytes = u64::saturating_mul(copies, all).saturating_add(largest.unwrap_or_default());
+    budget.take(bytes, "copies of textures")
 }
 
 fn textures_of(scene: &Scene) -> impl Iterator<Item = &Arc<Texture>> {
@@ -48,5 +49,7 @@ fn textures_of(scene: &Scene) -> impl Iterator<Item = &Arc<Texture>> {
 }
 
 fn texel_bytes(texture: &Texture) -> u64 {
-    texture.levels.iter().map(|level| size_of_val(&*level.texels) as u64).sum()
+    // By their sizes: a machine makes copies of texels that are elsewhere, too.
+    let texels = texture.levels.iter().map(|level| u64::from(level.width).saturating_mul(level.height.into()));
+    texels.fold(0, u64::saturating_add).saturating_mul(size_of::<[u8; 4]>() as u64)
 }

@@ -34,6 +34,11 @@ pub trait Observer {
         true
     }
 
+    /// A picture is finished: number of its frame, and its own within the frame, both from 0. Comes before anything is made of it.
+    fn shown(&mut self, frame: u32, round: u32) {
+        let _ = (frame, round);
+    }
+
     /// A frame is finished and measured. The machine may have gone on meanwhile.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use crate::machines::MachineConfig;
 use crate::outcome::SessionError;
 use crate::prepared::Prepared;
 use crate::settings::RunInput;
-use basrelief_display_list::{Begin, CanonicalHash, Digest, Files, NoFiles, Resolver, TraceError};
+use basrelief_display_list::{Begin, CanonicalHash, Digest, Files, Resolver, TraceError};
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_input::Budget;
 use basrelief_kernel::{Demand, Traffic, Unit};
@@ -40,12 +40,11 @@ fn controls(scene: &Arc<Scene>, front: FrontConfig) -> impl Iterator<Item = Cont
 /// A display list that cannot be read or hashed, and what is over the budget.
 pub fn input_sha256(source: RunInput, config: &MachineConfig, budget: &Budget) -> Result<String, SessionError> {
     let digest = match source {
-        RunInput::Scene(prepared) => {
+        RunInput::Scene(prepared) | RunInput::Remote { scene: prepared, .. } => {
             let _textures = held::textures(prepared.scene(), 0, budget)?;
             SceneHash::start(&prepared, config.front()).get()?
         }
         RunInput::Trace { reader, mut files, .. } => Some(trace_hash(reader, move |name: &str| files.open(name), budget)?),
-        RunInput::Remote { reader, .. } => Some(trace_hash(reader, NoFiles, budget)?),
     };
     Ok(digest.map(|digest| digest.to_string()).unwrap_or_default())
 }

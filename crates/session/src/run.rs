@@ -14,7 +14,7 @@ use crate::rehearsal::rehearsed;
 use crate::settings::{RunInput, RunOptions, When};
 use crate::tee::{Tee, TraceNotes};
 use basrelief_deferred_renderer::TileSource;
-use basrelief_display_list::{Files, NoFiles, Resolver};
+use basrelief_display_list::{Files, Resolver};
 use basrelief_kernel::{Machine, NoProbe, Probe, Shape};
 use basrelief_machines::{ConfigProblem, Draws, Facts, SceneFront, TraceFront, numeral_of};
 use basrelief_report::Board;
@@ -37,8 +37,8 @@ pub fn board(source: &RunInput, settings: &RunOptions) -> Result<Board, ConfigPr
 
 fn board_of<S: MachineSpec>(spec: &S, source: &RunInput) -> Result<Board, ConfigProblem> {
     let way = match source {
-        RunInput::Scene(_) => Way::Scene,
-        RunInput::Trace { .. } | RunInput::Remote { .. } => Way::Trace,
+        RunInput::Scene(_) | RunInput::Remote { .. } => Way::Scene,
+        RunInput::Trace { .. } => Way::Trace,
     };
     let hz = serde_json::to_value(spec).unwrap_or_default().pointer("/clock/hz").and_then(serde_json::Value::as_u64);
     let mut board = Board::new(S::NAME, hz.unwrap_or(0), way.shape(spec)?.diagram());
@@ -162,8 +162,10 @@ fn run_costed(
     let within = (settings.max_cycles, &settings.budget);
     let mut costs = CostProbe::new(stages, points, within, steps.clone(), probe);
     let names = match &source {
-        RunInput::Scene(prepared) => prepared.scene().objects.iter().map(|object| (object.id, object.name.clone())).collect(),
-        RunInput::Trace { .. } | RunInput::Remote { .. } => BTreeMap::new(),
+        RunInput::Scene(prepared) | RunInput::Remote { scene: prepared, .. } => {
+            prepared.scene().objects.iter().map(|object| (object.id, object.name.clone())).collect()
+        }
+        RunInput::Trace { .. } => BTreeMap::new(),
     };
     let run = run_following((source, steps), settings, observer, Some(&mut costs));
     costs.check()?;
@@ -186,16 +188,14 @@ fn run_probed<P: Probe>(
     probe: &mut P,
 ) -> Result<Run, SessionError> {
     for_machine!(&settings.config, spec => match source {
-        RunInput::Scene(prepared) => run_scene((&prepared, steps), spec, settings, observer, probe),
-        RunInput::Trace { reader, files, name } => run_trace((reader, files, name), (None, steps), spec, settings, observer, probe),
-        RunInput::Remote { reader, name, tiles } => {
-            run_trace((reader, Box::new(NoFiles), name), (Some(tiles), steps), spec, settings, observer, probe)
-        }
+        RunInput::Scene(prepared) => run_scene((&prepared, None, steps), spec, settings, observer, probe),
+        RunInput::Trace { reader, files, name } => run_trace((reader, files, name), steps, spec, settings, observer, probe),
+        RunInput::Remote { scene, tiles, .. } => run_scene((&scene, Some(tiles), steps), spec, settings, observer, probe),
     })
 }
 
 fn run_scene<S: MachineSpec, P: Probe>(
-    (prepared, steps): (&Prepared, Steps),
+    (prepared, tiles, steps): (&Prepared, Option<Box<dyn TileSource>>, Steps),
     spec: &S,
     settings: &RunOptions,
     observer: &mut dyn Observer,
@@ -203,12 +203,23 @@ fn run_scene<S: MachineSpec, P: Probe>(
 ) -> Result<Run, SessionError> {
     let scene = prepared.scene();
     let _textures = held::textures(scene, S::TEXTURE_COPIES, &settings.budget)?;
+    let is_here = tiles.is_none();
+    if !is_here && spec.rehearsed(&[]).is_some() {
+        // Runs ahead of the run would ask a real server for its tiles, more than once.
+        let message = "tiles come from a server, and when the user acts is found by runs ahead: give counts of pictures, \
+                       `defer.pictures_of_views`";
+        return Err(SessionError::Fault(message.into()));
+    }
     let spec = &rehearsed(scene, spec, settings, observer)?;
     let passed = Rc::new(Cell::new(Passed::default()));
-    let machine = spec.build(SceneFront::new(CountedDraws::new(scene, &passed), spec.front()))?;
+    let front = SceneFront::new(CountedDraws::new(scene, &passed), spec.front());
+    let machine = match tiles {
+        Some(tiles) => spec.build_remote(front, tiles)?,
+        None => spec.build(front)?,
+    };
     let hash = SceneHash::start(prepared, spec.front());
     let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
-    let exact = if settings.exact { Exact::Scene(SceneAhead::new(prepared, spec.exact_style())) } else { Exact::None };
+    let exact = if settings.exact && is_here { Exact::Scene(SceneAhead::new(prepared, spec.exact_style())) } else { Exact::None };
     let total = Some((per_frame * scene.frames.len()) as u64);
     let commands = Rc::clone(&passed);
     let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.get().commands, total)));
@@ -223,14 +234,14 @@ fn run_scene<S: MachineSpec, P: Probe>(
 
 fn run_trace<S: MachineSpec, P: Probe>(
     (reader, mut files, name): (Box<dyn Read>, Box<dyn Files>, String),
-    (tiles, steps): (Option<Box<dyn TileSource>>, Steps),
+    steps: Steps,
     spec: &S,
     settings: &RunOptions,
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
     if spec.rehearsed(&[]).is_some() {
-        // It is read once, as a stream; and a real server would be asked for its tiles more than once.
+        // It is read once, as a stream.
         let message = "a display list has no times of its own to act at: give counts of pictures, `defer.pictures_of_views`";
         return Err(SessionError::Fault(message.into()));
     }
@@ -241,10 +252,7 @@ fn run_trace<S: MachineSpec, P: Probe>(
     let seen = Rc::new(RefCell::new(TraceNotes::default()));
     let tee = Tee::new(resolver, settings.exact.then(|| spec.exact_style()), Rc::clone(&seen), settings);
     let front = TraceFront::new(Box::new(tee) as Passing, spec.front());
-    let machine = match tiles {
-        Some(tiles) => spec.build_remote(front, tiles)?,
-        None => spec.build(front)?,
-    };
+    let machine = spec.build(front)?;
     // The first command is read when the machine is built, ahead of the simulation.
     let ahead = seen.borrow().seconds;
     let exact = if settings.exact { Exact::Trace(Rc::clone(&seen)) } else { Exact::None };

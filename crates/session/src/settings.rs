@@ -23,15 +23,15 @@ pub enum RunInput {
         /// For messages, and without its folders for the report.
         name: String,
     },
-    /// A display list whose tiles come from elsewhere; for the rate-limited renderer, other machines draw the textures that
-    /// the list has.
+    /// A scene whose texels are [elsewhere](basrelief_signals::Texture::elsewhere), for a machine that fetches tiles: it goes through
+    /// the geometry processor as any scene does. No exact picture is drawn of it.
     Remote {
-        /// Its bytes.
-        reader: Box<dyn Read>,
-        /// As above.
-        name: String,
+        /// The scene.
+        scene: Prepared,
         /// The server's tiles.
         tiles: Box<dyn TileSource>,
+        /// For messages: where it comes from.
+        name: String,
     },
 }
 

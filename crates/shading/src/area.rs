@@ -48,7 +48,7 @@ mod tests {
         let at = |side: u32| {
             let texels = Vec::new();
             let levels = vec![Image { width: side, height: side, texels }];
-            let texture = Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0 };
+            let texture = Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None };
             polygon_lod(&polygon, &texture, |v| v.uv)
         };
         assert_eq!([at(32), at(64), at(128), at(256)], [0, 0, 8, 16]);

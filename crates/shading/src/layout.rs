@@ -157,7 +157,7 @@ mod tests {
     fn texture(sizes: &[[u32; 2]], offset: u64) -> Texture {
         let image = |&[width, height]: &[u32; 2]| Image { width, height, texels: vec![[0; 4]; (width * height) as usize] };
         let levels = sizes.iter().map(image).collect();
-        Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset }
+        Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset, elsewhere: None }
     }
 
     fn any_layout() -> impl Strategy<Value = Layout> {

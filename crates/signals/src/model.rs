@@ -44,7 +44,7 @@ pub struct Image {
     pub width: u32,
     /// Height \[texels\], at least 1.
     pub height: u32,
-    /// `width * height` texels, top row first.
+    /// `width * height` texels, top row first; none in a texture whose texels are [elsewhere](Texture::elsewhere).
     pub texels: Vec<[u8; 4]>,
 }
 
@@ -63,6 +63,10 @@ pub struct Texture {
     pub levels: Vec<Image>,
     /// Texels of earlier textures in the same memory, each level padded to whole 4 x 4 blocks: where this one starts.
     pub offset: u64,
+    /// SHA-256 of a picture whose texels only a server has: of its finest level, as the server defines it. Its levels then have
+    /// sizes and no texels.
+    #[serde(default)]
+    pub elsewhere: Option<[u8; 32]>,
 }
 
 /// Coefficients of the lighting formula `ka + kd * max(N.L, 0) + ks * max(N.H, 0)^n`.

@@ -177,7 +177,14 @@ mod tests {
     use crate::{Sampler, Texture};
 
     fn texture() -> Arc<Texture> {
-        Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels: Vec::new(), offset: 0 })
+        Arc::new(Texture {
+            id: 0,
+            name: String::new(),
+            sampler: Sampler::default(),
+            levels: Vec::new(),
+            offset: 0,
+            elsewhere: None,
+        })
     }
 
     fn polygon(bump: bool, material: Material) -> Polygon {

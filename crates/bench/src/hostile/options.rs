@@ -18,7 +18,7 @@ const COMMANDS: [&str; 12] = [
     "describe",
     "schema report",
     "compare FILE FILE",
-    "run --from http://127.0.0.1:1/",
+    "run --from http://127.0.0.1:1/ --wait 0",
 ];
 
 const OPTIONS: [&str; 30] = [

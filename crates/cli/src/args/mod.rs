@@ -61,7 +61,7 @@ pub enum Command {
     Schema(SchemaArgs),
     /// Show the simulator as a page in a browser: pictures, figures and block diagram that follow every slider.
     Page(PageArgs),
-    /// Offer polygons, texture sizes and single tiles of a scene over HTTP, for `run --from`.
+    /// Offer meshes, texture sizes and single tiles of a scene over HTTP, for `run --from`.
     Serve(ServeArgs),
 }
 

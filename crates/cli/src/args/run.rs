@@ -25,11 +25,14 @@ pub struct RunArgs {
     /// A model or a display list; `-` reads a display list from standard input.
     #[arg(required_unless_present = "from")]
     pub input: Option<PathBuf>,
-    /// Render from a server (`basrelief serve`) with machine defer, such as http://127.0.0.1:8080/, instead of a file. Without
-    /// the exact picture: textures stay there. What does not come, or nothing of it for 10 s, is asked for again: five times
-    /// in all, and not later than 20 s after the first.
+    /// Render the scene of a server (`basrelief serve`) with machine defer, such as http://127.0.0.1:8080/, instead of a file, from
+    /// any view. Without the exact picture: textures stay there. What does not come, or nothing of it for 10 s, is asked for again:
+    /// five times in all, and not later than 20 s after the first.
     #[arg(long, value_name = "URL", conflicts_with_all = ["input", "ablate", "compare_methods", "sensitivity"], value_parser = http)]
     pub from: Option<String>,
+    /// Longest that a server is waited for that does not listen yet (seconds) [default: 30].
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(..=86_400))]
+    pub wait: Option<u64>,
     /// Keep tiles that have come in this folder, and take them from there.
     #[arg(long, value_name = "DIR")]
     pub tile_cache: Option<PathBuf>,
@@ -118,8 +121,4 @@ pub struct ServeArgs {
     /// Other computers may connect.
     #[arg(long)]
     pub public: bool,
-    #[command(flatten)]
-    pub machine: MachineArgs,
-    #[command(flatten)]
-    pub view: ViewArgs,
 }

@@ -10,6 +10,7 @@ mod html;
 mod output_files;
 mod page;
 mod plans;
+mod real_times;
 mod record;
 mod requests;
 mod run;

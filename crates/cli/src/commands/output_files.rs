@@ -2,6 +2,7 @@
 
 use super::dump::DumpFiles;
 use super::html::HtmlFile;
+use super::real_times::RealTimes;
 use super::requests::RequestsFile;
 use super::tape::{RunTape, TapeFile};
 use crate::args::SimulationArgs;
@@ -39,12 +40,20 @@ pub struct OutputFiles {
     pub extra: Vec<String>,
     /// The picture that was shown last of a frame that is shown several times, and its frame.
     pub shown: Option<(u32, String)>,
+    /// When pictures of a server's scene are there.
+    pub real: Option<RealTimes>,
 }
 
 impl Observer for OutputFiles {
     fn progress(&mut self, commands: u64, _: Option<u64>) -> bool {
         self.progress.at(self.read.as_ref().map_or(commands, |read| read.get()));
         true
+    }
+
+    fn shown(&mut self, frame: u32, round: u32) {
+        if let Some(real) = &mut self.real {
+            real.shown(frame, round);
+        }
     }
 
     fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
@@ -72,6 +81,10 @@ impl Observer for OutputFiles {
                 self.write(name, to_png(picture))?;
                 self.extra.push(name.clone());
                 if exhibit.info.form == Form::PicturePerRound {
+                    if self.real.is_some() {
+                        let failed = |e| format!("{}: cannot be written: {e}", self.outputs.place(name).display());
+                        self.outputs.show(name).map_err(failed)?;
+                    }
                     self.shown = Some((exhibit.frame, name.clone()));
                 }
                 Ok(())
@@ -123,6 +136,7 @@ impl OutputFiles {
             kinds: Default::default(),
             extra: vec![],
             shown: None,
+            real: None,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use super::from::run_from;
 use super::sensitivity::around;
-use super::simulate::{seconds, settings_of, simulate_source, spare_inputs};
+use super::simulate::{Source, seconds, settings_of, simulate_source, spare_inputs};
 use super::tables::{ablate, compare_methods};
 use crate::args::{DemoArgs, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure};
@@ -10,7 +10,6 @@ use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
 use basrelief_input::Budget;
 use basrelief_session::{MACHINES, RunInput, RunOptions};
-use std::cell::Cell;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -33,8 +32,10 @@ pub fn run(args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
         return run_from(url, args, budget, quiet);
     }
     // (The parser does not ask for --from where INPUT excludes it.)
-    if args.tile_cache.is_some() {
-        return Err(Failure::Usage("--tile-cache: keeps tiles of a server; it needs --from".into()));
+    for (option, given) in [("--tile-cache", args.tile_cache.is_some()), ("--wait", args.wait.is_some())] {
+        if given {
+            return Err(Failure::Usage(format!("{option}: is for the scene of a server; it needs --from")));
+        }
     }
     let path = args.input.as_deref().unwrap_or(Path::new("-"));
     let input = input::open(path, &args.view, budget)?;
@@ -57,17 +58,17 @@ fn simulate(began: f64, input: Input, settings: RunOptions, simulation: &Simulat
     simulate_source(began, source_of(input, quiet || simulation.json), settings, None, simulation, quiet)
 }
 
-fn source_of(input: Input, quiet: bool) -> (RunInput, Progress, Option<Rc<Cell<u64>>>) {
+fn source_of(input: Input, quiet: bool) -> Source {
     match input {
         Input::Scene(prepared) => {
             let scene = prepared.scene();
             let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
-            let total = (per_frame * scene.frames.len()) as u64;
-            (RunInput::Scene(prepared), Progress::new(Some(total), "draw commands", quiet), None)
+            let progress = Progress::new(Some((per_frame * scene.frames.len()) as u64), "draw commands", quiet);
+            Source { input: RunInput::Scene(prepared), progress, read: None, real: None }
         }
         Input::Trace(trace) => {
             let (progress, read) = (Progress::new(trace.bytes, "bytes", quiet), Rc::clone(&trace.read));
-            (trace.into_source(), progress, Some(read))
+            Source { input: trace.into_source(), progress, read: Some(read), real: None }
         }
     }
 }

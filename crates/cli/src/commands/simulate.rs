@@ -1,6 +1,7 @@
 //! A run from its source to its files, and what all commands that simulate share.
 
 use super::output_files::OutputFiles;
+use super::real_times::RealTimes;
 use super::sensitivity::measured;
 use super::tape::RunTape;
 use super::timelines::TimelineFiles;
@@ -71,10 +72,20 @@ pub fn limits_of(always: bool, never: bool) -> When {
     }
 }
 
-/// Simulates a source; with it comes its progress, and the bytes of a trace read so far.
+/// What is simulated, and what tells how far it is.
+pub struct Source {
+    pub input: RunInput,
+    pub progress: Progress,
+    /// Bytes of a trace read so far.
+    pub read: Option<Rc<Cell<u64>>>,
+    /// When pictures of a server's scene are there.
+    pub real: Option<RealTimes>,
+}
+
+/// Simulates a source.
 pub fn simulate_source(
     began: f64,
-    (source, progress, read): (RunInput, Progress, Option<Rc<Cell<u64>>>),
+    Source { input: source, progress, read, real }: Source,
     mut settings: RunOptions,
     around: Option<Around>,
     simulation: &SimulationArgs,
@@ -85,6 +96,7 @@ pub fn simulate_source(
     check_distinct(&simulation.out, &named_outputs(simulation)).map_err(Failure::Usage)?;
     let mut timelines = TimelineFiles::open(simulation, &source, &settings)?;
     let mut files = OutputFiles::open(simulation, &settings, (outputs, progress, read))?;
+    files.real = real;
     settings.exhibits = exhibits(&settings, &files);
     let ran = match &mut timelines {
         None => run_named(source, &settings, &mut files, None),
@@ -98,7 +110,10 @@ pub fn simulate_source(
         run.report.sensitivity = Some(measured(around, &settings.budget, quiet || simulation.json)?);
     }
     let tape_is_whole = run.tape_is_whole;
-    let report = run.with_host(seconds() - began);
+    let mut report = run.with_host(seconds() - began);
+    if let (Some(host), Some(real)) = (&mut report.host, &files.real) {
+        host.path = Some(real.path());
+    }
     let (beside, rest) = files.finish(&report, tape_is_whole, simulation)?;
     if simulation.json {
         // In front of what is published: where it cannot be printed, nothing is written.

@@ -67,7 +67,16 @@ impl Outputs {
     /// Gives a file a second name.
     pub fn copy(&self, name: &str, second: &str) -> io::Result<()> {
         let _lock = Unfinished::lock();
-        fs::copy(self.partial.join(name), self.partial.join(second)).map(|_| ())
+        // It may have been put in its place already.
+        let unfinished = self.partial.join(name);
+        let from = if unfinished.exists() { unfinished } else { self.folder.join(name) };
+        fs::copy(from, self.partial.join(second)).map(|_| ())
+    }
+
+    /// Puts one file in its place ahead of the others: there it stays, whatever becomes of the run.
+    pub fn show(&self, name: &str) -> io::Result<()> {
+        let _lock = Unfinished::lock();
+        fs::rename(self.partial.join(name), self.folder.join(name))
     }
 
     /// Puts all files in their place, `last` behind all others: who finds it there finds the others too. Of two runs into one

@@ -6,19 +6,18 @@ use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// A folder of tiles, of one set of textures: each file holds the hash of a tile and the tile.
+/// A folder of tiles, by their addresses, which say what picture they are of: each file holds the hash of a tile and the tile.
 #[derive(Clone, Debug)]
 pub struct TileCache {
     folder: PathBuf,
 }
 
 impl TileCache {
-    /// Opens the cache in `folder` for the textures that have this hash.
-    pub fn open(folder: &Path, textures: &str) -> io::Result<Self> {
-        let folder = folder.join(textures.get(..16).unwrap_or(textures));
-        fs::create_dir_all(&folder)?;
-        remove_remains(&folder);
-        Ok(Self { folder })
+    /// Opens the cache in `folder`.
+    pub fn open(folder: &Path) -> io::Result<Self> {
+        fs::create_dir_all(folder)?;
+        remove_remains(folder);
+        Ok(Self { folder: folder.into() })
     }
 
     /// Names a tile of the server's as a file.

@@ -1,7 +1,8 @@
 //! The client: fetches tiles ahead, several at a time.
 
 use super::fetch::MOST_IN_FLIGHT;
-use super::{Fetcher, TileCache};
+use super::server::encoding_name;
+use super::{Fetcher, TileCache, hex};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{Cut, Page, TileEncoding, TileSource};
@@ -24,11 +25,14 @@ type Key = (u32, u32);
 /// What a tile is encoded as, and what is counted for it.
 type HeldTile = (Arc<[u8]>, Held);
 
+/// A tile to fetch: its page, its number, and the hash of its picture.
+type Wanted = (Arc<Page>, u32, Arc<str>);
+
 /// What the threads share.
 #[derive(Debug, Default)]
 struct Shared {
     /// Tiles to fetch, in order.
-    queue: VecDeque<(Arc<Page>, u32)>,
+    queue: VecDeque<Wanted>,
     /// Those that are there, with what they take, or have failed for good.
     done: BTreeMap<Key, Result<HeldTile, String>>,
     /// Somebody waits for a tile that is not there.
@@ -54,7 +58,7 @@ impl Exchange {
     }
 
     /// The next tile to fetch; none when all is over.
-    fn take(&self) -> Option<(Arc<Page>, u32)> {
+    fn take(&self) -> Option<Wanted> {
         let mut shared = self.lock();
         loop {
             if shared.closed {
@@ -105,8 +109,8 @@ pub struct TileStore {
 struct Worker {
     exchange: Arc<Exchange>,
     fetcher: Fetcher,
-    encoding: TileEncoding,
-    quality: u8,
+    /// With its quality.
+    encoding: (TileEncoding, u8),
     kept: Option<TileStore>,
     progress: TileProgress,
 }
@@ -114,8 +118,8 @@ struct Worker {
 impl Worker {
     /// Fetches tiles until all is over.
     fn work(&self) {
-        while let Some((page, number)) = self.exchange.take() {
-            let tile = self.obtain(&page, number).and_then(|tile| self.counted(tile));
+        while let Some((page, number, picture)) = self.exchange.take() {
+            let tile = self.obtain(&page, number, &picture).and_then(|tile| self.counted(tile));
             self.exchange.change(|shared| {
                 shared.done.insert((page.texture, number), tile);
             });
@@ -129,10 +133,11 @@ impl Worker {
     }
 
     /// A tile that can be decoded, from the cache or from the server.
-    fn obtain(&self, page: &Page, tile: u32) -> Result<Vec<u8>, String> {
-        let (address, (first, end)) = (self.address(page, tile), page.texels_of(tile));
+    fn obtain(&self, page: &Page, tile: u32, picture: &str) -> Result<Vec<u8>, String> {
+        let address = format!("tile/{}/{tile}", self.cut(picture, page.cut));
+        let (first, end) = page.texels_of(tile);
         let size = [end[0] - first[0], end[1] - first[1]];
-        let check = |body: &[u8]| self.encoding.decode(body, size).map(drop).map_err(|e| format!("corrupt: {e}"));
+        let check = |body: &[u8]| self.encoding.0.decode(body, size).map(drop).map_err(|e| format!("corrupt: {e}"));
         if let Some(body) = self.kept.as_ref().and_then(|kept| kept.cache.get(&address, LARGEST_TILE, check)) {
             self.progress.came(0);
             return Ok(body);
@@ -146,15 +151,10 @@ impl Worker {
         Ok(body)
     }
 
-    /// Address of a tile below the server's.
-    fn address(&self, page: &Page, tile: u32) -> String {
-        let encoding = match self.encoding {
-            TileEncoding::Raw => "raw",
-            TileEncoding::Png => "png",
-            TileEncoding::Jpeg => "jpeg",
-        };
-        let [width, height] = page.cut.tile;
-        format!("tile/{}/{width}x{height}/{encoding}/{}/{tile}", page.texture, self.quality)
+    /// A picture, how it is cut and how its tiles are encoded, as an address says it.
+    fn cut(&self, picture: &str, cut: Cut) -> String {
+        let [width, height] = cut.tile;
+        format!("{picture}/{width}x{height}/{}", encoding_name(self.encoding))
     }
 }
 
@@ -163,6 +163,8 @@ impl Worker {
 pub struct RemoteTiles {
     /// Tiles announced that nobody has taken yet.
     announced: BTreeSet<Key>,
+    /// Hashes of the pictures of the textures that were offered, by number.
+    pictures: BTreeMap<u32, Arc<str>>,
     worker: Worker,
     threads: Vec<JoinHandle<()>>,
 }
@@ -171,29 +173,36 @@ impl RemoteTiles {
     /// Fetches at most `in_flight` tiles at a time, and no more than [`MOST_IN_FLIGHT`]. A tile that comes is kept at once.
     pub fn new(
         fetcher: Fetcher,
-        (encoding, quality): (TileEncoding, u8),
+        encoding: (TileEncoding, u8),
         in_flight: u32,
         kept: Option<TileStore>,
         progress: TileProgress,
     ) -> Self {
-        let worker = Worker { exchange: Arc::new(Exchange::default()), fetcher, encoding, quality, kept, progress };
+        let worker = Worker { exchange: Arc::new(Exchange::default()), fetcher, encoding, kept, progress };
         let start = |_| {
             let worker = worker.clone();
             thread::spawn(move || worker.work())
         };
         let threads = (0..in_flight.clamp(1, MOST_IN_FLIGHT)).map(start).collect();
-        Self { announced: BTreeSet::new(), worker, threads }
+        Self { announced: BTreeSet::new(), pictures: BTreeMap::new(), worker, threads }
     }
 }
 
 impl TileSource for RemoteTiles {
-    /// The server has them all.
-    fn offer(&mut self, _: &Arc<Texture>) {}
+    /// The server has them all; what they are called there is told with them.
+    fn offer(&mut self, texture: &Arc<Texture>) {
+        if let Some(hash) = &texture.elsewhere {
+            self.pictures.insert(texture.id, hex(hash).into());
+        }
+    }
 
     fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
         self.announced.extend(tiles.iter().map(|(page, tile)| (page.texture, *tile)));
         self.worker.progress.listed(tiles.len() as u64);
-        self.worker.exchange.change(|shared| shared.queue.extend(tiles.iter().cloned()));
+        // A texture that was never offered is found out by the server.
+        let picture = |texture: u32| self.pictures.get(&texture).cloned().unwrap_or_else(|| "none".into());
+        let wanted = tiles.iter().map(|(page, tile)| (Arc::clone(page), *tile, picture(page.texture)));
+        self.worker.exchange.change(|shared| shared.queue.extend(wanted));
     }
 
     fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
@@ -205,8 +214,14 @@ impl TileSource for RemoteTiles {
         self.worker.exchange.wait(key).map_err(|e| format!("{}: {e}", place_of(page, tile)))
     }
 
-    fn finest_bytes(&self, _: &Arc<Texture>, _: Cut) -> Option<u64> {
-        None
+    /// As raw texels the sizes tell it; as they are encoded, the server.
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+        if self.worker.encoding.0 == TileEncoding::Raw {
+            return Some(cut.raw_bytes(texture.levels.first().map_or([1; 2], |image| [image.width, image.height])));
+        }
+        let (picture, layer) = (hex(texture.elsewhere.as_ref()?), Page::new(0, texture, cut, 0).dmax());
+        // Where it does not tell, nobody knows: the report then has raw bytes.
+        self.worker.fetcher.number(&format!("bytes/{}/{layer}", self.worker.cut(&picture, cut))).ok()
     }
 }
 

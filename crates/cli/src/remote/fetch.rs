@@ -1,11 +1,14 @@
 //! Requests that are made again where they fail.
 
-use super::{DIGITS, HASH, LATER, TEXTURES, hash_of};
+use super::meter::{Body, Meter, MeteredConnector};
+use super::{DIGITS, hash_of};
 use basrelief_input::{Budget, Growing, Held, OverBudget};
 use std::io::{self, Read, Write};
 use std::thread;
 use std::time::{Duration, Instant};
 use ureq::Agent;
+use ureq::unversioned::resolver::DefaultResolver;
+use ureq::unversioned::transport::{Connector as _, TcpConnector};
 
 /// How long and how often is tried.
 #[derive(Clone, Copy, Debug)]
@@ -20,8 +23,8 @@ pub struct Patience {
     pub pause: Duration,
     /// No further attempt begins later than this behind the first.
     pub whole: Duration,
-    /// Longest that a server may go on making its list of polygons.
-    pub making: Duration,
+    /// Longest that is waited for a server that does not listen yet.
+    pub starting: Duration,
 }
 
 impl Default for Patience {
@@ -32,7 +35,7 @@ impl Default for Patience {
             attempts: 5,
             pause: Duration::from_millis(100),
             whole: Duration::from_secs(20),
-            making: Duration::from_secs(600),
+            starting: Duration::from_secs(30),
         }
     }
 }
@@ -42,19 +45,23 @@ pub(super) const SLOWEST: u64 = 100;
 /// Most requests in flight.
 pub const MOST_IN_FLIGHT: u32 = 32;
 
+/// How often it is looked whether a server listens.
+const LOOK: Duration = Duration::from_millis(100);
+/// Longest number that is believed \[bytes\].
+const LONGEST_NUMBER: u64 = 20;
+
 /// Gets what a server has. Clones share their connections.
 #[derive(Clone, Debug)]
 pub struct Fetcher {
     agent: Agent,
     base: String,
     patience: Patience,
-    /// Hash of the server's textures, where it has told one with the polygons.
-    textures: Option<String>,
     budget: Budget,
+    meter: Meter,
 }
 
-/// What a server has sent, what that takes, and what it says its textures are.
-type Answer = (Vec<u8>, Held, Option<String>);
+/// What a server has sent, and what that takes.
+type Answer = (Vec<u8>, Held);
 
 /// Why a request has failed.
 struct Fault {
@@ -69,7 +76,7 @@ enum Then {
     Again,
     /// The same.
     Never,
-    /// What was asked for, once the server has made it.
+    /// Nobody listens: something else, once the server has started.
     Later,
 }
 
@@ -100,32 +107,40 @@ impl Fetcher {
             .http_status_as_error(false)
             // What stands elsewhere is not what the user has named.
             .max_redirects(0)
-            .proxy(None);
-        let base = base.trim_end_matches('/').to_owned();
-        Self { agent: config.build().into(), base, patience, textures: None, budget: budget.clone() }
+            .proxy(None)
+            .build();
+        let meter = Meter::default();
+        let connector = ().chain(TcpConnector::default()).chain(MeteredConnector(meter.clone()));
+        let agent = Agent::with_parts(config, connector, DefaultResolver::default());
+        Self { agent, base: base.trim_end_matches('/').to_owned(), patience, budget: budget.clone(), meter }
     }
 
-    /// Fetches the polygons, and the hash of the textures: that of the list, where the server tells none. From then on an
-    /// answer of a server that has other textures is a fault. `came` is told how many bytes have come.
+    /// Fetches the scene, as it travels: its address, itself, and what it takes. Waits for a server that does not listen yet.
+    /// `came` is told how many bytes have come.
     ///
     /// # Errors
     /// A sentence, when all attempts have failed.
-    pub fn polygons(&mut self, came: impl Fn(u64)) -> Result<(Vec<u8>, String), String> {
-        let url = format!("{}/polygons", self.base);
-        let pause = |pause| {
-            thread::sleep(pause);
-            true
-        };
-        let (list, held, textures) =
-            self.made(pause, || self.once(&url, u64::MAX, &came)).map_err(|Fault { sentence, then }| {
-                let hint = if then == Then::Again { "; is `basrelief serve` running there?" } else { "" };
-                format!("{url}: {sentence}{hint}")
-            })?;
-        // It is there to the end of the program.
-        held.keep();
-        self.textures = textures.filter(|hash| hash.len() == DIGITS && hash.bytes().all(|b| b.is_ascii_hexdigit()));
-        let known = self.textures.clone().unwrap_or_else(|| hash_of(&list));
-        Ok((list, known))
+    pub fn scene(&self, came: impl Fn(u64)) -> Result<(String, Vec<u8>, Held), String> {
+        let url = format!("{}/scene", self.base);
+        let (began, starting) = (Instant::now(), self.patience.starting);
+        loop {
+            let once = || {
+                self.meter.begin();
+                self.once(&url, u64::MAX, &came)
+            };
+            match self.retry(sleep, once) {
+                Ok((scene, held)) => {
+                    self.meter.came(Body::Scene, scene.len() as u64);
+                    return Ok((url, scene, held));
+                }
+                Err(Fault { then: Then::Later, .. }) if began.elapsed() < starting => thread::sleep(LOOK),
+                Err(Fault { sentence, then }) => {
+                    let waited = if then == Then::Later { format!(", for {} s", starting.as_secs_f64()) } else { String::new() };
+                    let hint = if then == Then::Never { "" } else { "; is `basrelief serve` running there?" };
+                    return Err(format!("{url}: {sentence}{waited}{hint}"));
+                }
+            }
+        }
     }
 
     /// Fetches a tile of at most `largest` bytes that passes the check. `pause` says whether it is still wanted afterwards.
@@ -139,15 +154,47 @@ impl Fetcher {
         check: impl Fn(&[u8]) -> Result<(), String>,
         pause: impl Fn(Duration) -> bool,
     ) -> Result<Vec<u8>, String> {
-        let url = format!("{}/{tile}", self.base);
-        let checked = || {
-            let (body, _, textures) = self.once(&url, largest, &|_| ())?;
-            if self.textures.is_some() && textures != self.textures {
-                return Err("the server has other textures than when it sent the polygons; begin again".to_owned().into());
-            }
-            Ok(check(&body).map(|()| body)?)
+        let body = self.checked(tile, largest, |body| check(body).map(|()| body.to_vec()), pause)?;
+        self.meter.came(Body::Tile, body.len() as u64);
+        Ok(body)
+    }
+
+    /// Fetches a number.
+    ///
+    /// # Errors
+    /// A sentence, when all attempts have failed.
+    pub fn number(&self, address: &str) -> Result<u64, String> {
+        let number = |body: &[u8]| {
+            let text = std::str::from_utf8(body).map_err(|e| e.to_string())?;
+            text.parse::<u64>().map(|number| (number, body.len())).map_err(|e| format!("no number: {e}"))
         };
-        self.retry(pause, checked).map_err(|fault| format!("{url}: {}", fault.sentence))
+        let (number, bytes) = self.checked(address, LONGEST_NUMBER, number, sleep)?;
+        self.meter.came(Body::Other, bytes as u64);
+        Ok(number)
+    }
+
+    /// Fetches what is at an address, and makes something of it.
+    fn checked<T>(
+        &self,
+        address: &str,
+        largest: u64,
+        check: impl Fn(&[u8]) -> Result<T, String>,
+        pause: impl Fn(Duration) -> bool,
+    ) -> Result<T, String> {
+        let url = format!("{}/{address}", self.base);
+        let once = || -> Result<T, Fault> {
+            match self.once(&url, largest, &|_| ()) {
+                // A server that was there may be there again.
+                Err(Fault { sentence, then: Then::Later }) => Err(sentence.into()),
+                done => Ok(check(&done?.0)?),
+            }
+        };
+        self.retry(pause, once).map_err(|fault| format!("{url}: {}", fault.sentence))
+    }
+
+    /// What connections carry.
+    pub fn meter(&self) -> &Meter {
+        &self.meter
     }
 
     /// What is sent is counted against it.
@@ -158,21 +205,6 @@ impl Fetcher {
     /// Ends what is under way, in clones too.
     pub fn shut_down(&self) {
         self.agent.clone().shutdown();
-    }
-
-    /// Asks again, as long as the server says that it is at work on what is asked for.
-    fn made<T>(&self, wait: impl Fn(Duration) -> bool, once: impl Fn() -> Result<T, Fault>) -> Result<T, Fault> {
-        let Patience { making, pause, .. } = self.patience;
-        let began = Instant::now();
-        loop {
-            match self.retry(&wait, &once) {
-                Err(Fault { then: Then::Later, .. }) if began.elapsed() < making && wait(pause) => {}
-                Err(Fault { sentence, then: Then::Later }) => {
-                    return Err(Fault { sentence: format!("{sentence}, after {} s", making.as_secs_f64()), then: Then::Later });
-                }
-                done => return done,
-            }
-        }
     }
 
     fn retry<T>(&self, wait: impl Fn(Duration) -> bool, once: impl Fn() -> Result<T, Fault>) -> Result<T, Fault> {
@@ -195,17 +227,22 @@ impl Fetcher {
     }
 
     fn once(&self, url: &str, largest: u64, came: &dyn Fn(u64)) -> Result<Answer, Fault> {
-        let mut response = self.agent.get(url).call().map_err(|e| self.told(&e))?;
+        let called = self.agent.get(url).call().map_err(|e| self.fault(&e));
+        // Where nobody listens nothing was asked.
+        if !matches!(called, Err(Fault { then: Then::Later, .. })) {
+            self.meter.asked();
+        }
+        let mut response = called?;
         match response.status().as_u16() {
             200 => {}
-            LATER if response.headers().contains_key(TEXTURES) => {
-                return Err(Fault { sentence: "the server is still making its list".into(), then: Then::Later });
-            }
+            404 => return Err("http status: 404; the server may have another scene by now".to_owned().into()),
             status => return Err(format!("http status: {status}").into()),
         }
-        let header = |name| response.headers().get(name).and_then(|h| h.to_str().ok()).map(str::to_owned);
-        let (hash, textures) = (header(HASH), header(TEXTURES));
-        let hash = hash.ok_or_else(|| format!("no header {HASH}: not a server of tiles"))?;
+        let tag = response.headers().get("etag").and_then(|tag| tag.to_str().ok()).unwrap_or_default();
+        let hash = tag.trim_start_matches("W/").trim_matches('"').to_owned();
+        if hash.len() != DIGITS {
+            return Err("no ETag that is the hash of the content: not a server of tiles".to_owned().into());
+        }
         let read = self.read(response.body_mut().as_reader(), largest, came);
         let (body, held) = read.map_err(|e| match OverBudget::within(&e) {
             Some(error) => Fault { sentence: error.to_string(), then: Then::Never },
@@ -214,7 +251,13 @@ impl Fetcher {
         if hash != hash_of(&body) {
             return Err("corrupt: the content does not have its hash".to_owned().into());
         }
-        Ok((body, held, textures))
+        Ok((body, held))
+    }
+
+    /// Why no answer has begun.
+    fn fault(&self, error: &ureq::Error) -> Fault {
+        let refused = matches!(error, ureq::Error::Io(e) if e.kind() == io::ErrorKind::ConnectionRefused);
+        Fault { sentence: self.told(error), then: if refused { Then::Later } else { Then::Again } }
     }
 
     fn told(&self, error: &ureq::Error) -> String {
@@ -243,4 +286,10 @@ impl Fetcher {
             }
         }
     }
+}
+
+/// Waits; what was asked for is still wanted.
+fn sleep(pause: Duration) -> bool {
+    thread::sleep(pause);
+    true
 }

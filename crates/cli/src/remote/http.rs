@@ -1,6 +1,5 @@
-//! As much of HTTP/1.1 as the server needs: GET without a body. The heads of requests are read by `httparse`.
+//! As much of HTTP/1.1 as the server needs: GET and HEAD without a body. The heads of requests are read by `httparse`.
 
-use super::{HASH, LATER, hash_of};
 use httparse::{EMPTY_HEADER, Header, Request, Status};
 use std::sync::Arc;
 
@@ -17,6 +16,10 @@ pub(super) struct Asked {
     pub path: String,
     /// No other request follows on this connection.
     pub last: bool,
+    /// The head of the answer is enough.
+    pub head: bool,
+    /// What the client has, by its tags; not where it has nothing.
+    pub has: Option<String>,
 }
 
 /// What the bytes that have come so far are.
@@ -55,8 +58,9 @@ fn asked(request: &Request<'_, '_>) -> Result<Asked, (u16, String)> {
     if values("transfer-encoding").next().is_some() || values("content-length").any(|length| length != "0") {
         return Err((400, "expected a request without a body\n".into()));
     }
-    if request.method != Some("GET") {
-        return Err((405, "expected GET\n".into()));
+    let head = request.method == Some("HEAD");
+    if !head && request.method != Some("GET") {
+        return Err((405, "expected GET or HEAD\n".into()));
     }
     let version = request.version.unwrap_or_default();
     if version > 0 && values("host").count() != 1 {
@@ -70,11 +74,34 @@ fn asked(request: &Request<'_, '_>) -> Result<Asked, (u16, String)> {
     }
     let path = local.split(['?', '#']).next().unwrap_or_default().to_owned();
     let close = values("connection").any(|list| list.split(',').any(|word| word.trim().eq_ignore_ascii_case("close")));
-    Ok(Asked { path, last: close || version == 0 })
+    let has = values("if-none-match").next().map(str::to_owned);
+    Ok(Asked { path, last: close || version == 0, head, has })
 }
 
 fn value<'a>(header: &Header<'a>) -> &'a str {
     std::str::from_utf8(header.value).unwrap_or("?")
+}
+
+/// How long an answer may be kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Keep {
+    /// What is at its address never changes.
+    ForEver,
+    /// It is asked each time whether it is still the same.
+    WhileItLasts,
+    /// Not at all.
+    Never,
+}
+
+impl Keep {
+    /// As a header says it.
+    fn control(self) -> &'static str {
+        match self {
+            Self::ForEver => "public, max-age=31536000, immutable",
+            Self::WhileItLasts => "no-cache",
+            Self::Never => "no-store",
+        }
+    }
 }
 
 /// An answer: its status and its body.
@@ -82,50 +109,52 @@ fn value<'a>(header: &Header<'a>) -> &'a str {
 pub(super) struct Answer {
     status: u16,
     pub(super) body: Arc<[u8]>,
-    hash: String,
-    /// What kind of file it is, where that is told.
-    kind: Option<&'static str>,
+    /// ETag; of a refusal there is none.
+    tag: Option<String>,
+    /// What kind of file it is, as browsers name them.
+    kind: &'static str,
+    keep: Keep,
 }
 
 impl Answer {
-    /// What was asked for, with its hash.
-    pub(super) fn found(body: Arc<[u8]>, hash: String) -> Self {
-        Self { status: 200, body, hash, kind: None }
-    }
-
-    /// A file, as browsers name kinds of files.
-    pub(super) fn file(body: Arc<[u8]>, hash: String, kind: &'static str) -> Self {
-        Self { kind: Some(kind), ..Self::found(body, hash) }
+    /// What was asked for, with its tag.
+    pub(super) fn found((body, tag): (Arc<[u8]>, String), kind: &'static str, keep: Keep) -> Self {
+        Self { status: 200, body, tag: Some(tag), kind, keep }
     }
 
     /// Why there is nothing.
     pub(super) fn refused(status: u16, why: String) -> Self {
-        Self { status, hash: hash_of(why.as_bytes()), body: why.into_bytes().into(), kind: Some("text/plain; charset=utf-8") }
+        let kind = "text/plain; charset=utf-8";
+        Self { status, body: why.into_bytes().into(), tag: None, kind, keep: Keep::Never }
+    }
+
+    /// The answer to who has these already, as `If-None-Match` tells them.
+    pub(super) fn unless(self, has: Option<&str>) -> Self {
+        let known = |tag: &str| has.is_some_and(|has| has.split(',').any(|one| one.trim().trim_start_matches("W/") == tag));
+        if self.tag.as_deref().is_some_and(known) { Self { status: 304, body: [].into(), ..self } } else { self }
     }
 
     /// Its head. `last` announces that the connection is closed behind it.
     pub(super) fn head(&self, headers: &str, last: bool) -> String {
-        let &Self { status, ref body, ref hash, kind } = self;
+        let &Self { status, ref body, ref tag, kind, keep } = self;
         let reason = match status {
             200 => "OK",
+            304 => "Not Modified",
             400 => "Bad Request",
             404 => "Not Found",
             405 => "Method Not Allowed",
             431 => "Request Header Fields Too Large",
-            LATER => "Service Unavailable",
             _ => "Internal Server Error",
         };
-        let more = match status {
-            405 => "allow: GET\r\n",
-            LATER => "retry-after: 1\r\n",
-            _ => "",
-        };
-        let kind = kind.map(|kind| format!("content-type: {kind}\r\nx-content-type-options: nosniff\r\n")).unwrap_or_default();
+        let more = if status == 405 { "allow: GET, HEAD\r\n" } else { "" };
+        let tag = tag.as_ref().map(|tag| format!("etag: {tag}\r\n")).unwrap_or_default();
         let close = if last { "connection: close\r\n" } else { "" };
-        format!(
-            "HTTP/1.1 {status} {reason}\r\ncontent-length: {}\r\n{HASH}: {hash}\r\n{kind}{headers}{more}{close}\r\n",
-            body.len()
-        )
+        // What has no body says nothing of one.
+        let body = match status {
+            304 => String::new(),
+            _ => format!("content-length: {}\r\ncontent-type: {kind}\r\nx-content-type-options: nosniff\r\n", body.len()),
+        };
+        format!("HTTP/1.1 {status} {reason}\r\n{body}{tag}cache-control: {}\r\n{headers}{more}{close}\r\n", keep.control())
     }
 }
 
@@ -135,7 +164,7 @@ mod tests {
 
     fn path(request: &str) -> Option<(String, bool)> {
         match Head::read(request.as_bytes()) {
-            Head::Whole(Asked { path, last }, length) => {
+            Head::Whole(Asked { path, last, .. }, length) => {
                 assert_eq!(length, request.len());
                 Some((path, last))
             }
@@ -145,8 +174,8 @@ mod tests {
 
     #[test]
     fn a_request_is_read_when_its_head_is_whole() {
-        let whole = "GET /polygons?x HTTP/1.1\r\nHost: x\r\n\r\n";
-        assert_eq!(path(whole), Some(("/polygons".into(), false)));
+        let whole = "GET /scene?x HTTP/1.1\r\nHost: x\r\n\r\n";
+        assert_eq!(path(whole), Some(("/scene".into(), false)));
         (0..whole.len()).for_each(|cut| assert_eq!(Head::read(&whole.as_bytes()[..cut]), Head::Half, "{cut}"));
         let two = whole.repeat(2);
         assert!(matches!(Head::read(two.as_bytes()), Head::Whole(_, length) if length == whole.len()));
@@ -163,7 +192,7 @@ mod tests {
             head => panic!("{head:?}"),
         };
         assert!(wrong(b"\x16\x03\x01\x02\0\x01\0").1.contains("not https://"));
-        assert_eq!(wrong(b"POST / HTTP/1.1\r\nHost: x\r\n\r\n"), (405, "expected GET\n".into()));
+        assert_eq!(wrong(b"POST / HTTP/1.1\r\nHost: x\r\n\r\n"), (405, "expected GET or HEAD\n".into()));
         assert_eq!(wrong(b"GET / HTTP/1.1\r\n\r\n").1, "expected one header Host\n");
         assert_eq!(wrong(b"GET x HTTP/1.1\r\nHost: x\r\n\r\n").0, 400);
         assert_eq!(wrong(b"GET / HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\n\r\n").0, 400);
@@ -173,13 +202,42 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_says_how_long_it_is_and_whether_it_is_the_last() {
-        let answer = Answer::refused(405, "no".into());
-        let head = answer.head("x-textures: 1\r\n", true);
-        assert!(head.starts_with("HTTP/1.1 405 Method Not Allowed\r\ncontent-length: 2\r\n"), "{head}");
+    fn a_request_says_whether_the_head_is_enough_and_what_is_there_already() {
+        let asked = |request: &str| match Head::read(request.as_bytes()) {
+            Head::Whole(asked, _) => asked,
+            head => panic!("{head:?}"),
+        };
+        let whole = asked("HEAD / HTTP/1.1\r\nHost: x\r\nIf-None-Match: \"a\"\r\n\r\n");
+        assert_eq!((whole.head, whole.has.as_deref()), (true, Some("\"a\"")));
+        let plain = asked("GET / HTTP/1.1\r\nHost: x\r\n\r\n");
+        assert_eq!((plain.head, plain.has), (false, None));
+    }
+
+    #[test]
+    fn an_answer_says_how_long_it_is_what_it_is_and_whether_it_is_the_last() {
+        let refused = Answer::refused(405, "no".into()).head("x-more: 1\r\n", true);
+        assert!(refused.starts_with("HTTP/1.1 405 Method Not Allowed\r\ncontent-length: 2\r\n"), "{refused}");
         assert!(
-            head.contains("x-textures: 1\r\nallow: GET\r\nconnection: close\r\n\r\n") && head.contains(&hash_of(b"no")),
-            "{head}"
+            refused.contains("cache-control: no-store\r\nx-more: 1\r\nallow: GET, HEAD\r\nconnection: close\r\n\r\n"),
+            "{refused}"
         );
+        assert!(!refused.contains("etag"), "{refused}");
+    }
+
+    #[test]
+    fn who_has_an_answer_is_told_so_without_its_body() {
+        let answer = || Answer::found((b"tile"[..].into(), "\"t\"".into()), "image/png", Keep::ForEver);
+        for has in ["\"t\"", "\"s\", \"t\"", "W/\"t\""] {
+            let unchanged = answer().unless(Some(has));
+            assert!(unchanged.body.is_empty(), "{has}");
+            let head = unchanged.head("", false);
+            assert_eq!(
+                head,
+                "HTTP/1.1 304 Not Modified\r\netag: \"t\"\r\ncache-control: public, max-age=31536000, immutable\r\n\r\n"
+            );
+        }
+        for has in [None, Some("\"s\""), Some("t")] {
+            assert_eq!(&*answer().unless(has).body, b"tile", "{has:?}");
+        }
     }
 }

@@ -177,16 +177,17 @@ impl Client<'_> {
             self.connections.now(self.number, Doing::Asking);
             let head = self.ask(&mut received)?;
             self.connections.now(self.number, Doing::Making);
-            let (answer, last) = match head {
+            let (answer, last, only_head) = match head {
                 Head::Half => return Ok(()),
                 Head::Whole(asked, length) => {
                     received.drain(..length);
-                    (answers.answer(&asked.path), asked.last)
+                    (answers.answer(&asked.path).unless(asked.has.as_deref()), asked.last, asked.head)
                 }
-                Head::Wrong(status, why) => (Answer::refused(status, why), true),
+                Head::Wrong(status, why) => (Answer::refused(status, why), true, false),
             };
             self.connections.now(self.number, Doing::Taking);
-            self.send(&answer, answer.head(answers.headers(), last).as_bytes())?;
+            let body = if only_head { &[] } else { &*answer.body };
+            self.send(body, answer.head(answers.headers(), last).as_bytes())?;
             if last {
                 return self.part();
             }
@@ -218,12 +219,12 @@ impl Client<'_> {
         stream.read(bytes)
     }
 
-    fn send(&self, answer: &Answer, head: &[u8]) -> io::Result<()> {
+    fn send(&self, body: &[u8], head: &[u8]) -> io::Result<()> {
         self.stream.set_write_timeout(Some(self.limits.idle))?;
         let (began, mut sent) = (Instant::now(), 0);
         let mut stream = self.stream;
         // A small answer is one packet with its head.
-        let (first, rest) = answer.body.split_at(answer.body.len().min(PART));
+        let (first, rest) = body.split_at(body.len().min(PART));
         for part in std::iter::once(&*[head, first].concat()).chain(rest.chunks(PART)) {
             stream.write_all(part)?;
             self.connections.now(self.number, Doing::Taking);

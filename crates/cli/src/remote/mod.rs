@@ -1,17 +1,24 @@
-//! A real path: polygons, texture sizes and single tiles over HTTP.
+//! A real path: a scene without texels, and single tiles, over HTTP.
 //!
 //! | address | what |
 //! |---|---|
-//! | `/polygons` | a display list, binary and compressed; of its textures the sizes are right and the texels the number of the picture; [`LATER`] while it is made |
-//! | `/tile/TEXTURE/WIDTHxHEIGHT/ENCODING/QUALITY/NUMBER` | a tile of a texture that is cut into tiles of this size |
+//! | `/` | a page for people: what is served, and how to use it |
+//! | `/scene` | the scene ([`basrelief_scene::Subject::to_bytes`]), compressed with zstd |
+//! | `/tile/PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER` | a tile of a picture that is cut into tiles of this size; ENCODING is `raw`, `png`, or `jpeg-QUALITY` |
+//! | `/tile/PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER,NUMBER,...` | several: of each its length, 4 bytes with the low one first, and itself |
+//! | `/bytes/PICTURE/WIDTHxHEIGHT/ENCODING/LAYER` | bytes of all tiles of a layer, as a decimal number; layer 0 is the coarsest |
 //!
-//! Every answer carries the SHA-256 of its body in [`HASH`], and that of all textures in [`TEXTURES`].
+//! PICTURE is the SHA-256 of the picture's texels ([`hash_of_picture`]): so what is at an address of a tile never changes, whatever is
+//! served there, and whoever has it may keep it. Every answer carries the SHA-256 of its body as its ETag.
 
 mod cache;
 mod client;
 mod fetch;
 mod http;
+mod index;
 mod listen;
+mod meter;
+mod scene;
 mod server;
 mod site;
 #[cfg(test)]
@@ -20,29 +27,36 @@ mod tests;
 pub use cache::TileCache;
 pub use client::{RemoteTiles, TileStore};
 pub use fetch::{Fetcher, Patience};
+pub use index::index_page;
 pub use listen::Limits;
-pub use server::{PolygonList, TileService};
+pub use meter::Meter;
+pub use scene::{pack, unpack};
+pub use server::SceneService;
 pub use site::Site;
 
+use basrelief_signals::Texture;
 use sha2::{Digest as _, Sha256};
-
-/// Header with the SHA-256 of the body, in hexadecimal.
-pub const HASH: &str = "x-content-sha256";
-/// Header with the SHA-256 of all textures of the scene, in hexadecimal: tiles of others are of no use.
-pub const TEXTURES: &str = "x-textures-sha256";
-
-/// Status of `/polygons` while the server makes the list.
-const LATER: u16 = 503;
 
 /// Hexadecimal digits of a hash.
 const DIGITS: usize = 64;
 
 /// SHA-256 in hexadecimal.
 pub fn hash_of(bytes: &[u8]) -> String {
-    hex(Sha256::new_with_prefix(bytes))
+    hex(&Sha256::digest(bytes))
 }
 
-/// What has been hashed, in hexadecimal.
-pub fn hex(hash: Sha256) -> String {
-    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+/// In hexadecimal.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// SHA-256 of a texture's picture: width and height in 4 bytes each, the low one first, and the RGBA texels of its finest level.
+pub fn hash_of_picture(texture: &Texture) -> [u8; 32] {
+    let mut hash = Sha256::new();
+    if let Some(image) = texture.levels.first() {
+        hash.update(image.width.to_le_bytes());
+        hash.update(image.height.to_le_bytes());
+        hash.update(image.texels.as_flattened());
+    }
+    hash.finalize().into()
 }

@@ -1,78 +1,104 @@
 //! `basrelief serve`: the server (110) as a program.
 
-use super::http::Answer;
+use super::http::{Answer, Keep};
 use super::listen::{Answers, Limits, ListeningServer, listen};
-use super::{LATER, TEXTURES, hash_of};
+use super::{hash_of, hash_of_picture, hex};
 use basrelief_deferred_renderer::{Cut, Page, ServedTexture, TileEncoding};
 use basrelief_signals::Texture;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// A texture that is offered.
+/// Most tiles that one request asks for.
+const MOST_TILES: usize = 64;
+/// What any page may read, with which header.
+const HEADERS: &str = "access-control-allow-origin: *\r\naccess-control-expose-headers: etag\r\n";
+const BYTES: &str = "application/octet-stream";
+
+/// A picture that is offered.
 #[derive(Debug)]
-pub(super) struct OfferedTexture {
+pub(super) struct OfferedPicture {
     texture: Arc<Texture>,
     /// Its layers, kept once they are asked for. Tiles are not: there are as many as ways to cut and to encode them.
     pub(super) pyramid: Mutex<ServedTexture>,
 }
 
-/// The list of polygons, from when it is made on: the server answers before. Clones are the same list.
-#[derive(Clone, Debug, Default)]
-pub struct PolygonList(Arc<OnceLock<(Arc<[u8]>, String)>>);
-
-impl PolygonList {
-    /// From now on this is the list; the first that is offered stays.
-    pub fn offer(&self, polygons: Vec<u8>) {
-        self.0.get_or_init(|| {
-            let hash = hash_of(&polygons);
-            (polygons.into(), hash)
-        });
-    }
-
-    fn answer(&self) -> Answer {
-        match self.0.get() {
-            Some((polygons, hash)) => Answer::found(Arc::clone(polygons), hash.clone()),
-            None => Answer::refused(LATER, "the list of polygons is being made: ask again\n".into()),
-        }
-    }
-}
-
 /// What is offered.
 #[derive(Debug)]
-pub struct TileService {
-    polygons: PolygonList,
-    /// With the hash of all textures.
-    headers: String,
-    pub(super) textures: BTreeMap<u32, OfferedTexture>,
+pub struct SceneService {
+    scene: Fixed,
+    index: Fixed,
+    /// By the hash of their texels, in hexadecimal.
+    pub(super) pictures: BTreeMap<String, OfferedPicture>,
 }
 
-impl TileService {
-    /// Offers this list of polygons and these textures, which have this hash.
-    pub fn new(polygons: PolygonList, textures: impl IntoIterator<Item = Arc<Texture>>, hash_of_textures: &str) -> Self {
+/// What does not change as long as the server runs, with its tag.
+type Fixed = (Arc<[u8]>, String);
+
+fn fixed(body: Vec<u8>) -> Fixed {
+    let tag = tag_of(&body);
+    (body.into(), tag)
+}
+
+/// What there is at an address, or why there is nothing, with its status.
+type Found = Result<(Vec<u8>, &'static str), (u16, String)>;
+
+impl SceneService {
+    /// Offers this scene, as it travels, this page for people, and the pictures of these textures.
+    pub fn new(scene: Vec<u8>, index: String, textures: impl IntoIterator<Item = Arc<Texture>>) -> Self {
         let offered = |texture: Arc<Texture>| {
             let pyramid = Mutex::new(ServedTexture::new(Arc::clone(&texture)));
-            (texture.id, OfferedTexture { texture, pyramid })
+            (hex(&hash_of_picture(&texture)), OfferedPicture { texture, pyramid })
         };
-        let textures = textures.into_iter().map(offered).collect();
-        Self { polygons, headers: format!("{TEXTURES}: {hash_of_textures}\r\n"), textures }
+        let pictures = textures.into_iter().map(offered).collect();
+        Self { scene: fixed(scene), index: fixed(index.into_bytes()), pictures }
     }
 
-    /// The tile at an address, or why there is none, with its status. Encoded without a lock: several at a time.
-    pub fn tile(&self, address: &str) -> Result<Vec<u8>, (u16, String)> {
-        let asked = address.strip_prefix("/tile/").ok_or((404, "expected /polygons or /tile/...".to_owned()))?;
-        let tile =
-            AskedTile::parse(asked).ok_or((400, "expected /tile/TEXTURE/WIDTHxHEIGHT/ENCODING/QUALITY/NUMBER".to_owned()))?;
-        let offered = self.textures.get(&tile.texture).ok_or((404, format!("there is no texture {}", tile.texture)))?;
-        let cut = Cut { tile: tile.size, ..Cut::default() };
-        let page = Page::new(0, &offered.texture, cut, 0);
-        if tile.number >= page.tiles() {
-            return Err((404, format!("texture {} has {} tiles", tile.texture, page.tiles())));
+    /// The tile at an address, or several. Encoded without a lock: several at a time.
+    pub fn tiles(&self, asked: &str) -> Found {
+        let what = "PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER, or several numbers with commas between";
+        let wrong = || (400, format!("expected /tile/{what}\n"));
+        let (cut, numbers) = asked.rsplit_once('/').ok_or_else(wrong)?;
+        let cut = self.cut(cut)?.ok_or_else(wrong)?;
+        let numbers: Vec<u32> = numbers.split(',').map(str::parse).collect::<Result<_, _>>().map_err(|_| wrong())?;
+        match &numbers[..] {
+            [number] => cut.tile(*number).map(|tile| (tile, cut.kind())),
+            several if several.len() > MOST_TILES => Err((400, format!("expected at most {MOST_TILES} tiles\n"))),
+            several => {
+                let mut body = Vec::new();
+                for number in several {
+                    let tile = cut.tile(*number)?;
+                    body.extend((tile.len() as u32).to_le_bytes());
+                    body.extend(tile);
+                }
+                Ok((body, BYTES))
+            }
         }
-        let texels = offered.pyramid.lock().unwrap_or_else(PoisonError::into_inner).tile(&page, tile.number);
-        let (first, end) = page.texels_of(tile.number);
-        let encoded = tile.encoding.encode(&texels, [end[0] - first[0], end[1] - first[1]], tile.quality);
-        encoded.map_err(|e| (500, e))
+    }
+
+    /// Bytes of all tiles of a layer.
+    fn bytes(&self, asked: &str) -> Found {
+        let wrong = || (400, "expected /bytes/PICTURE/WIDTHxHEIGHT/ENCODING/LAYER\n".to_owned());
+        let (cut, layer) = asked.rsplit_once('/').ok_or_else(wrong)?;
+        let cut = self.cut(cut)?.ok_or_else(wrong)?;
+        let (layers, layer) = (cut.page().layers, layer.parse::<usize>().map_err(|_| wrong())?);
+        let found = layers.get(layer).ok_or_else(|| (404, format!("this picture has {} layers\n", layers.len())))?;
+        let tiles = found.base..found.base + found.pitch * found.rows;
+        let bytes = tiles.map(|number| cut.tile(number).map(|tile| tile.len() as u64)).sum::<Result<u64, _>>()?;
+        Ok((bytes.to_string().into_bytes(), "text/plain; charset=utf-8"))
+    }
+
+    /// A picture, how it is cut, and how its tiles are encoded; none where that is not what is asked for.
+    fn cut(&self, asked: &str) -> Result<Option<CutPicture<'_>>, (u16, String)> {
+        let parts: Vec<&str> = asked.split('/').collect();
+        let [picture, size, encoding] = parts[..] else { return Ok(None) };
+        let side = |s: &str| s.parse::<u32>().ok().filter(|n| n.is_power_of_two() && (4..=512).contains(n));
+        let size = size.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
+        let (Some(tile), Some((encoding, quality))) = (size, encoding_of(encoding)) else { return Ok(None) };
+        let Some(offered) = self.pictures.get(picture) else {
+            return Err((404, "there is no such picture: the server may have another scene by now\n".into()));
+        };
+        Ok(Some(CutPicture { offered, cut: Cut { tile, ..Cut::default() }, encoding, quality }))
     }
 
     /// Answers at an address, from now on; port 0 takes any that is free. The address, and what is waited for.
@@ -84,45 +110,89 @@ impl TileService {
     }
 }
 
-impl Answers for TileService {
+impl Answers for SceneService {
     fn answer(&self, path: &str) -> Answer {
-        if path == "/polygons" {
-            return self.polygons.answer();
-        }
-        match self.tile(path) {
-            Ok(tile) => Answer::found(tile.as_slice().into(), hash_of(&tile)),
+        let found = match path {
+            "/" => return Answer::found(self.index.clone(), "text/html; charset=utf-8", Keep::WhileItLasts),
+            "/scene" => return Answer::found(self.scene.clone(), BYTES, Keep::WhileItLasts),
+            _ => match (path.strip_prefix("/tile/"), path.strip_prefix("/bytes/")) {
+                (Some(asked), _) => self.tiles(asked),
+                (_, Some(asked)) => self.bytes(asked),
+                _ => Err((404, "expected /, /scene, /tile/... or /bytes/...\n".into())),
+            },
+        };
+        match found {
+            Ok((body, kind)) => Answer::found(fixed(body), kind, Keep::ForEver),
             Err((status, why)) => Answer::refused(status, why),
         }
     }
 
     fn headers(&self) -> &str {
-        &self.headers
+        HEADERS
     }
 }
 
-/// A tile as it is asked for.
-struct AskedTile {
-    texture: u32,
-    size: [u32; 2],
+/// A picture as it is asked for.
+struct CutPicture<'a> {
+    offered: &'a OfferedPicture,
+    cut: Cut,
     encoding: TileEncoding,
     quality: u8,
-    number: u32,
 }
 
-impl AskedTile {
-    fn parse(asked: &str) -> Option<Self> {
-        let parts: Vec<&str> = asked.split('/').collect();
-        let [texture, size, encoding, quality, number] = parts.try_into().ok()?;
-        let (width, height) = size.split_once('x')?;
-        let side = |s: &str| s.parse::<u32>().ok().filter(|n| n.is_power_of_two() && (4..=512).contains(n));
-        let encoding = match encoding {
-            "raw" => TileEncoding::Raw,
-            "png" => TileEncoding::Png,
-            "jpeg" => TileEncoding::Jpeg,
-            _ => return None,
-        };
-        let quality = quality.parse().ok().filter(|q| (1..=100).contains(q))?;
-        let size = [side(width)?, side(height)?];
-        Some(Self { texture: texture.parse().ok()?, size, encoding, quality, number: number.parse().ok()? })
+impl CutPicture<'_> {
+    fn page(&self) -> Page {
+        Page::new(0, &self.offered.texture, self.cut, 0)
     }
+
+    fn tile(&self, number: u32) -> Result<Vec<u8>, (u16, String)> {
+        let page = self.page();
+        if number >= page.tiles() {
+            return Err((404, format!("this picture has {} tiles\n", page.tiles())));
+        }
+        let texels = self.offered.pyramid.lock().unwrap_or_else(PoisonError::into_inner).tile(&page, number);
+        let (first, end) = page.texels_of(number);
+        let encoded = self.encoding.encode(&texels, [end[0] - first[0], end[1] - first[1]], self.quality);
+        encoded.map_err(|e| (500, e))
+    }
+
+    /// As browsers name kinds of files.
+    fn kind(&self) -> &'static str {
+        match self.encoding {
+            TileEncoding::Raw => BYTES,
+            TileEncoding::Png => "image/png",
+            TileEncoding::Jpeg => "image/jpeg",
+        }
+    }
+}
+
+/// Whatever the quality, where there is none.
+const NO_QUALITY: u8 = 100;
+
+/// An encoding and its quality, as an address says them.
+fn encoding_of(text: &str) -> Option<(TileEncoding, u8)> {
+    match (text, text.strip_prefix("jpeg-")) {
+        ("raw", _) => Some((TileEncoding::Raw, NO_QUALITY)),
+        ("png", _) => Some((TileEncoding::Png, NO_QUALITY)),
+        (_, Some(quality)) => {
+            let number = quality.parse::<u8>().ok().filter(|q| (1..=100).contains(q));
+            // One address for one tile: no 085.
+            number.filter(|n| n.to_string() == quality).map(|quality| (TileEncoding::Jpeg, quality))
+        }
+        _ => None,
+    }
+}
+
+/// An encoding as an address says it.
+pub(super) fn encoding_name((encoding, quality): (TileEncoding, u8)) -> String {
+    match encoding {
+        TileEncoding::Raw => "raw".into(),
+        TileEncoding::Png => "png".into(),
+        TileEncoding::Jpeg => format!("jpeg-{quality}"),
+    }
+}
+
+/// ETag of a body.
+pub(super) fn tag_of(body: &[u8]) -> String {
+    format!("\"{}\"", hash_of(body))
 }

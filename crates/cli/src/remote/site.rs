@@ -1,8 +1,8 @@
 //! A few files as a web site: those of the page.
 
-use super::hash_of;
-use super::http::Answer;
+use super::http::{Answer, Keep};
 use super::listen::{Answers, Limits, ListeningServer, listen};
+use super::server::tag_of;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// Files by their addresses; nothing else is there.
 #[derive(Debug, Default)]
 pub struct Site {
-    /// With their hashes, and their kinds as browsers name them.
+    /// With their tags, and their kinds as browsers name them.
     files: BTreeMap<String, (Arc<[u8]>, String, &'static str)>,
 }
 
@@ -18,7 +18,7 @@ impl Site {
     /// Offers a file under its name, and `index.html` where no name is given.
     pub fn offer(&mut self, name: &str, bytes: &[u8]) {
         let address = if name == "index.html" { "/".into() } else { format!("/{name}") };
-        self.files.insert(address, (bytes.into(), hash_of(bytes), kind(name)));
+        self.files.insert(address, (bytes.into(), tag_of(bytes), kind(name)));
     }
 
     /// Answers at an address, from now on; port 0 takes any that is free. The address, and what is waited for.
@@ -33,14 +33,14 @@ impl Site {
 impl Answers for Site {
     fn answer(&self, path: &str) -> Answer {
         match self.files.get(path) {
-            Some((bytes, hash, kind)) => Answer::file(Arc::clone(bytes), hash.clone(), kind),
+            // What is built anew is to be seen.
+            Some((bytes, tag, kind)) => Answer::found((Arc::clone(bytes), tag.clone()), kind, Keep::WhileItLasts),
             None => Answer::refused(404, "there is no such file; the page is at /\n".into()),
         }
     }
 
-    /// What is built anew is to be seen.
     fn headers(&self) -> &str {
-        "cache-control: no-cache\r\n"
+        ""
     }
 }
 

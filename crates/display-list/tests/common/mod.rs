@@ -79,7 +79,7 @@ pub fn texture(id: u32, normal: bool) -> impl Strategy<Value = Arc<Texture>> {
         };
         let levels = (0..=u32::from(count) % most).map(level).collect();
         let offset = (seed % (1 << 36)) * 16;
-        Arc::new(Texture { id, name: format!("texture \"{id}\" ä"), sampler, levels, offset })
+        Arc::new(Texture { id, name: format!("texture \"{id}\" ä"), sampler, levels, offset, elsewhere: None })
     })
 }
 

@@ -44,7 +44,7 @@ pub(super) fn run<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) 
         if !walk.stepped {
             break;
         }
-        if round.is_multiple_of(16) && !progress(machine) {
+        if (round.is_multiple_of(16) || machine.has_news()) && !progress(machine) {
             return Err("stopped".into());
         }
     }

@@ -30,7 +30,7 @@ pub enum Engine {
 pub struct Limits<'a, M> {
     /// No step starts in this cycle or later; the run then ends as [`Outcome::Limit`](crate::Outcome::Limit).
     pub max_cycles: u64,
-    /// Called every now and then with the machine, to show progress and to take finished results away; `false` stops
+    /// Called every now and then with the machine, and where it has news, to show progress and to take finished results away; `false` stops
     /// the run as [`Outcome::Stopped`](crate::Outcome::Stopped).
     pub progress: &'a mut dyn FnMut(&mut M) -> bool,
 }

@@ -190,7 +190,9 @@ pub(super) fn run<M: Machine, P: Probe>(
             break;
         }
         walk.time.show_fills(walk.probe, None);
-        if round.is_multiple_of(16) && !look(machine, walk.time, (&mut walk.tape, &mut keep), limits.progress) {
+        if (round.is_multiple_of(16) || machine.has_news())
+            && !look(machine, walk.time, (&mut walk.tape, &mut keep), limits.progress)
+        {
             return Halt::Stopped;
         }
     }

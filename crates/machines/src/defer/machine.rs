@@ -207,4 +207,10 @@ impl<F: FrontEnd> Machine for DeferredRenderer<F> {
     fn memories(&mut self) -> &mut MemorySystem {
         &mut self.memories
     }
+
+    /// A picture: the server of a real path would be waited for ahead of the next.
+    fn has_news(&self) -> bool {
+        let pictures = &self.pixel_buffer.unit.state;
+        !pictures.rounds.is_empty() || !pictures.finished.is_empty()
+    }
 }

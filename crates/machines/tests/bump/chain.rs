@@ -126,7 +126,7 @@ pub fn uniform_map(levels: &[[u8; 3]]) -> Arc<Texture> {
 }
 
 fn texture(levels: Vec<Image>) -> Arc<Texture> {
-    Arc::new(Texture { id: 0, name: "map".into(), sampler: Sampler::default(), levels, offset: 0 })
+    Arc::new(Texture { id: 0, name: "map".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
 /// The pseudo-normals of a fragment: level, weight and N' of each.

@@ -207,7 +207,14 @@ fn sheet(n: u32, repeat: f32) -> Mesh {
 }
 
 fn texture(id: u32, levels: Vec<Image>) -> Arc<Texture> {
-    Arc::new(Texture { id, name: format!("texture {id}"), sampler: Sampler::default(), levels, offset: 1024 * u64::from(id) })
+    Arc::new(Texture {
+        id,
+        name: format!("texture {id}"),
+        sampler: Sampler::default(),
+        levels,
+        offset: 1024 * u64::from(id),
+        elsewhere: None,
+    })
 }
 
 /// A normal map of 16 x 16 texels with its pyramid.

@@ -46,7 +46,7 @@ pub fn texture(id: u32, size: [u32; 2], wrap: [Wrap; 2]) -> Arc<Texture> {
     let texels = (0..size[0] * size[1]).map(|_| [byte(), byte(), byte(), 255]).collect();
     let sampler = Sampler { wrap, ..Sampler::default() };
     let levels = vec![Image { width: size[0], height: size[1], texels }];
-    Arc::new(Texture { id, name: format!("texture {id}"), sampler, levels, offset: 0 })
+    Arc::new(Texture { id, name: format!("texture {id}"), sampler, levels, offset: 0, elsewhere: None })
 }
 
 pub fn textured(texture: &Arc<Texture>) -> Arc<Material> {

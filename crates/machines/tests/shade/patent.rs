@@ -176,6 +176,7 @@ fn what_the_device_cannot_draw_is_said() {
         sampler: Default::default(),
         levels: Vec::new(),
         offset: 0,
+        elsewhere: None,
     });
     let material = Arc::new(Material { color_texture: Some(texture), ..Material::clone(&first.material) });
     let line = Polygon { vertices: first.vertices[..2].to_vec(), ..Polygon::clone(first) };

@@ -41,7 +41,7 @@ pub fn texture(wrap: Wrap) -> Arc<Texture> {
         Image { width, height, texels: (0..width * height).map(texel).collect() }
     };
     let sampler = Sampler { wrap: [wrap, Wrap::Repeat], filter: Filter::Bilinear };
-    Arc::new(Texture { id: 0, name: "noise".into(), sampler, levels: (0..5).map(level).collect(), offset: 32 })
+    Arc::new(Texture { id: 0, name: "noise".into(), sampler, levels: (0..5).map(level).collect(), offset: 32, elsewhere: None })
 }
 
 pub fn material(texture: Option<Arc<Texture>>) -> Arc<Material> {

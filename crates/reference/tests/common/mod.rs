@@ -53,7 +53,7 @@ pub fn texture(id: u32, side: u32, texel: impl Fn(f64, f64) -> [u8; 3]) -> Arc<T
         levels.push(Image { width: size, height: size, texels: (0..size * size).map(colour).collect() });
         size /= 2;
     }
-    Arc::new(Texture { id, name: String::new(), sampler: Sampler::default(), levels, offset: 0 })
+    Arc::new(Texture { id, name: String::new(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
 pub fn bumps(side: u32) -> Arc<Texture> {

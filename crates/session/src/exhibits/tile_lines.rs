@@ -79,7 +79,7 @@ mod tests {
 
     fn page() -> Arc<Page> {
         let levels = vec![Image { width: 100, height: 60, texels: vec![] }];
-        let texture = Texture { id: 5, name: "t".into(), sampler: Sampler::default(), levels, offset: 0 };
+        let texture = Texture { id: 5, name: "t".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None };
         Arc::new(Page::new(0, &texture, Cut::default(), 0))
     }
 

@@ -138,7 +138,7 @@ mod tests {
 
     fn page([width, height]: [u32; 2]) -> Arc<Page> {
         let levels = vec![Image { width, height, texels: vec![] }];
-        let texture = Texture { id: 5, name: "t".into(), sampler: Sampler::default(), levels, offset: 0 };
+        let texture = Texture { id: 5, name: "t".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None };
         Arc::new(Page::new(0, &texture, Cut::default(), 0))
     }
 

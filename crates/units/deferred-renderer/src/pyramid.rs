@@ -74,7 +74,7 @@ fn averaged([a, b, c, d]: [[u8; 4]; 4]) -> [u8; 4] {
 
 /// Whether two textures are one picture, under whatever sampler: the device makes its pyramid of their finest level alone.
 pub(crate) fn is_same_picture(a: &Texture, b: &Texture) -> bool {
-    a.levels.first() == b.levels.first()
+    a.elsewhere == b.elsewhere && a.levels.first() == b.levels.first()
 }
 
 /// The texture memory (114) of the server: all layers of one texture, built by the device's own rule when they are asked for.

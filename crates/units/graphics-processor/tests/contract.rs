@@ -27,7 +27,7 @@ fn texture() -> Arc<Texture> {
         texels: (0..side * side).map(|i| [(i % 251) as u8, (i * 7 % 251) as u8, side as u8, 255]).collect(),
     };
     let levels = [32, 16, 8, 4, 2, 1].map(level).to_vec();
-    Arc::new(Texture { id: 0, name: "t".into(), sampler: Sampler::default(), levels, offset: 640 })
+    Arc::new(Texture { id: 0, name: "t".into(), sampler: Sampler::default(), levels, offset: 640, elsewhere: None })
 }
 
 fn polygon(bump: bool, material: Material) -> Control {

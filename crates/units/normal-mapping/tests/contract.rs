@@ -13,7 +13,7 @@ fn bumps() -> Arc<Texture> {
         Image { width: n, height: n, texels: (0..n * n).map(texel).collect() }
     };
     let levels = (0..5).map(image).collect();
-    Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0 })
+    Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
 /// A unit square in the plane z = 0.

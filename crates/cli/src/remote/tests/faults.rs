@@ -1,5 +1,6 @@
 //! Faults that pass, and faults that stay.
 
+use super::super::Limits;
 use super::super::client::MOST_AHEAD;
 use super::*;
 use std::time::Instant;
@@ -19,6 +20,7 @@ fn what_nobody_takes_is_not_fetched_without_end_and_what_is_asked_for_comes_all_
     let mut tiles = tiles(&url, 4, None);
     let page = Arc::new(Page::new(0, &texture(), Cut { tile: [4, 4], ..Cut::default() }, 0));
     let all: Vec<_> = (0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect();
+    tiles.offer(&elsewhere());
     tiles.announce(&all);
     let fetched = || count.load(Ordering::SeqCst) as usize;
     while fetched() < MOST_AHEAD {
@@ -78,14 +80,36 @@ fn a_fault_that_stays_is_an_error_that_names_texture_layer_and_tile() {
 }
 
 #[test]
-fn a_server_that_has_other_textures_by_now_is_found_out() {
-    let (url, _) = faulty(u32::MAX, |n| if n < 2 { Fault::None } else { Fault::OtherTextures });
-    let mut fetcher = Fetcher::new(&url, PATIENCE);
-    assert_eq!(fetcher.polygons(|_| ()).unwrap(), (b"list".to_vec(), hash_of(b"textures")));
-    let mut tiles = RemoteTiles::new(fetcher, (TileEncoding::Png, 85), 1, None, TileProgress::new(true));
-    let (tile, error) = all(&mut tiles).unwrap_err();
-    assert_eq!(tile, 1);
-    assert!(error.contains("other textures"), "{error}");
+fn a_server_that_has_another_scene_by_now_is_found_out() {
+    let other =
+        Arc::new(Texture { levels: vec![Image { width: 1, height: 1, texels: vec![[1; 4]] }], ..Texture::clone(&texture()) });
+    let (address, _server) =
+        SceneService::new(vec![], String::new(), [other]).listen(([127, 0, 0, 1], 0).into(), Limits::default()).unwrap();
+    let (tile, error) = all(&mut tiles(&format!("http://{address}"), 1, None)).unwrap_err();
+    assert_eq!(tile, 0);
+    assert!(error.contains("http status: 404; the server may have another scene by now"), "{error}");
+}
+
+/// Patience with a server that starts so late.
+fn waiting(starting: Duration) -> Patience {
+    Patience { starting, ..PATIENCE }
+}
+
+#[test]
+fn a_server_that_starts_late_is_waited_for_and_one_that_does_not_is_named() {
+    let address = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let began = Instant::now();
+    let late = Duration::from_millis(500);
+    thread::spawn(move || {
+        thread::sleep(late);
+        served().listen(address, Limits::default()).unwrap().1.join()
+    });
+    let url = format!("http://{address}");
+    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene(|_| ()).unwrap_err();
+    assert!(error.starts_with(&format!("{url}/scene: ")) && error.contains("refused"), "{error}");
+    assert!(error.ends_with(", for 0 s; is `basrelief serve` running there?"), "{error}");
+    assert_eq!(Fetcher::new(&url, waiting(Duration::from_secs(20))).scene(|_| ()).unwrap().1, b"scene");
+    assert!(began.elapsed() >= late);
 }
 
 #[test]
@@ -93,8 +117,7 @@ fn attempts_end_when_their_time_is_over() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
     let began = Instant::now();
     let patience = Patience { attempts: 100, whole: 3 * PATIENCE.stall / 2, ..PATIENCE };
-    let mut fetcher = Fetcher::new(&url, patience);
-    let error = fetcher.polygons(|_| ()).unwrap_err();
+    let error = Fetcher::new(&url, patience).scene(|_| ()).unwrap_err();
     assert!(error.contains("attempt 2; at most 100 are made, none 0.45 s after the first"), "{error}");
     assert!(error.ends_with("is `basrelief serve` running there?"), "{error}");
     assert_eq!(count.load(Ordering::SeqCst), 2);

@@ -4,7 +4,7 @@ mod faults;
 mod keeping;
 mod serving;
 
-use super::{Fetcher, HASH, Patience, PolygonList, RemoteTiles, TEXTURES, TileCache, TileService, TileStore, hash_of};
+use super::{Fetcher, Patience, RemoteTiles, SceneService, TileCache, TileStore, hash_of, hash_of_picture, hex};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource};
 use basrelief_signals::{Image, Sampler, Texture};
@@ -36,8 +36,6 @@ enum Fault {
     Undecodable,
     /// A tile of another size, with its hash.
     OtherSize,
-    /// Of a server that has other textures.
-    OtherTextures,
 }
 
 const PATIENCE: Patience = Patience {
@@ -46,25 +44,33 @@ const PATIENCE: Patience = Patience {
     attempts: 3,
     pause: Duration::from_millis(5),
     whole: Duration::from_secs(20),
-    making: Duration::from_secs(20),
+    starting: Duration::from_millis(300),
 };
 
 fn texture() -> Arc<Texture> {
     let texels = (0..200 * 90).map(|i: u32| [i as u8, (i / 7) as u8, (i / 200) as u8, 255]).collect();
     let levels = vec![Image { width: 200, height: 90, texels }];
-    Arc::new(Texture { id: 4, name: "plane".into(), sampler: Sampler::default(), levels, offset: 0 })
+    Arc::new(Texture { id: 4, name: "plane".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
-/// What is served, and the hash of its textures.
-fn served() -> TileService {
-    TileService::new(list(b"list".to_vec()), [texture()], &hash_of(b"textures"))
+/// The same as who asks for its tiles knows it.
+fn elsewhere() -> Arc<Texture> {
+    let levels = vec![Image { width: 200, height: 90, texels: vec![] }];
+    Arc::new(Texture { levels, elsewhere: Some(hash_of_picture(&texture())), ..Texture::clone(&texture()) })
 }
 
-/// A list that is made.
-fn list(polygons: Vec<u8>) -> PolygonList {
-    let list = PolygonList::default();
-    list.offer(polygons);
-    list
+/// What is served; of the scene only that it comes is of interest here.
+fn served() -> SceneService {
+    serving_scene(b"scene".to_vec())
+}
+
+fn serving_scene(scene: Vec<u8>) -> SceneService {
+    SceneService::new(scene, "<p>page".into(), [texture()])
+}
+
+/// Address of a tile of the texture, or of several.
+fn address(numbers: impl std::fmt::Display) -> String {
+    format!("/tile/{}/64x64/png/{numbers}", hex(&hash_of_picture(&texture())))
 }
 
 fn page() -> Arc<Page> {
@@ -72,13 +78,13 @@ fn page() -> Arc<Page> {
 }
 
 /// Answers a request, with a fault.
-fn respond(served: &TileService, mut stream: TcpStream, fault: Fault) {
+fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
     let mut lines = BufReader::new(stream.try_clone().unwrap()).lines().map_while(Result::ok);
     let Some(first) = lines.next() else { return };
     while lines.next().is_some_and(|line| !line.is_empty()) {}
     let mut body = match first.split(' ').nth(1).unwrap_or("/") {
-        "/polygons" => b"list".to_vec(),
-        tile => served.tile(tile).unwrap_or_default(),
+        "/scene" => b"scene".to_vec(),
+        tile => served.tiles(tile.trim_start_matches("/tile/")).unwrap_or_default().0,
     };
     match fault {
         Fault::Endless => body.resize(8 << 20, 0),
@@ -87,7 +93,6 @@ fn respond(served: &TileService, mut stream: TcpStream, fault: Fault) {
         _ => {}
     }
     let (hash, length) = (hash_of(&body), body.len());
-    let textures = hash_of(if fault == Fault::OtherTextures { b"others" } else { b"textures" });
     let status = if let Fault::Status(status) = fault { status } else { 200 };
     match fault {
         Fault::Cut => return,
@@ -96,8 +101,7 @@ fn respond(served: &TileService, mut stream: TcpStream, fault: Fault) {
         Fault::Truncated | Fault::Stalled => body.truncate(length / 2),
         _ => {}
     }
-    let hashes = format!("{HASH}: {hash}\r\n{TEXTURES}: {textures}");
-    let head = format!("HTTP/1.1 {status} x\r\nContent-Length: {length}\r\n{hashes}\r\nConnection: close\r\n\r\n");
+    let head = format!("HTTP/1.1 {status} x\r\nContent-Length: {length}\r\nETag: \"{hash}\"\r\nConnection: close\r\n\r\n");
     let parts = body.chunks(if fault == Fault::Dripping { 1 } else { body.len().max(1) });
     // Who has given up waiting does not read it.
     let mut sent = stream.write_all(head.as_bytes());
@@ -140,7 +144,7 @@ fn tiles(url: &str, in_flight: u32, kept: Option<TileStore>) -> RemoteTiles {
 
 fn announce_all(source: &mut dyn TileSource) {
     let page = page();
-    source.offer(&texture());
+    source.offer(&elsewhere());
     source.announce(&(0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect::<Vec<_>>());
 }
 
@@ -151,6 +155,10 @@ fn all(source: &mut dyn TileSource) -> Result<Vec<Arc<[u8]>>, (u32, String)> {
     (0..page.tiles()).map(|tile| source.tile(&page, tile).map_err(|e| (tile, e))).collect()
 }
 
+/// The same of a server that has the texels at hand.
 fn expected() -> Vec<Arc<[u8]>> {
-    all(&mut TextureMemory::new(TileEncoding::Png, 85)).unwrap()
+    let mut source = TextureMemory::new(TileEncoding::Png, 85);
+    source.offer(&texture());
+    let page = page();
+    (0..page.tiles()).map(|tile| source.tile(&page, tile).unwrap()).collect()
 }

@@ -17,9 +17,9 @@ fn serving(at: impl Into<SocketAddr>, limits: Limits) -> SocketAddr {
 const LITTLE: Limits = Limits { idle: Duration::from_millis(200), slowest: 100, connections: 4 };
 const LOOPBACK: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
 
-fn polygons(address: SocketAddr) -> Vec<u8> {
+fn scene(address: SocketAddr) -> Vec<u8> {
     let patience = Patience { stall: Duration::from_secs(20), ..PATIENCE };
-    Fetcher::new(&format!("http://{address}"), patience).polygons(|_| ()).unwrap().0
+    Fetcher::new(&format!("http://{address}"), patience).scene(|_| ()).unwrap().1
 }
 
 /// Sends this; all that comes until the server closes the connection.
@@ -33,27 +33,108 @@ fn exchange(address: SocketAddr, request: &[u8]) -> String {
     String::from_utf8_lossy(&answer).into_owned()
 }
 
+/// Status of the answer to a request of tiles.
+fn status(served: &SceneService, asked: &str) -> u16 {
+    served.tiles(asked.trim_start_matches("/tile/")).map(|_| 200).unwrap_or_else(|e| e.0)
+}
+
 #[test]
 fn addresses_that_are_none_are_refused() {
-    let served = served();
-    let status = |address: &str| served.tile(address).map(|_| 200).unwrap_or_else(|e| e.0);
-    assert_eq!(status("/tile/4/64x64/png/85/0"), 200);
-    for missing in ["/", "/tiles", "/tile/5/64x64/raw/85/0", "/tile/4/64x64/raw/85/99", "/../etc/passwd"] {
-        assert_eq!(status(missing), 404, "{missing}");
+    let (served, picture) = (served(), hex(&hash_of_picture(&texture())));
+    assert_eq!(status(&served, &address(0)), 200);
+    let other = hash_of(b"other");
+    for missing in [format!("{other}/64x64/png/0"), address(99), format!("x/64x64/raw/0"), address("0,99")] {
+        assert_eq!(status(&served, &missing), 404, "{missing}");
     }
     for wrong in
-        ["/tile/", "/tile/4/63x64/raw/85/0", "/tile/4/64x64/bmp/85/0", "/tile/4/64x64/raw/0/0", "/tile/4/64x64/raw/85/-1"]
+        ["63x64/png/0", "64x64/bmp/0", "64x64/jpeg-0/0", "64x64/jpeg-085/0", "64x64/jpeg/0", "64x64/raw/-1", "64x64/raw/"]
     {
-        assert_eq!(status(wrong), 400, "{wrong}");
+        assert_eq!(status(&served, &format!("{picture}/{wrong}")), 400, "{wrong}");
+    }
+    assert_eq!(status(&served, &address(vec!["0"; 65].join(","))), 400);
+    let address = serving(LOOPBACK, LITTLE);
+    for missing in ["/polygons", "/tiles", "/../etc/passwd"] {
+        let answer = exchange(address, format!("GET {missing} HTTP/1.0\r\n\r\n").as_bytes());
+        assert!(answer.starts_with("HTTP/1.1 404"), "{missing}: {answer}");
     }
 }
 
 #[test]
+fn several_tiles_of_one_request_are_those_of_several() {
+    let served = served();
+    let one = |number: u32| served.tiles(address(number).trim_start_matches("/tile/")).unwrap().0;
+    let (mut rest, _) = served.tiles(address("3,0,5").trim_start_matches("/tile/")).unwrap();
+    for number in [3, 0, 5] {
+        let length = u32::from_le_bytes(rest[..4].try_into().unwrap()) as usize;
+        assert_eq!(rest[4..4 + length], one(number), "{number}");
+        rest.drain(..4 + length);
+    }
+    assert!(rest.is_empty());
+}
+
+#[test]
+fn bytes_of_a_layer_are_those_of_its_tiles() {
+    let served = served();
+    let (url, picture) = (format!("http://{}", serving(LOOPBACK, LITTLE)), hex(&hash_of_picture(&texture())));
+    let fetcher = Fetcher::new(&url, PATIENCE);
+    let page = page();
+    for (layer, found) in page.layers.iter().enumerate() {
+        let tiles = found.base..found.base + found.pitch * found.rows;
+        let sum: usize = tiles.map(|n| served.tiles(address(n).trim_start_matches("/tile/")).unwrap().0.len()).sum();
+        assert_eq!(fetcher.number(&format!("bytes/{picture}/64x64/png/{layer}")), Ok(sum as u64), "{layer}");
+    }
+    assert!(fetcher.number(&format!("bytes/{picture}/64x64/png/9")).unwrap_err().contains("status: 404"));
+}
+
+#[test]
+fn a_tile_is_kept_for_ever_a_scene_as_long_as_it_is_the_same_and_any_page_may_read_both() {
+    let at = serving(LOOPBACK, LITTLE);
+    let get = |path: &str, more: &str| exchange(at, format!("GET {path} HTTP/1.0\r\n{more}\r\n").as_bytes());
+    let tile = get(&address(0), "");
+    let says = |answer: &str, words: &[&str]| words.iter().for_each(|word| assert!(answer.contains(word), "{word}: {answer}"));
+    says(
+        &tile,
+        &["content-type: image/png", "cache-control: public, max-age=31536000, immutable", "access-control-allow-origin: *"],
+    );
+    let scene = get("/scene", "");
+    says(
+        &scene,
+        &[
+            "HTTP/1.1 200",
+            "content-type: application/octet-stream",
+            "cache-control: no-cache",
+            "access-control-expose-headers: etag",
+        ],
+    );
+    says(&get("/", ""), &["content-type: text/html", "<p>page"]);
+    let tag = format!("\"{}\"", hash_of(b"scene"));
+    assert!(scene.contains(&format!("etag: {tag}\r\n")), "{scene}");
+    let unchanged = get("/scene", &format!("If-None-Match: {tag}\r\n"));
+    assert!(unchanged.starts_with("HTTP/1.1 304") && unchanged.ends_with("\r\n\r\n"), "{unchanged}");
+}
+
+#[test]
+fn who_asks_for_the_head_gets_that_of_the_whole_and_the_connection_goes_on() {
+    let at = serving(LOOPBACK, LITTLE);
+    let answers = exchange(at, b"HEAD /scene HTTP/1.1\r\nHost: x\r\n\r\nGET /scene HTTP/1.0\r\n\r\n");
+    let (first, second) = answers.split_at(answers.rfind("HTTP/1.1 ").unwrap());
+    assert!(first.contains("content-length: 5\r\n") && first.ends_with("\r\n\r\n"), "{first}");
+    assert!(second.ends_with("\r\n\r\nscene"), "{second}");
+}
+
+/// A request of one tile, and of nothing more.
+fn a_tile() -> String {
+    format!("GET {} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n", address(0))
+}
+
+#[test]
 fn a_texture_under_work_holds_up_no_other() {
-    let other = Arc::new(Texture { id: 5, ..Texture::clone(&texture()) });
-    let served = TileService::new(list(vec![]), [texture(), other], "");
-    let _under_work = served.textures[&4].pyramid.lock().unwrap();
-    assert!(served.tile("/tile/5/64x64/png/85/0").is_ok());
+    let other =
+        Texture { id: 5, levels: vec![Image { width: 1, height: 1, texels: vec![[1; 4]] }], ..Texture::clone(&texture()) };
+    let asked = format!("{}/64x64/png/0", hex(&hash_of_picture(&other)));
+    let served = SceneService::new(vec![], String::new(), [texture(), Arc::new(other)]);
+    let _under_work = served.pictures[&hex(&hash_of_picture(&texture()))].pyramid.lock().unwrap();
+    assert!(served.tiles(&asked).is_ok());
 }
 
 #[test]
@@ -64,11 +145,11 @@ fn who_sends_nothing_or_half_a_request_is_let_go_and_others_are_answered() {
     let idle: Vec<TcpStream> = (0..40)
         .map(|n| {
             let mut stream = TcpStream::connect(address).unwrap();
-            stream.write_all(if n % 2 == 0 { b"" } else { b"GET /polygons HTT" }).unwrap();
+            stream.write_all(if n % 2 == 0 { b"" } else { b"GET /scene HTT" }).unwrap();
             stream
         })
         .collect();
-    assert_eq!(polygons(address), b"list");
+    assert_eq!(scene(address), b"scene");
     assert!(began.elapsed() < Duration::from_secs(15), "{:?}", began.elapsed());
     drop(idle);
 }
@@ -76,12 +157,11 @@ fn who_sends_nothing_or_half_a_request_is_let_go_and_others_are_answered() {
 #[test]
 fn who_takes_nothing_is_let_go_and_others_are_answered() {
     // More than lies on the way.
-    let large = TileService::new(list(vec![0; 32 << 20]), [texture()], &hash_of(b"textures"));
+    let large = serving_scene(vec![0; 32 << 20]);
     let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 1, ..LITTLE }).unwrap();
     let mut stalled = TcpStream::connect(address).unwrap();
-    stalled.write_all(b"GET /polygons HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
-    let request = "GET /tile/4/64x64/png/85/0 HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n";
-    assert!(exchange(address, request.as_bytes()).starts_with("HTTP/1.1 200"));
+    stalled.write_all(b"GET /scene HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+    assert!(exchange(address, a_tile().as_bytes()).starts_with("HTTP/1.1 200"));
     drop(stalled);
 }
 
@@ -89,9 +169,9 @@ fn who_takes_nothing_is_let_go_and_others_are_answered() {
 fn a_connection_that_the_server_has_let_go_is_no_fault_to_the_client() {
     let address = serving(LOOPBACK, LITTLE);
     let patience = Patience { attempts: 1, stall: Duration::from_secs(20), ..PATIENCE };
-    let mut fetcher = Fetcher::new(&format!("http://{address}"), patience);
+    let fetcher = Fetcher::new(&format!("http://{address}"), patience);
     for _ in 0..2 {
-        assert_eq!(fetcher.polygons(|_| ()).unwrap().0, b"list");
+        assert_eq!(fetcher.scene(|_| ()).unwrap().1, b"scene");
         thread::sleep(2 * LITTLE.idle);
     }
 }
@@ -100,10 +180,10 @@ fn a_connection_that_the_server_has_let_go_is_no_fault_to_the_client() {
 fn who_announces_a_body_gets_an_answer_at_once_and_takes_no_memory() {
     let address = serving(LOOPBACK, Limits { idle: Duration::from_secs(100), ..LITTLE });
     for announced in ["Content-Length: 99999999999999", "Transfer-Encoding: chunked"] {
-        let request = format!("GET /polygons HTTP/1.1\r\nHost: x\r\n{announced}\r\n\r\n");
+        let request = format!("GET /scene HTTP/1.1\r\nHost: x\r\n{announced}\r\n\r\n");
         assert!(exchange(address, request.as_bytes()).starts_with("HTTP/1.1 400"), "{announced}");
     }
-    assert_eq!(polygons(address), b"list");
+    assert_eq!(scene(address), b"scene");
 }
 
 #[test]
@@ -111,8 +191,8 @@ fn a_wrong_request_ends_its_connection_and_nothing_else() {
     let address = serving(LOOPBACK, LITTLE);
     let long = format!("GET /{} HTTP/1.1\r\nHost: x\r\n\r\n", "a".repeat(100_000));
     for wrong in [
-        "POST /polygons HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n",
-        "GET /polygons HTTP/9.9\r\n\r\n",
+        "POST /scene HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n",
+        "GET /scene HTTP/9.9\r\n\r\n",
         "\0\x01\x02\r\n\r\n",
         "GET localhost HTTP/1.1\r\nHost: x\r\n\r\n",
         "CONNECT x:80 HTTP/1.1\r\nHost: x\r\n\r\n",
@@ -121,13 +201,13 @@ fn a_wrong_request_ends_its_connection_and_nothing_else() {
     ] {
         assert!(exchange(address, wrong.as_bytes()).starts_with("HTTP/1.1 4"), "{:.40}", wrong);
     }
-    assert_eq!(polygons(address), b"list");
+    assert_eq!(scene(address), b"scene");
 }
 
 #[test]
 fn several_requests_on_one_connection_are_answered_in_order() {
     let address = serving(LOOPBACK, LITTLE);
-    let [first, second] = ["/polygons", "/none"].map(|path| format!("GET {path} HTTP/1.1\r\nHost: x\r\n\r\n"));
+    let [first, second] = ["/scene", "/none"].map(|path| format!("GET {path} HTTP/1.1\r\nHost: x\r\n\r\n"));
     let answers = exchange(address, format!("{first}{second}GET / HTTP/1.0\r\n\r\n").as_bytes());
     let statuses: Vec<&str> = answers.split("HTTP/1.1 ").skip(1).map(|a| &a[..3]).collect();
     assert_eq!(statuses, ["200", "404", "404"], "{answers}");
@@ -157,10 +237,10 @@ fn idle_and_dripping_clients_many_times_as_many_as_are_served_hold_up_nobody() {
     drip(dripping);
     // Who asks and does not look at the answer, as many as there may be.
     let mut taking = connect(32);
-    taking.iter_mut().for_each(|client| client.write_all(b"GET /polygons HTTP/1.1\r\nHost: x\r\n\r\n").unwrap_or_default());
+    taking.iter_mut().for_each(|client| client.write_all(b"GET /scene HTTP/1.1\r\nHost: x\r\n\r\n").unwrap_or_default());
     for _ in 0..5 {
         let began = Instant::now();
-        assert_eq!(polygons(address), b"list");
+        assert_eq!(scene(address), b"scene");
         assert!(began.elapsed() < SOON, "{:?}", began.elapsed());
     }
     drop((idle, taking));
@@ -168,47 +248,17 @@ fn idle_and_dripping_clients_many_times_as_many_as_are_served_hold_up_nobody() {
 
 #[test]
 fn as_many_as_there_may_be_that_take_nothing_hold_up_no_other_for_long() {
-    let large = TileService::new(list(vec![0; 32 << 20]), [texture()], &hash_of(b"textures"));
+    let large = serving_scene(vec![0; 32 << 20]);
     let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 4, ..Limits::default() }).unwrap();
     let stalled = [(); 4].map(|()| {
         let mut stream = TcpStream::connect(address).unwrap();
-        stream.write_all(b"GET /polygons HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+        stream.write_all(b"GET /scene HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
         stream
     });
     let began = Instant::now();
-    let request = b"GET /tile/4/64x64/png/85/0 HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n";
-    assert!(exchange(address, request).starts_with("HTTP/1.1 200"));
+    assert!(exchange(address, a_tile().as_bytes()).starts_with("HTTP/1.1 200"));
     assert!(began.elapsed() < SOON, "{:?}", began.elapsed());
     drop(stalled);
-}
-
-#[test]
-fn while_the_list_is_made_tiles_are_served_and_who_asks_for_the_list_waits_for_it() {
-    let making = PolygonList::default();
-    let served = TileService::new(making.clone(), [texture()], &hash_of(b"textures"));
-    let (address, _server) = served.listen(LOOPBACK.into(), LITTLE).unwrap();
-    let request = |path: &str| format!("GET {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
-    let answer = exchange(address, request("/polygons").as_bytes());
-    assert!(answer.starts_with("HTTP/1.1 503") && answer.contains("retry-after: "), "{answer}");
-    assert!(exchange(address, request("/tile/4/64x64/png/85/0").as_bytes()).starts_with("HTTP/1.1 200"));
-    // More pauses than there are attempts.
-    let pause = 10 * PATIENCE.attempts * PATIENCE.pause;
-    thread::spawn(move || {
-        thread::sleep(pause);
-        making.offer(b"list".to_vec());
-    });
-    let began = Instant::now();
-    assert_eq!(polygons(address), b"list");
-    assert!(began.elapsed() < pause + SOON, "{:?}", began.elapsed());
-}
-
-#[test]
-fn a_server_that_never_has_its_list_is_left() {
-    let served = TileService::new(PolygonList::default(), [texture()], &hash_of(b"textures"));
-    let (address, _server) = served.listen(LOOPBACK.into(), LITTLE).unwrap();
-    let patience = Patience { making: Duration::from_millis(100), ..PATIENCE };
-    let error = Fetcher::new(&format!("http://{address}"), patience).polygons(|_| ()).unwrap_err();
-    assert!(error.ends_with("/polygons: the server is still making its list, after 0.1 s"), "{error}");
 }
 
 #[test]
@@ -227,7 +277,7 @@ fn it_listens_at_the_loopback_of_ipv6_too() {
         return;
     }
     let address = serving(([0, 0, 0, 0, 0, 0, 0, 1], 0), LITTLE);
-    assert_eq!(polygons(address), b"list");
+    assert_eq!(scene(address), b"scene");
 }
 
 #[test]

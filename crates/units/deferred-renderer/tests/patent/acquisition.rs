@@ -88,7 +88,8 @@ fn a_synthesized_tile_is_the_loaded_one_bit_for_bit() {
 #[test]
 fn an_odd_edge_repeats_its_last_texel_and_averages_round_half_up() {
     let levels = vec![Image { width: 3, height: 1, texels: vec![[1, 0, 0, 255], [2, 1, 0, 255], [9, 255, 0, 255]] }];
-    let texture = Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0 });
+    let texture =
+        Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None });
     let page = Arc::new(Page::new(0, &texture, Cut { tile: [2, 1], ..Cut::default() }, 0));
     let top = ServedTexture::new(texture).tile(&page, 0);
     // (1 + 2 + 1 + 2 + 2) >> 2 = 2, (0 + 1 + 0 + 1 + 2) >> 2 = 1; the third texel stands for itself.

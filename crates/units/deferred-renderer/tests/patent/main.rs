@@ -22,7 +22,7 @@ fn texture(size: [u32; 2]) -> Arc<Texture> {
     };
     let texels = (0..size[0] * size[1]).map(|_| [byte(), byte(), byte(), 255]).collect();
     let levels = vec![Image { width: size[0], height: size[1], texels }];
-    Arc::new(Texture { id: 7, name: "noise".into(), sampler: Sampler::default(), levels, offset: 0 })
+    Arc::new(Texture { id: 7, name: "noise".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
 fn page_of(size: [u32; 2], cut: Cut) -> Arc<Page> {

@@ -26,7 +26,7 @@ fn frame(view_projection: [f64; 16]) -> Draw {
 
 fn texture(side: u32) -> Arc<Texture> {
     let levels = vec![Image { width: side, height: side, texels: vec![[0; 4]; (side * side) as usize] }];
-    Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0 })
+    Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
 /// A triangle that faces +z.

@@ -9,7 +9,7 @@ fn texture(levels: &[[u8; 4]]) -> Arc<Texture> {
         texels: vec![texel; (side(k) * side(k)) as usize],
     };
     let levels = levels.iter().enumerate().map(level).collect();
-    Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 1600 })
+    Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 1600, elsewhere: None })
 }
 
 /// A triangle of 4 x 4 / 2 pixels, the texture mapped once over it.

@@ -13,7 +13,7 @@ fn map(side: u32, levels: u32, texel: impl Fn(u32, u32, u32) -> [u8; 3]) -> Arc<
         Image { width: n, height: n, texels: (0..n * n).map(at).map(|[r, g, b]| [r, g, b, 255]).collect() }
     };
     let levels = (0..levels).map(image).collect();
-    Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0 })
+    Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
 /// A unit square in the plane z = 0 facing +z, u along x, v against y (glTF).

@@ -67,7 +67,7 @@ pub fn textured(wrap: Wrap) -> Arc<Polygon> {
     let side = |side: u32| Image { width: side, height: side, texels: vec![[200; 4]; (side * side) as usize] };
     let levels = [64, 32, 16, 8, 4, 2, 1].map(side).to_vec();
     let sampler = Sampler { wrap: [wrap; 2], ..Sampler::default() };
-    let texture = Texture { id: 0, name: String::new(), sampler, levels, offset: 0 };
+    let texture = Texture { id: 0, name: String::new(), sampler, levels, offset: 0, elsewhere: None };
     let material = Arc::new(Material { color_texture: Some(Arc::new(texture)), ..Material::default() });
     let vertices = vec![Vertex::default(); 3];
     Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: false, arrival: 0 })

@@ -1,0 +1,149 @@
+//! What a real path carries, counted where it leaves and where it comes.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+use ureq::unversioned::transport::{Buffers, ConnectionDetails, Connector, NextTimeout, Transport};
+
+/// Counts what connections carry. Clones count together.
+#[derive(Clone, Debug, Default)]
+pub struct Meter(Arc<Counts>);
+
+#[derive(Debug, Default)]
+struct Counts {
+    began: Mutex<Option<Instant>>,
+    connections: AtomicU64,
+    requests: AtomicU64,
+    sent: AtomicU64,
+    received: AtomicU64,
+    scene: AtomicU64,
+    tiles: AtomicU64,
+    tile_bytes: AtomicU64,
+    other: AtomicU64,
+}
+
+/// What a body was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Body {
+    /// The scene.
+    Scene,
+    /// A tile.
+    Tile,
+    /// A number.
+    Other,
+}
+
+/// What was counted so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Metered {
+    /// Connections opened.
+    pub connections: u64,
+    /// Requests made.
+    pub requests: u64,
+    /// Bytes sent: requests.
+    pub sent: u64,
+    /// Bytes received: heads and bodies.
+    pub received: u64,
+    /// Of these, of the scene.
+    pub scene: u64,
+    /// Tiles received, and good.
+    pub tiles: u64,
+    /// Of the bytes received, of these tiles.
+    pub tile_bytes: u64,
+    /// Of the bytes received, of other bodies that were good.
+    pub other: u64,
+}
+
+impl Meter {
+    /// The scene is asked for; the last time that it is told counts.
+    pub fn begin(&self) {
+        *self.0.began.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+    }
+
+    /// Milliseconds since the scene was asked for.
+    pub fn milliseconds(&self) -> f64 {
+        let began = *self.0.began.lock().unwrap_or_else(PoisonError::into_inner);
+        began.map_or(0.0, |began| began.elapsed().as_secs_f64() * 1e3)
+    }
+
+    /// A request is made.
+    pub(super) fn asked(&self) {
+        add(&self.0.requests, 1);
+    }
+
+    /// A body has come, and is what it should be.
+    pub(super) fn came(&self, body: Body, bytes: u64) {
+        match body {
+            Body::Scene => add(&self.0.scene, bytes),
+            Body::Tile => {
+                add(&self.0.tiles, 1);
+                add(&self.0.tile_bytes, bytes);
+            }
+            Body::Other => add(&self.0.other, bytes),
+        }
+    }
+
+    /// What was counted so far.
+    pub fn read(&self) -> Metered {
+        let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
+        let c = &*self.0;
+        Metered {
+            connections: read(&c.connections),
+            requests: read(&c.requests),
+            sent: read(&c.sent),
+            received: read(&c.received),
+            scene: read(&c.scene),
+            tiles: read(&c.tiles),
+            tile_bytes: read(&c.tile_bytes),
+            other: read(&c.other),
+        }
+    }
+}
+
+fn add(count: &AtomicU64, n: u64) {
+    count.fetch_add(n, Ordering::Relaxed);
+}
+
+/// Puts a meter on every connection.
+#[derive(Debug)]
+pub(super) struct MeteredConnector(pub(super) Meter);
+
+impl<In: Transport> Connector<In> for MeteredConnector {
+    type Out = MeteredTransport<In>;
+
+    fn connect(&self, _: &ConnectionDetails<'_>, chained: Option<In>) -> Result<Option<Self::Out>, ureq::Error> {
+        Ok(chained.map(|inner| {
+            add(&self.0.0.connections, 1);
+            MeteredTransport { inner, meter: self.0.clone() }
+        }))
+    }
+}
+
+/// A connection with a meter.
+#[derive(Debug)]
+pub(super) struct MeteredTransport<In> {
+    inner: In,
+    meter: Meter,
+}
+
+impl<In: Transport> Transport for MeteredTransport<In> {
+    fn buffers(&mut self) -> &mut dyn Buffers {
+        self.inner.buffers()
+    }
+
+    fn transmit_output(&mut self, amount: usize, timeout: NextTimeout) -> Result<(), ureq::Error> {
+        add(&self.meter.0.sent, amount as u64);
+        self.inner.transmit_output(amount, timeout)
+    }
+
+    fn await_input(&mut self, timeout: NextTimeout) -> Result<bool, ureq::Error> {
+        let before = self.inner.buffers().input().len();
+        let came = self.inner.await_input(timeout)?;
+        add(&self.meter.0.received, self.inner.buffers().input().len().saturating_sub(before) as u64);
+        Ok(came)
+    }
+
+    fn is_open(&mut self) -> bool {
+        self.inner.is_open()
+    }
+}

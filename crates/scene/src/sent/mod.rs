@@ -1,0 +1,78 @@
+//! A subject as it travels to a renderer elsewhere: everything but texels.
+//!
+//! `basrelief-scene/1`, uncompressed, all numbers with the low byte first:
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 18 | `basrelief-scene/1` and a line end |
+//! | 4 | length of the head |
+//! | so many | the [head](head::Head): names, textures, materials, objects, view, and how long the arrays are; postcard's encoding |
+//! | the rest | the [arrays](arrays) of all meshes, one mesh after the other, each mesh once however many objects it has |
+//!
+//! Tangents stay behind: only machines with normal maps ask for them, and those need the texels.
+
+mod arrays;
+mod head;
+#[cfg(test)]
+mod tests;
+
+use crate::outside::over_budget;
+use crate::{SceneError, Subject};
+use arrays::Arrays;
+use basrelief_input::{Budget, Held};
+use basrelief_signals::{Mesh, Texture};
+use head::{Head, MeshHead};
+
+/// How it begins.
+const MAGIC: &[u8] = b"basrelief-scene/1\n";
+/// What a byte of the head unfolds into at most, lists that grow by doubling included: an empty sentence is one byte there, and 24
+/// here \[bytes\].
+const HEAD_WEIGHT: u64 = 64;
+
+impl Subject {
+    /// The subject without texels. `hash` gives the SHA-256 of a texture's picture, by which the other side asks for its tiles.
+    ///
+    /// # Errors
+    /// Meshes or heads of more than 4 GiB.
+    pub fn to_bytes(&self, hash: &mut dyn FnMut(&Texture) -> [u8; 32]) -> Result<Vec<u8>, SceneError> {
+        let (head, meshes) = Head::of(self, hash);
+        let head = postcard::to_allocvec(&head).map_err(|e| SceneError::at("head", e.to_string()))?;
+        let length = u32::try_from(head.len()).map_err(|_| SceneError::at("head", "is longer than 4 GiB"))?;
+        let mut bytes = [MAGIC, &length.to_le_bytes(), &head].concat();
+        meshes.iter().for_each(|mesh| arrays::write(mesh, &mut bytes));
+        Ok(bytes)
+    }
+
+    /// Reads what [`to_bytes`](Self::to_bytes) has written, and checks all of it: the subject, with textures whose texels are
+    /// [elsewhere](Texture::elsewhere), and what it takes of the budget. `name` is for messages.
+    ///
+    /// # Errors
+    /// Bytes that are no such scene, with the place; what is over the budget.
+    pub fn from_bytes(bytes: &[u8], name: &str, budget: &Budget) -> Result<(Self, Held), SceneError> {
+        read(bytes, budget).map_err(|e| e.in_file(name))
+    }
+}
+
+fn read(bytes: &[u8], budget: &Budget) -> Result<(Subject, Held), SceneError> {
+    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {
+        SceneError::at("byte 0", "no scene").expected("`basrelief-scene/1`").cure("ask a `basrelief serve` of the same version")
+    })?;
+    let cut = || SceneError::at("head", "is cut short");
+    let (length, rest) = rest.split_first_chunk::<4>().ok_or_else(cut)?;
+    let length = u32::from_le_bytes(*length);
+    let (head, rest) = rest.split_at_checked(length as usize).ok_or_else(cut)?;
+    let held = budget.take(HEAD_WEIGHT * u64::from(length), "the head of a scene").map_err(|e| over_budget("head", &e))?;
+    let (head, left): (Head, _) = postcard::take_from_bytes(head).map_err(|e| SceneError::at("head", format!("corrupt: {e}")))?;
+    if !left.is_empty() {
+        return Err(SceneError::at("head", format!("is {} bytes longer than what it says", left.len())));
+    }
+    let mut arrays = Arrays::new(rest, budget, held);
+    let meshes = (0..).zip(&head.meshes).map(|(i, mesh)| arrays.mesh(i, mesh)).collect::<Result<Vec<Mesh>, _>>()?;
+    let held = arrays.finish()?;
+    Ok((head.subject(meshes)?, held))
+}
+
+/// The place of an element of a list of the head.
+fn place(list: &str, index: usize, field: &str) -> String {
+    if field.is_empty() { format!("/{list}/{index}") } else { format!("/{list}/{index}/{field}") }
+}

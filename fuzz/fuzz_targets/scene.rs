@@ -1,0 +1,14 @@
+//! Scenes that travel: whatever one says, it is a scene that can be looked at, or an error.
+
+#![no_main]
+
+use basrelief_input::Budget;
+use basrelief_scene::{Subject, ViewOptions};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok((subject, _held)) = Subject::from_bytes(bytes, "scene", &Budget::new(64 << 20)) {
+        // A view of it may be refused.
+        let _ = subject.seen(&ViewOptions { size: [16, 12], ..ViewOptions::default() });
+    }
+});
