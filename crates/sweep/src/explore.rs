@@ -1,7 +1,7 @@
 //! The front of a plan with few of its points.
 //!
 //! Which points come next follows from the figures of those that are known, by [`Explorer`]; they are run as those of a sweep are, and
-//! lie in the same folder. What limits a point of the front, as its run timed again says, is raised first: for that it is run once more,
+//! lie in the same folder. What limits a point of the front, as its run timed again says, is raised: for that it is run once more,
 //! which counts for no point. So an exploration that was killed goes on, and what a sweep has run is not run again.
 
 use crate::one::limits;
