@@ -1,6 +1,6 @@
 //! Sweeps: they go on where they were killed, share a folder, and end with the same bytes.
 
-use crate::support::{PROGRAM, Place, wait, workspace};
+use crate::support::{PROGRAM, Place, finish, wait, workspace};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -129,6 +129,27 @@ fn an_interrupted_sweep_keeps_what_is_finished_and_goes_on() {
     assert!(!names(&files(&place.path("out"))).iter().any(|name| name.contains(".partial")));
     place.ok("sweep plan.toml");
     same(&files(&place.path("out")), &whole);
+}
+
+/// Files that may not grow beyond so many blocks of 512 bytes, or of 1 KiB in some shells: as on a disk that is full, but for the words.
+#[cfg(unix)]
+#[test]
+fn files_that_find_no_room_end_a_sweep_with_their_name_and_with_room_it_goes_on() {
+    let whole = undisturbed(&place());
+    for (blocks, there, file) in [(40, 0, "/report.json: "), (160, POINTS, "out/sweep.")] {
+        let place = place();
+        let mut limited = std::process::Command::new("sh");
+        limited.arg("-c").arg(format!("trap '' XFSZ; ulimit -f {blocks} && exec \"$0\" \"$@\""));
+        limited.arg(PROGRAM).args(place.command("sweep plan.toml").get_args()).current_dir(place.path(""));
+        let outcome = finish(&mut limited);
+        let error = outcome.error(1);
+        assert!(error.contains(file) && error.contains("cannot be written: File too large"), "{error}");
+        let left = files(&place.path("out"));
+        assert!(left.iter().all(|(path, bytes)| whole[path] == *bytes), "half-written: {:?}", names(&left));
+        assert_eq!(reports(&place), there);
+        place.ok("sweep plan.toml");
+        same(&files(&place.path("out")), &whole);
+    }
 }
 
 #[test]

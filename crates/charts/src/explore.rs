@@ -5,9 +5,10 @@
 //! it refines around the front:
 //!
 //! 1. between two points of the front that are neighbours in cost: the point halfway,
-//! 2. beside each point of the front: one step up and down each axis; axes that limit first, where the caller knows them,
-//! 3. where all of that has been: two steps, four, and so on,
-//! 4. where that has been, too: the rest of the Sobol sequence.
+//! 2. above each point of the front, in turns with those: one step up the axis that limits it most, where the caller knows which,
+//! 3. beside each point of the front: one step up and down each axis, those that limit first,
+//! 4. where all of that has been: two steps, four, and so on,
+//! 5. where that has been, too: the rest of the Sobol sequence.
 //!
 //! How much that finds, the example `explored` measures on grids that have been swept as a whole. Of `golf-ball`, four FIFO depths
 //! at 160 x 120 (1,296 points), a tenth of the points finds 99.6 % of the full grid's hypervolume at least, in eight seeds, where
@@ -89,14 +90,28 @@ impl Explorer {
     /// Around the front of what is known.
     fn refined(&self, known: &Known, hint: &Hint<'_>) -> Vec<Point> {
         let front = Front::of(known);
-        let halfway = front.gaps.iter().flat_map(|gap| halfway(front.points[gap.0], front.points[gap.1]));
         let longest = self.axes.iter().copied().max().unwrap_or(1);
         let steps = std::iter::successors(Some(1), |step| Some(2 * step)).take_while(|step| *step < longest);
         let order = front.widest_first();
         let hints: Vec<Vec<usize>> = order.iter().map(|point| hint(point)).collect();
         let beside =
             steps.flat_map(|step| order.iter().zip(&hints).flat_map(move |(point, hint)| self.beside(point, step, hint)));
-        halfway.chain(beside).collect()
+        let mut raised = order.iter().zip(&hints).filter_map(|(point, hint)| self.raised(point, hint));
+        let mut refined = Vec::new();
+        for (a, b, _) in &front.gaps {
+            refined.extend(halfway(front.points[*a], front.points[*b]));
+            refined.extend(raised.next());
+        }
+        refined.extend(raised.chain(beside));
+        refined
+    }
+
+    /// One step up the first of the hinted axes that has one.
+    fn raised(&self, point: &[usize], hint: &[usize]) -> Option<Point> {
+        let axis = *hint.iter().find(|&&axis| self.axes.get(axis).is_some_and(|length| point[axis] + 1 < *length))?;
+        let mut raised = point.to_vec();
+        raised[axis] += 1;
+        Some(raised)
     }
 
     /// So many steps up and down each axis, hinted axes first.
@@ -274,6 +289,17 @@ mod tests {
         let next = |hint: &[usize]| explorer.next(&known, 3, &|_| hint.to_vec());
         assert_eq!(next(&[2, 7]), [[4, 4, 5], [4, 4, 3], [5, 4, 4]]);
         assert_eq!(next(&[]), [[5, 4, 4], [3, 4, 4], [4, 5, 4]]);
+    }
+
+    #[test]
+    fn what_limits_is_raised_in_turns_with_points_halfway_as_long_as_it_can_be() {
+        let explorer = Explorer::new(&[9, 9, 9], 11, 0).unwrap();
+        let mut known: Known = explorer.next(&Known::new(), 7, &|_| vec![]).into_iter().map(|point| (point, None)).collect();
+        known.insert(vec![0, 4, 4], Some(vec![1.0, 9.0]));
+        known.insert(vec![6, 4, 8], Some(vec![9.0, 1.0]));
+        let next = |hint: &[usize]| explorer.next(&known, 3, &|_| hint.to_vec());
+        assert_eq!(next(&[2, 1]), [[3, 4, 6], [0, 4, 5], [6, 5, 8]]);
+        assert_eq!(next(&[])[..2], [[3, 4, 6], [1, 4, 4]]);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use serde_json::Value;
 /// Most rows on a terminal.
 const SHOWN: usize = 20;
 /// Longest words about a parameter in a table \[characters\].
-const ABOUT: usize = 40;
+const ABOUT: usize = 32;
 /// So many percent a decibel counts for where rows are put in order: a decibel more error is as much more in root mean square.
 const PERCENT_PER_DB: f64 = 12.2;
 

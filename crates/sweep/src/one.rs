@@ -7,7 +7,7 @@ use crate::{Host, Opened, SweepError};
 use basrelief_input::Held;
 use basrelief_reference::Picture;
 use basrelief_report::Report;
-use basrelief_report::model::OutcomeKind;
+use basrelief_report::model::{Limit, OutcomeKind};
 use basrelief_session::{
     MachineConfig, Observer, Pictures, RunInput, RunOptions, SessionError, Unobserved, When, doc_trace, run,
 };
@@ -109,6 +109,19 @@ fn of_error(error: &SessionError) -> Failure {
         _ => "error",
     };
     failure(outcome, error.to_string())
+}
+
+/// What limits a point, most first, as its run timed again has it; nothing of a point that does not come to its end.
+pub(crate) fn limits(plan: &Plan, point: &Point, host: &dyn Host) -> Vec<Limit> {
+    let ran = || {
+        let config = plan.config(&point.places).ok()?;
+        let input = &plan.inputs[point.input];
+        let given = plan.given(&point.places);
+        let options = RunOptions { limits: When::Always, given, exact: false, ..options(config, plan.max_cycles, host) };
+        let source = source(&input.name, &input.opened, host).ok()?;
+        run(source, &options, &mut Unobserved, None).ok()?.report.limits
+    };
+    ran().unwrap_or_default()
 }
 
 /// Most cycles of a rehearsal: far more than its few pixels take.

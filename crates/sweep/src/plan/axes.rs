@@ -15,7 +15,7 @@ pub struct Axis {
     /// Parameters, as `--set` names them.
     pub keys: Vec<String>,
     /// For each value of the axis, the values of its parameters, as they are written in TOML. None where the parameters are as in the
-    /// rest of the plan: that is the first place of an axis that is changed [one at a time](super::base).
+    /// rest of the plan: that is the first place of an axis that is changed one at a time.
     pub values: Vec<Vec<String>>,
     /// The same as cells of a table.
     pub cells: Vec<Vec<Cell>>,

@@ -1,6 +1,7 @@
 //! Sweeps: re-timed is run, threads change nothing, failures are rows, what is there stays.
 
 use crate::support::{Program, files, plan, sweep};
+use basrelief_sweep::folder::{Failure, Store};
 use basrelief_sweep::{Folder, Found, Work, execute, tables, verify};
 use std::fs;
 use std::time::Instant;
@@ -94,6 +95,25 @@ fn parameters_that_do_not_fit_together_are_rows_with_their_reason() {
         2,
         "{table:.2000}"
     );
+}
+
+#[test]
+fn a_point_that_is_known_to_be_stuck_is_a_row_off_the_front_until_it_is_run_again() {
+    let folder = tempdir().unwrap();
+    let host = Program::new();
+    let (plan, store) = (plan(PLAN, &host), Folder::new(folder.path()));
+    let message = "nothing can start: a waits for b".to_owned();
+    store.put_failure(&plan.points[3].id, &Failure { outcome: "deadlock".into(), message }, &host).unwrap();
+    let (_, tally) = sweep(PLAN, folder.path(), 2);
+    assert_eq!((tally.there, tally.run + tally.retimed, tally.failed), (1, 11, 0));
+    let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
+    let row = format!("{},failed,deadlock: nothing can start: a waits for b,,,", plan.points[3].id);
+    assert!(table.lines().nth(4).unwrap().starts_with(&row), "{table:.2000}");
+    assert!(fs::read_to_string(folder.path().join("front.txt")).unwrap().contains("of 11 points are not beaten"));
+    let points: Vec<_> = plan.points.iter().collect();
+    let work = Work { points: &points, retry_failed: true, pictures: true, threads: 2 };
+    assert_eq!(execute(&plan, &work, &store, &host).unwrap().run, 1);
+    assert_eq!(store.find(&plan.points[3].id), Found::Report);
 }
 
 #[test]
