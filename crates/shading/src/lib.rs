@@ -3,7 +3,8 @@
 //! - [`lighting`]: ambient + Lambert + Blinn-Phong, for CLUT entries and vertices;
 //! - [`area`]: areas of polygons on the screen and in a texture, and the LOD that follows;
 //! - [`mod@lod`]: level of detail 0..=63, and which MIP levels it selects with which weights;
-//! - [`texture`]: which texels a sample touches, and where they lie in memory;
+//! - [`texture`]: which texels a sample touches;
+//! - [`layout`]: where they lie in memory;
 //! - [`mod@reference_normals`]: the contents of the VQ tables (121);
 //! - [`interpolation`]: attributes of a fragment from those of its triangle;
 //! - [`scan`]: from a polygon to its pixels.
@@ -13,6 +14,7 @@
 
 pub mod area;
 pub mod interpolation;
+pub mod layout;
 pub mod lighting;
 pub mod lod;
 pub mod reference_normals;
@@ -21,8 +23,9 @@ pub mod texture;
 
 pub use area::{doubled_area, polygon_lod};
 pub use interpolation::{Gradient, fan_triangle, interpolate};
+pub use layout::{BLOCK, Layout, LevelPlace, TextureLayout, pixel_offset};
 pub use lighting::{LightVector, brightness, light_vectors, saturated};
 pub use lod::{LEVELS, LevelSet, lod, select_levels};
 pub use reference_normals::{MAX_ENTRIES, Table, TableError, TableSet, quantize_unit, reference_normals};
 pub use scan::{MAX_BLOCK, Raster, Scan, Spans, fan_triangles};
-pub use texture::{Footprints, LANES, Taps, address, decode_normal, footprints, level_offset, tap_offsets, taps, texel_offset};
+pub use texture::{Footprints, LANES, Taps, decode_normal, footprints, taps};

@@ -1,11 +1,7 @@
-//! Which texels a sample touches, what they weigh, and where they lie in memory.
+//! Which texels a sample touches, and what they weigh.
 
-use basrelief_signals::{Filter, Image, Sampler, Texture, Wrap};
+use basrelief_signals::{Filter, Image, Sampler, Wrap};
 use wide::{f32x4, u32x4};
-
-/// Side of the square blocks that textures are stored in \[texels\] (assumed; Hakura and Gupta 1997 found 3 to 15 times
-/// less bandwidth than with rows).
-pub const BLOCK: u32 = 4;
 
 /// Texels of a sample and their weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -124,45 +120,6 @@ fn whole(x: f32x4) -> [u32; LANES] {
     ((x + WHOLE).to_bits() - u32x4::splat(WHOLE.to_bits())).to_array()
 }
 
-/// Texels from the start of the memory to level `level` of the texture: its offset and the finer levels, each padded to
-/// whole blocks. Constant over a polygon.
-pub fn level_offset(texture: &Texture, level: usize) -> u64 {
-    let padded = |n: u32| u64::from(n.div_ceil(BLOCK) * BLOCK);
-    texture.levels.iter().take(level).map(|i| padded(i.width) * padded(i.height)).fold(texture.offset, |a, b| a + b)
-}
-
-/// Texels from the start of a level of this width to `texel`: 4 x 4 blocks row by row, 16 texels row by row within each.
-#[inline]
-pub fn texel_offset(width: u32, texel: [u32; 2]) -> u64 {
-    column_offset(texel[0]) + row_offset(width, texel[1])
-}
-
-/// [`texel_offset`] of each tap. Column and row contribute apart, and four taps lie in two of each.
-#[inline(always)]
-pub fn tap_offsets(width: u32, taps: &Taps) -> [u64; 4] {
-    let [[x0, y0], [x1, _], [_, y1], _] = taps.texel;
-    let (left, right) = (column_offset(x0), column_offset(x1));
-    let (upper, lower) = (row_offset(width, y0), row_offset(width, y1));
-    [upper + left, upper + right, lower + left, lower + right]
-}
-
-#[inline]
-fn column_offset(x: u32) -> u64 {
-    u64::from(x % BLOCK) + u64::from(x / BLOCK) * u64::from(BLOCK * BLOCK)
-}
-
-#[inline]
-fn row_offset(width: u32, y: u32) -> u64 {
-    u64::from(y / BLOCK) * u64::from(width.div_ceil(BLOCK)) * u64::from(BLOCK * BLOCK) + u64::from(y % BLOCK * BLOCK)
-}
-
-/// Byte address of `texel` of level `level`, at `texel_bytes` bytes per texel. A level that the texture does not have
-/// lies behind its last. Who asks often keeps [`level_offset`].
-pub fn address(texture: &Texture, level: usize, texel: [u32; 2], texel_bytes: u32) -> u64 {
-    let width = texture.levels.get(level).map_or(1, |image| image.width);
-    (level_offset(texture, level) + texel_offset(width, texel)) * u64::from(texel_bytes)
-}
-
 /// Components of a normal from its stored form, 0..=255: `v / 127.5 - 1`. Takes filtered values too, as it is linear.
 #[inline]
 pub fn decode_normal<const N: usize>(stored: [f32; N]) -> [f32; N] {
@@ -213,24 +170,6 @@ mod tests {
     }
 
     #[test]
-    fn addresses_follow_blocks_and_padding() {
-        let texture = Texture {
-            id: 0,
-            name: String::new(),
-            sampler: Sampler::default(),
-            levels: vec![image(6, 5), image(3, 2), image(1, 1)],
-            offset: 32,
-        };
-        assert_eq!(address(&texture, 0, [0, 0], 4), 32 * 4);
-        assert_eq!(address(&texture, 0, [3, 1], 4), (32 + 7) * 4);
-        assert_eq!(address(&texture, 0, [4, 0], 4), (32 + 16) * 4);
-        assert_eq!(address(&texture, 0, [1, 4], 4), (32 + 33) * 4);
-        assert_eq!(address(&texture, 1, [2, 1], 3), (32 + 64 + 6) * 3);
-        assert_eq!(level_offset(&texture, 2), 32 + 64 + 16);
-        assert_eq!(level_offset(&texture, 99), 32 + 64 + 32);
-    }
-
-    #[test]
     fn normals_decode_to_their_range() {
         assert_eq!(decode_normal([0.0, 127.5, 255.0]), [-1.0, 0.0, 1.0]);
     }
@@ -253,7 +192,6 @@ mod tests {
             prop_assert!(t.texel.iter().all(|&[x, y]| x < w && y < h));
             let beside = footprints(&image, &wrap(mode), filter, [[0.5, u, v, 0.0], [u, v, u, 1.0]].map(f32x4::new));
             prop_assert_eq!(beside.taps(1), t);
-            prop_assert_eq!(tap_offsets(w, &t), t.texel.map(|p| texel_offset(w, p)));
         }
 
         #[test]
@@ -275,18 +213,6 @@ mod tests {
             let got = f64::from(a) + f64::from(f) * (f64::from(b) - f64::from(a));
             // A jump of the repeating texture is as steep as the image is wide.
             prop_assert!((got - expected).abs() < 1e-4 * f64::from(w), "{got} {expected}");
-        }
-
-        #[test]
-        fn addresses_within_a_level_are_distinct(w in 1u32..20, h in 1u32..20) {
-            let texture = Texture {
-                id: 0, name: String::new(), sampler: Sampler::default(), levels: vec![image(w, h)], offset: 5,
-            };
-            let mut seen: Vec<u64> = (0..w * h).map(|i| address(&texture, 0, [i % w, i / w], 4)).collect();
-            seen.sort_unstable();
-            seen.dedup();
-            prop_assert_eq!(seen.len() as u32, w * h);
-            prop_assert!(seen.iter().all(|&a| a < 4 * level_offset(&texture, 1)));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! All parameters of the bump-mapping processor, in the order of its block diagram, and its FIFOs.
 
-use crate::config::{ClockConfig, IdealConfig, ReferenceConfig};
+use crate::config::{ClockConfig, IdealConfig, ReferenceConfig, TextureConfig};
 use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
@@ -131,6 +131,8 @@ parameter_groups! {
         brightness: BrightnessConfig = BrightnessConfig::default(),
         /// Graphics processor (104).
         graphics: GraphicsConfig = GraphicsConfig::default(),
+        /// Normal maps in memory (116), and colour textures in memory (124).
+        texture: TextureConfig = TextureConfig::default(),
         /// Frame buffer (126).
         frame_buffer: FrameBufferConfig = FrameBufferConfig::default(),
         /// Video output.

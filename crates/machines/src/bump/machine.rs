@@ -52,7 +52,7 @@ impl<F: FrontEnd> BumpProcessor<F> {
         let tables = c.replacement.table_set();
         let separate = c.brightness.components == Components::Separate;
         let (z_bits, stamp) = (c.rasterizer.z_bits, check::stamp(config));
-        let levels = c.brightness.levels;
+        let (levels, layout) = (c.brightness.levels, c.texture.layout());
         wired(
             Self {
                 front,
@@ -69,7 +69,8 @@ impl<F: FrontEnd> BumpProcessor<F> {
                 distributor: Stage::new("distributor", Distributor::default()),
                 mapping: Stage::new(
                     "normal-mapping",
-                    NormalMapping::new(c.normal_mapping.clone(), &c.operators, levels, stamp, c.cache.normal_map.line_bytes),
+                    NormalMapping::new(c.normal_mapping.clone(), &c.operators, levels, stamp, c.cache.normal_map.line_bytes)
+                        .with_layout(layout),
                 ),
                 replacement: Stage::new("replacement", replacement),
                 brightness: Stage::new("brightness", BrightnessFetch::new(c.brightness, tables, stamp * samples, &c.operators)),
@@ -80,7 +81,8 @@ impl<F: FrontEnd> BumpProcessor<F> {
                         c.operators.clone(),
                         separate,
                         [stamp, c.cache.color_texture.line_bytes, check::entry_bits(config)],
-                    ),
+                    )
+                    .with_layout(layout),
                 ),
                 late_depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, z_bits, c.cache.depth.line_bytes)),
                 frame_buffer: Stage::new("frame-buffer", FrameBuffer::new(c.frame_buffer)),

@@ -9,6 +9,7 @@ use basrelief_signals::LINE_PIXELS;
 /// Checks what spans parameters.
 pub(super) fn check(c: &TexelMachineConfig) -> Result<(), ConfigProblem> {
     check_memories(c)?;
+    c.texture.check()?;
     line_is_power_of_two("texture", c.cache.texture.line_bytes)?;
     line_is_power_of_two("depth", c.cache.depth.line_bytes)?;
     let depth_bytes = LINE_PIXELS * if c.scan.z_bits <= 16 { 2 } else { 4 };

@@ -1,6 +1,6 @@
 //! All parameters of the texture mapping system, in the order of its block diagram, and its FIFOs.
 
-use crate::config::{ClockConfig, IdealConfig};
+use crate::config::{ClockConfig, IdealConfig, TextureConfig};
 use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
@@ -163,6 +163,8 @@ parameter_groups! {
         mip: MipConfig = MipConfig::default(),
         /// Texture look-up table (330).
         look_up: LookUpConfig = LookUpConfig::default(),
+        /// Textures in the memory of (330).
+        texture: TextureConfig = TextureConfig::default(),
         /// Illuminance value generator (340).
         illuminance: IlluminanceConfig = IlluminanceConfig::default(),
         /// Combiner (350).

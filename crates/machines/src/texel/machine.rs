@@ -48,7 +48,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         let c = config.clone();
         let pixel_bytes = c.frame_buffer.pixel_bytes;
         let trilinear = c.mip.mode == MipMode::Trilinear;
-        let look_up = TextureLookUpTable::new(c.look_up, trilinear, c.cache.texture.line_bytes);
+        let look_up = TextureLookUpTable::new(c.look_up, trilinear, c.cache.texture.line_bytes).with_layout(c.texture.layout());
         check(config)?;
         let (memories, clients) = build(config);
         let gradients = (c.mip.mode != MipMode::Off).then_some(c.mip.per);

@@ -9,4 +9,5 @@ mod memories;
 mod promise;
 mod recipe;
 mod runs;
+mod textures;
 mod variants;

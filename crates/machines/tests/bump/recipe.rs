@@ -239,6 +239,7 @@ const MEANING: &[Axis] = &[
         &[("replacement.codebook", "per_object"), ("replacement.kmeans_iterations", "1")],
     ],
     &[&[], &[("normal_mapping.filter", "nearest")]],
+    &[&[], &[("rasterizer.order", "rows")], &[("rasterizer.order", "columns")]],
     &[&[], &[("brightness.components", "separate")], &[("brightness.components", "separate"), ("brightness.bits", "13")]],
     &[&[], &[("brightness.source", "direct")]],
     &[&[], &[("graphics.draw", "after_list")], &[("graphics.draw", "after_list"), ("graphics.held", "normal")]],
@@ -257,6 +258,7 @@ const MEANING: &[Axis] = &[
 
 /// When it computes it: none of this may change a picture.
 const TIMING: &[Axis] = &[
+    &[&[], &[("texture.layout", "linear")], &[("texture.layout", "blocked_6d"), ("texture.superblock", "8")]],
     &[
         &[],
         &[("video_out.enabled", "false")],

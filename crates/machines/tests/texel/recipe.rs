@@ -124,6 +124,7 @@ const MEANING: &[Axis] = &[
 
 /// When it computes it: none of this may change a picture.
 const TIMING: &[Axis] = &[
+    &[&[], &[("texture.layout", "linear")], &[("texture.layout", "blocked_6d"), ("texture.superblock", "8")]],
     &[&[], &[("divider.count", "1")], &[("divider.count", "5"), ("divider.bits_per_cycle", "1")]],
     &[&[], &[("divider.pipelined", "true")], &[("operators.multiply.latency", "1"), ("operators.add.latency", "40")]],
     &[&[], &[("texel.multipliers", "1")], &[("operators.divide.interval", "40"), ("texel.table_cycles", "9")]],

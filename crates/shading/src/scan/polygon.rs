@@ -95,11 +95,44 @@ impl Scan {
     fn enter_triangle(&mut self, polygon: &Polygon) -> bool {
         let Some(triangle) = self.winding.triangle(polygon, self.next_triangle, self.raster) else { return false };
         self.next_triangle = triangle.number() + 1;
-        self.walk = Walk::new(triangle, self.raster.block);
+        self.walk = Walk::new(triangle, self.raster);
         true
     }
 
     fn owns_pixel(&self, polygon: &Polygon) -> bool {
         self.winding.gives(polygon, self.raster.bits, self.triangle(), self.walk.pixel())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use basrelief_signals::Vertex;
+    use proptest::prelude::*;
+    use std::sync::Arc;
+
+    fn visited(polygon: &Polygon, block: u32, columns: bool) -> Vec<(u16, [i32; 2])> {
+        let mut scan = Scan::new(polygon, Raster { columns, ..Raster::new([60, 40], 8, 24, block) });
+        std::iter::from_fn(|| scan.advance(polygon).then(|| (scan.triangle(), scan.walk.pixel()))).collect()
+    }
+
+    fn sorted(pixels: &[(u16, [i32; 2])], key: impl Fn([i32; 2]) -> [i32; 4]) -> Vec<(u16, [i32; 2])> {
+        let mut sorted = pixels.to_vec();
+        sorted.sort_by_key(|(triangle, pixel)| (*triangle, key(*pixel)));
+        sorted
+    }
+
+    proptest! {
+        #[test]
+        fn blocks_rows_and_columns_visit_the_same_pixels_each_in_its_order(
+            corners in prop::collection::vec([-9f32..70.0, -9f32..50.0], 3..7), block in 1u32..=8,
+        ) {
+            let vertices = corners.iter().map(|&[x, y]| Vertex { position: [x, y, 0.5, 1.0], ..Vertex::default() }).collect();
+            let polygon = Polygon { vertices, material: Arc::default(), object: 0, lod: 0, bump: false, arrival: 0 };
+            let (rows, b) = (visited(&polygon, 1, false), block as i32);
+            prop_assert_eq!(&rows, &sorted(&rows, |[x, y]| [y, x, 0, 0]));
+            prop_assert_eq!(visited(&polygon, block, false), sorted(&rows, |[x, y]| [y / b, x / b, y, x]));
+            prop_assert_eq!(visited(&polygon, block, true), sorted(&rows, |[x, y]| [x / b, y / b, x, y]));
+        }
     }
 }

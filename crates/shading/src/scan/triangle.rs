@@ -65,11 +65,12 @@ impl Edge {
         self.step[0] * i64::from(x) + self.step[1] * i64::from(y) + self.cover >= 0
     }
 
-    /// Cuts the spans (first column, column behind the last) of the rows from `top` on to what lies on the inner side.
+    /// Cuts the spans (first column, column behind the last) of the rows from `top` on to what lies on the inner side; `across` is
+    /// 0, or 1 for the spans of columns.
     /// The sign is looked at once, not in every row, and the divisions of the rows do not wait for each other.
     #[inline]
-    fn clip(&self, top: i32, spans: &mut [[i32; 2]]) {
-        let [a, b] = self.step;
+    fn clip(&self, across: usize, top: i32, spans: &mut [[i32; 2]]) {
+        let (a, b) = (self.step[across], self.step[1 - across]);
         let rows = (i64::from(top)..).map(|y| b * y + self.cover).zip(spans);
         if a > 0 {
             rows.for_each(|(value, span)| span[0] = span[0].max(column(-floor_division(value, a))));
@@ -172,13 +173,15 @@ pub struct Raster {
     pub z_max: u32,
     /// Side of the blocks in which a triangle is visited \[pixels\], 1..=[`MAX_BLOCK`].
     pub block: u32,
+    /// Column of blocks by column of blocks, each column by column, in place of rows.
+    pub columns: bool,
 }
 
 impl Raster {
     /// A raster of `screen` pixels with depth values of `z_bits` (1..=32) bits.
     pub fn new(screen: [u32; 2], bits: u32, z_bits: u32, block: u32) -> Self {
         let z_max = u32::MAX >> 32u32.saturating_sub(z_bits).min(31);
-        Self { screen: screen.map(|side| side.min(layout::MAX_SIDE)), bits, z_max, block }
+        Self { screen: screen.map(|side| side.min(layout::MAX_SIDE)), bits, z_max, block, columns: false }
     }
 }
 
@@ -204,13 +207,20 @@ impl Triangle {
     /// Covered columns of `count` rows from `top` on, the last excluded; empty where the first is not below it.
     #[inline]
     pub fn spans(&self, top: i32, count: i32, spans: &mut [[i32; 2]; MAX_BLOCK]) {
-        let Bounds { x, y: [first, end] } = self.bounds;
+        self.spans_across(0, top, count, spans);
+    }
+
+    /// [`Triangle::spans`] with columns and rows exchanged where `across` is 1: covered rows of columns.
+    #[inline]
+    pub(super) fn spans_across(&self, across: usize, top: i32, count: i32, spans: &mut [[i32; 2]; MAX_BLOCK]) {
+        let bounds = [self.bounds.x, self.bounds.y];
+        let [first, end] = bounds[1 - across];
         let (skip, take) = ((first - top).max(0) as usize, count.min(end - top) as usize);
         *spans = [[0, 0]; MAX_BLOCK];
         let Some(rows) = spans.get_mut(skip..take) else { return };
-        rows.fill(x);
+        rows.fill(bounds[across]);
         for edge in &self.edges.edges {
-            edge.clip(top.max(first), rows);
+            edge.clip(across, top.max(first), rows);
         }
     }
 

@@ -1,11 +1,12 @@
-//! Traversal of a triangle: row of blocks by row of blocks, block by block, row by row; only covered pixels.
+//! Traversal of a triangle: row of blocks by row of blocks, block by block, row by row; only covered pixels. By columns, rows and
+//! columns are exchanged, here as in all names below.
 //!
 //! A row of blocks starts with the analytic span of each of its rows; a block then is a mask of covered pixels, taken bit
 //! by bit. Testing every pixel of every touched block instead was rejected: a triangle of fifteen pixels touches five
 //! blocks, that is five tests per fragment. Walking the spans without a mask was tried: its branch at the end of every
 //! four pixels cannot be predicted.
 
-use super::{MAX_BLOCK, Triangle};
+use super::{MAX_BLOCK, Raster, Triangle};
 use basrelief_signals::Fragment;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +20,8 @@ pub struct Walk {
     pub triangle: Triangle,
     /// Side of a block \[pixels\], 1..=[`MAX_BLOCK`].
     block: i32,
+    /// Rows and columns are exchanged.
+    columns: bool,
     /// First row of the current row of blocks.
     top: i32,
     /// Spans of the rows of the current row of blocks.
@@ -34,17 +37,18 @@ pub struct Walk {
 impl Walk {
     /// In front of the first pixel.
     #[inline]
-    pub fn new(triangle: Triangle, block: u32) -> Self {
-        let block = block.clamp(1, ROW) as i32;
-        let top = triangle.bounds.y[0] / block * block - block;
-        Self { triangle, block, top, ..Self::default() }
+    pub fn new(triangle: Triangle, raster: Raster) -> Self {
+        let (block, columns) = (raster.block.clamp(1, ROW) as i32, raster.columns);
+        let first = if columns { triangle.bounds.x[0] } else { triangle.bounds.y[0] };
+        Self { triangle, block, columns, top: first / block * block - block, ..Self::default() }
     }
 
     /// Column and row of the current pixel.
     #[inline]
     pub fn pixel(&self) -> [i32; 2] {
         let bit = self.mask.trailing_zeros();
-        [self.left + (bit % ROW) as i32, self.top + (bit / ROW) as i32]
+        let (column, row) = (self.left + (bit % ROW) as i32, self.top + (bit / ROW) as i32);
+        if self.columns { [row, column] } else { [column, row] }
     }
 
     /// Fragment of the current pixel.
@@ -90,12 +94,14 @@ impl Walk {
     }
 
     fn next_row_of_blocks(&mut self) -> bool {
+        let bounds = &self.triangle.bounds;
+        let end = if self.columns { bounds.x[1] } else { bounds.y[1] };
         loop {
             self.top += self.block;
-            if self.top >= self.triangle.bounds.y[1] {
+            if self.top >= end {
                 return false;
             }
-            self.triangle.spans(self.top, self.block, &mut self.spans);
+            self.triangle.spans_across(self.columns.into(), self.top, self.block, &mut self.spans);
             let covered = self.spans.iter().filter(|[first, end]| first < end);
             let (first, end) = covered.fold((i32::MAX, 0), |(f, e), s| (f.min(s[0]), e.max(s[1])));
             if first < end {

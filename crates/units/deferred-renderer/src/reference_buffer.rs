@@ -5,7 +5,7 @@ use crate::tokens::{CellBlock, CellFlow, PassFlow, PlacedCell, Round};
 use crate::{Cell, Page, Sizes};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
-use basrelief_shading::texture::{BLOCK, texel_offset};
+use basrelief_shading::{BLOCK, pixel_offset};
 use basrelief_signals::{Frame, GatheredLines, Stamp, layout};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -122,7 +122,7 @@ impl ReferenceBuffer {
         let Some(frame) = &self.state.frame else { return };
         let width = frame.width;
         for placed in cells {
-            let offset = texel_offset(width, [placed.x.into(), placed.y.into()]);
+            let offset = pixel_offset(width, [placed.x.into(), placed.y.into()]);
             let Some(cell) = self.state.cells.get_mut(offset as usize) else { continue };
             *cell = placed.cell;
             self.state.counters.written += 1;
@@ -140,7 +140,7 @@ impl ReferenceBuffer {
     fn filled(&self) -> Option<FilledBuffer> {
         let frame = self.state.frame.as_ref()?;
         let (width, height) = (frame.width, frame.height);
-        let cell = |x: u32, y: u32| self.state.cells.get(texel_offset(width, [x, y]) as usize).copied().unwrap_or_default();
+        let cell = |x: u32, y: u32| self.state.cells.get(pixel_offset(width, [x, y]) as usize).copied().unwrap_or_default();
         let cells = (0..height).flat_map(|y| (0..width).map(move |x| cell(x, y))).collect();
         Some(FilledBuffer { frame: frame.index, width, height, pages: self.state.pages.clone(), cells })
     }

@@ -1,5 +1,6 @@
 //! State of the graphics processor (104).
 
+use basrelief_shading::LevelPlace;
 use basrelief_signals::{Control, Fragment, Polygon, Shaded, Stamp};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -50,8 +51,8 @@ pub struct GraphicsProcessorState {
     pub polygon: Option<Arc<Polygon>>,
     /// MIP level of its colour texture.
     pub level: usize,
-    /// Start of that level \[texels from the start of the colour textures\].
-    pub level_offset: u64,
+    /// Where that level lies, from the start of the colour textures.
+    pub place: LevelPlace,
     /// What waits for the end of the list, in order.
     pub held: VecDeque<Held>,
     /// The end has come: what is held is being drawn.

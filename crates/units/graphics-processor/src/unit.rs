@@ -6,8 +6,7 @@ use crate::state::{GraphicsProcessorState, Held, Phase};
 use crate::work::Timing;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
-use basrelief_shading::texture::texel_offset;
-use basrelief_shading::{Gradient, fan_triangle, interpolate, level_offset, polygon_lod, select_levels, taps};
+use basrelief_shading::{Gradient, Layout, fan_triangle, interpolate, polygon_lod, select_levels, taps};
 use basrelief_signals::{Control, Filter, Flow, Fragment, Pixel, Polygon, Shaded, Stamp, Texture, layout};
 use std::sync::Arc;
 
@@ -41,6 +40,8 @@ pub struct GraphicsProcessor {
     pub line_bytes: u32,
     /// What waits of a fragment when drawn after the list, as `held` says \[bits\].
     pub entry_bits: u32,
+    /// How colour textures lie in memory.
+    pub layout: Layout,
     timing: Timing,
     /// Everything it remembers.
     pub state: GraphicsProcessorState,
@@ -51,7 +52,12 @@ impl GraphicsProcessor {
     /// brightness are blended apart; `line_bytes` is the colour cache's; `entry_bits` wait of a fragment.
     pub fn new(config: GraphicsConfig, operators: Operators, separate: bool, [stamp, line_bytes, entry_bits]: [u32; 3]) -> Self {
         let (timing, state) = (Timing::new(operators), GraphicsProcessorState::default());
-        Self { config, separate, stamp, line_bytes, entry_bits, timing, state }
+        Self { config, separate, stamp, line_bytes, entry_bits, layout: Layout::default(), timing, state }
+    }
+
+    /// With colour textures laid out so.
+    pub fn with_layout(self, layout: Layout) -> Self {
+        Self { layout, ..self }
     }
 
     /// A control token on the way through (106), which carries the order. Polygons that are no bump target, and what ends
@@ -116,7 +122,7 @@ impl GraphicsProcessor {
                 Mip::Off => 0,
                 Mip::Nearest => nearest_level(polygon, texture),
             };
-            self.state.level_offset = level_offset(texture, self.state.level);
+            self.state.place = self.layout.level(texture, self.state.level);
         }
     }
 
@@ -206,8 +212,8 @@ impl GraphicsProcessor {
         let taps = taps(image, &texture.sampler, self.config.filter, uv);
         let bytes = self.config.texel_bytes;
         for &texel in taps.texel.iter().take(usize::from(taps.count)) {
-            let offset = self.state.level_offset + texel_offset(image.width, texel);
-            traffic.look_up(TEXTURES, layout::COLOR_TEXTURES + offset * u64::from(bytes), bytes);
+            let address = self.state.place.texel(texel) * u64::from(bytes);
+            traffic.look_up(TEXTURES, layout::COLOR_TEXTURES + address, bytes);
         }
         Some(filtered(image, &taps))
     }

@@ -1,7 +1,7 @@
 //! Which cache lines a footprint touches.
 
 use basrelief_kernel::Traffic;
-use basrelief_shading::{Footprints, tap_offsets};
+use basrelief_shading::{Footprints, LevelPlace};
 
 /// The cache in front of the normal-map memory (116).
 const NORMAL_MAP: u32 = 0;
@@ -26,11 +26,10 @@ impl Lines {
         Self { texel_bytes, line_shift: line.ilog2(), per_texel }
     }
 
-    /// Looks up the taps of the first `count` samples of a level `width` texels wide that starts `base` texels from the start of
-    /// the memory, each line once: saying so again would cost the device nothing, but the host time. Mostly all four texels
-    /// of a sample lie in one 4 x 4 block, which is one line.
+    /// Looks up the taps of the first `count` samples of the level at this place, each line once: saying so again would cost the
+    /// device nothing, but the host time. Mostly all four texels of a sample lie in one 4 x 4 block, which is one line.
     #[inline(always)]
-    pub(crate) fn look_up(&self, width: u32, base: u64, (footprints, count): (&Footprints, usize), traffic: &mut Traffic) {
+    pub(crate) fn look_up(&self, place: LevelPlace, (footprints, count): (&Footprints, usize), traffic: &mut Traffic) {
         let bytes = u64::from(self.texel_bytes);
         let (mut recent, mut oldest) = ([u64::MAX; RECENT], 0);
         let mut look_up = |address: u64| {
@@ -44,7 +43,7 @@ impl Lines {
             }
         };
         for lane in 0..count {
-            let [a, b, c, d] = tap_offsets(width, &footprints.taps(lane)).map(|offset| (base + offset) * bytes);
+            let [a, b, c, d] = place.taps(&footprints.taps(lane)).map(|texel| texel * bytes);
             look_up(a);
             if self.per_texel > 1 || ((a ^ b) | (a ^ c) | (a ^ d)) >> self.line_shift != 0 {
                 [b, c, d].into_iter().for_each(&mut look_up);

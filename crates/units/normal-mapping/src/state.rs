@@ -2,7 +2,7 @@
 
 use crate::DistinctCounter;
 use basrelief_kernel::Derived;
-use basrelief_shading::{Gradient, LevelSet, fan_triangle};
+use basrelief_shading::{Gradient, LevelPlace, LevelSet, fan_triangle};
 use basrelief_signals::{MAX_SAMPLES, Polygon};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -34,8 +34,8 @@ pub struct NormalMappingState {
     pub polygon: Option<Arc<Polygon>>,
     /// MIP levels that its LOD selects.
     pub levels: LevelSet,
-    /// Where each selected level of its normal map starts \[texels\].
-    pub base: [u64; MAX_SAMPLES],
+    /// Where each selected level of its normal map lies.
+    pub places: [LevelPlace; MAX_SAMPLES],
     /// Of the triangle that the last fragment was in.
     #[serde(skip)]
     pub(crate) setup: Derived<Setup>,

@@ -9,7 +9,7 @@ use crate::work::Timing;
 use crate::{FilterAt, NormalMappingConfig, NormalMappingState};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
-use basrelief_shading::{Footprints, LEVELS, Taps, decode_normal, footprints, level_offset, select_levels};
+use basrelief_shading::{Footprints, LEVELS, Layout, Taps, decode_normal, footprints, select_levels};
 use basrelief_signals::{Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Sample, Samples, Stamp};
 use std::sync::Arc;
 use wide::f32x4;
@@ -26,6 +26,7 @@ pub struct NormalMapping {
     levels: u8,
     stamp: u32,
     lines: Lines,
+    layout: Layout,
     fixed_point: FixedPoint,
     /// Everything it remembers.
     pub state: NormalMappingState,
@@ -41,7 +42,13 @@ impl NormalMapping {
         let lines = Lines::new(config.texel_bytes, line_bytes);
         let fixed_point = FixedPoint::new(config.normal_bits);
         let timing = Timing::new(&config, operators);
-        Self { config, timing, levels, stamp, lines, fixed_point, state: NormalMappingState::default() }
+        let (layout, state) = (Layout::default(), NormalMappingState::default());
+        Self { config, timing, levels, stamp, lines, layout, fixed_point, state }
+    }
+
+    /// With normal maps laid out so.
+    pub fn with_layout(self, layout: Layout) -> Self {
+        Self { layout, ..self }
     }
 
     fn begin_polygon(&mut self, polygon: &Arc<Polygon>) {
@@ -49,7 +56,7 @@ impl NormalMapping {
         // Without a map N' = N at every level: the levels still have different VQ tables.
         let set = select_levels(polygon.lod, self.levels, map.map_or(LEVELS, |m| m.levels.len()));
         if let Some(map) = map {
-            self.state.base = std::array::from_fn(|i| level_offset(map, usize::from(set.level[i])));
+            self.state.places = std::array::from_fn(|i| self.layout.level(map, usize::from(set.level[i])));
         }
         self.state.levels = set;
         self.state.polygon = Some(Arc::clone(polygon));
@@ -76,7 +83,7 @@ impl NormalMapping {
     /// Samples the fragments of a stamp side by side; `None` where there is nothing to sample.
     #[inline(always)]
     fn sample(&mut self, stamp: &Stamp<Fragment>, out: &mut Samples<[i16; 3]>, traffic: &mut Traffic) -> Option<()> {
-        let NormalMappingState { polygon, levels, base, setup, counters } = &mut self.state;
+        let NormalMappingState { polygon, levels, places, setup, counters } = &mut self.state;
         let polygon = polygon.as_deref()?;
         let triangle = stamp.first()?.triangle;
         if setup.as_ref().is_none_or(|s| s.triangle != triangle) {
@@ -85,7 +92,7 @@ impl NormalMapping {
         let setup = setup.as_ref()?;
         counters.bump_fragments += u64::from(polygon.bump) * stamp.len() as u64;
         let [nx, ny, nz, tx, ty, tz, u, v] = setup.attributes.side_by_side(weights(stamp));
-        let selected = (0..usize::from(levels.count)).map(|i| (levels.level[i], levels.weight[i], base[i]));
+        let selected = (0..usize::from(levels.count)).map(|i| (levels.level[i], levels.weight[i], places[i]));
         let Some(map) = polygon.material.normal_map.as_deref() else {
             let value = self.fixed_point.quantize([nx, ny, nz]);
             out.extend(selected.map(|(level, weight, _)| Sample { level, weight: [weight; MAX_STAMP], value }));
@@ -93,10 +100,10 @@ impl NormalMapping {
         };
         let frame = TangentFrame::new([nx, ny, nz], [tx, ty, tz], f32x4::splat(setup.handedness));
         let scale = polygon.material.normal_scale;
-        for (level, weight, base) in selected {
+        for (level, weight, place) in selected {
             let image = map.levels.get(usize::from(level))?;
             let footprints = footprints(image, &map.sampler, self.config.filter, [u, v]);
-            self.lines.look_up(image.width, base, (&footprints, stamp.len()), traffic);
+            self.lines.look_up(place, (&footprints, stamp.len()), traffic);
             counters.texels += u64::from(footprints.count) * stamp.len() as u64;
             let mut add = |weight: [f32; MAX_STAMP], stored: [f32x4; 3]| {
                 let [x, y, z] = stored.map(|c| f32x4::new(decode_normal(c.to_array())));

@@ -2,13 +2,30 @@
 
 use basrelief_kernel::Work;
 use basrelief_parameters::parameters;
+use basrelief_shading::Raster;
+use serde::{Deserialize, Serialize};
+
+/// In which order the pixels of a triangle are visited.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RasterOrder {
+    /// In square blocks, row of blocks by row of blocks, each row by row.
+    #[default]
+    Tiled,
+    /// Row by row.
+    Rows,
+    /// Column by column.
+    Columns,
+}
 
 parameters! {
     /// Rasterizer.
     pub struct RasterizerConfig {
         /// Window coordinates are snapped to steps of 2^-n pixel.
         subpixel_bits: u32 = 8, unit: "bits", Assumed("eight bits are what graphics hardware has in common"), range: 1..=10;
-        /// Side of the square blocks in which a triangle is visited, row of blocks by row of blocks.
+        /// In which order the pixels of a triangle are visited: tiled, rows or columns.
+        order: RasterOrder = RasterOrder::Tiled, unit: "", Assumed("Hakura and Gupta 1997: the working set of a texture is smaller in tiles than along long rows");
+        /// Side of the square blocks in which a triangle is visited, row of blocks by row of blocks, with `tiled`.
         block: u32 = 4, unit: "pixels", Assumed("the block of the texture and buffer layouts, so that a line is finished before the next"), range: 1..=8;
         /// Most fragments of a stamp, which is a token: covered pixels of one 4 x 4 block, in order. They leave one after
         /// the other whatever the stamp.
@@ -27,6 +44,13 @@ parameters! {
 }
 
 impl RasterizerConfig {
+    /// The raster of a screen of so many pixels.
+    pub(crate) fn raster(&self, screen: [u32; 2]) -> Raster {
+        let block = if self.order == RasterOrder::Tiled { self.block } else { 1 };
+        let raster = Raster::new(screen, self.subpixel_bits, self.z_bits, block);
+        Raster { columns: self.order == RasterOrder::Columns, ..raster }
+    }
+
     /// Its operators.
     pub fn operators(&self) -> Work {
         Work { multiply: self.multipliers, add: self.adders, divide: self.dividers, ..Work::NONE }

@@ -14,7 +14,7 @@ pub mod state;
 pub mod unit;
 mod work;
 
-pub use config::RasterizerConfig;
+pub use config::{RasterOrder, RasterizerConfig};
 pub use distributor::{Distributor, DistributorState};
 pub use state::{RasterizerCounters, RasterizerState};
 pub use unit::Rasterizer;

@@ -5,8 +5,7 @@ use crate::state::RasterizerState;
 use crate::work::{CHAIN, FRAGMENT, SET_UP, SET_UP_NUMBERS};
 use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
-use basrelief_shading::texture::BLOCK;
-use basrelief_shading::{Raster, Scan, fan_triangles};
+use basrelief_shading::{BLOCK, Scan, fan_triangles};
 use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp};
 use std::sync::Arc;
 
@@ -51,8 +50,7 @@ impl Rasterizer {
         let triangles = fan_triangles(polygon);
         self.state.counters.polygons += 1;
         self.state.counters.triangles += u64::from(triangles);
-        let RasterizerConfig { subpixel_bits, z_bits, block, .. } = self.config;
-        self.state.scan = Scan::new(polygon, Raster::new(self.state.screen, subpixel_bits, z_bits, block));
+        self.state.scan = Scan::new(polygon, self.config.raster(self.state.screen));
         self.state.polygon = Some(Arc::clone(polygon));
         self.advance();
         self.operators.pace(SET_UP.times(triangles.into()), self.config.operators())

@@ -5,7 +5,7 @@ use crate::signals::{LevelPacket, TexelPacket, TexturePacket, to_16_bits};
 use crate::twins::{Pair, pair};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
-use basrelief_shading::{Taps, level_offset, tap_offsets, taps};
+use basrelief_shading::{Layout, LevelPlace, Taps, taps};
 use basrelief_signals::{Control, Filter, Flow, Image, PACKET_PIXELS, Texture};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -29,8 +29,8 @@ pub struct TextureLookUpTableCounters {
 pub struct TextureLookUpTableState {
     /// Texture of the polygon.
     pub texture: Option<Arc<Texture>>,
-    /// Start of each of its levels \[texels from the start of the memory\].
-    pub offsets: Vec<u64>,
+    /// Where each of its levels lies.
+    pub places: Vec<LevelPlace>,
     /// What it has counted.
     pub counters: TextureLookUpTableCounters,
 }
@@ -46,6 +46,8 @@ pub struct TextureLookUpTable {
     pub trilinear: bool,
     /// Bytes per line of the cache.
     pub line_bytes: u32,
+    /// How textures lie in memory.
+    pub layout: Layout,
     /// 2^n texels share a line.
     shared: u32,
     /// Everything it remembers.
@@ -57,7 +59,13 @@ impl TextureLookUpTable {
     pub fn new(config: LookUpConfig, trilinear: bool, line_bytes: u32) -> Self {
         let bytes = config.texel_bytes;
         let shared = if bytes.is_power_of_two() { (line_bytes / bytes).max(1).ilog2() } else { 0 };
-        Self { config, trilinear, line_bytes, shared, state: TextureLookUpTableState::default() }
+        let (layout, state) = (Layout::default(), TextureLookUpTableState::default());
+        Self { config, trilinear, line_bytes, layout, shared, state }
+    }
+
+    /// With textures laid out so.
+    pub fn with_layout(self, layout: Layout) -> Self {
+        Self { layout, ..self }
     }
 
     fn take(&mut self, control: &Control) {
@@ -69,7 +77,8 @@ impl TextureLookUpTable {
         };
         if !is_known {
             self.state.texture.clone_from(texture);
-            self.state.offsets = texture.iter().flat_map(|t| (0..t.levels.len()).map(|k| level_offset(t, k))).collect();
+            let layout = self.layout;
+            self.state.places = texture.iter().flat_map(|t| (0..t.levels.len()).map(|k| layout.level(t, k))).collect();
         }
     }
 
@@ -81,7 +90,7 @@ impl TextureLookUpTable {
         let Self { config, trilinear, state, shared, .. } = self;
         let Some(texture) = state.texture.as_deref() else { return (out, packet.pixels()) };
         let (mut second, pixels) = (0, packet.pixels());
-        let mut port = Port { config, texture, offsets: &state.offsets, shared: *shared, recent: [u64::MAX; 4], texels: 0 };
+        let mut port = Port { config, texture, places: &state.places, shared: *shared, recent: [u64::MAX; 4], texels: 0 };
         for i in packet.positions() {
             let level = levels.level[i];
             let (fine, share) = (level as usize, level - (level as usize) as f32);
@@ -128,7 +137,7 @@ impl TextureLookUpTable {
 struct Port<'a> {
     config: &'a LookUpConfig,
     texture: &'a Texture,
-    offsets: &'a [u64],
+    places: &'a [LevelPlace],
     shared: u32,
     /// Lines that were mentioned last: naming them again costs the device nothing, and the host something.
     recent: [u64; 4],
@@ -140,12 +149,12 @@ impl Port<'_> {
     #[inline(always)]
     fn sample(&mut self, level: usize, uv: [f32; 2], traffic: &mut Traffic) -> [f32; 4] {
         let level = level.min(self.texture.levels.len().saturating_sub(1));
-        let (Some(image), Some(&offset)) = (self.texture.levels.get(level), self.offsets.get(level)) else { return [255.0; 4] };
+        let (Some(image), Some(place)) = (self.texture.levels.get(level), self.places.get(level)) else { return [255.0; 4] };
         let taps = taps(image, &self.texture.sampler, self.config.filter, uv);
         let count = usize::from(taps.count);
         self.texels += count as u64;
-        for texel in &tap_offsets(image.width, &taps)[..count] {
-            self.mention(offset + texel, traffic);
+        for texel in &place.taps(&taps)[..count] {
+            self.mention(*texel, traffic);
         }
         filtered(image, &taps)
     }
