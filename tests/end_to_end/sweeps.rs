@@ -254,6 +254,67 @@ fn the_study_of_fifo_depths_finds_what_its_page_says() {
     assert!(table.contains(&format!(",{cycles},{bits},{},", depths.join(","))), "the default is one of the points");
 }
 
+/// Points of a study, by the names of their columns without units.
+fn points_of(study: &str) -> Vec<BTreeMap<String, serde_json::Value>> {
+    let place = Place::new();
+    place.ok(&format!("sweep {} --no-pictures", workspace().join("studies").join(study).display()));
+    let named = |(name, value): (String, serde_json::Value)| (name.split(' ').next().unwrap_or_default().to_owned(), value);
+    let point = |line: &str| serde_json::from_str::<serde_json::Map<_, _>>(line).unwrap().into_iter().map(named).collect();
+    place.text("out/sweep.jsonl").lines().map(point).collect()
+}
+
+/// Rows of the table of docs/texture-caches.md whose heading begins so.
+fn rows_of(heading: &str) -> Vec<Vec<String>> {
+    let page = fs::read_to_string(workspace().join("docs/texture-caches.md")).unwrap();
+    let cells = |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect();
+    let rows = page.lines().skip_while(|line| !line.starts_with(heading)).skip(2);
+    rows.take_while(|line| line.starts_with('|')).map(cells).collect()
+}
+
+#[test]
+fn the_study_of_working_sets_finds_what_its_page_says() {
+    let points = points_of("texture-caches.toml");
+    let rows = rows_of("| order | tile | layout |");
+    assert_eq!((points.len(), rows.len()), (108, 8));
+    for row in rows {
+        let [order, tile, layout, cells @ ..] = row.as_slice() else { panic!("{row:?}") };
+        let count = |point: &BTreeMap<String, serde_json::Value>, name: &str| point[name].as_u64().unwrap();
+        let read = |layout: &str, size: u64| {
+            let is_it = |point: &&BTreeMap<String, serde_json::Value>| {
+                let lines = count(point, "cache.color_texture.sets") * count(point, "cache.color_texture.ways");
+                let words = [&point["rasterizer.order"], &point["texture.layout"]].map(|word| word.as_str().unwrap());
+                words == [order.as_str(), layout]
+                    && (tile.is_empty() || count(point, "rasterizer.block").to_string() == *tile)
+                    && 64 * lines == size
+            };
+            let point = points.iter().find(is_it).unwrap();
+            let bytes = count(point, "memories.graphics.clients.color_texels.read_bytes");
+            format!("{:.2}", bytes as f64 / count(point, "figures.pixels_textured") as f64)
+        };
+        let sizes = (8..=16).map(|n| 1 << n);
+        assert_eq!(cells, sizes.clone().map(|size| read(layout, size)).collect::<Vec<_>>(), "{order}, {tile}, {layout}");
+        if layout == "blocked" {
+            assert_eq!(cells, sizes.map(|size| read("blocked_6d", size)).collect::<Vec<_>>(), "where nothing conflicts");
+        }
+    }
+}
+
+#[test]
+fn the_study_of_texture_latency_finds_what_its_page_says() {
+    let points = points_of("texture-latency.toml");
+    let names = ["memory.texture.cl", "memory.texture.outstanding", "fifo.texture_values.depth", "cycles.frames"];
+    let numbers = |point: &BTreeMap<String, serde_json::Value>| names.map(|name| point[name].as_u64().unwrap());
+    let all: Vec<[u64; 4]> = points.iter().map(numbers).collect();
+    let without = all.iter().filter(|[cl, ..]| *cl == 0).map(|point| point[3]).min().unwrap();
+    let rows = rows_of("| `cl` | requests |");
+    assert_eq!((all.len(), rows.len()), (96, 12));
+    for row in rows {
+        let of_row = |point: &&[u64; 4]| point[0].to_string() == row[0] && point[1].to_string() == row[1];
+        let speeds = all.iter().filter(of_row).map(|point| format!("{:.1}", 100.0 * without as f64 / point[3] as f64));
+        assert_eq!(row[2..], speeds.collect::<Vec<_>>(), "{row:?}");
+    }
+}
+
 #[test]
 fn exploring_the_study_finds_as_much_as_its_page_says() {
     let place = Place::new();

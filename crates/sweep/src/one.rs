@@ -124,8 +124,8 @@ pub(crate) fn limits(plan: &Plan, point: &Point, host: &dyn Host) -> Vec<Limit> 
     ran().unwrap_or_default()
 }
 
-/// Most cycles of a rehearsal: far more than its few pixels take.
-const REHEARSAL: u64 = 1 << 26;
+/// Most cycles of a rehearsal: more than its few pixels take, over the slowest of paths, too. Cycles of waiting take no time.
+const REHEARSAL: u64 = 1 << 40;
 /// Size of its picture \[pixels\].
 const SMALL: (u32, u32) = (16, 12);
 

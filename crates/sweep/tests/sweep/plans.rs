@@ -102,6 +102,13 @@ fn what_is_wrong_with_the_head_of_a_plan_is_said() {
 }
 
 #[test]
+fn figures_of_a_slow_path_can_be_named() {
+    let text = "input = \"demo:gallery\"\nobjectives = [\"figures.final_picture_ms min\"]\n\
+                [axes]\npath.bits_per_second = [56_000, 1_000_000]\n";
+    assert_eq!(plan(text, &Program::new()).points.len(), 2);
+}
+
+#[test]
 fn a_grid_has_all_points_the_last_axis_fastest_and_inputs_slowest() {
     let text = "input = [\"demo:ellipsoid@1\", \"quad.dl.jsonl\"]\nobjectives = [{ figure = \"cycles\", goal = \"min\" }]\n\
                 config = { memory.frame.part = \"sram\" }\n\
