@@ -227,6 +227,7 @@ impl Fetcher {
     }
 
     fn once(&self, url: &str, largest: u64, came: &dyn Fn(u64)) -> Result<Answer, Fault> {
+        let _under_way = self.meter.under_way();
         let called = self.agent.get(url).call().map_err(|e| self.fault(&e));
         // Where nobody listens nothing was asked.
         if !matches!(called, Err(Fault { then: Then::Later, .. })) {

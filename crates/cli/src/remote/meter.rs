@@ -1,8 +1,8 @@
 //! What a real path carries, counted where it leaves and where it comes.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 use ureq::unversioned::transport::{Buffers, ConnectionDetails, Connector, NextTimeout, Transport};
 
 /// Counts what connections carry. Clones count together.
@@ -11,7 +11,7 @@ pub struct Meter(Arc<Counts>);
 
 #[derive(Debug, Default)]
 struct Counts {
-    began: Mutex<Option<Instant>>,
+    clock: Mutex<Clock>,
     connections: AtomicU64,
     requests: AtomicU64,
     sent: AtomicU64,
@@ -20,6 +20,40 @@ struct Counts {
     tiles: AtomicU64,
     tile_bytes: AtomicU64,
     other: AtomicU64,
+}
+
+/// When the path was at work.
+#[derive(Clone, Copy, Debug, Default)]
+struct Clock {
+    /// The scene was asked for.
+    began: Option<Instant>,
+    /// Requests under way.
+    under_way: u32,
+    /// Since when there is none.
+    idle_since: Option<Instant>,
+    /// How long there was none, before that.
+    idle: Duration,
+}
+
+/// When something is, since the scene was asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// \[ms\]
+    pub milliseconds: f64,
+    /// Of these, those in which no request was under way \[ms\].
+    pub idle: f64,
+}
+
+/// A request that is under way as long as this lives.
+#[derive(Debug)]
+pub(super) struct UnderWay(Meter);
+
+impl Drop for UnderWay {
+    fn drop(&mut self) {
+        let mut clock = self.0.clock();
+        clock.under_way -= 1;
+        clock.idle_since = (clock.under_way == 0).then(Instant::now);
+    }
 }
 
 /// What a body was.
@@ -57,13 +91,29 @@ pub struct Metered {
 impl Meter {
     /// The scene is asked for; the last time that it is told counts.
     pub fn begin(&self) {
-        *self.0.began.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+        let mut clock = self.clock();
+        *clock = Clock { began: Some(Instant::now()), under_way: clock.under_way, ..Clock::default() };
     }
 
-    /// Milliseconds since the scene was asked for.
-    pub fn milliseconds(&self) -> f64 {
-        let began = *self.0.began.lock().unwrap_or_else(PoisonError::into_inner);
-        began.map_or(0.0, |began| began.elapsed().as_secs_f64() * 1e3)
+    /// Now, since the scene was asked for.
+    pub fn now(&self) -> Moment {
+        let clock = *self.clock();
+        let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
+        let idle = clock.idle + clock.idle_since.map_or(Duration::ZERO, |since| since.elapsed());
+        Moment { milliseconds: clock.began.map_or(0.0, |began| milliseconds(began.elapsed())), idle: milliseconds(idle) }
+    }
+
+    /// A request begins.
+    pub(super) fn under_way(&self) -> UnderWay {
+        let mut clock = self.clock();
+        clock.under_way += 1;
+        let idle = clock.idle_since.take().map_or(Duration::ZERO, |since| since.elapsed());
+        clock.idle += idle;
+        UnderWay(self.clone())
+    }
+
+    fn clock(&self) -> MutexGuard<'_, Clock> {
+        self.0.clock.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// A request is made.
@@ -145,5 +195,31 @@ impl<In: Transport> Transport for MeteredTransport<In> {
 
     fn is_open(&mut self) -> bool {
         self.inner.is_open()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::thread::sleep;
+
+    #[test]
+    fn a_path_is_idle_as_long_as_no_request_is_under_way() {
+        let (meter, pause) = (Meter::default(), Duration::from_millis(40));
+        meter.begin();
+        let (first, second) = (meter.under_way(), meter.under_way());
+        sleep(pause);
+        drop(first);
+        sleep(pause);
+        assert_eq!(meter.now().idle, 0.0, "one is under way");
+        drop(second);
+        sleep(pause);
+        let third = meter.under_way();
+        let idle = meter.now().idle;
+        sleep(pause);
+        assert_eq!(meter.now().idle, idle, "another is under way");
+        drop(third);
+        let now = meter.now();
+        assert!(idle >= 40.0 && now.idle >= idle && now.milliseconds >= now.idle + 120.0, "{idle} {now:?}");
     }
 }

@@ -328,11 +328,12 @@ fn rounded(x: f64) -> String {
 
 /// When pictures were there on a real path, beside the modelled times, and what it carried.
 fn real_path(report: &Report, path: &RealPath) -> String {
-    let time = |name: &str, measured: f64| {
-        let modelled = report.device_number(name).map_or(String::new(), |ms| format!(" (modelled: {:.2} s)", ms / 1e3));
-        format!("{:.2} s{modelled}", measured / 1e3)
+    let time = |name: &str, measured: f64, idle: f64| {
+        let modelled = report.device_number(name).map_or(String::new(), |ms| format!("modelled: {:.2} s; ", ms / 1e3));
+        format!("{:.2} s ({modelled}the path was idle for {:.2} s of it)", measured / 1e3, idle / 1e3)
     };
-    let (first, last) = (time("first_picture_ms", path.first_picture_ms), time("final_picture_ms", path.final_picture_ms));
+    let first = time("first_picture_ms", path.first_picture_ms, path.first_picture_idle_ms);
+    let last = time("final_picture_ms", path.final_picture_ms, path.final_picture_idle_ms);
     let RealPath { connections, requests, request_bytes, scene_bytes, tiles, tile_bytes, head_bytes, .. } = path;
     format!(
         "On the real path the first picture was there after {first}, the final one of its frame after {last}. {requests} requests of \

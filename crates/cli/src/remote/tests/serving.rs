@@ -43,7 +43,7 @@ fn addresses_that_are_none_are_refused() {
     let (served, picture) = (served(), hex(&hash_of_picture(&texture())));
     assert_eq!(status(&served, &address(0)), 200);
     let other = hash_of(b"other");
-    for missing in [format!("{other}/64x64/png/0"), address(99), format!("x/64x64/raw/0"), address("0,99")] {
+    for missing in [format!("{other}/64x64/png/0"), address(99), "x/64x64/raw/0".to_owned(), address("0,99")] {
         assert_eq!(status(&served, &missing), 404, "{missing}");
     }
     for wrong in
