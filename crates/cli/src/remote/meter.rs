@@ -33,6 +33,8 @@ struct Clock {
     idle_since: Option<Instant>,
     /// How long there was none, before that.
     idle: Duration,
+    /// When something came last, on whatever connection.
+    came: Option<Instant>,
 }
 
 /// When something is, since the scene was asked for.
@@ -112,6 +114,19 @@ impl Meter {
         UnderWay(self.clone())
     }
 
+    /// Bytes have come.
+    fn received(&self, bytes: usize) {
+        add(&self.0.received, bytes as u64);
+        if bytes > 0 {
+            self.clock().came = Some(Instant::now());
+        }
+    }
+
+    /// Whether something came on any connection in so long a time.
+    fn came_within(&self, time: Duration) -> bool {
+        self.clock().came.is_some_and(|came| came.elapsed() < time)
+    }
+
     fn clock(&self) -> MutexGuard<'_, Clock> {
         self.0.clock.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -154,9 +169,10 @@ fn add(count: &AtomicU64, n: u64) {
     count.fetch_add(n, Ordering::Relaxed);
 }
 
-/// Puts a meter on every connection.
+/// Puts a meter on every connection. Where nothing comes on one of them for so long, but something on another, it is waited for: the
+/// path is slow, and its turn has not come yet.
 #[derive(Debug)]
-pub(super) struct MeteredConnector(pub(super) Meter);
+pub(super) struct MeteredConnector(pub(super) Meter, pub(super) Duration);
 
 impl<In: Transport> Connector<In> for MeteredConnector {
     type Out = MeteredTransport<In>;
@@ -164,7 +180,7 @@ impl<In: Transport> Connector<In> for MeteredConnector {
     fn connect(&self, _: &ConnectionDetails<'_>, chained: Option<In>) -> Result<Option<Self::Out>, ureq::Error> {
         Ok(chained.map(|inner| {
             add(&self.0.0.connections, 1);
-            MeteredTransport { inner, meter: self.0.clone() }
+            MeteredTransport { inner, meter: self.0.clone(), stall: self.1 }
         }))
     }
 }
@@ -174,6 +190,7 @@ impl<In: Transport> Connector<In> for MeteredConnector {
 pub(super) struct MeteredTransport<In> {
     inner: In,
     meter: Meter,
+    stall: Duration,
 }
 
 impl<In: Transport> Transport for MeteredTransport<In> {
@@ -188,8 +205,13 @@ impl<In: Transport> Transport for MeteredTransport<In> {
 
     fn await_input(&mut self, timeout: NextTimeout) -> Result<bool, ureq::Error> {
         let before = self.inner.buffers().input().len();
-        let came = self.inner.await_input(timeout)?;
-        add(&self.meter.0.received, self.inner.buffers().input().len().saturating_sub(before) as u64);
+        let came = loop {
+            match self.inner.await_input(timeout) {
+                Err(ureq::Error::Timeout(_)) if self.meter.came_within(self.stall) => {}
+                came => break came?,
+            }
+        };
+        self.meter.received(self.inner.buffers().input().len().saturating_sub(before));
         Ok(came)
     }
 
