@@ -564,6 +564,10 @@ pub struct RealPath {
     pub final_picture_ms: f64,
     /// To each picture, from the end of the frame before \[ms\].
     pub picture_ms: Vec<f64>,
+    /// Of `first_picture_ms`, how long the path had nothing to do, since the host was at work \[ms\]: the rest is what the path took.
+    pub first_picture_idle_ms: f64,
+    /// The same of `final_picture_ms` \[ms\].
+    pub final_picture_idle_ms: f64,
     /// Connections opened.
     pub connections: u64,
     /// Requests made.

@@ -1,7 +1,7 @@
 //! When the pictures of a server's scene are there, and what they took to come.
 
 use crate::progress::TileProgress;
-use crate::remote::Meter;
+use crate::remote::{Meter, Moment};
 use basrelief_report::model::RealPath;
 
 /// When pictures are there, by the clock.
@@ -9,8 +9,8 @@ use basrelief_report::model::RealPath;
 pub struct RealTimes {
     meter: Meter,
     progress: TileProgress,
-    /// Number of the frame of each picture, and milliseconds since the scene was asked for.
-    shown: Vec<(u32, f64)>,
+    /// Number of the frame of each picture, and when it was there.
+    shown: Vec<(u32, Moment)>,
 }
 
 impl RealTimes {
@@ -21,18 +21,22 @@ impl RealTimes {
 
     /// A picture is there.
     pub fn shown(&mut self, frame: u32, round: u32) {
-        let milliseconds = self.meter.milliseconds();
-        self.shown.push((frame, milliseconds));
-        self.progress.shown(frame, round, milliseconds);
+        let now = self.meter.now();
+        self.shown.push((frame, now));
+        self.progress.shown(frame, round, now.milliseconds);
     }
 
     /// What the report says of it.
     pub fn path(&self) -> RealPath {
         let counted = self.meter.read();
-        let last_of_first = self.shown.iter().rev().find(|(frame, _)| *frame == 0);
+        let moment = |shown: Option<&(u32, Moment)>| shown.map_or_else(Moment::default, |(_, moment)| *moment);
+        let first = moment(self.shown.first());
+        let last = moment(self.shown.iter().rev().find(|(frame, _)| *frame == 0));
         RealPath {
-            first_picture_ms: rounded(self.shown.first().map_or(0.0, |(_, ms)| *ms)),
-            final_picture_ms: rounded(last_of_first.map_or(0.0, |(_, ms)| *ms)),
+            first_picture_ms: rounded(first.milliseconds),
+            final_picture_ms: rounded(last.milliseconds),
+            first_picture_idle_ms: rounded(first.idle),
+            final_picture_idle_ms: rounded(last.idle),
             picture_ms: by_frame(&self.shown),
             connections: counted.connections,
             requests: counted.requests,
@@ -46,12 +50,12 @@ impl RealTimes {
 }
 
 /// Times of pictures from the end of the frame before.
-fn by_frame(shown: &[(u32, f64)]) -> Vec<f64> {
+fn by_frame(shown: &[(u32, Moment)]) -> Vec<f64> {
     let since = |i: usize| {
         let frame = shown[i].0;
-        shown[..i].iter().rev().find(|(other, _)| *other < frame).map_or(0.0, |(_, end)| *end)
+        shown[..i].iter().rev().find(|(other, _)| *other < frame).map_or(0.0, |(_, end)| end.milliseconds)
     };
-    shown.iter().enumerate().map(|(i, (_, ms))| rounded(ms - since(i))).collect()
+    shown.iter().enumerate().map(|(i, (_, moment))| rounded(moment.milliseconds - since(i))).collect()
 }
 
 /// To the microsecond.
@@ -66,6 +70,7 @@ mod tests {
     #[test]
     fn pictures_are_timed_from_the_end_of_the_frame_before() {
         let shown = [(0, 10.0), (0, 30.0), (1, 31.5), (1, 40.0), (2, 41.0)];
+        let shown = shown.map(|(frame, milliseconds)| (frame, Moment { milliseconds, idle: 0.0 }));
         assert_eq!(by_frame(&shown), [10.0, 30.0, 1.5, 10.0, 1.0]);
     }
 }

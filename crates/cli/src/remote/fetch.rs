@@ -13,7 +13,7 @@ use ureq::unversioned::transport::{Connector as _, TcpConnector};
 /// How long and how often is tried.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
-    /// Longest that nothing may come.
+    /// Longest that nothing may come, on any connection.
     pub stall: Duration,
     /// What must have come on average when a request has lasted longer than that \[bytes/s\].
     pub slowest: u64,
@@ -45,6 +45,8 @@ pub(super) const SLOWEST: u64 = 100;
 /// Most requests in flight.
 pub const MOST_IN_FLIGHT: u32 = 32;
 
+/// Longest that the head of an answer may take to come, however much comes of it: many may share a slow path.
+const LONGEST_HEAD: Duration = Duration::from_secs(600);
 /// How often it is looked whether a server listens.
 const LOOK: Duration = Duration::from_millis(100);
 /// Longest number that is believed \[bytes\].
@@ -99,7 +101,7 @@ impl Fetcher {
         let config = Agent::config_builder()
             .timeout_resolve(stall)
             .timeout_connect(stall)
-            .timeout_recv_response(stall)
+            .timeout_recv_response(Some(LONGEST_HEAD))
             .timeout_per_read(stall)
             .timeout_per_write(stall)
             .max_idle_connections(MOST_IN_FLIGHT as usize)
@@ -110,7 +112,7 @@ impl Fetcher {
             .proxy(None)
             .build();
         let meter = Meter::default();
-        let connector = ().chain(TcpConnector::default()).chain(MeteredConnector(meter.clone()));
+        let connector = ().chain(TcpConnector::default()).chain(MeteredConnector(meter.clone(), patience.stall));
         let agent = Agent::with_parts(config, connector, DefaultResolver::default());
         Self { agent, base: base.trim_end_matches('/').to_owned(), patience, budget: budget.clone(), meter }
     }
@@ -227,6 +229,7 @@ impl Fetcher {
     }
 
     fn once(&self, url: &str, largest: u64, came: &dyn Fn(u64)) -> Result<Answer, Fault> {
+        let _under_way = self.meter.under_way();
         let called = self.agent.get(url).call().map_err(|e| self.fault(&e));
         // Where nobody listens nothing was asked.
         if !matches!(called, Err(Fault { then: Then::Later, .. })) {

@@ -1,8 +1,8 @@
 //! What a real path carries, counted where it leaves and where it comes.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 use ureq::unversioned::transport::{Buffers, ConnectionDetails, Connector, NextTimeout, Transport};
 
 /// Counts what connections carry. Clones count together.
@@ -11,7 +11,7 @@ pub struct Meter(Arc<Counts>);
 
 #[derive(Debug, Default)]
 struct Counts {
-    began: Mutex<Option<Instant>>,
+    clock: Mutex<Clock>,
     connections: AtomicU64,
     requests: AtomicU64,
     sent: AtomicU64,
@@ -20,6 +20,42 @@ struct Counts {
     tiles: AtomicU64,
     tile_bytes: AtomicU64,
     other: AtomicU64,
+}
+
+/// When the path was at work.
+#[derive(Clone, Copy, Debug, Default)]
+struct Clock {
+    /// The scene was asked for.
+    began: Option<Instant>,
+    /// Requests under way.
+    under_way: u32,
+    /// Since when there is none.
+    idle_since: Option<Instant>,
+    /// How long there was none, before that.
+    idle: Duration,
+    /// When something came last, on whatever connection.
+    came: Option<Instant>,
+}
+
+/// When something is, since the scene was asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// \[ms\]
+    pub milliseconds: f64,
+    /// Of these, those in which no request was under way \[ms\].
+    pub idle: f64,
+}
+
+/// A request that is under way as long as this lives.
+#[derive(Debug)]
+pub(super) struct UnderWay(Meter);
+
+impl Drop for UnderWay {
+    fn drop(&mut self) {
+        let mut clock = self.0.clock();
+        clock.under_way -= 1;
+        clock.idle_since = (clock.under_way == 0).then(Instant::now);
+    }
 }
 
 /// What a body was.
@@ -57,13 +93,42 @@ pub struct Metered {
 impl Meter {
     /// The scene is asked for; the last time that it is told counts.
     pub fn begin(&self) {
-        *self.0.began.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+        let mut clock = self.clock();
+        *clock = Clock { began: Some(Instant::now()), under_way: clock.under_way, ..Clock::default() };
     }
 
-    /// Milliseconds since the scene was asked for.
-    pub fn milliseconds(&self) -> f64 {
-        let began = *self.0.began.lock().unwrap_or_else(PoisonError::into_inner);
-        began.map_or(0.0, |began| began.elapsed().as_secs_f64() * 1e3)
+    /// Now, since the scene was asked for.
+    pub fn now(&self) -> Moment {
+        let clock = *self.clock();
+        let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
+        let idle = clock.idle + clock.idle_since.map_or(Duration::ZERO, |since| since.elapsed());
+        Moment { milliseconds: clock.began.map_or(0.0, |began| milliseconds(began.elapsed())), idle: milliseconds(idle) }
+    }
+
+    /// A request begins.
+    pub(super) fn under_way(&self) -> UnderWay {
+        let mut clock = self.clock();
+        clock.under_way += 1;
+        let idle = clock.idle_since.take().map_or(Duration::ZERO, |since| since.elapsed());
+        clock.idle += idle;
+        UnderWay(self.clone())
+    }
+
+    /// Bytes have come.
+    fn received(&self, bytes: usize) {
+        add(&self.0.received, bytes as u64);
+        if bytes > 0 {
+            self.clock().came = Some(Instant::now());
+        }
+    }
+
+    /// Whether something came on any connection in so long a time.
+    fn came_within(&self, time: Duration) -> bool {
+        self.clock().came.is_some_and(|came| came.elapsed() < time)
+    }
+
+    fn clock(&self) -> MutexGuard<'_, Clock> {
+        self.0.clock.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// A request is made.
@@ -104,9 +169,10 @@ fn add(count: &AtomicU64, n: u64) {
     count.fetch_add(n, Ordering::Relaxed);
 }
 
-/// Puts a meter on every connection.
+/// Puts a meter on every connection. Where nothing comes on one of them for so long, but something on another, it is waited for: the
+/// path is slow, and its turn has not come yet.
 #[derive(Debug)]
-pub(super) struct MeteredConnector(pub(super) Meter);
+pub(super) struct MeteredConnector(pub(super) Meter, pub(super) Duration);
 
 impl<In: Transport> Connector<In> for MeteredConnector {
     type Out = MeteredTransport<In>;
@@ -114,7 +180,7 @@ impl<In: Transport> Connector<In> for MeteredConnector {
     fn connect(&self, _: &ConnectionDetails<'_>, chained: Option<In>) -> Result<Option<Self::Out>, ureq::Error> {
         Ok(chained.map(|inner| {
             add(&self.0.0.connections, 1);
-            MeteredTransport { inner, meter: self.0.clone() }
+            MeteredTransport { inner, meter: self.0.clone(), stall: self.1 }
         }))
     }
 }
@@ -124,6 +190,7 @@ impl<In: Transport> Connector<In> for MeteredConnector {
 pub(super) struct MeteredTransport<In> {
     inner: In,
     meter: Meter,
+    stall: Duration,
 }
 
 impl<In: Transport> Transport for MeteredTransport<In> {
@@ -138,12 +205,43 @@ impl<In: Transport> Transport for MeteredTransport<In> {
 
     fn await_input(&mut self, timeout: NextTimeout) -> Result<bool, ureq::Error> {
         let before = self.inner.buffers().input().len();
-        let came = self.inner.await_input(timeout)?;
-        add(&self.meter.0.received, self.inner.buffers().input().len().saturating_sub(before) as u64);
+        let came = loop {
+            match self.inner.await_input(timeout) {
+                Err(ureq::Error::Timeout(_)) if self.meter.came_within(self.stall) => {}
+                came => break came?,
+            }
+        };
+        self.meter.received(self.inner.buffers().input().len().saturating_sub(before));
         Ok(came)
     }
 
     fn is_open(&mut self) -> bool {
         self.inner.is_open()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::thread::sleep;
+
+    #[test]
+    fn a_path_is_idle_as_long_as_no_request_is_under_way() {
+        let (meter, pause) = (Meter::default(), Duration::from_millis(40));
+        meter.begin();
+        let (first, second) = (meter.under_way(), meter.under_way());
+        sleep(pause);
+        drop(first);
+        sleep(pause);
+        assert_eq!(meter.now().idle, 0.0, "one is under way");
+        drop(second);
+        sleep(pause);
+        let third = meter.under_way();
+        let idle = meter.now().idle;
+        sleep(pause);
+        assert_eq!(meter.now().idle, idle, "another is under way");
+        drop(third);
+        let now = meter.now();
+        assert!(idle >= 40.0 && now.idle >= idle && now.milliseconds >= now.idle + 120.0, "{idle} {now:?}");
     }
 }

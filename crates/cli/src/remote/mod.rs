@@ -29,7 +29,7 @@ pub use client::{RemoteTiles, TileStore};
 pub use fetch::{Fetcher, Patience};
 pub use index::index_page;
 pub use listen::Limits;
-pub use meter::Meter;
+pub use meter::{Meter, Moment};
 pub use scene::{pack, unpack};
 pub use server::SceneService;
 pub use site::Site;

@@ -151,7 +151,7 @@ pub(super) fn run<M: Machine, P: Probe>(
             return Halt::Quiet;
         }
         tick.now = tick.now + 1;
-        if !tick.now.0.is_multiple_of(4096) {
+        if !tick.now.0.is_multiple_of(4096) && !machine.has_news() {
             continue;
         }
         tick.time.show_fills(tick.probe, None);

@@ -3,7 +3,7 @@
 use super::number::{percent, real, thousands};
 use super::{Align, Table};
 use crate::blame::{Wait, largest_wait};
-use crate::model::{Difference, Fifo, Figure, Part, Report};
+use crate::model::{Difference, Fifo, Figure, Part, RealPath, Report};
 use crate::work;
 use Align::{Left, Right};
 
@@ -326,13 +326,33 @@ fn rounded(x: f64) -> String {
     }
 }
 
+/// When pictures were there on a real path, beside the modelled times, and what it carried.
+fn real_path(report: &Report, path: &RealPath) -> String {
+    let time = |name: &str, measured: f64, idle: f64| {
+        let modelled = report.device_number(name).map_or(String::new(), |ms| format!("modelled: {:.2} s; ", ms / 1e3));
+        format!("{:.2} s ({modelled}the path was idle for {:.2} s of it)", measured / 1e3, idle / 1e3)
+    };
+    let first = time("first_picture_ms", path.first_picture_ms, path.first_picture_idle_ms);
+    let last = time("final_picture_ms", path.final_picture_ms, path.final_picture_idle_ms);
+    let RealPath { connections, requests, request_bytes, scene_bytes, tiles, tile_bytes, head_bytes, .. } = path;
+    format!(
+        "On the real path the first picture was there after {first}, the final one of its frame after {last}. {requests} requests of \
+         {request_bytes} bytes on {connections} connections brought {scene_bytes} bytes of the scene, {tile_bytes} of {tiles} tiles, and \
+         {head_bytes} around them."
+    )
+}
+
 pub(crate) fn host(report: &Report) -> Option<String> {
     let host = report.host.as_ref()?;
     let millions = |x: f64| format!("{:.2} M", x / 1e6);
     let cycles = host.cycles_per_s.map_or(String::new(), |c| format!("{} cycles/s, ", millions(c)));
     let fragments = millions(host.fragments_per_s);
     let one = work::work(report).one;
-    Some(format!("Simulated in {:.2} s of {:.2} s: {cycles}{fragments} {one}s/s.", host.simulate_s, host.wall_s))
+    let simulated = format!("Simulated in {:.2} s of {:.2} s: {cycles}{fragments} {one}s/s.", host.simulate_s, host.wall_s);
+    Some(match &host.path {
+        Some(path) => format!("{simulated}\n{}", real_path(report, path)),
+        None => simulated,
+    })
 }
 
 #[cfg(test)]

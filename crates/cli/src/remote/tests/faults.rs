@@ -54,6 +54,30 @@ fn a_fault_that_passes_is_tried_again_and_nothing_is_lost() {
     }
 }
 
+/// As over a modem, where the answer to the eighth request begins when the seven before have come.
+#[test]
+fn who_waits_for_others_on_a_slow_path_is_not_given_up() {
+    let path = Arc::new(std::sync::Mutex::new(()));
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}/", listener.local_addr().unwrap());
+    let count = Arc::new(AtomicU32::new(0));
+    let counted = Arc::clone(&count);
+    thread::spawn(move || {
+        let served = Arc::new(served());
+        for stream in listener.incoming().flatten() {
+            counted.fetch_add(1, Ordering::SeqCst);
+            let (served, path) = (Arc::clone(&served), Arc::clone(&path));
+            thread::spawn(move || {
+                let _turn = path.lock();
+                thread::sleep(PATIENCE.stall / 2);
+                respond(&served, stream, Fault::None);
+            });
+        }
+    });
+    assert_eq!(all(&mut tiles(&url, 8, None)).unwrap(), expected());
+    assert_eq!(count.load(Ordering::SeqCst), page().tiles(), "none is asked for again");
+}
+
 #[test]
 fn a_fault_that_stays_is_an_error_that_names_texture_layer_and_tile() {
     for (fault, says) in [

@@ -43,7 +43,7 @@ fn addresses_that_are_none_are_refused() {
     let (served, picture) = (served(), hex(&hash_of_picture(&texture())));
     assert_eq!(status(&served, &address(0)), 200);
     let other = hash_of(b"other");
-    for missing in [format!("{other}/64x64/png/0"), address(99), format!("x/64x64/raw/0"), address("0,99")] {
+    for missing in [format!("{other}/64x64/png/0"), address(99), "x/64x64/raw/0".to_owned(), address("0,99")] {
         assert_eq!(status(&served, &missing), 404, "{missing}");
     }
     for wrong in
@@ -210,7 +210,7 @@ fn several_requests_on_one_connection_are_answered_in_order() {
     let [first, second] = ["/scene", "/none"].map(|path| format!("GET {path} HTTP/1.1\r\nHost: x\r\n\r\n"));
     let answers = exchange(address, format!("{first}{second}GET / HTTP/1.0\r\n\r\n").as_bytes());
     let statuses: Vec<&str> = answers.split("HTTP/1.1 ").skip(1).map(|a| &a[..3]).collect();
-    assert_eq!(statuses, ["200", "404", "404"], "{answers}");
+    assert_eq!(statuses, ["200", "404", "200"], "{answers}");
 }
 
 /// Sends one byte of a head that never ends, again and again, on all of these.
