@@ -293,8 +293,8 @@ mod tests {
 
     #[test]
     fn what_limits_is_raised_in_turns_with_points_halfway_as_long_as_it_can_be() {
-        let explorer = Explorer::new(&[9, 9, 9], 11, 0).unwrap();
-        let mut known: Known = explorer.next(&Known::new(), 7, &|_| vec![]).into_iter().map(|point| (point, None)).collect();
+        let explorer = Explorer::new(&[9, 9, 9], 13, 0).unwrap();
+        let mut known: Known = explorer.next(&Known::new(), 8, &|_| vec![]).into_iter().map(|point| (point, None)).collect();
         known.insert(vec![0, 4, 4], Some(vec![1.0, 9.0]));
         known.insert(vec![6, 4, 8], Some(vec![9.0, 1.0]));
         let next = |hint: &[usize]| explorer.next(&known, 3, &|_| hint.to_vec());

@@ -32,7 +32,10 @@ fn what_is_wrong_with_a_plan_is_said_before_the_first_run() {
         ("samples = { method = \"sobel\" }", "unknown variant `sobel`, expected one of `grid`, `latin_hypercube`, `sobol`"),
         ("samples = { method = \"sobel\" }", "did you mean `sobol`?"),
         ("samples = { method = \"sobol\" }", "samples: `points` says how many; expected a number such as points = 64"),
-        ("samples = { method = \"grid\", points = 4 }", "samples: a grid has all its points; leave `points` out"),
+        (
+            "samples = { method = \"grid\", points = 4 }",
+            "samples: a grid, or one value at a time, has all its points; leave `points` out",
+        ),
         ("samples = { method = \"sobol\", points = 0 }", "samples: no points; expected one at least"),
         ("samples = { method = \"sobol\", points = 99999 }", "99999 points; expected at most 32768"),
         ("axes.replacement.lane = [1]", "axes: unknown parameter `replacement.lane`; did you mean `replacement.lanes`?"),
