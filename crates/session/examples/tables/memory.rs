@@ -60,6 +60,8 @@ fn texture_alone() -> Settings {
         ("mip.mode", "trilinear"),
         ("mip.per", "segment"),
         ("look_up.filter", "bilinear"),
+        ("texture.layout", "blocked"),
+        ("texture.block", "4"),
     ];
     let words: Settings = words.iter().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect();
     let look_up = [("texel_bytes", TEXEL), ("samples_per_cycle", 2), ("latency", 6)];
