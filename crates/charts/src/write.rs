@@ -5,12 +5,14 @@
 //! not known is an empty cell of CSV, and `null` in JSON.
 
 use crate::table::{Cell, Row, Table};
+#[cfg(any(feature = "parquet", feature = "sqlite"))]
+use crate::{Column, Goal, Role};
 use serde::Serializer;
 use serde_json::Value;
 use std::io::{self, Write};
 
 /// Columns ahead of those of the table.
-const OWN: [&str; 3] = ["id", "state", "reason"];
+pub(crate) const OWN: [&str; 3] = ["id", "state", "reason"];
 /// The one behind them, in JSON only.
 const PICTURE: &str = "picture";
 /// Names that no column of a table may have.
@@ -57,6 +59,31 @@ pub fn json_lines(table: &Table, mut out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
+/// What is said of a column where there is room for it.
+#[cfg(any(feature = "parquet", feature = "sqlite"))]
+#[derive(Debug, serde::Serialize)]
+pub(crate) struct AboutColumn {
+    /// As it is written.
+    pub(crate) name: String,
+    pub(crate) unit: String,
+    /// `min` or `max` of what is to be small or large, `axis` of what the plan chose, otherwise `figure`.
+    pub(crate) role: &'static str,
+    pub(crate) what: String,
+}
+
+/// The columns of a table, but for those that every written table has.
+#[cfg(any(feature = "parquet", feature = "sqlite"))]
+pub(crate) fn about_columns(table: &Table) -> Vec<AboutColumn> {
+    let role = |role: Role| match role {
+        Role::Objective(Goal::Min) => "min",
+        Role::Objective(Goal::Max) => "max",
+        Role::Axis => "axis",
+        Role::Figure => "figure",
+    };
+    let about = |c: &Column| AboutColumn { name: c.header(), unit: c.unit.clone(), role: role(c.role), what: c.what.clone() };
+    table.columns.iter().map(about).collect()
+}
+
 /// A cell as JSON.
 pub(crate) fn value(cell: &Cell) -> Value {
     match cell {
@@ -70,8 +97,9 @@ pub(crate) fn value(cell: &Cell) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rules::Goal;
-    use crate::table::{Column, Role, State};
+    use crate::table::State;
+    #[cfg(not(any(feature = "parquet", feature = "sqlite")))]
+    use crate::{Column, Goal, Role};
     use proptest::prelude::*;
 
     fn column(name: &str, unit: &str) -> Column {

@@ -12,10 +12,14 @@ use std::fmt::Write as _;
 use std::fs;
 
 /// What a sweep writes beside its points, and what each is. The front is written last: where it is of these points, the others are.
-pub const FILES: [(&str, &str); 5] = [
+pub const FILES: &[(&str, &str)] = &[
     ("sweep.html", "the sweep as a page"),
     ("sweep.jsonl", "the whole table, a JSON object per point"),
     ("sweep.csv", "the same as CSV"),
+    #[cfg(feature = "parquet")]
+    ("sweep.parquet", "the same as Parquet"),
+    #[cfg(feature = "sqlite")]
+    ("sweep.sqlite", "the same as a SQLite database"),
     ("sweep.vl.json", "a chart of the front for Vega-Lite"),
     (FRONT, "the front in words"),
 ];
@@ -49,7 +53,17 @@ pub fn tables(plan: &Plan, folder: &Folder, host: &dyn Host) -> Result<String, S
     let chart = serde_json::to_string_pretty(&vega(&table)).map_err(|error| SweepError(error.to_string()))? + "\n";
     let front = front_text(&table);
     let last = format!("{front}{stamp}");
-    let all = [page.as_bytes(), &lines, &csv, chart.as_bytes(), last.as_bytes()];
+    let all = [
+        page.as_bytes(),
+        &lines,
+        &csv,
+        #[cfg(feature = "parquet")]
+        &basrelief_charts::parquet(&table).map_err(failed)?,
+        #[cfg(feature = "sqlite")]
+        &basrelief_charts::sqlite(&table).map_err(failed)?,
+        chart.as_bytes(),
+        last.as_bytes(),
+    ];
     FILES.iter().zip(all).try_for_each(|((file, _), bytes)| publish(&folder.place(file), bytes, host))?;
     Ok(front)
 }
@@ -57,7 +71,7 @@ pub fn tables(plan: &Plan, folder: &Folder, host: &dyn Host) -> Result<String, S
 /// A hash over all that the tables depend on: a report follows from the hash of its point.
 fn stamp(plan: &Plan, found: &[Found]) -> String {
     let mut hash = Sha256::new();
-    hash.update(format!("{:?}", (env!("CARGO_PKG_VERSION"), &plan.title, &plan.objectives, &plan.constraints)));
+    hash.update(format!("{:?}", (env!("CARGO_PKG_VERSION"), FILES, &plan.title, &plan.objectives, &plan.constraints)));
     for (point, found) in plan.points.iter().zip(found) {
         hash.update(format!("{} {found:?}\n", point.id));
     }
