@@ -83,8 +83,7 @@ impl Layout {
     #[inline(always)]
     fn place(self, size: [u32; 2]) -> LevelPlace {
         let [block, superblock] = self.of_level(size);
-        let row = u64::from(size[0].next_multiple_of(superblock)) * u64::from(superblock);
-        LevelPlace { start: 0, row, shifts: [block, superblock].map(|side| side.ilog2() as u8) }
+        LevelPlace::new(size[0].next_multiple_of(superblock), [block, superblock])
     }
 }
 
@@ -96,13 +95,21 @@ impl Layout {
 pub struct LevelPlace {
     /// First texel \[texels from the start of the memory\].
     pub start: u64,
-    /// From one row of superblocks to the next \[texels\].
-    row: u64,
-    /// Blocks and superblocks have 2^n texels a side.
-    shifts: [u8; 2],
+    /// Width, padded to superblocks \[texels\].
+    width: u32,
+    /// Sides of blocks and superblocks \[texels\].
+    sides: [u32; 2],
+    /// Bits of a column or row that say which texel of its block it is, which block of its superblock, and which superblock.
+    masks: [u32; 3],
 }
 
 impl LevelPlace {
+    /// At the start of the memory. Sides are powers of two, and `width` a multiple of the second.
+    fn new(width: u32, sides: [u32; 2]) -> Self {
+        let [block, superblock] = sides.map(|side| side - 1);
+        Self { start: 0, width, sides, masks: [block, superblock & !block, !superblock] }
+    }
+
     /// A texel \[texels from the start of the memory\].
     #[inline(always)]
     pub fn texel(&self, [x, y]: [u32; 2]) -> u64 {
@@ -118,32 +125,27 @@ impl LevelPlace {
         [upper + left, upper + right, lower + left, lower + right]
     }
 
-    /// Number of the superblock, of the block in it, and of the texel in that, along one axis.
-    #[inline(always)]
-    fn split(&self, n: u32) -> [u64; 3] {
-        let [block, superblock] = self.shifts;
-        let within = |n: u32, bits: u8| n & ((1 << bits) - 1);
-        [n >> superblock, within(n, superblock) >> block, within(n, block)].map(u64::from)
-    }
-
+    /// What stands under a mask is a number of blocks times their side; times the side again, it is their texels. (Products: shifts by
+    /// numbers that the compiler does not know took a run up to 2 % more instructions.)
     #[inline(always)]
     fn column(&self, x: u32) -> u64 {
-        let ([superblock, block, texel], [b, s]) = (self.split(x), self.shifts);
-        (superblock << (2 * s)) + (block << (2 * b)) + texel
+        let [texel, block, superblock] = self.masks.map(|mask| u64::from(x & mask));
+        let [b, s] = self.sides.map(u64::from);
+        superblock * s + block * b + texel
     }
 
     #[inline(always)]
     fn row(&self, y: u32) -> u64 {
-        let ([superblock, block, texel], [b, s]) = (self.split(y), self.shifts);
-        superblock * self.row + (block << (s + b)) + (texel << b)
+        let [texel, block, superblock] = self.masks.map(|mask| u64::from(y & mask));
+        let [b, s] = self.sides.map(u64::from);
+        superblock * u64::from(self.width) + block * s + texel * b
     }
 }
 
 /// Number of a pixel of a picture of this width that lies in 4 x 4 blocks.
 #[inline(always)]
 pub fn pixel_offset(width: u32, pixel: [u32; 2]) -> u64 {
-    let row = u64::from(width.next_multiple_of(BLOCK)) * u64::from(BLOCK);
-    LevelPlace { start: 0, row, shifts: [BLOCK.ilog2() as u8; 2] }.texel(pixel)
+    LevelPlace::new(width.next_multiple_of(BLOCK), [BLOCK; 2]).texel(pixel)
 }
 
 #[cfg(test)]
