@@ -2,7 +2,7 @@
 
 use crate::{Cell, Column, Goal, Role, Row, State, Table};
 
-fn column(name: &str, unit: &str, role: Role) -> Column {
+pub(crate) fn column(name: &str, unit: &str, role: Role) -> Column {
     Column { name: name.into(), unit: unit.into(), role, what: String::new() }
 }
 

@@ -49,11 +49,8 @@ fn number(cell: &Cell) -> Option<f64> {
 
 #[cfg(test)]
 pub(crate) mod samples {
-    use crate::{Cell, Column, Goal, Role, Row, State, Table};
-
-    fn column(name: &str, unit: &str, role: Role) -> Column {
-        Column { name: name.into(), unit: unit.into(), role, what: String::new() }
-    }
+    use crate::samples::column;
+    use crate::{Cell, Goal, Role, Row, State, Table};
 
     /// Columns of every type, and a row of each state.
     pub(crate) fn every_kind() -> Table {

@@ -25,12 +25,7 @@ fn check(report: &RunReport, total: u64, accounts: &[(&str, &str)], histograms: 
 /// b holds  0 1 1 1 2 1 1 2 1 1  2  1  1  1     reserved at work's start, popped 3 later
 #[test]
 fn chain() {
-    let mut draw = Draw::default();
-    draw.fifo("a", 1, 1)
-        .fifo("b", 2, 1)
-        .unit("source", Kind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
-        .unit("work", Kind::Work, ["a", "b"], &[3], &[2])
-        .unit("sink", Kind::Sink, ["b", ""], &[1], &[0]);
+    let draw = Draw::chain();
     assert_eq!(starts(&draw.0, "source"), [0, 2, 5, 8]);
     assert_eq!(starts(&draw.0, "work"), [1, 4, 7, 10]);
     check(

@@ -40,27 +40,17 @@ fn expect(draw: &Draw, expected: &[(&str, u64)]) {
     assert_eq!(found, expected);
 }
 
-/// As `hand::chain`: the work of the middle unit back to back, once the first token has come and until the last has gone.
+/// The work of the middle unit back to back, once the first token has come and until the last has gone.
 #[test]
 fn the_unit_that_is_always_busy_is_the_path() {
-    let mut draw = Draw::default();
-    draw.fifo("a", 1, 1)
-        .fifo("b", 2, 1)
-        .unit("source", Kind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
-        .unit("work", Kind::Work, ["a", "b"], &[3], &[2])
-        .unit("sink", Kind::Sink, ["b", ""], &[1], &[0]);
+    let draw = Draw::chain();
     expect(&draw, &[("fifo a", 1), ("occupancy work", 9), ("latency work", 2), ("fifo b", 1), ("occupancy sink", 1)]);
 }
 
 /// The same; steps of each stage are for the tokens 0 to 3, one after the other.
 #[test]
 fn a_stretch_is_of_the_step_that_it_begins_with() {
-    let mut draw = Draw::default();
-    draw.fifo("a", 1, 1)
-        .fifo("b", 2, 1)
-        .unit("source", Kind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
-        .unit("work", Kind::Work, ["a", "b"], &[3], &[2])
-        .unit("sink", Kind::Sink, ["b", ""], &[1], &[0]);
+    let draw = Draw::chain();
     let by_group = |groups: &[Groups]| path_by(&draw.0, usize::MAX, groups).unwrap().by_group;
     let tokens = vec![groups(0..4); 3];
     // Token 0 through `a`, then three of `work`; the last through `work`, `b` and `sink`.

@@ -156,7 +156,7 @@ impl Fetcher {
         check: impl Fn(&[u8]) -> Result<(), String>,
         pause: impl Fn(Duration) -> bool,
     ) -> Result<Vec<u8>, String> {
-        let body = self.checked(tile, largest, |body| check(body).map(|()| body.to_vec()), pause)?;
+        let body = self.checked(tile, largest, |body| check(&body).map(|()| body), pause)?;
         self.meter.came(Body::Tile, body.len() as u64);
         Ok(body)
     }
@@ -166,8 +166,8 @@ impl Fetcher {
     /// # Errors
     /// A sentence, when all attempts have failed.
     pub fn number(&self, address: &str) -> Result<u64, String> {
-        let number = |body: &[u8]| {
-            let text = std::str::from_utf8(body).map_err(|e| e.to_string())?;
+        let number = |body: Vec<u8>| {
+            let text = std::str::from_utf8(&body).map_err(|e| e.to_string())?;
             text.parse::<u64>().map(|number| (number, body.len())).map_err(|e| format!("no number: {e}"))
         };
         let (number, bytes) = self.checked(address, LONGEST_NUMBER, number, sleep)?;
@@ -180,7 +180,7 @@ impl Fetcher {
         &self,
         address: &str,
         largest: u64,
-        check: impl Fn(&[u8]) -> Result<T, String>,
+        check: impl Fn(Vec<u8>) -> Result<T, String>,
         pause: impl Fn(Duration) -> bool,
     ) -> Result<T, String> {
         let url = format!("{}/{address}", self.base);
@@ -188,7 +188,7 @@ impl Fetcher {
             match self.once(&url, largest, &|_| ()) {
                 // A server that was there may be there again.
                 Err(Fault { sentence, then: Then::Later }) => Err(sentence.into()),
-                done => Ok(check(&done?.0)?),
+                done => Ok(check(done?.0)?),
             }
         };
         self.retry(pause, once).map_err(|fault| format!("{url}: {}", fault.sentence))

@@ -15,6 +15,17 @@ use std::borrow::Cow;
 pub struct Draw(pub Plan);
 
 impl Draw {
+    /// Four tokens through a unit that takes three cycles for each; computed by hand in `hand::chain`.
+    pub fn chain() -> Self {
+        let mut draw = Self::default();
+        draw.fifo("a", 1, 1)
+            .fifo("b", 2, 1)
+            .unit("source", Kind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
+            .unit("work", Kind::Work, ["a", "b"], &[3], &[2])
+            .unit("sink", Kind::Sink, ["b", ""], &[1], &[0]);
+        draw
+    }
+
     pub fn fifo(&mut self, name: &str, depth: usize, latency: u64) -> &mut Self {
         self.0.fifos.push(PlanFifo { name: name.into(), depth, latency });
         self

@@ -58,9 +58,7 @@ fn a_fault_that_passes_is_tried_again_and_nothing_is_lost() {
 #[test]
 fn who_waits_for_others_on_a_slow_path_is_not_given_up() {
     let path = Arc::new(std::sync::Mutex::new(()));
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let url = format!("http://{}/", listener.local_addr().unwrap());
-    let count = Arc::new(AtomicU32::new(0));
+    let (listener, url, count) = listening();
     let counted = Arc::clone(&count);
     thread::spawn(move || {
         let served = Arc::new(served());

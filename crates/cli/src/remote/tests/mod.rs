@@ -116,12 +116,17 @@ fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
     }
 }
 
+/// Where a server listens, its address, and how many requests came.
+fn listening() -> (TcpListener, String, Arc<AtomicU32>) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}/", listener.local_addr().unwrap());
+    (listener, url, Arc::default())
+}
+
 /// A server whose answer number n has this fault; its address, and how many requests came. It stops listening behind the last
 /// of `answers`.
 fn faulty(answers: u32, fault: impl Fn(u32) -> Fault + Send + 'static) -> (String, Arc<AtomicU32>) {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let url = format!("http://{}/", listener.local_addr().unwrap());
-    let count = Arc::new(AtomicU32::new(0));
+    let (listener, url, count) = listening();
     let counted = Arc::clone(&count);
     thread::spawn(move || {
         let served = Arc::new(served());
