@@ -13,9 +13,10 @@ const PIXEL: u64 = 64;
 /// The same with the exact picture.
 const PIXEL_BESIDE_EXACT: u64 = 96;
 /// What the metrics between both take per pixel, of as many as are looked at at a time.
-const MEASURED_PIXEL: u64 = 192;
-/// Pixels that the metrics look at at a time, with the rows around them: some more than the reference's strips.
+const MEASURED_PIXEL: u64 = 48;
+/// Pixels that the metrics look at at a time, and rows at least.
 const MEASURED: u64 = 1 << 19;
+const MEASURED_ROWS: u64 = 64;
 /// Bytes per pixel of a picture that waits.
 pub(crate) const WAITING_PIXEL: u64 = 4;
 /// What is remembered of a frame for the report: cycles, digest, quality, their places in texts \[bytes\].
@@ -26,7 +27,7 @@ pub(crate) fn pictures(settings: &RunOptions, begin: &Begin) -> Result<Held, Ove
     let &Begin { width, height, .. } = begin;
     let pixels = u64::from(width) * u64::from(height);
     let bytes = match settings.exact {
-        true => PIXEL_BESIDE_EXACT * pixels + MEASURED_PIXEL * pixels.min(MEASURED),
+        true => PIXEL_BESIDE_EXACT * pixels + MEASURED_PIXEL * pixels.min(MEASURED).max(MEASURED_ROWS * u64::from(width)),
         false => PIXEL * pixels,
     };
     settings.budget.take(bytes, format!("pictures of {width} x {height} pixels"))

@@ -5,7 +5,7 @@
 //! those of the paper. The spatial filters are sums of Gaussians and therefore separable: two passes of 21 taps
 //! instead of 441.
 
-use super::filter::{Kernel, Rim, Strip, Window};
+use super::filter::{Kernel, Rim, Rows, Strip, Window, due};
 use super::{SizeMismatch, covered, covered_in, mean, same_size, strip_pixels};
 use crate::Picture;
 use std::f64::consts::PI;
@@ -54,14 +54,18 @@ fn flip_by(exact: &Picture, other: &Picture, window: &Window, strip_pixels: usiz
     let picture_width = exact.width as usize;
     mean(&Strip::all(strip_pixels, window, COLOR_RADIUS), 0.0, |strip| {
         let part = Window { columns: window.columns.clone(), rows: strip.reached.clone() };
-        let [left, right] = [exact, other].map(|picture| planes.seen(picture, &part));
-        let error = |i: usize| {
-            let (column, row) = (i % picture_width - part.columns.start, i / picture_width - part.rows.start);
-            let at = row * part.width() + column;
-            let color = redistributed(power(distance(left.lab(at), right.lab(at)), COLOR_EXPONENT), largest);
-            power(color, 1.0 - feature_difference(&left, &right, at))
-        };
-        covered_in(exact, other, strip.rows.clone()).map(error).collect()
+        let mut eyes = [exact, other].map(|picture| Eye::new(&planes, picture, &part));
+        let mut errors = Vec::with_capacity(strip.rows.len() * part.width());
+        for row in strip.rows.clone() {
+            eyes.iter_mut().for_each(|eye| eye.look_at(row - part.rows.start));
+            let [left, right] = &eyes;
+            errors.extend(covered_in(exact, other, row..row + 1).map(|i| {
+                let at = i % picture_width - part.columns.start;
+                let color = redistributed(power(distance(left.lab(at), right.lab(at)), COLOR_EXPONENT), largest);
+                power(color, 1.0 - feature_difference(left, right, at))
+            }));
+        }
+        errors
     })
 }
 
@@ -77,15 +81,85 @@ fn reach(exact: &Picture, other: &Picture) -> Option<Window> {
     Some(Window { columns: reached(columns, width), rows: reached(rows, height) })
 }
 
-/// What the eye makes of a picture: filtered colour, and strength of edges and points in its luminance.
-struct Seen {
+/// What an eye that moves down a picture makes of a row: filtered colour, and strength of edges and points in its luminance.
+struct Eye<'a> {
+    planes: &'a Planes,
+    picture: &'a Picture,
+    window: &'a Window,
+    /// Rows taken in so far.
+    taken: usize,
+    /// Luminance, red-green and blue-yellow (the latter twice).
+    opponents: [Rows<'a>; 4],
+    /// Lightness: smooth, its slope, its bend.
+    features: [Rows<'a>; 3],
     /// Filtered luminance and the two chrominances (YCxCz).
     color: [Vec<f64>; 3],
     edges: [Vec<f64>; 2],
     points: [Vec<f64>; 2],
+    /// The second part of blue-yellow.
+    rest: Vec<f64>,
 }
 
-impl Seen {
+impl<'a> Eye<'a> {
+    fn new(planes: &'a Planes, picture: &'a Picture, window: &'a Window) -> Self {
+        let size = (window.width(), window.rows.len());
+        // The features' kernels reach less far, but their rows are taken in with the others.
+        let rows = |across: &'a Kernel| Rows::new(across, COLOR_RADIUS, size, Rim::Extended);
+        let [(_, first), (_, second)] = &planes.blue_yellow;
+        let row = || vec![0.0; window.width()];
+        Self {
+            planes,
+            picture,
+            window,
+            taken: 0,
+            opponents: [&planes.luminance, &planes.red_green, first, second].map(rows),
+            features: [&planes.smooth, &planes.slope, &planes.bend].map(rows),
+            color: [(); 3].map(|()| row()),
+            edges: [(); 2].map(|()| row()),
+            points: [(); 2].map(|()| row()),
+            rest: row(),
+        }
+    }
+
+    /// Moves to a row of the window, further down than the last.
+    fn look_at(&mut self, row: usize) {
+        let height = self.window.rows.len();
+        for due in due(&mut self.taken, row + COLOR_RADIUS, height) {
+            self.take(due);
+        }
+        let Planes { luminance, red_green, blue_yellow: [(a, first), (b, second)], smooth, slope, bend, .. } = self.planes;
+        let [y, cx, cz, rest] = &self.opponents;
+        y.down(row, luminance, &mut self.color[0]);
+        cx.down(row, red_green, &mut self.color[1]);
+        cz.down(row, first, &mut self.color[2]);
+        rest.down(row, second, &mut self.rest);
+        self.color[2].iter_mut().zip(&self.rest).for_each(|(cz, rest)| *cz = *cz * a + rest * b);
+        let [smoothed, sloped, bent] = &self.features;
+        sloped.down(row, smooth, &mut self.edges[0]);
+        smoothed.down(row, slope, &mut self.edges[1]);
+        bent.down(row, smooth, &mut self.points[0]);
+        smoothed.down(row, bend, &mut self.points[1]);
+    }
+
+    /// Takes in a row of the window, in YCxCz, a linear opponent space (4.1.1).
+    fn take(&mut self, row: usize) {
+        let Self { planes, picture, window, .. } = self;
+        let start = (window.rows.start + row) * picture.width as usize;
+        let pixels = &picture.rgb[start + window.columns.start..start + window.columns.end];
+        let [mut y, mut cx, mut cz] = [(); 3].map(|()| Vec::with_capacity(pixels.len()));
+        for rgb in pixels {
+            let [x, luminance, z] = relative_xyz(rgb.map(|c| planes.linear[usize::from(c)]));
+            y.push(116.0 * luminance - 16.0);
+            cx.push(500.0 * (x - luminance));
+            cz.push(200.0 * (luminance - z));
+        }
+        for (rows, plane) in self.opponents.iter_mut().zip([&y, &cx, &cz, &cz]) {
+            rows.take(row, plane);
+        }
+        y.iter_mut().for_each(|y| *y = (*y + 16.0) / 116.0);
+        self.features.iter_mut().for_each(|rows| rows.take(row, &y));
+    }
+
     /// Filtered colour, saturated to what a monitor shows, in Hunt-adjusted CIELAB.
     fn lab(&self, at: usize) -> [f64; 3] {
         let [y, cx, cz] = [0, 1, 2].map(|k| self.color[k][at]);
@@ -122,38 +196,6 @@ impl Planes {
             bend: feature(&|x| (x * x / (deviation * deviation) - 1.0) * gauss(x)),
         }
     }
-
-    fn seen(&self, picture: &Picture, window: &Window) -> Seen {
-        let [y, cx, cz] = self.opponent(picture, window);
-        let width = window.width();
-        let across = |plane: &[f64], kernel: &Kernel| kernel.across(plane, width, Rim::Extended);
-        let down = |plane: &[f64], kernel: &Kernel| kernel.down(plane, width, Rim::Extended);
-        let both = |plane: &[f64], kernel: &Kernel| down(&across(plane, kernel), kernel);
-        let lightness: Vec<f64> = y.iter().map(|y| (y + 16.0) / 116.0).collect();
-        let smooth = across(&lightness, &self.smooth);
-        let [first, second] = self.blue_yellow.each_ref().map(|(weight, kernel)| (weight, both(&cz, kernel)));
-        let blue_yellow = first.1.iter().zip(&second.1).map(|(a, b)| a * first.0 + b * second.0).collect();
-        Seen {
-            color: [both(&y, &self.luminance), both(&cx, &self.red_green), blue_yellow],
-            edges: [down(&across(&lightness, &self.slope), &self.smooth), down(&smooth, &self.slope)],
-            points: [down(&across(&lightness, &self.bend), &self.smooth), down(&smooth, &self.bend)],
-        }
-    }
-
-    /// The picture in YCxCz, a linear opponent space (4.1.1), plane by plane.
-    fn opponent(&self, picture: &Picture, window: &Window) -> [Vec<f64>; 3] {
-        let mut planes = [(); 3].map(|()| Vec::with_capacity(window.pixels()));
-        for row in window.rows.clone() {
-            let start = row * picture.width as usize;
-            for rgb in &picture.rgb[start + window.columns.start..start + window.columns.end] {
-                let [x, y, z] = relative_xyz(rgb.map(|c| self.linear[usize::from(c)]));
-                for (plane, value) in planes.iter_mut().zip([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]) {
-                    plane.push(value);
-                }
-            }
-        }
-        planes
-    }
 }
 
 /// One Gaussian of a contrast sensitivity function, in pixels: exp(-pi^2 d^2 / b) at d degrees (4.1.1).
@@ -174,7 +216,7 @@ fn blue_yellow() -> [(f64, Kernel); 2] {
 }
 
 /// Difference of edges or points, whichever differs more, 0..=1 (4.2).
-fn feature_difference(left: &Seen, right: &Seen, at: usize) -> f64 {
+fn feature_difference(left: &Eye<'_>, right: &Eye<'_>, at: usize) -> f64 {
     let strength = |pair: &[Vec<f64>; 2]| (pair[0][at] * pair[0][at] + pair[1][at] * pair[1][at]).sqrt();
     let edges = (strength(&left.edges) - strength(&right.edges)).abs();
     let points = (strength(&left.points) - strength(&right.points)).abs();

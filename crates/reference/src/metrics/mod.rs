@@ -15,7 +15,7 @@ pub use ssim::ssim;
 
 use crate::Picture;
 use basrelief_threads as threads;
-use filter::{STRIP_PIXELS, Strip, Window};
+use filter::{STRIP_PIXELS, STRIP_ROWS, Strip, Window};
 use std::ops::Range;
 
 /// PSNR of identical pictures \[dB\], and the most that is ever reported.
@@ -153,9 +153,11 @@ fn mean(strips: &[Strip], empty: f64, values: impl Fn(&Strip) -> Vec<f64> + Sync
     if count == 0 { empty } else { rounded(sum / f64::from(count)) }
 }
 
-/// What all strips that are made at once have together is [`STRIP_PIXELS`], at most; a small picture is one for each.
+/// What all strips that are made at once have together is about [`STRIP_PIXELS`], at most; a small picture is one for each, of no less
+/// than [`STRIP_ROWS`].
 fn strip_pixels(window: &Window) -> usize {
-    window.pixels().min(STRIP_PIXELS).div_ceil(threads::workers())
+    let shared = window.pixels().min(STRIP_PIXELS).div_ceil(threads::workers());
+    shared.max(STRIP_ROWS * window.width())
 }
 
 fn rounded(value: f64) -> f64 {

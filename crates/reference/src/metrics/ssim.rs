@@ -1,9 +1,8 @@
 //! Structural similarity.
 
-use super::filter::{Kernel, Rim, Strip, Window};
+use super::filter::{Kernel, Rim, Rows, Strip, Window, due};
 use super::{SizeMismatch, covered_in, mean, same_size, strip_pixels};
 use crate::Picture;
-use std::ops::Range;
 
 const SIGMA: f64 = 1.5;
 const RADIUS: usize = 5;
@@ -26,42 +25,60 @@ pub fn ssim(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
 fn ssim_by(exact: &Picture, other: &Picture, whole: &Window, strip_pixels: usize) -> f64 {
     let kernel = Kernel::new(RADIUS, |d| libm::exp(-d * d / (2.0 * SIGMA * SIGMA))).normalised();
     mean(&Strip::all(strip_pixels, whole, RADIUS), 1.0, |strip| {
-        let [x, y] = [exact, other].map(|picture| luma(picture, &strip.reached));
-        let moments = Moments::new(&x, &y, whole.width(), &kernel);
-        let first = strip.reached.start * whole.width();
-        covered_in(exact, other, strip.rows.clone()).map(|i| moments.similarity(i - first)).collect()
+        let mut moments = Moments::new(&kernel, (whole.width(), strip.reached.len()));
+        let mut similarities = Vec::with_capacity(strip.rows.len() * whole.width());
+        let mut taken = 0;
+        for row in strip.rows.clone() {
+            let at = row - strip.reached.start;
+            for due in due(&mut taken, at + RADIUS, strip.reached.len()) {
+                let [x, y] = [exact, other].map(|picture| luma(picture, strip.reached.start + due));
+                moments.take(due, &x, &y);
+            }
+            moments.down(at, &kernel);
+            let first = row * whole.width();
+            similarities.extend(covered_in(exact, other, row..row + 1).map(|i| moments.similarity(i - first)));
+        }
+        similarities
     })
 }
 
-/// Blurred luma of both pictures, and of its products.
-struct Moments {
-    mean_x: Vec<f64>,
-    mean_y: Vec<f64>,
-    xx: Vec<f64>,
-    yy: Vec<f64>,
-    xy: Vec<f64>,
+/// Blurred luma of both pictures, and of its products, of one row.
+struct Moments<'a> {
+    /// Luma of both, its squares, and its product.
+    rows: [Rows<'a>; 5],
+    blurred: [Vec<f64>; 5],
 }
 
-impl Moments {
-    fn new(x: &[f64], y: &[f64], width: usize, kernel: &Kernel) -> Self {
-        let blurred = |plane: &[f64]| kernel.down(&kernel.across(plane, width, Rim::Mirrored), width, Rim::Mirrored);
-        let product = |a: &[f64], b: &[f64]| blurred(&a.iter().zip(b).map(|(a, b)| a * b).collect::<Vec<_>>());
-        Self { mean_x: blurred(x), mean_y: blurred(y), xx: product(x, x), yy: product(y, y), xy: product(x, y) }
+impl<'a> Moments<'a> {
+    fn new(kernel: &'a Kernel, size: (usize, usize)) -> Self {
+        let rows = || Rows::new(kernel, RADIUS, size, Rim::Mirrored);
+        Self { rows: [(); 5].map(|()| rows()), blurred: [(); 5].map(|()| vec![0.0; size.0]) }
+    }
+
+    /// Takes in a row of both pictures.
+    fn take(&mut self, row: usize, x: &[f64], y: &[f64]) {
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).collect::<Vec<_>>();
+        let planes = [x, y, &product(x, x), &product(y, y), &product(x, y)];
+        self.rows.iter_mut().zip(planes).for_each(|(rows, plane)| rows.take(row, plane));
+    }
+
+    /// Goes on to a row.
+    fn down(&mut self, row: usize, kernel: &Kernel) {
+        self.rows.iter().zip(&mut self.blurred).for_each(|(rows, blurred)| rows.down(row, kernel, blurred));
     }
 
     fn similarity(&self, at: usize) -> f64 {
-        let Self { mean_x, mean_y, xx, yy, xy } = self;
-        let (mx, my) = (mean_x[at], mean_y[at]);
-        let variances = (xx[at] - mx * mx) + (yy[at] - my * my);
-        let covariance = xy[at] - mx * my;
+        let [mx, my, xx, yy, xy] = self.blurred.each_ref().map(|plane| plane[at]);
+        let variances = (xx - mx * mx) + (yy - my * my);
+        let covariance = xy - mx * my;
         (2.0 * mx * my + C1) * (2.0 * covariance + C2) / ((mx * mx + my * my + C1) * (variances + C2))
     }
 }
 
-/// Of these rows.
-fn luma(picture: &Picture, rows: &Range<usize>) -> Vec<f64> {
+/// Of a row.
+fn luma(picture: &Picture, row: usize) -> Vec<f64> {
     let width = picture.width as usize;
-    let pixels = picture.rgb.get(rows.start * width..rows.end * width).unwrap_or_default();
+    let pixels = picture.rgb.get(row * width..(row + 1) * width).unwrap_or_default();
     pixels.iter().map(|rgb| 0.299 * f64::from(rgb[0]) + 0.587 * f64::from(rgb[1]) + 0.114 * f64::from(rgb[2])).collect()
 }
 
