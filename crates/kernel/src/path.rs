@@ -65,16 +65,17 @@ impl Groups {
     /// What no step is for.
     pub const NONE: u32 = u32::MAX;
 
-    /// Whether the next step is of another group than the last, so that there is one more run.
-    pub fn is_new(&self, group: u32) -> bool {
-        self.0.last().is_none_or(|&(steps, of)| of != group || steps == u32::MAX)
-    }
-
-    /// The next step is of this group.
-    pub fn push(&mut self, group: u32) {
+    /// The next step is of this group; whether that begins one more run.
+    pub fn push(&mut self, group: u32) -> bool {
         match self.0.last_mut() {
-            Some((steps, of)) if *of == group && *steps < u32::MAX => *steps += 1,
-            _ => self.0.push((1, group)),
+            Some((steps, of)) if *of == group && *steps < u32::MAX => {
+                *steps += 1;
+                false
+            }
+            _ => {
+                self.0.push((1, group));
+                true
+            }
         }
     }
 

@@ -64,7 +64,9 @@ fn a_stretch_is_of_the_step_that_it_begins_with() {
 
 fn groups(of: impl IntoIterator<Item = u32>) -> Groups {
     let mut groups = Groups::default();
-    of.into_iter().for_each(|group| groups.push(group));
+    of.into_iter().for_each(|group| {
+        groups.push(group);
+    });
     groups
 }
 

@@ -36,6 +36,9 @@ pub(crate) struct Slots {
     delivered: Cell<usize>,
     popped: Cell<usize>,
     latency: u64,
+    /// When the front token is visible, and from when on the next push finds a slot: asked for at every visit, they change with a token.
+    front: Cell<Cycle>,
+    room: Cell<Cycle>,
     /// The next token delivered is not visible before.
     next_visible: Cell<Cycle>,
     /// The producer makes no step before, as far as it has promised.
@@ -61,6 +64,8 @@ impl Slots {
             delivered: Cell::new(0),
             popped: Cell::new(0),
             latency,
+            front: Cell::new(Cycle::UNKNOWN),
+            room: Cell::default(),
             next_visible: Cell::default(),
             no_push_before: Cell::default(),
             no_pop_before: Cell::default(),
@@ -105,13 +110,13 @@ impl Slots {
     /// When the front token is visible; unknown while there is none or its delivery is not known.
     #[inline(always)]
     pub(crate) fn front_visible(&self) -> Cycle {
-        self.ring[self.place(self.popped.get())].visible.get()
+        self.front.get()
     }
 
     /// The first cycle in which the next push finds a slot (law 2): the cycle after the pop of token n - depth.
     #[inline(always)]
     pub(crate) fn room_at(&self) -> Cycle {
-        self.ring[self.slot()].free.get()
+        self.room.get()
     }
 
     /// As [`Slots::front_visible`]; where that is unknown, the front token is not visible before.
@@ -178,6 +183,7 @@ impl Slots {
             awaits.set(Default::default());
         }
         self.pushed.set(number + 1);
+        self.room.set(self.ring[self.slot()].free.get());
         if (number + 1).is_multiple_of(SWEEP) {
             self.settle();
         }
@@ -191,6 +197,9 @@ impl Slots {
         self.ring[self.place(number)].visible.set(visible);
         self.next_visible.set(visible + 1);
         self.delivered.set(number + 1);
+        if number == self.popped.get() {
+            self.front.set(visible);
+        }
     }
 
     /// Pops the front token.
@@ -199,6 +208,10 @@ impl Slots {
         let number = self.popped.get();
         self.ring[self.place(number)].free.set(at + 1);
         self.popped.set(number + 1);
+        self.front.set(self.ring[self.place(number + 1)].visible.get());
+        if number + self.depth == self.pushed.get() {
+            self.room.set(at + 1);
+        }
     }
 
     #[inline(never)]

@@ -31,10 +31,9 @@ impl StepGroups {
     pub(super) fn step(&mut self, stage: usize, origin: &Origin) -> Result<(), OverBudget> {
         let Some(groups) = self.stages.get_mut(stage) else { return Ok(()) };
         let group = origin.polygon.and_then(|polygon| u32::try_from(polygon.run).ok()).unwrap_or(Groups::NONE);
-        if groups.is_new(group) {
+        if groups.push(group) {
             self.held.grow(RUN_BYTES, "polygons of steps, for the critical path")?;
         }
-        groups.push(group);
         self.steps += 1;
         if self.steps > EVENTS {
             self.stages = vec![];
