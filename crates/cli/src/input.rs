@@ -2,10 +2,11 @@
 
 use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{Done, Failure};
+use crate::views::Script;
 use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
 use basrelief_scene::{SceneError, Subject, ViewOptions, demo, load_path_within, read_camera};
-use basrelief_session::{Given, MachineConfig, MachineInfo, Misconfigured, Prepared, RunInput};
+use basrelief_session::{Given, MACHINES, MachineConfig, MachineInfo, Misconfigured, Prepared, RunInput};
 use basrelief_signals::Scene;
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -112,17 +113,22 @@ impl<R: Read> Read for Counting<R> {
 
 /// Opens a model, a demo (`demo:NAME`) or a display list.
 pub fn open(path: &Path, view: &ViewArgs, budget: &Budget) -> Done<Input> {
+    open_seen(path, &look(view, budget)?.without_times()?, budget)
+}
+
+/// The same, seen as that.
+pub fn open_seen(path: &Path, view: &ViewOptions, budget: &Budget) -> Done<Input> {
     if let Some(name) = demo_of(path) {
-        return demo_scene(name, view, budget).map(|scene| Input::Scene(scene.into()));
+        return demo_scene(name, view).map(|scene| Input::Scene(scene.into()));
     }
     let mut trace = TraceFile::open(path)?;
     if path == Path::new("-") || trace.is_one()? {
-        if *view != ViewArgs::default() {
-            return Err(Failure::Usage("a display list carries its own view: --size, --camera, --turn, --zoom, --frames, --orbit, --light and --light-orbit are for scenes".into()));
+        if *view != ViewOptions::default() {
+            return Err(Failure::Usage("a display list carries its own view: --size, --camera, --turn, --zoom, --frames, --orbit, --light, --light-orbit and --views are for scenes".into()));
         }
         return Ok(Input::Trace(trace));
     }
-    let (scene, held) = load_path_within(path, &view_options(view, budget)?, budget).map_err(failed_within(path))?;
+    let (scene, held) = load_path_within(path, view, budget).map_err(failed_within(path))?;
     // It is there to the end of the program.
     held.keep();
     Ok(Input::Scene(Arc::new(scene).into()))
@@ -149,8 +155,8 @@ fn failed_within(path: &Path) -> impl Fn(SceneError) -> Failure {
 }
 
 /// An embedded scene.
-pub fn demo_scene(name: &str, view: &ViewArgs, budget: &Budget) -> Done<Arc<Scene>> {
-    demo(name, &view_options(view, budget)?).map(Arc::new).map_err(|e| Failure::Usage(e.to_string()))
+pub fn demo_scene(name: &str, view: &ViewOptions) -> Done<Arc<Scene>> {
+    demo(name, view).map(Arc::new).map_err(|e| Failure::Usage(e.to_string()))
 }
 
 /// A text file, and what it takes.
@@ -161,8 +167,47 @@ pub fn read_text(path: &Path, budget: &Budget) -> Done<(String, Held)> {
     })
 }
 
-/// The view as the importer takes it.
-pub fn view_options(view: &ViewArgs, budget: &Budget) -> Done<ViewOptions> {
+/// What is looked at, and when.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Look {
+    /// As the importer takes it.
+    pub view: ViewOptions,
+    /// When each view is left for the next \[ms from the start\]; none where nobody says.
+    left_at_ms: Option<Vec<f64>>,
+}
+
+impl Look {
+    /// For who knows no times.
+    ///
+    /// # Errors
+    /// Times.
+    pub fn without_times(self) -> Done<ViewOptions> {
+        match self.left_at_ms {
+            None => Ok(self.view),
+            Some(_) => Err(Failure::Usage("--views: gives times, which are for `run` and `demo`: leave `at_ms` out".into())),
+        }
+    }
+
+    /// Tells the machine its times, ahead of other settings.
+    ///
+    /// # Errors
+    /// A machine that knows none.
+    pub fn tell(&self, args: &MachineArgs, demo: Option<&str>) -> Done<MachineArgs> {
+        let mut told = args.clone();
+        let Some(times) = &self.left_at_ms else { return Ok(told) };
+        let machine = args.machine.unwrap_or_else(|| MachineInfo::of_demo(demo.unwrap_or_default()));
+        let parameter = machine.left_at.ok_or_else(|| {
+            let knows = MACHINES.iter().filter(|m| m.left_at.is_some()).map(|m| format!("`{}`", m.name)).collect::<Vec<_>>();
+            let (name, others) = (machine.name, knows.join(", "));
+            Failure::Usage(format!("--views: gives times, and machine `{name}` leaves no view; take {others}, or leave `at_ms` out"))
+        })?;
+        told.settings.insert(0, (parameter.into(), format!("{times:?}")));
+        Ok(told)
+    }
+}
+
+/// What the options of a view come to.
+pub fn look(view: &ViewArgs, budget: &Budget) -> Done<Look> {
     let camera = match &view.camera {
         None => None,
         Some(path) => {
@@ -172,8 +217,10 @@ pub fn view_options(view: &ViewArgs, budget: &Budget) -> Done<ViewOptions> {
             Some(read_camera(&text, &name).map_err(Failure::bad)?)
         }
     };
+    let script = |path: &PathBuf| Script::read(&read_text(path, budget)?.0, budget).map_err(Failure::within(&path.display().to_string()));
+    let Script { views, left_at_ms } = view.views.as_ref().map(script).transpose()?.unwrap_or_default();
     let default = ViewOptions::default();
-    Ok(ViewOptions {
+    let view = ViewOptions {
         size: view.size.unwrap_or(default.size),
         camera,
         turn: view.turn,
@@ -182,7 +229,9 @@ pub fn view_options(view: &ViewArgs, budget: &Budget) -> Done<ViewOptions> {
         orbit_degrees: view.orbit,
         light: view.light,
         light_orbit_degrees: view.light_orbit,
-    })
+        views,
+    };
+    Ok(Look { view, left_at_ms })
 }
 
 /// The name of the demo that an input stands for.

@@ -11,6 +11,7 @@ mod interrupt;
 mod outputs;
 mod progress;
 mod remote;
+mod views;
 
 use clap::Parser;
 use std::process::ExitCode;

@@ -88,6 +88,7 @@ impl View {
             orbit_degrees: self.orbit,
             light: self.light,
             light_orbit_degrees: self.light_orbit,
+            ..default
         })
     }
 }

@@ -564,6 +564,8 @@ pub struct RealPath {
     pub final_picture_ms: f64,
     /// To each picture, from the end of the frame before \[ms\].
     pub picture_ms: Vec<f64>,
+    /// To each picture, from the request for the scene \[ms\].
+    pub picture_at_ms: Vec<f64>,
     /// Of `first_picture_ms`, how long the path had nothing to do, since the host was at work \[ms\]: the rest is what the path took.
     pub first_picture_idle_ms: f64,
     /// The same of `final_picture_ms` \[ms\].
@@ -580,6 +582,8 @@ pub struct RealPath {
     pub tiles: u64,
     /// Their bytes.
     pub tile_bytes: u64,
+    /// Tiles that were to be asked for and were not, since their view was left for the next.
+    pub abandoned_tiles: u64,
     /// Bytes received beside scene and tiles: heads of answers, and answers that were of no use.
     pub head_bytes: u64,
 }

@@ -68,6 +68,14 @@ impl SceneError {
         self
     }
 
+    /// Names the place that its own is in.
+    #[must_use]
+    pub(crate) fn below(mut self, outer: &str) -> Self {
+        let own = self.place.trim_start_matches('/');
+        self.place = format!("{outer}/{own}");
+        self
+    }
+
     /// Names the file, unless an inner reader has named a more precise one.
     #[must_use]
     pub(crate) fn in_file(mut self, file: &str) -> Self {

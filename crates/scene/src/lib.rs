@@ -26,7 +26,7 @@ pub use demo::{DEMOS, DemoInfo, demo};
 pub use error::SceneError;
 pub use files::{Directory, Files, Memory};
 pub use subject::Subject;
-pub use view::ViewOptions;
+pub use view::{OwnView, ViewOptions};
 
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_signals::Scene;

@@ -33,7 +33,7 @@ impl Subject {
     /// As [`seen`](Self::seen), and what is over the budget.
     pub fn seen_within(&self, options: &ViewOptions, budget: &Budget) -> Result<(Scene, Held), SceneError> {
         let frame = (size_of::<Frame>() + 64 + self.hints.lamps.len() * size_of::<Light>()) as u64;
-        let frames = u64::from(options.frames.unwrap_or(self.hints.frames));
+        let frames = self.hints.count(options) as u64;
         let held = budget.take(frame.saturating_mul(frames), "frames and their lights");
         let held = held.map_err(|error| over_budget("", &error).in_file(&self.name))?;
         Ok((self.seen(options)?, held))

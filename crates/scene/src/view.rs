@@ -20,6 +20,35 @@ const ZOOM: RangeInclusive<f64> = 0.01..=100.0;
 /// Most frames of one scene.
 const MAX_FRAMES: u32 = 1_000_000;
 
+/// A view of several, each chosen by itself: what it leaves open is as in the [`ViewOptions`] that it stands in.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OwnView {
+    /// As [`ViewOptions::camera`].
+    pub camera: Option<Camera>,
+    /// As [`ViewOptions::turn`].
+    pub turn: Option<[f64; 2]>,
+    /// As [`ViewOptions::zoom`].
+    pub zoom: Option<f64>,
+    /// How far the camera has turned by now around the vertical axis through the model's centre \[degrees\].
+    pub orbit_degrees: Option<f64>,
+    /// As [`ViewOptions::light`].
+    pub light: Option<[f64; 3]>,
+    /// How far the light has turned by now \[degrees\].
+    pub light_orbit_degrees: Option<f64>,
+}
+
+impl OwnView {
+    /// Whether all is in range, whatever is looked at.
+    ///
+    /// # Errors
+    /// What is not, at its place among the views.
+    pub fn check(views: &[Self]) -> Result<(), SceneError> {
+        let nothing = Bounds { low: DVec3::ZERO, high: DVec3::ZERO };
+        let options = ViewOptions { size: [1; 2], views: views.to_vec(), ..ViewOptions::default() };
+        ViewHints::still(nothing, None, vec![]).frames(&options).map(drop)
+    }
+}
+
 /// What the user asks of the view. The default leaves everything to the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewOptions {
@@ -42,12 +71,32 @@ pub struct ViewOptions {
     /// The light turns by this angle around the vertical axis, over all frames \[degrees\]; `None` leaves it to the
     /// model.
     pub light_orbit_degrees: Option<f64>,
+    /// A frame for each of these, in place of `frames` and of both orbits; none: as those say.
+    pub views: Vec<OwnView>,
+}
+
+impl ViewOptions {
+    /// These options as one of the views has them.
+    fn of(&self, own: &OwnView) -> Self {
+        Self {
+            size: self.size,
+            camera: own.camera.or(self.camera),
+            turn: own.turn.or(self.turn),
+            zoom: own.zoom.or(self.zoom),
+            orbit_degrees: own.orbit_degrees,
+            frames: None,
+            light: own.light.or(self.light),
+            light_orbit_degrees: own.light_orbit_degrees,
+            views: vec![],
+        }
+    }
 }
 
 impl Default for ViewOptions {
     fn default() -> Self {
         let (camera, turn, zoom, orbit_degrees, frames) = (None, None, None, None, None);
-        Self { size: [640, 480], camera, turn, zoom, orbit_degrees, frames, light: None, light_orbit_degrees: None }
+        let (light, light_orbit_degrees, views) = (None, None, vec![]);
+        Self { size: [640, 480], camera, turn, zoom, orbit_degrees, frames, light, light_orbit_degrees, views }
     }
 }
 
@@ -68,6 +117,9 @@ pub(crate) enum LightOrbit {
     /// With the camera: the model turns under a light that stands.
     WithCamera,
 }
+
+/// A view, and the lights with their intensities.
+type Seen = (View, Vec<(Lamp, f64)>);
 
 /// What a model or a demo says about its view.
 pub(crate) struct ViewHints {
@@ -104,22 +156,7 @@ impl ViewHints {
             let expected = format!("at most {MAX_PICTURE_PIXELS} pixels");
             return Err(SceneError::at("size", format!("{width}x{height}")).expected(expected));
         }
-        let count = options.frames.unwrap_or(self.frames);
-        if !(1..=MAX_FRAMES).contains(&count) {
-            return Err(SceneError::at("frames", count.to_string()).expected(format!("1..={MAX_FRAMES}")));
-        }
-        let orbit = finite(options.orbit_degrees.unwrap_or(self.orbit), "orbit")?;
-        let own_light_orbit = match self.light_orbit {
-            LightOrbit::Degrees(degrees) => degrees,
-            LightOrbit::WithCamera => orbit,
-        };
-        let light_orbit = finite(options.light_orbit_degrees.unwrap_or(own_light_orbit), "light-orbit")?;
-        let view = self.zoom(self.turn(self.first_view(options)?, options)?, options)?;
-        let lamps = self.first_lamps(options)?;
-        let frame = |index: u32| {
-            let part = f64::from(index) / f64::from(count);
-            let view = self.orbit(view, part * orbit);
-            let lamps: Vec<_> = lamps.iter().map(|(lamp, i)| (self.turn_lamp(*lamp, part * light_orbit), *i)).collect();
+        let frame = |(index, (view, lamps)): (u32, Seen)| {
             Arc::new(Frame {
                 index,
                 width,
@@ -130,12 +167,69 @@ impl ViewHints {
                 shading: self.shading,
             })
         };
-        Ok((0..count).map(frame).collect())
+        if options.views.is_empty() { self.along_orbits(options, frame) } else { self.each_view(options, frame) }
+    }
+
+    /// How many frames these options come to.
+    pub(crate) fn count(&self, options: &ViewOptions) -> usize {
+        if options.views.is_empty() { options.frames.unwrap_or(self.frames) as usize } else { options.views.len() }
+    }
+
+    /// Frame k of n has turned by k n-ths.
+    fn along_orbits(
+        &self,
+        options: &ViewOptions,
+        frame: impl Fn((u32, Seen)) -> Arc<Frame>,
+    ) -> Result<Vec<Arc<Frame>>, SceneError> {
+        let count = options.frames.unwrap_or(self.frames);
+        if !(1..=MAX_FRAMES).contains(&count) {
+            return Err(SceneError::at("frames", count.to_string()).expected(format!("1..={MAX_FRAMES}")));
+        }
+        let (first, turns) = (self.first(options)?, self.turns(options, 1.0)?);
+        let part = |index| f64::from(index) / f64::from(count);
+        Ok((0..count).map(|index| frame((index, self.turned_on(&first, turns.map(|by| part(index) * by))))).collect())
+    }
+
+    /// Each view by itself.
+    fn each_view(
+        &self,
+        options: &ViewOptions,
+        frame: impl Fn((u32, Seen)) -> Arc<Frame>,
+    ) -> Result<Vec<Arc<Frame>>, SceneError> {
+        if options.views.len() > MAX_FRAMES as usize {
+            return Err(SceneError::at("/views", options.views.len().to_string()).expected(format!("1..={MAX_FRAMES}")));
+        }
+        let seen = |(index, own): (u32, &OwnView)| -> Result<Arc<Frame>, SceneError> {
+            let options = options.of(own);
+            let seen = self.first(&options).and_then(|first| Ok(self.turned_on(&first, self.turns(&options, 0.0)?)));
+            seen.map(|seen| frame((index, seen))).map_err(|e| e.below(&format!("/views/{index}")))
+        };
+        (0..).zip(&options.views).map(seen).collect()
+    }
+
+    /// View and lights before anything turns.
+    fn first(&self, options: &ViewOptions) -> Result<Seen, SceneError> {
+        Ok((self.zoom(self.turn(self.first_view(options)?, options)?, options)?, self.first_lamps(options)?))
+    }
+
+    /// How far camera and light turn; `share` of the model's own orbits, where nobody says.
+    fn turns(&self, options: &ViewOptions, share: f64) -> Result<[f64; 2], SceneError> {
+        let orbit = finite(options.orbit_degrees.unwrap_or(share * self.orbit), "orbit")?;
+        let own_light_orbit = match self.light_orbit {
+            LightOrbit::Degrees(degrees) => share * degrees,
+            LightOrbit::WithCamera => orbit,
+        };
+        Ok([orbit, finite(options.light_orbit_degrees.unwrap_or(own_light_orbit), "light_orbit")?])
+    }
+
+    /// View and lights, turned so far.
+    fn turned_on(&self, (view, lamps): &Seen, [orbit, light_orbit]: [f64; 2]) -> Seen {
+        (self.orbit(*view, orbit), lamps.iter().map(|(lamp, i)| (self.turn_lamp(*lamp, light_orbit), *i)).collect())
     }
 
     fn first_view(&self, options: &ViewOptions) -> Result<View, SceneError> {
         if let Some(camera) = &options.camera {
-            let camera = check_camera(camera)?;
+            let camera = check_camera(camera).map_err(|e| e.below("/camera"))?;
             let view_projection = DMat4::from_cols_array(&camera.view_projection).transpose();
             return Ok(View { view_projection, to_viewer: DVec3::from_array(camera.to_viewer) });
         }
@@ -149,7 +243,7 @@ impl ViewHints {
             return Ok(vec![(Lamp::Directional(direction(light, "light")?), 1.0)]);
         }
         if let Some(camera) = &options.camera {
-            return Ok(vec![(Lamp::Directional(direction(camera.to_light, "/to_light")?), 1.0)]);
+            return Ok(vec![(Lamp::Directional(direction(camera.to_light, "/camera/to_light")?), 1.0)]);
         }
         if self.lamps.is_empty() {
             return Ok(vec![(Lamp::Directional(direction(DEFAULT_LIGHT, "light")?), 1.0)]);
@@ -291,6 +385,35 @@ mod tests {
         let turned = DVec3::from_array(frames[1].camera.to_light);
         assert!((turned - DVec3::X).length() < 1e-12, "{turned:?}");
         assert_eq!(frames[0].camera.view_projection, frames[1].camera.view_projection);
+    }
+
+    #[test]
+    fn views_of_their_own_are_those_of_the_options_that_say_the_same() {
+        let turning = ViewHints { frames: 4, orbit: 360.0, light_orbit: LightOrbit::WithCamera, ..hints(vec![]) };
+        let own = |orbit_degrees| OwnView { orbit_degrees, ..OwnView::default() };
+        let lit = OwnView { light: Some([0., 0., 2.]), light_orbit_degrees: Some(90.0), zoom: Some(2.0), ..own(None) };
+        let options = ViewOptions { turn: Some([10.0, 5.0]), ..ViewOptions::default() };
+        let views = vec![own(None), own(Some(90.0)), own(Some(180.0)), own(Some(270.0)), lit];
+        let seen = turning.frames(&ViewOptions { views, frames: Some(9), orbit_degrees: Some(1.0), ..options.clone() }).unwrap();
+        assert_eq!(seen.len(), 5);
+        assert_eq!(seen[..4], turning.frames(&options).unwrap(), "the model's orbit, step by step");
+        let to_light = DVec3::from_array(seen[4].camera.to_light);
+        assert!((to_light - DVec3::X).length() < 1e-12, "{to_light:?}");
+        let larger = turning.frames(&ViewOptions { zoom: Some(2.0), frames: Some(1), ..options }).unwrap();
+        assert_eq!(seen[4].camera.view_projection, larger[0].camera.view_projection);
+    }
+
+    #[test]
+    fn a_view_that_is_none_is_named_by_its_place() {
+        let refused = |own: OwnView| OwnView::check(&[OwnView::default(), own]).unwrap_err().to_string();
+        let d = OwnView::default;
+        assert!(refused(OwnView { zoom: Some(0.0), ..d() }).starts_with("/views/1/zoom: 0; expected a number from 0.01 to 100"));
+        assert!(refused(OwnView { turn: Some([0.0, f64::NAN]), ..d() }).starts_with("/views/1/turn: NaN; expected"));
+        assert!(refused(OwnView { orbit_degrees: Some(f64::INFINITY), ..d() }).starts_with("/views/1/orbit: inf; expected"));
+        assert!(refused(OwnView { light: Some([0.0; 3]), ..d() }).starts_with("/views/1/light: "));
+        let flat = Camera { view_projection: [0.0; 16], to_light: [1., 0., 0.], to_viewer: [0., 0., 1.] };
+        assert!(refused(OwnView { camera: Some(flat), ..d() }).starts_with("/views/1/camera/view_projection: "));
+        assert!(OwnView::check(&[d()]).is_ok());
     }
 
     #[test]

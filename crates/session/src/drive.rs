@@ -115,8 +115,7 @@ impl<'a> Session<'a> {
         }
         self.keep_requests(&mut machine);
         // Where a user acts at times, what is drawn follows from times.
-        let acts_at_times = spec.rehearsed(&[]).is_some();
-        let mut kept = Kept::new(self.settings.limits, &self.settings.budget).filter(|_| !acts_at_times);
+        let mut kept = Kept::new(self.settings.limits, &self.settings.budget).filter(|_| !spec.acts_at_times());
         let ran = self.simulate(spec, &mut machine, probe, &mut kept);
         let report = match ran {
             Ok(report) => report,

@@ -1,21 +1,23 @@
-//! Runs ahead of the run: they find behind which pictures the user acts, where the user acts at times.
+//! Runs ahead of the run: they find where views are left, where the user acts at times.
 //!
-//! What a machine draws must not depend on a cycle (law 6): so the run proper is given counts. Each run ahead is given those that the
-//! one before has found, until they stay as they are. A viewpoint's pictures come when they come whatever is done behind them; so each
-//! run settles at least one viewpoint more, and there are no more of them than frames. That the counts hold, the run proper checks.
+//! What a machine draws must not depend on a cycle (law 6): so the run proper is given counts. In the first run ahead no view is left.
+//! Each further one is left where the runs before have found: up to the first view that should have been left and was not, it has run
+//! as it should, whatever comes behind. So each settles one more view, and the one that finds none is the run proper.
 
 use crate::machines::{Logs as _, MachineSpec};
 use crate::observer::Observer;
 use crate::outcome::SessionError;
 use crate::record::CountedDraws;
 use crate::settings::RunOptions;
-use basrelief_kernel::{self as kernel, Limits, NoProbe, Outcome};
+use basrelief_kernel::facts::Value;
+use basrelief_kernel::{self as kernel, Cause, Cycle, Limits, Outcome, Probe, Shape};
+use basrelief_machines::defer::RunAhead;
 use basrelief_machines::{Draws as _, SceneFront};
 use basrelief_signals::Scene;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The machine with the counts of pictures that its user's times come to; as it is where no user acts at a time.
+/// The machine that leaves its views where its user's times come to; as it is where no user acts at a time.
 ///
 /// # Errors
 /// Times without time: the functional model has none.
@@ -25,28 +27,26 @@ pub(crate) fn rehearsed<S: MachineSpec>(
     settings: &RunOptions,
     observer: &mut dyn Observer,
 ) -> Result<S, SessionError> {
-    let mut told = spec.clone();
-    if spec.rehearsed(&[]).is_none() {
-        return Ok(told);
+    if !spec.acts_at_times() {
+        return Ok(spec.clone());
     }
-    for _ in 0..=scene.frames.len() {
-        let Some(shown) = shown(scene, &told, settings, observer)? else { break };
-        match told.rehearsed(&shown) {
-            Some(next) if next != told => told = next,
-            _ => break,
+    let mut told = spec.never_left(scene.frames.len());
+    while let Some(ahead) = run_ahead(scene, &told, settings, observer)? {
+        match told.left_once_more(&ahead) {
+            Some(next) => told = next,
+            None => break,
         }
     }
     Ok(told)
 }
 
-/// What a run shows: cycles of each picture from the one before, and whether it is the last of its frame; none where the run does not
-/// come to its end, which the run proper will then not either.
-fn shown<S: MachineSpec>(
+/// What a run shows; none where it does not come to its end, which the run proper will then not either.
+fn run_ahead<S: MachineSpec>(
     scene: &Arc<Scene>,
     spec: &S,
     settings: &RunOptions,
     observer: &mut dyn Observer,
-) -> Result<Option<Vec<(u64, bool)>>, SessionError> {
+) -> Result<Option<RunAhead>, SessionError> {
     let Some(engine) = settings.engine else {
         return Err(SessionError::Fault(
             "the user acts at times, and the functional model has none: choose another engine".into(),
@@ -61,15 +61,42 @@ fn shown<S: MachineSpec>(
         pictures.extend(rounds.chain(last));
         observer.progress(0, None)
     };
+    let stages = Shape::of(&mut machine).map(|shape| shape.diagram().stages).unwrap_or_default();
+    let taker = stages.iter().position(|stage| stage.name == S::TAKES_TILES);
+    let mut came = Came { taker, cycles: Vec::new() };
+    let mut probe: &mut dyn Probe = &mut came;
     let limits = Limits { max_cycles: settings.max_cycles, progress: &mut take };
-    #[cfg(feature = "unwatched")]
-    let mut probe = NoProbe;
-    #[cfg(not(feature = "unwatched"))]
-    let mut probe: &mut dyn kernel::Probe = &mut NoProbe;
     let report = kernel::run_with(&mut machine, engine, &mut probe, limits);
     take(&mut machine);
+    if report.outcome != Outcome::Complete {
+        return Ok(None);
+    }
     // By frame, the last picture behind the others.
     pictures.sort();
-    let complete = report.outcome == Outcome::Complete;
-    Ok(complete.then(|| report.marks.into_iter().zip(pictures.into_iter().map(|(_, last)| last)).collect()))
+    let pictures = report.marks.into_iter().zip(pictures.into_iter().map(|(_, last)| last)).collect();
+    let tiles = match machine.facts().get("view_tiles") {
+        Some(Value::Counts(tiles)) => tiles.clone(),
+        _ => vec![],
+    };
+    Ok(Some(RunAhead { pictures, came: came.cycles, tiles }))
+}
+
+/// When tiles have come: a step of who takes them each.
+struct Came {
+    taker: Option<usize>,
+    cycles: Vec<u64>,
+}
+
+impl Probe for Came {
+    fn reads_levels(&self) -> bool {
+        false
+    }
+
+    fn worked(&mut self, stage: usize, from: Cycle, _: Cycle) {
+        if self.taker == Some(stage) {
+            self.cycles.push(from.0);
+        }
+    }
+
+    fn waited(&mut self, _: usize, _: Cause, _: Cycle, _: Cycle) {}
 }

@@ -204,13 +204,8 @@ fn run_scene<S: MachineSpec, P: Probe>(
     let scene = prepared.scene();
     let _textures = held::textures(scene, S::TEXTURE_COPIES, &settings.budget)?;
     let is_here = tiles.is_none();
-    if !is_here && spec.rehearsed(&[]).is_some() {
-        // Runs ahead of the run would ask a real server for its tiles, more than once.
-        let message = "tiles come from a server, and when the user acts is found by runs ahead: give counts of pictures, \
-                       `defer.pictures_of_views`";
-        return Err(SessionError::Fault(message.into()));
-    }
-    let spec = &rehearsed(scene, spec, settings, observer)?;
+    // Who fetches from a real server looks by a real clock; and runs ahead of the run would ask it for its tiles more than once.
+    let spec = if is_here { &rehearsed(scene, spec, settings, observer)? } else { spec };
     let passed = Rc::new(Cell::new(Passed::default()));
     let front = SceneFront::new(CountedDraws::new(scene, &passed), spec.front());
     let machine = match tiles {
@@ -240,9 +235,9 @@ fn run_trace<S: MachineSpec, P: Probe>(
     observer: &mut dyn Observer,
     probe: &mut P,
 ) -> Result<Run, SessionError> {
-    if spec.rehearsed(&[]).is_some() {
+    if spec.acts_at_times() {
         // It is read once, as a stream.
-        let message = "a display list has no times of its own to act at: give counts of pictures, `defer.pictures_of_views`";
+        let message = "a display list is read once, and runs ahead find where views are left at their times: give tiles, `defer.left_at_tile`";
         return Err(SessionError::Fault(message.into()));
     }
     let resolver = Resolver::within(reader, move |name: &str| files.open(name), &settings.budget)?;

@@ -75,6 +75,11 @@ pub struct ViewArgs {
     /// Turn the light about the vertical axis by this much over all frames (degrees).
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = finite)]
     pub light_orbit: Option<f64>,
+    /// Views one after the other, a picture of each, from a TOML or JSON file: `views = [{ at_ms = 0, orbit = 0 }, { at_ms = 350, orbit =
+    /// 30 }]`, with camera, turn, zoom, orbit, light, light_orbit over the options here. `at_ms`: when the user turns to each; machine
+    /// defer in the progressive mode leaves the one before then.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "orbit", "light_orbit"])]
+    pub views: Option<PathBuf>,
 }
 
 /// What is printed of a report.

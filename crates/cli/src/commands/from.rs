@@ -4,7 +4,7 @@ use super::real_times::RealTimes;
 use super::simulate::{Source, seconds, settings_of, simulate_source};
 use crate::args::{MachineArgs, RunArgs};
 use crate::error::{Done, Failure};
-use crate::input;
+use crate::input::{self, Look};
 use crate::interrupt;
 use crate::progress::{Progress, TileProgress};
 use crate::remote::{Fetcher, Patience, RemoteTiles, TileCache, TileStore, unpack};
@@ -16,13 +16,14 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 /// The configuration of the machine; other machines are refused.
-fn config_of(args: &RunArgs, budget: &Budget) -> Done<(MachineConfig, Given)> {
+fn config_of(args: &RunArgs, look: &Look, budget: &Budget) -> Done<(MachineConfig, Given)> {
     let fetching = || MACHINES.iter().filter(|m| m.fetches_tiles);
     let Some(machine) = args.machine.machine.or_else(|| fetching().next()).filter(|m| m.fetches_tiles) else {
         let names: Vec<String> = fetching().map(|m| format!("`{}`", m.name)).collect();
         return Err(Failure::Usage(format!("--from: only machine {} renders from a server", names.join(", "))));
     };
-    input::config(&MachineArgs { machine: Some(machine), ..args.machine.clone() }, None, budget)
+    let machine = MachineArgs { machine: Some(machine), ..args.machine.clone() };
+    input::config(&look.tell(&machine, None)?, None, budget)
 }
 
 /// Fetches the scene of a server, and looks at it; what both take is counted to the end of the program.
@@ -38,14 +39,14 @@ fn scene_of(fetcher: &Fetcher, view: &ViewOptions, shown: &TileProgress, budget:
 /// Renders from the server at `url`.
 pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
-    let (config, given) = config_of(args, budget)?;
+    let look = input::look(&args.view, budget)?;
+    let (config, given) = config_of(args, &look, budget)?;
     let fetch = config.tile_fetch().ok_or_else(|| Failure::Usage("--from: this machine fetches no tiles".into()))?;
-    let view = input::view_options(&args.view, budget)?;
     let shown = TileProgress::new(quiet || args.simulation.json);
     let patience =
         args.wait.map_or_else(Patience::default, |s| Patience { starting: Duration::from_secs(s), ..Patience::default() });
     let fetcher = Fetcher::within(url, patience, budget);
-    let scene = scene_of(&fetcher, &view, &shown, budget)?;
+    let scene = scene_of(&fetcher, &look.view, &shown, budget)?;
     let open = |folder: &PathBuf| TileCache::open(folder).map_err(Failure::file(folder, "be written"));
     let cache = args.tile_cache.as_ref().map(open).transpose()?;
     interrupt::say(match cache {
@@ -55,7 +56,7 @@ pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done
     let failed = Arc::new(OnceLock::new());
     let kept = cache.map(|cache| TileStore { cache, failed: Arc::clone(&failed) });
     let real = Some(RealTimes::new(fetcher.meter().clone(), shown.clone()));
-    let tiles = Box::new(RemoteTiles::new(fetcher, (fetch.encoding, fetch.jpeg_quality), fetch.requests, kept, shown));
+    let tiles = Box::new(RemoteTiles::new(fetcher, fetch, kept, shown));
     let input = RunInput::Remote { scene, tiles, name: url.into() };
     let mut settings = settings_of((config, given), &args.simulation, budget);
     settings.exact = false;

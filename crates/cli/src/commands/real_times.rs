@@ -38,12 +38,14 @@ impl RealTimes {
             first_picture_idle_ms: rounded(first.idle),
             final_picture_idle_ms: rounded(last.idle),
             picture_ms: by_frame(&self.shown),
+            picture_at_ms: self.shown.iter().map(|(_, moment)| rounded(moment.milliseconds)).collect(),
             connections: counted.connections,
             requests: counted.requests,
             request_bytes: counted.sent,
             scene_bytes: counted.scene,
             tiles: counted.tiles,
             tile_bytes: counted.tile_bytes,
+            abandoned_tiles: counted.abandoned,
             head_bytes: counted.received.saturating_sub(counted.scene + counted.tile_bytes),
         }
     }

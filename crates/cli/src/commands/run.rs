@@ -19,8 +19,10 @@ pub fn demo(args: &DemoArgs, budget: &Budget, quiet: bool) -> Done {
     spare_inputs(&args.simulation, None, &args.machine, &args.view)?;
     let machine = args.machine.machine.unwrap_or(&MACHINES[0]);
     let name = args.name.as_deref().unwrap_or(machine.demos[0]);
-    let scene = input::demo_scene(name, &args.view, budget)?;
-    let settings = settings_of(input::config(&args.machine, Some(name), budget)?, &args.simulation, budget);
+    let look = input::look(&args.view, budget)?;
+    let scene = input::demo_scene(name, &look.view)?;
+    let machine = look.tell(&args.machine, Some(name))?;
+    let settings = settings_of(input::config(&machine, Some(name), budget)?, &args.simulation, budget);
     simulate(began, Input::Scene(scene.into()), settings, &args.simulation, quiet)
 }
 
@@ -38,8 +40,10 @@ pub fn run(args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
         }
     }
     let path = args.input.as_deref().unwrap_or(Path::new("-"));
-    let input = input::open(path, &args.view, budget)?;
-    let settings = settings_of(input::config(&args.machine, demo_of(path), budget)?, &args.simulation, budget);
+    let look = input::look(&args.view, budget)?;
+    let input = input::open_seen(path, &look.view, budget)?;
+    let machine = look.tell(&args.machine, demo_of(path))?;
+    let settings = settings_of(input::config(&machine, demo_of(path), budget)?, &args.simulation, budget);
     simulate(began, input, settings, &args.simulation, quiet)
 }
 

@@ -141,8 +141,9 @@ fn exhibits(settings: &RunOptions, files: &OutputFiles) -> Vec<ExhibitInfo> {
 /// # Errors
 /// Wrong usage.
 pub fn spare_inputs(simulation: &SimulationArgs, input: Option<&Path>, machine: &MachineArgs, view: &ViewArgs) -> Done {
-    let options = [("INPUT", input), ("--config", machine.config.as_deref()), ("--camera", view.camera.as_deref())];
-    let read: Vec<(&str, &Path)> = options.into_iter().filter_map(|(option, path)| Some((option, path?))).collect();
+    let of_view = [("--camera", view.camera.as_deref()), ("--views", view.views.as_deref())];
+    let options = [("INPUT", input), ("--config", machine.config.as_deref())].into_iter().chain(of_view);
+    let read: Vec<(&str, &Path)> = options.filter_map(|(option, path)| Some((option, path?))).collect();
     check_not_read(&named_outputs(simulation), &read).map_err(Failure::Usage)
 }
 

@@ -1,99 +1,23 @@
 //! The client: fetches tiles ahead, several at a time.
 
-use super::fetch::MOST_IN_FLIGHT;
-use super::server::encoding_name;
+use super::exchange::{Exchange, Wanted};
+use super::fetch::{Attempts, MOST_IN_FLIGHT};
+use super::server::{MOST_TILES, encoding_name};
+use super::user::RemoteUser;
 use super::{Fetcher, TileCache, hex};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::server::place_of;
-use basrelief_deferred_renderer::{Cut, Page, TileEncoding, TileSource};
-use basrelief_input::Held;
+use basrelief_deferred_renderer::{Cut, Page, TileEncoding, TileSource, User};
+use basrelief_session::TileFetch;
 use basrelief_signals::Texture;
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
 
 /// Largest tile that is believed: more than 512 x 512 texels take in any encoding \[bytes\].
 const LARGEST_TILE: u64 = 1 << 21;
 
-/// Tiles that are fetched ahead and that nobody has taken yet, at most: what is fast must not fill the memory.
-pub(super) const MOST_AHEAD: usize = 256;
-
-/// A tile: number of its texture, and its own.
-type Key = (u32, u32);
-
-/// What a tile is encoded as, and what is counted for it.
-type HeldTile = (Arc<[u8]>, Held);
-
-/// A tile to fetch: its page, its number, and the hash of its picture.
-type Wanted = (Arc<Page>, u32, Arc<str>);
-
-/// What the threads share.
-#[derive(Debug, Default)]
-struct Shared {
-    /// Tiles to fetch, in order.
-    queue: VecDeque<Wanted>,
-    /// Those that are there, with what they take, or have failed for good.
-    done: BTreeMap<Key, Result<HeldTile, String>>,
-    /// Somebody waits for a tile that is not there.
-    missed: bool,
-    closed: bool,
-}
-
-#[derive(Debug, Default)]
-struct Exchange {
-    shared: Mutex<Shared>,
-    changed: Condvar,
-}
-
-impl Exchange {
-    fn lock(&self) -> MutexGuard<'_, Shared> {
-        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Changes what is shared, and tells all.
-    fn change(&self, change: impl FnOnce(&mut Shared)) {
-        change(&mut self.lock());
-        self.changed.notify_all();
-    }
-
-    /// The next tile to fetch; none when all is over.
-    fn take(&self) -> Option<Wanted> {
-        let mut shared = self.lock();
-        loop {
-            if shared.closed {
-                return None;
-            }
-            if (shared.missed || shared.done.len() < MOST_AHEAD)
-                && let Some(tile) = shared.queue.pop_front()
-            {
-                return Some(tile);
-            }
-            shared = self.changed.wait(shared).unwrap_or_else(PoisonError::into_inner);
-        }
-    }
-
-    /// Waits until a tile that was asked for is there.
-    fn wait(&self, tile: Key) -> Result<Arc<[u8]>, String> {
-        let mut shared = self.lock();
-        loop {
-            let done = shared.done.remove(&tile);
-            shared.missed = done.is_none();
-            self.changed.notify_all();
-            if let Some(done) = done {
-                return done.map(|(tile, _)| tile);
-            }
-            shared = self.changed.wait(shared).unwrap_or_else(PoisonError::into_inner);
-        }
-    }
-
-    /// Waits so long; less, and false, when all is over.
-    fn pause(&self, pause: Duration) -> bool {
-        let open = |shared: &mut Shared| !shared.closed;
-        let waited = self.changed.wait_timeout_while(self.lock(), pause, open);
-        !waited.unwrap_or_else(PoisonError::into_inner).0.closed
-    }
-}
+/// Most that the tiles of one request take as raw texels \[bytes\]: what fails is asked for again.
+const MOST_BYTES: u64 = 1 << 17;
 
 /// Where tiles that have come are kept, and why they are not.
 #[derive(Clone, Debug)]
@@ -104,6 +28,11 @@ pub struct TileStore {
     pub failed: Arc<OnceLock<String>>,
 }
 
+/// A whole tile of a page as raw texels \[bytes\].
+fn raw_bytes(page: &Page) -> u64 {
+    3 * page.cut.tile.map(u64::from).iter().product::<u64>()
+}
+
 /// What a thread needs to fetch tiles.
 #[derive(Clone, Debug)]
 struct Worker {
@@ -111,6 +40,7 @@ struct Worker {
     fetcher: Fetcher,
     /// With its quality.
     encoding: (TileEncoding, u8),
+    tiles_per_request: usize,
     kept: Option<TileStore>,
     progress: TileProgress,
 }
@@ -118,37 +48,87 @@ struct Worker {
 impl Worker {
     /// Fetches tiles until all is over.
     fn work(&self) {
-        while let Some((page, number, picture)) = self.exchange.take() {
-            let tile = self.obtain(&page, number, &picture).and_then(|tile| self.counted(tile));
-            self.exchange.change(|shared| {
-                shared.done.insert((page.texture, number), tile);
-            });
+        while let Some(wanted) = self.exchange.take(|page| self.most(page)) {
+            let mut rest = Vec::new();
+            for wanted in wanted {
+                match self.kept(&wanted) {
+                    Some(tile) => {
+                        self.progress.came(0);
+                        self.done(&wanted, Ok(tile));
+                    }
+                    None => rest.push(wanted),
+                }
+            }
+            self.fetch(&rest);
         }
     }
 
-    /// A tile that waits to be taken.
-    fn counted(&self, tile: Vec<u8>) -> Result<HeldTile, String> {
-        let held = self.fetcher.budget().take(tile.len() as u64, "tiles that nobody has taken yet");
-        held.map(|held| (Arc::from(tile), held)).map_err(|e| e.to_string())
+    /// Most tiles of a page that one request asks for.
+    fn most(&self, page: &Page) -> usize {
+        let bytes = usize::try_from(MOST_BYTES / raw_bytes(page)).unwrap_or(usize::MAX);
+        bytes.clamp(1, MOST_TILES).min(self.tiles_per_request)
     }
 
-    /// A tile that can be decoded, from the cache or from the server.
-    fn obtain(&self, page: &Page, tile: u32, picture: &str) -> Result<Vec<u8>, String> {
-        let address = format!("tile/{}/{tile}", self.cut(picture, page.cut));
-        let (first, end) = page.texels_of(tile);
+    /// Fetches these tiles of one picture, by one request; where that fails, each by its own.
+    fn fetch(&self, wanted: &[Wanted]) {
+        let mut attempts = Attempts::default();
+        if wanted.len() > 1 {
+            match self.fetch_together(wanted) {
+                Ok(tiles) => return wanted.iter().zip(tiles).for_each(|(wanted, tile)| self.came(wanted, Ok(tile))),
+                Err(()) => attempts.made += 1,
+            }
+        }
+        for wanted in wanted {
+            let (address, check) = (self.address(wanted), |body: &[u8]| self.check(wanted, body));
+            let pause = |pause| self.exchange.pause(pause);
+            self.came(wanted, self.fetcher.tile(&address, LARGEST_TILE, check, (attempts, &pause)));
+        }
+    }
+
+    fn fetch_together(&self, wanted: &[Wanted]) -> Result<Vec<Vec<u8>>, ()> {
+        let first = wanted.first().ok_or(())?;
+        let numbers: Vec<String> = wanted.iter().map(|wanted| wanted.tile.to_string()).collect();
+        let address = format!("tile/{}/{}", self.cut(&first.picture, first.page.cut), numbers.join(","));
+        // No encoding makes twice as much of texels, beside a head.
+        let largest = 2 * raw_bytes(&first.page) + 4096;
+        self.fetcher.tiles(&address, (wanted.len(), largest), |i, body| self.check(&wanted[i], body))
+    }
+
+    /// A tile of the cache.
+    fn kept(&self, wanted: &Wanted) -> Option<Vec<u8>> {
+        self.kept.as_ref()?.cache.get(&self.address(wanted), LARGEST_TILE, |body| self.check(wanted, body))
+    }
+
+    /// Whether that is the tile: it can be decoded, and has its size.
+    fn check(&self, wanted: &Wanted, body: &[u8]) -> Result<(), String> {
+        let (first, end) = wanted.page.texels_of(wanted.tile);
         let size = [end[0] - first[0], end[1] - first[1]];
-        let check = |body: &[u8]| self.encoding.0.decode(body, size).map(drop).map_err(|e| format!("corrupt: {e}"));
-        if let Some(body) = self.kept.as_ref().and_then(|kept| kept.cache.get(&address, LARGEST_TILE, check)) {
-            self.progress.came(0);
-            return Ok(body);
+        self.encoding.0.decode(body, size).map(drop).map_err(|e| format!("corrupt: {e}"))
+    }
+
+    /// A tile has come from the server, or has failed for good.
+    fn came(&self, wanted: &Wanted, tile: Result<Vec<u8>, String>) {
+        if let Ok(tile) = &tile {
+            if let Some(kept) = self.kept.as_ref().filter(|kept| kept.failed.get().is_none()) {
+                // The picture does not suffer: who has asked for the cache is told in the end.
+                let _ = kept.cache.put(&self.address(wanted), tile).map_err(|e| kept.failed.set(e.to_string()));
+            }
+            self.progress.came(tile.len() as u64);
         }
-        let body = self.fetcher.tile(&address, LARGEST_TILE, check, |pause| self.exchange.pause(pause))?;
-        if let Some(kept) = self.kept.as_ref().filter(|kept| kept.failed.get().is_none()) {
-            // The picture does not suffer: who has asked for the cache is told in the end.
-            let _ = kept.cache.put(&address, &body).map_err(|e| kept.failed.set(e.to_string()));
-        }
-        self.progress.came(body.len() as u64);
-        Ok(body)
+        self.done(wanted, tile);
+    }
+
+    /// A tile waits to be taken.
+    fn done(&self, wanted: &Wanted, tile: Result<Vec<u8>, String>) {
+        let counted = |tile: Vec<u8>| {
+            let held = self.fetcher.budget().take(tile.len() as u64, "tiles that nobody has taken yet");
+            held.map(|held| (Arc::from(tile), held)).map_err(|e| e.to_string())
+        };
+        self.exchange.done(wanted.key(), tile.and_then(counted));
+    }
+
+    fn address(&self, wanted: &Wanted) -> String {
+        format!("tile/{}/{}", self.cut(&wanted.picture, wanted.page.cut), wanted.tile)
     }
 
     /// A picture, how it is cut and how its tiles are encoded, as an address says it.
@@ -161,30 +141,26 @@ impl Worker {
 /// Tiles of a server, fetched as they are announced, several at a time.
 #[derive(Debug)]
 pub struct RemoteTiles {
-    /// Tiles announced that nobody has taken yet.
-    announced: BTreeSet<Key>,
-    /// Hashes of the pictures of the textures that were offered, by number.
-    pictures: BTreeMap<u32, Arc<str>>,
     worker: Worker,
+    /// Who looks by the clock.
+    user: Option<Arc<RemoteUser>>,
     threads: Vec<JoinHandle<()>>,
 }
 
 impl RemoteTiles {
-    /// Fetches at most `in_flight` tiles at a time, and no more than [`MOST_IN_FLIGHT`]. A tile that comes is kept at once.
-    pub fn new(
-        fetcher: Fetcher,
-        encoding: (TileEncoding, u8),
-        in_flight: u32,
-        kept: Option<TileStore>,
-        progress: TileProgress,
-    ) -> Self {
-        let worker = Worker { exchange: Arc::new(Exchange::default()), fetcher, encoding, kept, progress };
+    /// Makes so many requests at a time, but no more than [`MOST_IN_FLIGHT`]. A tile that comes is kept at once.
+    pub fn new(fetcher: Fetcher, fetch: TileFetch, kept: Option<TileStore>, progress: TileProgress) -> Self {
+        let TileFetch { encoding, jpeg_quality, requests, tiles_per_request, left_at_ms } = fetch;
+        let exchange = Arc::new(Exchange::new(fetcher.meter().clone(), progress.clone()));
+        let user = (!left_at_ms.is_empty()).then(|| Arc::new(RemoteUser::new(Arc::clone(&exchange), left_at_ms)));
+        let encoding = (encoding, jpeg_quality);
+        let worker = Worker { exchange, fetcher, encoding, tiles_per_request: tiles_per_request as usize, kept, progress };
         let start = |_| {
             let worker = worker.clone();
             thread::spawn(move || worker.work())
         };
-        let threads = (0..in_flight.clamp(1, MOST_IN_FLIGHT)).map(start).collect();
-        Self { announced: BTreeSet::new(), pictures: BTreeMap::new(), worker, threads }
+        let threads = (0..requests.clamp(1, MOST_IN_FLIGHT)).map(start).collect();
+        Self { worker, user, threads }
     }
 }
 
@@ -192,26 +168,24 @@ impl TileSource for RemoteTiles {
     /// The server has them all; what they are called there is told with them.
     fn offer(&mut self, texture: &Arc<Texture>) {
         if let Some(hash) = &texture.elsewhere {
-            self.pictures.insert(texture.id, hex(hash).into());
+            self.worker.exchange.offer(texture.id, hex(hash));
         }
     }
 
+    /// Where somebody looks by the clock, it is they who announce: what they have left is not asked for any more.
     fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
-        self.announced.extend(tiles.iter().map(|(page, tile)| (page.texture, *tile)));
-        self.worker.progress.listed(tiles.len() as u64);
-        // A texture that was never offered is found out by the server.
-        let picture = |texture: u32| self.pictures.get(&texture).cloned().unwrap_or_else(|| "none".into());
-        let wanted = tiles.iter().map(|(page, tile)| (Arc::clone(page), *tile, picture(page.texture)));
-        self.worker.exchange.change(|shared| shared.queue.extend(wanted));
+        if self.user.is_none() {
+            self.worker.exchange.announce(tiles.iter().cloned());
+        }
     }
 
     fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
-        let key = (page.texture, tile);
-        if !self.announced.remove(&key) {
-            self.announce(&[(Arc::clone(page), tile)]);
-            self.announced.remove(&key);
-        }
-        self.worker.exchange.wait(key).map_err(|e| format!("{}: {e}", place_of(page, tile)))
+        self.worker.exchange.announce([(Arc::clone(page), tile)]);
+        self.worker.exchange.wait((page.texture, tile)).map_err(|e| format!("{}: {e}", place_of(page, tile)))
+    }
+
+    fn user(&self) -> Option<Arc<dyn User>> {
+        self.user.clone().map(|user| user as Arc<dyn User>)
     }
 
     /// As raw texels the sizes tell it; as they are encoded, the server.
@@ -227,7 +201,7 @@ impl TileSource for RemoteTiles {
 
 impl Drop for RemoteTiles {
     fn drop(&mut self) {
-        self.worker.exchange.change(|shared| shared.closed = true);
+        self.worker.exchange.close();
         // What is still under way, nobody waits for.
         self.worker.fetcher.shut_down();
         for thread in self.threads.drain(..) {

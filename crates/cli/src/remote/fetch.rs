@@ -65,6 +65,36 @@ pub struct Fetcher {
 /// What a server has sent, and what that takes.
 type Answer = (Vec<u8>, Held);
 
+/// Bytes of the length of a tile that comes with others.
+const LENGTH: usize = 4;
+
+/// Requests that were made before, for the same thing.
+#[derive(Clone, Copy, Debug)]
+pub struct Attempts {
+    /// When the first began.
+    pub began: Instant,
+    /// How many have failed.
+    pub made: u32,
+}
+
+impl Default for Attempts {
+    fn default() -> Self {
+        Self { began: Instant::now(), made: 0 }
+    }
+}
+
+/// The tiles of an answer, if it is just so many.
+fn several(mut body: &[u8], count: usize) -> Option<Vec<&[u8]>> {
+    let mut tiles = Vec::with_capacity(count);
+    for _ in 0..count {
+        let (length, rest) = body.split_first_chunk::<LENGTH>()?;
+        let (tile, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+        tiles.push(tile);
+        body = rest;
+    }
+    body.is_empty().then_some(tiles)
+}
+
 /// Why a request has failed.
 struct Fault {
     sentence: String,
@@ -130,7 +160,7 @@ impl Fetcher {
                 self.meter.begin();
                 self.once(&url, u64::MAX, &came)
             };
-            match self.retry(sleep, once) {
+            match self.retry((Attempts::default(), &sleep), once) {
                 Ok((scene, held)) => {
                     self.meter.came(Body::Scene, scene.len() as u64);
                     return Ok((url, scene, held));
@@ -154,11 +184,29 @@ impl Fetcher {
         tile: &str,
         largest: u64,
         check: impl Fn(&[u8]) -> Result<(), String>,
-        pause: impl Fn(Duration) -> bool,
+        (attempts, pause): (Attempts, &dyn Fn(Duration) -> bool),
     ) -> Result<Vec<u8>, String> {
-        let body = self.checked(tile, largest, |body| check(&body).map(|()| body), pause)?;
+        let body = self.checked(tile, largest, |body| check(&body).map(|()| body), (attempts, pause))?;
         self.meter.came(Body::Tile, body.len() as u64);
         Ok(body)
+    }
+
+    /// Makes one request for several tiles, of at most `largest` bytes each; all of them must pass the check, by their place in it.
+    ///
+    /// # Errors
+    /// Whatever has failed: each of them may come by itself.
+    pub fn tiles(
+        &self,
+        tiles: &str,
+        (count, largest): (usize, u64),
+        check: impl Fn(usize, &[u8]) -> Result<(), String>,
+    ) -> Result<Vec<Vec<u8>>, ()> {
+        let most = count as u64 * (LENGTH as u64 + largest);
+        let (body, _held) = self.once(&format!("{}/{tiles}", self.base), most, &|_| ()).map_err(drop)?;
+        let tiles = several(&body, count).ok_or(())?;
+        tiles.iter().enumerate().try_for_each(|(i, tile)| check(i, tile)).map_err(drop)?;
+        tiles.iter().for_each(|tile| self.meter.came(Body::Tile, tile.len() as u64));
+        Ok(tiles.into_iter().map(<[u8]>::to_vec).collect())
     }
 
     /// Fetches a number.
@@ -170,7 +218,7 @@ impl Fetcher {
             let text = std::str::from_utf8(&body).map_err(|e| e.to_string())?;
             text.parse::<u64>().map(|number| (number, body.len())).map_err(|e| format!("no number: {e}"))
         };
-        let (number, bytes) = self.checked(address, LONGEST_NUMBER, number, sleep)?;
+        let (number, bytes) = self.checked(address, LONGEST_NUMBER, number, (Attempts::default(), &sleep))?;
         self.meter.came(Body::Other, bytes as u64);
         Ok(number)
     }
@@ -181,7 +229,7 @@ impl Fetcher {
         address: &str,
         largest: u64,
         check: impl Fn(Vec<u8>) -> Result<T, String>,
-        pause: impl Fn(Duration) -> bool,
+        attempts: (Attempts, &dyn Fn(Duration) -> bool),
     ) -> Result<T, String> {
         let url = format!("{}/{address}", self.base);
         let once = || -> Result<T, Fault> {
@@ -191,7 +239,7 @@ impl Fetcher {
                 done => Ok(check(done?.0)?),
             }
         };
-        self.retry(pause, once).map_err(|fault| format!("{url}: {}", fault.sentence))
+        self.retry(attempts, once).map_err(|fault| format!("{url}: {}", fault.sentence))
     }
 
     /// What connections carry.
@@ -209,9 +257,13 @@ impl Fetcher {
         self.agent.clone().shutdown();
     }
 
-    fn retry<T>(&self, wait: impl Fn(Duration) -> bool, once: impl Fn() -> Result<T, Fault>) -> Result<T, Fault> {
+    fn retry<T>(
+        &self,
+        (Attempts { began, made }, wait): (Attempts, &dyn Fn(Duration) -> bool),
+        once: impl Fn() -> Result<T, Fault>,
+    ) -> Result<T, Fault> {
         let Patience { attempts, whole, mut pause, .. } = self.patience;
-        let (began, mut attempt) = (Instant::now(), 1);
+        let mut attempt = made + 1;
         loop {
             let error = match once() {
                 Ok(done) => return Ok(done),

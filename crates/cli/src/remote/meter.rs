@@ -20,6 +20,7 @@ struct Counts {
     tiles: AtomicU64,
     tile_bytes: AtomicU64,
     other: AtomicU64,
+    abandoned: AtomicU64,
 }
 
 /// When the path was at work.
@@ -88,6 +89,8 @@ pub struct Metered {
     pub tile_bytes: u64,
     /// Of the bytes received, of other bodies that were good.
     pub other: u64,
+    /// Tiles that were to be asked for and were not: their view was left.
+    pub abandoned: u64,
 }
 
 impl Meter {
@@ -95,6 +98,11 @@ impl Meter {
     pub fn begin(&self) {
         let mut clock = self.clock();
         *clock = Clock { began: Some(Instant::now()), under_way: clock.under_way, ..Clock::default() };
+    }
+
+    /// When the scene was asked for; now, if it was not yet.
+    pub(super) fn began(&self) -> Instant {
+        self.clock().began.unwrap_or_else(Instant::now)
     }
 
     /// Now, since the scene was asked for.
@@ -136,6 +144,11 @@ impl Meter {
         add(&self.0.requests, 1);
     }
 
+    /// So many tiles are not asked for any more.
+    pub(super) fn abandoned(&self, tiles: u64) {
+        add(&self.0.abandoned, tiles);
+    }
+
     /// A body has come, and is what it should be.
     pub(super) fn came(&self, body: Body, bytes: u64) {
         match body {
@@ -161,6 +174,7 @@ impl Meter {
             tiles: read(&c.tiles),
             tile_bytes: read(&c.tile_bytes),
             other: read(&c.other),
+            abandoned: read(&c.abandoned),
         }
     }
 }

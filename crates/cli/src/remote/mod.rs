@@ -13,6 +13,7 @@
 
 mod cache;
 mod client;
+mod exchange;
 mod fetch;
 mod http;
 mod index;
@@ -21,6 +22,7 @@ mod meter;
 mod scene;
 mod server;
 mod site;
+mod user;
 #[cfg(test)]
 mod tests;
 

@@ -10,7 +10,7 @@ use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Most tiles that one request asks for.
-const MOST_TILES: usize = 64;
+pub(super) const MOST_TILES: usize = 64;
 /// What any page may read, with which header.
 const HEADERS: &str = "access-control-allow-origin: *\r\naccess-control-expose-headers: etag\r\n";
 const BYTES: &str = "application/octet-stream";

@@ -19,7 +19,7 @@ pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
             return problem(key, format!("is {side}, expected a power of two"));
         }
     }
-    check_events(c)?;
+    check_leaving(c)?;
     let cell = &c.cell;
     let fields = [
         ("cell.coordinate_fraction_bits", cell.coordinate_format, cell.coordinate_bits, cell.coordinate_fraction_bits),
@@ -40,17 +40,17 @@ pub(super) fn check(c: &DeferConfig) -> Result<(), ConfigProblem> {
     Ok(())
 }
 
-/// Times of the user.
-fn check_events(c: &DeferConfig) -> Result<(), ConfigProblem> {
-    let events = &c.defer.events_ms;
-    if !events.iter().all(|ms| (0.0..=LATEST_MS).contains(ms)) || !events.is_sorted() {
-        return problem("defer.events_ms", format!("is {events:?}, expected rising times of 0 to {LATEST_MS} ms"));
+/// Where and when viewpoints are left.
+fn check_leaving(c: &DeferConfig) -> Result<(), ConfigProblem> {
+    let times = &c.defer.left_at_ms;
+    if !times.iter().all(|ms| (0.0..=LATEST_MS).contains(ms)) || !times.is_sorted() {
+        return problem("defer.left_at_ms", format!("is {times:?}, expected rising times of 0 to {LATEST_MS} ms"));
     }
-    if !events.is_empty() && c.defer.mode != RenderMode::Progressive {
-        return problem(
-            "defer.events_ms",
-            "is given, but only progressive pictures are left for better ones; set `defer.mode`".into(),
-        );
+    for (key, is_given) in [("defer.left_at_ms", !times.is_empty()), ("defer.left_at_tile", !c.defer.left_at_tile.is_empty())] {
+        if is_given && c.defer.mode != RenderMode::Progressive {
+            let message = "is given, but only progressive pictures are left for better ones; set `defer.mode=progressive`";
+            return problem(key, message.into());
+        }
     }
     Ok(())
 }
@@ -64,10 +64,6 @@ pub fn warnings(facts: &Facts) -> Vec<String> {
 /// What of the input the renderer has no use for: one sentence each.
 fn input_warnings(facts: &Facts) -> Vec<String> {
     let none = facts.count("cells_direct") > 0 && facts.count("cells_textured") == 0;
-    let moved = facts.count("events_moved");
-    let events = format!(
-        "`defer.events_ms`: in {moved} viewpoints an event does not fall behind the picture that runs ahead had found; set `defer.pictures_of_views`"
-    );
     let unused = "no pixel has a colour texture: no tile was needed".to_owned();
-    [none.then_some(unused), (moved > 0).then_some(events)].into_iter().flatten().collect()
+    none.then_some(unused).into_iter().collect()
 }

@@ -27,7 +27,7 @@ pub struct DeferredRenderer<F> {
     front: F,
     config: DeferConfig,
     fifos: Fifos,
-    /// Path to expander. It has as many slots as there may be requests in flight, so no parameter of its own.
+    /// Path to expander. It has as many slots as there may be tiles in flight, so no parameter of its own.
     tiles: Fifo<EncodedTile>,
     server: Stage<Server>,
     path: Stage<Path>,
@@ -67,7 +67,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let (mode, engine) = (c.defer.mode, c.engine.clone());
         let cut = cut(config);
         let format = CellFormat::new(&c.cell, brightness_range(c.defer.lighting));
-        let leaving = Leaving::new(&c.defer);
+        let leaving = Leaving::new(&c.defer, source.user());
         let shared = (c.defer.depth_pixel == DepthPixel::Shared).then(|| (c.video_out.clone(), c.clock.hz));
         let sizes = Sizes::new(&c.cell, cut, &engine);
         let cells = Cells::new((engine.clone(), c.operators.clone()), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
@@ -77,7 +77,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
             Self {
                 front,
                 fifos: Fifos::new(&c.fifo, &widths),
-                tiles: fifo("tiles", &slots(c.path.requests), &widths),
+                tiles: fifo("tiles", &slots(c.path.requests * c.path.tiles_per_request), &widths),
                 server: Stage::new("server", Server::new(c.path.clone(), c.defer.lighting, source)),
                 path: Stage::new("path", Path::new(&c.path, c.clock.hz, tile_bytes)),
                 expander: Stage::new("expander", Expander::new(c.tile.clone(), engine.latency, c.fifo.expanded.depth)),

@@ -8,7 +8,7 @@
 
 mod check;
 mod config;
-mod events;
+mod leaving;
 mod machine;
 mod memories;
 
@@ -17,6 +17,7 @@ pub use crate::front::{FrontEnd, SceneFront, TraceFront};
 pub use crate::problem::ConfigProblem;
 pub use check::warnings;
 pub use config::{CacheConfigs, DeferConfig, FifoConfigs, MemoryConfigs};
+pub use leaving::RunAhead;
 pub use machine::DeferredRenderer;
 
 /// Name of the machine.

@@ -7,7 +7,7 @@ use crate::exhibits::spec::ExhibitSpec;
 use basrelief_deferred_renderer::{Lighting, RenderMode, TexelCentre, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::facts::{Part, Value};
-use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer};
+use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer, RunAhead};
 use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
 use basrelief_reference::{self as reference, Options, Pyramid, Shading, Style, TextureFilter};
 use std::sync::Arc;
@@ -19,6 +19,8 @@ impl MachineSpec for DeferConfig {
     const DEMOS: &'static [&'static str] = &["gallery"];
     const EXHIBITS: &'static [ExhibitSpec<Self, Self::Log>] = EXHIBITS;
     const FETCHES_TILES: bool = true;
+    const LEFT_AT: Option<&'static str> = Some("defer.left_at_ms");
+    const TAKES_TILES: &'static str = "expander";
     /// Layers at the server, the pyramid (134) with what is known of its tiles, tile lists, and the pyramid of the exact
     /// picture: 3.3 times a texture of a single level.
     const TEXTURE_COPIES: u64 = 4;
@@ -36,7 +38,13 @@ impl MachineSpec for DeferConfig {
 
     fn tile_fetch(&self) -> Option<TileFetch> {
         let (tile, path) = (&self.tile, &self.path);
-        Some(TileFetch { encoding: tile.encoding, jpeg_quality: tile.jpeg_quality, requests: path.requests })
+        Some(TileFetch {
+            encoding: tile.encoding,
+            jpeg_quality: tile.jpeg_quality,
+            requests: path.requests,
+            tiles_per_request: path.tiles_per_request,
+            left_at_ms: if self.acts_at_times() { self.defer.left_at_ms.clone() } else { vec![] },
+        })
     }
 
     fn front(&self) -> FrontConfig {
@@ -78,13 +86,13 @@ impl MachineSpec for DeferConfig {
             column("cycles", cycles.clone().into(), "cycles", "From the end of the frame before to the picture");
             column("ms", cycles.iter().map(|c| ms(*c)).collect::<Vec<_>>().into(), "ms", "The same, as time");
         }
+        if let Some(run) = summary.run.filter(|_| self.acts_at_times()) {
+            let pictures: Vec<_> = run.marks.iter().copied().zip(shown.iter().map(|s| s.last)).collect();
+            let at = self.shown_at(&pictures).into_iter().map(ms).collect::<Vec<_>>();
+            column("at_ms", at.into(), "ms", "From the start to the picture, with the time for which the user only looks");
+        }
         let psnr_db = shown.iter().map(|s| s.psnr_db).collect::<Vec<_>>();
         column("psnr_db", psnr_db.into(), "dB", "How far it is from the last picture of its frame");
-        if let Some(run) = summary.run.filter(|_| self.has_events()) {
-            let left = self.views_left(run.marks.iter().copied().zip(shown.iter().map(|s| s.last)));
-            let moved = left.iter().zip(&self.defer.pictures_of_views).filter(|(a, b)| a != b).count() as u64;
-            facts.figure("events_moved", moved, "viewpoints", "Viewpoints left behind another picture than the times ask for");
-        }
         let cycles = cycles.unwrap_or_default();
         let last = shown.iter().position(|s| s.last).and_then(|i| cycles.get(i));
         if let Some((&first, &last)) = cycles.first().zip(last) {
@@ -95,12 +103,16 @@ impl MachineSpec for DeferConfig {
         }
     }
 
-    fn rehearsed(&self, shown: &[(u64, bool)]) -> Option<Self> {
-        self.has_events().then(|| {
-            let mut told = self.clone();
-            told.defer.pictures_of_views = self.views_left(shown.iter().copied());
-            told
-        })
+    fn acts_at_times(&self) -> bool {
+        DeferConfig::acts_at_times(self)
+    }
+
+    fn never_left(&self, views: usize) -> Self {
+        DeferConfig::never_left(self, views)
+    }
+
+    fn left_once_more(&self, ahead: &RunAhead) -> Option<Self> {
+        DeferConfig::left_once_more(self, ahead)
     }
 
     fn shows_rounds(&self) -> bool {

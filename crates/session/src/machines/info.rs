@@ -20,6 +20,8 @@ pub struct MachineInfo {
     pub demos: &'static [&'static str],
     /// Its textures come over a path, from a server that may be elsewhere.
     pub fetches_tiles: bool,
+    /// The parameter that says when views are left for the next, where there is one.
+    pub left_at: Option<&'static str>,
     /// It has methods to compare at the same error.
     pub has_methods: bool,
     units: fn() -> Vec<UnitInfo>,
@@ -62,6 +64,7 @@ impl MachineInfo {
             units: S::units,
             demos: S::DEMOS,
             fetches_tiles: S::FETCHES_TILES,
+            left_at: S::LEFT_AT,
             has_methods: S::METHODS.is_some(),
             exhibits: || S::EXHIBITS.iter().map(|e| e.info).collect(),
             table: || resolved(&S::default()),

@@ -7,6 +7,7 @@ use crate::run::{unfed, unfed_trace};
 use basrelief_deferred_renderer::{TileEncoding, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{Hardware, RunReport};
+use basrelief_machines::defer::RunAhead;
 use basrelief_machines::{ConfigProblem, Draws, Facts, FrontConfig, FrontEnd, UnitInfo, units};
 use basrelief_parameters::Parameters;
 use basrelief_reference::Style;
@@ -37,6 +38,10 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
     const METHODS: Option<MethodSpecs<Self>> = None;
     /// Its textures come over a path, from a server that may be elsewhere.
     const FETCHES_TILES: bool = false;
+    /// The parameter that says when views are left for the next, where there is one.
+    const LEFT_AT: Option<&'static str> = None;
+    /// The stage that takes a tile with each of its steps, where views are left.
+    const TAKES_TILES: &'static str = "";
     /// Copies that it and its exact picture make of the texels of each texture.
     const TEXTURE_COPIES: u64 = 0;
     /// The machine behind one way in.
@@ -88,10 +93,20 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
         let _ = (summary, facts);
     }
 
-    /// This machine, told after which pictures the user acts, by what a run of it has shown: cycles of each picture from the one before,
-    /// and whether it was the last of its frame. None where nobody acts at a time.
-    fn rehearsed(&self, shown: &[(u64, bool)]) -> Option<Self> {
-        let _ = shown;
+    /// Whether the user acts at times: there must be runs ahead of the run, which find where views are left.
+    fn acts_at_times(&self) -> bool {
+        false
+    }
+    /// This machine for the first run ahead, of so many views: none is left.
+    #[must_use]
+    fn never_left(&self, views: usize) -> Self {
+        let _ = views;
+        self.clone()
+    }
+    /// This machine, with one view more that is left, by what a run ahead has shown; none where there is no more.
+    #[must_use]
+    fn left_once_more(&self, ahead: &RunAhead) -> Option<Self> {
+        let _ = ahead;
         None
     }
 
@@ -102,7 +117,7 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
 }
 
 /// How a machine asks for tiles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TileFetch {
     /// How tiles are encoded on the path.
     pub encoding: TileEncoding,
@@ -110,6 +125,10 @@ pub struct TileFetch {
     pub jpeg_quality: u8,
     /// Requests under way at a time.
     pub requests: u32,
+    /// Tiles that one of them asks for, at most.
+    pub tiles_per_request: u32,
+    /// When each view is left for the next \[ms from the start\].
+    pub left_at_ms: Vec<f64>,
 }
 
 /// A picture that was shown.

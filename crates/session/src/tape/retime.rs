@@ -113,7 +113,7 @@ fn outcome_text(outcome: &Outcome) -> String {
 /// The shape of a machine that does the work of another, behind the same way in: as far as shapes tell, and what its units are built of.
 pub(crate) fn same_work<S: MachineSpec>((recorded, spec): (&S, &S), way: Way) -> Result<Shape, TapeFileError> {
     // Where a user acts at times, what is drawn follows from times.
-    if spec.rehearsed(&[]).is_some() {
+    if spec.acts_at_times() {
         return Err(TapeFileError::OtherWork("its user acts at times".into()));
     }
     let shape = way.shape(spec).map_err(config)?;

@@ -75,6 +75,11 @@ impl TileList {
         new
     }
 
+    /// A tile that was to be acquired is not any more: E becomes N again.
+    pub fn abandon(&mut self, tile: u32) {
+        self.states[tile as usize] = TileState::NotPresent;
+    }
+
     /// A new viewpoint: L becomes N again.
     pub fn forget(&mut self) {
         for state in self.states.iter_mut().filter(|s| **s == TileState::Load) {

@@ -109,11 +109,12 @@ parameters! {
         wrap: WrapMode = WrapMode::Sampler, unit: "", Assumed("the scene knows");
         /// The viewpoint is left after this many progressive pictures (475: user input); 0: never.
         pictures_per_view: u32 = 0, unit: "pictures", Assumed("the user looks until the picture is as good as it gets"), range: 0..=64;
-        /// The same for single viewpoints, from the first on; 0, and beyond the list: `pictures_per_view`.
-        pictures_of_views: Vec<u32> = Vec::new(), unit: "pictures", Assumed("all viewpoints alike");
-        /// Times from the start, rising, at which the user acts (475): after the first picture that is shown then or later, the viewpoint
-        /// is left. Runs ahead of the run find which pictures these are; they take the place of `pictures_of_views`.
-        events_ms: Vec<f64> = Vec::new(), unit: "ms", Assumed("the user looks until the picture is as good as it gets");
+        /// Where each viewpoint is left, from the first on: in place of which tile that it would ask for, counted in the viewpoint from 1.
+        /// What has come by then is shown. 0, and beyond the list: not ahead of a tile.
+        left_at_tile: Vec<u32> = Vec::new(), unit: "tiles", Assumed("the user looks until the picture is as good as it gets");
+        /// When each viewpoint is left for the next (475), from the first on, rising, counted from the start; the next begins no sooner. Runs
+        /// ahead of the run find in place of which tiles that is; they take the place of `left_at_tile`.
+        left_at_ms: Vec<f64> = Vec::new(), unit: "ms", Assumed("the user looks until the picture is as good as it gets");
     }
 }
 
@@ -144,6 +145,8 @@ parameters! {
         latency_us: u64 = 1000, unit: "us", Assumed("a local network; a modem has 100,000"), range: 0_u64..=10_000_000;
         /// Requests in flight.
         requests: u32 = 8, unit: "requests", Assumed("as a browser keeps connections"), range: 1..=4096;
+        /// Tiles that one request asks for, at most; they are of one picture.
+        tiles_per_request: u32 = 1, unit: "tiles", Assumed("raw tiles of 64 x 64 texels are forty times the head of an answer"), range: 1..=64;
         /// What a number of a mesh (451) or of the command of a frame or an object takes on the path; 0: all of them are in the device.
         number_bytes: u32 = 4, unit: "bytes", Assumed("single precision; indices into up to 65,536 vertices take half of it"), range: 0..=16;
         /// What the size of one texture takes on the path (452).

@@ -55,7 +55,7 @@ pub use config::{
 pub use encoding::TileEncoding;
 pub use expander::Expander;
 pub use identification::{Identification, IdentificationCounters, IdentificationState};
-pub use leaving::Leaving;
+pub use leaving::{Ahead, Leaving, User};
 pub use page::{Cut, Layer, Page, Placed, TexelCentre};
 pub use path::{Path, PathCounters, PathState};
 pub use pyramid::{LayerTexels, ServedTexture};

@@ -27,7 +27,7 @@ pub struct PathState {
 ///
 /// What it carries keeps it for its bytes at its rate; the remainder of a division is carried on, so that nothing is rounded
 /// in the long run. A tile comes a latency later than the path lets it through; so there can be as many tiles in flight as the
-/// FIFO behind it has slots (law 2), which are the requests in flight. The polygons come as one answer: only the first of
+/// FIFO behind it has slots (law 2), which are the requests in flight times the tiles of each. The polygons come as one answer: only the first of
 /// them waits for the latency.
 #[derive(Clone, Debug)]
 pub struct Path {
@@ -48,7 +48,7 @@ impl Path {
             bits_per_second: config.bits_per_second.into(),
             hz: hz.into(),
             latency,
-            receives: [config.requests, tile_bytes],
+            receives: [config.requests * config.tiles_per_request, tile_bytes],
             state: PathState::default(),
         }
     }

@@ -5,7 +5,7 @@ use crate::encoding::TileEncoding;
 use crate::polygon_memory::PolygonMemory;
 use crate::pyramid::{ServedTexture, is_same_picture};
 use crate::tokens::{Content, EncodedTile, Parcel, Request};
-use crate::{Page, page::Cut};
+use crate::{Page, User, page::Cut};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Derived, Step, Traffic, Unit};
 use basrelief_signals::{Control, Texture};
@@ -27,6 +27,10 @@ pub trait TileSource: Debug {
     /// # Errors
     /// Why there is none: a sentence that names texture, layer and tile.
     fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String>;
+    /// Who looks at the pictures, by the clock; nobody in the model.
+    fn user(&self) -> Option<Arc<dyn User>> {
+        None
+    }
     /// Bytes of all tiles of the finest layer of a texture, as they are encoded; none where only a server elsewhere knows.
     fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64>;
 }

@@ -4,7 +4,7 @@ use crate::acquisition::{Acquired, How, TileList};
 use crate::config::{EngineConfig, RenderMode, TileOrder};
 use crate::tokens::{Mark, MarkFlow, Order, Request, Round};
 use crate::{Leaving, Page, Sizes};
-use basrelief_kernel::facts::Facts;
+use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
@@ -52,6 +52,17 @@ pub struct TileListsCounters {
     pub acquisitions: u64,
 }
 
+/// What became of the tiles that a view has listed to be loaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ViewTiles {
+    /// Loaded.
+    pub loaded: u32,
+    /// Not asked for any more: the view was left.
+    pub abandoned: u32,
+    /// It was left in place of one of them.
+    pub is_left: bool,
+}
+
 /// Everything the lists remember.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TileListsState {
@@ -59,8 +70,8 @@ pub struct TileListsState {
     pages: Vec<Listed>,
     /// What is to be acquired, in order: page and tile.
     pub plan: VecDeque<(u16, Acquired)>,
-    /// Frames begun.
-    pub frames: u64,
+    /// Views begun, and their tiles.
+    pub views: Vec<ViewTiles>,
     /// Pictures of the current frame whose marks have been taken.
     pub pictures: u32,
     /// What they have counted.
@@ -118,7 +129,8 @@ impl TileLists {
 
     /// A new viewpoint (482): what was to be loaded is not any more. Tiles in flight are E already.
     fn forget(&mut self) {
-        self.state.frames += 1;
+        self.leaving.turn_to(self.state.views.len() as u64);
+        self.state.views.push(ViewTiles::default());
         self.state.pictures = 0;
         for listed in &mut self.state.pages {
             listed.list.forget();
@@ -169,10 +181,15 @@ impl TileLists {
         planned * u64::from(planned.max(1).next_power_of_two().trailing_zeros())
     }
 
+    /// What of the plan is to be loaded.
+    fn loads(&self) -> impl Iterator<Item = (Arc<Page>, u32)> {
+        let loaded = self.state.plan.iter().filter(|(_, a)| a.how == How::Loaded);
+        loaded.map(|(page, a)| (Arc::clone(&self.state.pages[usize::from(*page)].page), a.tile))
+    }
+
     /// What a real server may be told ahead.
     fn announcement(&self) -> Option<Request> {
-        let loaded = self.state.plan.iter().filter(|(_, a)| a.how == How::Loaded);
-        let tiles: Arc<[_]> = loaded.map(|(page, a)| (Arc::clone(&self.state.pages[usize::from(*page)].page), a.tile)).collect();
+        let tiles: Arc<[_]> = self.loads().collect();
         (!tiles.is_empty()).then_some(Request::Announce(tiles))
     }
 
@@ -189,7 +206,8 @@ impl TileLists {
     /// All marks of a progressive picture are taken (476): another round, unless none is marked or the user moves on (475).
     fn end_of_picture(&mut self) -> (u64, Out) {
         self.state.pictures += 1;
-        if self.leaving.is_left(self.state.frames.saturating_sub(1), self.state.pictures) {
+        let is_left = self.state.views.last().is_some_and(|view| view.is_left);
+        if is_left || self.leaving.is_behind(self.state.pictures) {
             self.state.phase = Phase::Identified;
             return (1, (Some(Request::End), None, Some(Round::Done)));
         }
@@ -202,12 +220,18 @@ impl TileLists {
         (cycles, (self.announcement(), None, Some(Round::Again)))
     }
 
-    /// The next tile of the plan.
+    /// The next tile of the plan, unless the user moves on (475).
     fn next(&mut self) -> Out {
+        if self.is_left_here() {
+            self.abandon();
+        }
         let Some((page, Acquired { tile, how })) = self.state.plan.pop_front() else { return self.end_of_acquisition() };
         match how {
             How::Loaded => {
                 self.state.counters.loaded += 1;
+                if let Some(view) = self.state.views.last_mut() {
+                    view.loaded += 1;
+                }
                 let request = Request::Tile(Arc::clone(&self.state.pages[usize::from(page)].page), tile);
                 (Some(request), Some(Order::Load { page, tile }), None)
             }
@@ -218,14 +242,44 @@ impl TileLists {
         }
     }
 
+    /// Whether the view is left in place of the next tile of the plan.
+    fn is_left_here(&self) -> bool {
+        let loads = matches!(self.state.plan.front(), Some((_, Acquired { how: How::Loaded, .. })));
+        let Some((number, view)) = self.state.views.iter().enumerate().last().filter(|_| loads) else { return false };
+        self.mode == RenderMode::Progressive && self.leaving.is_in_place_of(number as u64, view.loaded + 1, &mut self.loads())
+    }
+
+    /// What is planned becomes N again.
+    fn abandon(&mut self) {
+        let abandoned = self.loads().count() as u32;
+        for (page, acquired) in self.state.plan.drain(..) {
+            self.state.pages[usize::from(page)].list.abandon(acquired.tile);
+        }
+        if let Some(view) = self.state.views.last_mut() {
+            *view = ViewTiles { abandoned, is_left: true, ..*view };
+        }
+    }
+
     fn end_of_acquisition(&mut self) -> Out {
         if self.mode == RenderMode::Progressive {
+            let is_left = self.state.views.last().is_some_and(|view| view.is_left);
             self.state.phase = Phase::Improved;
-            (None, Some(Order::End), None)
+            (None, Some(if is_left { Order::Left } else { Order::End }), None)
         } else {
             self.state.phase = Phase::Identified;
             (Some(Request::End), Some(Order::End), Some(Round::Done))
         }
+    }
+
+    fn tell_views(&self, facts: &mut Facts) {
+        let count = |of: fn(&ViewTiles) -> u32| self.state.views.iter().map(|view| u64::from(of(view))).collect::<Vec<_>>();
+        let mut column = |title, values: Vec<u64>, about| {
+            facts.figure(&format!("view_{title}"), values, "tiles", about).part(Part::Column { table: "view", title });
+        };
+        column("tiles", count(|view| view.loaded), "Tiles loaded for the view");
+        column("abandoned", count(|view| view.abandoned), "Listed for it, and not asked for any more when it was left");
+        let left_at = |view: &ViewTiles| if view.is_left { view.loaded + 1 } else { 0 };
+        column("left_at_tile", count(left_at), "In place of which tile it was left, counted from 1; 0: it was not");
     }
 
     fn take(&mut self, token: MarkFlow) -> (u64, Out) {
@@ -278,6 +332,9 @@ impl Unit for TileLists {
         facts.figure("tiles_loaded", c.loaded, "tiles", "Tiles loaded");
         facts.figure("tiles_synthesized", c.synthesized, "tiles", "Tiles synthesized");
         facts.figure("acquisitions", c.acquisitions, "acquisitions", "Times that the lists were worked off");
+        if self.leaving.is_by_tiles() {
+            self.tell_views(facts);
+        }
         self.sizes.tell_lists(self.order != TileOrder::Listed, facts);
     }
 }

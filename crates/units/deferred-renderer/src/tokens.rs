@@ -123,6 +123,8 @@ pub enum Order {
     },
     /// All tiles are there: colour.
     End,
+    /// The view is left: colour with what is there, for the last time.
+    Left,
 }
 
 /// Tile load list (136) to reference buffer (126).

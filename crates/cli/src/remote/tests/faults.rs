@@ -1,7 +1,7 @@
 //! Faults that pass, and faults that stay.
 
 use super::super::Limits;
-use super::super::client::MOST_AHEAD;
+use super::super::exchange::MOST_AHEAD;
 use super::*;
 use std::time::Instant;
 
@@ -151,7 +151,7 @@ fn who_gives_up_waits_for_nobody() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
     let patience = Patience { stall: Duration::from_secs(100), ..PATIENCE };
     let fetcher = Fetcher::new(&url, patience);
-    let mut tiles = RemoteTiles::new(fetcher, (TileEncoding::Png, 85), 4, None, TileProgress::new(true));
+    let mut tiles = RemoteTiles::new(fetcher, fetch(4, 1), None, TileProgress::new(true));
     announce_all(&mut tiles);
     while count.load(Ordering::SeqCst) < 4 {
         thread::sleep(Duration::from_millis(1));

@@ -7,6 +7,7 @@ mod serving;
 use super::{Fetcher, Patience, RemoteTiles, SceneService, TileCache, TileStore, hash_of, hash_of_picture, hex};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource};
+use basrelief_session::TileFetch;
 use basrelief_signals::{Image, Sampler, Texture};
 use std::io::{BufRead, BufReader, Write};
 use std::net::{TcpListener, TcpStream};
@@ -144,7 +145,12 @@ fn kept(cache: TileCache) -> TileStore {
 }
 
 fn tiles(url: &str, in_flight: u32, kept: Option<TileStore>) -> RemoteTiles {
-    RemoteTiles::new(Fetcher::new(url, PATIENCE), (TileEncoding::Png, 85), in_flight, kept, TileProgress::new(true))
+    RemoteTiles::new(Fetcher::new(url, PATIENCE), fetch(in_flight, 1), kept, TileProgress::new(true))
+}
+
+/// PNG, so many requests in flight, each for so many tiles.
+fn fetch(requests: u32, tiles_per_request: u32) -> TileFetch {
+    TileFetch { encoding: TileEncoding::Png, jpeg_quality: 85, requests, tiles_per_request, left_at_ms: vec![] }
 }
 
 fn announce_all(source: &mut dyn TileSource) {

@@ -47,6 +47,8 @@ pub struct RasterizationState {
     pub pictures: u32,
     /// Centre of the frame's picture \[pixels\].
     pub centre: [u32; 2],
+    /// The view is left: no picture follows the next.
+    pub is_left: bool,
     /// Pixels of the pass could be better.
     pub improvable: bool,
     /// What became of tiles in frames that nobody has fetched yet, where that is kept.

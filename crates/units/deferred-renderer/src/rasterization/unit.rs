@@ -65,6 +65,10 @@ impl Rasterization {
             Order::Load { page, tile } => self.state.phase = Phase::Tile(page, tile),
             Order::Synthesize { page, tile } => return self.synthesize(page, tile, traffic),
             Order::End => self.state.phase = Phase::Cells,
+            Order::Left => {
+                self.state.is_left = true;
+                self.state.phase = Phase::Cells;
+            }
         }
         Step::after(0, (None, None))
     }
@@ -105,6 +109,7 @@ impl Rasterization {
             PassFlow::Frame(frame) => {
                 self.state.frame += 1;
                 self.state.pictures = 0;
+                self.state.is_left = false;
                 self.state.centre = centre_of(&frame);
                 Step::after(latency, (None, Some(PictureFlow::Frame(frame))))
             }
@@ -126,7 +131,7 @@ impl Rasterization {
         self.state.pictures += 1;
         self.state.counters.pictures += 1;
         self.state.counters.most_pictures = self.state.counters.most_pictures.max(self.state.pictures.into());
-        let last = !self.state.improvable || self.leaving.is_left(self.state.frame.saturating_sub(1), self.state.pictures);
+        let last = !self.state.improvable || self.state.is_left || self.leaving.is_behind(self.state.pictures);
         if last && self.keep {
             self.state.records.push((self.state.frame as u32 - 1, records_of(&self.state.pages, self.state.frame)));
         }

@@ -1,0 +1,137 @@
+//! `--views`: views one after the other, and when the user turns to each.
+
+use basrelief_input::{Budget, JsonFault, from_str, json_weight};
+use basrelief_parameters::syntax;
+use basrelief_scene::OwnView;
+use basrelief_session::TOML_GROWTH;
+use basrelief_signals::Camera;
+use serde::Deserialize;
+
+/// The file as it is written.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    views: Vec<WrittenView>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenView {
+    at_ms: Option<f64>,
+    camera: Option<Camera>,
+    turn: Option<[f64; 2]>,
+    zoom: Option<f64>,
+    orbit: Option<f64>,
+    light: Option<[f64; 3]>,
+    light_orbit: Option<f64>,
+}
+
+/// Latest time that a user acts at: three months \[ms\].
+const LATEST_MS: f64 = 8e9;
+
+/// Views, in order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Script {
+    /// What is looked at.
+    pub views: Vec<OwnView>,
+    /// When each is left for the next \[ms from the start\]; none where nobody acts at times.
+    pub left_at_ms: Option<Vec<f64>>,
+}
+
+impl Script {
+    /// Reads a script, in TOML, or in JSON where it begins with a brace.
+    ///
+    /// # Errors
+    /// A sentence: what is wrong, and where.
+    pub fn read(text: &str, budget: &Budget) -> Result<Self, String> {
+        let is_json = text.trim_start().starts_with('{');
+        let weight = if is_json { json_weight(text.as_bytes()) } else { TOML_GROWTH * text.len() as u64 };
+        let _held = budget.take(weight, "what a script of views says").map_err(|e| e.to_string())?;
+        let written: Written = if is_json {
+            from_str(text).map_err(|fault| json(&fault))?
+        } else {
+            toml::from_str(text).map_err(|error| syntax(text, &error))?
+        };
+        if written.views.is_empty() {
+            return Err("/views: is empty; expected a view at least".into());
+        }
+        let left_at_ms = times(&written.views)?;
+        let views: Vec<OwnView> = written.views.into_iter().map(own).collect();
+        OwnView::check(&views).map_err(|e| e.to_string())?;
+        Ok(Self { views, left_at_ms })
+    }
+}
+
+fn own(view: WrittenView) -> OwnView {
+    let WrittenView { camera, turn, zoom, orbit, light, light_orbit, .. } = view;
+    OwnView { camera, turn, zoom, orbit_degrees: orbit, light, light_orbit_degrees: light_orbit }
+}
+
+/// When each view is left for the next, if anybody says.
+fn times(views: &[WrittenView]) -> Result<Option<Vec<f64>>, String> {
+    if views.iter().all(|view| view.at_ms.is_none()) {
+        return Ok(None);
+    }
+    let mut before = None;
+    for (i, view) in views.iter().enumerate() {
+        let place = format!("/views/{i}/at_ms");
+        let at = view.at_ms.ok_or_else(|| format!("{place}: is missing; expected a time for each view, or for none"))?;
+        let later = before.is_none_or(|before| at > before);
+        match (before, later && (0.0..=LATEST_MS).contains(&at)) {
+            (None, _) if at != 0.0 => return Err(format!("{place}: {at}; expected 0: the first view begins at the start")),
+            (_, true) => before = Some(at),
+            _ => return Err(format!("{place}: {at}; expected rising times of 0 to {LATEST_MS} ms")),
+        }
+    }
+    Ok(Some(views.iter().skip(1).filter_map(|view| view.at_ms).collect()))
+}
+
+fn json(fault: &JsonFault) -> String {
+    let JsonFault { path, line, column, is_data, message } = fault;
+    let place = format!("line {line}, column {column}");
+    if *is_data { format!("{path} ({place}): {message}") } else { format!("{place}: not valid JSON: {message}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Script, String> {
+        Script::read(text, &Budget::default())
+    }
+
+    #[test]
+    fn a_script_is_the_same_in_toml_and_in_json() {
+        let toml = "views = [{ at_ms = 0, orbit = 0 }, { at_ms = 350, orbit = 30.5, zoom = 2 }, { at_ms = 400.5, turn = [1, 2] }]";
+        let json = r#"{"views": [{"at_ms": 0, "orbit": 0}, {"at_ms": 350, "orbit": 30.5, "zoom": 2}, {"at_ms": 400.5, "turn": [1, 2]}]}"#;
+        let script = read(toml).unwrap();
+        assert_eq!(script, read(json).unwrap());
+        assert_eq!(script.left_at_ms, Some(vec![350.0, 400.5]));
+        let second = OwnView { orbit_degrees: Some(30.5), zoom: Some(2.0), ..OwnView::default() };
+        assert_eq!(script.views[1], second);
+        assert_eq!(read("[[views]]\nturn = [1, 2]\n[[views]]").unwrap().left_at_ms, None);
+    }
+
+    #[test]
+    fn what_is_wrong_in_a_script_is_named_by_its_place_and_its_field() {
+        for (text, says) in [
+            ("", "missing field `views`"),
+            ("views = []", "/views: is empty; expected a view at least"),
+            ("views = [{ at = 3 }]", "unknown field `at`"),
+            ("views = [{ orbit = \"x\" }]", "line 1, column 20"),
+            ("views = [{ zoom = 1000 }]", "/views/0/zoom: 1000; expected a number from 0.01 to 100"),
+            ("views = [{ turn = [1, nan] }]", "/views/0/turn: NaN; expected a finite angle"),
+            ("views = [{ at_ms = 0 }, {}]", "/views/1/at_ms: is missing; expected a time for each view, or for none"),
+            ("views = [{ at_ms = 5 }]", "/views/0/at_ms: 5; expected 0"),
+            ("views = [{ at_ms = 0 }, { at_ms = 7 }, { at_ms = 7 }]", "/views/2/at_ms: 7; expected rising times"),
+            ("views = [{ at_ms = 0 }, { at_ms = inf }]", "/views/1/at_ms: inf; expected rising times"),
+            ("views = [{ at_ms = 0 }, { at_ms = nan }]", "/views/1/at_ms: NaN; expected rising times"),
+            (r#"{"views": [{"orbit": 1}, {"orbit": "x"}]}"#, "views[1].orbit (line 1, column 39): invalid type: string"),
+            (r#"{"views": ["#, "line 1, column 11: not valid JSON"),
+        ] {
+            let error = read(text).unwrap_err();
+            assert!(error.contains(says), "{text}: {error}");
+        }
+        assert!(Script::read(&"[[views]]\n".repeat(1000), &Budget::new(1000)).unwrap_err().contains("a script of views"));
+    }
+}
