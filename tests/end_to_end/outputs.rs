@@ -1,6 +1,6 @@
 //! What is written: whole or not at all, each output to a file of its own, and faults named after the file they happen to.
 
-use crate::support::{Outcome, PROGRAM, Place, finish, picture};
+use crate::support::{Place, picture};
 use std::fs;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
