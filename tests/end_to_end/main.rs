@@ -4,6 +4,8 @@
 
 mod ablation;
 mod bad_input;
+#[cfg(unix)]
+mod breaks;
 mod comparisons;
 mod costs;
 mod defer;

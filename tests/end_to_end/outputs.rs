@@ -1,6 +1,6 @@
 //! What is written: whole or not at all, each output to a file of its own, and faults named after the file they happen to.
 
-use crate::support::{Outcome, PROGRAM, Place, finish, picture};
+use crate::support::{Place, picture};
 use std::fs;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
@@ -106,15 +106,6 @@ fn where_the_report_cannot_be_printed_nothing_is_written() {
     }
 }
 
-/// Runs a command line where no file may have more than 1 KiB: as good as a full disk, and no right is needed.
-#[cfg(unix)]
-fn on_a_full_disk(place: &Place, line: &str) -> Outcome {
-    let limited = place.command(line);
-    let mut shell = Command::new("sh");
-    shell.arg("-c").arg("trap '' XFSZ; ulimit -f 1; \"$0\" \"$@\" >/dev/null").arg(PROGRAM).args(limited.get_args());
-    finish(shell.current_dir(place.path("")).stdin(Stdio::null()))
-}
-
 #[cfg(unix)]
 #[test]
 fn a_full_disk_is_named_after_the_file_that_does_not_fit() {
@@ -131,12 +122,12 @@ fn a_full_disk_is_named_after_the_file_that_does_not_fit() {
         ("run PATCH --size 16x12 --out u --timeline u.pftrace", "u"),
         ("run PATCH --size 16x12 --out u --requests u.csv --no-exact", "u"),
     ] {
-        let full = on_a_full_disk(&place, line);
+        let full = place.on_a_full_disk(line);
         let error = full.error(1);
         assert!(error.starts_with(file) && error.contains("cannot be written: ") && !error.contains("ncod"), "{line}: {error}");
         assert_eq!(place.names(""), ["blessed.jsonl", "t.jsonl"], "{line}");
     }
-    let full = on_a_full_disk(&place, "verify --bless blessed.jsonl");
+    let full = place.on_a_full_disk("verify --bless blessed.jsonl");
     assert!(!full.error(1).contains("--bless"), "{}", full.err);
     assert_eq!(place.text("blessed.jsonl"), before);
 }

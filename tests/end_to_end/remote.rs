@@ -13,7 +13,7 @@ const SMALL: &str = "--size 64x48";
 /// Many tiles, of small textures too.
 const CUT: &str = "--set tile.width=8 --set tile.height=8";
 
-fn images(place: &Place, out: &str) -> Vec<String> {
+pub fn images(place: &Place, out: &str) -> Vec<String> {
     let report = place.report(out);
     let images = report["image"].as_array().expect("images");
     images.iter().map(|i| i["sha256"].as_str().expect("a hash").to_owned()).collect()
@@ -24,7 +24,7 @@ fn figure(place: &Place, out: &str, name: &str) -> u64 {
 }
 
 /// A server, ended with the test.
-pub struct Server(Child, pub String);
+pub struct Server(pub Child, pub String);
 
 impl Server {
     pub fn start(place: &Place, line: &str) -> Self {
@@ -107,7 +107,7 @@ fn pass(mut client: TcpStream, server: &str, (passed, most): (&AtomicU64, u64), 
 }
 
 /// What a server answers.
-fn get(address: &str, path: &str) -> String {
+pub fn get(address: &str, path: &str) -> String {
     let mut client = TcpStream::connect(address).expect("connects");
     write!(client, "GET {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n").expect("sent");
     let mut answer = Vec::new();

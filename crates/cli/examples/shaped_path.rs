@@ -6,14 +6,15 @@
 //!
 //! It takes some minutes: the slow paths are slow. With it `basrelief` is built and taken from the folder above.
 
+mod common;
 #[path = "../../../tests/end_to_end/relay.rs"]
 mod relay;
 
+use common::{Server, program};
 use serde_json::Value;
 use std::error::Error;
-use std::io::{BufRead as _, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::path::Path;
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 /// What is drawn over which path: rate \[bit/s\], options.
@@ -27,35 +28,16 @@ const LATENCIES: [u64; 3] = [0, 50, 200];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let program = program()?;
-    let (mut server, address) = serve(&program)?;
+    let server = Server::start(&program, "demo:gallery")?;
     println!(
         "| path | latency | first picture, modelled | measured | | final picture, modelled | measured | |\n|---|---:|---:|---:|---:|---:|---:|---:|"
     );
     for (rate, options) in RUNS {
         for latency in LATENCIES {
-            println!("{}", row(&program, &address, (rate, latency), options)?);
+            println!("{}", row(&program, &server.address, (rate, latency), options)?);
         }
     }
-    server.kill()?;
-    server.wait()?;
     Ok(())
-}
-
-fn program() -> Result<PathBuf, Box<dyn Error>> {
-    let example = std::env::current_exe()?;
-    let folder = example.parent().and_then(Path::parent).ok_or("no folder above")?;
-    let program = folder.join("basrelief");
-    if program.exists() { Ok(program) } else { Err(format!("{}: build it first", program.display()).into()) }
-}
-
-/// A server, and its address.
-fn serve(program: &Path) -> Result<(Child, String), Box<dyn Error>> {
-    let command = ["serve", "demo:gallery", "--listen", "127.0.0.1:0"];
-    let mut server = Command::new(program).args(command).stdout(Stdio::piped()).spawn()?;
-    let mut said = String::new();
-    BufReader::new(server.stdout.take().ok_or("no output")?).read_line(&mut said)?;
-    let url = said.split_whitespace().last().ok_or("no address")?;
-    Ok((server, url.trim_start_matches("http://").trim_end_matches('/').to_owned()))
 }
 
 /// A run over a path of this rate \[bit/s\] and latency \[ms\], as a row.

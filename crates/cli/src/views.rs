@@ -102,7 +102,8 @@ mod tests {
 
     #[test]
     fn a_script_is_the_same_in_toml_and_in_json() {
-        let toml = "views = [{ at_ms = 0, orbit = 0 }, { at_ms = 350, orbit = 30.5, zoom = 2 }, { at_ms = 400.5, turn = [1, 2] }]";
+        let toml =
+            "views = [{ at_ms = 0, orbit = 0 }, { at_ms = 350, orbit = 30.5, zoom = 2 }, { at_ms = 400.5, turn = [1, 2] }]";
         let json = r#"{"views": [{"at_ms": 0, "orbit": 0}, {"at_ms": 350, "orbit": 30.5, "zoom": 2}, {"at_ms": 400.5, "turn": [1, 2]}]}"#;
         let script = read(toml).unwrap();
         assert_eq!(script, read(json).unwrap());

@@ -23,7 +23,7 @@ pub struct Patience {
     pub pause: Duration,
     /// No further attempt begins later than this behind the first.
     pub whole: Duration,
-    /// Longest that is waited for a server that does not listen yet.
+    /// Longest that is waited for a server that does not listen: not yet, or not at the moment.
     pub starting: Duration,
 }
 
@@ -154,23 +154,18 @@ impl Fetcher {
     /// A sentence, when all attempts have failed.
     pub fn scene(&self, came: impl Fn(u64)) -> Result<(String, Vec<u8>, Held), String> {
         let url = format!("{}/scene", self.base);
-        let (began, starting) = (Instant::now(), self.patience.starting);
-        loop {
-            let once = || {
-                self.meter.begin();
-                self.once(&url, u64::MAX, &came)
-            };
-            match self.retry((Attempts::default(), &sleep), once) {
-                Ok((scene, held)) => {
-                    self.meter.came(Body::Scene, scene.len() as u64);
-                    return Ok((url, scene, held));
-                }
-                Err(Fault { then: Then::Later, .. }) if began.elapsed() < starting => thread::sleep(LOOK),
-                Err(Fault { sentence, then }) => {
-                    let waited = if then == Then::Later { format!(", for {} s", starting.as_secs_f64()) } else { String::new() };
-                    let hint = if then == Then::Never { "" } else { "; is `basrelief serve` running there?" };
-                    return Err(format!("{url}: {sentence}{waited}{hint}"));
-                }
+        let once = || {
+            self.meter.begin();
+            self.once(&url, u64::MAX, &came)
+        };
+        match self.patiently((Attempts::default(), &sleep), once) {
+            Ok((scene, held)) => {
+                self.meter.came(Body::Scene, scene.len() as u64);
+                Ok((url, scene, held))
+            }
+            Err(Fault { sentence, then }) => {
+                let hint = if then == Then::Never { "" } else { "; is `basrelief serve` running there?" };
+                Err(format!("{url}: {sentence}{hint}"))
             }
         }
     }
@@ -232,14 +227,8 @@ impl Fetcher {
         attempts: (Attempts, &dyn Fn(Duration) -> bool),
     ) -> Result<T, String> {
         let url = format!("{}/{address}", self.base);
-        let once = || -> Result<T, Fault> {
-            match self.once(&url, largest, &|_| ()) {
-                // A server that was there may be there again.
-                Err(Fault { sentence, then: Then::Later }) => Err(sentence.into()),
-                done => Ok(check(done?.0)?),
-            }
-        };
-        self.retry(attempts, once).map_err(|fault| format!("{url}: {}", fault.sentence))
+        let once = || -> Result<T, Fault> { Ok(check(self.once(&url, largest, &|_| ())?.0)?) };
+        self.patiently(attempts, once).map_err(|fault| format!("{url}: {}", fault.sentence))
     }
 
     /// What connections carry.
@@ -255,6 +244,25 @@ impl Fetcher {
     /// Ends what is under way, in clones too.
     pub fn shut_down(&self) {
         self.agent.clone().shutdown();
+    }
+
+    /// Tries again what fails; and where nobody listens, as long as a server may take to start, or to start anew.
+    fn patiently<T>(
+        &self,
+        (attempts, wait): (Attempts, &dyn Fn(Duration) -> bool),
+        once: impl Fn() -> Result<T, Fault>,
+    ) -> Result<T, Fault> {
+        let (began, starting) = (Instant::now(), self.patience.starting);
+        loop {
+            match self.retry((attempts, wait), &once) {
+                Err(Fault { then: Then::Later, .. }) if began.elapsed() < starting && wait(LOOK) => {}
+                Err(Fault { sentence, then: Then::Later }) => {
+                    let sentence = format!("{sentence}, for {} s", starting.as_secs_f64());
+                    return Err(Fault { sentence, then: Then::Later });
+                }
+                done => return done,
+            }
+        }
     }
 
     fn retry<T>(

@@ -1,12 +1,14 @@
 //! Connections of a server: as many as it grants, a thread each, and none that keeps others out by doing nothing.
 //!
 //! Where all are taken and another client comes, the one goes that has asked for nothing for longest; only where all are
-//! being answered, one that has taken nothing for half a second.
+//! being answered, one that has taken nothing for half a second. And as long as another waits, answers announce that they are the last
+//! of their connection: so those that ask all the time take turns, and no request is lost by a connection that is closed on it.
 
 use super::http::{Answer, Head, LONGEST_HEAD};
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -45,8 +47,11 @@ pub(super) trait Answers: Send + Sync + 'static {
     fn headers(&self) -> &str;
 }
 
+/// Who goes first comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Doing {
+    /// The last answer is sent; the client has only to go.
+    Parting,
     /// The client has asked for nothing, or for half of it.
     Asking,
     /// The client takes its answer.
@@ -69,6 +74,8 @@ struct Connection {
 struct Connections {
     open: Mutex<BTreeMap<u64, Connection>>,
     closed: Condvar,
+    /// Another waits until one of them is closed.
+    crowded: AtomicBool,
 }
 
 impl Connections {
@@ -80,9 +87,11 @@ impl Connections {
     fn admit(&self, number: u64, stream: Arc<TcpStream>, most: usize) {
         let mut open = self.lock();
         while open.len() >= most {
+            self.crowded.store(true, Ordering::Relaxed);
             let_one_go(&mut open);
             open = self.closed.wait_timeout(open, LOOK).unwrap_or_else(PoisonError::into_inner).0;
         }
+        self.crowded.store(false, Ordering::Relaxed);
         open.insert(number, Connection { stream, doing: Doing::Asking, since: Instant::now(), let_go: false });
     }
 
@@ -92,24 +101,30 @@ impl Connections {
         }
     }
 
+    /// Whether this one is to be closed behind what is under way.
+    fn is_let_go(&self, number: u64) -> bool {
+        self.lock().get(&number).is_none_or(|connection| connection.let_go)
+    }
+
     fn close(&self, number: u64) {
         self.lock().remove(&number);
         self.closed.notify_all();
     }
 }
 
-/// The one that others can do without, if there is any. Its thread finds the connection shut.
+/// The one that others can do without, if there is any. Its thread finds that nothing more comes; what has come by then is answered.
 fn let_one_go(open: &mut BTreeMap<u64, Connection>) {
     let idle = |c: &&mut Connection| match c.doing {
-        Doing::Asking => true,
+        Doing::Parting | Doing::Asking => true,
         Doing::Taking => c.since.elapsed() > STALLED,
         Doing::Making => false,
     };
     let all = open.values_mut().filter(|c| !c.let_go).filter(idle);
     if let Some(connection) = all.min_by_key(|c| (c.doing, c.since)) {
         connection.let_go = true;
+        let shut = if connection.doing == Doing::Taking { Shutdown::Both } else { Shutdown::Read };
         // One that is shut already is gone too.
-        let _ = connection.stream.shutdown(Shutdown::Both);
+        let _ = connection.stream.shutdown(shut);
     }
 }
 
@@ -181,7 +196,8 @@ impl Client<'_> {
                 Head::Half => return Ok(()),
                 Head::Whole(asked, length) => {
                     received.drain(..length);
-                    (answers.answer(&asked.path).unless(asked.has.as_deref()), asked.last, asked.head)
+                    let answer = answers.answer(&asked.path).unless(asked.has.as_deref());
+                    (answer, asked.last || self.others_wait(), asked.head)
                 }
                 Head::Wrong(status, why) => (Answer::refused(status, why), true, false),
             };
@@ -192,6 +208,11 @@ impl Client<'_> {
                 return self.part();
             }
         }
+    }
+
+    /// Whether this connection is wanted for another client.
+    fn others_wait(&self) -> bool {
+        self.connections.crowded.load(Ordering::Relaxed) || self.connections.is_let_go(self.number)
     }
 
     /// Waits for a request; half of one where no more comes.
@@ -208,6 +229,10 @@ impl Client<'_> {
                 return Ok(Head::Half);
             }
             received.extend_from_slice(&bytes[..n]);
+            // Whoever drips would go on.
+            if self.connections.is_let_go(self.number) {
+                return Ok(Head::read(received));
+            }
         }
     }
 
@@ -240,10 +265,10 @@ impl Client<'_> {
     /// reset, and the answer lost.
     fn part(&self) -> io::Result<()> {
         self.stream.shutdown(Shutdown::Write)?;
-        self.connections.now(self.number, Doing::Asking);
+        self.connections.now(self.number, Doing::Parting);
         let end = Instant::now() + self.limits.idle;
         let mut bytes = [0; PART];
-        while self.read(&mut bytes, end)? > 0 {}
+        while self.read(&mut bytes, end)? > 0 && !self.connections.is_let_go(self.number) {}
         Ok(())
     }
 }

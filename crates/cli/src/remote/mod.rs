@@ -13,8 +13,10 @@
 
 mod cache;
 mod client;
+mod desks;
 mod exchange;
 mod fetch;
+mod hash;
 mod http;
 mod index;
 mod listen;
@@ -22,13 +24,14 @@ mod meter;
 mod scene;
 mod server;
 mod site;
-mod user;
 #[cfg(test)]
 mod tests;
+mod user;
 
 pub use cache::TileCache;
 pub use client::{RemoteTiles, TileStore};
 pub use fetch::{Fetcher, Patience};
+pub use hash::{hash_of, hash_of_picture, hex};
 pub use index::index_page;
 pub use listen::Limits;
 pub use meter::{Meter, Moment};
@@ -36,29 +39,5 @@ pub use scene::{pack, unpack};
 pub use server::SceneService;
 pub use site::Site;
 
-use basrelief_signals::Texture;
-use sha2::{Digest as _, Sha256};
-
 /// Hexadecimal digits of a hash.
 const DIGITS: usize = 64;
-
-/// SHA-256 in hexadecimal.
-pub fn hash_of(bytes: &[u8]) -> String {
-    hex(&Sha256::digest(bytes))
-}
-
-/// In hexadecimal.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// SHA-256 of a texture's picture: width and height in 4 bytes each, the low one first, and the RGBA texels of its finest level.
-pub fn hash_of_picture(texture: &Texture) -> [u8; 32] {
-    let mut hash = Sha256::new();
-    if let Some(image) = texture.levels.first() {
-        hash.update(image.width.to_le_bytes());
-        hash.update(image.height.to_le_bytes());
-        hash.update(image.texels.as_flattened());
-    }
-    hash.finalize().into()
-}

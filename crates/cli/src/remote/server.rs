@@ -1,19 +1,28 @@
 //! `basrelief serve`: the server (110) as a program.
 
+use super::desks::Desks;
 use super::http::{Answer, Keep};
 use super::listen::{Answers, Limits, ListeningServer, listen};
 use super::{hash_of, hash_of_picture, hex};
 use basrelief_deferred_renderer::{Cut, Page, ServedTexture, TileEncoding};
 use basrelief_signals::Texture;
+use basrelief_threads as threads;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Most tiles that one request asks for.
 pub(super) const MOST_TILES: usize = 64;
+/// Most texels that they have together: those of the largest tile. So an answer takes 0.8 MB at most, however slowly it is taken.
+const MOST_TEXELS: u64 = 1 << 18;
+/// Most sums that are kept of a picture.
+const MOST_SUMS: usize = 1 << 10;
 /// What any page may read, with which header.
 const HEADERS: &str = "access-control-allow-origin: *\r\naccess-control-expose-headers: etag\r\n";
 const BYTES: &str = "application/octet-stream";
+
+/// A layer of a picture that is cut and encoded so.
+type EncodedLayer = ([u32; 2], (TileEncoding, u8), usize);
 
 /// A picture that is offered.
 #[derive(Debug)]
@@ -21,6 +30,8 @@ pub(super) struct OfferedPicture {
     texture: Arc<Texture>,
     /// Its layers, kept once they are asked for. Tiles are not: there are as many as ways to cut and to encode them.
     pub(super) pyramid: Mutex<ServedTexture>,
+    /// Bytes of layers: all clients ask for the same, and each takes the encoding of a whole layer.
+    sums: Mutex<BTreeMap<EncodedLayer, u64>>,
 }
 
 /// What is offered.
@@ -30,6 +41,8 @@ pub struct SceneService {
     index: Fixed,
     /// By the hash of their texels, in hexadecimal.
     pub(super) pictures: BTreeMap<String, OfferedPicture>,
+    /// Where tiles are made: what that takes does not grow with the clients.
+    desks: Desks,
 }
 
 /// What does not change as long as the server runs, with its tag.
@@ -48,44 +61,65 @@ impl SceneService {
     pub fn new(scene: Vec<u8>, index: String, textures: impl IntoIterator<Item = Arc<Texture>>) -> Self {
         let offered = |texture: Arc<Texture>| {
             let pyramid = Mutex::new(ServedTexture::new(Arc::clone(&texture)));
-            (hex(&hash_of_picture(&texture)), OfferedPicture { texture, pyramid })
+            (hex(&hash_of_picture(&texture)), OfferedPicture { texture, pyramid, sums: Mutex::default() })
         };
         let pictures = textures.into_iter().map(offered).collect();
-        Self { scene: fixed(scene), index: fixed(index.into_bytes()), pictures }
+        let desks = Desks::new(threads::workers());
+        Self { scene: fixed(scene), index: fixed(index.into_bytes()), pictures, desks }
     }
 
-    /// The tile at an address, or several. Encoded without a lock: several at a time.
+    /// The tile at an address, or several.
     pub fn tiles(&self, asked: &str) -> Found {
         let what = "PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER, or several numbers with commas between";
         let wrong = || (400, format!("expected /tile/{what}\n"));
         let (cut, numbers) = asked.rsplit_once('/').ok_or_else(wrong)?;
         let cut = self.cut(cut)?.ok_or_else(wrong)?;
         let numbers: Vec<u32> = numbers.split(',').map(str::parse).collect::<Result<_, _>>().map_err(|_| wrong())?;
-        match &numbers[..] {
-            [number] => cut.tile(*number).map(|tile| (tile, cut.kind())),
-            several if several.len() > MOST_TILES => Err((400, format!("expected at most {MOST_TILES} tiles\n"))),
-            several => {
-                let mut body = Vec::new();
-                for number in several {
-                    let tile = cut.tile(*number)?;
-                    body.extend((tile.len() as u32).to_le_bytes());
-                    body.extend(tile);
-                }
-                Ok((body, BYTES))
-            }
+        if let [number] = numbers[..] {
+            return cut.tile(number).map(|tile| (tile, cut.kind()));
         }
+        let [width, height] = cut.page.cut.tile;
+        let most = MOST_TILES.min((MOST_TEXELS / u64::from(width * height)) as usize);
+        if numbers.len() > most {
+            return Err((400, format!("expected at most {most} tiles of {width} x {height} texels\n")));
+        }
+        let mut body = Vec::new();
+        for number in numbers {
+            let tile = cut.tile(number)?;
+            body.extend((tile.len() as u32).to_le_bytes());
+            body.extend(tile);
+        }
+        Ok((body, BYTES))
     }
 
     /// Bytes of all tiles of a layer.
-    fn bytes(&self, asked: &str) -> Found {
+    pub(super) fn bytes(&self, asked: &str) -> Found {
         let wrong = || (400, "expected /bytes/PICTURE/WIDTHxHEIGHT/ENCODING/LAYER\n".to_owned());
         let (cut, layer) = asked.rsplit_once('/').ok_or_else(wrong)?;
         let cut = self.cut(cut)?.ok_or_else(wrong)?;
-        let (layers, layer) = (cut.page().layers, layer.parse::<usize>().map_err(|_| wrong())?);
-        let found = layers.get(layer).ok_or_else(|| (404, format!("this picture has {} layers\n", layers.len())))?;
-        let tiles = found.base..found.base + found.pitch * found.rows;
-        let bytes = tiles.map(|number| cut.tile(number).map(|tile| tile.len() as u64)).sum::<Result<u64, _>>()?;
+        let layer = layer.parse::<usize>().map_err(|_| wrong())?;
+        let bytes = self.sum(&cut, layer)?;
         Ok((bytes.to_string().into_bytes(), "text/plain; charset=utf-8"))
+    }
+
+    /// The same as a number. Who asks while it is summed waits for the same sum.
+    fn sum(&self, cut: &CutPicture<'_>, layer: usize) -> Result<u64, (u16, String)> {
+        let layers = &cut.page.layers;
+        let found = layers.get(layer).ok_or_else(|| (404, format!("this picture has {} layers\n", layers.len())))?;
+        let mut sums = cut.offered.sums.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (cut.page.cut.tile, cut.encoding, layer);
+        if let Some(&bytes) = sums.get(&key) {
+            return Ok(bytes);
+        }
+        let bytes_of = |number| {
+            let _desk = self.desks.take();
+            cut.tile(number).map(|tile| tile.len() as u64)
+        };
+        let bytes = (found.base..found.base + found.pitch * found.rows).map(bytes_of).sum::<Result<_, _>>()?;
+        if sums.len() < MOST_SUMS {
+            sums.insert(key, bytes);
+        }
+        Ok(bytes)
     }
 
     /// A picture, how it is cut, and how its tiles are encoded; none where that is not what is asked for.
@@ -94,11 +128,12 @@ impl SceneService {
         let [picture, size, encoding] = parts[..] else { return Ok(None) };
         let side = |s: &str| s.parse::<u32>().ok().filter(|n| n.is_power_of_two() && (4..=512).contains(n));
         let size = size.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
-        let (Some(tile), Some((encoding, quality))) = (size, encoding_of(encoding)) else { return Ok(None) };
+        let (Some(tile), Some(encoding)) = (size, encoding_of(encoding)) else { return Ok(None) };
         let Some(offered) = self.pictures.get(picture) else {
             return Err((404, "there is no such picture: the server may have another scene by now\n".into()));
         };
-        Ok(Some(CutPicture { offered, cut: Cut { tile, ..Cut::default() }, encoding, quality }))
+        let page = Page::new(0, &offered.texture, Cut { tile, ..Cut::default() }, 0);
+        Ok(Some(CutPicture { offered, page, encoding }))
     }
 
     /// Answers at an address, from now on; port 0 takes any that is free. The address, and what is waited for.
@@ -112,6 +147,8 @@ impl SceneService {
 
 impl Answers for SceneService {
     fn answer(&self, path: &str) -> Answer {
+        // Up to the end: what is made is hashed, too.
+        let _desk = path.starts_with("/tile/").then(|| self.desks.take());
         let found = match path {
             "/" => return Answer::found(self.index.clone(), "text/html; charset=utf-8", Keep::WhileItLasts),
             "/scene" => return Answer::found(self.scene.clone(), BYTES, Keep::WhileItLasts),
@@ -135,30 +172,27 @@ impl Answers for SceneService {
 /// A picture as it is asked for.
 struct CutPicture<'a> {
     offered: &'a OfferedPicture,
-    cut: Cut,
-    encoding: TileEncoding,
-    quality: u8,
+    page: Page,
+    /// With its quality.
+    encoding: (TileEncoding, u8),
 }
 
 impl CutPicture<'_> {
-    fn page(&self) -> Page {
-        Page::new(0, &self.offered.texture, self.cut, 0)
-    }
-
     fn tile(&self, number: u32) -> Result<Vec<u8>, (u16, String)> {
-        let page = self.page();
+        let Self { page, encoding: (encoding, quality), .. } = self;
         if number >= page.tiles() {
             return Err((404, format!("this picture has {} tiles\n", page.tiles())));
         }
-        let texels = self.offered.pyramid.lock().unwrap_or_else(PoisonError::into_inner).tile(&page, number);
+        let texels = self.offered.pyramid.lock().unwrap_or_else(PoisonError::into_inner).tile(page, number);
         let (first, end) = page.texels_of(number);
-        let encoded = self.encoding.encode(&texels, [end[0] - first[0], end[1] - first[1]], self.quality);
+        // Without a lock: several at a time.
+        let encoded = encoding.encode(&texels, [end[0] - first[0], end[1] - first[1]], *quality);
         encoded.map_err(|e| (500, e))
     }
 
     /// As browsers name kinds of files.
     fn kind(&self) -> &'static str {
-        match self.encoding {
+        match self.encoding.0 {
             TileEncoding::Raw => BYTES,
             TileEncoding::Png => "image/png",
             TileEncoding::Jpeg => "image/jpeg",

@@ -135,6 +135,30 @@ fn a_server_that_starts_late_is_waited_for_and_one_that_does_not_is_named() {
 }
 
 #[test]
+fn a_server_that_restarts_in_the_middle_is_waited_for_and_one_that_does_not_is_named() {
+    for (starting, comes_back) in [(Duration::from_secs(20), true), (Duration::ZERO, false)] {
+        let (url, count) = faulty(5, |_| Fault::None);
+        let address = url.trim_start_matches("http://").trim_end_matches('/').parse::<std::net::SocketAddr>().unwrap();
+        let fetcher = Fetcher::new(&url, waiting(starting));
+        let mut tiles = RemoteTiles::new(fetcher, (TileEncoding::Png, 85), 2, None, TileProgress::new(true));
+        if comes_back {
+            thread::spawn(move || {
+                while count.load(Ordering::SeqCst) < 5 {
+                    thread::sleep(Duration::from_millis(1));
+                }
+                // Longer than it is tried again.
+                thread::sleep(Duration::from_millis(500));
+                served().listen(address, Limits::default()).unwrap().1.join()
+            });
+            assert_eq!(all(&mut tiles).unwrap(), expected());
+        } else {
+            let (tile, error) = all(&mut tiles).unwrap_err();
+            assert!(tile >= 3 && error.contains("refused") && error.ends_with(", for 0 s"), "{tile}: {error}");
+        }
+    }
+}
+
+#[test]
 fn attempts_end_when_their_time_is_over() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
     let began = Instant::now();

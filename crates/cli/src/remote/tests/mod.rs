@@ -1,5 +1,6 @@
 //! Faults of the path: slow, cut, truncated, corrupt, refused, gone; and that nothing is lost.
 
+mod crowd;
 mod faults;
 mod keeping;
 mod serving;

@@ -1,0 +1,138 @@
+//! What breaks in the middle between `serve` and `run --from`: clients that die, a server that restarts, a disk that fills. And what
+//! the server takes at most, whatever its clients do.
+
+use crate::remote::{Server, get, images};
+use crate::support::{Place, wait};
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Two views, the second of which needs tiles that the first does not.
+const VIEWS: &str =
+    "--size 64x48 --set tile.width=8 --set tile.height=8 --frames 2 --orbit 180 --set defer.mode=progressive --quiet";
+const LONGEST: Duration = Duration::from_secs(60);
+
+/// Waits until something is so.
+fn until(what: &str, mut so: impl FnMut() -> bool) {
+    let began = Instant::now();
+    while !so() {
+        assert!(began.elapsed() < LONGEST, "{what}");
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// A run from this server into `out`, whose first picture is there, and that is not over.
+fn looking(place: &Place, server: &Server, out: &str) -> Child {
+    let line = format!("run --from {} {VIEWS} --out {out}", server.1);
+    let mut client = place.command(&line).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let first = place.path(out).join("image-round-0.png");
+    until("a first picture", || first.exists() || client.try_wait().expect("runs").is_some());
+    assert!(client.try_wait().expect("runs").is_none(), "over before anything could break");
+    client
+}
+
+#[test]
+fn a_client_that_is_killed_leaves_whole_pictures_and_the_next_run_takes_away_the_rest() {
+    let place = Place::new();
+    let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
+    let mut client = looking(&place, &server, "out");
+    client.kill().expect("killed");
+    client.wait().expect("a child");
+    let hidden = |names: &[String]| names.iter().filter(|name| name.starts_with('.')).count();
+    let left = place.names("out");
+    assert_eq!(hidden(&left), 1, "{left:?}");
+    for shown in left.iter().filter(|name| name.ends_with(".png")) {
+        image::open(place.path("out").join(shown)).unwrap_or_else(|e| panic!("{shown}: {e}"));
+    }
+    assert!(!left.contains(&"report.json".to_owned()), "{left:?}");
+    place.ok(&format!("run --from {} {VIEWS} --out out", server.1));
+    assert_eq!(hidden(&place.names("out")), 0, "{:?}", place.names("out"));
+    place.ok(&format!("run --from {} {VIEWS} --out other", server.1));
+    assert_eq!(images(&place, "out"), images(&place, "other"));
+}
+
+/// For longer than a request is tried again: it takes 1.5 s to find out that an answer does not come.
+#[test]
+fn a_server_that_restarts_in_the_middle_costs_its_clients_nothing_but_time() {
+    let place = Place::new();
+    let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
+    place.ok(&format!("run --from {} {VIEWS} --out undisturbed", server.1));
+    let mut client = looking(&place, &server, "out");
+    let address = server.1.trim_start_matches("http://").trim_end_matches('/').to_owned();
+    drop(server);
+    thread::sleep(Duration::from_secs(2));
+    assert!(client.try_wait().expect("runs").is_none(), "it has given up, or was over");
+    let _again = Server::start(&place, &format!("serve demo:gallery --listen {address}"));
+    assert!(wait(&mut client, LONGEST).expect("ends").success());
+    assert_eq!(images(&place, "out"), images(&place, "undisturbed"));
+    assert_eq!(place.names("out"), place.names("undisturbed"));
+}
+
+#[test]
+fn a_disk_that_is_full_is_named_after_the_picture_that_does_not_fit_and_nothing_half_written_is_left() {
+    let place = Place::new();
+    let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
+    let full = place.on_a_full_disk(&format!("run --from {} {VIEWS} --tile-cache kept --out out", server.1));
+    let error = full.error(1);
+    assert!(error.starts_with("out/image-round-0.png: cannot be written: "), "{error}");
+    assert_eq!(place.names(""), ["kept"]);
+    // Tiles of 256 bytes fit, and the next run has them.
+    assert!(place.names("kept").len() > 10);
+    assert!(place.names("kept").iter().all(|name| !name.starts_with('.')));
+}
+
+/// The most that `serve` holds of an answer, with its head and what a thread takes [bytes].
+const ANSWER: u64 = 1 << 20;
+/// Connections at a time.
+const CONNECTIONS: u64 = 256;
+/// More clients than that: for each of them another is let go, whose thread may be about to end.
+const LET_GO: u64 = 20;
+
+/// A number of what the system says of a process.
+#[cfg(target_os = "linux")]
+fn status(server: &Server, name: &str) -> u64 {
+    let text = std::fs::read_to_string(format!("/proc/{}/status", server.0.id())).expect("a process");
+    let line = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':')).expect("a line");
+    line.split_whitespace().next().expect("a number").parse().expect("a number")
+}
+
+/// The largest answers there are to more clients than are served at a time, none of whom takes more than its beginning.
+#[cfg(target_os = "linux")]
+#[test]
+fn threads_and_memory_of_a_server_do_not_grow_with_its_clients() {
+    let place = Place::new();
+    let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
+    let address = server.1.trim_start_matches("http://").trim_end_matches('/');
+    let page = get(address, "/");
+    let (before, _) = page.split_once("</code></td></tr>").expect("a picture");
+    let picture = before.rsplit_once("<code>").expect("a picture").1;
+    // All layers are there now.
+    let tile = |number: u32| format!("/tile/{picture}/512x512/raw/{number}");
+    assert!(get(address, &tile(0)).starts_with("HTTP/1.1 200"));
+    let refused = get(address, &format!("/tile/{picture}/512x512/raw/1,1"));
+    assert!(
+        refused.starts_with("HTTP/1.1 400") && refused.ends_with("expected at most 1 tiles of 512 x 512 texels\n"),
+        "{refused}"
+    );
+    let (threads, memory) = (status(&server, "Threads"), status(&server, "VmHWM"));
+    let ask = |_| {
+        let mut client = TcpStream::connect(address).expect("connects");
+        write!(client, "GET {} HTTP/1.1\r\nHost: x\r\n\r\n", tile(1)).expect("sent");
+        client
+    };
+    let mut clients: Vec<TcpStream> = (0..CONNECTIONS + LET_GO).map(ask).collect();
+    // Each has its answer, or was let go for another.
+    let mut most = 0;
+    for client in &mut clients {
+        client.set_read_timeout(Some(LONGEST)).expect("set");
+        let _ = client.read(&mut [0]);
+        most = most.max(status(&server, "Threads"));
+    }
+    assert!((CONNECTIONS..=threads + CONNECTIONS + LET_GO).contains(&most), "{most} threads");
+    let grown = 1024 * (status(&server, "VmHWM") - memory);
+    assert!(grown < CONNECTIONS * ANSWER, "{grown} bytes more");
+    drop(clients);
+    until("as few threads as before", || status(&server, "Threads") <= threads);
+}
