@@ -22,7 +22,8 @@ fn clients_with_ten_times_the_connections_that_there_may_be_get_every_tile_as_it
     let look_around = &|client: usize| {
         let fetcher = Fetcher::new(&format!("http://{address}"), Patience::default());
         let meter = fetcher.meter().clone();
-        let mut source = RemoteTiles::new(fetcher, (TileEncoding::Raw, 100), IN_FLIGHT, None, TileProgress::new(true));
+        let fetch = TileFetch { encoding: TileEncoding::Raw, jpeg_quality: 100, ..fetch(IN_FLIGHT, 1) };
+        let mut source = RemoteTiles::new(fetcher, fetch, None, TileProgress::new(true));
         source.offer(&elsewhere());
         source.announce(&tiles);
         for (number, expected) in expected.iter().enumerate() {

@@ -140,7 +140,7 @@ fn a_server_that_restarts_in_the_middle_is_waited_for_and_one_that_does_not_is_n
         let (url, count) = faulty(5, |_| Fault::None);
         let address = url.trim_start_matches("http://").trim_end_matches('/').parse::<std::net::SocketAddr>().unwrap();
         let fetcher = Fetcher::new(&url, waiting(starting));
-        let mut tiles = RemoteTiles::new(fetcher, (TileEncoding::Png, 85), 2, None, TileProgress::new(true));
+        let mut tiles = RemoteTiles::new(fetcher, fetch(2, 1), None, TileProgress::new(true));
         if comes_back {
             thread::spawn(move || {
                 while count.load(Ordering::SeqCst) < 5 {
