@@ -1,7 +1,9 @@
-//! Times to the first and to the final picture over shaped paths, measured and modelled: the table of docs/defer.md.
+//! Times to pictures over shaped paths, measured and modelled: the tables of docs/defer.md.
 //!
 //! ```text
-//! cargo run --release -p basrelief-cli --example shaped_path
+//! cargo run --release -p basrelief-cli --example shaped_path              # one tile by a request
+//! cargo run --release -p basrelief-cli --example shaped_path -- several   # several tiles by a request
+//! cargo run --release -p basrelief-cli --example shaped_path -- views     # a user who looks around
 //! ```
 //!
 //! It takes some minutes: the slow paths are slow. With it `basrelief` is built and taken from the folder above.
@@ -26,41 +28,117 @@ const RUNS: [(u64, &str); 3] = [
 /// Latencies \[ms\].
 const LATENCIES: [u64; 3] = [0, 50, 200];
 
+/// Small tiles, beside which the heads of answers count.
+const SMALL_TILES: &str =
+    "--size 320x240 --set defer.mode=progressive --set tile.width=16 --set tile.height=16 --set tile.encoding=png";
+/// Rates and latencies for several tiles by a request \[bit/s, ms\].
+const PATHS: [(u64, u64); 3] = [(56_000, 50), (1_000_000, 200), (10_000_000, 200)];
+/// A user who looks around: turns by 40 degrees at these times \[ms\].
+const TURNS: [u64; 4] = [0, 2000, 2500, 6000];
+
 fn main() -> Result<(), Box<dyn Error>> {
     let program = program()?;
     let server = Server::start(&program, "demo:gallery")?;
+    match std::env::args().nth(1).as_deref() {
+        Some("several") => several(&program, &server.address),
+        Some("views") => views(&program, &server.address),
+        _ => single(&program, &server.address),
+    }
+}
+
+/// One tile by a request: modelled and measured.
+fn single(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
     println!(
         "| path | latency | first picture, modelled | measured | | final picture, modelled | measured | |\n|---|---:|---:|---:|---:|---:|---:|---:|"
     );
     for (rate, options) in RUNS {
         for latency in LATENCIES {
-            println!("{}", row(&program, &server.address, (rate, latency), options)?);
+            let report = report(program, address, (rate, latency), options)?;
+            println!("| {} | {latency} ms | {} | {} |", name(rate), agreement(&report, "first")?, agreement(&report, "final")?);
         }
     }
     Ok(())
 }
 
-/// A run over a path of this rate \[bit/s\] and latency \[ms\], as a row.
-fn row(program: &Path, address: &str, (rate, latency): (u64, u64), options: &str) -> Result<String, Box<dyn Error>> {
-    let shaped = relay::relay(address, rate as f64, Duration::from_millis(latency))?;
-    let line = format!(
-        "run --from http://{shaped}/ {options} --set path.bits_per_second={rate} --set path.latency_us={} --json --no-limits --quiet --out",
-        1000 * latency
+/// Several tiles by a request: bytes, and time to the final picture.
+fn several(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
+    println!(
+        "| path | latency | tiles by a request | requests | their bytes | heads of answers | tiles | final picture, modelled | measured | |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
     );
+    for (rate, latency) in PATHS {
+        for most in [1, 4, 16, 64] {
+            let options = format!("{SMALL_TILES} --set path.tiles_per_request={most}");
+            let report = report(program, address, (rate, latency), &options)?;
+            let path = &report["host"]["path"];
+            let [requests, asked, heads, tiles] =
+                ["requests", "request_bytes", "head_bytes", "tile_bytes"].map(|name| path[name].as_u64().unwrap_or_default());
+            let agreement = agreement(&report, "final")?;
+            println!("| {} | {latency} ms | {most} | {requests} | {asked} | {heads} | {tiles} | {agreement} |", name(rate));
+        }
+    }
+    Ok(())
+}
+
+/// A user who looks around: tiles of each view, and when its last picture was there.
+fn views(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
+    println!("| path | latency | view | begins | tiles, modelled | measured | last picture, modelled | measured |\n|---|---:|---:|---:|---:|---:|---:|---:|");
+    let script = std::env::temp_dir().join(format!("views-{}.json", std::process::id()));
+    let views: Vec<Value> = (0..).zip(TURNS).map(|(i, at)| serde_json::json!({"at_ms": at, "orbit": 40 * i})).collect();
+    std::fs::write(&script, serde_json::json!({ "views": views }).to_string())?;
+    for (rate, latency) in [(1_000_000, 50), (10_000_000, 50)] {
+        let path = format!("--set path.bits_per_second={rate} --set path.latency_us={}", 1000 * latency);
+        let options = format!("--size 640x480 --set defer.mode=progressive --views {}", script.display());
+        let modelled = run(program, &format!("demo gallery {options} {path} --no-exact"))?;
+        let measured = report(program, address, (rate, latency), &options)?;
+        let (model, real) = (last_pictures(&modelled, &modelled["figures"]), last_pictures(&measured, &measured["host"]["path"]));
+        for (view, at) in TURNS.iter().enumerate() {
+            let [of_model, of_path] = [&modelled, &measured].map(|report| &report["figures"]["view_tiles"][view]);
+            println!(
+                "| {} | {latency} ms | {} | {:.2} s | {of_model} | {of_path} | {:.2} s | {:.2} s |",
+                name(rate),
+                view + 1,
+                *at as f64 / 1e3,
+                model.get(view).ok_or("no picture")? / 1e3,
+                real.get(view).ok_or("no picture")? / 1e3
+            );
+        }
+    }
+    std::fs::remove_file(script)?;
+    Ok(())
+}
+
+/// When the last picture of each view was there \[ms\].
+fn last_pictures(report: &Value, times: &Value) -> Vec<f64> {
+    let numbers = |of: &Value| of.as_array().into_iter().flatten().filter_map(Value::as_f64).collect::<Vec<_>>();
+    let (frames, times) = (numbers(&report["figures"]["picture_frame"]), numbers(&times["picture_at_ms"]));
+    let is_last = |i: usize| frames.get(i + 1) != frames.get(i);
+    times.into_iter().enumerate().filter(|(i, _)| is_last(*i)).map(|(_, time)| time).collect()
+}
+
+/// The report of a run over a path of this rate \[bit/s\] and latency \[ms\].
+fn report(program: &Path, address: &str, (rate, latency): (u64, u64), options: &str) -> Result<Value, Box<dyn Error>> {
+    let shaped = relay::relay(address, rate as f64, Duration::from_millis(latency))?;
+    let path = format!("--set path.bits_per_second={rate} --set path.latency_us={}", 1000 * latency);
+    run(program, &format!("run --from http://{shaped}/ {options} {path}"))
+}
+
+/// The report of a run.
+fn run(program: &Path, line: &str) -> Result<Value, Box<dyn Error>> {
     let out = std::env::temp_dir().join(format!("shaped-path-{}", std::process::id()));
+    let line = format!("{line} --json --no-limits --quiet --out");
     let run = Command::new(program).args(line.split(' ')).arg(&out).stderr(Stdio::inherit()).output()?;
     std::fs::remove_dir_all(&out)?;
-    let report: Value = serde_json::from_slice(&run.stdout)?;
+    Ok(serde_json::from_slice(&run.stdout)?)
+}
+
+/// Time to a picture, modelled, measured, and how far apart.
+fn agreement(report: &Value, picture: &str) -> Result<String, Box<dyn Error>> {
     let time = |of: &Value| of.as_f64().ok_or("no time");
-    let mut row = format!("| {} | {latency} ms |", name(rate));
-    for name in ["first_picture", "final_picture"] {
-        let path = &report["host"]["path"];
-        let modelled = time(&report["figures"][format!("{name}_ms")])?;
-        // Without what the host took while the path had nothing to do.
-        let measured = time(&path[format!("{name}_ms")])? - time(&path[format!("{name}_idle_ms")])?;
-        row += &format!(" {:.2} s | {:.2} s | {:+.1} % |", modelled / 1e3, measured / 1e3, 100.0 * (measured / modelled - 1.0));
-    }
-    Ok(row)
+    let path = &report["host"]["path"];
+    let modelled = time(&report["figures"][format!("{picture}_picture_ms")])?;
+    // Without what the host took while the path had nothing to do.
+    let measured = time(&path[format!("{picture}_picture_ms")])? - time(&path[format!("{picture}_picture_idle_ms")])?;
+    Ok(format!("{:.2} s | {:.2} s | {:+.1} %", modelled / 1e3, measured / 1e3, 100.0 * (measured / modelled - 1.0)))
 }
 
 fn name(rate: u64) -> String {

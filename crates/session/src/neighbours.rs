@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(of(0, "reference.filter", json!("trilinear"), &|_| true), ["bilinear"]);
         assert_eq!(of(0, "rasterizer.early_z", json!(true), &|_| true), [false]);
         assert_eq!(of(0, "ideal.units", json!(""), &|_| true), [""; 0]);
-        assert_eq!(of(3, "defer.events_ms", json!([]), &|_| true), [""; 0]);
-        assert_eq!(of(3, "defer.pictures_of_views", json!([4, 2]), &|_| true), [json!([2, 1]), json!([6, 3])]);
+        assert_eq!(of(3, "defer.left_at_ms", json!([]), &|_| true), [""; 0]);
+        assert_eq!(of(3, "defer.left_at_tile", json!([4, 2]), &|_| true), [json!([2, 1]), json!([6, 3])]);
     }
 }

@@ -124,28 +124,59 @@ fn gouraud_lights_a_model_with_normal_maps_as_the_exact_picture_has_it() {
     assert!(db >= 40.0, "{db:.2} dB");
 }
 
+/// Three views of an alcove over a slow path: a tile of 4 x 4 texels takes a millisecond.
+fn looking_around(set: &[(&str, &str)]) -> Report {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/alcove.gltf");
+    let options = ViewOptions { size: [160, 120], frames: Some(3), orbit_degrees: Some(60.0), ..ViewOptions::default() };
+    let small = [("defer.mode", "progressive"), ("tile.width", "4"), ("tile.height", "4"), ("video_out.enabled", "false")];
+    let slow = [("path.bits_per_second", "384000")];
+    let config: DeferConfig = basrelief_parameters::load("", &[&small[..], &slow, set].concat()).unwrap();
+    report(RunInput::scene(Arc::new(load_path(&path, &options).unwrap())), &config)
+}
+
+fn counts(report: &Report, name: &str) -> Vec<u64> {
+    serde_json::to_value(&report.figures[name]).and_then(serde_json::from_value).unwrap()
+}
+
+#[test]
+fn a_view_that_is_left_ahead_of_a_tile_asks_for_no_more_and_the_next_goes_on_from_there_475() {
+    let never = looking_around(&[("defer.left_at_tile", "[0]")]);
+    let all = counts(&never, "view_tiles");
+    assert!(all[0] > 20 && counts(&never, "view_abandoned") == [0; 3], "{all:?}");
+    let left = looking_around(&[("defer.left_at_tile", "[12, 1]")]);
+    let tiles = counts(&left, "view_tiles");
+    assert_eq!(tiles[..2], [11, 0]);
+    assert_eq!(counts(&left, "view_left_at_tile"), [12, 1, 0]);
+    let abandoned = counts(&left, "view_abandoned");
+    assert!(abandoned[0] > 0 && abandoned[1] > 0 && abandoned[2] == 0, "{abandoned:?}");
+    // What was abandoned is asked for again, and nothing twice.
+    assert!(tiles[2] > all[2] && tiles.iter().sum::<u64>() <= all.iter().sum::<u64>(), "{tiles:?} {all:?}");
+    assert_eq!(left.image[2].sha256, never.image[2].sha256);
+    assert_ne!(left.image[0].sha256, never.image[0].sha256);
+}
+
 #[test]
 fn times_of_user_input_become_counts_that_hold_475() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/alcove.gltf");
-    let options = ViewOptions { size: [160, 120], frames: Some(2), orbit_degrees: Some(40.0), ..ViewOptions::default() };
-    let scene = Arc::new(load_path(&path, &options).unwrap());
-    let with = |set: &[(&str, &str)]| {
-        let small = [("defer.mode", "progressive"), ("tile.width", "4"), ("tile.height", "4"), ("video_out.enabled", "false")];
-        let config: DeferConfig = basrelief_parameters::load("", &[&small[..], set].concat()).unwrap();
-        report(RunInput::scene(Arc::clone(&scene)), &config)
+    let tiles_left_at = |ms: &str| {
+        let report = looking_around(&[("defer.left_at_ms", ms)]);
+        assert_eq!(report.config["defer"]["left_at_tile"], serde_json::to_value(counts(&report, "view_left_at_tile")).unwrap());
+        report
     };
-    let views_of = |report: &Report| report.config["defer"]["pictures_of_views"].to_string();
-    let never = with(&[]);
-    let pictures = |report: &Report| figure(report, "pictures");
-    let by_counts = with(&[("defer.pictures_of_views", "[1, 1]")]);
-    assert_ne!(pictures(&never), pictures(&by_counts), "there is something to leave");
-    // Just before the first picture of each viewpoint is shown.
-    let marks = by_counts.cycles.as_ref().unwrap().frames.clone();
-    let at = |pictures: usize| marks[..pictures].iter().sum::<u64>() as f64 / 1e5 - 1e-4;
-    let events = format!("[{}, {}]", at(1), at(2));
-    let by_times = with(&[("defer.events_ms", &events)]);
-    assert_eq!(views_of(&by_times), "[1,1]", "a run ahead settles the first viewpoint, another the second");
-    assert!(figure(&by_times, "events_moved").contains("(0)"), "{}", figure(&by_times, "events_moved"));
-    assert_eq!((by_times.image, by_times.cycles), (by_counts.image, by_counts.cycles));
-    assert!(by_times.warnings.is_empty(), "{:?}", by_times.warnings);
+    let first = tiles_left_at("[60, 90]");
+    let left = counts(&first, "view_left_at_tile");
+    assert!(left[0] > 1 && left[1] > 1 && left[2] == 0, "{left:?}");
+    let later = counts(&tiles_left_at("[63, 90]"), "view_left_at_tile");
+    assert_eq!(later[0], left[0] + 3, "a tile by the millisecond");
+    let at: Vec<f64> = serde_json::to_value(&first.figures["picture_at_ms"]).and_then(serde_json::from_value).unwrap();
+    let begins = counts(&first, "picture_frame").iter().position(|frame| *frame == 1).unwrap();
+    assert!((60.0..63.0).contains(&at[begins]), "the next view shows at once what is there: {at:?}");
+    let by_counts = looking_around(&[("defer.left_at_tile", &format!("{left:?}"))]);
+    assert_eq!((&first.image, &first.cycles), (&by_counts.image, &by_counts.cycles));
+    // Who only looks at the last picture takes no cycles, and the next view begins when its time comes.
+    let patient = tiles_left_at("[5000]");
+    let never = looking_around(&[]);
+    assert_eq!((&patient.image, &patient.cycles), (&never.image, &never.cycles));
+    let at: Vec<f64> = serde_json::to_value(&patient.figures["picture_at_ms"]).and_then(serde_json::from_value).unwrap();
+    let begins = counts(&patient, "picture_frame").iter().position(|frame| *frame == 1).unwrap();
+    assert!(at[begins - 1] < 5000.0 && at[begins] > 5000.0, "{at:?}");
 }

@@ -334,11 +334,15 @@ fn real_path(report: &Report, path: &RealPath) -> String {
     };
     let first = time("first_picture_ms", path.first_picture_ms, path.first_picture_idle_ms);
     let last = time("final_picture_ms", path.final_picture_ms, path.final_picture_idle_ms);
-    let RealPath { connections, requests, request_bytes, scene_bytes, tiles, tile_bytes, head_bytes, .. } = path;
+    let RealPath { connections, requests, request_bytes, scene_bytes, tiles, tile_bytes, head_bytes, abandoned_tiles, .. } = path;
+    let abandoned = match abandoned_tiles {
+        0 => String::new(),
+        n => format!(" {n} tiles were not asked for any more when their view was left."),
+    };
     format!(
         "On the real path the first picture was there after {first}, the final one of its frame after {last}. {requests} requests of \
          {request_bytes} bytes on {connections} connections brought {scene_bytes} bytes of the scene, {tile_bytes} of {tiles} tiles, and \
-         {head_bytes} around them."
+         {head_bytes} around them.{abandoned}"
     )
 }
 

@@ -4,6 +4,8 @@ mod crowd;
 mod faults;
 mod keeping;
 mod serving;
+mod several;
+mod turning;
 
 use super::{Fetcher, Patience, RemoteTiles, SceneService, TileCache, TileStore, hash_of, hash_of_picture, hex};
 use crate::progress::TileProgress;

@@ -1,0 +1,50 @@
+//! A user who turns to the next view.
+
+use super::*;
+
+/// The tiles of the page, from this one on.
+fn from(page: &Arc<Page>, first: u32) -> impl Iterator<Item = (Arc<Page>, u32)> {
+    (first..page.tiles()).map(|tile| (Arc::clone(page), tile))
+}
+
+#[test]
+fn a_view_that_is_left_asks_for_no_more_and_the_next_takes_what_has_come() {
+    // The scene, two tiles, and one that does not come for long.
+    let (url, count) = faulty(u32::MAX, |n| if n == 3 { Fault::Silent } else { Fault::None });
+    let fetcher = Fetcher::new(&url, PATIENCE);
+    let meter = fetcher.meter().clone();
+    fetcher.scene(|_| ()).unwrap();
+    let mut tiles = RemoteTiles::new(fetcher, TileFetch { left_at_ms: vec![150.0], ..fetch(1, 1) }, None, TileProgress::new(true));
+    tiles.offer(&elsewhere());
+    let (user, page) = (tiles.user().unwrap(), page());
+    user.turn_to(0);
+    let mut taken = Vec::new();
+    while !user.leaves(&mut from(&page, taken.len() as u32)) {
+        taken.push(tiles.tile(&page, taken.len() as u32).unwrap());
+    }
+    assert_eq!(taken.len(), 2, "those that have come in time");
+    assert!((150.0..280.0).contains(&meter.now().milliseconds), "{:?}", meter.now());
+    assert_eq!(meter.read().abandoned, u64::from(page.tiles()) - 3, "all but those, and what is under way");
+    user.turn_to(1);
+    while (taken.len() as u32) < page.tiles() {
+        assert!(!user.leaves(&mut from(&page, taken.len() as u32)), "the last view is not left");
+        taken.push(tiles.tile(&page, taken.len() as u32).unwrap());
+    }
+    assert_eq!(taken, expected());
+    assert_eq!(count.load(Ordering::SeqCst), 1 + page.tiles() + 1, "each once, and again what had not come");
+}
+
+#[test]
+fn a_view_does_not_begin_before_its_time_and_what_was_announced_for_another_is_no_matter() {
+    let (url, count) = faulty(u32::MAX, |_| Fault::None);
+    let fetcher = Fetcher::new(&url, PATIENCE);
+    let meter = fetcher.meter().clone();
+    fetcher.scene(|_| ()).unwrap();
+    let mut tiles = RemoteTiles::new(fetcher, TileFetch { left_at_ms: vec![120.0], ..fetch(4, 1) }, None, TileProgress::new(true));
+    announce_all(&mut tiles);
+    let user = tiles.user().unwrap();
+    user.turn_to(0);
+    user.turn_to(1);
+    assert!(meter.now().milliseconds >= 120.0, "{:?}", meter.now());
+    assert_eq!(count.load(Ordering::SeqCst), 1, "who looks says what is asked for");
+}
