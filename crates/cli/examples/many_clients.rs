@@ -9,7 +9,6 @@
 //! the tiles that the model's own server makes. With it `basrelief` is built and taken from the folder above.
 
 mod common;
-#[allow(dead_code)]
 #[path = "../src/remote/hash.rs"]
 mod hash;
 
