@@ -30,3 +30,4 @@ mod tapes;
 mod texel;
 mod traces;
 mod usage;
+mod watch;

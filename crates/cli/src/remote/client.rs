@@ -1,20 +1,17 @@
 //! The client: fetches tiles ahead, several at a time.
 
 use super::fetch::MOST_IN_FLIGHT;
-use super::server::encoding_name;
-use super::{Fetcher, TileCache, hex};
+use super::{Fetcher, TileCache};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{Cut, Page, TileEncoding, TileSource};
 use basrelief_input::Held;
+use basrelief_served::{LARGEST_TILE, Offered, check_tile, tiles_address};
 use basrelief_signals::Texture;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
-
-/// Largest tile that is believed: more than 512 x 512 texels take in any encoding \[bytes\].
-const LARGEST_TILE: u64 = 1 << 21;
 
 /// Tiles that are fetched ahead and that nobody has taken yet, at most: what is fast must not fill the memory.
 pub(super) const MOST_AHEAD: usize = 256;
@@ -134,10 +131,8 @@ impl Worker {
 
     /// A tile that can be decoded, from the cache or from the server.
     fn obtain(&self, page: &Page, tile: u32, picture: &str) -> Result<Vec<u8>, String> {
-        let address = format!("tile/{}/{tile}", self.cut(picture, page.cut));
-        let (first, end) = page.texels_of(tile);
-        let size = [end[0] - first[0], end[1] - first[1]];
-        let check = |body: &[u8]| self.encoding.0.decode(body, size).map(drop).map_err(|e| format!("corrupt: {e}"));
+        let address = tiles_address(picture, page.cut, self.encoding, &[tile]);
+        let check = |body: &[u8]| check_tile(self.encoding.0, page, tile, body);
         if let Some(body) = self.kept.as_ref().and_then(|kept| kept.cache.get(&address, LARGEST_TILE, check)) {
             self.progress.came(0);
             return Ok(body);
@@ -150,12 +145,6 @@ impl Worker {
         self.progress.came(body.len() as u64);
         Ok(body)
     }
-
-    /// A picture, how it is cut and how its tiles are encoded, as an address says it.
-    fn cut(&self, picture: &str, cut: Cut) -> String {
-        let [width, height] = cut.tile;
-        format!("{picture}/{width}x{height}/{}", encoding_name(self.encoding))
-    }
 }
 
 /// Tiles of a server, fetched as they are announced, several at a time.
@@ -163,8 +152,7 @@ impl Worker {
 pub struct RemoteTiles {
     /// Tiles announced that nobody has taken yet.
     announced: BTreeSet<Key>,
-    /// Hashes of the pictures of the textures that were offered, by number.
-    pictures: BTreeMap<u32, Arc<str>>,
+    offered: Offered,
     worker: Worker,
     threads: Vec<JoinHandle<()>>,
 }
@@ -184,24 +172,20 @@ impl RemoteTiles {
             thread::spawn(move || worker.work())
         };
         let threads = (0..in_flight.clamp(1, MOST_IN_FLIGHT)).map(start).collect();
-        Self { announced: BTreeSet::new(), pictures: BTreeMap::new(), worker, threads }
+        Self { announced: BTreeSet::new(), offered: Offered::new(encoding), worker, threads }
     }
 }
 
 impl TileSource for RemoteTiles {
     /// The server has them all; what they are called there is told with them.
     fn offer(&mut self, texture: &Arc<Texture>) {
-        if let Some(hash) = &texture.elsewhere {
-            self.pictures.insert(texture.id, hex(hash).into());
-        }
+        self.offered.offer(texture);
     }
 
     fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
         self.announced.extend(tiles.iter().map(|(page, tile)| (page.texture, *tile)));
         self.worker.progress.listed(tiles.len() as u64);
-        // A texture that was never offered is found out by the server.
-        let picture = |texture: u32| self.pictures.get(&texture).cloned().unwrap_or_else(|| "none".into());
-        let wanted = tiles.iter().map(|(page, tile)| (Arc::clone(page), *tile, picture(page.texture)));
+        let wanted = tiles.iter().map(|(page, tile)| (Arc::clone(page), *tile, self.offered.picture(page.texture)));
         self.worker.exchange.change(|shared| shared.queue.extend(wanted));
     }
 
@@ -214,14 +198,8 @@ impl TileSource for RemoteTiles {
         self.worker.exchange.wait(key).map_err(|e| format!("{}: {e}", place_of(page, tile)))
     }
 
-    /// As raw texels the sizes tell it; as they are encoded, the server.
     fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
-        if self.worker.encoding.0 == TileEncoding::Raw {
-            return Some(cut.raw_bytes(texture.levels.first().map_or([1; 2], |image| [image.width, image.height])));
-        }
-        let (picture, layer) = (hex(texture.elsewhere.as_ref()?), Page::new(0, texture, cut, 0).dmax());
-        // Where it does not tell, nobody knows: the report then has raw bytes.
-        self.worker.fetcher.number(&format!("bytes/{}/{layer}", self.worker.cut(&picture, cut))).ok()
+        self.offered.finest_bytes(texture, cut, |address| self.worker.fetcher.number(address))
     }
 }
 

@@ -1,8 +1,8 @@
 //! Requests that are made again where they fail.
 
 use super::meter::{Body, Meter, MeteredConnector};
-use super::{DIGITS, hash_of};
 use basrelief_input::{Budget, Growing, Held, OverBudget};
+use basrelief_served::{check_hash, check_status, hash_in};
 use std::io::{self, Read, Write};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -236,24 +236,15 @@ impl Fetcher {
             self.meter.asked();
         }
         let mut response = called?;
-        match response.status().as_u16() {
-            200 => {}
-            404 => return Err("http status: 404; the server may have another scene by now".to_owned().into()),
-            status => return Err(format!("http status: {status}").into()),
-        }
+        check_status(response.status().as_u16())?;
         let tag = response.headers().get("etag").and_then(|tag| tag.to_str().ok()).unwrap_or_default();
-        let hash = tag.trim_start_matches("W/").trim_matches('"').to_owned();
-        if hash.len() != DIGITS {
-            return Err("no ETag that is the hash of the content: not a server of tiles".to_owned().into());
-        }
+        let hash = hash_in(tag)?.to_owned();
         let read = self.read(response.body_mut().as_reader(), largest, came);
         let (body, held) = read.map_err(|e| match OverBudget::within(&e) {
             Some(error) => Fault { sentence: error.to_string(), then: Then::Never },
             None => e.downcast::<ureq::Error>().map_or_else(|e| e.to_string(), |e| self.told(&e)).into(),
         })?;
-        if hash != hash_of(&body) {
-            return Err("corrupt: the content does not have its hash".to_owned().into());
-        }
+        check_hash(&body, &hash)?;
         Ok((body, held))
     }
 

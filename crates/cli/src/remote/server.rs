@@ -1,16 +1,15 @@
 //! `basrelief serve`: the server (110) as a program.
 
+use super::Site;
 use super::http::{Answer, Keep};
 use super::listen::{Answers, Limits, ListeningServer, listen};
-use super::{hash_of, hash_of_picture, hex};
 use basrelief_deferred_renderer::{Cut, Page, ServedTexture, TileEncoding};
+use basrelief_served::{MOST_TILES, encoding_of, hash_of_picture, hex, join, tag_of};
 use basrelief_signals::Texture;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Most tiles that one request asks for.
-const MOST_TILES: usize = 64;
 /// What any page may read, with which header.
 const HEADERS: &str = "access-control-allow-origin: *\r\naccess-control-expose-headers: etag\r\n";
 const BYTES: &str = "application/octet-stream";
@@ -28,6 +27,8 @@ pub(super) struct OfferedPicture {
 pub struct SceneService {
     scene: Fixed,
     index: Fixed,
+    /// The viewer; nothing, where there is none.
+    viewer: Site,
     /// By the hash of their texels, in hexadecimal.
     pub(super) pictures: BTreeMap<String, OfferedPicture>,
 }
@@ -51,7 +52,12 @@ impl SceneService {
             (hex(&hash_of_picture(&texture)), OfferedPicture { texture, pyramid })
         };
         let pictures = textures.into_iter().map(offered).collect();
-        Self { scene: fixed(scene), index: fixed(index.into_bytes()), pictures }
+        Self { scene: fixed(scene), index: fixed(index.into_bytes()), viewer: Site::default(), pictures }
+    }
+
+    /// With these files beside it; what lies at `/` among them is what browsers are shown.
+    pub fn with_viewer(self, viewer: Site) -> Self {
+        Self { viewer, ..self }
     }
 
     /// The tile at an address, or several. Encoded without a lock: several at a time.
@@ -67,9 +73,7 @@ impl SceneService {
             several => {
                 let mut body = Vec::new();
                 for number in several {
-                    let tile = cut.tile(*number)?;
-                    body.extend((tile.len() as u32).to_le_bytes());
-                    body.extend(tile);
+                    join(&cut.tile(*number)?, &mut body);
                 }
                 Ok((body, BYTES))
             }
@@ -112,13 +116,16 @@ impl SceneService {
 
 impl Answers for SceneService {
     fn answer(&self, path: &str) -> Answer {
+        if let Some(file) = self.viewer.file(path) {
+            return file;
+        }
         let found = match path {
-            "/" => return Answer::found(self.index.clone(), "text/html; charset=utf-8", Keep::WhileItLasts),
+            "/" | "/served" => return Answer::found(self.index.clone(), "text/html; charset=utf-8", Keep::WhileItLasts),
             "/scene" => return Answer::found(self.scene.clone(), BYTES, Keep::WhileItLasts),
             _ => match (path.strip_prefix("/tile/"), path.strip_prefix("/bytes/")) {
                 (Some(asked), _) => self.tiles(asked),
                 (_, Some(asked)) => self.bytes(asked),
-                _ => Err((404, "expected /, /scene, /tile/... or /bytes/...\n".into())),
+                _ => Err((404, "expected /, /served, /scene, /tile/... or /bytes/...\n".into())),
             },
         };
         match found {
@@ -164,35 +171,4 @@ impl CutPicture<'_> {
             TileEncoding::Jpeg => "image/jpeg",
         }
     }
-}
-
-/// Whatever the quality, where there is none.
-const NO_QUALITY: u8 = 100;
-
-/// An encoding and its quality, as an address says them.
-fn encoding_of(text: &str) -> Option<(TileEncoding, u8)> {
-    match (text, text.strip_prefix("jpeg-")) {
-        ("raw", _) => Some((TileEncoding::Raw, NO_QUALITY)),
-        ("png", _) => Some((TileEncoding::Png, NO_QUALITY)),
-        (_, Some(quality)) => {
-            let number = quality.parse::<u8>().ok().filter(|q| (1..=100).contains(q));
-            // One address for one tile: no 085.
-            number.filter(|n| n.to_string() == quality).map(|quality| (TileEncoding::Jpeg, quality))
-        }
-        _ => None,
-    }
-}
-
-/// An encoding as an address says it.
-pub(super) fn encoding_name((encoding, quality): (TileEncoding, u8)) -> String {
-    match encoding {
-        TileEncoding::Raw => "raw".into(),
-        TileEncoding::Png => "png".into(),
-        TileEncoding::Jpeg => format!("jpeg-{quality}"),
-    }
-}
-
-/// ETag of a body.
-pub(super) fn tag_of(body: &[u8]) -> String {
-    format!("\"{}\"", hash_of(body))
 }

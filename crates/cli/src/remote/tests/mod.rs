@@ -4,9 +4,10 @@ mod faults;
 mod keeping;
 mod serving;
 
-use super::{Fetcher, Patience, RemoteTiles, SceneService, TileCache, TileStore, hash_of, hash_of_picture, hex};
+use super::{Fetcher, Patience, RemoteTiles, SceneService, TileCache, TileStore};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource};
+use basrelief_served::{hash_of, hash_of_picture, hex};
 use basrelief_signals::{Image, Sampler, Texture};
 use std::io::{BufRead, BufReader, Write};
 use std::net::{TcpListener, TcpStream};
