@@ -1,5 +1,5 @@
-// Builds the page: node build.mjs SIMULATOR.wasm FOLDER. Two forms of it: files to be served, and standalone.html, one file that
-// works from a disk. Neither asks anybody else for anything, which its policy holds it to.
+// Builds the page: node build.mjs SIMULATOR.wasm FOLDER. Three forms of it: files to be served, the same for a server of scenes, and
+// standalone.html, one file that works from a disk. Neither asks anybody else for anything, which its policy holds it to.
 import { createHash } from "node:crypto";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
 import { dirname, join } from "node:path";
@@ -41,6 +41,9 @@ const strict = `${common}; script-src 'self' 'wasm-unsafe-eval'; worker-src 'sel
 const link = '<link rel="stylesheet" href="page.css"><link rel="icon" href="data:,">';
 const index = page(strict, link, '<script src="page.js" defer></script>');
 
+// The same, for a server of scenes: it draws what is offered there.
+const viewer = index.replace("<html ", "<html data-from ");
+
 const packed = gzipSync(wasm, { level: 9 }).toString("base64");
 const alone = (await script("standalone.ts", { WORKER: JSON.stringify(worker), SIMULATOR: JSON.stringify(packed) }))
   .replaceAll("</script", "<\\/script");
@@ -50,7 +53,7 @@ const standalone = page(closed, `<style>${style}</style><link rel="icon" href="d
 
 await mkdir(folder, { recursive: true });
 const files = {
-  "index.html": index, "page.css": style, "page.js": served, "worker.js": worker, "basrelief.wasm": wasm, "standalone.html": standalone,
+  "index.html": index, "viewer.html": viewer, "page.css": style, "page.js": served, "worker.js": worker, "basrelief.wasm": wasm, "standalone.html": standalone,
 };
 await Promise.all(Object.entries(files).map(([name, content]) => writeFile(join(folder, name), content)));
 

@@ -32,3 +32,4 @@ mod tapes;
 mod texel;
 mod traces;
 mod usage;
+mod watch;

@@ -1,9 +1,9 @@
 // The page's side of the worker. Of runs that wait, the latest one counts.
-import type { Answer, Lost, Parcel, Place, Start } from "./protocol";
+import type { Answer, Lost, Meanwhile, Parcel, Place, Start } from "./protocol";
 
 export interface Answered<T> extends Parcel<T> { ms: number }
 
-interface Waiting { resolve(answer: Answered<unknown>): void; reject(error: Error): void }
+interface Waiting { resolve(answer: Answered<unknown>): void; reject(error: Error): void; meanwhile?: (told: Meanwhile) => void }
 
 export class Client {
   #worker: Worker;
@@ -18,8 +18,9 @@ export class Client {
     const worker = this.start();
     const message: Start = { wasm: this.wasm.slice(0) };
     worker.postMessage(message, [message.wasm]);
-    worker.onmessage = (event: MessageEvent<Answer | Lost>) => {
+    worker.onmessage = (event: MessageEvent<Answer | Lost | Meanwhile>) => {
       if ("lost" in event.data) return this.restart(`The simulator stopped: ${event.data.lost}`);
+      if (!("ms" in event.data)) return this.#asked.get(event.data.id)?.meanwhile?.(event.data);
       const { id, json, rest, ms } = event.data;
       this.#asked.get(id)?.resolve({ json, rest, ms });
       this.#asked.delete(id);
@@ -37,11 +38,11 @@ export class Client {
     asked.forEach(({ reject }) => reject(new Error(why)));
   }
 
-  /** Asks; what is wrong with the question is an error. */
-  async ask<T>(json: unknown, rest = new Uint8Array()): Promise<Answered<T>> {
+  /** Asks; what is wrong with the question is an error. `meanwhile` hears what is told before the answer. */
+  async ask<T>(json: unknown, rest = new Uint8Array(), meanwhile?: (told: Meanwhile) => void): Promise<Answered<T>> {
     const id = this.#next++;
     const answer = await new Promise<Answered<unknown>>((resolve, reject) => {
-      this.#asked.set(id, { resolve, reject });
+      this.#asked.set(id, { resolve, reject, ...(meanwhile && { meanwhile }) });
       this.#worker.postMessage({ id, json, rest });
     });
     const { error } = answer.json as { error?: string };

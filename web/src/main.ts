@@ -4,14 +4,18 @@ import { controls } from "./controls";
 import { byId, el } from "./dom";
 import { chosen, dropped, type Dropped } from "./files";
 import { lead, numbers, panel, tabs, type Shown } from "./panels";
+import { Path } from "./path";
 import { chooser, pictures, Stage, type Picture } from "./picture";
-import type { Catalogue, Machine, Pixel, Report, Run, Taken, Told } from "./protocol";
+import type { Catalogue, Machine, Meanwhile, Pixel, Report, Run, Taken, Told } from "./protocol";
 import { read, SIZES, write, type State } from "./state";
 
 /** Size while something moves. */
 const MOVING: [number, number] = [320, 240];
 /** Long enough not to begin the whole answer between two movements \[ms\]. */
 const REST = 200;
+
+/** The page is a viewer: it draws what the server offers that it comes from. */
+const SERVED = document.documentElement.dataset["from"] !== undefined;
 
 export interface Embedded { wasm(): Promise<ArrayBuffer>; worker(): Worker }
 
@@ -40,6 +44,7 @@ class Page {
   #pinned: (Shown & { pictures: Picture[] }) | undefined;
   #pictures: Picture[] = [];
   #stage: Stage;
+  #path = new Path();
   /** Counts what was changed; an answer to what was changed since is of no use. */
   #version = 0;
   #busy = false;
@@ -50,7 +55,8 @@ class Page {
   #rest: ReturnType<typeof setTimeout> | undefined;
 
   constructor(private readonly client: Client, private readonly catalogue: Catalogue) {
-    this.#state = read(location.hash);
+    this.#state = read(location.hash, SERVED);
+    if (SERVED) this.catalogue = { ...catalogue, machines: catalogue.machines.filter(({ fetches }) => fetches) };
     this.#stage = new Stage(byId<HTMLCanvasElement>("picture"), byId<HTMLInputElement>("divider"), byId("caption"), {
       turn: (around, up, rests) => this.#turn(around, up, rests),
       zoom: factor => this.#view({ zoom: round(Math.min(100, Math.max(0.01, (this.#state.view.zoom ?? 1) * factor)), 3) }, true),
@@ -61,7 +67,7 @@ class Page {
   async begin(): Promise<void> {
     this.#wire();
     // A file cannot be part of an address.
-    if (this.#state.demo === null) this.#state.demo = "golf-ball";
+    if (this.#state.demo === null && !SERVED) this.#state.demo = "golf-ball";
     await this.#take();
   }
 
@@ -92,6 +98,7 @@ class Page {
 
   /** Tells the simulator what is drawn. */
   #tellWhat(): Promise<Answered<Taken>> {
+    if (SERVED) return this.client.ask<Taken>({ ask: "from", server: new URL(".", location.href).href });
     const { demo } = this.#state;
     const files = this.#files;
     return files && demo === null
@@ -160,7 +167,9 @@ class Page {
       return;
     }
     const size = this.#state.view.size;
-    for (const more of [{}, { exact: true }, { exact: true, limits: true }]) {
+    const last = { exact: true, limits: true };
+    // What a server offers is held against no exact picture: that takes the texels.
+    for (const more of SERVED ? [{}, last] : [{}, { exact: true }, last]) {
       if (version !== this.#version || !this.#taken) return;
       if (!(await this.#run(this.#question(size, more), "limits" in more, version))) break;
     }
@@ -175,7 +184,8 @@ class Page {
     const patience = setTimeout(() => (byId("stop").hidden = false), 1500);
     try {
       const began = performance.now();
-      const { json, rest, ms } = await this.client.ask<Told>(question);
+      this.#path.begin(version);
+      const { json, rest, ms } = await this.client.ask<Told>(question, undefined, this.#meanwhile());
       const text = new TextDecoder().decode(bytesAt(rest, json.report));
       this.#show({ json: { ...json, text, report: JSON.parse(text) as Report }, rest, ms }, whole, performance.now() - began);
       problem(this.#taken?.warnings?.join(" ") || undefined);
@@ -188,6 +198,19 @@ class Page {
       byId("stop").hidden = true;
       this.#busy = false;
     }
+  }
+
+  /** Hears what is told before the answer: what has come, and pictures that better ones follow. */
+  #meanwhile(): (told: Meanwhile) => void {
+    let bytes = 0;
+    return told => {
+      if ("came" in told) return this.#path.came((bytes += told.came));
+      const { at, width, height } = told.sketch;
+      const [sketch] = pictures([{ name: "image", about: "a picture that better ones follow", at, width, height }], told.rest);
+      this.#stage.show(sketch, undefined);
+      const page = document.documentElement.dataset;
+      page["sketches"] = String(Number(page["sketches"] ?? 0) + 1);
+    };
   }
 
   /** What each pixel costs: pictures, and from then on what lies under the pointer. */
@@ -224,6 +247,7 @@ class Page {
     byId("answered").textContent = `answered in ${answered.toFixed(0)} ms, ${ms.toFixed(0)} of them computing`;
     byId("command").textContent = json.command;
     this.#pictureChoices();
+    this.#path.show(json.path, report);
     this.#results();
     this.#tell(whole, answered);
   }
@@ -342,13 +366,14 @@ class Page {
       void navigator.clipboard.writeText(byId("command").textContent ?? "").then(() => (button.textContent = "Copied"));
       setTimeout(() => (button.textContent = "Copy"), 1500);
     });
+    addEventListener("hashchange", () => {
+      this.#state = read(location.hash, SERVED);
+      void this.#take();
+    });
+    if (SERVED) return;
     on("open", "click", () => byId("files").click());
     on("files", "change", ({ files }) => files && files.length > 0 && void this.#open(chosen(files)));
     this.#wireDrop();
-    addEventListener("hashchange", () => {
-      this.#state = read(location.hash);
-      void this.#take();
-    });
   }
 
   #wireDrop(): void {

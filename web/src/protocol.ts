@@ -13,6 +13,9 @@ export interface Question { id: number; json: unknown; rest: Uint8Array }
 export interface Answer { id: number; json: unknown; rest: Uint8Array; ms: number }
 /** The worker is told its simulator first. */
 export interface Start { wasm: ArrayBuffer }
+/** Told while a question is being answered: bytes that have come from a server, or a picture that a better one follows. */
+export type Meanwhile = { id: number; came: number } | { id: number; sketch: Sketch; rest: Uint8Array };
+export interface Sketch { at: Place; width: number; height: number }
 /** The simulator has stopped in the middle of a question: nothing follows. */
 export interface Lost { lost: string }
 
@@ -27,13 +30,13 @@ export interface Parameter {
 }
 
 export interface Machine {
-  name: string; about: string; demos: string[]; main: string[];
+  name: string; fetches: boolean; about: string; demos: string[]; main: string[];
   units: { name: string; numeral: string; role: string }[]; parameters: Parameter[];
 }
 
 export interface Catalogue { version: string; machines: Machine[]; demos: { name: string; about: string; machine: string }[] }
 
-/** What a model or a demo is. */
+/** What a model, a demo or what a server offers is. */
 export interface Taken { machine: string; scene: boolean; triangles?: number; warnings?: string[] }
 
 export interface PictureInfo { name: string; about: string; at: Place; width: number; height: number }
@@ -58,6 +61,7 @@ export interface Report {
   quality?: { psnr_db: number; ssim: number; flip: number };
   image: { sha256: string }[];
   derived: Record<string, { value: number; unit: string }>;
+  figures: Record<string, number>;
   warnings: string[];
 }
 
@@ -71,8 +75,12 @@ export interface Run {
   command: string;
   sections: { id: string; title: string; html: string }[];
   pictures: PictureInfo[];
+  path: Come | null;
   strips: { width: number; units: { name: string; at: Place }[] } | null;
 }
+
+/** What has come from the server so far. */
+export interface Come { requests: number; scene_bytes: number; tiles: number; tile_bytes: number }
 
 /** What a pixel costs. */
 export interface Pixel {

@@ -2,6 +2,8 @@
 import type { View } from "./protocol";
 
 export interface State {
+  /** What is drawn is what the server offers. */
+  served: boolean;
   demo: string | null;
   machine: string | null;
   set: Map<string, string>;
@@ -11,8 +13,10 @@ export interface State {
 
 export const SIZES: [number, number][] = [[160, 120], [320, 240], [640, 480], [1280, 720], [1920, 1080]];
 
-export function initial(): State {
-  return { demo: "golf-ball", machine: null, set: new Map(), view: { size: [640, 480] }, panel: "units" };
+export function initial(served: boolean): State {
+  const common = { served, machine: null, view: { size: [640, 480] as [number, number] }, panel: "units" };
+  // Who waits for a path wants to see something.
+  return served ? { ...common, demo: null, set: new Map([["defer.mode", "progressive"]]) } : { ...common, demo: "golf-ball", set: new Map() };
 }
 
 const numbers = (text: string | null): number[] => (text ?? "").split(",").map(Number);
@@ -22,10 +26,11 @@ function list<N extends number>(text: string | null, length: N): number[] | unde
   return text !== null && all.length === length && all.every(Number.isFinite) ? all : undefined;
 }
 
-export function read(hash: string): State {
+export function read(hash: string, served: boolean): State {
   const from = new URLSearchParams(hash.replace(/^#/, ""));
-  const state = initial();
-  state.demo = from.get("demo") ?? (from.has("file") ? null : state.demo);
+  const state = initial(served);
+  if (from.size > 0) state.set = new Map();
+  if (!served) state.demo = from.get("demo") ?? (from.has("file") ? null : state.demo);
   state.machine = from.get("machine");
   state.panel = from.get("show") ?? state.panel;
   const size = from.get("size")?.split("x").map(Number);
@@ -45,10 +50,10 @@ export function read(hash: string): State {
   return state;
 }
 
-export function write({ demo, machine, set, view, panel }: State): string {
+export function write({ served, demo, machine, set, view, panel }: State): string {
   const to = new URLSearchParams();
-  if (demo === null) to.set("file", "");
-  else to.set("demo", demo);
+  if (demo !== null) to.set("demo", demo);
+  else if (!served) to.set("file", "");
   if (machine !== null) to.set("machine", machine);
   to.set("size", view.size.join("x"));
   if (view.turn) to.set("turn", view.turn.join(","));

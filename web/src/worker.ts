@@ -1,21 +1,51 @@
 // The worker: one simulator, one question at a time.
-import type { Answer, Lost, Question, Start } from "./protocol";
-import { simulator, type Simulator } from "./wasm";
+import type { Answer, Lost, Meanwhile, Question, Start } from "./protocol";
+import { simulator, type Outside, type Simulator } from "./wasm";
+
+/** Longest that an answer of a server may take \[ms\]: there is no telling whether something of it comes. */
+const PATIENCE = 60_000;
 
 const scope = self as unknown as DedicatedWorkerGlobalScope;
 let started: Promise<Simulator> | undefined;
+/** The question that is being answered. */
+let id = 0;
+
+function tell(meanwhile: Meanwhile, lent: Transferable[] = []): void {
+  scope.postMessage(meanwhile, lent);
+}
+
+const outside: Outside = {
+  // Waited for: the simulator cannot go on without it, and a worker may.
+  get(address, fresh) {
+    const request = new XMLHttpRequest();
+    try {
+      request.open("GET", address, false);
+      request.responseType = "arraybuffer";
+      request.timeout = PATIENCE;
+      if (fresh) request.setRequestHeader("cache-control", "no-cache");
+      request.send();
+    } catch {
+      return { json: { error: `no answer has come, within ${PATIENCE / 1000} s` }, rest: new Uint8Array() };
+    }
+    const rest = new Uint8Array(request.response as ArrayBuffer);
+    tell({ id, came: rest.length });
+    return { json: { status: request.status, tag: request.getResponseHeader("etag") ?? "" }, rest };
+  },
+  show: ({ json, rest }) => tell({ id, sketch: json, rest }, [rest.buffer]),
+};
 
 scope.onmessage = async (event: MessageEvent<Start | Question>) => {
   const message = event.data;
   if ("wasm" in message) {
-    started = simulator(message.wasm);
+    started = simulator(message.wasm, outside);
     return;
   }
   try {
     const ask = await started!;
+    id = message.id;
     const began = performance.now();
     const { json, rest } = ask(message.json, message.rest);
-    const answer: Answer = { id: message.id, json, rest, ms: performance.now() - began };
+    const answer: Answer = { id, json, rest, ms: performance.now() - began };
     scope.postMessage(answer, [rest.buffer]);
   } catch (error) {
     // WebAssembly that has trapped is not to be used again.

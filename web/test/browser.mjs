@@ -5,43 +5,17 @@ import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { basename, dirname, join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
-import { chromium } from "playwright-core";
-import { comparable, Native } from "./native.mjs";
+import { Browser } from "./chromium.mjs";
+import { Native } from "./native.mjs";
 
 const [program, folder, ...models] = process.argv.slice(2);
 const native = new Native(program);
 const server = await native.serve(folder);
-const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
-const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: quiet });
-const faults = [];
-
-async function opened(address) {
-  const page = await browser.newPage({ viewport: { width: 1400, height: 900 } });
-  page.setDefaultTimeout(120_000);
-  page.on("console", message => message.type() !== "log" && faults.push(`${message.type()}: ${message.text()}`));
-  page.on("pageerror", error => faults.push(String(error)));
-  page.on("request", request => {
-    const { protocol, hostname } = new URL(request.url());
-    const inside = ["blob:", "data:", "file:"].includes(protocol) || hostname === "127.0.0.1";
-    if (!inside) faults.push(`asks for ${request.url()}`);
-  });
-  await page.goto(address);
-  await whole(page);
-  return page;
-}
-
-/** Waits for the whole answer to what was changed last. */
-async function whole(page) {
-  await page.waitForTimeout(50);
-  await page.waitForFunction(() => document.documentElement.dataset.settled === "true");
-  assert.equal(await page.isVisible("#problem"), false, await page.textContent("#problem"));
-}
-
-/** The report as it is saved, and the command that repeats it. */
-async function shown(page) {
-  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
-  return { report: comparable(JSON.parse(readFileSync(await download.path(), "utf8"))), command: await page.textContent("#command") };
-}
+const browser = await Browser.launch();
+const { faults } = browser;
+const opened = address => browser.opened(address);
+const whole = page => browser.whole(page);
+const shown = page => browser.shown(page);
 
 async function equalsNative(page, where) {
   const { report, command } = await shown(page);

@@ -33,12 +33,13 @@ export class Native {
     }
   }
 
-  /** Serves the page: its address, and what ends it. */
-  async serve(folder) {
-    const server = spawn(this.program, ["page", "--listen", "127.0.0.1:0", "--folder", folder], { stdio: ["ignore", "pipe", "inherit"] });
+  /** Serves the page, or a model with its viewer: the address, and what ends it. */
+  async serve(folder, model) {
+    const what = model === undefined ? ["page"] : ["serve", model];
+    const server = spawn(this.program, [...what, "--listen", "127.0.0.1:0", "--folder", folder], { stdio: ["ignore", "pipe", "inherit"] });
     const said = await new Promise((done, failed) => {
       server.stdout.once("data", bytes => done(String(bytes)));
-      server.once("exit", code => failed(new Error(`basrelief page ended with ${code}`)));
+      server.once("exit", code => failed(new Error(`basrelief ${what[0]} ended with ${code}`)));
     });
     return { address: said.match(/http:\S+/)[0], stop: () => server.kill() };
   }

@@ -12,7 +12,7 @@ const FLOORS: &[&[&str]] = &[
     &["shading", "display-list"],
     &[UNITS],
     &["scene", "reference"],
-    &["machines"],
+    &["machines", "served"],
     &["report"],
     &["charts"],
     &["session"],

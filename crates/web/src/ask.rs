@@ -19,6 +19,10 @@ pub(crate) enum Ask {
         name: String,
         files: Vec<File>,
     },
+    /// From now on what the server offers is drawn that the page comes from: its address, for messages.
+    From {
+        server: String,
+    },
     Run(RunAsk),
     /// The same run for what its pixels cost: pictures of that.
     Costs(RunAsk),

@@ -8,12 +8,14 @@ use std::fmt::Write;
 pub(crate) enum Drawn {
     Demo(String),
     File(String),
+    /// What a server offers, by its address.
+    From(String),
 }
 
 impl Drawn {
     pub(crate) fn name(&self) -> &str {
         match self {
-            Self::Demo(name) | Self::File(name) => name,
+            Self::Demo(name) | Self::File(name) | Self::From(name) => name,
         }
     }
 }
@@ -23,6 +25,7 @@ pub(crate) fn command(drawn: &Drawn, machine: Option<&str>, view: Option<&View>,
     let mut line = match drawn {
         Drawn::Demo(name) => format!("basrelief demo {}", quoted(name)),
         Drawn::File(name) => format!("basrelief run {}", quoted(name)),
+        Drawn::From(server) => format!("basrelief run --from {}", quoted(server)),
     };
     if let Some(machine) = machine {
         let _ = write!(line, " --machine {machine}");
@@ -74,6 +77,8 @@ mod tests {
         let line = command(&Drawn::Demo("coin".into()), Some("shade"), Some(&view), &set);
         let expected = "basrelief demo coin --machine shade --size 320x240 --turn -30,10.5 --set 'replacement.entries=[256, 64]'";
         assert_eq!(line, expected);
+        let line = command(&Drawn::From("http://127.0.0.1:8080/".into()), None, Some(&view), &[]);
+        assert_eq!(line, "basrelief run --from http://127.0.0.1:8080/ --size 320x240 --turn -30,10.5");
     }
 
     #[test]

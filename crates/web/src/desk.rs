@@ -2,22 +2,30 @@
 
 use crate::ask::{Ask, File, RunAsk, View};
 use crate::command::{Drawn, command};
+use crate::outside::Outside;
 use crate::parcel::Parcel;
-use crate::shown::{Shown, catalogue};
+use crate::path::{Come, Path, PathTiles};
+use crate::shown::{Rounds, Shown, catalogue};
 use basrelief_display_list::looks_like_trace;
 use basrelief_input::{Budget, Held};
 use basrelief_report::Strips;
 use basrelief_scene::{Memory, Subject};
-use basrelief_session::{Costs, Given, MachineConfig, MachineInfo, Prepared, RunInput, RunOptions, When, board, run};
+use basrelief_served::unpack;
+use basrelief_session::{
+    Costs, ExhibitInfo, Form, Given, MACHINES, MachineConfig, MachineInfo, Prepared, RunInput, RunOptions, When, board, run,
+};
 use serde::Deserialize as _;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::{self, Cursor, Read};
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// Answers questions, one after the other. Keeps what is drawn, and of it what settings do not change.
 #[derive(Default)]
 pub struct Desk {
+    /// The page; none where nobody is to be asked.
+    outside: Option<Rc<dyn Outside>>,
     lying: Option<Lying>,
     /// What the pixels of the last run cost that was asked for it.
     costs: Option<Costs>,
@@ -30,10 +38,26 @@ struct Lying {
 }
 
 enum Kind {
-    /// A model or a demo, and the view of it that was asked for last.
-    Subject(Box<Subject>, Option<(View, Prepared)>, Budget, #[expect(dead_code, reason = "held as long as the model")] Held),
+    Subject(Box<Looked>),
     /// A display list, and the files beside it.
     Trace(BTreeMap<String, Arc<[u8]>>, Budget),
+}
+
+/// A model, a demo or what a server offers, and the view of it that was asked for last.
+struct Looked {
+    subject: Subject,
+    seen: Option<(View, Prepared)>,
+    budget: Budget,
+    #[expect(dead_code, reason = "held as long as the subject")]
+    held: Held,
+    /// To the server that has the texels; none where they are here.
+    path: Option<Rc<Path>>,
+}
+
+impl Looked {
+    fn new(subject: Subject, (held, budget): (Held, Budget), path: Option<Rc<Path>>) -> Box<Self> {
+        Box::new(Self { subject, seen: None, budget, held, path })
+    }
 }
 
 /// Memory for what strangers send; the page has 4 GiB of address space in all.
@@ -42,6 +66,11 @@ fn budget() -> Budget {
 }
 
 impl Desk {
+    /// One that asks this page for what servers have.
+    pub fn within(outside: Rc<dyn Outside>) -> Self {
+        Self { outside: Some(outside), ..Self::default() }
+    }
+
     /// Answers a question, as [`Parcel`]s travel. What is wrong is an answer, too: its JSON has the one key `error`.
     pub fn answer(&mut self, question: &[u8]) -> Vec<u8> {
         let answer = Parcel::read(question).and_then(|question| self.answer_to(&question));
@@ -55,11 +84,16 @@ impl Desk {
                 let subject = Subject::demo(&name).map_err(|e| e.to_string())?;
                 let machine = MachineInfo::of_demo(&name).name;
                 let budget = budget();
-                self.take(Drawn::Demo(name), Kind::Subject(Box::new(subject), None, budget.clone(), budget.nothing()), machine)
+                let held = budget.nothing();
+                self.take(Drawn::Demo(name), Kind::Subject(Looked::new(subject, (held, budget), None)), machine)
+            }
+            Ask::From { server } => {
+                let kind = self.fetched(&server)?;
+                self.take(Drawn::From(server), kind, fetching_machine().name)
             }
             Ask::Files { name, files } => {
                 let kind = opened(&name, files, question)?;
-                self.take(Drawn::File(name), kind, basrelief_session::MACHINES[0].name)
+                self.take(Drawn::File(name), kind, MACHINES[0].name)
             }
             Ask::Run(ask) => self.run(&ask),
             Ask::Costs(ask) => self.costs(&ask),
@@ -70,7 +104,8 @@ impl Desk {
     /// From now on this is drawn. `machine` is the one that draws it where nobody says otherwise.
     fn take(&mut self, drawn: Drawn, kind: Kind, machine: &str) -> Result<Parcel, String> {
         let about = match &kind {
-            Kind::Subject(subject, ..) => {
+            Kind::Subject(looked) => {
+                let subject = &looked.subject;
                 json!({ "machine": machine, "scene": true, "triangles": subject.triangles(), "warnings": subject.warnings() })
             }
             Kind::Trace(..) => json!({ "machine": machine, "scene": false }),
@@ -80,15 +115,29 @@ impl Desk {
         Ok(Parcel::of(about))
     }
 
+    /// Fetches what a server offers.
+    fn fetched(&self, server: &str) -> Result<Kind, String> {
+        let outside = self.outside.as_ref().ok_or("there is nobody to ask for what a server has")?;
+        let budget = budget();
+        let path = Path::new(Rc::clone(outside), server, &budget);
+        let (subject, held) = unpack(&path.scene()?, &format!("{server}scene"), &budget)?;
+        Ok(Kind::Subject(Looked::new(subject, (held, budget), Some(Rc::new(path)))))
+    }
+
     fn run(&mut self, ask: &RunAsk) -> Result<Parcel, String> {
+        let outside = self.outside.clone();
         let (lying, machine, (input, options)) = self.asked(ask)?;
         let board = board(&input, &options).map_err(|e| e.to_string())?;
         let names = board.diagram.stages.into_iter().map(|stage| stage.name).collect();
-        let (mut shown, mut strips) = (Shown::default(), Strips::default());
+        let path = lying.path().cloned();
+        let rounds = path.clone().zip(outside).map(|(path, outside)| Rounds::new(path, outside));
+        let (mut shown, mut strips) = (Shown::with(rounds), Strips::default());
         let ran = run(input, &options, &mut shown, if ask.exact { Some(&mut strips) } else { None });
         let report = ran.map_err(|e| e.to_string())?.report;
         let strips = ask.exact.then_some((strips, names));
-        shown.answer(&report, &lying.command(machine, ask), strips)
+        let mut answer = shown.answer(&report, &lying.command(machine, ask), strips)?;
+        answer.json["path"] = path.map_or(Value::Null, |path| come(&path));
+        Ok(answer)
     }
 
     /// Runs once more, for what each pixel costs.
@@ -107,8 +156,9 @@ impl Desk {
         let (machine, given) = (MachineInfo::named(&ask.machine)?, Given { toml: String::new(), settings: ask.set.clone() });
         let config = given.config(machine, &[]).map_err(|e| e.to_string())?;
         config.check().map_err(|e| e.to_string())?;
-        let (input, budget) = lying.input(&ask.view)?;
-        Ok((lying, machine, (input, options(config, given, ask, budget))))
+        let (input, budget) = lying.input(&ask.view, &config)?;
+        let is_here = lying.path().is_none();
+        Ok((lying, machine, (input, options((config, given), ask, budget, is_here))))
     }
 }
 
@@ -128,22 +178,58 @@ fn pixel(costs: Option<&Costs>, x: u32, y: u32) -> Value {
     })
 }
 
-fn options(config: MachineConfig, given: Given, ask: &RunAsk, budget: Budget) -> RunOptions {
-    let exhibits = config.machine().exhibits().into_iter().filter(|_| ask.exact).filter(Shown::takes).collect();
+/// The first machine that renders what a server offers.
+fn fetching_machine() -> &'static MachineInfo {
+    MACHINES.iter().find(|machine| machine.fetches_tiles).unwrap_or(&MACHINES[0])
+}
+
+/// What has come over a path so far.
+fn come(path: &Path) -> Value {
+    let Come { requests, scene_bytes, tiles, tile_bytes } = path.come();
+    json!({ "requests": requests, "scene_bytes": scene_bytes, "tiles": tiles, "tile_bytes": tile_bytes })
+}
+
+/// `is_here`: so are the texels that an exact picture is made of. Of a scene that is not, pictures are shown as they come.
+fn options((config, given): (MachineConfig, Given), ask: &RunAsk, budget: Budget, is_here: bool) -> RunOptions {
+    let exact = ask.exact && is_here;
+    let wanted = |info: &ExhibitInfo| match info.form {
+        Form::PicturePerRound => !is_here,
+        _ => ask.exact && Shown::takes(info) && (exact || !info.judges),
+    };
+    let exhibits = config.machine().exhibits().into_iter().filter(wanted).collect();
     let limits = if ask.limits { When::IfShort } else { When::Never };
-    RunOptions { config, given, exact: ask.exact, limits, exhibits, budget, ..RunOptions::default() }
+    RunOptions { config, given, exact, limits, exhibits, budget, ..RunOptions::default() }
 }
 
 impl Lying {
-    fn input(&mut self, view: &View) -> Result<(RunInput, Budget), String> {
+    /// The path to the server that has the texels; none where they are here.
+    fn path(&self) -> Option<&Rc<Path>> {
+        match &self.kind {
+            Kind::Subject(looked) => looked.path.as_ref(),
+            Kind::Trace(..) => None,
+        }
+    }
+
+    fn input(&mut self, view: &View, config: &MachineConfig) -> Result<(RunInput, Budget), String> {
         match &mut self.kind {
-            Kind::Subject(subject, seen, budget, _) => {
+            Kind::Subject(looked) => {
+                let Looked { subject, seen, budget, path, .. } = &mut **looked;
                 let prepared = match seen.take() {
                     Some((of, prepared)) if of == *view => prepared,
                     _ => Prepared::kept(Arc::new(subject.seen(&view.options()).map_err(|e| e.to_string())?), budget),
                 };
                 *seen = Some((view.clone(), prepared.clone()));
-                Ok((RunInput::Scene(prepared), budget.clone()))
+                let input = match path {
+                    None => RunInput::Scene(prepared),
+                    Some(path) => {
+                        let fetch = config
+                            .tile_fetch()
+                            .ok_or_else(|| format!("only machine {} renders from a server", fetching_machine().name))?;
+                        let tiles = PathTiles::new(Rc::clone(path), (fetch.encoding, fetch.jpeg_quality));
+                        RunInput::Remote { scene: prepared, tiles: Box::new(tiles), name: self.drawn.name().into() }
+                    }
+                };
+                Ok((input, budget.clone()))
             }
             Kind::Trace(files, budget) => {
                 let name = self.drawn.name();
@@ -162,7 +248,8 @@ impl Lying {
     fn command(&self, machine: &MachineInfo, ask: &RunAsk) -> String {
         let usual = match &self.drawn {
             Drawn::Demo(name) => MachineInfo::of_demo(name).name,
-            Drawn::File(_) => basrelief_session::MACHINES[0].name,
+            Drawn::File(_) => MACHINES[0].name,
+            Drawn::From(_) => fetching_machine().name,
         };
         let machine = Some(machine.name).filter(|name| *name != usual);
         let view = Some(&ask.view).filter(|_| matches!(self.kind, Kind::Subject(..)));
@@ -185,5 +272,5 @@ fn opened(name: &str, files: Vec<File>, question: &Parcel) -> Result<Kind, Strin
     }
     let loaded = Subject::load_within(bytes(main)?, name, &memory, &budget);
     let (subject, held) = loaded.map_err(|e| e.to_string())?;
-    Ok(Kind::Subject(Box::new(subject), None, budget, held))
+    Ok(Kind::Subject(Looked::new(subject, (held, budget), None)))
 }

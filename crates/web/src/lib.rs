@@ -1,4 +1,5 @@
-//! The simulator behind the page: questions in, answers out, no file system, no clock, no thread.
+//! The simulator behind the page: questions in, answers out, no file system, no clock, no thread. What it needs of a server while it
+//! answers, it asks of the page ([`Outside`]).
 //!
 //! The page ([web/](../../../web)) runs this crate in a worker, as WebAssembly. A question is JSON, with the files that it brings
 //! behind it; an answer is JSON, with the pictures behind it ([`Parcel`]). Whoever asks holds a [`Desk`], which keeps what the next
@@ -21,8 +22,11 @@ mod abi;
 mod ask;
 mod command;
 mod desk;
+mod outside;
 mod parcel;
+mod path;
 mod shown;
 
 pub use desk::Desk;
+pub use outside::{Got, Outside};
 pub use parcel::Parcel;

@@ -1,12 +1,15 @@
 //! What an answer shows.
 
+use crate::outside::Outside;
 use crate::parcel::Parcel;
+use crate::path::Path;
 use basrelief_reference::{Picture, metrics};
 use basrelief_report::html::sections;
 use basrelief_report::{Report, Strips};
 use basrelief_scene::DEMOS;
 use basrelief_session::{Content, Exhibit, ExhibitInfo, Form, MACHINES, MachineInfo, Observer, Pictures, beside};
 use serde_json::{Value, json};
+use std::rc::Rc;
 
 /// Which machines there are, with their units and parameters, and which demos.
 pub(crate) fn catalogue() -> Value {
@@ -40,7 +43,7 @@ fn machine(machine: &MachineInfo) -> Value {
     let parameters = machine.load("", &[]).map(|config| config.described()).unwrap_or_default();
     let unit = |unit: &basrelief_machines::UnitInfo| json!({ "name": unit.name, "numeral": unit.numeral, "role": unit.role });
     let units: Vec<Value> = machine.units().iter().map(unit).collect();
-    json!({ "name": machine.name, "about": machine.about, "demos": machine.demos, "main": main_parameters(machine.name), "units": units, "parameters": parameters })
+    json!({ "name": machine.name, "fetches": machine.fetches_tiles, "about": machine.about, "demos": machine.demos, "main": main_parameters(machine.name), "units": units, "parameters": parameters })
 }
 
 /// The pictures of a run: of its last frame, and of each exhibit the last.
@@ -49,6 +52,32 @@ pub(crate) struct Shown {
     machine: Option<Picture>,
     exact: Option<Picture>,
     exhibits: Vec<(ExhibitInfo, Picture)>,
+    /// Where pictures that better ones follow are shown, as they come.
+    rounds: Option<Rounds>,
+}
+
+/// Shows pictures that better ones follow: those that something was waited for. What is there already is not worth a flicker.
+pub(crate) struct Rounds {
+    path: Rc<Path>,
+    outside: Rc<dyn Outside>,
+    /// Requests so far.
+    before: u64,
+}
+
+impl Rounds {
+    pub(crate) fn new(path: Rc<Path>, outside: Rc<dyn Outside>) -> Self {
+        let before = path.come().requests;
+        Self { path, outside, before }
+    }
+
+    fn show(&self, picture: &Picture) {
+        if self.path.come().requests > self.before {
+            let mut parcel = Parcel::default();
+            let at = parcel.pack(&picture.to_rgba());
+            parcel.json = json!({ "at": at, "width": picture.width, "height": picture.height });
+            self.outside.show(parcel.into_bytes());
+        }
+    }
 }
 
 impl Observer for Shown {
@@ -60,6 +89,10 @@ impl Observer for Shown {
 
     fn exhibit(&mut self, exhibit: &Exhibit<'_>) -> Result<(), String> {
         let (Content::Picture(picture) | Content::NamedPicture(_, picture)) = exhibit.content else { return Ok(()) };
+        if exhibit.info.form == Form::PicturePerRound {
+            self.rounds.iter().for_each(|rounds| rounds.show(picture));
+            return Ok(());
+        }
         self.exhibits.retain(|(info, _)| *info != exhibit.info);
         self.exhibits.push((exhibit.info, picture.clone()));
         Ok(())
@@ -67,6 +100,11 @@ impl Observer for Shown {
 }
 
 impl Shown {
+    /// Nothing yet; pictures that better ones follow go this way.
+    pub(crate) fn with(rounds: Option<Rounds>) -> Self {
+        Self { rounds, ..Self::default() }
+    }
+
     /// Whether it shows this exhibit: those that are pictures, but none of the machine's own pictures over again.
     pub(crate) fn takes(info: &ExhibitInfo) -> bool {
         !matches!(info.form, Form::Lines | Form::PicturePerRound)

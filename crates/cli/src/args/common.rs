@@ -1,10 +1,11 @@
 //! Arguments that several commands have.
 
-use super::values::{Named, angles, direction, finite, key_value, machine, size, tables};
+use super::values::{Named, angles, direction, finite, key_value, machine, size, socket, tables};
 use crate::commands::{dump, tables as of_tables};
 use basrelief_report::Tables;
 use basrelief_session::MachineInfo;
 use clap::{ArgAction, ArgGroup, Args, ValueEnum};
+use std::net::SocketAddr;
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
@@ -182,6 +183,11 @@ pub struct SimulationArgs {
     /// nothing from outside.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
+    /// Show each picture in a browser when it is there, at http://127.0.0.1:8018/ or where ADDRESS:PORT says, on this computer. A run that
+    /// is over stays until who watches has the last picture, 3 s at most.
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8018",
+          value_parser = socket, conflicts_with_all = ["ablate", "compare_methods"])]
+    pub watch: Option<SocketAddr>,
     /// Write what every unit did, without times: `basrelief retime` times it again under other FIFOs, memories and caches. By itself
     /// it is left as run.tape beside the report, if the work is short.
     #[arg(long, value_name = "FILE", conflicts_with = "functional")]

@@ -121,4 +121,7 @@ pub struct ServeArgs {
     /// Other computers may connect.
     #[arg(long)]
     pub public: bool,
+    /// The folder that `web/build` has made, for who looks with a browser; by itself it is looked for beside this program.
+    #[arg(long, value_name = "DIR")]
+    pub folder: Option<PathBuf>,
 }

@@ -9,6 +9,7 @@ use crate::args::SimulationArgs;
 use crate::error::{Done, Failure};
 use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
+use crate::remote::Watched;
 use basrelief_reference::metrics;
 use basrelief_report::Report;
 use basrelief_session::{Content, Exhibit, Form, MemoryRequests, Observer, Pictures, RunOptions, picture_name, to_png};
@@ -42,6 +43,8 @@ pub struct OutputFiles {
     pub shown: Option<(u32, String)>,
     /// When pictures of a server's scene are there.
     pub real: Option<RealTimes>,
+    /// Where pictures are shown when they are there.
+    pub watched: Option<Watched>,
 }
 
 impl Observer for OutputFiles {
@@ -68,6 +71,9 @@ impl Observer for OutputFiles {
         let drawn = [("image", Some(pictures.machine)), ("reference", exact), ("difference", difference.as_ref())];
         let drawn = drawn.into_iter().filter_map(|(kind, picture)| Some((kind, picture?))).collect();
         for (kind, png) in threads::map(drawn, |(kind, picture)| (kind, to_png(picture))) {
+            if let (Some(watched), "image", Ok(png)) = (&self.watched, kind, &png) {
+                watched.show(&picture_name(kind, index, true), png);
+            }
             self.save([0, index], kind, png)?;
         }
         Ok(())
@@ -78,7 +84,11 @@ impl Observer for OutputFiles {
             Content::Lines(write) => self.dumps.write(exhibit.info, write),
             Content::Picture(picture) => self.save([1, exhibit.frame as usize], exhibit.info.name, to_png(picture)),
             Content::NamedPicture(name, picture) => {
-                self.write(name, to_png(picture))?;
+                let png = to_png(picture);
+                if let (Some(watched), Form::PicturePerRound, Ok(png)) = (&self.watched, exhibit.info.form, &png) {
+                    watched.show(name, png);
+                }
+                self.write(name, png)?;
                 self.extra.push(name.clone());
                 if exhibit.info.form == Form::PicturePerRound {
                     if self.real.is_some() {
@@ -137,6 +147,7 @@ impl OutputFiles {
             extra: vec![],
             shown: None,
             real: None,
+            watched: None,
         })
     }
 

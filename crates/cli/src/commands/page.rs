@@ -8,13 +8,18 @@ use crate::remote::Site;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What `web/build` makes.
-const FILES: [&str; 5] = ["index.html", "page.css", "page.js", "worker.js", "basrelief.wasm"];
+/// What both forms of the page are made of, beside the page itself.
+const FILES: [&str; 4] = ["page.css", "page.js", "worker.js", "basrelief.wasm"];
+const PAGE: &str = "index.html";
+/// The same page, which draws what the server offers that it comes from.
+const VIEWER: &str = "viewer.html";
 const STANDALONE: &str = "standalone.html";
 
 /// Serves the page until it is interrupted, or writes it as one file.
 pub fn page(args: &PageArgs, quiet: bool) -> Done {
-    let folder = folder(args.folder.as_deref())?;
+    let folder = folder(args.folder.as_deref(), PAGE)?.ok_or_else(|| {
+        Failure::Bad("the page is not built yet: `web/build` builds it, in the folder that basrelief was built in; or name it with --folder".into())
+    })?;
     if let Some(path) = &args.export {
         let page = read(&folder, STANDALONE)?;
         return PartialFile::write_whole(path, &page).map_err(Failure::file(path, "be written"));
@@ -25,11 +30,7 @@ pub fn page(args: &PageArgs, quiet: bool) -> Done {
             args.listen
         )));
     }
-    let mut site = Site::default();
-    for name in FILES {
-        site.offer(name, &read(&folder, name)?);
-    }
-    let (address, server) = site.listen(args.listen).map_err(Failure::Bad)?;
+    let (address, server) = site(&folder, PAGE)?.listen(args.listen).map_err(Failure::Bad)?;
     interrupt::say("stopped serving");
     if !quiet {
         print(&format!("The page is at http://{address}/ - stop it with Ctrl-C\n"))?;
@@ -37,19 +38,32 @@ pub fn page(args: &PageArgs, quiet: bool) -> Done {
     server.join().map_err(|e| Failure::Bad(format!("{address}: {e}")))
 }
 
+/// The viewer as a site, from the folder that is named, or where a build puts it; none where it is not built.
+pub fn viewer(named: Option<&Path>) -> Done<Option<Site>> {
+    folder(named, VIEWER)?.map(|folder| site(&folder, VIEWER)).transpose()
+}
+
+/// A site whose first page this is.
+fn site(folder: &Path, page: &str) -> Done<Site> {
+    let mut site = Site::default();
+    site.offer("index.html", &read(folder, page)?);
+    for name in FILES {
+        site.offer(name, &read(folder, name)?);
+    }
+    Ok(site)
+}
+
 fn read(folder: &Path, name: &str) -> Done<Vec<u8>> {
     let path = folder.join(name);
     fs::read(&path).map_err(Failure::file(&path, "be read"))
 }
 
-/// The folder with the page: the one that is named, or `page` beside this program or one folder up, where a build puts it.
-fn folder(named: Option<&Path>) -> Done<PathBuf> {
+/// The folder with this page: the one that is named, or `page` beside this program or one folder up, where a build puts it; none where
+/// there is none.
+fn folder(named: Option<&Path>, page: &str) -> Done<Option<PathBuf>> {
     if let Some(folder) = named {
-        return Ok(folder.into());
+        return Ok(Some(folder.into()));
     }
     let program = std::env::current_exe().map_err(Failure::bad)?;
-    let beside = program.ancestors().skip(1).take(2).map(|folder| folder.join("page"));
-    beside.into_iter().find(|folder| folder.join(FILES[0]).is_file()).ok_or_else(|| {
-        Failure::Bad("the page is not built yet: `web/build` builds it, in the folder that basrelief was built in; or name it with --folder".into())
-    })
+    Ok(program.ancestors().skip(1).take(2).map(|folder| folder.join("page")).find(|folder| folder.join(page).is_file()))
 }

@@ -1,12 +1,14 @@
 //! `basrelief serve`: offers a scene to renderers elsewhere.
 
+use super::page::viewer;
 use crate::args::ServeArgs;
 use crate::error::{Done, Failure, print};
 use crate::input;
 use crate::interrupt;
-use crate::remote::{Limits, SceneService, hash_of_picture, index_page, pack};
+use crate::remote::{Limits, SceneService, index_page};
 use basrelief_input::Budget;
 use basrelief_scene::{Subject, ViewOptions};
+use basrelief_served::{hash_of_picture, pack};
 use basrelief_session::hold_textures;
 use basrelief_signals::Texture;
 use std::collections::BTreeMap;
@@ -29,7 +31,9 @@ pub fn serve(args: &ServeArgs, budget: &Budget, quiet: bool) -> Done {
     hold_textures(&unseen, 1, budget).map_err(&within)?.keep();
     let textures = textures(&subject);
     let scene = packed(&subject, budget)?;
-    let served = SceneService::new(scene, index_page(&subject, &textures), textures);
+    let viewer = viewer(args.folder.as_deref())?;
+    let page = index_page(&subject, &textures, viewer.is_some());
+    let served = SceneService::new(scene, page, textures).with_viewer(viewer.unwrap_or_default());
     let (address, server) = served.listen(args.listen, Limits::default()).map_err(Failure::Bad)?;
     interrupt::say("stopped serving");
     if !quiet {
@@ -43,7 +47,7 @@ fn packed(subject: &Subject, budget: &Budget) -> Done<Vec<u8>> {
     let within = Failure::within(subject.name());
     let scene = subject.to_bytes(&mut hash_of_picture).map_err(|e| within(e.to_string()))?;
     let _whole = budget.take(scene.len() as u64, "a scene to be served").map_err(|e| within(e.to_string()))?;
-    let packed = pack(&scene).map_err(&within)?;
+    let packed = pack(&scene);
     budget.take(packed.len() as u64, "a scene to be served").map_err(|e| within(e.to_string()))?.keep();
     Ok(packed)
 }

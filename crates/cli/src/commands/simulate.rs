@@ -9,6 +9,7 @@ use crate::args::{EngineName, MachineArgs, SimulationArgs, TablesArgs, ViewArgs}
 use crate::error::{Done, Failure, print};
 use crate::outputs::{Outputs, REPORT, RUN_TAPE, check_distinct, check_not_read};
 use crate::progress::Progress;
+use crate::remote::Watched;
 use basrelief_input::Budget;
 use basrelief_kernel::{Engine, Probe};
 use basrelief_report::model::OutcomeKind;
@@ -20,6 +21,7 @@ use basrelief_session::{
 use basrelief_sweep::Around;
 use std::cell::Cell;
 use std::io::{IsTerminal, Write};
+use std::net::SocketAddr;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::OnceLock;
@@ -97,6 +99,8 @@ pub fn simulate_source(
     let mut timelines = TimelineFiles::open(simulation, &source, &settings)?;
     let mut files = OutputFiles::open(simulation, &settings, (outputs, progress, read))?;
     files.real = real;
+    files.watched = simulation.watch.map(|at| watched(at, quiet)).transpose()?;
+    let watched = files.watched.clone();
     settings.exhibits = exhibits(&settings, &files);
     let ran = match &mut timelines {
         None => run_named(source, &settings, &mut files, None),
@@ -127,7 +131,22 @@ pub fn simulate_source(
     for (file, path) in beside {
         file.publish().map_err(Failure::file(&path, "be written"))?;
     }
+    watched.iter().for_each(Watched::finish);
     show(&report, (&rest.kinds, &rest.extra, has_tape), simulation, quiet)
+}
+
+/// Shows the run in a browser.
+fn watched(at: SocketAddr, quiet: bool) -> Done<Watched> {
+    if !at.ip().is_loopback() {
+        return Err(Failure::Usage(format!("--watch={at}: expected an address of this computer, such as 127.0.0.1:8018")));
+    }
+    let watched = Watched::default();
+    let address = watched.listen(at).map_err(Failure::Bad)?;
+    if !quiet {
+        // Standard output is the report's.
+        eprintln!("Watch it at http://{address}/");
+    }
+    Ok(watched)
 }
 
 /// What is shown beside the pictures: pictures, and what is dumped.

@@ -1,7 +1,7 @@
 //! `--tile-cache`: tiles that have come stay, whatever becomes of the run.
 
-use super::{DIGITS, hash_of};
 use crate::outputs::{PartialFile, remove_remains};
+use basrelief_served::{DIGITS, hash_of};
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};

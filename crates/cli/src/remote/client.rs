@@ -2,22 +2,16 @@
 
 use super::exchange::{Exchange, Wanted};
 use super::fetch::{Attempts, MOST_IN_FLIGHT};
-use super::server::{MOST_TILES, encoding_name};
 use super::user::RemoteUser;
-use super::{Fetcher, TileCache, hex};
+use super::{Fetcher, TileCache};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{Cut, Page, TileEncoding, TileSource, User};
+use basrelief_served::{LARGEST_TILE, Offered, check_tile, most_together, tiles_address};
 use basrelief_session::TileFetch;
 use basrelief_signals::Texture;
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
-
-/// Largest tile that is believed: more than 512 x 512 texels take in any encoding \[bytes\].
-const LARGEST_TILE: u64 = 1 << 21;
-
-/// Most that the tiles of one request take as raw texels \[bytes\]: what fails is asked for again.
-const MOST_BYTES: u64 = 1 << 17;
 
 /// Where tiles that have come are kept, and why they are not.
 #[derive(Clone, Debug)]
@@ -26,11 +20,6 @@ pub struct TileStore {
     pub cache: TileCache,
     /// Set when a tile could not be written: from then on none is.
     pub failed: Arc<OnceLock<String>>,
-}
-
-/// A whole tile of a page as raw texels \[bytes\].
-fn raw_bytes(page: &Page) -> u64 {
-    3 * page.cut.tile.map(u64::from).iter().product::<u64>()
 }
 
 /// What a thread needs to fetch tiles.
@@ -65,8 +54,7 @@ impl Worker {
 
     /// Most tiles of a page that one request asks for.
     fn most(&self, page: &Page) -> usize {
-        let bytes = usize::try_from(MOST_BYTES / raw_bytes(page)).unwrap_or(usize::MAX);
-        bytes.clamp(1, MOST_TILES).min(self.tiles_per_request)
+        most_together(page).min(self.tiles_per_request)
     }
 
     /// Fetches these tiles of one picture, by one request; where that fails, each by its own.
@@ -79,31 +67,25 @@ impl Worker {
             }
         }
         for wanted in wanted {
-            let (address, check) = (self.address(wanted), |body: &[u8]| self.check(wanted, body));
+            let (address, check) = (self.address(&[wanted]), |body: &[u8]| self.check(wanted, body));
             let pause = |pause| self.exchange.pause(pause);
             self.came(wanted, self.fetcher.tile(&address, LARGEST_TILE, check, (attempts, &pause)));
         }
     }
 
     fn fetch_together(&self, wanted: &[Wanted]) -> Result<Vec<Vec<u8>>, ()> {
-        let first = wanted.first().ok_or(())?;
-        let numbers: Vec<String> = wanted.iter().map(|wanted| wanted.tile.to_string()).collect();
-        let address = format!("tile/{}/{}", self.cut(&first.picture, first.page.cut), numbers.join(","));
-        // No encoding makes twice as much of texels, beside a head.
-        let largest = 2 * raw_bytes(&first.page) + 4096;
-        self.fetcher.tiles(&address, (wanted.len(), largest), |i, body| self.check(&wanted[i], body))
+        let wanted: Vec<&Wanted> = wanted.iter().collect();
+        self.fetcher.tiles(&self.address(&wanted), wanted.len(), |i, body| self.check(wanted[i], body))
     }
 
     /// A tile of the cache.
     fn kept(&self, wanted: &Wanted) -> Option<Vec<u8>> {
-        self.kept.as_ref()?.cache.get(&self.address(wanted), LARGEST_TILE, |body| self.check(wanted, body))
+        self.kept.as_ref()?.cache.get(&self.address(&[wanted]), LARGEST_TILE, |body| self.check(wanted, body))
     }
 
-    /// Whether that is the tile: it can be decoded, and has its size.
+    /// Whether that is the tile.
     fn check(&self, wanted: &Wanted, body: &[u8]) -> Result<(), String> {
-        let (first, end) = wanted.page.texels_of(wanted.tile);
-        let size = [end[0] - first[0], end[1] - first[1]];
-        self.encoding.0.decode(body, size).map(drop).map_err(|e| format!("corrupt: {e}"))
+        check_tile(self.encoding.0, &wanted.page, wanted.tile, body)
     }
 
     /// A tile has come from the server, or has failed for good.
@@ -111,7 +93,7 @@ impl Worker {
         if let Ok(tile) = &tile {
             if let Some(kept) = self.kept.as_ref().filter(|kept| kept.failed.get().is_none()) {
                 // The picture does not suffer: who has asked for the cache is told in the end.
-                let _ = kept.cache.put(&self.address(wanted), tile).map_err(|e| kept.failed.set(e.to_string()));
+                let _ = kept.cache.put(&self.address(&[wanted]), tile).map_err(|e| kept.failed.set(e.to_string()));
             }
             self.progress.came(tile.len() as u64);
         }
@@ -127,14 +109,10 @@ impl Worker {
         self.exchange.done(wanted.key(), tile.and_then(counted));
     }
 
-    fn address(&self, wanted: &Wanted) -> String {
-        format!("tile/{}/{}", self.cut(&wanted.picture, wanted.page.cut), wanted.tile)
-    }
-
-    /// A picture, how it is cut and how its tiles are encoded, as an address says it.
-    fn cut(&self, picture: &str, cut: Cut) -> String {
-        let [width, height] = cut.tile;
-        format!("{picture}/{width}x{height}/{}", encoding_name(self.encoding))
+    /// Address of tiles of one picture.
+    fn address(&self, wanted: &[&Wanted]) -> String {
+        let numbers: Vec<u32> = wanted.iter().map(|wanted| wanted.tile).collect();
+        wanted.first().map_or_else(String::new, |first| tiles_address(&first.picture, first.page.cut, self.encoding, &numbers))
     }
 }
 
@@ -151,9 +129,9 @@ impl RemoteTiles {
     /// Makes so many requests at a time, but no more than [`MOST_IN_FLIGHT`]. A tile that comes is kept at once.
     pub fn new(fetcher: Fetcher, fetch: TileFetch, kept: Option<TileStore>, progress: TileProgress) -> Self {
         let TileFetch { encoding, jpeg_quality, requests, tiles_per_request, left_at_ms } = fetch;
-        let exchange = Arc::new(Exchange::new(fetcher.meter().clone(), progress.clone()));
-        let user = (!left_at_ms.is_empty()).then(|| Arc::new(RemoteUser::new(Arc::clone(&exchange), left_at_ms)));
         let encoding = (encoding, jpeg_quality);
+        let exchange = Arc::new(Exchange::new(Offered::new(encoding), fetcher.meter().clone(), progress.clone()));
+        let user = (!left_at_ms.is_empty()).then(|| Arc::new(RemoteUser::new(Arc::clone(&exchange), left_at_ms)));
         let worker = Worker { exchange, fetcher, encoding, tiles_per_request: tiles_per_request as usize, kept, progress };
         let start = |_| {
             let worker = worker.clone();
@@ -167,9 +145,7 @@ impl RemoteTiles {
 impl TileSource for RemoteTiles {
     /// The server has them all; what they are called there is told with them.
     fn offer(&mut self, texture: &Arc<Texture>) {
-        if let Some(hash) = &texture.elsewhere {
-            self.worker.exchange.offer(texture.id, hex(hash));
-        }
+        self.worker.exchange.offer(texture);
     }
 
     /// Where somebody looks by the clock, it is they who announce: what they have left is not asked for any more.
@@ -188,14 +164,8 @@ impl TileSource for RemoteTiles {
         self.user.clone().map(|user| user as Arc<dyn User>)
     }
 
-    /// As raw texels the sizes tell it; as they are encoded, the server.
     fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
-        if self.worker.encoding.0 == TileEncoding::Raw {
-            return Some(cut.raw_bytes(texture.levels.first().map_or([1; 2], |image| [image.width, image.height])));
-        }
-        let (picture, layer) = (hex(texture.elsewhere.as_ref()?), Page::new(0, texture, cut, 0).dmax());
-        // Where it does not tell, nobody knows: the report then has raw bytes.
-        self.worker.fetcher.number(&format!("bytes/{}/{layer}", self.worker.cut(&picture, cut))).ok()
+        self.worker.exchange.offered().finest_bytes(texture, cut, |address| self.worker.fetcher.number(address))
     }
 }
 

@@ -4,6 +4,8 @@ use super::meter::Meter;
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::Page;
 use basrelief_input::Held;
+use basrelief_served::Offered;
+use basrelief_signals::Texture;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::mem;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -36,8 +38,8 @@ impl Wanted {
 /// What is shared.
 #[derive(Debug, Default)]
 struct Shared {
-    /// Hashes of the pictures of the textures that were offered, by number.
-    pictures: BTreeMap<u32, Arc<str>>,
+    /// What is known of the textures.
+    offered: Offered,
     /// Tiles announced that nobody has taken yet.
     announced: BTreeSet<Key>,
     /// Of these, those to fetch, in order.
@@ -72,8 +74,7 @@ impl Shared {
         }
         // What has failed for a view that was left may come for this one.
         self.done.remove(&key);
-        // A texture that was never offered is found out by the server.
-        let picture = self.pictures.get(&page.texture).cloned().unwrap_or_else(|| "none".into());
+        let picture = self.offered.picture(page.texture);
         self.queue.push_back(Wanted { page, tile, picture });
         true
     }
@@ -107,8 +108,8 @@ pub(super) struct Exchange {
 }
 
 impl Exchange {
-    pub(super) fn new(meter: Meter, progress: TileProgress) -> Self {
-        Self { shared: Mutex::default(), changed: Condvar::new(), meter, progress }
+    pub(super) fn new(offered: Offered, meter: Meter, progress: TileProgress) -> Self {
+        Self { shared: Shared { offered, ..Shared::default() }.into(), changed: Condvar::new(), meter, progress }
     }
 
     pub(super) fn meter(&self) -> &Meter {
@@ -125,9 +126,14 @@ impl Exchange {
         self.changed.notify_all();
     }
 
-    /// What the picture of a texture is called.
-    pub(super) fn offer(&self, texture: u32, picture: String) {
-        self.lock().pictures.insert(texture, picture.into());
+    /// A texture of the scene.
+    pub(super) fn offer(&self, texture: &Texture) {
+        self.lock().offered.offer(texture);
+    }
+
+    /// What is known of the textures.
+    pub(super) fn offered(&self) -> Offered {
+        self.lock().offered.clone()
     }
 
     /// Tiles that will be taken, in order.

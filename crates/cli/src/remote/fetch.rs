@@ -1,8 +1,8 @@
 //! Requests that are made again where they fail.
 
 use super::meter::{Body, Meter, MeteredConnector};
-use super::{DIGITS, hash_of};
 use basrelief_input::{Budget, Growing, Held, OverBudget};
+use basrelief_served::{LARGEST_TILE, check_hash, check_status, hash_in, split};
 use std::io::{self, Read, Write};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -65,9 +65,6 @@ pub struct Fetcher {
 /// What a server has sent, and what that takes.
 type Answer = (Vec<u8>, Held);
 
-/// Bytes of the length of a tile that comes with others.
-const LENGTH: usize = 4;
-
 /// Requests that were made before, for the same thing.
 #[derive(Clone, Copy, Debug)]
 pub struct Attempts {
@@ -81,18 +78,6 @@ impl Default for Attempts {
     fn default() -> Self {
         Self { began: Instant::now(), made: 0 }
     }
-}
-
-/// The tiles of an answer, if it is just so many.
-fn several(mut body: &[u8], count: usize) -> Option<Vec<&[u8]>> {
-    let mut tiles = Vec::with_capacity(count);
-    for _ in 0..count {
-        let (length, rest) = body.split_first_chunk::<LENGTH>()?;
-        let (tile, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
-        tiles.push(tile);
-        body = rest;
-    }
-    body.is_empty().then_some(tiles)
 }
 
 /// Why a request has failed.
@@ -186,19 +171,18 @@ impl Fetcher {
         Ok(body)
     }
 
-    /// Makes one request for several tiles, of at most `largest` bytes each; all of them must pass the check, by their place in it.
+    /// Makes one request for so many tiles; all of them must pass the check, by their place in it.
     ///
     /// # Errors
     /// Whatever has failed: each of them may come by itself.
     pub fn tiles(
         &self,
         tiles: &str,
-        (count, largest): (usize, u64),
+        count: usize,
         check: impl Fn(usize, &[u8]) -> Result<(), String>,
     ) -> Result<Vec<Vec<u8>>, ()> {
-        let most = count as u64 * (LENGTH as u64 + largest);
-        let (body, _held) = self.once(&format!("{}/{tiles}", self.base), most, &|_| ()).map_err(drop)?;
-        let tiles = several(&body, count).ok_or(())?;
+        let (body, _held) = self.once(&format!("{}/{tiles}", self.base), LARGEST_TILE, &|_| ()).map_err(drop)?;
+        let tiles = split(&body, count).map_err(drop)?;
         tiles.iter().enumerate().try_for_each(|(i, tile)| check(i, tile)).map_err(drop)?;
         tiles.iter().for_each(|tile| self.meter.came(Body::Tile, tile.len() as u64));
         Ok(tiles.into_iter().map(<[u8]>::to_vec).collect())
@@ -296,24 +280,15 @@ impl Fetcher {
             self.meter.asked();
         }
         let mut response = called?;
-        match response.status().as_u16() {
-            200 => {}
-            404 => return Err("http status: 404; the server may have another scene by now".to_owned().into()),
-            status => return Err(format!("http status: {status}").into()),
-        }
+        check_status(response.status().as_u16())?;
         let tag = response.headers().get("etag").and_then(|tag| tag.to_str().ok()).unwrap_or_default();
-        let hash = tag.trim_start_matches("W/").trim_matches('"').to_owned();
-        if hash.len() != DIGITS {
-            return Err("no ETag that is the hash of the content: not a server of tiles".to_owned().into());
-        }
+        let hash = hash_in(tag)?.to_owned();
         let read = self.read(response.body_mut().as_reader(), largest, came);
         let (body, held) = read.map_err(|e| match OverBudget::within(&e) {
             Some(error) => Fault { sentence: error.to_string(), then: Then::Never },
             None => e.downcast::<ureq::Error>().map_or_else(|e| e.to_string(), |e| self.told(&e)).into(),
         })?;
-        if hash != hash_of(&body) {
-            return Err("corrupt: the content does not have its hash".to_owned().into());
-        }
+        check_hash(&body, &hash)?;
         Ok((body, held))
     }
 

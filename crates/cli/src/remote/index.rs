@@ -1,14 +1,14 @@
-//! The page at `/`: what is served, and how to use it.
+//! The page at `/served`: what is served, and how to use it.
 
-use super::{hash_of_picture, hex};
 use basrelief_scene::Subject;
+use basrelief_served::{hash_of_picture, hex};
 use basrelief_signals::Texture;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-/// The page. It needs no script, and nothing from outside.
-pub fn index_page(subject: &Subject, textures: &[Arc<Texture>]) -> String {
+/// The page. It needs no script, and nothing from outside. It says where the viewer is, or what is missing.
+pub fn index_page(subject: &Subject, textures: &[Arc<Texture>], has_viewer: bool) -> String {
     let name = escaped(subject.name());
     let pictures: BTreeMap<String, &Arc<Texture>> = textures.iter().map(|t| (hex(&hash_of_picture(t)), t)).collect();
     let mut rows = String::new();
@@ -21,12 +21,17 @@ pub fn index_page(subject: &Subject, textures: &[Arc<Texture>]) -> String {
             escaped(&texture.name)
         );
     }
+    let viewer = if has_viewer {
+        "Or in this browser: <a href=\"/\">the viewer</a>."
+    } else {
+        "In this browser it can be looked at when the viewer is built: <code>web/build</code>."
+    };
     format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{name}</title>\n\
          <style>body {{ font-family: sans-serif; margin: 2em }} td {{ padding: 0 1em 0 0 }} img {{ max-height: 4em }}</style></head><body>\n\
          <h1>{name}</h1>\n\
          <p>{} objects, {} triangles, {} pictures, served without a view by <code>basrelief serve</code>. To look at it:</p>\n\
-         <pre>basrelief run --from http://ADDRESS:PORT/ --size 640x480 --turn 30,10 --set defer.mode=progressive --out out</pre>\n\
+         <pre>basrelief run --from http://ADDRESS:PORT/ --size 640x480 --turn 30,10 --set defer.mode=progressive --out out</pre>\n<p>{viewer}</p>\n\
          <p><code>/scene</code> is the scene without texels, <code>/tile/PICTURE/WIDTHxHEIGHT/ENCODING/NUMBER</code> a tile: the picture's \
          hash, the size of its tiles, <code>raw</code>, <code>png</code> or <code>jpeg-QUALITY</code>, and its number, from the top layer \
          down; several numbers with commas between give several tiles. What is at such an address never changes.</p>\n\

@@ -1,19 +1,19 @@
 //! `basrelief serve`: the server (110) as a program.
 
+use super::Site;
 use super::desks::Desks;
 use super::http::{Answer, Keep};
 use super::listen::{Answers, Limits, ListeningServer, listen};
-use super::{hash_of, hash_of_picture, hex};
 use basrelief_deferred_renderer::{Cut, Page, ServedTexture, TileEncoding};
+use basrelief_served::{MOST_TILES, encoding_of, hash_of_picture, hex, join, tag_of};
 use basrelief_signals::Texture;
 use basrelief_threads as threads;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Most tiles that one request asks for.
-pub(super) const MOST_TILES: usize = 64;
-/// Most texels that they have together: those of the largest tile. So an answer takes 0.8 MB at most, however slowly it is taken.
+/// Most texels that the tiles of one request have together: those of the largest tile. So an answer takes 0.8 MB at most, however slowly
+/// it is taken.
 const MOST_TEXELS: u64 = 1 << 18;
 /// Most sums that are kept of a picture.
 const MOST_SUMS: usize = 1 << 10;
@@ -39,6 +39,8 @@ pub(super) struct OfferedPicture {
 pub struct SceneService {
     scene: Fixed,
     index: Fixed,
+    /// The viewer; nothing, where there is none.
+    viewer: Site,
     /// By the hash of their texels, in hexadecimal.
     pub(super) pictures: BTreeMap<String, OfferedPicture>,
     /// Where tiles are made: what that takes does not grow with the clients.
@@ -65,7 +67,12 @@ impl SceneService {
         };
         let pictures = textures.into_iter().map(offered).collect();
         let desks = Desks::new(threads::workers());
-        Self { scene: fixed(scene), index: fixed(index.into_bytes()), pictures, desks }
+        Self { scene: fixed(scene), index: fixed(index.into_bytes()), viewer: Site::default(), pictures, desks }
+    }
+
+    /// With these files beside it; what lies at `/` among them is what browsers are shown.
+    pub fn with_viewer(self, viewer: Site) -> Self {
+        Self { viewer, ..self }
     }
 
     /// The tile at an address, or several.
@@ -85,9 +92,7 @@ impl SceneService {
         }
         let mut body = Vec::new();
         for number in numbers {
-            let tile = cut.tile(number)?;
-            body.extend((tile.len() as u32).to_le_bytes());
-            body.extend(tile);
+            join(&cut.tile(number)?, &mut body);
         }
         Ok((body, BYTES))
     }
@@ -147,15 +152,18 @@ impl SceneService {
 
 impl Answers for SceneService {
     fn answer(&self, path: &str) -> Answer {
+        if let Some(file) = self.viewer.file(path) {
+            return file;
+        }
         // Up to the end: what is made is hashed, too.
         let _desk = path.starts_with("/tile/").then(|| self.desks.take());
         let found = match path {
-            "/" => return Answer::found(self.index.clone(), "text/html; charset=utf-8", Keep::WhileItLasts),
+            "/" | "/served" => return Answer::found(self.index.clone(), "text/html; charset=utf-8", Keep::WhileItLasts),
             "/scene" => return Answer::found(self.scene.clone(), BYTES, Keep::WhileItLasts),
             _ => match (path.strip_prefix("/tile/"), path.strip_prefix("/bytes/")) {
                 (Some(asked), _) => self.tiles(asked),
                 (_, Some(asked)) => self.bytes(asked),
-                _ => Err((404, "expected /, /scene, /tile/... or /bytes/...\n".into())),
+                _ => Err((404, "expected /, /served, /scene, /tile/... or /bytes/...\n".into())),
             },
         };
         match found {
@@ -198,35 +206,4 @@ impl CutPicture<'_> {
             TileEncoding::Jpeg => "image/jpeg",
         }
     }
-}
-
-/// Whatever the quality, where there is none.
-const NO_QUALITY: u8 = 100;
-
-/// An encoding and its quality, as an address says them.
-fn encoding_of(text: &str) -> Option<(TileEncoding, u8)> {
-    match (text, text.strip_prefix("jpeg-")) {
-        ("raw", _) => Some((TileEncoding::Raw, NO_QUALITY)),
-        ("png", _) => Some((TileEncoding::Png, NO_QUALITY)),
-        (_, Some(quality)) => {
-            let number = quality.parse::<u8>().ok().filter(|q| (1..=100).contains(q));
-            // One address for one tile: no 085.
-            number.filter(|n| n.to_string() == quality).map(|quality| (TileEncoding::Jpeg, quality))
-        }
-        _ => None,
-    }
-}
-
-/// An encoding as an address says it.
-pub(super) fn encoding_name((encoding, quality): (TileEncoding, u8)) -> String {
-    match encoding {
-        TileEncoding::Raw => "raw".into(),
-        TileEncoding::Png => "png".into(),
-        TileEncoding::Jpeg => format!("jpeg-{quality}"),
-    }
-}
-
-/// ETag of a body.
-pub(super) fn tag_of(body: &[u8]) -> String {
-    format!("\"{}\"", hash_of(body))
 }

@@ -2,7 +2,7 @@
 
 use super::http::{Answer, Keep};
 use super::listen::{Answers, Limits, ListeningServer, listen};
-use super::server::tag_of;
+use basrelief_served::tag_of;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -21,6 +21,13 @@ impl Site {
         self.files.insert(address, (bytes.into(), tag_of(bytes), kind(name)));
     }
 
+    /// The file at an address, if there is one.
+    pub(super) fn file(&self, path: &str) -> Option<Answer> {
+        let (bytes, tag, kind) = self.files.get(path)?;
+        // What is built anew is to be seen.
+        Some(Answer::found((Arc::clone(bytes), tag.clone()), kind, Keep::WhileItLasts))
+    }
+
     /// Answers at an address, from now on; port 0 takes any that is free. The address, and what is waited for.
     ///
     /// # Errors
@@ -32,11 +39,7 @@ impl Site {
 
 impl Answers for Site {
     fn answer(&self, path: &str) -> Answer {
-        match self.files.get(path) {
-            // What is built anew is to be seen.
-            Some((bytes, tag, kind)) => Answer::found((Arc::clone(bytes), tag.clone()), kind, Keep::WhileItLasts),
-            None => Answer::refused(404, "there is no such file; the page is at /\n".into()),
-        }
+        self.file(path).unwrap_or_else(|| Answer::refused(404, "there is no such file; the page is at /\n".into()))
     }
 
     fn headers(&self) -> &str {

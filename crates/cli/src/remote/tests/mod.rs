@@ -7,9 +7,10 @@ mod serving;
 mod several;
 mod turning;
 
-use super::{Fetcher, Patience, RemoteTiles, SceneService, TileCache, TileStore, hash_of, hash_of_picture, hex};
+use super::{Fetcher, Patience, RemoteTiles, SceneService, TileCache, TileStore};
 use crate::progress::TileProgress;
 use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource};
+use basrelief_served::{hash_of, hash_of_picture, hex};
 use basrelief_session::TileFetch;
 use basrelief_signals::{Image, Sampler, Texture};
 use std::io::{BufRead, BufReader, Write};

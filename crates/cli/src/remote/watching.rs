@@ -1,0 +1,118 @@
+//! `--watch`: the picture so far, for a browser.
+
+use super::http::{Answer, Keep};
+use super::listen::{Answers, Limits, listen};
+use basrelief_served::tag_of;
+use serde_json::json;
+use std::net::SocketAddr;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The page: it asks what follows the picture that it has, and shows that.
+const PAGE: &str = include_str!("watch.html");
+/// Longest that a question for the next picture is left open: less than proxies and browsers wait.
+const OPEN: Duration = Duration::from_secs(5);
+/// Longest that a run which is over waits for who watches to fetch the last picture.
+const LAST: Duration = Duration::from_secs(3);
+
+/// The picture so far. Clones show the same.
+#[derive(Clone, Debug, Default)]
+pub struct Watched(Arc<Exchange>);
+
+#[derive(Debug, Default)]
+struct Exchange {
+    shown: Mutex<Shown>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct Shown {
+    /// Pictures so far.
+    number: u64,
+    /// The last of them, a PNG, and its name.
+    picture: Arc<[u8]>,
+    name: String,
+    /// No more follow.
+    over: bool,
+    /// When somebody asked for the next picture last.
+    asked: Option<Instant>,
+    /// Somebody has all of them, and knows that they are all.
+    taken: bool,
+}
+
+impl Watched {
+    /// Shows it at an address, from now on; port 0 takes any that is free. The address.
+    ///
+    /// # Errors
+    /// A sentence, where the address cannot be listened at.
+    pub fn listen(&self, address: SocketAddr) -> Result<SocketAddr, String> {
+        let listening = listen(self.clone(), address, Limits::default());
+        listening.map(|(address, _)| address).map_err(|e| format!("{address}: cannot be listened at: {e}"))
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Shown> {
+        self.0.shown.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A picture is there, under this name. One that is the same as the one before only has another name.
+    pub fn show(&self, name: &str, png: &[u8]) {
+        let mut shown = self.lock();
+        shown.name = name.into();
+        if *shown.picture != *png {
+            shown.picture = png.into();
+            shown.number += 1;
+        }
+        self.0.changed.notify_all();
+    }
+
+    /// No more follow. Who watches gets the last one yet; where nobody does, nobody is waited for.
+    pub fn finish(&self) {
+        let mut shown = self.lock();
+        shown.over = true;
+        self.0.changed.notify_all();
+        if shown.asked.is_some_and(|asked| asked.elapsed() < OPEN + LAST) {
+            let waited = self.0.changed.wait_timeout_while(shown, LAST, |shown| !shown.taken);
+            drop(waited.unwrap_or_else(PoisonError::into_inner));
+        }
+    }
+
+    /// What follows a picture: waited for, some seconds.
+    fn after(&self, number: u64) -> Answer {
+        let mut shown = self.lock();
+        shown.asked = Some(Instant::now());
+        let nothing_new = |shown: &mut Shown| shown.number <= number && !shown.over;
+        let waited = self.0.changed.wait_timeout_while(shown, OPEN, nothing_new);
+        let mut shown = waited.unwrap_or_else(PoisonError::into_inner).0;
+        let over = shown.over && shown.number <= number;
+        shown.asked = Some(Instant::now());
+        shown.taken |= over;
+        self.0.changed.notify_all();
+        let told = json!({ "picture": shown.number, "name": shown.name, "over": over }).to_string().into_bytes();
+        Answer::found((told.clone().into(), tag_of(&told)), "application/json", Keep::Never)
+    }
+}
+
+impl Answers for Watched {
+    fn answer(&self, path: &str) -> Answer {
+        let number = |prefix| path.strip_prefix(prefix).and_then(|number: &str| number.parse::<u64>().ok());
+        if path == "/" {
+            let page = PAGE.as_bytes();
+            return Answer::found((page.into(), tag_of(page)), "text/html; charset=utf-8", Keep::WhileItLasts);
+        }
+        if let Some(number) = number("/after/") {
+            return self.after(number);
+        }
+        let shown = self.lock();
+        match number("/picture/") {
+            // Whichever it asks for, nobody wants an older one.
+            Some(1..) if shown.number > 0 => {
+                Answer::found((Arc::clone(&shown.picture), tag_of(&shown.picture)), "image/png", Keep::Never)
+            }
+            _ => Answer::refused(404, "expected /, /after/NUMBER or, once there is one, /picture/NUMBER\n".into()),
+        }
+    }
+
+    fn headers(&self) -> &str {
+        ""
+    }
+}

@@ -1,0 +1,200 @@
+//! The path to the server that the page comes from: what has come over it is kept, as long as the page is open.
+
+use crate::outside::Outside;
+use basrelief_deferred_renderer::server::place_of;
+use basrelief_deferred_renderer::{Cut, Page, TileEncoding, TileSource};
+use basrelief_input::{Budget, Held};
+use basrelief_served::{
+    LARGEST_TILE, Offered, check_hash, check_status, check_tile, hash_in, most_together, split, tiles_address,
+};
+use basrelief_signals::Texture;
+use std::cell::{Cell, RefCell};
+use std::collections::{BTreeMap, VecDeque};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Requests for the same thing before it is given up. Without pauses: nobody can be waited with in a worker.
+const ATTEMPTS: u32 = 3;
+/// What a tile that is kept takes beside itself and its address, about \[bytes\].
+const ENTRY: u64 = 128;
+
+/// What has come so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Come {
+    pub(crate) requests: u64,
+    pub(crate) scene_bytes: u64,
+    pub(crate) tiles: u64,
+    pub(crate) tile_bytes: u64,
+}
+
+/// The path, and what has come over it.
+#[derive(Debug)]
+pub(crate) struct Path {
+    outside: Rc<dyn Outside>,
+    /// Address of the server, for messages.
+    server: String,
+    budget: Budget,
+    come: Cell<Come>,
+    /// Tiles, by their addresses.
+    tiles: RefCell<BTreeMap<String, (Arc<[u8]>, Held)>>,
+    numbers: RefCell<BTreeMap<String, u64>>,
+}
+
+impl Path {
+    pub(crate) fn new(outside: Rc<dyn Outside>, server: &str, budget: &Budget) -> Self {
+        let (tiles, numbers) = (RefCell::default(), RefCell::default());
+        Self { outside, server: server.into(), budget: budget.clone(), come: Cell::default(), tiles, numbers }
+    }
+
+    pub(crate) fn come(&self) -> Come {
+        self.come.get()
+    }
+
+    fn count(&self, change: impl FnOnce(&mut Come)) {
+        let mut come = self.come.get();
+        change(&mut come);
+        self.come.set(come);
+    }
+
+    /// Gets the scene, as it travels.
+    pub(crate) fn scene(&self) -> Result<Vec<u8>, String> {
+        let scene = self.get("scene", Ok)?;
+        self.count(|come| come.scene_bytes += scene.len() as u64);
+        Ok(scene)
+    }
+
+    /// What is at an address, made into something; asked for again where that fails.
+    fn get<T>(&self, address: &str, made: impl Fn(Vec<u8>) -> Result<T, String>) -> Result<T, String> {
+        let once = |attempt| -> Result<T, String> {
+            self.count(|come| come.requests += 1);
+            let got = self.outside.get(address, attempt > 1)?;
+            check_status(got.status)?;
+            check_hash(&got.body, hash_in(&got.tag)?)?;
+            made(got.body)
+        };
+        let mut done = once(1);
+        for attempt in 2..=ATTEMPTS {
+            done = done.or_else(|_| once(attempt));
+        }
+        done.map_err(|e| format!("{}{address}: {e} (attempt {ATTEMPTS}, and no more are made)", self.server))
+    }
+
+    /// A number, asked for once.
+    fn number(&self, address: &str) -> Result<u64, String> {
+        if let Some(number) = self.numbers.borrow().get(address) {
+            return Ok(*number);
+        }
+        let made = |body: Vec<u8>| {
+            let text = std::str::from_utf8(&body).map_err(|e| e.to_string())?;
+            text.parse::<u64>().map_err(|e| format!("no number: {e}"))
+        };
+        let number = self.get(address, made)?;
+        self.numbers.borrow_mut().insert(address.into(), number);
+        Ok(number)
+    }
+
+    /// A tile that has come before.
+    fn kept(&self, address: &str) -> Option<Arc<[u8]>> {
+        self.tiles.borrow().get(address).map(|(tile, _)| Arc::clone(tile))
+    }
+
+    /// Keeps a tile, where there is room.
+    fn keep(&self, address: String, tile: &Arc<[u8]>) {
+        let bytes = (address.len() + tile.len()) as u64 + ENTRY;
+        if let Ok(held) = self.budget.take(bytes, "tiles that have come") {
+            self.tiles.borrow_mut().insert(address, (Arc::clone(tile), held));
+        }
+    }
+}
+
+/// The tiles of the server, for one run: those that are not there yet are fetched, several of a picture at a time.
+#[derive(Debug)]
+pub(crate) struct PathTiles {
+    path: Rc<Path>,
+    offered: Offered,
+    /// Tiles that will be asked for, in order, by texture.
+    announced: BTreeMap<u32, VecDeque<u32>>,
+    /// Tiles that have come with others, and that nobody has taken yet, by address.
+    ahead: BTreeMap<String, Arc<[u8]>>,
+}
+
+impl PathTiles {
+    pub(crate) fn new(path: Rc<Path>, encoding: (TileEncoding, u8)) -> Self {
+        Self { path, offered: Offered::new(encoding), announced: BTreeMap::new(), ahead: BTreeMap::new() }
+    }
+
+    fn address(&self, page: &Page, tiles: &[u32]) -> String {
+        tiles_address(&self.offered.picture(page.texture), page.cut, self.offered.encoding, tiles)
+    }
+
+    fn is_there(&self, address: &str) -> bool {
+        self.ahead.contains_key(address) || self.path.kept(address).is_some()
+    }
+
+    /// This tile, and those of its texture that follow and are not there.
+    fn together(&self, page: &Page, tile: u32) -> Vec<u32> {
+        let next = self.announced.get(&page.texture).into_iter().flatten().copied();
+        let missing = next.filter(|next| *next != tile && !self.is_there(&self.address(page, &[*next])));
+        std::iter::once(tile).chain(missing).take(most_together(page)).collect()
+    }
+
+    /// Fetches a tile, and others with it.
+    fn fetch(&mut self, page: &Page, tile: u32) -> Result<(), String> {
+        let wanted = self.together(page, tile);
+        let encoding = self.offered.encoding.0;
+        let checked = |body: Vec<u8>| -> Result<Vec<Arc<[u8]>>, String> {
+            let tiles = if wanted.len() == 1 { vec![&body[..]] } else { split(&body, wanted.len())? };
+            for (number, tile) in wanted.iter().zip(&tiles) {
+                if tile.len() as u64 > LARGEST_TILE {
+                    return Err(format!("too long: more than {LARGEST_TILE} bytes"));
+                }
+                check_tile(encoding, page, *number, tile)?;
+            }
+            Ok(tiles.into_iter().map(Arc::from).collect())
+        };
+        let come = self.path.get(&self.address(page, &wanted), checked)?;
+        for (number, tile) in wanted.iter().zip(come) {
+            self.path.count(|come| {
+                come.tiles += 1;
+                come.tile_bytes += tile.len() as u64;
+            });
+            let address = self.address(page, &[*number]);
+            self.path.keep(address.clone(), &tile);
+            self.ahead.insert(address, tile);
+        }
+        Ok(())
+    }
+}
+
+impl TileSource for PathTiles {
+    fn offer(&mut self, texture: &Arc<Texture>) {
+        self.offered.offer(texture);
+    }
+
+    fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
+        for (page, tile) in tiles {
+            self.announced.entry(page.texture).or_default().push_back(*tile);
+        }
+    }
+
+    fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
+        let address = self.address(page, &[tile]);
+        if !self.is_there(&address) {
+            self.fetch(page, tile).map_err(|e| format!("{}: {e}", place_of(page, tile)))?;
+        }
+        if let Some(announced) = self.announced.get_mut(&page.texture)
+            && let Some(at) = announced.iter().position(|next| *next == tile)
+        {
+            announced.remove(at);
+        }
+        let come = self.ahead.remove(&address).or_else(|| self.path.kept(&address));
+        come.ok_or_else(|| format!("{}: has not come", place_of(page, tile)))
+    }
+
+    fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64> {
+        self.offered.finest_bytes(texture, cut, |address| self.path.number(address))
+    }
+}
+
+#[cfg(test)]
+mod tests;

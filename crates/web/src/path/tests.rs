@@ -1,0 +1,132 @@
+//! What is fetched over the path, and what is not.
+
+use super::*;
+use crate::outside::Got;
+use basrelief_deferred_renderer::TextureMemory;
+use basrelief_served::{hash_of_picture, hex, join, tag_of};
+use basrelief_signals::{Image, Sampler};
+
+fn texture() -> Arc<Texture> {
+    let texels = (0..200 * 90).map(|i: u32| [i as u8, (i / 7) as u8, (i / 200) as u8, 255]).collect();
+    let levels = vec![Image { width: 200, height: 90, texels }];
+    Arc::new(Texture { id: 4, name: "plane".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
+}
+
+/// The same as who asks for its tiles knows it.
+fn elsewhere() -> Arc<Texture> {
+    let levels = vec![Image { width: 200, height: 90, texels: vec![] }];
+    Arc::new(Texture { levels, elsewhere: Some(hash_of_picture(&texture())), ..Texture::clone(&texture()) })
+}
+
+fn page() -> Arc<Page> {
+    Arc::new(Page::new(0, &texture(), Cut::default(), 0))
+}
+
+/// A server of that texture, some of whose answers are spoiled.
+#[derive(Debug)]
+struct Server {
+    asked: RefCell<Vec<String>>,
+    spoil: fn(usize, &mut Got),
+}
+
+impl Server {
+    fn new(spoil: fn(usize, &mut Got)) -> Rc<Self> {
+        Rc::new(Self { asked: RefCell::default(), spoil })
+    }
+
+    fn requests(&self) -> usize {
+        self.asked.borrow().len()
+    }
+}
+
+impl Outside for Server {
+    fn get(&self, address: &str, _: bool) -> Result<Got, String> {
+        self.asked.borrow_mut().push(address.into());
+        let numbers = address.strip_prefix(&format!("tile/{}/64x64/png/", hex(&hash_of_picture(&texture()))));
+        let mut memory = TextureMemory::new(TileEncoding::Png, 85);
+        memory.offer(&texture());
+        let tiles = numbers.expect("an address of tiles").split(',').map(|n| memory.tile(&page(), n.parse().unwrap()).unwrap());
+        let tiles: Vec<_> = tiles.collect();
+        let mut several = vec![];
+        tiles.iter().for_each(|tile| join(tile, &mut several));
+        let body = if let [one] = &tiles[..] { one.to_vec() } else { several };
+        let mut got = Got { status: 200, tag: tag_of(&body), body };
+        (self.spoil)(self.requests(), &mut got);
+        Ok(got)
+    }
+
+    fn show(&self, _: Vec<u8>) {}
+}
+
+fn path(server: &Rc<Server>, budget: &Budget) -> Rc<Path> {
+    Rc::new(Path::new(Rc::<Server>::clone(server), "http://a/", budget))
+}
+
+/// These tiles, announced and taken in order.
+fn take(path: &Rc<Path>, tiles: &[u32]) -> Result<Vec<Arc<[u8]>>, String> {
+    let mut source = PathTiles::new(Rc::clone(path), (TileEncoding::Png, 85));
+    source.offer(&elsewhere());
+    source.announce(&tiles.iter().map(|tile| (page(), *tile)).collect::<Vec<_>>());
+    tiles.iter().map(|tile| source.tile(&page(), *tile)).collect()
+}
+
+fn expected(tiles: &[u32]) -> Vec<Arc<[u8]>> {
+    let mut memory = TextureMemory::new(TileEncoding::Png, 85);
+    memory.offer(&texture());
+    tiles.iter().map(|tile| memory.tile(&page(), *tile).unwrap()).collect()
+}
+
+#[test]
+fn tiles_of_a_picture_come_together_and_those_that_are_there_are_not_asked_for() {
+    let server = Server::new(|_, _| ());
+    let path = path(&server, &Budget::default());
+    assert_eq!(take(&path, &[3, 0, 5]).unwrap(), expected(&[3, 0, 5]));
+    assert_eq!(server.requests(), 1, "{server:?}");
+    assert!(server.asked.borrow()[0].ends_with("/3,0,5"));
+    assert_eq!(take(&path, &[0, 1, 3, 2]).unwrap(), expected(&[0, 1, 3, 2]));
+    assert!(server.requests() == 2 && server.asked.borrow()[1].ends_with("/1,2"), "{server:?}");
+    assert_eq!(take(&path, &[5, 2]).unwrap(), expected(&[5, 2]));
+    let bytes: usize = expected(&[0, 1, 2, 3, 5]).iter().map(|tile| tile.len()).sum();
+    assert_eq!(path.come(), Come { requests: 2, scene_bytes: 0, tiles: 5, tile_bytes: bytes as u64 });
+}
+
+#[test]
+fn where_nothing_can_be_kept_tiles_come_again_and_are_right() {
+    let server = Server::new(|_, _| ());
+    let path = path(&server, &Budget::new(0));
+    for _ in 0..2 {
+        assert_eq!(take(&path, &[3, 0, 5]).unwrap(), expected(&[3, 0, 5]));
+    }
+    assert_eq!(server.requests(), 2, "{server:?}");
+}
+
+#[test]
+fn what_comes_wrong_is_asked_for_again_and_not_kept() {
+    let spoils: [fn(usize, &mut Got); 6] = [
+        |_, got| got.status = 500,
+        |_, got| got.tag.clear(),
+        |_, got| got.body[9] ^= 1,
+        |_, got| got.body.truncate(7),
+        // No tiles, with their hash.
+        |_, got| (got.tag, got.body) = (tag_of(b"other"), b"other".to_vec()),
+        // Others, with their hash.
+        |_, got| {
+            got.body = vec![];
+            expected(&[0, 1]).iter().for_each(|tile| join(tile, &mut got.body));
+            got.tag = tag_of(&got.body);
+        },
+    ];
+    for (n, spoil) in spoils.into_iter().enumerate() {
+        let server = Server::new(spoil);
+        let error = take(&path(&server, &Budget::default()), &[3, 0, 5]).unwrap_err();
+        assert_eq!(server.requests(), 3, "{n}: {error}");
+        assert!(error.starts_with("texture 4 (plane), layer 2, tile 3: http://a/tile/"), "{n}: {error}");
+        assert!(error.ends_with("(attempt 3, and no more are made)"), "{n}: {error}");
+    }
+    let server = Server::new(|request, got| {
+        if request < 3 {
+            got.body[0] ^= 1
+        }
+    });
+    assert_eq!(take(&path(&server, &Budget::default()), &[3, 0, 5]).unwrap(), expected(&[3, 0, 5]));
+}

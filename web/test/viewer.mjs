@@ -1,0 +1,111 @@
+// The viewer in Chromium, over a real server: looked around, what comes is counted at the server's side of the browser, and each view is
+// held against the program that renders from the same server.
+//
+//   node web/test/viewer.mjs PROGRAM PAGE_FOLDER [FOLDER_FOR_PICTURES]
+import assert from "node:assert/strict";
+import { join } from "node:path";
+import { Native } from "./native.mjs";
+import { Browser } from "./chromium.mjs";
+
+const [program, folder, shots] = process.argv.slice(2);
+const native = new Native(program);
+const server = await native.serve(folder, "demo:gallery");
+const browser = await Browser.launch();
+
+/** Tiles that the browser has asked the network for, and bodies of the answers \[bytes\]; what it had kept is not asked for. */
+function counted(page) {
+  const come = { tiles: [], requests: 0, bytes: 0 };
+  page.on("response", async response => {
+    const [, path] = response.url().split("/tile/");
+    if (path === undefined) return;
+    const numbers = path.split("/").at(-1).split(",");
+    come.requests += 1;
+    come.tiles.push(...numbers.map(number => path.replace(/[^/]*$/, number)));
+    come.bytes += Number(response.headers()["content-length"]) - (numbers.length > 1 ? 4 * numbers.length : 0);
+  });
+  return come;
+}
+
+const numbers = text => (text.match(/\d[\d,]*/g) ?? []).map(number => Number(number.replaceAll(",", "")));
+
+/** The view as the program draws it: from the same server, and from the model itself. */
+async function equalsNative(page, model) {
+  const { report, command } = await browser.shown(page);
+  assert.match(command, /^basrelief run --from http:\/\/127\.0\.0\.1:\d+\/ /);
+  assert.deepEqual(report, native.report(command), command);
+  const here = native.report(`${command.replace(/run --from \S+/, `demo ${model}`)} --no-exact`);
+  assert.equal(report.cycles.total, here.cycles.total);
+  assert.deepEqual(report.image, here.image);
+  console.log(`equal: ${command}: ${report.cycles.total} cycles, picture ${report.image.at(-1).sha256.slice(0, 12)}`);
+  return report;
+}
+
+async function looksAround() {
+  const page = await browser.opened(`${server.address}#size=320x240&set=defer.mode%3Dprogressive`, { counting: counted });
+  const first = await equalsNative(page, "gallery");
+  const all = first.figures.conventional_tile_bytes;
+  const come = page.counted;
+  assert.ok(come.tiles.length >= first.figures.path_tiles, "what the picture is made of has come");
+  assert.equal(new Set(come.tiles).size, come.tiles.length, "no tile comes twice");
+  assert.ok(come.requests < come.tiles.length, "several tiles come with one request");
+  assert.ok(Number(await page.evaluate(() => document.documentElement.dataset.sketches)) >= 1, "pictures are shown as they come");
+  const told = async () => [numbers(await page.textContent("#path-all")), numbers(await page.textContent("#path-view"))];
+  assert.deepEqual((await told())[0].slice(0, 2), [come.bytes, all], "the bar holds what has come against all tiles");
+  assert.equal((await told())[1][0], come.bytes, "all that has come is for the first view");
+  // Turned: only what is missing comes.
+  const before = { ...come };
+  await page.focus("#picture");
+  await page.keyboard.press("ArrowRight");
+  await browser.whole(page);
+  const second = await equalsNative(page, "gallery");
+  assert.ok(come.bytes > before.bytes, "another view needs other tiles");
+  assert.ok(come.bytes - before.bytes < second.figures.path_tile_bytes, "and not all of its tiles anew");
+  assert.equal((await told())[1][0], come.bytes - before.bytes, "the bytes of the last view are told");
+  assert.equal(new Set(come.tiles).size, come.tiles.length, "no tile comes twice");
+  // And back: nothing comes.
+  const kept = come.requests;
+  await page.focus("#picture");
+  await page.keyboard.press("ArrowLeft");
+  await browser.whole(page);
+  assert.equal(come.requests, kept, "what came before is kept");
+  assert.match(await page.textContent("#path-view"), /^This view: 0 bytes, in 0 tiles; all that it needs had come before/);
+  console.log(await page.textContent("#path-all"));
+  await page.close();
+}
+
+/** Another encoding, whose bytes only the server knows; and what goes wrong. */
+async function otherwise() {
+  const page = await browser.opened(`${server.address}#size=160x120&set=tile.encoding%3Dpng`);
+  const report = await equalsNative(page, "gallery");
+  assert.equal(numbers(await page.textContent("#path-all"))[1], report.figures.conventional_tile_bytes);
+  server.stop();
+  await page.focus("#picture");
+  await page.keyboard.press("ArrowUp");
+  await page.waitForSelector("#problem:visible");
+  assert.match(await page.textContent("#problem"), /texture \d+ .*layer \d+, tile \d+: http:.*no answer has come.*attempt 3/);
+  await page.close();
+}
+
+/** As people see it: light, dark and narrow. */
+async function pictures() {
+  for (const [name, options] of Object.entries({
+    light: {}, dark: { colorScheme: "dark" }, narrow: { viewport: { width: 420, height: 900 } },
+  })) {
+    const page = await browser.opened(server.address, { options });
+    assert.equal(await page.isVisible("#open"), false, "there is nothing to be opened in a viewer");
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name}: nothing is wider than the window`);
+    if (shots) await page.screenshot({ path: join(shots, `viewer-${name}.png`), fullPage: true });
+    await page.close();
+  }
+}
+
+try {
+  for (const test of [looksAround, ...(shots ? [pictures] : []), otherwise]) {
+    await test();
+    console.log(`ok: ${test.name}`);
+  }
+  assert.deepEqual(browser.faults.filter(fault => !/ERR_CONNECTION_REFUSED/.test(fault)), []);
+} finally {
+  await browser.close();
+  server.stop();
+}
