@@ -31,7 +31,7 @@ fn a_user_who_looks_around_over_a_slow_path_waits_for_no_view_that_is_left() {
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let address = server.1.trim_start_matches("http://").trim_end_matches('/');
     let shaped = relay(address, 1_000_000.0, Duration::from_millis(20)).expect("a relay");
-    let script = "views = [{ at_ms = 0 }, { at_ms = 600, orbit = 40 }, { at_ms = 900, orbit = 80 }]";
+    let script = "views = [{ at_ms = 0 }, { at_ms = 200, orbit = 40 }, { at_ms = 500, orbit = 80 }]";
     std::fs::write(place.path("views.toml"), script).expect("written");
     let drawn = "--size 160x120 --set tile.width=32 --set tile.height=32 --set defer.mode=progressive --views views.toml --quiet";
     place.ok(&format!("run --from http://{shaped}/ {drawn} --out remote"));
@@ -46,7 +46,7 @@ fn a_user_who_looks_around_over_a_slow_path_waits_for_no_view_that_is_left() {
     let views = counts(&report["figures"]["picture_frame"]);
     let shown =
         |view: u64| path["picture_at_ms"][views.iter().position(|v| *v == view).expect("a picture")].as_f64().expect("a time");
-    assert!(shown(1) >= 600.0 && shown(2) >= 900.0, "{path}");
+    assert!(shown(1) >= 200.0 && shown(2) >= 500.0, "{path}");
     let same = format!("--set defer.left_at_ms=[] --set defer.left_at_tile={}", format!("{left:?}").replace(' ', ""));
     place.ok(&format!("demo gallery {drawn} {same} --no-exact --out file"));
     let again = place.report("file");
