@@ -112,7 +112,10 @@ fn threads_and_memory_of_a_server_do_not_grow_with_its_clients() {
     let tile = |number: u32| format!("/tile/{picture}/512x512/raw/{number}");
     assert!(get(address, &tile(0)).starts_with("HTTP/1.1 200"));
     let refused = get(address, &format!("/tile/{picture}/512x512/raw/1,1"));
-    assert!(refused.starts_with("HTTP/1.1 400") && refused.ends_with("expected at most 1 tiles of 512 x 512 texels\n"), "{refused}");
+    assert!(
+        refused.starts_with("HTTP/1.1 400") && refused.ends_with("expected at most 1 tiles of 512 x 512 texels\n"),
+        "{refused}"
+    );
     let (threads, memory) = (status(&server, "Threads"), status(&server, "VmHWM"));
     let ask = |_| {
         let mut client = TcpStream::connect(address).expect("connects");
