@@ -2,7 +2,7 @@
 //!
 //! Where all are taken and another client comes, the one goes that has asked for nothing for longest; only where all are
 //! being answered, one that has taken nothing for half a second. And as long as another waits, answers announce that they are the last
-//! of their connection: so those that ask all the time take turns, and no request is lost by a connection that is closed on it.
+//! of their connection: so those that ask all the time take turns, and hardly a request is lost by a connection that is closed on it.
 
 use super::http::{Answer, Head, LONGEST_HEAD};
 use std::collections::BTreeMap;
@@ -47,7 +47,7 @@ pub(super) trait Answers: Send + Sync + 'static {
     fn headers(&self) -> &str;
 }
 
-/// Who goes first comes first.
+/// What a connection does; the first of these goes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Doing {
     /// The last answer is sent; the client has only to go.
@@ -98,6 +98,8 @@ impl Connections {
     fn now(&self, number: u64, doing: Doing) {
         if let Some(connection) = self.lock().get_mut(&number) {
             (connection.doing, connection.since) = (doing, Instant::now());
+            // Who was let go while it asked, and has an answer to take after all, may be let go again.
+            connection.let_go &= doing != Doing::Taking;
         }
     }
 
