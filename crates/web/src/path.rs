@@ -33,17 +33,17 @@ pub(crate) struct Path {
     outside: Rc<dyn Outside>,
     /// Address of the server, for messages.
     server: String,
-    budget: Budget,
     come: Cell<Come>,
-    /// Tiles, by their addresses.
-    tiles: RefCell<BTreeMap<String, (Arc<[u8]>, Held)>>,
-    numbers: RefCell<BTreeMap<String, u64>>,
+    /// What has come, but the scene, by its address.
+    kept: RefCell<BTreeMap<String, Arc<[u8]>>>,
+    /// For that.
+    held: RefCell<Held>,
 }
 
 impl Path {
     pub(crate) fn new(outside: Rc<dyn Outside>, server: &str, budget: &Budget) -> Self {
-        let (tiles, numbers) = (RefCell::default(), RefCell::default());
-        Self { outside, server: server.into(), budget: budget.clone(), come: Cell::default(), tiles, numbers }
+        let held = RefCell::new(budget.nothing());
+        Self { outside, server: server.into(), come: Cell::default(), kept: RefCell::default(), held }
     }
 
     pub(crate) fn come(&self) -> Come {
@@ -81,30 +81,31 @@ impl Path {
 
     /// A number, asked for once.
     fn number(&self, address: &str) -> Result<u64, String> {
-        if let Some(number) = self.numbers.borrow().get(address) {
-            return Ok(*number);
+        if let Some(number) = self.kept(address).and_then(|body| number(&body).ok()) {
+            return Ok(number);
         }
-        let made = |body: Vec<u8>| {
-            let text = std::str::from_utf8(&body).map_err(|e| e.to_string())?;
-            text.parse::<u64>().map_err(|e| format!("no number: {e}"))
-        };
-        let number = self.get(address, made)?;
-        self.numbers.borrow_mut().insert(address.into(), number);
+        let (number, body) = self.get(address, |body| Ok((number(&body)?, Arc::from(body))))?;
+        self.keep(address.into(), &body);
         Ok(number)
     }
 
-    /// A tile that has come before.
+    /// What has come before.
     fn kept(&self, address: &str) -> Option<Arc<[u8]>> {
-        self.tiles.borrow().get(address).map(|(tile, _)| Arc::clone(tile))
+        self.kept.borrow().get(address).cloned()
     }
 
-    /// Keeps a tile, where there is room.
-    fn keep(&self, address: String, tile: &Arc<[u8]>) {
-        let bytes = (address.len() + tile.len()) as u64 + ENTRY;
-        if let Ok(held) = self.budget.take(bytes, "tiles that have come") {
-            self.tiles.borrow_mut().insert(address, (Arc::clone(tile), held));
+    /// Keeps what has come, where there is room.
+    fn keep(&self, address: String, body: &Arc<[u8]>) {
+        let bytes = (address.len() + body.len()) as u64 + ENTRY;
+        if self.held.borrow_mut().grow(bytes, "what has come").is_ok() {
+            self.kept.borrow_mut().insert(address, Arc::clone(body));
         }
     }
+}
+
+fn number(body: &[u8]) -> Result<u64, String> {
+    let text = std::str::from_utf8(body).map_err(|e| e.to_string())?;
+    text.parse().map_err(|e| format!("no number: {e}"))
 }
 
 /// The tiles of the server, for one run: those that are not there yet are fetched, several of a picture at a time.
@@ -112,15 +113,15 @@ impl Path {
 pub(crate) struct PathTiles {
     path: Rc<Path>,
     offered: Offered,
-    /// Tiles that will be asked for, in order, by texture.
-    announced: BTreeMap<u32, VecDeque<u32>>,
-    /// Tiles that have come with others, and that nobody has taken yet, by address.
-    ahead: BTreeMap<String, Arc<[u8]>>,
+    /// Tiles that will be asked for, in order: of which texture, and which.
+    announced: VecDeque<(u32, u32)>,
+    /// Tiles that have come with others, and that nobody has taken yet, by address: a few.
+    ahead: Vec<(String, Arc<[u8]>)>,
 }
 
 impl PathTiles {
     pub(crate) fn new(path: Rc<Path>, encoding: (TileEncoding, u8)) -> Self {
-        Self { path, offered: Offered::new(encoding), announced: BTreeMap::new(), ahead: BTreeMap::new() }
+        Self { path, offered: Offered::new(encoding), announced: VecDeque::new(), ahead: Vec::new() }
     }
 
     fn address(&self, page: &Page, tiles: &[u32]) -> String {
@@ -128,13 +129,14 @@ impl PathTiles {
     }
 
     fn is_there(&self, address: &str) -> bool {
-        self.ahead.contains_key(address) || self.path.kept(address).is_some()
+        self.ahead.iter().any(|(of, _)| of == address) || self.path.kept(address).is_some()
     }
 
     /// This tile, and those of its texture that follow and are not there.
     fn together(&self, page: &Page, tile: u32) -> Vec<u32> {
-        let next = self.announced.get(&page.texture).into_iter().flatten().copied();
-        let missing = next.filter(|next| *next != tile && !self.is_there(&self.address(page, &[*next])));
+        let next =
+            self.announced.iter().filter(|(texture, next)| *texture == page.texture && *next != tile).map(|(_, next)| *next);
+        let missing = next.filter(|next| !self.is_there(&self.address(page, &[*next])));
         std::iter::once(tile).chain(missing).take(most_together(page)).collect()
     }
 
@@ -160,7 +162,7 @@ impl PathTiles {
             });
             let address = self.address(page, &[*number]);
             self.path.keep(address.clone(), &tile);
-            self.ahead.insert(address, tile);
+            self.ahead.push((address, tile));
         }
         Ok(())
     }
@@ -172,9 +174,7 @@ impl TileSource for PathTiles {
     }
 
     fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
-        for (page, tile) in tiles {
-            self.announced.entry(page.texture).or_default().push_back(*tile);
-        }
+        self.announced.extend(tiles.iter().map(|(page, tile)| (page.texture, *tile)));
     }
 
     fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String> {
@@ -182,12 +182,11 @@ impl TileSource for PathTiles {
         if !self.is_there(&address) {
             self.fetch(page, tile).map_err(|e| format!("{}: {e}", place_of(page, tile)))?;
         }
-        if let Some(announced) = self.announced.get_mut(&page.texture)
-            && let Some(at) = announced.iter().position(|next| *next == tile)
-        {
-            announced.remove(at);
+        if let Some(at) = self.announced.iter().position(|next| *next == (page.texture, tile)) {
+            self.announced.remove(at);
         }
-        let come = self.ahead.remove(&address).or_else(|| self.path.kept(&address));
+        let ahead = self.ahead.iter().position(|(of, _)| *of == address);
+        let come = ahead.map(|at| self.ahead.swap_remove(at).1).or_else(|| self.path.kept(&address));
         come.ok_or_else(|| format!("{}: has not come", place_of(page, tile)))
     }
 

@@ -22,7 +22,7 @@ pub fn index_page(subject: &Subject, textures: &[Arc<Texture>], has_viewer: bool
         );
     }
     let viewer = if has_viewer {
-        "Or in this browser: <a href=\"/\">the viewer</a>."
+        "Or in this browser: <a href=\"./\">the viewer</a>."
     } else {
         "In this browser it can be looked at when the viewer is built: <code>web/build</code>."
     };

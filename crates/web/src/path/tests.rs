@@ -42,8 +42,8 @@ impl Server {
 impl Outside for Server {
     fn get(&self, address: &str, _: bool) -> Result<Got, String> {
         self.asked.borrow_mut().push(address.into());
-        let numbers = address.strip_prefix(&format!("tile/{}/64x64/png/", hex(&hash_of_picture(&texture()))));
-        let mut memory = TextureMemory::new(TileEncoding::Png, 85);
+        let numbers = address.strip_prefix(&format!("tile/{}/64x64/raw/", hex(&hash_of_picture(&texture()))));
+        let mut memory = TextureMemory::new(TileEncoding::Raw, 100);
         memory.offer(&texture());
         let tiles = numbers.expect("an address of tiles").split(',').map(|n| memory.tile(&page(), n.parse().unwrap()).unwrap());
         let tiles: Vec<_> = tiles.collect();
@@ -64,14 +64,14 @@ fn path(server: &Rc<Server>, budget: &Budget) -> Rc<Path> {
 
 /// These tiles, announced and taken in order.
 fn take(path: &Rc<Path>, tiles: &[u32]) -> Result<Vec<Arc<[u8]>>, String> {
-    let mut source = PathTiles::new(Rc::clone(path), (TileEncoding::Png, 85));
+    let mut source = PathTiles::new(Rc::clone(path), (TileEncoding::Raw, 100));
     source.offer(&elsewhere());
     source.announce(&tiles.iter().map(|tile| (page(), *tile)).collect::<Vec<_>>());
     tiles.iter().map(|tile| source.tile(&page(), *tile)).collect()
 }
 
 fn expected(tiles: &[u32]) -> Vec<Arc<[u8]>> {
-    let mut memory = TextureMemory::new(TileEncoding::Png, 85);
+    let mut memory = TextureMemory::new(TileEncoding::Raw, 100);
     memory.offer(&texture());
     tiles.iter().map(|tile| memory.tile(&page(), *tile).unwrap()).collect()
 }
