@@ -224,7 +224,8 @@ fn a_reader_that_goes_away_is_no_error() {
 fn a_script_of_views_that_is_none_is_named_with_its_place_and_its_field() {
     let place = Place::new();
     let write = |text: &str| std::fs::write(place.path("v.toml"), text).expect("written");
-    let refused = |line: &str, code: i32| place.run(&format!("{line} --views v.toml --size 8x8 --out out")).error(code).to_owned();
+    let refused =
+        |line: &str, code: i32| place.run(&format!("{line} --views v.toml --size 8x8 --out out")).error(code).to_owned();
     write("views = [{ orbit = 1 }, { zoom = 0 }]");
     assert!(refused("demo", 1).starts_with("v.toml: /views/1/zoom: 0; expected a number from 0.01 to 100"));
     write("views = [{ at_ms = 0 }, { at_ms = 0 }]");

@@ -36,14 +36,16 @@ fn a_user_who_looks_around_over_a_slow_path_waits_for_no_view_that_is_left() {
     let drawn = "--size 160x120 --set tile.width=32 --set tile.height=32 --set defer.mode=progressive --views views.toml --quiet";
     place.ok(&format!("run --from http://{shaped}/ {drawn} --out remote"));
     let report = place.report("remote");
-    let counts = |of: &serde_json::Value| of.as_array().expect("counts").iter().map(|n| n.as_u64().expect("a count")).collect::<Vec<_>>();
+    let counts =
+        |of: &serde_json::Value| of.as_array().expect("counts").iter().map(|n| n.as_u64().expect("a count")).collect::<Vec<_>>();
     let left = counts(&report["figures"]["view_left_at_tile"]);
     assert!(left[0] > 0 && left[2] == 0, "{left:?}");
     let path = &report["host"]["path"];
     let abandoned = counts(&report["figures"]["view_abandoned"]).iter().sum::<u64>();
     assert!((1..=abandoned).contains(&path["abandoned_tiles"].as_u64().expect("a count")), "{path}");
     let views = counts(&report["figures"]["picture_frame"]);
-    let shown = |view: u64| path["picture_at_ms"][views.iter().position(|v| *v == view).expect("a picture")].as_f64().expect("a time");
+    let shown =
+        |view: u64| path["picture_at_ms"][views.iter().position(|v| *v == view).expect("a picture")].as_f64().expect("a time");
     assert!(shown(1) >= 200.0 && shown(2) >= 500.0, "{path}");
     let same = format!("--set defer.left_at_ms=[] --set defer.left_at_tile={}", format!("{left:?}").replace(' ', ""));
     place.ok(&format!("demo gallery {drawn} {same} --no-exact --out file"));

@@ -83,7 +83,9 @@ fn several(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
 
 /// A user who looks around: tiles of each view, and when its last picture was there.
 fn views(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
-    println!("| path | latency | view | begins | tiles, modelled | measured | last picture, modelled | measured |\n|---|---:|---:|---:|---:|---:|---:|---:|");
+    println!(
+        "| path | latency | view | begins | tiles, modelled | measured | last picture, modelled | measured |\n|---|---:|---:|---:|---:|---:|---:|---:|"
+    );
     let script = std::env::temp_dir().join(format!("views-{}.json", std::process::id()));
     let views: Vec<Value> = (0..).zip(TURNS).map(|(i, at)| serde_json::json!({"at_ms": at, "orbit": 40 * i})).collect();
     std::fs::write(&script, serde_json::json!({ "views": views }).to_string())?;

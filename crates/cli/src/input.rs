@@ -199,7 +199,9 @@ impl Look {
         let parameter = machine.left_at.ok_or_else(|| {
             let knows = MACHINES.iter().filter(|m| m.left_at.is_some()).map(|m| format!("`{}`", m.name)).collect::<Vec<_>>();
             let (name, others) = (machine.name, knows.join(", "));
-            Failure::Usage(format!("--views: gives times, and machine `{name}` leaves no view; take {others}, or leave `at_ms` out"))
+            Failure::Usage(format!(
+                "--views: gives times, and machine `{name}` leaves no view; take {others}, or leave `at_ms` out"
+            ))
         })?;
         told.settings.insert(0, (parameter.into(), format!("{times:?}")));
         Ok(told)
@@ -217,7 +219,8 @@ pub fn look(view: &ViewArgs, budget: &Budget) -> Done<Look> {
             Some(read_camera(&text, &name).map_err(Failure::bad)?)
         }
     };
-    let script = |path: &PathBuf| Script::read(&read_text(path, budget)?.0, budget).map_err(Failure::within(&path.display().to_string()));
+    let script =
+        |path: &PathBuf| Script::read(&read_text(path, budget)?.0, budget).map_err(Failure::within(&path.display().to_string()));
     let Script { views, left_at_ms } = view.views.as_ref().map(script).transpose()?.unwrap_or_default();
     let default = ViewOptions::default();
     let view = ViewOptions {

@@ -102,7 +102,8 @@ mod tests {
 
     #[test]
     fn a_script_is_the_same_in_toml_and_in_json() {
-        let toml = "views = [{ at_ms = 0, orbit = 0 }, { at_ms = 350, orbit = 30.5, zoom = 2 }, { at_ms = 400.5, turn = [1, 2] }]";
+        let toml =
+            "views = [{ at_ms = 0, orbit = 0 }, { at_ms = 350, orbit = 30.5, zoom = 2 }, { at_ms = 400.5, turn = [1, 2] }]";
         let json = r#"{"views": [{"at_ms": 0, "orbit": 0}, {"at_ms": 350, "orbit": 30.5, "zoom": 2}, {"at_ms": 400.5, "turn": [1, 2]}]}"#;
         let script = read(toml).unwrap();
         assert_eq!(script, read(json).unwrap());
@@ -126,7 +127,10 @@ mod tests {
             ("views = [{ at_ms = 0 }, { at_ms = 7 }, { at_ms = 7 }]", "/views/2/at_ms: 7; expected rising times"),
             ("views = [{ at_ms = 0 }, { at_ms = inf }]", "/views/1/at_ms: inf; expected rising times"),
             ("views = [{ at_ms = 0 }, { at_ms = nan }]", "/views/1/at_ms: NaN; expected rising times"),
-            (r#"{"views": [{"orbit": 1}, {"orbit": "x"}]}"#, "views[1].orbit (line 1, column 38): the text \"x\" stands here, expected a number"),
+            (
+                r#"{"views": [{"orbit": 1}, {"orbit": "x"}]}"#,
+                "views[1].orbit (line 1, column 38): the text \"x\" stands here, expected a number",
+            ),
             (r#"{"views": ["#, "line 1, column 11: not valid JSON"),
         ] {
             let error = read(text).unwrap_err();

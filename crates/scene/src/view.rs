@@ -191,11 +191,7 @@ impl ViewHints {
     }
 
     /// Each view by itself.
-    fn each_view(
-        &self,
-        options: &ViewOptions,
-        frame: impl Fn((u32, Seen)) -> Arc<Frame>,
-    ) -> Result<Vec<Arc<Frame>>, SceneError> {
+    fn each_view(&self, options: &ViewOptions, frame: impl Fn((u32, Seen)) -> Arc<Frame>) -> Result<Vec<Arc<Frame>>, SceneError> {
         if options.views.len() > MAX_FRAMES as usize {
             return Err(SceneError::at("/views", options.views.len().to_string()).expected(format!("1..={MAX_FRAMES}")));
         }

@@ -219,7 +219,8 @@ impl Exchange {
             abandoned = shared.queue.len() as u64;
             shared.queue.clear();
             shared.announced.clear();
-            shared.spare = mem::take(&mut shared.done).into_iter().filter_map(|(key, (done, _))| Some((key, done.ok()?))).collect();
+            shared.spare =
+                mem::take(&mut shared.done).into_iter().filter_map(|(key, (done, _))| Some((key, done.ok()?))).collect();
         });
         self.meter.abandoned(abandoned);
     }

@@ -22,9 +22,9 @@ mod meter;
 mod scene;
 mod server;
 mod site;
-mod user;
 #[cfg(test)]
 mod tests;
+mod user;
 
 pub use cache::TileCache;
 pub use client::{RemoteTiles, TileStore};

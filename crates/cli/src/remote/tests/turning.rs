@@ -14,7 +14,8 @@ fn a_view_that_is_left_asks_for_no_more_and_the_next_takes_what_has_come() {
     let fetcher = Fetcher::new(&url, PATIENCE);
     let meter = fetcher.meter().clone();
     fetcher.scene(|_| ()).unwrap();
-    let mut tiles = RemoteTiles::new(fetcher, TileFetch { left_at_ms: vec![150.0], ..fetch(1, 1) }, None, TileProgress::new(true));
+    let mut tiles =
+        RemoteTiles::new(fetcher, TileFetch { left_at_ms: vec![150.0], ..fetch(1, 1) }, None, TileProgress::new(true));
     tiles.offer(&elsewhere());
     let (user, page) = (tiles.user().unwrap(), page());
     user.turn_to(0);
@@ -40,7 +41,8 @@ fn a_view_does_not_begin_before_its_time_and_what_was_announced_for_another_is_n
     let fetcher = Fetcher::new(&url, PATIENCE);
     let meter = fetcher.meter().clone();
     fetcher.scene(|_| ()).unwrap();
-    let mut tiles = RemoteTiles::new(fetcher, TileFetch { left_at_ms: vec![120.0], ..fetch(4, 1) }, None, TileProgress::new(true));
+    let mut tiles =
+        RemoteTiles::new(fetcher, TileFetch { left_at_ms: vec![120.0], ..fetch(4, 1) }, None, TileProgress::new(true));
     announce_all(&mut tiles);
     let user = tiles.user().unwrap();
     user.turn_to(0);
