@@ -107,11 +107,6 @@ fn section_3_the_exact_picture_goes_on_beyond_the_edges_of_odd_textures_as_the_d
     }
 }
 
-/// A figure of a report that is a count or counts, as text.
-fn figure(report: &Report, name: &str) -> String {
-    format!("{:?}", report.figures.get(name))
-}
-
 #[test]
 fn gouraud_lights_a_model_with_normal_maps_as_the_exact_picture_has_it() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/patch.gltf");
@@ -169,7 +164,7 @@ fn times_of_user_input_become_counts_that_hold_475() {
     assert_eq!(later[0], left[0] + 3, "a tile by the millisecond");
     let at: Vec<f64> = serde_json::to_value(&first.figures["picture_at_ms"]).and_then(serde_json::from_value).unwrap();
     let begins = counts(&first, "picture_frame").iter().position(|frame| *frame == 1).unwrap();
-    assert!((60.0..63.0).contains(&at[begins]), "the next view shows at once what is there: {at:?}");
+    assert!((60.0..75.0).contains(&at[begins]), "the next view shows at once what is there: {at:?}");
     let by_counts = looking_around(&[("defer.left_at_tile", &format!("{left:?}"))]);
     assert_eq!((&first.image, &first.cycles), (&by_counts.image, &by_counts.cycles));
     // Who only looks at the last picture takes no cycles, and the next view begins when its time comes.
