@@ -144,7 +144,7 @@ fn pictures_that_a_trace_asks_for_are_counted() {
     writer.finish().expect("written");
     let error = place.run("run t.jsonl --memory-limit 100MiB --quiet");
     let error = error.error(1);
-    assert!(error.contains("t.jsonl: line 1: would hold 864 MiB of pictures of 4096 x 2048 pixels"), "{error}");
+    assert!(error.contains("t.jsonl: line 1: would hold 792 MiB of pictures of 4096 x 2048 pixels"), "{error}");
 }
 
 #[test]
