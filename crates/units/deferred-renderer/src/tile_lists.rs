@@ -245,7 +245,7 @@ impl TileLists {
     /// Whether the view is left in place of the next tile of the plan.
     fn is_left_here(&self) -> bool {
         let loads = matches!(self.state.plan.front(), Some((_, Acquired { how: How::Loaded, .. })));
-        let Some((number, view)) = self.state.views.iter().enumerate().last().filter(|_| loads) else { return false };
+        let Some((number, view)) = self.state.views.iter().enumerate().next_back().filter(|_| loads) else { return false };
         self.mode == RenderMode::Progressive && self.leaving.is_in_place_of(number as u64, view.loaded + 1, &mut self.loads())
     }
 
