@@ -105,7 +105,7 @@ fn threads_and_memory_of_a_server_do_not_grow_with_its_clients() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let address = server.1.trim_start_matches("http://").trim_end_matches('/');
-    let page = get(address, "/");
+    let page = get(address, "/served");
     let (before, _) = page.split_once("</code></td></tr>").expect("a picture");
     let picture = before.rsplit_once("<code>").expect("a picture").1;
     // All layers are there now.

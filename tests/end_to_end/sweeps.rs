@@ -40,8 +40,9 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
         for path in fs::read_dir(next).into_iter().flatten().map(|entry| entry.unwrap().path()) {
             if path.is_dir() {
                 folders.push(path);
-            } else {
-                all.insert(path.strip_prefix(folder).unwrap().into(), fs::read(&path).unwrap());
+            } else if let Ok(bytes) = fs::read(&path) {
+                // Where a sweep runs, one may get its name just now.
+                all.insert(path.strip_prefix(folder).unwrap().into(), bytes);
             }
         }
     }
