@@ -60,7 +60,7 @@ fn a_server_that_restarts_in_the_middle_costs_its_clients_nothing_but_time() {
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     place.ok(&format!("run --from {} {VIEWS} --out undisturbed", server.1));
     let mut client = looking(&place, &server, "out");
-    let address = server.1.trim_start_matches("http://").trim_end_matches('/').to_owned();
+    let address = server.address().to_owned();
     drop(server);
     thread::sleep(Duration::from_secs(2));
     assert!(client.try_wait().expect("runs").is_none(), "it has given up, or was over");
@@ -104,7 +104,7 @@ fn status(server: &Server, name: &str) -> u64 {
 fn threads_and_memory_of_a_server_do_not_grow_with_its_clients() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
-    let address = server.1.trim_start_matches("http://").trim_end_matches('/');
+    let address = server.address();
     let page = get(address, "/served");
     let (before, _) = page.split_once("</code></td></tr>").expect("a picture");
     let picture = before.rsplit_once("<code>").expect("a picture").1;

@@ -35,6 +35,11 @@ impl Server {
         assert!(url.starts_with("http://127.0.0.1:"), "{said}");
         Self(child, url)
     }
+
+    /// Address and port.
+    pub fn address(&self) -> &str {
+        self.1.trim_start_matches("http://").trim_end_matches('/')
+    }
 }
 
 impl Drop for Server {
@@ -232,7 +237,7 @@ fn a_report_says_what_the_real_path_has_carried_and_when_pictures_were_there() {
     );
     assert_eq!(count("requests"), count("tiles") + 1, "the scene, and each tile");
     assert!((1..=9).contains(&count("connections")), "connections are kept: {}", count("connections"));
-    let scene = get(server.1.trim_start_matches("http://").trim_end_matches('/'), "/scene");
+    let scene = get(server.address(), "/scene");
     let length = scene.lines().find_map(|line| line.strip_prefix("content-length: ")).expect("a length");
     assert_eq!(count("scene_bytes").to_string(), length);
     // A head says at least what was answered and how long it is; a request at least what is asked for, and of whom.
@@ -453,7 +458,7 @@ fn a_thousand_idle_and_256_dripping_connections_delay_no_request_by_a_second() {
 fn crowd() {
     let place = Place::new();
     let server = serve_triangle(&place, [200, 0, 0]);
-    let address = server.1.trim_start_matches("http://").trim_end_matches('/');
+    let address = server.address();
     let connect = |n: usize| -> Vec<TcpStream> { (0..n).map(|_| TcpStream::connect(address).expect("connects")).collect() };
     let (idle, mut dripping) = (connect(1000), connect(256));
     thread::spawn(move || {

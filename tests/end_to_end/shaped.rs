@@ -11,7 +11,7 @@ use std::time::Duration;
 fn a_modelled_path_takes_as_long_as_a_real_one_of_its_rate_and_latency() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
-    let address = server.1.trim_start_matches("http://").trim_end_matches('/');
+    let address = server.address();
     let shaped = relay(address, 500_000.0, Duration::from_millis(50)).expect("a relay");
     let path = "--set path.bits_per_second=500000 --set path.latency_us=50000";
     place.ok(&format!("run --from http://{shaped}/ --size 320x240 {path} --set defer.mode=progressive --quiet --out out"));
@@ -29,7 +29,7 @@ fn a_modelled_path_takes_as_long_as_a_real_one_of_its_rate_and_latency() {
 fn a_user_who_looks_around_over_a_slow_path_waits_for_no_view_that_is_left() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
-    let address = server.1.trim_start_matches("http://").trim_end_matches('/');
+    let address = server.address();
     let shaped = relay(address, 1_000_000.0, Duration::from_millis(20)).expect("a relay");
     let script = "views = [{ at_ms = 0 }, { at_ms = 200, orbit = 40 }, { at_ms = 500, orbit = 80 }]";
     std::fs::write(place.path("views.toml"), script).expect("written");

@@ -22,7 +22,7 @@ fn get(address: &str, path: &str) -> Option<Vec<u8>> {
 fn who_watches_sees_each_picture_when_it_is_there_and_the_last_one_for_certain() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
-    let shaped = relay(server.1.trim_start_matches("http://").trim_end_matches('/'), 1e6, Duration::ZERO).expect("a relay");
+    let shaped = relay(server.address(), 1e6, Duration::ZERO).expect("a relay");
     let line = format!(
         "run --from http://{shaped}/ --size 64x48 --set tile.width=8 --set tile.height=8 --set defer.mode=progressive --watch=127.0.0.1:0"
     );

@@ -9,14 +9,12 @@
 //! the tiles that the model's own server makes. With it `basrelief` is built and taken from the folder above.
 
 mod common;
-#[path = "../src/remote/hash.rs"]
-mod hash;
 
 use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource as _};
 use basrelief_scene::Subject;
+use basrelief_served::{hash_of, hash_of_picture, hex};
 use basrelief_signals::Texture;
 use common::{Server, program};
-use hash::{hash_of, hash_of_picture, hex};
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 use std::path::Path;

@@ -20,6 +20,19 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
+/// Faults of an answer that another attempt does not meet.
+const PASSING: [Fault; 9] = [
+    Fault::Status(500),
+    Fault::Corrupt,
+    Fault::Truncated,
+    Fault::Cut,
+    Fault::Silent,
+    Fault::Stalled,
+    Fault::Dripping,
+    Fault::Undecodable,
+    Fault::OtherSize,
+];
+
 /// What goes wrong with an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
