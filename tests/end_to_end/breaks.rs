@@ -1,7 +1,7 @@
 //! What breaks in the middle between `serve` and `run --from`: clients that die, a server that restarts, a disk that fills. And what
 //! the server takes at most, whatever its clients do.
 
-use crate::remote::{Server, get, images};
+use crate::remote::{OWN_HOST, Server, get, images};
 use crate::support::{Place, wait};
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -57,14 +57,14 @@ fn a_client_that_is_killed_leaves_whole_pictures_and_the_next_run_takes_away_the
 #[test]
 fn a_server_that_restarts_in_the_middle_costs_its_clients_nothing_but_time() {
     let place = Place::new();
-    let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
+    let server = Server::start_at(&place, &format!("serve demo:gallery --listen {OWN_HOST}:0"), OWN_HOST);
     place.ok(&format!("run --from {} {VIEWS} --out undisturbed", server.1));
     let mut client = looking(&place, &server, "out");
     let address = server.address().to_owned();
     drop(server);
     thread::sleep(Duration::from_secs(2));
     assert!(client.try_wait().expect("runs").is_none(), "it has given up, or was over");
-    let _again = Server::start(&place, &format!("serve demo:gallery --listen {address}"));
+    let _again = Server::start_at(&place, &format!("serve demo:gallery --listen {address}"), OWN_HOST);
     assert!(wait(&mut client, LONGEST).expect("ends").success());
     assert_eq!(images(&place, "out"), images(&place, "undisturbed"));
     assert_eq!(place.names("out"), place.names("undisturbed"));

@@ -26,13 +26,21 @@ fn figure(place: &Place, out: &str, name: &str) -> u64 {
 /// A server, ended with the test.
 pub struct Server(pub Child, pub String);
 
+/// Where no client of another test takes the port of a server that is to listen there again. (Elsewhere there is one such address.)
+pub const OWN_HOST: &str = if cfg!(target_os = "linux") { "127.0.0.2" } else { "127.0.0.1" };
+
 impl Server {
     pub fn start(place: &Place, line: &str) -> Self {
+        Self::start_at(place, line, "127.0.0.1")
+    }
+
+    /// One that listens at another address of this computer.
+    pub fn start_at(place: &Place, line: &str, host: &str) -> Self {
         let mut child = place.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
         let mut said = String::new();
         BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut said).expect("a line");
         let url = said.split_whitespace().last().unwrap_or_default().to_owned();
-        assert!(url.starts_with("http://127.0.0.1:"), "{said}");
+        assert!(url.starts_with(&format!("http://{host}:")), "{said}");
         Self(child, url)
     }
 
@@ -286,12 +294,12 @@ fn a_picture_is_in_its_place_before_the_tiles_of_the_next_have_come() {
 fn a_server_that_starts_late_is_waited_for() {
     let place = Place::new();
     write_triangle(&place, [200, 0, 0]);
-    let address = TcpListener::bind("127.0.0.1:0").expect("a port").local_addr().expect("an address");
+    let address = TcpListener::bind((OWN_HOST, 0)).expect("a port").local_addr().expect("an address");
     let line = format!("run --from http://{address}/ --size 32x24 --quiet --out remote");
     let mut client = place.command(&line).spawn().expect("the program starts");
     thread::sleep(std::time::Duration::from_millis(300));
     assert!(client.try_wait().expect("runs").is_none(), "it has given up");
-    let _server = Server::start(&place, &format!("serve m.obj --listen {address}"));
+    let _server = Server::start_at(&place, &format!("serve m.obj --listen {address}"), OWN_HOST);
     let status = crate::support::wait(&mut client, std::time::Duration::from_secs(60)).expect("ends");
     assert!(status.success() && place.path("remote").join("image.png").exists());
 }

@@ -108,7 +108,7 @@ fn waiting(starting: Duration) -> Patience {
 
 #[test]
 fn a_server_that_starts_late_is_waited_for_and_one_that_does_not_is_named() {
-    let address = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let address = listener_of_its_own().local_addr().unwrap();
     let began = Instant::now();
     let late = Duration::from_millis(500);
     thread::spawn(move || {

@@ -20,6 +20,12 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
+/// Listens where nobody else does, now or later: clients of other tests take ports of 127.0.0.1 as they come, and so, now and then, the one
+/// of a server that is to listen there again. (Where there is no other address of this computer, that stays so.)
+fn listener_of_its_own() -> TcpListener {
+    TcpListener::bind("127.0.0.2:0").or_else(|_| TcpListener::bind("127.0.0.1:0")).unwrap()
+}
+
 /// Faults of an answer that another attempt does not meet.
 const PASSING: [Fault; 9] = [
     Fault::Status(500),
@@ -136,7 +142,7 @@ fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
 
 /// Where a server listens, its address, and how many requests came.
 fn listening() -> (TcpListener, String, Arc<AtomicU32>) {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let listener = listener_of_its_own();
     let url = format!("http://{}/", listener.local_addr().unwrap());
     (listener, url, Arc::default())
 }
