@@ -232,6 +232,12 @@ impl MemorySystem {
         self.port(client).served
     }
 
+    /// Requests of these clients that have been served.
+    #[inline(always)]
+    pub(crate) fn served_of(&self, clients: &[usize]) -> u64 {
+        clients.iter().map(|&client| self.served(client)).sum()
+    }
+
     /// Keeps a client's answers from request `number` on, for steps in flight.
     #[inline]
     pub(crate) fn keep_from(&mut self, client: usize, number: u64) {

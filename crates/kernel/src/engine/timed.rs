@@ -99,11 +99,13 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
             let demand = work.demand();
             let at = visit.next_start::<W>(demand);
             if at >= self.end {
-                self.limited |= at.is_known();
+                let is_known = at.is_known();
+                self.limited |= is_known;
+                visit.clock.again = is_known;
                 return demand;
             }
             if !work.has_step() {
-                self.hungry = true;
+                (self.hungry, visit.clock.again) = (true, true);
                 return demand;
             }
             if at > visit.clock.free {
@@ -143,13 +145,18 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     /// Runs a stage ahead.
     #[inline(always)]
     pub(super) fn advance<W: Work>(&mut self, number: usize, work: &mut W) {
-        self.moved |= self.time.visit::<W>(number).0.land_known::<W>();
+        let (mut visit, _) = self.time.visit::<W>(number);
+        if !visit.has_news::<W>() {
+            return;
+        }
+        self.moved |= visit.land_known::<W>();
         loop {
             let demand = self.fire_known(number, work);
+            let (mut visit, _) = self.time.visit::<W>(number);
+            self.moved |= visit.land_known::<W>();
             if !self.promises {
                 break;
             }
-            let (mut visit, _) = self.time.visit::<W>(number);
             let start = visit.promise::<W>(demand);
             if !visit.serve_private::<W>(start) {
                 break;
@@ -157,6 +164,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
             self.moved = true;
             visit.land_known::<W>();
         }
+        self.time.visit::<W>(number).0.leave::<W>();
     }
 }
 

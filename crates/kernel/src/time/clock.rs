@@ -29,6 +29,10 @@ pub(crate) struct Clock {
     /// Whether it has a memory to itself.
     pub(super) has_private: bool,
     pub(super) flights: Flights,
+    /// It is to be visited whether there is news for it or not.
+    pub(crate) again: bool,
+    /// Requests of its clients that had been served when it was last visited.
+    pub(super) served: u64,
     /// Deliveries that passed a mark.
     pub(super) marks: Vec<Cycle>,
 }
@@ -60,6 +64,8 @@ impl Clock {
             needs: Needs { credits: *credits, asked: true, served_in_order },
             has_private: memories.has_private(clients),
             flights: Flights::default(),
+            again: true,
+            served: 0,
             marks: Vec::new(),
         }
     }

@@ -167,7 +167,7 @@ impl Flights {
         (ids, system): (&[usize], &mut MemorySystem),
         mut deliver: impl FnMut(&Flight, u32),
     ) -> bool {
-        let known = ids.iter().map(|&client| system.served(client)).sum();
+        let known = system.served_of(ids);
         if self.asked_at.replace(known) == Some(known) {
             return false;
         }

@@ -9,6 +9,10 @@ use std::cell::{Cell, RefCell};
 /// times of a machine's FIFOs do not fit into the nearest cache.
 const SWEEP: usize = 64;
 
+/// Places of what is news for whom.
+const CONSUMER: usize = 0;
+const PRODUCER: usize = 1;
+
 /// Times of one token.
 #[derive(Clone, Debug)]
 pub(super) struct Token {
@@ -45,6 +49,8 @@ pub(crate) struct Slots {
     no_push_before: Cell<Cycle>,
     /// The consumer makes no step before, as far as it has promised.
     no_pop_before: Cell<Cycle>,
+    /// What its consumer or its producer may go by has changed since that last looked.
+    news: [Cell<bool>; 2],
     /// Of each token in the ring, the answers that the producer's step waits for, by client (law 9). Empty where the producer has no
     /// memory client.
     awaits: Box<[Cell<[Cycle; MAX_CLIENTS]>]>,
@@ -69,6 +75,7 @@ impl Slots {
             next_visible: Cell::default(),
             no_push_before: Cell::default(),
             no_pop_before: Cell::default(),
+            news: Default::default(),
             awaits: vec![Cell::default(); if awaits { tokens } else { 0 }].into(),
             occupancy: Occupancy::new(depth).into(),
         }
@@ -141,13 +148,18 @@ impl Slots {
     /// The producer makes no step before `start`.
     #[inline]
     pub(crate) fn promise_push(&self, start: Cycle) {
-        self.no_push_before.set(start);
+        // While there is a token, the consumer goes by that.
+        if self.no_push_before.replace(start) != start && self.is_empty() {
+            self.news[CONSUMER].set(true);
+        }
     }
 
     /// The consumer makes no step before `start`.
     #[inline]
     pub(crate) fn promise_pop(&self, start: Cycle) {
-        self.no_pop_before.set(start);
+        if self.no_pop_before.replace(start) != start && !self.room_at().is_known() {
+            self.news[PRODUCER].set(true);
+        }
     }
 
     /// Law 9: until when the oldest slot holder, which keeps the next push waiting, waits itself for `client`'s answer.
@@ -199,6 +211,7 @@ impl Slots {
         self.delivered.set(number + 1);
         if number == self.popped.get() {
             self.front.set(visible);
+            self.news[CONSUMER].set(true);
         }
     }
 
@@ -211,7 +224,20 @@ impl Slots {
         self.front.set(self.ring[self.place(number + 1)].visible.get());
         if number + self.depth == self.pushed.get() {
             self.room.set(at + 1);
+            self.news[PRODUCER].set(true);
         }
+    }
+
+    /// Whether there is news for its consumer since the last call.
+    #[inline(always)]
+    pub(super) fn has_news_for_consumer(&self) -> bool {
+        self.news[CONSUMER].take()
+    }
+
+    /// The same for its producer.
+    #[inline(always)]
+    pub(super) fn has_news_for_producer(&self) -> bool {
+        self.news[PRODUCER].take()
     }
 
     #[inline(never)]

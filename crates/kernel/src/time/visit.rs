@@ -27,6 +27,24 @@ pub(crate) struct Sight<'a> {
 }
 
 impl Visit<'_> {
+    /// Whether anything that it goes by has changed since the last visit: otherwise it can do no more than then.
+    #[inline(always)]
+    pub(crate) fn has_news<K: Known>(&mut self) -> bool {
+        let Self { clock, inputs, outputs, memories, .. } = self;
+        let mut news = std::mem::take(&mut clock.again);
+        inputs.each(inputs.all(K::INPUTS), K::INPUTS, |_, fifo| news |= fifo.has_news_for_consumer());
+        outputs.each(outputs.all(K::OUTPUTS), K::OUTPUTS, |_, fifo| news |= fifo.has_news_for_producer());
+        news || (K::HAS_MEMORY && clock.served != memories.served_of(&clock.clients))
+    }
+
+    /// Ends the visit: what its memories have served by now is no news.
+    #[inline(always)]
+    pub(crate) fn leave<K: Known>(&mut self) {
+        if K::HAS_MEMORY {
+            self.clock.served = self.memories.served_of(&self.clock.clients);
+        }
+    }
+
     /// The earliest start of its next step (law 3); unknown while that depends on what is not known yet, and where it will make no
     /// further step.
     #[inline(always)]
