@@ -6,7 +6,7 @@ use crate::asked::Asks;
 use crate::report::RunReport;
 use crate::shape::Shape;
 use crate::tape::{Reader, Reel, TapeError};
-use crate::time::{Halt, Known, Made, Path, Rest, Time, Visit};
+use crate::time::{Halt, Known, Made, Path, Rest, Takes, Time, Visit};
 use crate::{CriticalPath, Cycle, Demand, Groups, NoProbe, Outcome, Probe, Traffic};
 use std::borrow::Cow;
 
@@ -66,9 +66,11 @@ fn advance<P: Probe>(walk: &mut RunAhead<'_, P>, number: usize, reader: &mut Rea
 }
 
 impl<const I: usize, const O: usize, const MEMORY: bool> Work for Recorded<'_, I, O, MEMORY> {
+    type Declared = ();
+
     #[inline]
-    fn demand(&self) -> Demand {
-        self.0.demand().unwrap_or(Demand::Finished)
+    fn next(&self) -> ((), Takes) {
+        ((), self.0.takes())
     }
 
     #[inline]
@@ -77,7 +79,7 @@ impl<const I: usize, const O: usize, const MEMORY: bool> Work for Recorded<'_, I
     }
 
     #[inline]
-    fn step(&mut self, _: Demand, traffic: &mut Traffic) -> Made {
+    fn step(&mut self, (): (), traffic: &mut Traffic) -> Made {
         self.0.step(traffic)
     }
 

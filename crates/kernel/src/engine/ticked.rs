@@ -34,17 +34,18 @@ struct Tick<'a, SomeProbe> {
 
 impl<SomeProbe: Probe> Tick<'_, SomeProbe> {
     /// Makes a step that starts now.
-    fn make(&mut self, number: usize, demand: Demand, work: &mut impl Work) {
+    fn make(&mut self, number: usize, demand: Demand, work: &mut impl Work<Declared = Demand>) {
         for wait in self.waits[number].drain(..) {
             charge(&mut self.time.accounts[number], self.probe, number, wait);
         }
+        let takes = self.time.stages[number].takes(demand);
         let made = work.step(demand, &mut self.traffic);
         work.tell(number, (demand, &made), &self.traffic, self.probe);
         let (mut visit, _) = self.time.visit::<Unknown>(number);
         let asks = work.asks(&mut self.traffic, &mut visit);
-        visit.step_asking::<Unknown>(self.now, demand, &made, asks);
+        visit.step_asking::<Unknown>(self.now, takes, &made, asks);
         if let Some(tape) = &mut self.tape {
-            tape.step(number, demand, &made, &self.traffic);
+            work.write(tape, number, (demand, &made), &self.traffic);
         }
         work.go_on(&mut self.traffic);
         self.fired = true;

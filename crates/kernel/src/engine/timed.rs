@@ -45,9 +45,9 @@ use super::work::{Live, Work};
 use super::{Limits, Recording, fault_of, look};
 use crate::place::Place;
 use crate::tape::Writer;
-use crate::time::{Halt, Path, Time};
+use crate::time::{Halt, Path, Takes, Time};
 use crate::wiring::{Machine, Visitor};
-use crate::{Cycle, Demand, Probe, Traffic};
+use crate::{Cycle, Probe, Traffic};
 
 /// One walk over all stages.
 pub(super) struct RunAhead<'a, SomeProbe> {
@@ -92,38 +92,38 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
 impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     /// Makes all steps of a stage whose starts are known.
     #[inline(always)]
-    fn fire_known<W: Work>(&mut self, number: usize, work: &mut W) -> Demand {
+    fn fire_known<W: Work>(&mut self, number: usize, work: &mut W) -> Takes {
         let Self { time, probe, traffic, tape, path, .. } = self;
         let (mut visit, shape) = time.visit::<W>(number);
         loop {
-            let demand = work.demand();
-            let at = visit.next_start::<W>(demand);
+            let (declared, takes) = work.next();
+            let at = visit.next_start::<W>(takes);
             if at >= self.end {
                 let is_known = at.is_known();
                 self.limited |= is_known;
                 visit.clock.again = is_known;
-                return demand;
+                return takes;
             }
             if !work.has_step() {
                 (self.hungry, visit.clock.again) = (true, true);
-                return demand;
+                return takes;
             }
             if at > visit.clock.free {
-                visit.charge_wait::<W, _>(demand, at, *probe);
+                visit.charge_wait::<W, _>(takes, at, *probe);
             }
-            let made = work.step(demand, traffic);
-            work.tell(number, (demand, &made), traffic, probe);
+            let made = work.step(declared, traffic);
+            work.tell(number, (declared, &made), traffic, probe);
             if let Some(path) = path {
-                path.step(shape, &visit.sight(), (at, demand), &made);
+                path.step(shape, &visit.sight(), (at, takes), &made);
             }
             if work.is_silent(traffic) {
-                visit.step::<W>(at, demand, &made);
+                visit.step::<W>(at, takes, &made);
             } else {
                 let asks = work.asks(traffic, &mut visit);
-                visit.step_asking::<W>(at, demand, &made, asks);
+                visit.step_asking::<W>(at, takes, &made, asks);
             }
             if let Some(tape) = tape {
-                tape.step(number, demand, &made, traffic);
+                work.write(tape, number, (declared, &made), traffic);
             }
             work.go_on(traffic);
             self.moved = true;
@@ -134,7 +134,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
             if traffic.fault.is_some() {
                 self.fault = fault_of(traffic, &shape.stages[number].names.name, Some(at));
                 self.end = Cycle::ZERO;
-                return demand;
+                return takes;
             }
             if visit.serve_private::<W>(free) {
                 visit.land_known::<W>();
@@ -151,13 +151,13 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
         }
         self.moved |= visit.land_known::<W>();
         loop {
-            let demand = self.fire_known(number, work);
+            let takes = self.fire_known(number, work);
             let (mut visit, _) = self.time.visit::<W>(number);
             self.moved |= visit.land_known::<W>();
             if !self.promises {
                 break;
             }
-            let start = visit.promise::<W>(demand);
+            let start = visit.promise::<W>(takes);
             if !visit.serve_private::<W>(start) {
                 break;
             }

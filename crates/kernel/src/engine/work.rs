@@ -3,18 +3,21 @@
 use crate::asked::Asks;
 use crate::connections::Clients;
 use crate::place::Place;
-use crate::time::{Known, Made, Rest, Visit};
+use crate::tape::Writer;
+use crate::time::{Known, Made, Rest, Takes, Visit};
 use crate::wiring::{Inputs, Outputs, Visitor};
 use crate::{Connections, Demand, Probe, Stage, Traffic, Unit};
 
 /// The steps of one stage, in order.
 pub(crate) trait Work: Known {
-    /// What the next step takes.
-    fn demand(&self) -> Demand;
+    /// What a unit declares of its next step: nothing, where there is no unit.
+    type Declared: Copy;
+    /// What the next step takes, as its unit declares it and as time looks at it.
+    fn next(&self) -> (Self::Declared, Takes);
     /// Whether the next step can be made here, once time lets it start.
     fn has_step(&self) -> bool;
     /// Makes it: what it did, and in `traffic` what it asked of memories, where it is made only now.
-    fn step(&mut self, demand: Demand, traffic: &mut Traffic) -> Made;
+    fn step(&mut self, declared: Self::Declared, traffic: &mut Traffic) -> Made;
     /// Whether the step that was just made asked nothing of memories.
     fn is_silent(&self, traffic: &Traffic) -> bool;
     /// What the step that was just made, in this visit, asked of memories; none, and a fault in `traffic`, where it must not.
@@ -22,8 +25,12 @@ pub(crate) trait Work: Known {
     /// Goes on behind that step.
     fn go_on(&mut self, traffic: &mut Traffic);
     /// Tells a probe that asks what the step was about that has just been made.
-    fn tell<P: Probe>(&self, number: usize, (demand, made): (Demand, &Made), traffic: &Traffic, probe: &mut P) {
-        _ = (number, demand, made, traffic, probe);
+    fn tell<P: Probe>(&self, number: usize, (declared, made): (Self::Declared, &Made), traffic: &Traffic, probe: &mut P) {
+        _ = (number, declared, made, traffic, probe);
+    }
+    /// Writes it on a tape, unless it comes from one.
+    fn write(&self, tape: &mut Writer, number: usize, (declared, made): (Self::Declared, &Made), traffic: &Traffic) {
+        _ = (tape, number, declared, made, traffic);
     }
 }
 
@@ -52,9 +59,12 @@ where
     O: Outputs<Item = U::Out>,
     C: Clients,
 {
+    type Declared = Demand;
+
     #[inline(always)]
-    fn demand(&self) -> Demand {
-        self.unit.demand()
+    fn next(&self) -> (Demand, Takes) {
+        let demand = self.unit.demand();
+        (demand, Takes::of(demand, self.connections.inputs.count()))
     }
 
     #[inline(always)]
@@ -97,6 +107,11 @@ where
             let given: Vec<_> = given.collect();
             probe.stepped(number, [demand.of(inputs.count()), traffic.clients()], &given);
         }
+    }
+
+    #[inline(always)]
+    fn write(&self, tape: &mut Writer, number: usize, (demand, made): (Demand, &Made), traffic: &Traffic) {
+        tape.step(number, demand, made, traffic);
     }
 }
 

@@ -4,9 +4,9 @@ use super::class::Class;
 use crate::asked::{Asked, Caches, Count, LookUps};
 use crate::cache::Tags;
 use crate::shape::StageShape;
-use crate::time::Made;
-use crate::wiring::MAX_CLIENTS;
-use crate::{Demand, MemorySystem, Request};
+use crate::time::{Made, Takes};
+use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
+use crate::{MemorySystem, Request};
 
 /// Steps that are read: several replays may share them, as no times are in them.
 #[derive(Clone, Debug, Default)]
@@ -21,37 +21,43 @@ pub(super) struct Ahead {
 /// A step that is read: what its class says of it, in few bytes, since there may be millions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
-    pub(super) demand: Demand,
     pub(super) occupancy: u32,
     latency: u32,
-    outputs: u32,
     requests: u32,
+    pub(super) takes: Takes,
+    outputs: u8,
+    /// Caches that it looks anything up in; beside them [`MARK`].
     caches: u8,
-    marked: bool,
 }
 
+/// Bit of [`Step::caches`]: its delivery passes a mark.
+const MARK: u8 = 1 << 7;
+const _: () = assert!(MAX_CLIENTS < MARK as usize && MAX_LINKS <= 8 && size_of::<Step>() == 16);
+
 impl Step {
-    /// Numbers of classes that are read have 32 bits.
-    pub(super) fn of(Class { demand, made, count, .. }: &Class) -> Self {
+    /// Of a stage with so many inputs. Numbers of classes that are read have 32 bits.
+    pub(super) fn of(Class { demand, made, count, .. }: &Class, inputs: usize) -> Self {
         let (occupancy, latency) = (made.occupancy as u32, made.latency as u32);
-        let (requests, caches) = (count.requests as u32, count.caches as u8);
-        Self { demand: *demand, occupancy, latency, outputs: made.outputs, requests, caches, marked: made.marked }
+        let caches = count.caches as u8 | if made.marked { MARK } else { 0 };
+        let takes = Takes::of(*demand, inputs);
+        Self { occupancy, latency, requests: count.requests as u32, takes, outputs: made.outputs as u8, caches }
     }
 
     #[inline(always)]
     pub(super) fn made(&self) -> Made {
-        let &Self { occupancy, latency, outputs, marked, .. } = self;
-        Made { occupancy: occupancy.into(), latency: latency.into(), outputs, marked }
+        let &Self { occupancy, latency, outputs, caches, .. } = self;
+        let marked = caches & MARK != 0;
+        Made { occupancy: occupancy.into(), latency: latency.into(), outputs: outputs.into(), marked }
     }
 
     /// The same, but that nothing is asked: what was asked was refused.
     pub(super) fn asking_nothing(self) -> Self {
-        Self { requests: 0, caches: 0, ..self }
+        Self { requests: 0, caches: self.caches & MARK, ..self }
     }
 
     #[inline(always)]
     pub(super) fn count(&self) -> Count {
-        Count { requests: self.requests as usize, caches: usize::from(self.caches) }
+        Count { requests: self.requests as usize, caches: usize::from(self.caches & !MARK) }
     }
 }
 

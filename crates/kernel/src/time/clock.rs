@@ -2,12 +2,12 @@
 
 use super::ends::Ends;
 use super::flight::Flights;
-use super::{Made, Slots};
+use super::{Made, Slots, Takes};
 use crate::account::{Account, Cause};
 use crate::probe::Probe;
 use crate::shape::StageShape;
 use crate::wiring::MAX_CLIENTS;
-use crate::{Cycle, MemorySystem};
+use crate::{Cycle, Demand, MemorySystem};
 
 /// A wait: why, its first cycle, and the cycle after its last.
 pub(crate) type Wait = (Cause, Cycle, Cycle);
@@ -38,21 +38,39 @@ pub(crate) struct Clock {
 }
 
 /// What a stage asks of its memory clients in every step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Needs {
     /// Credits that the largest step needs, by client.
     pub(super) credits: [u32; MAX_CLIENTS],
+    /// The same of the clients that it needs any of.
+    pub(super) of: Box<[Need]>,
     /// Whether it has asked any of them for anything in its last step: otherwise they have the credits that they had.
     pub(super) asked: bool,
     /// Clients in the order in which their memories serve them.
     pub(super) served_in_order: [usize; MAX_CLIENTS],
 }
 
+/// Credits of a client.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Need {
+    /// Client as its unit numbers it, and as the memories do.
+    pub(super) place: usize,
+    pub(super) client: usize,
+    pub(super) credits: u32,
+}
+
+impl Needs {
+    fn new(clients: &[usize], credits: &[u32; MAX_CLIENTS], memories: &MemorySystem) -> Self {
+        let mut served_in_order = std::array::from_fn(|i| i);
+        served_in_order[..clients.len()].sort_by_key(|&i| memories.service_rank(clients[i]));
+        let of = clients.iter().zip(credits).enumerate().map(|(place, (&client, &credits))| Need { place, client, credits });
+        Self { credits: *credits, of: of.filter(|need| need.credits > 0).collect(), asked: true, served_in_order }
+    }
+}
+
 impl Clock {
     pub(super) fn new(shape: &StageShape, memories: &MemorySystem) -> Self {
         let StageShape { inputs, outputs, clients, credits, ideal, .. } = shape;
-        let mut served_in_order = std::array::from_fn(|i| i);
-        served_in_order[..clients.len()].sort_by_key(|&i| memories.service_rank(clients[i]));
         Self {
             free: Cycle::ZERO,
             steps: 0,
@@ -61,13 +79,19 @@ impl Clock {
             inputs: Ends::new(inputs),
             outputs: Ends::new(outputs),
             clients: clients.as_slice().into(),
-            needs: Needs { credits: *credits, asked: true, served_in_order },
+            needs: Needs::new(clients, credits, memories),
             has_private: memories.has_private(clients),
             flights: Flights::default(),
             again: true,
             served: 0,
             marks: Vec::new(),
         }
+    }
+
+    /// What its next step takes, by what its unit declares.
+    #[inline(always)]
+    pub(crate) fn takes(&self, demand: Demand) -> Takes {
+        Takes::of(demand, self.inputs.count(None))
     }
 
     /// How long a step keeps the unit, and how long it takes to deliver, as far as it does not depend on memory.

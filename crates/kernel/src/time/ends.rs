@@ -57,7 +57,7 @@ impl Ends {
     pub(super) fn join(self, fifos: &[Slots], known: Option<usize>) -> Joined<'_> {
         let mut slots = [None; MAX_LINKS];
         for (place, slot) in slots.iter_mut().enumerate().take(known.unwrap_or(0)) {
-            *slot = fifos.get(self.at(place));
+            *slot = Some(&fifos[self.at(place)]);
         }
         Joined { ends: self, fifos, slots }
     }
@@ -89,7 +89,12 @@ impl<'a> Joined<'a> {
     #[inline(always)]
     pub(super) fn each(&self, bits: u32, known: Option<usize>, mut see: impl FnMut(usize, &'a Slots)) {
         let Some(count) = known else {
-            return self.ends.of(bits).for_each(|(place, number)| see(place, &self.fifos[number]));
+            for (place, &number) in self.ends.numbers.iter().enumerate().take(usize::from(self.ends.count)) {
+                if bits & 1 << place != 0 {
+                    see(place, &self.fifos[usize::from(number)]);
+                }
+            }
+            return;
         };
         for (place, slots) in self.slots.iter().enumerate().take(count) {
             if bits & 1 << place != 0

@@ -9,12 +9,14 @@ mod occupancy;
 mod path;
 mod slots;
 mod start;
+mod takes;
 mod visit;
 
 pub(crate) use clock::{Clock, Wait, charge};
 pub(crate) use conclude::{Halt, Rest};
 pub(crate) use path::Path;
 pub(crate) use slots::Slots;
+pub(crate) use takes::Takes;
 pub(crate) use visit::Visit;
 
 use crate::shape::Shape;

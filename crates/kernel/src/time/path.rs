@@ -6,11 +6,11 @@
 //! own work before its tokens, these before its credits and slots. So a path is not the only one.
 
 use super::visit::Sight;
-use super::{Made, Time};
+use super::{Made, Takes, Time};
 use crate::path::{CriticalPath, Groups, PathPart, Phase, Stretch};
 use crate::shape::Shape;
 use crate::wiring::MAX_CLIENTS;
-use crate::{Cycle, Demand, MemorySystem};
+use crate::{Cycle, MemorySystem};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Before the first event.
@@ -101,7 +101,7 @@ impl Path {
     /// A stage makes a step, before its times take it in. (Kept out of the engine's code: who does not ask for a path must not pay.)
     #[cold]
     #[inline(never)]
-    pub(crate) fn step(&mut self, shape: &Shape, visit: &Sight<'_>, (at, demand): (Cycle, Demand), made: &Made) {
+    pub(crate) fn step(&mut self, shape: &Shape, visit: &Sight<'_>, (at, takes): (Cycle, Takes), made: &Made) {
         if self.events.len() > self.most {
             return;
         }
@@ -110,7 +110,7 @@ impl Path {
         for &client in &clock.clients {
             self.issued[client].resize(memories.issued(client) as usize, self.steps[stage]);
         }
-        let inputs = demand.of(clock.inputs.count(None));
+        let inputs = takes.inputs();
         for (_, fifo) in clock.inputs.of(inputs) {
             let visible = self.token(shape, visit, fifo);
             self.fifos[fifo].visible = visible;

@@ -1,8 +1,8 @@
 //! When the next step of a stage can start, and why not before (laws 3 and 9).
 
-use super::clock::Wait;
+use super::clock::{Need, Wait};
 use super::ends::Joined;
-use super::{Clock, Known, Time, Unknown};
+use super::{Clock, Known, Takes, Time, Unknown};
 use crate::{Cause, Cycle, Demand, MemorySystem};
 
 impl Time {
@@ -10,14 +10,14 @@ impl Time {
     pub(crate) fn next_start(&self, stage: usize, demand: Demand) -> Cycle {
         let clock = &self.stages[stage];
         let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, None));
-        clock.next_start::<Unknown>((&inputs, &outputs), &self.memories, demand)
+        clock.next_start::<Unknown>((&inputs, &outputs), &self.memories, clock.takes(demand))
     }
 
     /// Splits the wait of a stage from `from` to `to` into its causes (law 9), in order, and hands each to `charge`.
     pub(crate) fn split_wait(&self, stage: usize, demand: Demand, between: (Cycle, Cycle), charge: impl FnMut(Wait)) {
         let clock = &self.stages[stage];
         let [inputs, outputs] = [clock.inputs, clock.outputs].map(|ends| ends.join(&self.fifos, None));
-        clock.split_wait::<Unknown>((&inputs, &outputs), &self.memories, demand, between, charge);
+        clock.split_wait::<Unknown>((&inputs, &outputs), &self.memories, clock.takes(demand), between, charge);
     }
 }
 
@@ -29,20 +29,20 @@ impl Clock {
         &self,
         (inputs, outputs): (&Joined<'_>, &Joined<'_>),
         memories: &MemorySystem,
-        demand: Demand,
+        takes: Takes,
     ) -> Cycle {
-        if demand == Demand::Finished {
+        if takes == Takes::NO_STEP {
             return Cycle::UNKNOWN;
         }
         let mut at = self.free;
-        inputs.each(demand.of(inputs.count(K::INPUTS)), K::INPUTS, |_, fifo| at = at.max(fifo.front_visible()));
+        inputs.each(takes.inputs(), K::INPUTS, |_, fifo| at = at.max(fifo.front_visible()));
         // Most visits end here: what else is unknown makes no difference.
         if !at.is_known() {
             return at;
         }
         outputs.each(outputs.all(K::OUTPUTS), K::OUTPUTS, |_, fifo| at = at.max(fifo.room_at()));
         if K::HAS_MEMORY && self.needs.asked {
-            for (&client, &credits) in self.clients.iter().zip(&self.needs.credits) {
+            for &Need { client, credits, .. } in &self.needs.of {
                 at = at.max(memories.credits_at(client, credits));
             }
         }
@@ -58,42 +58,56 @@ impl Clock {
         &self,
         (inputs, outputs): (&Joined<'_>, &Joined<'_>),
         memories: &MemorySystem,
-        demand: Demand,
+        takes: Takes,
         (from, to): (Cycle, Cycle),
-        mut charge: impl FnMut(Wait),
+        charge: impl FnMut(Wait),
     ) {
-        let mut at = from;
-        let mut until = |cause: Cause, end: Cycle| {
-            let end = end.min(to);
-            if end > at {
-                charge((cause, at, end));
-                at = end;
-            }
-            // Whether nothing of the interval is left.
-            at >= to
-        };
-        let mut over = false;
-        inputs.each(demand.of(inputs.count(K::INPUTS)), K::INPUTS, |i, fifo| {
-            over = until(Cause::Starved(i), fifo.front_visible());
-        });
-        if over {
+        let mut wait = Split { at: from, to, charge };
+        inputs.each(takes.inputs(), K::INPUTS, |i, fifo| wait.until(Cause::Starved(i), fifo.front_visible()));
+        if wait.is_over() {
             return;
         }
         if K::HAS_MEMORY && self.needs.asked {
-            for (i, (&client, &credits)) in self.clients.iter().zip(&self.needs.credits).enumerate() {
-                if until(Cause::Memory(i), memories.credits_at(client, credits)) {
-                    return;
-                }
+            for &Need { place, client, credits } in &self.needs.of {
+                wait.until(Cause::Memory(place), memories.credits_at(client, credits));
             }
         }
         outputs.each(outputs.all(K::OUTPUTS), K::OUTPUTS, |i, fifo| {
             let room = fifo.room_at();
+            // Mostly there is room, and who holds what does not matter.
+            if room <= wait.at {
+                return;
+            }
             if K::HAS_MEMORY {
                 for &client in self.needs.served_in_order.iter().take(self.clients.len()) {
-                    until(Cause::Memory(client), fifo.oldest_awaits(client).min(room));
+                    wait.until(Cause::Memory(client), fifo.oldest_awaits(client).min(room));
                 }
             }
-            until(Cause::Blocked(i), room);
+            wait.until(Cause::Blocked(i), room);
         });
+    }
+}
+
+/// A wait, as far as it is charged.
+struct Split<F> {
+    at: Cycle,
+    to: Cycle,
+    charge: F,
+}
+
+impl<F: FnMut(Wait)> Split<F> {
+    /// What is left of it up to `end` has this cause.
+    #[inline(always)]
+    fn until(&mut self, cause: Cause, end: Cycle) {
+        let end = end.min(self.to);
+        if end > self.at {
+            (self.charge)((cause, self.at, end));
+            self.at = end;
+        }
+    }
+
+    /// Whether nothing of it is left.
+    fn is_over(&self) -> bool {
+        self.at >= self.to
     }
 }

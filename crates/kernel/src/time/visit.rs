@@ -3,9 +3,9 @@
 
 use super::ends::{Ends, Joined};
 use super::flight::{Delivery, Flight, MARKED};
-use super::{Clock, Known, Made, Slots, charge};
+use super::{Clock, Known, Made, Slots, Takes, charge};
 use crate::asked::Asks;
-use crate::{Account, Cycle, Demand, MemorySystem, Probe, Traffic};
+use crate::{Account, Cycle, MemorySystem, Probe, Traffic};
 
 /// A stage, to be worked on.
 pub(crate) struct Visit<'a> {
@@ -48,16 +48,16 @@ impl Visit<'_> {
     /// The earliest start of its next step (law 3); unknown while that depends on what is not known yet, and where it will make no
     /// further step.
     #[inline(always)]
-    pub(crate) fn next_start<K: Known>(&self, demand: Demand) -> Cycle {
-        self.clock.next_start::<K>((&self.inputs, &self.outputs), self.memories, demand)
+    pub(crate) fn next_start<K: Known>(&self, takes: Takes) -> Cycle {
+        self.clock.next_start::<K>((&self.inputs, &self.outputs), self.memories, takes)
     }
 
     /// Charges the cycles that it waits from the end of its last step to the start of the next, at `at`.
     #[inline(always)]
-    pub(crate) fn charge_wait<K: Known, P: Probe>(&mut self, demand: Demand, at: Cycle, probe: &mut P) {
+    pub(crate) fn charge_wait<K: Known, P: Probe>(&mut self, takes: Takes, at: Cycle, probe: &mut P) {
         let Self { stage, clock, account, memories, inputs, outputs, .. } = self;
         let between = (clock.free, at);
-        clock.split_wait::<K>((inputs, outputs), memories, demand, between, |wait| charge(account, probe, *stage, wait));
+        clock.split_wait::<K>((inputs, outputs), memories, takes, between, |wait| charge(account, probe, *stage, wait));
     }
 
     /// What a step asks of its memories: see [`Traffic::settle`].
@@ -68,8 +68,8 @@ impl Visit<'_> {
 
     /// Makes a step that starts at `at`: takes it into the times of its FIFOs. Its delivery is known where it asks nothing.
     #[inline(always)]
-    pub(crate) fn step<K: Known>(&mut self, at: Cycle, demand: Demand, made: &Made) {
-        let (occupancy, latency) = self.begin::<K>(at, demand, made);
+    pub(crate) fn step<K: Known>(&mut self, at: Cycle, takes: Takes, made: &Made) {
+        let (occupancy, latency) = self.begin::<K>(at, takes, made);
         if K::HAS_MEMORY && !self.clock.flights.is_empty() {
             let delivery = delivery(at + latency, made);
             self.clock.flights.push(Flight::new(delivery), (&self.clock.clients, self.memories));
@@ -85,8 +85,8 @@ impl Visit<'_> {
     /// The same of a step that asks something. With nothing known to ask, since that is not what was declared and wired, it delivers
     /// nothing: the run ends there.
     #[inline(always)]
-    pub(crate) fn step_asking<K: Known>(&mut self, at: Cycle, demand: Demand, made: &Made, asks: Option<Asks<'_>>) {
-        let kept = self.begin::<K>(at, demand, made);
+    pub(crate) fn step_asking<K: Known>(&mut self, at: Cycle, takes: Takes, made: &Made, asks: Option<Asks<'_>>) {
+        let kept = self.begin::<K>(at, takes, made);
         match asks {
             Some(asks) => self.step_asking_on(at, kept, made, asks),
             None => self.end(at, kept.0),
@@ -95,9 +95,9 @@ impl Visit<'_> {
 
     /// Takes tokens and reserves slots; how long the step keeps the unit and takes to deliver, as far as no memory decides.
     #[inline(always)]
-    fn begin<K: Known>(&mut self, at: Cycle, demand: Demand, made: &Made) -> (u64, u64) {
+    fn begin<K: Known>(&mut self, at: Cycle, takes: Takes, made: &Made) -> (u64, u64) {
         self.clock.needs.asked = false;
-        self.inputs.each(demand.of(self.inputs.count(K::INPUTS)), K::INPUTS, |_, fifo| fifo.pop(at));
+        self.inputs.each(takes.inputs(), K::INPUTS, |_, fifo| fifo.pop(at));
         self.outputs.each(made.outputs, K::OUTPUTS, |_, fifo| fifo.reserve(at));
         self.clock.kept(made)
     }
@@ -134,10 +134,10 @@ impl Visit<'_> {
     /// Promises that it makes no step before it can at the earliest: with what its neighbours have promised, where they have not come
     /// so far yet. Its neighbours build on that in turn, and its memories serve what others asked for until then.
     #[inline(always)]
-    pub(crate) fn promise<K: Known>(&mut self, demand: Demand) -> Cycle {
+    pub(crate) fn promise<K: Known>(&mut self, takes: Takes) -> Cycle {
         let Self { clock, memories, inputs, outputs, .. } = self;
-        let mut start = if demand == Demand::Finished { Cycle::UNKNOWN } else { clock.free };
-        let (taken, room) = (demand.of(inputs.count(K::INPUTS)), outputs.all(K::OUTPUTS));
+        let mut start = if takes == Takes::NO_STEP { Cycle::UNKNOWN } else { clock.free };
+        let (taken, room) = (takes.inputs(), outputs.all(K::OUTPUTS));
         inputs.each(taken, K::INPUTS, |_, fifo| start = start.max(fifo.no_front_before()));
         outputs.each(room, K::OUTPUTS, |_, fifo| start = start.max(fifo.no_room_before()));
         inputs.each(inputs.all(K::INPUTS), K::INPUTS, |_, fifo| fifo.promise_pop(start));
