@@ -55,12 +55,12 @@ impl<const I: usize, const O: usize, const MEMORY: bool> Known for Recorded<'_, 
 fn advance<P: Probe>(walk: &mut RunAhead<'_, P>, number: usize, reader: &mut Reader) {
     let clients = !walk.time.shape.stages[number].clients.is_empty();
     match (reader.ends(), clients) {
-        ([0, 1], false) => walk.advance(number, &mut Recorded::<0, 1, false>(reader)),
-        ([1, 0], false) => walk.advance(number, &mut Recorded::<1, 0, false>(reader)),
         ([1, 1], false) => walk.advance(number, &mut Recorded::<1, 1, false>(reader)),
         ([1, 1], true) => walk.advance(number, &mut Recorded::<1, 1, true>(reader)),
         ([1, 2], false) => walk.advance(number, &mut Recorded::<1, 2, false>(reader)),
+        ([2, 1], false) => walk.advance(number, &mut Recorded::<2, 1, false>(reader)),
         ([2, 1], true) => walk.advance(number, &mut Recorded::<2, 1, true>(reader)),
+        ([3, 2], false) => walk.advance(number, &mut Recorded::<3, 2, false>(reader)),
         _ => walk.advance(number, &mut Recorded::<MANY, MANY, true>(reader)),
     }
 }
