@@ -20,6 +20,14 @@ impl Cycle {
         self != Self::UNKNOWN
     }
 
+    /// So many cycles after a time that is known. (What may be unknown stays so with `+`, which takes two instructions more: in every
+    /// step some ten.)
+    #[inline(always)]
+    pub(crate) fn after(self, cycles: u64) -> Self {
+        debug_assert!(self.is_known(), "the time is known");
+        Self(self.0.wrapping_add(cycles))
+    }
+
     /// Cycles from `earlier` to here; 0 where `earlier` is later.
     #[inline]
     pub fn since(self, earlier: Self) -> u64 {

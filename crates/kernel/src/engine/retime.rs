@@ -79,8 +79,8 @@ impl<const I: usize, const O: usize, const MEMORY: bool> Work for Recorded<'_, I
     }
 
     #[inline]
-    fn step(&mut self, (): (), traffic: &mut Traffic) -> Made {
-        self.0.step(traffic)
+    fn step(&mut self, (): (), _: &mut Traffic) -> Made {
+        self.0.step()
     }
 
     #[inline]
@@ -90,7 +90,7 @@ impl<const I: usize, const O: usize, const MEMORY: bool> Work for Recorded<'_, I
 
     #[inline]
     fn asks<'a>(&'a mut self, traffic: &'a mut Traffic, _: &mut Visit<'_>) -> Option<Asks<'a>> {
-        traffic.fault.is_none().then(|| self.0.asks())
+        self.0.asks(traffic)
     }
 
     #[inline]

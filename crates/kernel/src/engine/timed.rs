@@ -114,7 +114,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
             let made = work.step(declared, traffic);
             work.tell(number, (declared, &made), traffic, probe);
             if let Some(path) = path {
-                path.step(shape, &visit.sight(), (at, takes), &made);
+                path.step(shape, &visit.sight(), (at, takes), &{ made });
             }
             if work.is_silent(traffic) {
                 visit.step::<W>(at, takes, &made);

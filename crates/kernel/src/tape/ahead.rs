@@ -32,7 +32,9 @@ pub(super) struct Step {
 
 /// Bit of [`Step::caches`]: its delivery passes a mark.
 const MARK: u8 = 1 << 7;
-const _: () = assert!(MAX_CLIENTS < MARK as usize && MAX_LINKS <= 8 && size_of::<Step>() == 16);
+/// In place of [`Step::caches`]: what it asks was refused.
+const REFUSED: u8 = MARK - 1;
+const _: () = assert!(MAX_CLIENTS < REFUSED as usize && MAX_LINKS <= 8 && size_of::<Step>() == 16);
 
 impl Step {
     /// Of a stage with so many inputs. Numbers of classes that are read have 32 bits.
@@ -50,9 +52,20 @@ impl Step {
         Made { occupancy: occupancy.into(), latency: latency.into(), outputs: outputs.into(), marked }
     }
 
-    /// The same, but that nothing is asked: what was asked was refused.
-    pub(super) fn asking_nothing(self) -> Self {
-        Self { requests: 0, caches: self.caches & MARK, ..self }
+    /// The same, but that what was asked is refused.
+    pub(super) fn refused(self) -> Self {
+        Self { caches: REFUSED, ..self }
+    }
+
+    #[inline(always)]
+    pub(super) fn is_refused(&self) -> bool {
+        self.caches == REFUSED
+    }
+
+    /// Whether it asks nothing.
+    #[inline(always)]
+    pub(super) fn is_silent(&self) -> bool {
+        self.requests | u32::from(self.caches & !MARK) == 0
     }
 
     #[inline(always)]

@@ -6,7 +6,7 @@ use super::class::{CLASSES, Class, NEW};
 use super::reel::Reel;
 use crate::asked::{Asks, Count, Cursor, objection};
 use crate::shape::StageShape;
-use crate::time::{Made, Rest};
+use crate::time::{Made, Rest, Takes};
 use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
 use crate::{Demand, MemorySystem, Request, Traffic};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ const ADDRESSES: u64 = 1 << 60;
 /// Steps that are read at a time, and about as many requests and lines.
 const AHEAD: usize = 512;
 /// Most steps of a stage, and about as many requests and lines, that are kept to be shared.
-const SHARED: usize = 1 << 18;
+const SHARED: usize = 1 << 24;
 /// What such a step takes, or a request or line of it, at most \[bytes\].
 const SHARED_BYTES: u64 = 64;
 
@@ -32,8 +32,8 @@ pub(crate) struct Reader {
     /// What is read, and the next step of it.
     ahead: Arc<Ahead>,
     next: usize,
-    /// What the step that was made last asks, of all that is asked.
-    count: Count,
+    /// Whether the step that was made last asks nothing.
+    is_silent: bool,
     at_asked: Cursor,
     /// What the step after the stream will take, if that is known.
     rest: Option<Rest>,
@@ -53,10 +53,10 @@ impl Reader {
         Self {
             bytes: Vec::new(),
             at: 0,
-            classes: vec![(Step::of(&Class::UNDEFINED), Class::UNDEFINED); CLASSES + 1],
+            classes: vec![(Step::of(&Class::UNDEFINED, 0), Class::UNDEFINED); CLASSES + 1],
             ahead: Arc::default(),
             next: 0,
-            count: Count::default(),
+            is_silent: true,
             at_asked: Cursor::default(),
             rest: None,
             last: [0; MAX_LINKS],
@@ -123,11 +123,24 @@ impl Reader {
         self.next < self.ahead.steps.len()
     }
 
-    /// What the next step takes, if that is known.
+    /// What the next step takes; no step where that is not known.
     #[inline(always)]
+    pub(crate) fn takes(&self) -> Takes {
+        match self.ahead.steps.get(self.next) {
+            Some(step) => step.takes,
+            None => self.takes_behind(),
+        }
+    }
+
+    #[cold]
+    fn takes_behind(&self) -> Takes {
+        self.rest.map_or(Takes::NO_STEP, |rest| Takes::of(rest.demand, self.ends[0]))
+    }
+
+    /// The same as a unit would declare it, if that is known.
     pub(crate) fn demand(&self) -> Option<Demand> {
         match self.ahead.steps.get(self.next) {
-            Some(step) => Some(step.demand),
+            Some(step) => Some(step.takes.demand()),
             None => self.rest.map(|rest| rest.demand),
         }
     }
@@ -137,30 +150,30 @@ impl Reader {
         self.rest.is_some_and(|rest| rest.empty)
     }
 
-    /// The next step, which there is; what is wrong with it goes to `traffic`.
+    /// The next step, which there is.
     #[inline(always)]
-    pub(crate) fn step(&mut self, traffic: &mut Traffic) -> Made {
-        let Ahead { steps, refused, .. } = &*self.ahead;
-        let step = &steps[self.next];
-        self.count = step.count();
-        if let Some(text) = refused
-            && self.next + 1 == steps.len()
-        {
-            traffic.fault(text.clone());
-        }
+    pub(crate) fn step(&mut self) -> Made {
+        let step = &self.ahead.steps[self.next];
+        self.is_silent = step.is_silent();
         step.made()
     }
 
     /// Whether that step asks nothing of memories.
     #[inline(always)]
     pub(crate) fn is_silent(&self) -> bool {
-        self.count == Count::default()
+        self.is_silent
     }
 
-    /// What that step asks of memories.
+    /// What that step asks of memories; what is wrong with it goes to `traffic`.
     #[inline(always)]
-    pub(crate) fn asks(&mut self) -> Asks<'_> {
-        self.ahead.asked.next(&mut self.at_asked, self.count)
+    pub(crate) fn asks(&mut self, traffic: &mut Traffic) -> Option<Asks<'_>> {
+        let Ahead { steps, refused, asked } = &*self.ahead;
+        let step = &steps[self.next];
+        if step.is_refused() {
+            traffic.fault(refused.clone().unwrap_or_default());
+            return None;
+        }
+        Some(asked.next(&mut self.at_asked, step.count()))
     }
 
     /// Goes on behind it.
@@ -225,7 +238,7 @@ impl Reader {
             self.tags.count(ahead.asked.last(class.count.caches), asks.0);
         } else {
             ahead.refused = Some(objection(asks, &mut self.tags, &self.largest));
-            step = step.asking_nothing();
+            step = step.refused();
         }
         ahead.steps.push(step);
         Ok(())
@@ -239,7 +252,7 @@ impl Reader {
             return Err(TapeError::Value { what: "the place of a class", value: place.into(), expected: "0 to 254" });
         }
         let class = Class::read(&self.bytes, &mut self.at, self.ends)?;
-        self.classes[usize::from(place)] = (Step::of(&class), class);
+        self.classes[usize::from(place)] = (Step::of(&class, self.ends[0]), class);
         Ok(place)
     }
 }

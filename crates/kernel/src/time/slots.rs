@@ -57,6 +57,18 @@ pub(crate) struct Slots {
     occupancy: RefCell<Occupancy>,
 }
 
+/// The place of a token in a ring of a power of two.
+#[inline(always)]
+fn place<T>(ring: &[T], number: usize) -> usize {
+    number & ring.len().wrapping_sub(1)
+}
+
+/// A token in its ring.
+#[inline(always)]
+fn token(ring: &[Token], number: usize) -> &Token {
+    &ring[place(ring, number)]
+}
+
 impl Slots {
     /// Of a FIFO of `depth` slots whose tokens are visible `latency` cycles after delivery; `awaits`: whether its producer has
     /// memory clients, so that each slot keeps their answers.
@@ -102,16 +114,10 @@ impl Slots {
         self.next_visible.get().0.checked_sub(1).map(Cycle)
     }
 
-    /// The place of a token in the ring.
-    #[inline(always)]
-    fn place(&self, number: usize) -> usize {
-        number & (self.ring.len() - 1)
-    }
-
-    /// The place of the token whose slot the next one takes.
+    /// The number of the token whose slot the next one takes.
     #[inline(always)]
     fn slot(&self) -> usize {
-        self.place(self.pushed.get().wrapping_sub(self.depth))
+        self.pushed.get().wrapping_sub(self.depth)
     }
 
     /// When the front token is visible; unknown while there is none or its delivery is not known.
@@ -166,18 +172,18 @@ impl Slots {
     /// Meaningful while the FIFO is full; unknown while the answer is.
     #[inline]
     pub(crate) fn oldest_awaits(&self, client: usize) -> Cycle {
-        self.awaits.get(self.slot()).map_or(Cycle::ZERO, |answers| answers.get()[client])
+        self.awaits.get(place(&self.awaits, self.slot())).map_or(Cycle::ZERO, |answers| answers.get()[client])
     }
 
     /// The answers that the front token's step waited for, by client; none where its producer has no client.
     pub(super) fn front_answers(&self) -> Option<[Cycle; MAX_CLIENTS]> {
-        self.awaits.get(self.place(self.popped.get())).map(Cell::get)
+        self.awaits.get(place(&self.awaits, self.popped.get())).map(Cell::get)
     }
 
     /// Records until when the next token to be delivered waits for each client's answer.
     #[inline]
     pub(crate) fn set_awaits(&self, answers: [Cycle; MAX_CLIENTS]) {
-        if let Some(awaits) = self.awaits.get(self.place(self.delivered.get())) {
+        if let Some(awaits) = self.awaits.get(place(&self.awaits, self.delivered.get())) {
             awaits.set(answers);
         }
     }
@@ -185,17 +191,17 @@ impl Slots {
     /// Reserves a slot at the start of the step that fills it.
     #[inline(always)]
     pub(crate) fn reserve(&self, start: Cycle) {
-        let number = self.pushed.get();
-        let token = &self.ring[self.place(number)];
-        token.reserved.set(start);
-        token.free.set(Cycle::UNKNOWN);
+        let (ring, number) = (&*self.ring, self.pushed.get());
+        let new = token(ring, number);
+        new.reserved.set(start);
+        new.free.set(Cycle::UNKNOWN);
         // What stands at the place behind is older than the ring.
-        self.ring[self.place(number + 1)].visible.set(Cycle::UNKNOWN);
-        if let Some(awaits) = self.awaits.get(self.place(number)) {
+        token(ring, number + 1).visible.set(Cycle::UNKNOWN);
+        if let Some(awaits) = self.awaits.get(place(&self.awaits, number)) {
             awaits.set(Default::default());
         }
         self.pushed.set(number + 1);
-        self.room.set(self.ring[self.slot()].free.get());
+        self.room.set(token(ring, self.slot()).free.get());
         if (number + 1).is_multiple_of(SWEEP) {
             self.settle();
         }
@@ -204,10 +210,10 @@ impl Slots {
     /// Delivers the oldest reserved token (law 1): visible from max(d + f, visible time of the token before it + 1).
     #[inline(always)]
     pub(crate) fn deliver(&self, delivered: Cycle) {
-        let visible = (delivered + self.latency).max(self.next_visible.get());
+        let visible = delivered.after(self.latency).max(self.next_visible.get());
         let number = self.delivered.get();
-        self.ring[self.place(number)].visible.set(visible);
-        self.next_visible.set(visible + 1);
+        token(&self.ring, number).visible.set(visible);
+        self.next_visible.set(visible.after(1));
         self.delivered.set(number + 1);
         if number == self.popped.get() {
             self.front.set(visible);
@@ -218,12 +224,12 @@ impl Slots {
     /// Pops the front token.
     #[inline(always)]
     pub(crate) fn pop(&self, at: Cycle) {
-        let number = self.popped.get();
-        self.ring[self.place(number)].free.set(at + 1);
+        let (ring, number, free) = (&*self.ring, self.popped.get(), at.after(1));
+        token(ring, number).free.set(free);
         self.popped.set(number + 1);
-        self.front.set(self.ring[self.place(number + 1)].visible.get());
+        self.front.set(token(ring, number + 1).visible.get());
         if number + self.depth == self.pushed.get() {
-            self.room.set(at + 1);
+            self.room.set(free);
             self.news[PRODUCER].set(true);
         }
     }
@@ -263,7 +269,7 @@ impl Slots {
     /// Counts the slots held in cycle `now`, after the actions of that cycle: law 10 read literally.
     pub(crate) fn count_held(&self, now: Cycle) {
         // Popped in this cycle, its slot is held to its end.
-        let last = self.popped.get().checked_sub(1).map(|last| self.ring[self.place(last)].free.get());
+        let last = self.popped.get().checked_sub(1).map(|last| token(&self.ring, last).free.get());
         let held = self.len() + usize::from(last == Some(now + 1));
         self.occupancy.borrow_mut().count(held, now);
     }

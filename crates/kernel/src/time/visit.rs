@@ -71,13 +71,13 @@ impl Visit<'_> {
     pub(crate) fn step<K: Known>(&mut self, at: Cycle, takes: Takes, made: &Made) {
         let (occupancy, latency) = self.begin::<K>(at, takes, made);
         if K::HAS_MEMORY && !self.clock.flights.is_empty() {
-            let delivery = delivery(at + latency, made);
+            let delivery = delivery(at.after(latency), made);
             self.clock.flights.push(Flight::new(delivery), (&self.clock.clients, self.memories));
             return self.end(at, occupancy);
         }
-        self.outputs.each(made.outputs, K::OUTPUTS, |_, fifo| fifo.deliver(at + latency));
+        self.outputs.each(made.outputs, K::OUTPUTS, |_, fifo| fifo.deliver(at.after(latency)));
         if made.marked {
-            self.clock.marks.push(at + latency);
+            self.clock.marks.push(at.after(latency));
         }
         self.end(at, occupancy);
     }
@@ -96,7 +96,9 @@ impl Visit<'_> {
     /// Takes tokens and reserves slots; how long the step keeps the unit and takes to deliver, as far as no memory decides.
     #[inline(always)]
     fn begin<K: Known>(&mut self, at: Cycle, takes: Takes, made: &Made) -> (u64, u64) {
-        self.clock.needs.asked = false;
+        if K::HAS_MEMORY {
+            self.clock.needs.asked = false;
+        }
         self.inputs.each(takes.inputs(), K::INPUTS, |_, fifo| fifo.pop(at));
         self.outputs.each(made.outputs, K::OUTPUTS, |_, fifo| fifo.reserve(at));
         self.clock.kept(made)
@@ -104,7 +106,7 @@ impl Visit<'_> {
 
     #[inline(always)]
     fn step_asking_on(&mut self, at: Cycle, (occupancy, latency): (u64, u64), made: &Made, asks: Asks<'_>) {
-        let delivery = delivery(at + latency, made);
+        let delivery = delivery(at.after(latency), made);
         let least = depart(self.clock, self.fifos, self.memories, (at, delivery), asks);
         self.end(at, occupancy.max(least));
     }
@@ -112,7 +114,7 @@ impl Visit<'_> {
     #[inline(always)]
     fn end(&mut self, at: Cycle, occupancy: u64) {
         self.clock.busy += occupancy;
-        self.clock.free = at + occupancy;
+        self.clock.free = at.after(occupancy);
         self.clock.steps += 1;
     }
 
