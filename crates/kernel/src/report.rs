@@ -91,6 +91,11 @@ pub struct RunReport {
 }
 
 impl RunReport {
+    /// Cycles up to the last mark; all, where no delivery passed one.
+    pub fn marked_cycles(&self) -> u64 {
+        if self.marks.is_empty() { self.total } else { self.marks.iter().sum() }
+    }
+
     /// Of a run that could not begin.
     pub(crate) fn of_fault(fault: String) -> Self {
         let (marks, units, fifos, memories, caches) = Default::default();

@@ -4,7 +4,7 @@ mod common;
 
 use basrelief_kernel::plan::Plan;
 use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{NoProbe, Outcome, RetimeError, RunReport, Shape, retime};
+use basrelief_kernel::{NoProbe, Outcome, RetimeError, RunReport, Shape, Tape, retime};
 use common::random::{Recipe, recipe};
 use common::{machine, run_both, tape};
 use proptest::collection::vec;
@@ -62,6 +62,21 @@ proptest! {
             Err(error) => prop_assert!(
                 matches!(error, RetimeError::EndsEarly(_)) && recorded.outcome != Outcome::Complete, "{}", error
             ),
+        }
+    }
+
+    /// Held and read once, with all of a report or with its cycles alone.
+    #[test]
+    fn a_tape_that_is_held_gives_the_same_each_time(recipe in recipe(), other in recipe()) {
+        let (plan, _) = recipe.plan();
+        let recorded = tape(&plan, u64::MAX);
+        let shape = |plan: &Plan| Shape::of(&mut machine(plan)).unwrap();
+        let held = Tape::new(&recorded[..], &shape(&plan), u64::MAX);
+        for plan in [&plan, &other_times(&plan, &other)] {
+            let report = timed_again(&recorded, plan);
+            let complete = |report: &RunReport| (report.outcome == Outcome::Complete).then(|| report.marked_cycles());
+            prop_assert_eq!(held.cycles(shape(plan)), report.as_ref().map(complete).map_err(Clone::clone));
+            prop_assert_eq!(held.retime(shape(plan)), report);
         }
     }
 

@@ -4,11 +4,9 @@
 //! has it: what that changes is its share. All the rest is work: A's tape, timed with all times of B, is B with the work of A. Shares
 //! need not sum to the difference: what is left changes only together.
 
-use crate::limits::frame_cycles;
 use crate::machines::{MachineConfig, MachineSpec, for_machine};
 use crate::tape::{Loaded, TapeFileError, same_work};
 use basrelief_input::Budget;
-use basrelief_kernel::Outcome;
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::compare::WORK;
 use basrelief_report::{Explained, Report, Share};
@@ -141,8 +139,7 @@ fn timed_as(tape: &Loaded, config: &MachineConfig) -> Option<u64> {
 fn timed_on<S: MachineSpec>(tape: &Loaded, spec: &S) -> Option<u64> {
     let recorded: S = tape.given.load(&[]).ok()?;
     let shape = same_work((&recorded, spec), tape.way).ok()?;
-    let run = tape.tape.retime(shape).ok()?;
-    (run.outcome == Outcome::Complete).then(|| frame_cycles(&run))
+    tape.tape.cycles(shape).ok()?
 }
 
 #[cfg(test)]

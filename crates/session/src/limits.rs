@@ -139,7 +139,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
     }
 
     fn limit(&self, ideal: Ideal, cycles: u64) -> Option<Limit> {
-        let saved = frame_cycles(self.run).checked_sub(cycles).filter(|saved| *saved > 0)?;
+        let saved = self.run.marked_cycles().checked_sub(cycles).filter(|saved| *saved > 0)?;
         let Ideal { resource, what, set } = ideal;
         let set = set.into_iter().map(|(key, value)| format!("{key}={value}")).collect();
         Some(Limit { resource, what: what.into(), set, cycles, saved })
@@ -154,7 +154,7 @@ impl<S: MachineSpec> Recorded<'_, S> {
             let ideal = together(a, b);
             self.cycles(of, &ideal.set).map(|cycles| (ideal, cycles))
         });
-        let total = frame_cycles(self.run);
+        let total = self.run.marked_cycles();
         let is_more = |cycles: u64, of: [u64; 2]| {
             let alone: u64 = of.into_iter().map(|cycles| total.saturating_sub(cycles)).sum();
             total.saturating_sub(cycles) > alone + total * TOGETHER / 1000
@@ -167,11 +167,6 @@ impl<S: MachineSpec> Recorded<'_, S> {
     fn cycles(&self, (tape, recorded): (&Tape<'_>, &Shape), set: &[(String, String)]) -> Option<u64> {
         let shape = self.way.shape(&self.given.load::<S>(set).ok()?).ok()?;
         recorded.same_work(&shape).ok()?;
-        tape.retime(shape).ok().map(|report| frame_cycles(&report))
+        tape.cycles(shape).ok()?
     }
-}
-
-/// Cycles up to the end of the last frame: what is behind it, the display of what was drawn, limits nothing.
-pub(crate) fn frame_cycles(run: &RunReport) -> u64 {
-    if run.marks.is_empty() { run.total } else { run.marks.iter().sum() }
 }

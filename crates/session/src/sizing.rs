@@ -5,10 +5,9 @@
 //! has left. Where units share a memory, cycles are not monotone in a depth, so the choice is the best that was found, and not proved to
 //! be the smallest there is. Its cycles are exact: each choice is timed as a whole.
 
-use crate::limits::frame_cycles;
 use crate::machines::{MachineSpec, for_machine};
 use crate::tape::{Loaded, TapeFileError};
-use basrelief_kernel::{Outcome, RunReport};
+use basrelief_kernel::{Outcome, RunReport, Shape};
 use basrelief_threads as threads;
 use serde::Serialize;
 use std::io::Read;
@@ -99,7 +98,7 @@ impl<'a, S: MachineSpec> Sizing<'a, S> {
     }
 
     fn choice(&self, within_percent: Option<f64>, depths: &[u32]) -> Result<Choice, TapeFileError> {
-        let cycles = self.tapes.iter().map(|tape| self.timed(tape, depths).map(|run| frame_cycles(&run)));
+        let cycles = self.tapes.iter().map(|tape| self.timed(tape, depths).map(|run| run.marked_cycles()));
         let slots = depths.iter().map(|depth| u64::from(*depth)).sum();
         let bits = depths.iter().zip(&self.fifos).map(|(depth, fifo)| u64::from(*depth) * fifo.bits).sum();
         let depths = self.fifos.iter().zip(depths).map(|(fifo, depth)| (fifo.name.clone(), *depth)).collect();
@@ -141,19 +140,29 @@ impl<'a, S: MachineSpec> Sizing<'a, S> {
     fn keeps(&self, depths: &[u32], percent: f64) -> Result<bool, TapeFileError> {
         let both: Vec<_> = self.tapes.iter().zip(&self.recorded).collect();
         let kept = threads::map(both, |(tape, recorded)| {
-            let most = frame_cycles(recorded) as f64 * (1.0 + percent / 100.0);
-            self.timed(tape, depths).map(|run| run.outcome == Outcome::Complete && frame_cycles(&run) as f64 <= most)
+            let most = recorded.marked_cycles() as f64 * (1.0 + percent / 100.0);
+            Ok(self.cycles(tape, depths)?.is_some_and(|cycles| cycles as f64 <= most))
         });
         kept.into_iter().try_fold(true, |all, kept| Ok(all && kept?))
     }
 
     /// A tape with these depths; with none, as it was.
     fn timed(&self, tape: &Loaded, depths: &[u32]) -> Result<RunReport, TapeFileError> {
+        Ok(tape.tape.retime(self.shape(tape, depths)?)?)
+    }
+
+    /// Its cycles; none where it does not come to its end.
+    fn cycles(&self, tape: &Loaded, depths: &[u32]) -> Result<Option<u64>, TapeFileError> {
+        Ok(tape.tape.cycles(self.shape(tape, depths)?)?)
+    }
+
+    /// The machine of a tape with these depths.
+    fn shape(&self, tape: &Loaded, depths: &[u32]) -> Result<Shape, TapeFileError> {
         let set = |(fifo, depth): (&Sized, &u32)| (format!("fifo.{}.depth", fifo.name), depth.to_string());
         let set: Vec<(String, String)> = self.fifos.iter().zip(depths).map(set).collect();
         let spec: S = tape.given.load(&set).map_err(|error| TapeFileError::Config(error.to_string()))?;
         let shape = tape.way.shape(&spec).map_err(crate::tape::config)?;
         tape.way.shape(self.spec).map_err(crate::tape::config)?.same_work(&shape).map_err(TapeFileError::OtherWork)?;
-        Ok(tape.tape.retime(shape)?)
+        Ok(shape)
     }
 }

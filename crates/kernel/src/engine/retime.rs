@@ -112,7 +112,7 @@ pub fn retime<P: Probe>(
     max_cycles: u64,
 ) -> Result<RunReport, RetimeError> {
     let readers = new_readers(&shape);
-    Ok(timed_again((shape, readers), reels, (probe, None), max_cycles)?.0)
+    Ok(timed_again((shape, readers), reels, (probe, Wanted::Report), max_cycles)?.0)
 }
 
 /// Times the work on a tape, and finds what its end waited for, back to its beginning. It keeps up to `most_events` of 16 bytes, some
@@ -127,7 +127,7 @@ pub fn critical_path(
     groups: &[Groups],
 ) -> Result<Option<CriticalPath>, RetimeError> {
     let readers = new_readers(&shape);
-    Ok(timed_again((shape, readers), reels, (&mut NoProbe, Some((most_events, groups))), u64::MAX)?.1)
+    Ok(timed_again((shape, readers), reels, (&mut NoProbe, Wanted::Path(most_events, groups)), u64::MAX)?.1)
 }
 
 fn new_readers(shape: &Shape) -> Vec<Reader> {
@@ -166,7 +166,17 @@ impl<'a> Tape<'a> {
     /// # Errors
     /// See [`RetimeError`].
     pub fn retime(&self, shape: Shape) -> Result<RunReport, RetimeError> {
-        Ok(self.timed_again(shape, None)?.0)
+        Ok(self.timed_again(shape, Wanted::Report)?.0)
+    }
+
+    /// Cycles [up to the last mark](RunReport::marked_cycles), and nothing else: in seven eighths of the instructions. None where the
+    /// run is not complete.
+    ///
+    /// # Errors
+    /// See [`RetimeError`].
+    pub fn cycles(&self, shape: Shape) -> Result<Option<u64>, RetimeError> {
+        let (report, _) = self.timed_again(shape, Wanted::Cycles)?;
+        Ok((report.outcome == Outcome::Complete).then(|| report.marked_cycles()))
     }
 
     /// As [`critical_path`].
@@ -179,10 +189,10 @@ impl<'a> Tape<'a> {
         most_events: usize,
         groups: &[Groups],
     ) -> Result<Option<CriticalPath>, RetimeError> {
-        Ok(self.timed_again(shape, Some((most_events, groups)))?.1)
+        Ok(self.timed_again(shape, Wanted::Path(most_events, groups))?.1)
     }
 
-    fn timed_again(&self, shape: Shape, path: Wanted<'_>) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
+    fn timed_again(&self, shape: Shape, wanted: Wanted<'_>) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
         let fitting = |(stage, reader): (usize, &Reader)| {
             let fits = reader.fits(&shape.stages[stage], &shape.memories);
             if fits { Some(reader.clone()) } else { self.read(stage, &shape) }
@@ -191,18 +201,25 @@ impl<'a> Tape<'a> {
         let readers: Option<Vec<Reader>> = readers.and_then(|readers| readers.iter().enumerate().map(fitting).collect());
         let mut reels = self.reels.iter().map(Cow::Borrowed).skip(if readers.is_some() { self.reels.len() } else { 0 });
         let readers = readers.unwrap_or_else(|| new_readers(&shape));
-        timed_again((shape, readers), &mut |_| Ok(reels.next()), (&mut NoProbe, path), u64::MAX)
+        timed_again((shape, readers), &mut |_| Ok(reels.next()), (&mut NoProbe, wanted), u64::MAX)
     }
 }
 
-/// A critical path, where one is wanted: of how many events at most, and by which groups.
-type Wanted<'a> = Option<(usize, &'a [Groups])>;
+/// What is wanted of a run.
+enum Wanted<'a> {
+    /// Its cycles.
+    Cycles,
+    /// All of its report.
+    Report,
+    /// Its critical path: of how many events at most, and by which groups.
+    Path(usize, &'a [Groups]),
+}
 
 /// The report, and the critical path where it is wanted.
 fn timed_again<P: Probe>(
     (shape, mut readers): (Shape, Vec<Reader>),
     reels: &mut Reels<'_, '_>,
-    (probe, path): (&mut P, Wanted<'_>),
+    (probe, wanted): (&mut P, Wanted<'_>),
     max_cycles: u64,
 ) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
     let mut time = Time::new(shape);
@@ -210,7 +227,14 @@ fn timed_again<P: Probe>(
     if readers.iter().any(|reader| reader.demand().is_none()) {
         feed(&mut readers, reels, &time)?;
     }
-    let path = path.map(|(most, groups)| Path::new(&mut time, most, groups));
+    let path = match wanted {
+        Wanted::Path(most, groups) => Some(Path::new(&mut time, most, groups)),
+        Wanted::Report => None,
+        Wanted::Cycles => {
+            time.account_for_nothing();
+            None
+        }
+    };
     let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
     walk.path = path;
     let halt = loop {

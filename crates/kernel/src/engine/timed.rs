@@ -38,6 +38,12 @@
 //! 8. **It ends.** From a column command to its answer it takes at least a cycle, so the burst that sets the horizon is served,
 //!    or the request split into bursts: each round makes a step, brings a memory on, or is the last. Test `laws/law_8_end`.
 //!
+//! 9. **A stage that is passed over could do nothing.** What a visit does follows from the stage itself and from what others tell it:
+//!    that its front token is visible, that its full FIFO has room, what they promise where neither is so, and how many of its
+//!    requests are served. Each of these leaves news where it changes, and a stage that a limit or the end of a tape holds back is
+//!    visited whatever happens; what it has in flight it lands before it is left. `Slots::news`, `Visit::has_news`. Without it two
+//!    visits of three found nothing. Tests `properties::both_engines_give_equal_reports`, `hidden_deliveries`.
+//!
 //! By 1 both engines make the same steps; by 2, 3 and 5 to 7 at the same times, in which all requests are served in the order
 //! of law 4; by 8 both come to rest, where nothing can start: so their reports are equal.
 
@@ -63,6 +69,7 @@ pub(super) struct RunAhead<'a, SomeProbe> {
     pub(super) hungry: bool,
     /// Whether there are memories, so that promises are worth their while.
     promises: bool,
+    accounts_for: bool,
     /// Writes down what is done, where it is wanted.
     tape: Option<&'a mut Writer>,
     /// Keeps what every step waited for, where that is wanted.
@@ -71,10 +78,10 @@ pub(super) struct RunAhead<'a, SomeProbe> {
 
 impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
     pub(super) fn new(time: &'a mut Time, probe: &'a mut SomeProbe, max_cycles: u64, tape: Option<&'a mut Writer>) -> Self {
-        let promises = time.memories.has_any();
+        let (promises, accounts_for) = (time.memories.has_any(), time.accounts_for);
         let (traffic, end, fault) = (Traffic::default(), Cycle(max_cycles), None);
         let (stage, moved, limited, hungry) = (0, false, false, false);
-        Self { time, probe, traffic, end, stage, moved, limited, fault, hungry, promises, tape, path: None }
+        Self { time, probe, traffic, end, stage, moved, limited, fault, hungry, promises, accounts_for, tape, path: None }
     }
 
     /// Begins a round.
@@ -93,7 +100,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     /// Makes all steps of a stage whose starts are known.
     #[inline(always)]
     fn fire_known<W: Work>(&mut self, number: usize, work: &mut W) -> Takes {
-        let Self { time, probe, traffic, tape, path, .. } = self;
+        let Self { time, probe, traffic, tape, path, accounts_for, .. } = self;
         let (mut visit, shape) = time.visit::<W>(number);
         loop {
             let (declared, takes) = work.next();
@@ -108,7 +115,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 (self.hungry, visit.clock.again) = (true, true);
                 return takes;
             }
-            if at > visit.clock.free {
+            if at > visit.clock.free && *accounts_for {
                 visit.charge_wait::<W, _>(takes, at, *probe);
             }
             let made = work.step(declared, traffic);

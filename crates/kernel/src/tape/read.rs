@@ -16,7 +16,7 @@ const ADDRESSES: u64 = 1 << 60;
 /// Steps that are read at a time, and about as many requests and lines.
 const AHEAD: usize = 512;
 /// Most steps of a stage, and about as many requests and lines, that are kept to be shared.
-const SHARED: usize = 1 << 24;
+const SHARED: usize = 1 << 20;
 /// What such a step takes, or a request or line of it, at most \[bytes\].
 const SHARED_BYTES: u64 = 64;
 

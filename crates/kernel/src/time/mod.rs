@@ -63,6 +63,8 @@ pub(crate) struct Time {
     pub(crate) accounts: Vec<Account>,
     pub(crate) fifos: Vec<Slots>,
     pub(crate) memories: MemorySystem,
+    /// Whether waits are charged, and how full FIFOs are is counted.
+    pub(crate) accounts_for: bool,
 }
 
 impl Time {
@@ -73,13 +75,19 @@ impl Time {
         let stages: Vec<_> = shape.stages.iter().map(|stage| Clock::new(stage, &memories)).collect();
         let has_clients = |stage: usize| !shape.stages[stage].clients.is_empty();
         let fifos = shape.fifos.iter().map(|f| Slots::new(f.depth, f.latency, has_clients(f.producer))).collect();
-        Self { accounts: vec![Account::default(); shape.stages.len()], shape, stages, fifos, memories }
+        Self { accounts: vec![Account::default(); shape.stages.len()], shape, stages, fifos, memories, accounts_for: true }
+    }
+
+    /// Only tells time: for whom nothing else counts.
+    pub(crate) fn account_for_nothing(&mut self) {
+        self.accounts_for = false;
+        self.fifos.iter().for_each(Slots::count_nothing);
     }
 
     /// A stage, to be worked on; and the shape of the machine.
     #[inline(always)]
     pub(crate) fn visit<K: Known>(&mut self, stage: usize) -> (Visit<'_>, &Shape) {
-        let Self { shape, stages, accounts, fifos, memories } = self;
+        let Self { shape, stages, accounts, fifos, memories, .. } = self;
         let (clock, account) = (&mut stages[stage], &mut accounts[stage]);
         let (inputs, outputs) = (clock.inputs.join(fifos, K::INPUTS), clock.outputs.join(fifos, K::OUTPUTS));
         (Visit { stage, clock, account, fifos, memories, inputs, outputs }, shape)

@@ -17,6 +17,8 @@ pub(crate) struct Occupancy {
     settled_to: Cycle,
     /// The ticked engine counts literally: slots held in the last cycle counted, and that cycle.
     counted: Option<(usize, Cycle)>,
+    /// Nobody asks for it.
+    is_off: bool,
     /// What it held from when on, wherever that changed, where somebody looks on: since it was last taken.
     fills: Option<Fills>,
 }
@@ -47,7 +49,21 @@ impl Fills {
 
 impl Occupancy {
     pub(crate) fn new(depth: usize) -> Self {
-        Self { histogram: vec![0; depth + 1], push: 0, pop: 0, held: 0, settled_to: Cycle::ZERO, counted: None, fills: None }
+        Self {
+            histogram: vec![0; depth + 1],
+            push: 0,
+            pop: 0,
+            held: 0,
+            settled_to: Cycle::ZERO,
+            counted: None,
+            is_off: false,
+            fills: None,
+        }
+    }
+
+    /// Counts nothing from now on.
+    pub(crate) fn count_nothing(&mut self) {
+        self.is_off = true;
     }
 
     /// Keeps what it holds, to be taken.
@@ -68,7 +84,7 @@ impl Occupancy {
 
     /// Settles what can be settled, and keeps the rest: so many tokens are pushed, and so many popped.
     pub(crate) fn settle(&mut self, ring: &[Token], ends: (usize, usize)) {
-        if self.counted.is_some() {
+        if self.counted.is_some() || self.is_off {
             return;
         }
         match self.fills.take() {
@@ -108,6 +124,9 @@ impl Occupancy {
             // The ticked engine learns that a run is over one cycle late.
             self.histogram[held] -= (last + 1).since(total);
             return self.histogram.clone();
+        }
+        if self.is_off {
+            return vec![];
         }
         self.settle(ring, (pushed, popped));
         let token = |number: usize| &ring[number & (ring.len() - 1)];

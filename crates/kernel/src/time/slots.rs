@@ -251,6 +251,11 @@ impl Slots {
         self.occupancy.borrow_mut().settle(&self.ring, (self.pushed.get(), self.popped.get()));
     }
 
+    /// See [`Occupancy::count_nothing`].
+    pub(crate) fn count_nothing(&self) {
+        self.occupancy.borrow_mut().count_nothing();
+    }
+
     /// See [`Occupancy::keep_fills`].
     pub(crate) fn keep_fills(&self) {
         self.occupancy.borrow_mut().keep_fills();
