@@ -141,7 +141,8 @@ impl<'a, S: MachineSpec> Sizing<'a, S> {
         let both: Vec<_> = self.tapes.iter().zip(&self.recorded).collect();
         let kept = threads::map(both, |(tape, recorded)| {
             let most = recorded.marked_cycles() as f64 * (1.0 + percent / 100.0);
-            Ok(self.cycles(tape, depths)?.is_some_and(|cycles| cycles as f64 <= most))
+            let cycles = self.cycles(tape, depths);
+            cycles.map(|cycles| cycles.is_some_and(|cycles| cycles as f64 <= most))
         });
         kept.into_iter().try_fold(true, |all, kept| Ok(all && kept?))
     }
