@@ -4,7 +4,7 @@ use super::spec::{Logs, MachineSpec, PictureRecord, RunSummary, TileFetch};
 use crate::costs::CostPoints;
 use crate::exhibits::defer::{DeferLog, EXHIBITS};
 use crate::exhibits::spec::ExhibitSpec;
-use basrelief_deferred_renderer::{Lighting, RenderMode, TexelCentre, TileSource};
+use basrelief_deferred_renderer::{Lighting, Preview, RenderMode, TexelCentre, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::facts::{Part, Value};
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer, RunAhead};
@@ -45,6 +45,10 @@ impl MachineSpec for DeferConfig {
             tiles_per_request: path.tiles_per_request,
             left_at_ms: if self.acts_at_times() { self.defer.left_at_ms.clone() } else { vec![] },
         })
+    }
+
+    fn preview(&self) -> Option<Preview> {
+        Some(DeferConfig::preview(self))
     }
 
     fn front(&self) -> FrontConfig {

@@ -5,7 +5,7 @@ use crate::encoding::TileEncoding;
 use crate::polygon_memory::PolygonMemory;
 use crate::pyramid::{ServedTexture, is_same_picture};
 use crate::tokens::{Content, EncodedTile, Parcel, Request};
-use crate::{Page, User, page::Cut};
+use crate::{Onlooker, Page, User, page::Cut};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Derived, Step, Traffic, Unit};
 use basrelief_signals::{Control, Texture};
@@ -29,6 +29,10 @@ pub trait TileSource: Debug {
     fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String>;
     /// Who looks at the pictures, by the clock; nobody in the model.
     fn user(&self) -> Option<Arc<dyn User>> {
+        None
+    }
+    /// Who is shown each filled reference buffer (126), ahead of the first tile that is asked for by it; nobody in the model.
+    fn onlooker(&self) -> Option<Arc<dyn Onlooker>> {
         None
     }
     /// Bytes of all tiles of the finest layer of a texture, as they are encoded; none where only a server elsewhere knows.
