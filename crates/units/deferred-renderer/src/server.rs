@@ -123,6 +123,8 @@ pub struct ServerCounters {
     pub raw_tile_bytes: u64,
     /// Tiles.
     pub tiles: u64,
+    /// Answers that they came in.
+    pub answers: u64,
 }
 
 /// Everything the server remembers.
@@ -138,6 +140,8 @@ pub struct ServerState {
     /// This source was offered them; a state that was put in brings its own textures.
     #[serde(skip)]
     offered: Derived<()>,
+    /// The answer whose tiles are sent: number of their texture, and how many there are so far.
+    answer: Option<(u32, u32)>,
     /// Why nothing comes any more: the first tile that there is none of, in a sentence.
     pub lost: Option<String>,
     /// What it has counted.
@@ -216,9 +220,19 @@ impl Server {
         Parcel { bytes, content: Content::Mesh(control) }
     }
 
+    /// Bytes of the head of an answer, in front of the first of its tiles: they are of one picture, and listed by one acquisition.
+    fn head(&mut self, page: &Page) -> u64 {
+        let most = self.config.tiles_per_request;
+        let under_way = self.state.answer.filter(|(texture, tiles)| *texture == page.texture && *tiles < most);
+        self.state.answer = Some((page.texture, under_way.map_or(0, |(_, tiles)| tiles) + 1));
+        self.state.counters.answers += u64::from(under_way.is_none());
+        if under_way.is_some() { 0 } else { self.config.head_bytes.into() }
+    }
+
     fn answer(&mut self, request: &Request) -> Option<Parcel> {
         match request {
             Request::Announce(tiles) => {
+                self.state.answer = None;
                 self.source.announce(tiles);
                 None
             }
@@ -232,7 +246,7 @@ impl Server {
                     self.state.counters.raw_tile_bytes += 3 * page.texels_in(*tile);
                     self.state.counters.tiles += 1;
                     let encoded = EncodedTile { page: Arc::clone(page), tile: *tile, bytes };
-                    Some(Parcel { bytes: encoded.bytes.len() as u64, content: Content::Tile(encoded) })
+                    Some(Parcel { bytes: self.head(page) + encoded.bytes.len() as u64, content: Content::Tile(encoded) })
                 }
                 Err(error) => {
                     self.state.lost = Some(error);
@@ -275,6 +289,10 @@ impl Unit for Server {
         facts.figure("path_texture_size_bytes", c.size_bytes, "bytes", "Sizes of textures sent on it");
         facts.figure("path_tile_bytes", c.tile_bytes, "bytes", "Tiles sent on it");
         facts.figure("path_tile_raw_bytes", c.raw_tile_bytes, "bytes", "The same tiles as raw texels");
+        if self.config.head_bytes > 0 {
+            let bytes = c.answers * u64::from(self.config.head_bytes);
+            facts.figure("path_head_bytes", bytes, "bytes", "Heads of the answers that they came in");
+        }
         facts.figure("path_tiles", c.tiles, "tiles", "Tiles sent on it");
     }
 }
