@@ -72,7 +72,7 @@ impl MachineSpec for DeferConfig {
     }
 
     fn warnings(&self, facts: &Facts) -> Vec<String> {
-        defer::warnings(facts)
+        defer::warnings(self, facts)
     }
 
     /// When each picture was shown, from the end of the frame before, and how far it is from the last of its frame.
