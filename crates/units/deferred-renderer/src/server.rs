@@ -289,10 +289,8 @@ impl Unit for Server {
         facts.figure("path_texture_size_bytes", c.size_bytes, "bytes", "Sizes of textures sent on it");
         facts.figure("path_tile_bytes", c.tile_bytes, "bytes", "Tiles sent on it");
         facts.figure("path_tile_raw_bytes", c.raw_tile_bytes, "bytes", "The same tiles as raw texels");
-        if self.config.head_bytes > 0 {
-            let bytes = c.answers * u64::from(self.config.head_bytes);
-            facts.figure("path_head_bytes", bytes, "bytes", "Heads of the answers that they came in");
-        }
+        let heads = c.answers * u64::from(self.config.head_bytes);
+        facts.figure("path_head_bytes", heads, "bytes", "Heads of the answers that they came in");
         facts.figure("path_tiles", c.tiles, "tiles", "Tiles sent on it");
     }
 }
