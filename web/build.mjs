@@ -53,12 +53,16 @@ const standalone = page(closed, `<style>${style}</style><link rel="icon" href="d
 
 await mkdir(folder, { recursive: true });
 const files = {
-  "index.html": index, "viewer.html": viewer, "page.css": style, "page.js": served, "worker.js": worker, "basrelief.wasm": wasm, "standalone.html": standalone,
+  "index.html": index, "viewer.html": viewer, "page.css": style, "page.js": served, "worker.js": worker, "basrelief.wasm": wasm,
 };
-await Promise.all(Object.entries(files).map(([name, content]) => writeFile(join(folder, name), content)));
-
+// Beside each file that is served lie its compressed forms: browsers take gzip from anywhere, brotli from this computer or over TLS.
 const quality = { params: { [constants.BROTLI_PARAM_QUALITY]: 11, [constants.BROTLI_PARAM_LGWIN]: 24 } };
-const loaded = [index, style, served, worker, wasm].reduce((sum, file) => sum + brotliCompressSync(file, quality).length, 0);
+const brotli = Object.fromEntries(Object.entries(files).map(([name, file]) => [`${name}.br`, brotliCompressSync(file, quality)]));
+const gzip = Object.fromEntries(Object.entries(files).map(([name, file]) => [`${name}.gz`, gzipSync(file, { level: 9 })]));
+const written = { ...files, ...brotli, ...gzip, "standalone.html": standalone };
+await Promise.all(Object.entries(written).map(([name, content]) => writeFile(join(folder, name), content)));
+
+const loaded = Object.entries(brotli).reduce((sum, [name, file]) => sum + (name === "viewer.html.br" ? 0 : file.length), 0);
 console.log(`the page is ${loaded} bytes in brotli, allowed ${BUDGET}; standalone.html is ${standalone.length} bytes`);
 if (loaded > BUDGET) {
   console.error("the page is too large");

@@ -32,4 +32,5 @@ mod tapes;
 mod texel;
 mod traces;
 mod usage;
+mod viewer;
 mod watch;

@@ -2,7 +2,8 @@
 
 use crate::relay::relay;
 use crate::remote::Server;
-use crate::support::Place;
+use crate::support::{Place, without_host};
+use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::Stdio;
@@ -18,36 +19,107 @@ fn get(address: &str, path: &str) -> Option<Vec<u8>> {
     Some(answer.split_off(end))
 }
 
+/// What is drawn, over a path.
+const DRAWN: &str = "--size 64x48 --set tile.width=8 --set tile.height=8 --set defer.mode=progressive";
+
+/// What who watches is told and shown, from the first picture to the last.
+struct Watching {
+    address: String,
+    number: u64,
+}
+
+impl Iterator for Watching {
+    type Item = (Value, Vec<u8>);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let told = get(&self.address, &format!("/after/{}", self.number))?;
+            let told: Value = serde_json::from_slice(&told).expect("JSON");
+            if told["over"] == true {
+                return None;
+            }
+            let before = std::mem::replace(&mut self.number, told["picture"].as_u64().expect("a number"));
+            if self.number > before {
+                return Some((told, get(&self.address, &format!("/picture/{}", self.number)).expect("a picture")));
+            }
+        }
+    }
+}
+
+/// Runs this with `--watch`: what is seen of it.
+fn watched(place: &Place, line: &str) -> Vec<(Value, Vec<u8>)> {
+    let mut run = place
+        .command(&format!("{line} --watch=127.0.0.1:0"))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut said = String::new();
+    let mut errors = BufReader::new(run.stderr.take().expect("a pipe"));
+    errors.read_line(&mut said).expect("a line");
+    let address = said.trim_end().trim_end_matches('/').rsplit("http://").next().expect("an address").to_owned();
+    let page = get(&address, "/").unwrap_or_else(|| panic!("no page: {said}"));
+    assert!(page.starts_with(b"<!doctype html>"), "{said}");
+    let seen = Watching { address, number: 0 }.collect();
+    assert!(run.wait().expect("ends").success());
+    seen
+}
+
 #[test]
 fn who_watches_sees_each_picture_when_it_is_there_and_the_last_one_for_certain() {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let shaped = relay(server.address(), 1e6, Duration::ZERO).expect("a relay");
-    let line = format!(
-        "run --from http://{shaped}/ --size 64x48 --set tile.width=8 --set tile.height=8 --set defer.mode=progressive --watch=127.0.0.1:0"
-    );
-    let mut run = place.command(&line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
-    let mut said = String::new();
-    let mut errors = BufReader::new(run.stderr.take().expect("a pipe"));
-    errors.read_line(&mut said).expect("a line");
-    let address = said.trim_end().trim_end_matches('/').rsplit("http://").next().expect("an address").to_owned();
-    assert!(String::from_utf8(get(&address, "/").expect("the page")).expect("text").contains("<!doctype html>"), "{said}");
-    let (mut number, mut seen) = (0, Vec::new());
-    while let Some(told) = get(&address, &format!("/after/{number}")) {
-        let told: serde_json::Value = serde_json::from_slice(&told).expect("JSON");
-        if told["over"] == true {
-            break;
-        }
-        number = told["picture"].as_u64().expect("a number");
-        if number > 0 {
-            // Nothing follows while the next tiles are under way, unless the path is faster than this test.
-            seen.push(get(&address, &format!("/picture/{number}")).expect("a picture"));
-        }
-    }
-    assert!(run.wait().expect("ends").success());
+    let seen = watched(&place, &format!("run --from http://{shaped}/ {DRAWN}"));
     let last = place.bytes("out/image.png");
-    assert!(seen.last().is_some_and(|png| *png == last), "of {} pictures the last is another", seen.len());
-    assert!(seen.iter().any(|png| *png != last), "no picture is seen before the last");
+    assert!(seen.last().is_some_and(|(_, png)| *png == last), "of {} pictures the last is another", seen.len());
+    assert!(seen.iter().any(|(_, png)| *png != last), "no picture is seen before the last");
+}
+
+/// The pixels of a picture.
+fn pixels(png: &[u8]) -> Vec<[u8; 3]> {
+    image::load_from_memory(png).expect("a picture").into_rgb8().pixels().map(|pixel| pixel.0).collect()
+}
+
+/// The second acquisition lies between the first two rounds.
+#[test]
+fn between_two_rounds_a_picture_grows_and_each_pixel_is_that_of_the_round_before_or_of_the_one_behind() {
+    let place = Place::new();
+    let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
+    let shaped = relay(server.address(), 1.5e5, Duration::ZERO).expect("a relay");
+    let seen = watched(&place, &format!("run --from http://{shaped}/ {DRAWN}"));
+    let rounds = ["out/image-round-0.png", "out/image-round-1.png"].map(|round| pixels(&place.bytes(round)));
+    let changes: Vec<usize> = (0..rounds[0].len()).filter(|&i| rounds[0][i] != rounds[1][i]).collect();
+    let growing =
+        |told: &Value| told["tiles"]["acquisition"] == 2 && told["tiles"]["come"].as_u64() < told["tiles"]["needed"].as_u64();
+    let growing: Vec<Vec<[u8; 3]>> = seen.iter().filter(|(told, _)| growing(told)).map(|(_, png)| pixels(png)).collect();
+    let new = |picture: &Vec<[u8; 3]>| changes.iter().filter(|&&i| picture[i] == rounds[1][i]).count();
+    assert!(growing.iter().any(|picture| (1..changes.len()).contains(&new(picture))), "of {} none is half there", growing.len());
+    for picture in &growing {
+        let strange = (0..picture.len()).find(|&i| picture[i] != rounds[0][i] && picture[i] != rounds[1][i]);
+        assert_eq!(strange, None, "a pixel of neither round");
+    }
+}
+
+/// All pictures, and the report without what the host took.
+fn results(place: &Place, out: &str) -> (Vec<(String, Vec<u8>)>, Value) {
+    let pictures = place.names(out).into_iter().filter(|name| name.ends_with(".png"));
+    (pictures.map(|name| (name.clone(), place.bytes(&format!("{out}/{name}")))).collect(), without_host(place.report(out)))
+}
+
+#[test]
+fn who_watches_changes_neither_pictures_nor_cycles() {
+    let place = Place::new();
+    let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
+    for mode in ["progressive", "best"] {
+        let shaped = relay(server.address(), 5e5, Duration::ZERO).expect("a relay");
+        let line = format!("run --from http://{shaped}/ {DRAWN} --set defer.mode={mode} --frames 2 --orbit 40 --out");
+        place.ok(&format!("{line} alone"));
+        let seen = watched(&place, &format!("{line} seen"));
+        assert!(seen.iter().any(|(told, _)| told["tiles"]["come"].is_u64()), "{mode}: nothing has grown");
+        let (alone, seen) = (results(&place, "alone"), results(&place, "seen"));
+        assert!(alone.0.len() >= 2 && alone == seen, "{mode}");
+    }
 }
 
 #[test]

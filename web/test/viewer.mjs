@@ -12,12 +12,19 @@ const native = new Native(program);
 const server = await native.serve(folder, "demo:gallery");
 const browser = await Browser.launch();
 
-/** Tiles that the browser has asked the network for, and bodies of the answers \[bytes\]; what it had kept is not asked for. */
+/** Most bytes of the page itself, compressed, as build.mjs has it. */
+const BUDGET = 1_250_000;
+
+/** Tiles that the browser has asked the network for, and bodies of the answers \[bytes\], those of the page itself apart; what it had kept
+ *  is not asked for. */
 function counted(page) {
-  const come = { tiles: [], requests: 0, bytes: 0 };
+  const come = { tiles: [], requests: 0, bytes: 0, page: 0 };
   page.on("response", async response => {
     const [, path] = response.url().split("/tile/");
-    if (path === undefined) return;
+    if (path === undefined) {
+      if (/\/(\w+\.(css|js|wasm))?$/.test(new URL(response.url()).pathname)) come.page += Number(response.headers()["content-length"]);
+      return;
+    }
     const numbers = path.split("/").at(-1).split(",");
     come.requests += 1;
     come.tiles.push(...numbers.map(number => path.replace(/[^/]*$/, number)));
@@ -45,6 +52,8 @@ async function looksAround() {
   const first = await equalsNative(page, "gallery");
   const all = first.figures.conventional_tile_bytes;
   const come = page.counted;
+  assert.ok(come.page > 0 && come.page <= BUDGET, `the page takes ${come.page} bytes`);
+  console.log(`the page takes ${come.page} bytes`);
   assert.ok(come.tiles.length >= first.figures.path_tiles, "what the picture is made of has come");
   assert.equal(new Set(come.tiles).size, come.tiles.length, "no tile comes twice");
   assert.ok(come.requests < come.tiles.length, "several tiles come with one request");

@@ -25,6 +25,8 @@ const RUNS: [(u64, &str); 3] = [
     (1_000_000, "--size 640x480 --set defer.mode=progressive"),
     (10_000_000, "--size 640x480 --set defer.mode=progressive"),
 ];
+/// The head of an answer \[bytes\], as host.path of the report has it: `head_bytes` for each of `requests`.
+const HEAD_BYTES: u64 = 310;
 /// Latencies \[ms\].
 const LATENCIES: [u64; 3] = [0, 50, 200];
 
@@ -88,7 +90,7 @@ fn views(program: &Path, address: &str) -> Result<(), Box<dyn Error>> {
     let views: Vec<Value> = (0..).zip(TURNS).map(|(i, at)| serde_json::json!({"at_ms": at, "orbit": 40 * i})).collect();
     std::fs::write(&script, serde_json::json!({ "views": views }).to_string())?;
     for (rate, latency) in [(1_000_000, 50), (10_000_000, 50)] {
-        let path = format!("--set path.bits_per_second={rate} --set path.latency_us={}", 1000 * latency);
+        let path = modelled_path(rate, latency);
         let options = format!("--size 640x480 --set defer.mode=progressive --views {}", script.display());
         let modelled = run(program, &format!("demo gallery {options} {path} --no-exact"))?;
         let measured = report(program, address, (rate, latency), &options)?;
@@ -120,8 +122,12 @@ fn last_pictures(report: &Value, times: &Value) -> Vec<f64> {
 /// The report of a run over a path of this rate \[bit/s\] and latency \[ms\].
 fn report(program: &Path, address: &str, (rate, latency): (u64, u64), options: &str) -> Result<Value, Box<dyn Error>> {
     let shaped = relay::relay(address, rate as f64, Duration::from_millis(latency))?;
-    let path = format!("--set path.bits_per_second={rate} --set path.latency_us={}", 1000 * latency);
-    run(program, &format!("run --from http://{shaped}/ {options} {path}"))
+    run(program, &format!("run --from http://{shaped}/ {options} {}", modelled_path(rate, latency)))
+}
+
+/// What says to the model how the path is.
+fn modelled_path(rate: u64, latency: u64) -> String {
+    format!("--set path.bits_per_second={rate} --set path.latency_us={} --set path.head_bytes={HEAD_BYTES}", 1000 * latency)
 }
 
 /// The report of a run.

@@ -49,6 +49,8 @@ pub(crate) struct Session<'a> {
     images: Vec<String>,
     quality: Vec<Quality>,
     difference: Option<Difference>,
+    /// Most frames that are still judged while the next is drawn.
+    pub(crate) behind: usize,
     /// Pictures of the current frame that better ones follow.
     rounds: Vec<(u32, Picture)>,
     shown: Vec<PictureRecord>,
@@ -84,6 +86,7 @@ impl<'a> Session<'a> {
             commands,
             frames: 0,
             judging: VecDeque::new(),
+            behind: 1,
             images,
             quality,
             difference,
@@ -263,8 +266,7 @@ impl<'a> Session<'a> {
         self.show(spec, &machine.drain_log(&frames));
         for frame in frames {
             self.attempt(|session| session.take_frame(frame, rounds));
-            // One is judged while the next is drawn.
-            self.settle(1);
+            self.settle(self.behind);
         }
     }
 

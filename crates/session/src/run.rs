@@ -219,6 +219,8 @@ fn run_scene<S: MachineSpec, P: Probe>(
     let commands = Rc::clone(&passed);
     let mut session = Session::new(settings, observer, exact, Box::new(move || (commands.get().commands, total)));
     session.groups = steps;
+    // On a real path the next one is waited for; who watches is to see this one by then.
+    session.behind = usize::from(is_here);
     let result = session.drive((spec, Way::Scene), machine, probe)?;
     let digest = if passed.get().all { hash.get()? } else { None };
     let sha256 = digest.map(|d| d.to_string()).unwrap_or_default();

@@ -183,8 +183,8 @@ pub struct SimulationArgs {
     /// nothing from outside.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// Show each picture in a browser when it is there, at http://127.0.0.1:8018/ or where ADDRESS:PORT says, on this computer. A run that
-    /// is over stays until who watches has the last picture, 3 s at most.
+    /// Show each picture in a browser when it is there, at http://127.0.0.1:8018/ or where ADDRESS:PORT says, on this computer; with
+    /// --from as its tiles come. A run that is over stays until who watches has the last picture, 3 s at most.
     #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8018",
           value_parser = socket, conflicts_with_all = ["ablate", "compare_methods"])]
     pub watch: Option<SocketAddr>,

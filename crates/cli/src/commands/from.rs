@@ -7,7 +7,8 @@ use crate::error::{Done, Failure};
 use crate::input::{self, Look};
 use crate::interrupt;
 use crate::progress::{Progress, TileProgress};
-use crate::remote::{Fetcher, Patience, RemoteTiles, TileCache, TileStore};
+use crate::remote::{Fetcher, Patience, RemoteTiles, TileCache, TileStore, Watched, WatchedTiles};
+use basrelief_deferred_renderer::TileSource;
 use basrelief_input::Budget;
 use basrelief_scene::{Subject, ViewOptions};
 use basrelief_served::unpack;
@@ -57,11 +58,15 @@ pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done
     let failed = Arc::new(OnceLock::new());
     let kept = cache.map(|cache| TileStore { cache, failed: Arc::clone(&failed) });
     let real = Some(RealTimes::new(fetcher.meter().clone(), shown.clone()));
-    let tiles = Box::new(RemoteTiles::new(fetcher, fetch, kept, shown));
+    let (tiles, watched) = (Box::new(RemoteTiles::new(fetcher, fetch, kept, shown)), Watched::default());
+    let tiles = match config.preview().filter(|_| args.simulation.watch.is_some()) {
+        Some(preview) => Box::new(WatchedTiles::new(tiles, watched.clone(), preview)),
+        None => tiles as Box<dyn TileSource>,
+    };
     let input = RunInput::Remote { scene, tiles, name: url.into() };
     let mut settings = settings_of((config, given), &args.simulation, budget);
     settings.exact = false;
-    let source = Source { input, progress: Progress::new(None, "commands", true), read: None, real };
+    let source = Source { input, progress: Progress::new(None, "commands", true), read: None, real, watched };
     let done = simulate_source(began, source, settings, None, &args.simulation, quiet);
     if let (Some(why), Some(folder), false) = (failed.get(), &args.tile_cache, quiet) {
         eprintln!("warning: --tile-cache {}: cannot be written: {why}; not all tiles are kept", folder.display());

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 
 /// What both forms of the page are made of, beside the page itself.
 const FILES: [&str; 4] = ["page.css", "page.js", "worker.js", "basrelief.wasm"];
+/// Compressed forms that a build puts beside them, the best first: how they are compressed, and how their names end.
+const PACKED: [(&str, &str); 2] = [("br", "br"), ("gzip", "gz")];
 const PAGE: &str = "index.html";
 /// The same page, which draws what the server offers that it comes from.
 const VIEWER: &str = "viewer.html";
@@ -46,11 +48,17 @@ pub fn viewer(named: Option<&Path>) -> Done<Option<Site>> {
 /// A site whose first page this is.
 fn site(folder: &Path, page: &str) -> Done<Site> {
     let mut site = Site::default();
-    site.offer("index.html", &read(folder, page)?);
-    for name in FILES {
-        site.offer(name, &read(folder, name)?);
+    for (offered, name) in std::iter::once((PAGE, page)).chain(FILES.map(|name| (name, name))) {
+        site.offer(offered, &read(folder, name)?, packed(folder, name)?);
     }
     Ok(site)
+}
+
+/// The compressed forms of a file that are there.
+fn packed(folder: &Path, name: &str) -> Done<Vec<(&'static str, Vec<u8>)>> {
+    let forms = PACKED.map(|(encoding, end)| (encoding, format!("{name}.{end}")));
+    let there = forms.into_iter().filter(|(_, name)| folder.join(name).is_file());
+    there.map(|(encoding, name)| Ok((encoding, read(folder, &name)?))).collect()
 }
 
 fn read(folder: &Path, name: &str) -> Done<Vec<u8>> {

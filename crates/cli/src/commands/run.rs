@@ -8,6 +8,7 @@ use crate::args::{DemoArgs, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure};
 use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
+use crate::remote::Watched;
 use basrelief_input::Budget;
 use basrelief_session::{MACHINES, RunInput, RunOptions};
 use std::path::Path;
@@ -68,11 +69,11 @@ fn source_of(input: Input, quiet: bool) -> Source {
             let scene = prepared.scene();
             let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
             let progress = Progress::new(Some((per_frame * scene.frames.len()) as u64), "draw commands", quiet);
-            Source { input: RunInput::Scene(prepared), progress, read: None, real: None }
+            Source { input: RunInput::Scene(prepared), progress, read: None, real: None, watched: Watched::default() }
         }
         Input::Trace(trace) => {
             let (progress, read) = (Progress::new(trace.bytes, "bytes", quiet), Rc::clone(&trace.read));
-            Source { input: trace.into_source(), progress, read: Some(read), real: None }
+            Source { input: trace.into_source(), progress, read: Some(read), real: None, watched: Watched::default() }
         }
     }
 }

@@ -82,12 +82,14 @@ pub struct Source {
     pub read: Option<Rc<Cell<u64>>>,
     /// When pictures of a server's scene are there.
     pub real: Option<RealTimes>,
+    /// Where pictures are shown, if that is wished.
+    pub watched: Watched,
 }
 
 /// Simulates a source.
 pub fn simulate_source(
     began: f64,
-    Source { input: source, progress, read, real }: Source,
+    Source { input: source, progress, read, real, watched }: Source,
     mut settings: RunOptions,
     around: Option<Around>,
     simulation: &SimulationArgs,
@@ -99,7 +101,7 @@ pub fn simulate_source(
     let mut timelines = TimelineFiles::open(simulation, &source, &settings)?;
     let mut files = OutputFiles::open(simulation, &settings, (outputs, progress, read))?;
     files.real = real;
-    files.watched = simulation.watch.map(|at| watched(at, quiet)).transpose()?;
+    files.watched = simulation.watch.map(|at| listen(watched, at, quiet)).transpose()?;
     let watched = files.watched.clone();
     settings.exhibits = exhibits(&settings, &files);
     let ran = match &mut timelines {
@@ -136,11 +138,10 @@ pub fn simulate_source(
 }
 
 /// Shows the run in a browser.
-fn watched(at: SocketAddr, quiet: bool) -> Done<Watched> {
+fn listen(watched: Watched, at: SocketAddr, quiet: bool) -> Done<Watched> {
     if !at.ip().is_loopback() {
         return Err(Failure::Usage(format!("--watch={at}: expected an address of this computer, such as 127.0.0.1:8018")));
     }
-    let watched = Watched::default();
     let address = watched.listen(at).map_err(Failure::Bad)?;
     if !quiet {
         // Standard output is the report's.

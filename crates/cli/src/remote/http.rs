@@ -20,6 +20,8 @@ pub(super) struct Asked {
     pub head: bool,
     /// What the client has, by its tags; not where it has nothing.
     pub has: Option<String>,
+    /// How a body may be compressed for it; not where it does not say.
+    pub accepts: Option<String>,
 }
 
 /// What the bytes that have come so far are.
@@ -75,7 +77,8 @@ fn asked(request: &Request<'_, '_>) -> Result<Asked, (u16, String)> {
     let path = local.split(['?', '#']).next().unwrap_or_default().to_owned();
     let close = values("connection").any(|list| list.split(',').any(|word| word.trim().eq_ignore_ascii_case("close")));
     let has = values("if-none-match").next().map(str::to_owned);
-    Ok(Asked { path, last: close || version == 0, head, has })
+    let accepts = values("accept-encoding").next().map(str::to_owned);
+    Ok(Asked { path, last: close || version == 0, head, has, accepts })
 }
 
 fn value<'a>(header: &Header<'a>) -> &'a str {
@@ -104,6 +107,9 @@ impl Keep {
     }
 }
 
+/// A compressed form of a body: how it is compressed, as headers name it, itself, and its tag.
+pub(super) type Packed = (&'static str, Arc<[u8]>, String);
+
 /// An answer: its status and its body.
 #[derive(Debug)]
 pub(super) struct Answer {
@@ -114,18 +120,36 @@ pub(super) struct Answer {
     /// What kind of file it is, as browsers name them.
     kind: &'static str,
     keep: Keep,
+    /// Compressed forms, the best first.
+    packed: Vec<Packed>,
+    /// How the body is compressed.
+    encoding: Option<&'static str>,
 }
 
 impl Answer {
     /// What was asked for, with its tag.
     pub(super) fn found((body, tag): (Arc<[u8]>, String), kind: &'static str, keep: Keep) -> Self {
-        Self { status: 200, body, tag: Some(tag), kind, keep }
+        Self { status: 200, body, tag: Some(tag), kind, keep, packed: vec![], encoding: None }
+    }
+
+    /// The same, that may be sent compressed.
+    pub(super) fn or_packed(self, packed: Vec<Packed>) -> Self {
+        Self { packed, ..self }
+    }
+
+    /// In the best form that the client takes, as `Accept-Encoding` tells them.
+    pub(super) fn accepted(self, accepts: Option<&str>) -> Self {
+        let found = self.packed.iter().find(|(encoding, ..)| accepts.is_some_and(|accepts| is_among(accepts, encoding)));
+        match found.cloned() {
+            Some((encoding, body, tag)) => Self { body, tag: Some(tag), encoding: Some(encoding), ..self },
+            None => self,
+        }
     }
 
     /// Why there is nothing.
     pub(super) fn refused(status: u16, why: String) -> Self {
         let kind = "text/plain; charset=utf-8";
-        Self { status, body: why.into_bytes().into(), tag: None, kind, keep: Keep::Never }
+        Self { status, body: why.into_bytes().into(), tag: None, kind, keep: Keep::Never, packed: vec![], encoding: None }
     }
 
     /// The answer to who has these already, as `If-None-Match` tells them.
@@ -136,7 +160,7 @@ impl Answer {
 
     /// Its head. `last` announces that the connection is closed behind it.
     pub(super) fn head(&self, headers: &str, last: bool) -> String {
-        let &Self { status, ref body, ref tag, kind, keep } = self;
+        let &Self { status, ref body, ref tag, kind, keep, ref packed, encoding } = self;
         let reason = match status {
             200 => "OK",
             304 => "Not Modified",
@@ -148,14 +172,29 @@ impl Answer {
         };
         let more = if status == 405 { "allow: GET, HEAD\r\n" } else { "" };
         let tag = tag.as_ref().map(|tag| format!("etag: {tag}\r\n")).unwrap_or_default();
+        // Who keeps one form for others must know that there are several.
+        let vary = if packed.is_empty() { "" } else { "vary: accept-encoding\r\n" };
         let close = if last { "connection: close\r\n" } else { "" };
         // What has no body says nothing of one.
         let body = match status {
             304 => String::new(),
-            _ => format!("content-length: {}\r\ncontent-type: {kind}\r\nx-content-type-options: nosniff\r\n", body.len()),
+            _ => {
+                let encoding = encoding.map(|encoding| format!("content-encoding: {encoding}\r\n")).unwrap_or_default();
+                let length = body.len();
+                format!("content-length: {length}\r\ncontent-type: {kind}\r\n{encoding}x-content-type-options: nosniff\r\n")
+            }
         };
-        format!("HTTP/1.1 {status} {reason}\r\n{body}{tag}cache-control: {}\r\n{headers}{more}{close}\r\n", keep.control())
+        format!("HTTP/1.1 {status} {reason}\r\n{body}{tag}{vary}cache-control: {}\r\n{headers}{more}{close}\r\n", keep.control())
     }
+}
+
+/// Whether `Accept-Encoding` names this one, and does not refuse it.
+fn is_among(accepts: &str, encoding: &str) -> bool {
+    let refused = |parameter: &str| parameter.trim().strip_prefix("q=").is_some_and(|q| q.parse() == Ok(0.0_f32));
+    accepts.split(',').any(|one| {
+        let mut parts = one.split(';');
+        parts.next().is_some_and(|name| name.trim().eq_ignore_ascii_case(encoding)) && !parts.any(refused)
+    })
 }
 
 #[cfg(test)]
@@ -210,7 +249,38 @@ mod tests {
         let whole = asked("HEAD / HTTP/1.1\r\nHost: x\r\nIf-None-Match: \"a\"\r\n\r\n");
         assert_eq!((whole.head, whole.has.as_deref()), (true, Some("\"a\"")));
         let plain = asked("GET / HTTP/1.1\r\nHost: x\r\n\r\n");
-        assert_eq!((plain.head, plain.has), (false, None));
+        assert_eq!((plain.head, plain.has, plain.accepts), (false, None, None));
+        let packed = asked("GET / HTTP/1.1\r\nHost: x\r\nAccept-Encoding: gzip, br\r\n\r\n");
+        assert_eq!(packed.accepts.as_deref(), Some("gzip, br"));
+    }
+
+    #[test]
+    fn a_body_is_compressed_as_the_client_takes_it_and_each_form_has_its_own_tag() {
+        let form = |name: &'static str| (name, name.as_bytes().into(), format!("\"{name}\""));
+        let answer = || {
+            let plain = Answer::found((b"plain"[..].into(), "\"plain\"".into()), "text/css", Keep::WhileItLasts);
+            plain.or_packed(vec![form("br"), form("gzip")])
+        };
+        let sent = |accepts| answer().accepted(accepts);
+        for (accepts, body) in [
+            (Some("gzip, deflate, br, zstd"), "br"),
+            (Some("br;q=0, GZIP;q=0.5"), "gzip"),
+            (Some("gzip; q=0.000, brotli"), "plain"),
+            (Some("identity"), "plain"),
+            (None, "plain"),
+        ] {
+            assert_eq!(*sent(accepts).body, *body.as_bytes(), "{accepts:?}");
+            assert!(sent(accepts).head("", false).contains("vary: accept-encoding\r\n"), "{accepts:?}");
+        }
+        let head = sent(Some("gzip")).head("", false);
+        assert!(head.contains("content-length: 4\r\ncontent-type: text/css\r\ncontent-encoding: gzip\r\n"), "{head}");
+        assert!(head.contains("etag: \"gzip\"\r\n") && !sent(None).head("", false).contains("content-encoding"), "{head}");
+        let unchanged = sent(Some("gzip")).unless(Some("\"gzip\"")).head("", false);
+        assert!(
+            unchanged.starts_with("HTTP/1.1 304") && unchanged.contains("vary") && !unchanged.contains("content-"),
+            "{unchanged}"
+        );
+        assert_eq!(*sent(None).unless(Some("\"gzip\"")).body, *b"plain", "another form");
     }
 
     #[test]

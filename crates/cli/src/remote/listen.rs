@@ -198,7 +198,7 @@ impl Client<'_> {
                 Head::Half => return Ok(()),
                 Head::Whole(asked, length) => {
                     received.drain(..length);
-                    let answer = answers.answer(&asked.path).unless(asked.has.as_deref());
+                    let answer = answers.answer(&asked.path).accepted(asked.accepts.as_deref()).unless(asked.has.as_deref());
                     (answer, asked.last || self.others_wait(), asked.head)
                 }
                 Head::Wrong(status, why) => (Answer::refused(status, why), true, false),

@@ -1,5 +1,6 @@
 //! `--watch`: the picture so far, for a browser.
 
+use super::growing::{Growing, TilesCome};
 use super::http::{Answer, Keep};
 use super::listen::{Answers, Limits, listen};
 use basrelief_served::tag_of;
@@ -38,6 +39,20 @@ struct Shown {
     asked: Option<Instant>,
     /// Somebody has all of them, and knows that they are all.
     taken: bool,
+    /// Of a picture that is still growing: its tiles.
+    tiles: Option<TilesCome>,
+    growing: Growing,
+}
+
+impl Shown {
+    /// Another picture, unless it is the one before under another name.
+    fn show(&mut self, name: String, tiles: Option<TilesCome>, png: &[u8]) {
+        (self.name, self.tiles) = (name, tiles);
+        if *self.picture != *png {
+            self.picture = png.into();
+            self.number += 1;
+        }
+    }
 }
 
 impl Watched {
@@ -57,12 +72,31 @@ impl Watched {
     /// A picture is there, under this name. One that is the same as the one before only has another name.
     pub fn show(&self, name: &str, png: &[u8]) {
         let mut shown = self.lock();
-        shown.name = name.into();
-        if *shown.picture != *png {
-            shown.picture = png.into();
-            shown.number += 1;
-        }
+        shown.growing.is_shown();
+        shown.show(name.into(), None, png);
         self.0.changed.notify_all();
+    }
+
+    /// Something has come of the next one.
+    pub(super) fn grow(&self, grow: impl FnOnce(&mut Growing)) {
+        grow(&mut self.lock().growing);
+        self.0.changed.notify_all();
+    }
+
+    /// Colours the next one so far, and shows it unless another is there meanwhile.
+    fn colour<'a>(&'a self, mut shown: MutexGuard<'a, Shown>) -> MutexGuard<'a, Shown> {
+        let Some(mut colouring) = shown.growing.take() else { return shown };
+        let name = shown.name.clone();
+        drop(shown);
+        let png = colouring.png();
+        let mut shown = self.lock();
+        // Names are those of the device's pictures, or count tiles: two are never the same.
+        if let (Ok(png), true) = (png, shown.name == name) {
+            shown.show(colouring.come.name(), Some(colouring.come), &png);
+        }
+        shown.growing.rest(colouring);
+        self.0.changed.notify_all();
+        shown
     }
 
     /// No more follow. Who watches gets the last one yet; where nobody does, nobody is waited for.
@@ -80,14 +114,27 @@ impl Watched {
     fn after(&self, number: u64) -> Answer {
         let mut shown = self.lock();
         shown.asked = Some(Instant::now());
-        let nothing_new = |shown: &mut Shown| shown.number <= number && !shown.over;
-        let waited = self.0.changed.wait_timeout_while(shown, OPEN, nothing_new);
-        let mut shown = waited.unwrap_or_else(PoisonError::into_inner).0;
+        let end = Instant::now() + OPEN;
+        while shown.number <= number && !shown.over {
+            let now = Instant::now();
+            let due = shown.growing.due(now);
+            if now >= end {
+                break;
+            }
+            if due.is_some_and(|due| due <= now) {
+                shown = self.colour(shown);
+                continue;
+            }
+            let next = due.map_or(end, |due| due.min(end));
+            let waited = self.0.changed.wait_timeout(shown, next - now);
+            shown = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
         let over = shown.over && shown.number <= number;
         shown.asked = Some(Instant::now());
         shown.taken |= over;
         self.0.changed.notify_all();
-        let told = json!({ "picture": shown.number, "name": shown.name, "over": over }).to_string().into_bytes();
+        let told =
+            json!({ "picture": shown.number, "name": shown.name, "tiles": shown.tiles, "over": over }).to_string().into_bytes();
         Answer::found((told.clone().into(), tag_of(&told)), "application/json", Keep::Never)
     }
 }

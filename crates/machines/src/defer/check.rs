@@ -55,10 +55,20 @@ fn check_leaving(c: &DeferConfig) -> Result<(), ConfigProblem> {
     Ok(())
 }
 
-/// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, and what of the input the machine
-/// has no use for.
-pub fn warnings(facts: &Facts) -> Vec<String> {
-    slow_fifos(facts).into_iter().chain(input_warnings(facts)).collect()
+/// What the reader of a report should know, one sentence each: rates that FIFOs do not hold, requests that they do not let the path have,
+/// and what of the input the machine has no use for.
+pub fn warnings(c: &DeferConfig, facts: &Facts) -> Vec<String> {
+    slow_fifos(facts).into_iter().chain(unused_requests(c)).chain(input_warnings(facts)).collect()
+}
+
+/// Each tile in flight has an order that waits for it.
+fn unused_requests(c: &DeferConfig) -> Option<String> {
+    let (orders, tiles) = (c.fifo.orders.depth, c.path.requests * c.path.tiles_per_request);
+    (tiles > orders).then(|| {
+        format!(
+            "fifo.orders.depth = {orders} allows {orders} tiles in flight; path.requests x path.tiles_per_request are {tiles}"
+        )
+    })
 }
 
 /// What of the input the renderer has no use for: one sentence each.

@@ -10,7 +10,7 @@ use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
 use basrelief_deferred_renderer::tokens::EncodedTile;
 use basrelief_deferred_renderer::{
-    CellFormat, Cells, Cut, DepthPixel, Expander, FilledBuffer, Identification, Leaving, Page, Path, Rasterization,
+    CellFormat, Cells, Cut, DepthPixel, Expander, FilledBuffer, Identification, Leaving, Page, Path, Preview, Rasterization,
     ReferenceBuffer, Server, Sizes, TextureMemory, TileList, TileLists, TileRecord, TileSource, brightness_range,
 };
 use basrelief_frame_buffer::{FinishedFrame, PixelBuffer, VideoOut};
@@ -45,6 +45,13 @@ pub struct DeferredRenderer<F> {
     clients: ClientNumbers,
 }
 
+impl DeferConfig {
+    /// What colours pictures of this machine that are still growing.
+    pub fn preview(&self) -> Preview {
+        Preview::new(cell_format(self), self.tile.encoding)
+    }
+}
+
 impl<F: FrontEnd> DeferredRenderer<F> {
     /// The machine at power-on, with a server that has the textures that polygons name.
     ///
@@ -66,8 +73,8 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let (memories, clients) = build(config);
         let (mode, engine) = (c.defer.mode, c.engine.clone());
         let cut = cut(config);
-        let format = CellFormat::new(&c.cell, brightness_range(c.defer.lighting));
-        let leaving = Leaving::new(&c.defer, source.user());
+        let format = cell_format(config);
+        let (leaving, onlooker) = (Leaving::new(&c.defer, source.user()), source.onlooker());
         let shared = (c.defer.depth_pixel == DepthPixel::Shared).then(|| (c.video_out.clone(), c.clock.hz));
         let sizes = Sizes::new(&c.cell, cut, &engine);
         let cells = Cells::new((engine.clone(), c.operators.clone()), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
@@ -86,7 +93,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
                 cell_maker: Stage::new("cells", cells),
                 reference_buffer: Stage::new(
                     "reference-buffer",
-                    ReferenceBuffer::new(engine.clone(), mode, (format.bytes, sizes)),
+                    ReferenceBuffer::new(engine.clone(), mode, (format.bytes, sizes)).shown_to(onlooker),
                 ),
                 identification: Stage::new("identification", Identification::new(engine.clone(), sizes)),
                 tile_lists: Stage::new(
@@ -141,6 +148,10 @@ impl<F: FrontEnd> DeferredRenderer<F> {
     pub fn lists(&self) -> impl Iterator<Item = (&Arc<Page>, &TileList)> {
         self.tile_lists.unit.lists()
     }
+}
+
+fn cell_format(config: &DeferConfig) -> CellFormat {
+    CellFormat::new(&config.cell, brightness_range(config.defer.lighting))
 }
 
 fn cut(config: &DeferConfig) -> Cut {

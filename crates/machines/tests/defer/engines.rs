@@ -27,7 +27,7 @@ fn conserved(ran: &Ran) {
     let count = |name: &str| ran.seen.count(name);
     assert_eq!(ran.report.marks.len() as u64, count("pictures"), "each picture shown ends a frame (law 11)");
     assert_eq!(count("tiles_loaded"), count("path_tiles"));
-    let parts = ["path_polygon_bytes", "path_command_bytes", "path_texture_size_bytes", "path_tile_bytes"];
+    let parts = ["path_polygon_bytes", "path_command_bytes", "path_texture_size_bytes", "path_head_bytes", "path_tile_bytes"];
     assert_eq!(parts.map(count).iter().sum::<u64>(), count("path_bytes"));
     assert_eq!(count("cells_textured") + count("cells_direct"), count("z_passed"));
     assert_eq!(count("pixels_textured") + count("pixels_direct"), count("pixels"));

@@ -1,7 +1,7 @@
 //! Best resolution, progressive and conventional: the same picture, by different ways. Views one after the other.
 
 use crate::recipe::{FAST, SMALL, display_lists, floor, frame, object, texture, views};
-use crate::runs::{Ran, Seen, Tile, timed};
+use crate::runs::{Ran, Seen, Tile, config, timed};
 use basrelief_deferred_renderer::cell::split_depth;
 use basrelief_deferred_renderer::{Cell, How, Page};
 use basrelief_machines::defer::warnings;
@@ -228,6 +228,15 @@ fn a_list_without_textures_is_drawn_and_said_to_need_no_tile() {
     let list = [vec![frame(0), object(0)], vec![floor(&plain, 3.0), Control::FrameEnd]].concat();
     let ran = timed(&list, &[FAST, SMALL].concat());
     assert_eq!((ran.seen.count("path_tile_bytes"), ran.seen.finished.len()), (0, 1));
-    assert!(warnings(&ran.seen.facts)[0].contains("no pixel has a colour texture"));
-    assert!(warnings(&timed(&views(&[0.0]), &[FAST, SMALL].concat()).seen.facts).is_empty());
+    assert!(warnings(&config(&[FAST, SMALL].concat()), &ran.seen.facts)[0].contains("no pixel has a colour texture"));
+    let warned = |more: &[(&str, &str)]| {
+        let settings = [FAST, SMALL, more].concat();
+        warnings(&config(&settings), &timed(&views(&[0.0]), &settings).seen.facts)
+    };
+    assert_eq!(warned(&[]), [""; 0]);
+    assert_eq!(warned(&[("path.requests", "4"), ("path.tiles_per_request", "4")]), [""; 0]);
+    assert_eq!(
+        warned(&[("path.requests", "4"), ("path.tiles_per_request", "5")]),
+        ["fifo.orders.depth = 16 allows 16 tiles in flight; path.requests x path.tiles_per_request are 20"]
+    );
 }

@@ -4,12 +4,13 @@ use crate::recipe::{FAST, SMALL, views};
 use crate::runs::{Tile, config, replay, timed};
 use basrelief_deferred_renderer::identification::layers_of;
 use basrelief_deferred_renderer::server::place_of;
-use basrelief_deferred_renderer::{Cell, Cut, FilledBuffer, Page, TextureMemory, TileEncoding, TileSource};
+use basrelief_deferred_renderer::{Cell, Cut, FilledBuffer, How, Page, TextureMemory, TileEncoding, TileSource};
 use basrelief_kernel::{Engine, Outcome, run, run_functional};
 use basrelief_machines::Draws;
 use basrelief_machines::defer::DeferredRenderer;
 use basrelief_signals::Texture;
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -45,10 +46,29 @@ fn what_travels_is_what_is_counted() {
     assert_eq!(seen.count("path_command_bytes"), 2 * 4 * (21 + 5 + 2 * 13), "a frame with a light, and two objects: in both");
     assert_eq!(seen.count("path_texture_size_bytes"), 8 * 5);
     let texels = |frame: usize| -> u64 {
-        let loaded = seen.tiles[frame].iter().filter(|r| r.acquired == Some(basrelief_deferred_renderer::How::Loaded));
+        let loaded = seen.tiles[frame].iter().filter(|r| r.acquired == Some(How::Loaded));
         loaded.map(|r| r.page.texels_of(r.tile)).map(|(a, b)| u64::from((b[0] - a[0]) * (b[1] - a[1]))).sum()
     };
     assert_eq!(seen.count("path_tile_bytes"), 3 * (texels(0) + texels(1)));
+}
+
+#[test]
+fn an_answer_has_one_head_and_holds_tiles_of_one_picture_and_one_acquisition() {
+    let heads = |most: &str, bytes: &str| {
+        let settings = [("path.tiles_per_request", most), ("path.head_bytes", bytes)];
+        timed(&views(&[0.0]), &[FAST, SMALL, &settings].concat()).seen
+    };
+    let (none, one, some, all) = (heads("1", "0"), heads("1", "100"), heads("3", "100"), heads("64", "100"));
+    assert_eq!(one.count("path_head_bytes"), 100 * one.count("tiles_loaded"), "each tile by itself");
+    let mut pictures = BTreeMap::<u32, u64>::new();
+    for record in all.tiles[0].iter().filter(|record| matches!(record.acquired, Some(How::Loaded))) {
+        *pictures.entry(record.page.texture).or_default() += 1;
+    }
+    assert_eq!(all.count("path_head_bytes"), 100 * pictures.len() as u64, "one acquisition: an answer for each picture");
+    assert_eq!(some.count("path_head_bytes"), 100 * pictures.values().map(|tiles| tiles.div_ceil(3)).sum::<u64>());
+    for seen in [&one, &some, &all] {
+        assert_eq!(seen.count("path_bytes"), none.count("path_bytes") + seen.count("path_head_bytes"));
+    }
 }
 
 /// A server whose tiles are damaged from the fourth on.

@@ -184,7 +184,7 @@ const TIMING: &[Axis] = &[
     ],
     &[&[("path.latency_us", "0")], &[("path.latency_us", "3")]],
     &[&[], &[("path.requests", "1")], &[("path.requests", "40")]],
-    &[&[], &[("path.number_bytes", "0"), ("path.texture_size_bytes", "0")]],
+    &[&[], &[("path.number_bytes", "0"), ("path.texture_size_bytes", "0")], &[("path.head_bytes", "99")]],
     &[&[], &[("defer.depth_pixel", "separate")]],
     &[
         &[],

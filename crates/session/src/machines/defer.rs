@@ -4,7 +4,7 @@ use super::spec::{Logs, MachineSpec, PictureRecord, RunSummary, TileFetch};
 use crate::costs::CostPoints;
 use crate::exhibits::defer::{DeferLog, EXHIBITS};
 use crate::exhibits::spec::ExhibitSpec;
-use basrelief_deferred_renderer::{Lighting, RenderMode, TexelCentre, TileSource};
+use basrelief_deferred_renderer::{Lighting, Preview, RenderMode, TexelCentre, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::facts::{Part, Value};
 use basrelief_machines::defer::{self, DeferConfig, DeferredRenderer, RunAhead};
@@ -47,6 +47,10 @@ impl MachineSpec for DeferConfig {
         })
     }
 
+    fn preview(&self) -> Option<Preview> {
+        Some(DeferConfig::preview(self))
+    }
+
     fn front(&self) -> FrontConfig {
         self.into()
     }
@@ -68,7 +72,7 @@ impl MachineSpec for DeferConfig {
     }
 
     fn warnings(&self, facts: &Facts) -> Vec<String> {
-        defer::warnings(facts)
+        defer::warnings(self, facts)
     }
 
     /// When each picture was shown, from the end of the frame before, and how far it is from the last of its frame.

@@ -13,6 +13,7 @@ pub use spec::TileFetch;
 pub(crate) use spec::{Logs, MachineSpec, PictureRecord, RunSummary};
 
 use crate::costs::CostPoints;
+use basrelief_deferred_renderer::Preview;
 use basrelief_kernel::Hardware;
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::defer::DeferConfig;
@@ -111,6 +112,11 @@ impl MachineConfig {
     /// How the machine asks for tiles, where it fetches any.
     pub fn tile_fetch(&self) -> Option<TileFetch> {
         for_machine!(self, machine => machine.tile_fetch())
+    }
+
+    /// What colours pictures that are still growing, where the machine fetches tiles.
+    pub fn preview(&self) -> Option<Preview> {
+        for_machine!(self, machine => MachineSpec::preview(machine))
     }
 
     pub(crate) fn cost_points(&self) -> CostPoints {

@@ -4,7 +4,7 @@ use crate::costs::CostPoints;
 use crate::exhibits::spec::ExhibitSpec;
 use crate::methods::MethodSpecs;
 use crate::run::{unfed, unfed_trace};
-use basrelief_deferred_renderer::{TileEncoding, TileSource};
+use basrelief_deferred_renderer::{Preview, TileEncoding, TileSource};
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_kernel::{Hardware, RunReport};
 use basrelief_machines::defer::RunAhead;
@@ -80,6 +80,10 @@ pub trait MachineSpec: Parameters + JsonSchema + Clone + Debug + PartialEq + Syn
     }
     /// How it asks for tiles, where it fetches any.
     fn tile_fetch(&self) -> Option<TileFetch> {
+        None
+    }
+    /// What colours pictures that are still growing, where it fetches tiles.
+    fn preview(&self) -> Option<Preview> {
         None
     }
     /// What its way in needs.

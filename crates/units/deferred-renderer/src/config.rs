@@ -147,6 +147,8 @@ parameters! {
         requests: u32 = 8, unit: "requests", Assumed("as a browser keeps connections"), range: 1..=4096;
         /// Tiles that one request asks for, at most; they are of one picture.
         tiles_per_request: u32 = 1, unit: "tiles", Assumed("raw tiles of 64 x 64 texels are forty times the head of an answer"), range: 1..=64;
+        /// What an answer has on the path beside its tiles. Requests travel the other way, where nothing waits for them.
+        head_bytes: u32 = 0, unit: "bytes", Assumed("a network that carries tiles alone; HTTP between `run --from` and `serve` has 310, measured"), range: 0..=65536;
         /// What a number of a mesh (451) or of the command of a frame or an object takes on the path; 0: all of them are in the device.
         number_bytes: u32 = 4, unit: "bytes", Assumed("single precision; indices into up to 65,536 vertices take half of it"), range: 0..=16;
         /// What the size of one texture takes on the path (452).

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Two parts. Arithmetic that knows neither tokens nor time: [`page`] (layers, tiles, marking), [`pyramid`] (texels), [`cell`],
-//! [`acquisition`], [`texels`], [`colour`], [`encoding`]. Units: [`server`], [`path`], [`expander`], [`cells`],
+//! [`acquisition`], [`texels`], [`colour`], [`encoding`], [`preview`]. Units: [`server`], [`path`], [`expander`], [`cells`],
 //! [`reference_buffer`], [`identification`], [`tile_lists`], [`rasterization`].
 //!
 //! A frame goes through phases (Figure 4B). Each unit knows its own, and leaves it by what it takes: no phase is known to the
@@ -32,6 +32,7 @@ mod leaving;
 pub mod page;
 pub mod path;
 pub mod polygon_memory;
+pub mod preview;
 pub mod pyramid;
 pub mod rasterization;
 mod records;
@@ -58,6 +59,7 @@ pub use identification::{Identification, IdentificationCounters, IdentificationS
 pub use leaving::{Ahead, Leaving, User};
 pub use page::{Cut, Layer, Page, Placed, TexelCentre};
 pub use path::{Path, PathCounters, PathState};
+pub use preview::{Onlooker, Preview};
 pub use pyramid::{LayerTexels, ServedTexture};
 pub use rasterization::{Rasterization, RasterizationCounters, RasterizationState};
 pub use records::TileRecord;

@@ -161,6 +161,12 @@ impl Page {
         .collect()
     }
 
+    /// The tile of the next coarser layer that a tile is a source of; none of the coarsest layer.
+    pub fn average_of(&self, tile: u32) -> Option<u32> {
+        let coarser = self.layer_of(tile).checked_sub(1)?;
+        Some(self.tile_of(coarser, self.texels_of(tile).0.map(|first| first / 2)))
+    }
+
     /// Byte address of a texel in the texture-data memory (130): tile by tile, 4 x 4 blocks row by row in each.
     #[inline]
     pub fn address_of(&self, layer: u8, texel: [u32; 2]) -> u64 {

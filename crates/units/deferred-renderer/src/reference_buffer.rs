@@ -2,7 +2,7 @@
 
 use crate::config::{EngineConfig, RenderMode};
 use crate::tokens::{CellBlock, CellFlow, PassFlow, PlacedCell, Round};
-use crate::{Cell, Page, Sizes};
+use crate::{Cell, Onlooker, Page, Sizes};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_shading::{BLOCK, pixel_offset};
@@ -90,6 +90,7 @@ pub struct ReferenceBuffer {
     sizes: Sizes,
     /// Filled buffers are kept for who wants to look at them.
     pub keep: bool,
+    onlooker: Option<Arc<dyn Onlooker>>,
     /// Everything it remembers.
     pub state: ReferenceBufferState,
 }
@@ -99,7 +100,13 @@ type Out = (Option<PassFlow>, Option<PassFlow>);
 impl ReferenceBuffer {
     /// At power-on; `cell_bytes`: of a cell in memory.
     pub fn new(config: EngineConfig, mode: RenderMode, (cell_bytes, sizes): (u32, Sizes)) -> Self {
-        Self { config, mode, cell_bytes, sizes, keep: false, state: ReferenceBufferState::default() }
+        Self { config, mode, cell_bytes, sizes, keep: false, onlooker: None, state: ReferenceBufferState::default() }
+    }
+
+    /// With who is shown each filled buffer.
+    #[must_use]
+    pub fn shown_to(self, onlooker: Option<Arc<dyn Onlooker>>) -> Self {
+        Self { onlooker, ..self }
     }
 
     /// Buffers filled since the last call, where they are kept.
@@ -178,6 +185,9 @@ impl ReferenceBuffer {
 
     fn end_of_fill(&mut self) -> Step<Out> {
         let latency = u64::from(self.config.latency);
+        if let Some(onlooker) = &self.onlooker {
+            self.filled().into_iter().for_each(|filled| onlooker.filled(filled));
+        }
         if self.keep {
             let filled = self.filled();
             self.state.filled.extend(filled);

@@ -5,7 +5,7 @@ use crate::encoding::TileEncoding;
 use crate::polygon_memory::PolygonMemory;
 use crate::pyramid::{ServedTexture, is_same_picture};
 use crate::tokens::{Content, EncodedTile, Parcel, Request};
-use crate::{Page, User, page::Cut};
+use crate::{Onlooker, Page, User, page::Cut};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Derived, Step, Traffic, Unit};
 use basrelief_signals::{Control, Texture};
@@ -29,6 +29,10 @@ pub trait TileSource: Debug {
     fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String>;
     /// Who looks at the pictures, by the clock; nobody in the model.
     fn user(&self) -> Option<Arc<dyn User>> {
+        None
+    }
+    /// Who is shown each filled reference buffer (126), ahead of the first tile that is asked for by it; nobody in the model.
+    fn onlooker(&self) -> Option<Arc<dyn Onlooker>> {
         None
     }
     /// Bytes of all tiles of the finest layer of a texture, as they are encoded; none where only a server elsewhere knows.
@@ -119,6 +123,8 @@ pub struct ServerCounters {
     pub raw_tile_bytes: u64,
     /// Tiles.
     pub tiles: u64,
+    /// Answers that they came in.
+    pub answers: u64,
 }
 
 /// Everything the server remembers.
@@ -134,6 +140,8 @@ pub struct ServerState {
     /// This source was offered them; a state that was put in brings its own textures.
     #[serde(skip)]
     offered: Derived<()>,
+    /// The answer whose tiles are sent: number of their texture, and how many there are so far.
+    answer: Option<(u32, u32)>,
     /// Why nothing comes any more: the first tile that there is none of, in a sentence.
     pub lost: Option<String>,
     /// What it has counted.
@@ -212,9 +220,19 @@ impl Server {
         Parcel { bytes, content: Content::Mesh(control) }
     }
 
+    /// Bytes of the head of an answer, in front of the first of its tiles: they are of one picture, and listed by one acquisition.
+    fn head(&mut self, page: &Page) -> u64 {
+        let most = self.config.tiles_per_request;
+        let under_way = self.state.answer.filter(|(texture, tiles)| *texture == page.texture && *tiles < most);
+        self.state.answer = Some((page.texture, under_way.map_or(0, |(_, tiles)| tiles) + 1));
+        self.state.counters.answers += u64::from(under_way.is_none());
+        if under_way.is_some() { 0 } else { self.config.head_bytes.into() }
+    }
+
     fn answer(&mut self, request: &Request) -> Option<Parcel> {
         match request {
             Request::Announce(tiles) => {
+                self.state.answer = None;
                 self.source.announce(tiles);
                 None
             }
@@ -228,7 +246,7 @@ impl Server {
                     self.state.counters.raw_tile_bytes += 3 * page.texels_in(*tile);
                     self.state.counters.tiles += 1;
                     let encoded = EncodedTile { page: Arc::clone(page), tile: *tile, bytes };
-                    Some(Parcel { bytes: encoded.bytes.len() as u64, content: Content::Tile(encoded) })
+                    Some(Parcel { bytes: self.head(page) + encoded.bytes.len() as u64, content: Content::Tile(encoded) })
                 }
                 Err(error) => {
                     self.state.lost = Some(error);
@@ -271,6 +289,8 @@ impl Unit for Server {
         facts.figure("path_texture_size_bytes", c.size_bytes, "bytes", "Sizes of textures sent on it");
         facts.figure("path_tile_bytes", c.tile_bytes, "bytes", "Tiles sent on it");
         facts.figure("path_tile_raw_bytes", c.raw_tile_bytes, "bytes", "The same tiles as raw texels");
+        let heads = c.answers * u64::from(self.config.head_bytes);
+        facts.figure("path_head_bytes", heads, "bytes", "Heads of the answers that they came in");
         facts.figure("path_tiles", c.tiles, "tiles", "Tiles sent on it");
     }
 }

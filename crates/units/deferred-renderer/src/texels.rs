@@ -114,6 +114,13 @@ impl PageTexels {
         self.history[tile as usize].acquired = Some((How::Synthesized, frame));
     }
 
+    /// The tile of the next coarser layer that a tile was the last one missing for: it can be averaged now (Figure 6), and is not there.
+    pub fn average_of(&self, tile: u32) -> Option<u32> {
+        let average = self.page.average_of(tile)?;
+        let can_be = !self.exists(average) && self.page.sources(average).iter().all(|source| self.exists(*source));
+        can_be.then_some(average)
+    }
+
     fn room(&mut self, layer: u8) -> &mut LayerTexels {
         let texels = &mut self.layers[usize::from(layer)];
         if texels.texels.is_empty() {

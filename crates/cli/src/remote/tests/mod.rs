@@ -50,6 +50,8 @@ enum Fault {
     Cut,
     /// Nothing comes for longer than anybody waits.
     Silent,
+    /// None, but it takes a while.
+    Late,
     /// Half of it comes, and then nothing.
     Stalled,
     /// Byte by byte, and not many a second.
@@ -61,6 +63,8 @@ enum Fault {
     /// A tile of another size, with its hash.
     OtherSize,
 }
+
+const LATE: Duration = Duration::from_millis(60);
 
 const PATIENCE: Patience = Patience {
     stall: Duration::from_millis(300),
@@ -121,6 +125,7 @@ fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
     match fault {
         Fault::Cut => return,
         Fault::Silent => thread::sleep(3 * PATIENCE.stall),
+        Fault::Late => thread::sleep(LATE),
         Fault::Corrupt => body[0] ^= 1,
         Fault::Truncated | Fault::Stalled => body.truncate(length / 2),
         _ => {}

@@ -36,6 +36,23 @@ fn a_view_that_is_left_asks_for_no_more_and_the_next_takes_what_has_come() {
 }
 
 #[test]
+fn behind_its_time_a_view_asks_for_no_more_though_the_device_is_at_work_and_has_not_left_it() {
+    let (url, count) = faulty(u32::MAX, |_| Fault::Late);
+    let fetcher = Fetcher::new(&url, PATIENCE);
+    fetcher.scene(|_| ()).unwrap();
+    let fetch = TileFetch { left_at_ms: vec![2.5 * LATE.as_secs_f64() * 1e3], ..fetch(1, 1) };
+    let mut tiles = RemoteTiles::new(fetcher, fetch, None, TileProgress::new(true));
+    tiles.offer(&elsewhere());
+    let (user, page) = (tiles.user().unwrap(), page());
+    user.turn_to(0);
+    user.leaves(&mut from(&page, 0));
+    thread::sleep(6 * LATE);
+    let asked = count.load(Ordering::SeqCst);
+    assert!(asked <= 3, "the scene, a tile, and one under way: {asked}");
+    assert!(user.leaves(&mut from(&page, 1)));
+}
+
+#[test]
 fn a_view_does_not_begin_before_its_time_and_what_was_announced_for_another_is_no_matter() {
     let (url, count) = faulty(u32::MAX, |_| Fault::None);
     let fetcher = Fetcher::new(&url, PATIENCE);

@@ -3,8 +3,10 @@
 use crate::acquisition::load;
 use crate::{page, texture};
 use basrelief_deferred_renderer::cell::{layer_depth, split_depth};
-use basrelief_deferred_renderer::colour::{best, progressive, sample};
-use basrelief_deferred_renderer::{Cell, CellConfig, CellFormat, NumberFormat, PageTexels, ServedTexture, TileEncoding};
+use basrelief_deferred_renderer::colour::{best, progressive, sample, shaded};
+use basrelief_deferred_renderer::{
+    Cell, CellConfig, CellFormat, FilledBuffer, NumberFormat, PageTexels, Preview, ServedTexture, TileEncoding,
+};
 use std::sync::Arc;
 
 #[test]
@@ -99,4 +101,30 @@ fn the_formula_of_the_cell_reads_brightness_back() {
         let read = format.brightness(&format.textured(&page, [0.0; 2], 0.0, [0.0, 0.3, 1.0]));
         assert!(read.iter().zip([0.0, 0.3, 1.0]).all(|(a, b)| (a - b).abs() <= range / 2046.0 + 1e-6), "{read:?}");
     }
+}
+
+#[test]
+fn a_growing_picture_takes_the_finest_layer_that_has_come_and_averages_what_it_can() {
+    let (size, format) = ([64, 64], CellFormat::new(&CellConfig::default(), 1.0));
+    let (page, mut served) = (page(size, [16, 16]), ServedTexture::new(texture(size)));
+    let cell = Cell::textured(0, [40.3, 50.9], 1.5, [255; 3]);
+    let filled = FilledBuffer { width: 2, height: 1, cells: vec![cell, Cell::default()], ..FilledBuffer::default() };
+    let mut preview = Preview::new(format.clone(), TileEncoding::Raw);
+    let mut come = |preview: &mut Preview, layer: u8| {
+        for tile in (0..page.tiles()).filter(|tile| page.layer_of(*tile) == layer) {
+            let bytes = TileEncoding::Raw.encode(&served.tile(&page, tile), [16, 16], 0).expect("a tile");
+            preview.store(&page, tile, &bytes);
+        }
+        preview.picture(&filled)
+    };
+    let placed = page.placed(cell.coordinates, cell.wrap);
+    let colour = |layers: &[u8]| {
+        let texels = with_layers(size, layers);
+        let choice = progressive(&texels, &cell, placed, 16).expect("a layer");
+        Some(shaded(&format, &cell, sample(&texels, &choice, placed).colour))
+    };
+    assert_eq!(preview.picture(&filled), [None, None]);
+    assert_eq!(come(&mut preview, 0), [colour(&[0]), None]);
+    assert_eq!(come(&mut preview, 2), [colour(&[0, 1, 2]), None], "layer 1 is the average of layer 2");
+    assert_ne!(colour(&[0, 1, 2]), colour(&[0, 2]));
 }

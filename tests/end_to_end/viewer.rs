@@ -1,0 +1,58 @@
+//! The files of the page, as `serve` sends them.
+
+use crate::remote::Server;
+use crate::support::Place;
+use std::io::{Read, Write};
+use std::net::TcpStream;
+
+/// Head and body of an answer.
+fn ask(server: &Server, request: &str, headers: &str) -> (String, Vec<u8>) {
+    let mut client = TcpStream::connect(server.address()).expect("connects");
+    write!(client, "{request} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n{headers}\r\n").expect("sent");
+    let mut answer = Vec::new();
+    client.read_to_end(&mut answer).expect("an answer");
+    let end = answer.windows(4).position(|w| w == b"\r\n\r\n").expect("a head") + 4;
+    let body = answer.split_off(end);
+    (String::from_utf8(answer).expect("text"), body)
+}
+
+/// The value of a header.
+fn value<'a>(head: &'a str, name: &str) -> Option<&'a str> {
+    head.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(": "))
+}
+
+#[test]
+fn the_page_is_sent_compressed_to_who_takes_it_so() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("built")).expect("a folder");
+    for name in ["viewer.html", "page.css", "page.js", "worker.js", "basrelief.wasm"] {
+        std::fs::write(place.path(&format!("built/{name}")), name).expect("written");
+    }
+    for (name, form) in [("viewer.html.br", "1"), ("page.js.br", "22"), ("page.js.gz", "333")] {
+        std::fs::write(place.path(&format!("built/{name}")), form).expect("written");
+    }
+    let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0 --folder built");
+    let sent = |path: &str, accepts: &str| {
+        let headers = if accepts.is_empty() { String::new() } else { format!("Accept-Encoding: {accepts}\r\n") };
+        let (head, body) = ask(&server, &format!("GET {path}"), &headers);
+        let (of_head, none) = ask(&server, &format!("HEAD {path}"), &headers);
+        assert_eq!((of_head, none.len()), (head.clone(), 0), "{path}, {accepts}");
+        assert_eq!(value(&head, "content-length"), Some(&*body.len().to_string()), "{path}, {accepts}");
+        let tag = value(&head, "etag").expect("a tag").to_owned();
+        let (same, _) = ask(&server, &format!("GET {path}"), &format!("{headers}If-None-Match: {tag}\r\n"));
+        assert!(same.starts_with("HTTP/1.1 304"), "{same}");
+        let vary = value(&head, "vary").map(str::to_owned);
+        (value(&head, "content-encoding").map(str::to_owned), String::from_utf8(body).expect("text"), vary, tag)
+    };
+    let form = |path: &str, accepts: &str| {
+        let (encoding, body, vary, _) = sent(path, accepts);
+        (encoding.unwrap_or_default(), body, vary.unwrap_or_default())
+    };
+    let expected = |encoding: &str, body: &str, vary: &str| (encoding.to_owned(), body.to_owned(), vary.to_owned());
+    assert_eq!(form("/page.js", "gzip, deflate, br"), expected("br", "22", "accept-encoding"));
+    assert_eq!(form("/page.js", "gzip"), expected("gzip", "333", "accept-encoding"));
+    assert_eq!(form("/page.js", ""), expected("", "page.js", "accept-encoding"));
+    assert_eq!(form("/", "br"), expected("br", "1", "accept-encoding"));
+    assert_eq!(form("/worker.js", "br"), expected("", "worker.js", ""), "it has no other form");
+    assert_ne!(sent("/page.js", "br").3, sent("/page.js", "gzip").3, "one tag for two forms");
+}
