@@ -6,8 +6,8 @@ use serde_json::{Map, Value};
 
 /// Slots that are as good as without bound.
 const SLOTS: u32 = 65_536;
-/// What is a smaller part of the critical path is not asked for \[1/PART\].
-const PART: u64 = 1000;
+/// What is a smaller part of the critical path is not asked for, nor parts of what saves less \[1/PART\].
+pub(crate) const PART: u64 = 1000;
 
 /// Something made ideal.
 #[derive(Clone, Debug)]
@@ -16,6 +16,14 @@ pub(crate) struct Ideal {
     pub(crate) what: &'static str,
     /// Parameters, as `--set` takes them.
     pub(crate) set: Vec<(String, String)>,
+    /// The same, one part of it at a time: worth a look only where the whole saves much.
+    pub(crate) parts: Vec<Self>,
+}
+
+impl Ideal {
+    fn new(resource: &str, what: &'static str, set: impl IntoIterator<Item = (String, String)>) -> Self {
+        Self { resource: resource.to_owned(), what, set: set.into_iter().collect(), parts: vec![] }
+    }
 }
 
 /// Where to look: a run, and its critical path if it is known.
@@ -56,10 +64,7 @@ impl Candidates<'_> {
         let is_on = |name: &&String| {
             self.is_much(self.spent(|s| matches!(s, Stretch::Occupancy(unit) | Stretch::Latency(unit) if unit == *name)))
         };
-        let ideal = |name: &String| {
-            let set = vec![("ideal.units".to_owned(), name.clone())];
-            Ideal { resource: name.clone(), what: "a cycle per step", set }
-        };
+        let ideal = |name: &String| Ideal::new(name, "a cycle per step", [("ideal.units".to_owned(), name.clone())]);
         slow.filter(is_on).map(ideal).collect()
     }
 
@@ -67,10 +72,8 @@ impl Candidates<'_> {
     fn fifos(&self, group: &Map<String, Value>) -> Vec<Ideal> {
         let full = |name: &String| self.run.fifos.iter().any(|fifo| fifo.name == *name && fifo.high_water() == fifo.depth);
         let is_on = |name: &String| self.spent(|s| matches!(s, Stretch::Slot(fifo) if fifo == name)) > 0;
-        let ideal = |name: &String| {
-            let set = vec![(format!("fifo.{name}.depth"), SLOTS.to_string())];
-            Ideal { resource: name.clone(), what: "slots without bound", set }
-        };
+        let ideal =
+            |name: &String| Ideal::new(name, "slots without bound", [(format!("fifo.{name}.depth"), SLOTS.to_string())]);
         group.keys().filter(|name| full(name) && is_on(name)).map(ideal).collect()
     }
 
@@ -85,7 +88,7 @@ impl Candidates<'_> {
         for memory in &self.run.memories {
             let is_client = |name: &str| memory.ports.iter().any(|port| port.client == name && port.counts.requests() > 0);
             if let Some(config) = group.get(&memory.name).filter(|_| self.asks(is_client)) {
-                all.extend(of_memory(&memory.name, config["burst_bytes"].as_u64().unwrap_or_default()));
+                all.push(of_memory(&memory.name, config["burst_bytes"].as_u64().unwrap_or_default()));
             }
         }
         all
@@ -97,8 +100,8 @@ impl Candidates<'_> {
         for cache in self.run.caches.iter().filter(|cache| cache.counts.misses + cache.counts.merged > 0) {
             let is_client = |name: &str| self.shape.cache_of(name) == Some(&cache.name);
             if group.contains_key(&cache.name) && self.asks(is_client) {
-                let set = vec![(format!("cache.{}.always_hits", cache.name), "true".into())];
-                all.push(Ideal { resource: cache.name.clone(), what: "every look-up hits", set });
+                let set = [(format!("cache.{}.always_hits", cache.name), "true".into())];
+                all.push(Ideal::new(&cache.name, "every look-up hits", set));
             }
         }
         all
@@ -106,22 +109,19 @@ impl Candidates<'_> {
 }
 
 /// What a memory may be without. (Bursts keep their size: by itself a part's would follow from their cycles.)
-fn of_memory(name: &str, burst_bytes: u64) -> [Ideal; 4] {
+fn of_memory(name: &str, burst_bytes: u64) -> Ideal {
     let latency: &[(&str, u64)] = &[("cl", 0), ("cwl", 0)];
     let rows: &[(&str, u64)] =
         &[("rcd", 0), ("rp", 0), ("ras", 0), ("rtp", 0), ("wr", 0), ("rrd", 0), ("faw", 0), ("refi", 0), ("rfc", 0)];
     let bus: &[(&str, u64)] = &[("burst_bytes", burst_bytes), ("burst_cycles", 1), ("wtr", 0)];
     let ideal = |what, parts: &[&[(&str, u64)]]| {
-        let set =
-            parts.iter().copied().flatten().map(|(key, value)| (format!("memory.{name}.{key}"), value.to_string())).collect();
-        Ideal { resource: name.to_owned(), what, set }
+        let set = parts.iter().copied().flatten().map(|(key, value)| (format!("memory.{name}.{key}"), value.to_string()));
+        Ideal::new(name, what, set)
     };
-    [
-        ideal("no latency", &[latency]),
-        ideal("no row commands", &[rows]),
-        ideal("a cycle per burst", &[bus]),
-        ideal("no latency, no row commands, a cycle per burst", &[latency, rows, bus]),
-    ]
+    Ideal {
+        parts: vec![ideal("no latency", &[latency]), ideal("no row commands", &[rows]), ideal("a cycle per burst", &[bus])],
+        ..ideal("no latency, no row commands, a cycle per burst", &[latency, rows, bus])
+    }
 }
 
 /// Both.
@@ -136,5 +136,5 @@ pub(crate) fn together(a: &Ideal, b: &Ideal) -> Ideal {
         }
     }
     let what = if a.what == b.what { a.what } else { "both ideal" };
-    Ideal { resource: format!("{} and {}", a.resource, b.resource), what, set }
+    Ideal::new(&format!("{} and {}", a.resource, b.resource), what, set)
 }

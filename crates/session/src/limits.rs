@@ -1,6 +1,6 @@
 //! What limits a run, measured: each thing that could is made ideal in turn, and the run timed again from its tape.
 
-use crate::ideals::{Candidates, Ideal, together};
+use crate::ideals::{Candidates, Ideal, PART, together};
 use crate::machines::MachineSpec;
 use crate::run::Way;
 use crate::settings::When;
@@ -127,8 +127,9 @@ impl<S: MachineSpec> Recorded<'_, S> {
     fn limits(&self, tape: &Tape<'_>, path: Option<&kernel::CriticalPath>) -> Result<Vec<Limit>, ConfigProblem> {
         let shape = self.way.shape(self.spec)?;
         let singles = Candidates { run: self.run, shape: &shape, path }.ideals(self.spec);
-        let cycles = threads::map(singles.iter().collect(), |ideal: &Ideal| self.cycles((tape, &shape), &ideal.set));
-        let mut timed: Vec<(Ideal, u64)> = singles.into_iter().zip(cycles).filter_map(|(i, c)| Some((i, c?))).collect();
+        let mut timed = self.timed((tape, &shape), singles);
+        let parts = self.parts(&timed);
+        timed.extend(self.timed((tape, &shape), parts));
         // Stable: of equals the first in the block diagram is first.
         timed.sort_by_key(|(_, cycles)| *cycles);
         let pairs = self.pairs((tape, &shape), &timed);
@@ -138,9 +139,22 @@ impl<S: MachineSpec> Recorded<'_, S> {
         Ok(limits)
     }
 
+    /// Each with its cycles, where it has any.
+    fn timed(&self, of: (&Tape<'_>, &Shape), ideals: Vec<Ideal>) -> Vec<(Ideal, u64)> {
+        let cycles = threads::map(ideals.iter().collect(), |ideal: &Ideal| self.cycles(of, &ideal.set));
+        ideals.into_iter().zip(cycles).filter_map(|(ideal, cycles)| Some((ideal, cycles?))).collect()
+    }
+
+    /// The parts of what saves much: those of a memory that saves next to nothing as a whole were as many timings as all else.
+    fn parts(&self, timed: &[(Ideal, u64)]) -> Vec<Ideal> {
+        let total = self.run.marked_cycles();
+        let much = timed.iter().filter(|(_, cycles)| total.saturating_sub(*cycles) > total / PART);
+        much.flat_map(|(ideal, _)| ideal.parts.iter().cloned()).collect()
+    }
+
     fn limit(&self, ideal: Ideal, cycles: u64) -> Option<Limit> {
         let saved = self.run.marked_cycles().checked_sub(cycles).filter(|saved| *saved > 0)?;
-        let Ideal { resource, what, set } = ideal;
+        let Ideal { resource, what, set, .. } = ideal;
         let set = set.into_iter().map(|(key, value)| format!("{key}={value}")).collect();
         Some(Limit { resource, what: what.into(), set, cycles, saved })
     }
