@@ -270,7 +270,9 @@ pub use connections::{Clients, Connections, MemoryClients};
 pub use counts::{Bus, ChannelCounts, Latencies, PortCounts, RowCounts};
 pub use cycle::Cycle;
 pub use derived::Derived;
-pub use engine::{Engine, Limits, Reels, RetimeError, Tape, critical_path, retime, run, run_functional, run_recorded, run_with};
+pub use engine::{
+    Engine, Limits, Reels, RetimeError, Tape, critical_path, retime, run, run_functional, run_recorded, run_to_tape, run_with,
+};
 pub use fifo::Fifo;
 pub use hardware::{Hardware, HardwareKind};
 pub use label::Label;

@@ -2,6 +2,8 @@
 //! name. Without these checks the timed engine's proof would not hold, and traffic that no client takes would be issued by
 //! whichever stage comes next.
 
+mod common;
+
 use basrelief_kernel::contract::{Sink, Source};
 use basrelief_kernel::{
     CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemorySystem, Outcome, Stage, Step, Traffic, Unit, Visitor,
@@ -191,12 +193,9 @@ fn the_largest_step_finds_credits() {
     assert_eq!(few, WiringError::TooFewCredits { unit, memory, port, needed: 5, outstanding: 4 });
 }
 
-/// The fault of a step, the same with both engines.
+/// The fault of a step.
 fn fault(talker: Talker, clients: Option<&[usize]>) -> String {
-    let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| run(&mut line(talker, clients), engine).outcome);
-    assert_eq!(timed, ticked);
-    let Outcome::Fault(text) = timed else { panic!("{timed:?}") };
-    text
+    common::fault(|| line(talker, clients))
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! A run under way: the engine, the pictures it finishes, and the report in the end.
 
+use crate::apart::run_apart;
 use crate::costs::StepGroups;
 use crate::ended::Ended;
 use crate::exact::Exact;
@@ -18,7 +19,7 @@ use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_input::{Held, OverBudget};
 use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{self as kernel, Limits, Machine, Outcome, Probe, RunReport};
+use basrelief_kernel::{self as kernel, Engine, Limits, Machine, Outcome, Probe, RunReport};
 use basrelief_machines::Facts;
 use basrelief_reference::{Picture, Quality, SizeMismatch, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
@@ -157,7 +158,7 @@ impl<'a> Session<'a> {
         probe: &mut P,
         kept: &mut Option<Kept>,
     ) -> Result<Option<RunReport>, String> {
-        let &RunOptions { clock, engine, max_cycles, .. } = self.settings;
+        let &RunOptions { clock, engine, max_cycles, requests, .. } = self.settings;
         let (began, mut aside) = (clock(), 0.0);
         let reels = RefCell::new(Vec::new());
         let is_recorded = kept.is_some() || self.shows_tape();
@@ -165,17 +166,21 @@ impl<'a> Session<'a> {
             self.take_tape(&mut reels.borrow_mut(), kept);
             self.look(spec, machine, &mut aside)
         };
-        let ran = match engine {
-            Some(engine) => {
+        let mut keep = |reel| reels.borrow_mut().push(reel);
+        // What looks at times and at work side by side needs both on one thread.
+        let may_be_apart = engine == Some(Engine::Timed) && max_cycles == u64::MAX && !P::is_on() && !requests;
+        let apart = may_be_apart.then(|| run_apart(machine, &mut progress, if is_recorded { Some(&mut keep) } else { None }));
+        let ran = match (apart.flatten(), engine) {
+            (Some(ran), _) => ran.map(Some),
+            (None, Some(engine)) => {
                 let limits = Limits { max_cycles, progress: &mut progress };
                 Ok(Some(if is_recorded {
-                    let keep = &mut |reel| reels.borrow_mut().push(reel);
-                    kernel::run_recorded(machine, engine, probe, limits, (REEL_BYTES, keep))
+                    kernel::run_recorded(machine, engine, probe, limits, (REEL_BYTES, &mut keep))
                 } else {
                     kernel::run_with(machine, engine, probe, limits)
                 }))
             }
-            None => kernel::run_functional(machine, &mut progress).map(|()| None),
+            (None, None) => kernel::run_functional(machine, &mut progress).map(|()| None),
         };
         self.take_tape(&mut reels.borrow_mut(), kept);
         self.simulate_s = clock() - began - aside;

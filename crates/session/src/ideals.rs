@@ -72,8 +72,7 @@ impl Candidates<'_> {
     fn fifos(&self, group: &Map<String, Value>) -> Vec<Ideal> {
         let full = |name: &String| self.run.fifos.iter().any(|fifo| fifo.name == *name && fifo.high_water() == fifo.depth);
         let is_on = |name: &String| self.spent(|s| matches!(s, Stretch::Slot(fifo) if fifo == name)) > 0;
-        let ideal =
-            |name: &String| Ideal::new(name, "slots without bound", [(format!("fifo.{name}.depth"), SLOTS.to_string())]);
+        let ideal = |name: &String| Ideal::new(name, "slots without bound", [(format!("fifo.{name}.depth"), SLOTS.to_string())]);
         group.keys().filter(|name| full(name) && is_on(name)).map(ideal).collect()
     }
 

@@ -19,6 +19,7 @@
 //! ```
 
 mod ablation;
+mod apart;
 mod beside;
 mod configured;
 mod costs;

@@ -53,6 +53,18 @@ pub fn both<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() ->
     })
 }
 
+/// Does two things at once of which one may wait for the other; none, and nothing is done, where no thread can be had.
+pub fn apart<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> Option<(A, B)> {
+    if workers() == 1 {
+        return None;
+    }
+    thread::scope(|scope| {
+        let thread = Builder::new().spawn_scoped(scope, aside).ok()?;
+        let second = here();
+        Some((joined(thread.join()), second))
+    })
+}
+
 /// What `work` makes of each item, in their order.
 pub fn map<I: Send, T: Send>(items: Vec<I>, work: impl Fn(I) -> T + Sync) -> Vec<T> {
     let workers = workers().min(items.len());
@@ -153,6 +165,14 @@ mod tests {
             let expected: Vec<usize> = (0..height).flat_map(|row| (0..width).map(move |column| 1000 * row + column)).collect();
             assert_eq!(made, expected);
         }
+    }
+
+    #[test]
+    fn of_two_things_apart_one_waits_for_the_other() {
+        let (send, receive) = std::sync::mpsc::sync_channel(1);
+        let sum = apart(move || receive.iter().sum::<u64>(), move || (1..=100).try_for_each(|n| send.send(n)));
+        assert_eq!(sum, (workers() > 1).then_some((5050, Ok(()))));
+        crew(2, || assert_eq!(apart(|| (), || panic!("there is no thread for it")), None::<((), ())>));
     }
 
     #[test]

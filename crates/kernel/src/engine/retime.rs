@@ -5,7 +5,7 @@ use super::work::Work;
 use crate::asked::Asks;
 use crate::report::RunReport;
 use crate::shape::Shape;
-use crate::tape::{Reader, Reel, TapeError};
+use crate::tape::{End, Reader, Reel, TapeError};
 use crate::time::{Halt, Known, Made, Path, Rest, Takes, Time, Visit};
 use crate::{CriticalPath, Cycle, Demand, Groups, NoProbe, Outcome, Probe, Traffic};
 use std::borrow::Cow;
@@ -224,8 +224,9 @@ fn timed_again<P: Probe>(
 ) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
     let mut time = Time::new(shape);
     time.keep_fills(&*probe);
+    let mut end = End::Open;
     if readers.iter().any(|reader| reader.demand().is_none()) {
-        feed(&mut readers, reels, &time)?;
+        end = feed(&mut readers, reels)?.ok_or_else(|| ends_early(&readers, &time))?;
     }
     let path = match wanted {
         Wanted::Path(most, groups) => Some(Path::new(&mut time, most, groups)),
@@ -255,7 +256,11 @@ fn timed_again<P: Probe>(
         if !walk.hungry {
             break if walk.limited { Halt::Limit(max_cycles) } else { Halt::Quiet };
         }
-        feed(&mut readers, reels, walk.time)?;
+        match feed(&mut readers, reels)? {
+            Some(next) => end = next,
+            None if end == End::Stopped => break Halt::Stopped,
+            None => return Err(ends_early(&readers, walk.time)),
+        }
     };
     let path = walk.path;
     time.land_all();
@@ -271,20 +276,23 @@ fn timed_again<P: Probe>(
     Ok((report, path))
 }
 
-/// Goes on with the next reel, which a stage needs.
-fn feed(readers: &mut [Reader], reels: &mut Reels<'_, '_>, time: &Time) -> Result<(), RetimeError> {
+/// Goes on with the next reel, which a stage needs: what is behind that; none where there is no other.
+fn feed(readers: &mut [Reader], reels: &mut Reels<'_, '_>) -> Result<Option<End>, RetimeError> {
     let waiting = readers.iter().map(Reader::waiting).sum();
-    let Some(reel) = reels(waiting).map_err(RetimeError::Read)? else {
-        let needs = |&stage: &usize| {
-            let demand = readers[stage].demand().unwrap_or(Demand::Finished);
-            !readers[stage].has_step() && time.next_start(stage, demand).is_known()
-        };
-        let stage = (0..readers.len()).find(needs).unwrap_or_default();
-        return Err(RetimeError::EndsEarly(time.shape.stages[stage].names.name.clone()));
-    };
+    let Some(reel) = reels(waiting).map_err(RetimeError::Read)? else { return Ok(None) };
     if reel.stages.len() != readers.len() {
         return Err(RetimeError::Stages { found: reel.stages.len(), expected: readers.len() });
     }
     reel.feed(readers);
-    Ok(())
+    Ok(Some(reel.end))
+}
+
+/// A stage goes on beyond the end of the tape.
+fn ends_early(readers: &[Reader], time: &Time) -> RetimeError {
+    let needs = |&stage: &usize| {
+        let demand = readers[stage].demand().unwrap_or(Demand::Finished);
+        !readers[stage].has_step() && time.next_start(stage, demand).is_known()
+    };
+    let stage = (0..readers.len()).find(needs).unwrap_or_default();
+    RetimeError::EndsEarly(time.shape.stages[stage].names.name.clone())
 }

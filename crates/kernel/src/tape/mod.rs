@@ -15,5 +15,6 @@ mod write;
 
 pub use bytes::TapeError;
 pub(crate) use read::Reader;
+pub(crate) use reel::End;
 pub use reel::Reel;
 pub(crate) use write::Writer;
