@@ -27,7 +27,7 @@ use basrelief_machines::{ConfigProblem, Draws, SceneFront};
 use basrelief_parameters::Parameters;
 use basrelief_report::Board;
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_session::MachineConfig;
+use basrelief_session::{MachineConfig, run_apart};
 use basrelief_signals::{Mesh, Object, Scene};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -105,6 +105,15 @@ impl Drawing {
         Sample { time, count }
     }
 
+    /// Simulates it with its work on one thread and its time on another.
+    ///
+    /// # Panics
+    /// Where there is one core.
+    pub fn simulate_apart(&self) -> Sample {
+        let (time, count) = self.work(Apart);
+        Sample { time, count }
+    }
+
     /// Time and steps of every unit in the functional model.
     pub fn unit_times(&self) -> Vec<UnitTime> {
         self.work(TimeUnits).0
@@ -134,6 +143,19 @@ impl<P: Probe> Job for Simulate<'_, P> {
             }
         });
         assert!(complete, "a workload runs to its end");
+        time
+    }
+}
+
+/// Simulates it on two threads.
+struct Apart;
+
+impl Job for Apart {
+    type Result = std::time::Duration;
+
+    fn with<M: Machine>(self, machine: &mut M) -> Self::Result {
+        let (report, time) = measured(|| run_apart(machine, &mut |_| true, None));
+        assert_eq!(report.expect("there are two cores").outcome, Outcome::Complete, "a workload runs to its end");
         time
     }
 }

@@ -1,10 +1,11 @@
 //! Ratios of two runs that take turns in one process, so that what else the host does cancels.
 
-use crate::machines::{Drawing, Set};
+use crate::machines::{self, Drawing, Set};
 use crate::traces;
 use crate::workload::{Ready, Sample, Size, Workload};
 use basrelief_kernel::{Engine, NoProbe};
 use basrelief_report::{Timeline, Watcher};
+use basrelief_threads as threads;
 use serde::Serialize;
 use std::io::sink;
 
@@ -60,6 +61,11 @@ fn engine(drawing: &Drawing, engine: Option<Engine>) -> Ready {
     Box::new(move || drawing.simulate(engine, &mut NoProbe))
 }
 
+fn apart(drawing: &Drawing) -> Ready {
+    let drawing = drawing.clone();
+    Box::new(move || drawing.simulate_apart())
+}
+
 /// With the time line of every unit, written to nowhere.
 fn probed(drawing: &Drawing) -> Ready {
     let drawing = drawing.clone();
@@ -91,6 +97,13 @@ pub fn ratios(size: Size, rounds: usize, mut each: impl FnMut(&Ratio)) -> Vec<Ra
     for (number, drawing) in (1..).zip(&drawings) {
         compare(&format!("W{number}: timed / functional"), engine(drawing, timed), engine(drawing, None));
     }
+    if threads::workers() > 1 {
+        for (number, drawing) in (1..).zip(&drawings) {
+            compare(&format!("W{number}: timed on two threads / on one"), apart(drawing), engine(drawing, timed));
+        }
+    }
+    let machines = machines::workloads(size);
+    compare("W1: timed again from its tape / timed", prepared(&machines, "machine/w1/retimed-again"), engine(w1, timed));
     compare("W1: search of 256 cycles / of 1", engine(&search[0], timed), engine(&search[1], timed));
     for (name, drawing) in [("W1", w1), ("W4", w4)] {
         compare(&format!("{name}: time line of every unit / none"), probed(drawing), engine(drawing, timed));

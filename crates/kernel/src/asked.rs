@@ -2,7 +2,6 @@
 //! time, so that this is work: found as it is done, or once for a tape.
 
 use crate::cache::Tags;
-use crate::memory::Divisor;
 use crate::wiring::MAX_CLIENTS;
 use crate::{MemorySystem, Request};
 
@@ -121,7 +120,12 @@ impl Asked {
     /// clients decides nothing: each has its own port.)
     #[inline]
     fn look_up(&mut self, look_ups: &[Request], caches: &mut impl Caches, left: &mut [u32; MAX_CLIENTS]) -> bool {
-        by_client(look_ups, |look_ups| {
+        if !look_ups.is_sorted_by_key(|r| r.client) {
+            let mut sorted = look_ups.to_vec();
+            sorted.sort_by_key(|r| r.client);
+            return self.look_up(&sorted, caches, left);
+        }
+        look_ups.chunk_by(|a, b| a.client == b.client).all(|look_ups| {
             let own = look_ups[0].client as usize;
             if own >= caches.clients() {
                 return false;
@@ -138,22 +142,37 @@ impl Asked {
     /// lines there are.
     #[inline(always)]
     fn look_up_in(&mut self, (tags, next): (&mut Tags, u64), look_ups: &[Request], most: u32) -> u32 {
-        let Self { look_ups: all, held, new, lines, .. } = self;
-        let (held_before, new_before) = (held.len(), new.len());
+        let (held, new, first) = (self.held.len(), self.new.len(), self.lines.len());
         let mut last_held = 0;
-        let line = tags.line();
-        let lines =
-            each_line(lines, look_ups, line, most, |line| match tags.look_up(line, next + (new.len() - new_before) as u64) {
-                Some(_) if tags.always_hits => {}
-                Some(request) => {
-                    held.push(request);
-                    last_held = last_held.max(request + 1);
+        // A bit for all lines of the same rest by 64: mostly a line is new, and no other of the step has its bit.
+        let mut seen = 0;
+        for r in look_ups {
+            let (mut line, last) = tags.lines(r.address, r.bytes);
+            // Not a range: mostly it is one line, and a range asks twice whether it is over.
+            loop {
+                let bit = 1_u64 << (line % 64);
+                if seen & bit == 0 || !self.lines[first..].contains(&line) {
+                    seen |= bit;
+                    self.lines.push(line);
+                    match tags.look_up(line, next + (self.new.len() - new) as u64) {
+                        Some(_) if tags.always_hits => {}
+                        Some(request) => {
+                            self.held.push(request);
+                            last_held = last_held.max(request + 1);
+                        }
+                        None => self.new.push(line),
+                    }
                 }
-                None => new.push(line),
-            });
-        let (held, new) = ((held.len() - held_before) as u32, (new.len() - new_before) as u32);
+                if line == last || self.lines.len() - first > most as usize {
+                    break;
+                }
+                line += 1;
+            }
+        }
+        let lines = (self.lines.len() - first) as u32;
+        let (held, new) = ((self.held.len() - held) as u32, (self.new.len() - new) as u32);
         let client = look_ups.first().map_or(0, |r| r.client);
-        all.push(LookUps { client, lines, held, new, last_held });
+        self.look_ups.push(LookUps { client, lines, held, new, last_held });
         lines
     }
 
@@ -202,45 +221,6 @@ impl<'a> Asks<'a> {
     }
 }
 
-/// Shows `see` the look-ups of a step by client, in order of clients, until it says no; whether it never did.
-#[inline(always)]
-pub(crate) fn by_client(look_ups: &[Request], mut see: impl FnMut(&[Request]) -> bool) -> bool {
-    let mut sorted = Vec::new();
-    let mut look_ups = look_ups;
-    if !look_ups.is_sorted_by_key(|r| r.client) {
-        sorted.extend_from_slice(look_ups);
-        sorted.sort_by_key(|r: &Request| r.client);
-        look_ups = &sorted;
-    }
-    look_ups.chunk_by(|a, b| a.client == b.client).all(&mut see)
-}
-
-/// Shows `see` the lines that look-ups in one cache touch, each once, in order of first mention, and puts them behind `lines`. It stops
-/// where they are more than `most`; how many there are.
-#[inline(always)]
-pub(crate) fn each_line(lines: &mut Vec<u64>, look_ups: &[Request], line: Divisor, most: u32, mut see: impl FnMut(u64)) -> u32 {
-    let first = lines.len();
-    // A bit for all lines of the same rest by 64: mostly a line is new, and no other of the step has its bit.
-    let mut seen = 0;
-    for r in look_ups {
-        let (mut number, last) = line.touched(r.address, r.bytes.max(1));
-        // Not a range: mostly it is one line, and a range asks twice whether it is over.
-        loop {
-            let bit = 1_u64 << (number % 64);
-            if seen & bit == 0 || !lines[first..].contains(&number) {
-                seen |= bit;
-                lines.push(number);
-                see(number);
-            }
-            if number == last || lines.len() - first > most as usize {
-                break;
-            }
-            number += 1;
-        }
-    }
-    (lines.len() - first) as u32
-}
-
 /// What is wrong with what a step asks: it is not what its unit declared, or not what the machine wired.
 #[cold]
 pub(crate) fn objection(
@@ -272,8 +252,7 @@ fn credits_needed((requests, look_ups): (&[Request], &[Request]), own: usize, ca
     let mine = |r: &&Request| r.client as usize == own;
     let requests = requests.iter().filter(mine).count();
     let Some((tags, _)) = caches.tags(own) else { return requests as u32 };
-    let line = tags.line();
-    let lines_of = |r: &Request| line.touched(r.address, r.bytes.max(1));
+    let lines_of = |r: &Request| tags.lines(r.address, r.bytes);
     let all = look_ups.iter().filter(mine).map(lines_of).flat_map(|(first, last)| first..=last);
     // A tape may say anything, and few bytes of it name many lines.
     let mut lines: Vec<u64> = all.take(MOST_LINES).collect();

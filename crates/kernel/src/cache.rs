@@ -76,10 +76,10 @@ impl Tags {
         self.tags = Vec::new();
     }
 
-    /// Splits addresses into lines.
+    /// First and last line that `bytes` at `address` touch.
     #[inline(always)]
-    pub(crate) fn line(&self) -> Divisor {
-        self.line
+    pub(crate) fn lines(&self, address: u64, bytes: u32) -> (u64, u64) {
+        self.line.touched(address, bytes.max(1))
     }
 
     /// Looks `line` up and makes it the most recently used of its set: the number of the request that fills it. `None` where

@@ -271,7 +271,8 @@ pub use counts::{Bus, ChannelCounts, Latencies, PortCounts, RowCounts};
 pub use cycle::Cycle;
 pub use derived::Derived;
 pub use engine::{
-    Engine, Limits, Reels, RetimeError, Tape, critical_path, retime, run, run_functional, run_recorded, run_to_tape, run_with,
+    Engine, Limits, Piece, Reels, RetimeError, Tape, critical_path, make_steps, retime, run, run_functional, run_recorded,
+    run_with, time_steps,
 };
 pub use fifo::Fifo;
 pub use hardware::{Hardware, HardwareKind};

@@ -65,6 +65,13 @@ impl Traffic {
         }
     }
 
+    /// Asks what was asked before, by somebody else.
+    #[inline(always)]
+    pub(crate) fn ask(&mut self, requests: &[Request], look_ups: &[Request]) {
+        self.requests.extend_from_slice(requests);
+        self.look_ups.extend_from_slice(look_ups);
+    }
+
     /// The unit cannot go on: the run ends with this message. For what only the data can show, such as a gathering
     /// memory that is too small; say which parameter to change.
     pub fn fault(&mut self, message: String) {

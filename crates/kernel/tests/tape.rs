@@ -4,9 +4,9 @@ mod common;
 
 use basrelief_kernel::plan::{Kind, Plan};
 use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{NoProbe, Outcome, RetimeError, RunReport, Shape, Tape, retime, run_to_tape};
+use basrelief_kernel::{NoProbe, Outcome, RetimeError, RunReport, Shape, Tape, make_steps, retime, time_steps};
 use common::random::{Recipe, recipe};
-use common::{Draw, machine, run_both, tape, work};
+use common::{Draw, machine, run_both, streams, tape};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use std::borrow::Cow;
@@ -27,23 +27,9 @@ fn other_times(plan: &Plan, other: &Recipe) -> Plan {
     plan
 }
 
-/// The stream of each stage, in one piece.
-fn streams(tape: &[Reel]) -> Vec<Vec<u8>> {
-    let stages = tape[0].streams().count();
-    let whole = |stage| tape.iter().flat_map(|reel| reel.streams().nth(stage).unwrap().iter().copied()).collect();
-    (0..stages).map(whole).collect()
-}
-
 fn timed_again(tape: &[Reel], plan: &Plan) -> Result<RunReport, RetimeError> {
     let mut reels = tape.iter().map(Cow::Borrowed);
     retime(Shape::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX)
-}
-
-/// So many tokens that its tape has several pieces.
-fn long_chain() -> Plan {
-    let mut plan = Draw::chain().0;
-    plan.units[0].kind = Kind::Source { tokens: 400 };
-    plan
 }
 
 proptest! {
@@ -56,13 +42,6 @@ proptest! {
         if [here, there] == [Outcome::Complete, Outcome::Complete] {
             prop_assert_eq!(streams(&tape(&plan, u64::MAX)), streams(&tape(&slower, u64::MAX)));
         }
-    }
-
-    /// The work alone does the same steps as a run, and writes the same of them.
-    #[test]
-    fn the_work_alone_leaves_the_tape_of_a_run(recipe in recipe()) {
-        let (plan, _) = recipe.plan();
-        prop_assert_eq!(streams(&work(&mut machine(&plan))), streams(&tape(&plan, u64::MAX)));
     }
 
     #[test]
@@ -126,26 +105,16 @@ proptest! {
 
 #[test]
 fn work_that_is_stopped_is_timed_as_far_as_it_went() {
-    let plan = long_chain();
+    let mut plan = Draw::chain().0;
+    plan.units[0].kind = Kind::Source { tokens: 400 };
     let whole = run_both(&plan, u64::MAX).0;
-    let mut reels = Vec::new();
-    run_to_tape(&mut machine(&plan), &mut |_| false, (64, &mut |reel| reels.push(reel))).unwrap();
-    let stopped = timed_again(&reels, &plan).unwrap();
+    let mut pieces = Vec::new();
+    make_steps(&mut machine(&plan), &mut |_| false, (40, &mut |piece| pieces.push(piece))).unwrap();
+    let mut pieces = pieces.into_iter();
+    let stopped = time_steps(Shape::of(&mut machine(&plan)).unwrap(), &mut || pieces.next(), None);
     assert_eq!(stopped.outcome, Outcome::Stopped);
     let steps = |report: &RunReport| report.units.iter().map(|unit| unit.steps).sum::<u64>();
     assert!(0 < steps(&stopped) && steps(&stopped) < steps(&whole), "{stopped:?}");
-}
-
-#[test]
-fn pieces_of_a_tape_put_together_are_the_whole() {
-    let plan = long_chain();
-    let pieces = tape(&plan, u64::MAX);
-    assert!(pieces.len() > 2);
-    let mut rest = pieces.clone().into_iter();
-    let mut whole = rest.next().unwrap();
-    rest.for_each(|piece| whole.append(piece));
-    assert_eq!(streams(std::slice::from_ref(&whole)), streams(&pieces));
-    assert_eq!(timed_again(&[whole], &plan), timed_again(&pieces, &plan));
 }
 
 #[test]

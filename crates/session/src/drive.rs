@@ -24,10 +24,11 @@ use basrelief_machines::Facts;
 use basrelief_reference::{Picture, Quality, SizeMismatch, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_signals::{Camera, Frame};
-use basrelief_threads::Later;
+use basrelief_threads::{self as threads, Later};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
+use std::sync::{Mutex, PoisonError};
 
 /// What the engine came to, and what the units counted.
 pub(crate) struct EngineResult {
@@ -158,31 +159,34 @@ impl<'a> Session<'a> {
         probe: &mut P,
         kept: &mut Option<Kept>,
     ) -> Result<Option<RunReport>, String> {
-        let &RunOptions { clock, engine, max_cycles, requests, .. } = self.settings;
+        let &RunOptions { clock, engine, max_cycles, requests, exact, .. } = self.settings;
         let (began, mut aside) = (clock(), 0.0);
-        let reels = RefCell::new(Vec::new());
+        let reels = Mutex::new(Vec::new());
+        let new_reels = || std::mem::take(&mut *reels.lock().unwrap_or_else(PoisonError::into_inner));
+        let keep = |reel| reels.lock().unwrap_or_else(PoisonError::into_inner).push(reel);
         let is_recorded = kept.is_some() || self.shows_tape();
         let mut progress = |machine: &mut M| {
-            self.take_tape(&mut reels.borrow_mut(), kept);
+            self.take_tape(new_reels(), kept);
             self.look(spec, machine, &mut aside)
         };
-        let mut keep = |reel| reels.borrow_mut().push(reel);
-        // What looks at times and at work side by side needs both on one thread.
+        // Who looks at times and at work side by side needs both on one thread.
         let may_be_apart = engine == Some(Engine::Timed) && max_cycles == u64::MAX && !P::is_on() && !requests;
-        let apart = may_be_apart.then(|| run_apart(machine, &mut progress, if is_recorded { Some(&mut keep) } else { None }));
+        // The exact picture has the second core.
+        let apart = (may_be_apart && threads::workers() > 1 + usize::from(exact))
+            .then(|| run_apart(machine, &mut progress, is_recorded.then_some(&keep as _)));
         let ran = match (apart.flatten(), engine) {
-            (Some(ran), _) => ran.map(Some),
+            (Some(report), _) => Ok(Some(report)),
             (None, Some(engine)) => {
                 let limits = Limits { max_cycles, progress: &mut progress };
                 Ok(Some(if is_recorded {
-                    kernel::run_recorded(machine, engine, probe, limits, (REEL_BYTES, &mut keep))
+                    kernel::run_recorded(machine, engine, probe, limits, (REEL_BYTES, &mut |reel| keep(reel)))
                 } else {
                     kernel::run_with(machine, engine, probe, limits)
                 }))
             }
             (None, None) => kernel::run_functional(machine, &mut progress).map(|()| None),
         };
-        self.take_tape(&mut reels.borrow_mut(), kept);
+        self.take_tape(new_reels(), kept);
         self.simulate_s = clock() - began - aside;
         ran
     }
@@ -217,8 +221,8 @@ impl<'a> Session<'a> {
     }
 
     /// Takes the reels of the tape since the last call: keeps them, and shows them.
-    fn take_tape(&mut self, reels: &mut Vec<Reel>, kept: &mut Option<Kept>) {
-        for reel in reels.drain(..) {
+    fn take_tape(&mut self, reels: Vec<Reel>, kept: &mut Option<Kept>) {
+        for reel in reels {
             if self.shows_tape() {
                 self.work.add(&reel);
                 self.attempt(|session| session.observer.tape(&tape::reel(&reel), session.work.is_short()));

@@ -53,6 +53,7 @@ mod tape;
 mod tee;
 
 pub use ablation::ablate;
+pub use apart::run_apart;
 pub use beside::{beside, page_pictures};
 pub use configured::{Misconfigured, TOML_GROWTH};
 pub use costs::{CostKind, CostPoints, Costs, PARTS, PixelCost, PixelWay, PolygonCost, Spent, UnitCost, WayCost};

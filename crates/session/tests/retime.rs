@@ -4,12 +4,14 @@
 use basrelief_input::Budget;
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::Report;
+use basrelief_report::model::OutcomeKind;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_session::{
     Given, MACHINES, MachineConfig, MachineInfo, Observer, Recording, RetimeOptions, RunInput, RunOptions, TapeFileError, Taped,
     When, begin_of, display_list, explain, input_sha256, retime, run,
 };
 use basrelief_signals::Scene;
+use basrelief_threads as threads;
 use proptest::prelude::*;
 use serde_json::Value;
 use std::io::Cursor;
@@ -45,8 +47,12 @@ fn of_trace(machine: &MachineInfo) -> RunInput {
     RunInput::trace(Cursor::new(recorder.finish(Vec::new()).unwrap()), "recorded")
 }
 
-/// Report and tape of a run; none where the parameters do not fit.
+/// Report and tape of a run on one thread, since on two it is timed as a tape is; none where the parameters do not fit.
 fn recorded(machine: &MachineInfo, source: RunInput, settings: &Settings, limits: When) -> Option<(Report, Vec<u8>)> {
+    threads::alone(|| recorded_here(machine, source, settings, limits))
+}
+
+fn recorded_here(machine: &MachineInfo, source: RunInput, settings: &Settings, limits: When) -> Option<(Report, Vec<u8>)> {
     let config = config(machine, settings)?;
     let given = Given { toml: String::new(), settings: settings.clone() };
     let settings = RunOptions { config, exact: false, limits, given, tape: When::Always, ..RunOptions::default() };
@@ -114,6 +120,55 @@ proptest! {
             }
             Err(error) => prop_assert!(matches!(error, TapeFileError::OtherWork(_)), "{}: {:?}", error, &settings),
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Work on one thread and time on another give the report, the pictures and the tape that one thread gives.
+    #[test]
+    fn work_and_time_apart_give_what_one_thread_gives(which in 0..8_usize, choices in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6)) {
+        let (machine, trace, _) = &TAPES[which];
+        let settings = some_settings(machine, &choices);
+        let bytes = |(report, tape): (Report, Vec<u8>)| (report.to_json().unwrap(), tape);
+        let apart = recorded_here(machine, source(machine, *trace), &settings, When::Never).map(bytes);
+        let alone = recorded(machine, source(machine, *trace), &settings, When::Never).map(bytes);
+        prop_assert_eq!(apart, alone, "{:?}", &settings);
+    }
+}
+
+/// A unit that cannot go on does so in the same cycle, although its work runs ahead of the times.
+#[test]
+fn a_fault_is_the_same_with_work_and_time_apart() {
+    let settings = [("replacement.codebook", "per_object"), ("replacement.gather_bytes", "4096")];
+    let config = MACHINES[0].load("", &settings).unwrap();
+    let fault = || {
+        let options = RunOptions { config: config.clone(), exact: false, ..RunOptions::default() };
+        let ran = run(of_scene(&MACHINES[0]), &options, &mut Taping::default(), None);
+        ran.map(|run| run.report.outcome).unwrap_err().to_string()
+    };
+    let alone = threads::alone(fault);
+    assert!(alone.starts_with("replacement, cycle ") && alone.contains("`replacement.gather_bytes` is 4096"), "{alone}");
+    assert_eq!(fault(), alone);
+}
+
+/// Looks on, and stops the run at once.
+struct Stopping;
+
+impl Observer for Stopping {
+    fn progress(&mut self, _: u64, _: Option<u64>) -> bool {
+        false
+    }
+}
+
+#[test]
+fn who_stops_a_run_has_its_report_so_far() {
+    for machine in MACHINES {
+        let options = RunOptions { config: machine.load("", &[]).unwrap(), exact: false, ..RunOptions::default() };
+        let stopped = |source| run(source, &options, &mut Stopping, None).unwrap().report.outcome.kind;
+        let kinds = [threads::alone(|| stopped(of_scene(machine))), stopped(of_scene(machine))];
+        assert_eq!(kinds, [OutcomeKind::Stopped; 2], "{}", machine.name);
     }
 }
 

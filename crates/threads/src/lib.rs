@@ -90,17 +90,21 @@ pub fn map<I: Send, T: Send>(items: Vec<I>, work: impl Fn(I) -> T + Sync) -> Vec
     done.into_iter().map(|(_, made)| made).collect()
 }
 
+/// Does something on this thread alone, as a member of a crew does.
+pub fn alone<T>(work: impl FnOnce() -> T) -> T {
+    let before = IN_CREW.replace(true);
+    let made = work();
+    IN_CREW.set(before);
+    made
+}
+
 /// Has so many threads do the same at once, the caller's among them: as a rule they take from one list what there is to do. Where
 /// there are several, each works alone: the other cores have work of their own. Fewer do it where there are no more to be had.
 pub fn crew(members: usize, work: impl Fn() + Sync) {
     if members <= 1 {
         return work();
     }
-    let work = || {
-        let before = IN_CREW.replace(true);
-        work();
-        IN_CREW.set(before);
-    };
+    let work = || alone(&work);
     thread::scope(|scope| {
         let others: Vec<_> = (1..members).filter_map(|_| Builder::new().spawn_scoped(scope, work).ok()).collect();
         work();
@@ -172,7 +176,7 @@ mod tests {
         let (send, receive) = std::sync::mpsc::sync_channel(1);
         let sum = apart(move || receive.iter().sum::<u64>(), move || (1..=100).try_for_each(|n| send.send(n)));
         assert_eq!(sum, (workers() > 1).then_some((5050, Ok(()))));
-        crew(2, || assert_eq!(apart(|| (), || panic!("there is no thread for it")), None::<((), ())>));
+        alone(|| assert_eq!(apart(|| (), || panic!("there is no thread for it")), None::<((), ())>));
     }
 
     #[test]

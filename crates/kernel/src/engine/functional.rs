@@ -1,63 +1,57 @@
-//! The functional model: the same steps, without time; memories answer at once (law 6). Where a tape is kept of it, somebody else
-//! can tell the time meanwhile.
+//! The functional model: the same steps, without time; memories answer at once (law 6). What it does can be handed on to who tells the
+//! times meanwhile.
 
-use super::rests;
+use super::apart::{Piece, Steps};
 use super::work::{Live, Work};
+use super::{fault_of, rests};
 use crate::place::Place;
-use crate::tape::{End, Reel, Writer};
-use crate::time::{Made, Rest};
+use crate::time::Made;
 use crate::wiring::{Inputs, Machine, Outputs, Visitor};
 use crate::{Connections, Demand, Traffic, Unit};
 
-struct Walk<'a> {
+struct Walk {
     traffic: Traffic,
     stage: usize,
-    stepped: bool,
-    /// Stages that cannot go on, and how many of them stand in a reel.
-    faults: Vec<Fault>,
-    told: usize,
-    tape: Option<&'a mut Writer>,
+    /// Steps made, in all, and of these handed on.
+    steps: usize,
+    handed_on: usize,
+    /// A stage that cannot go on.
+    fault: Option<String>,
+    /// What the stages do, where somebody tells the time of it.
+    made: Option<Vec<Steps>>,
 }
 
-/// A stage that cannot go on.
-struct Fault {
-    stage: usize,
-    name: String,
-    text: String,
-}
-
-impl<'a> Walk<'a> {
-    fn new(traffic: Traffic, tape: Option<&'a mut Writer>) -> Self {
-        Self { traffic, stage: 0, stepped: false, faults: vec![], told: 0, tape }
+impl Walk {
+    fn new(traffic: Traffic, made: Option<Vec<Steps>>) -> Self {
+        Self { traffic, stage: 0, steps: 0, handed_on: 0, fault: None, made }
     }
 
-    /// Whether a stage is to go on. Who times a tape must come to the start of a step that is a fault: so all others go on
+    /// Whether a stage is to go on. Who tells the time must come to the start of a step that is a fault: so all others go on
     /// meanwhile, as far as they can without it.
+    #[inline(always)]
     fn goes_on(&self, stage: usize) -> bool {
-        self.faults.is_empty() || (self.tape.is_some() && self.faults.iter().all(|fault| fault.stage != stage))
+        match &self.made {
+            Some(made) => !made[stage].is_fault(),
+            None => self.fault.is_none(),
+        }
     }
 
     /// After a step of a stage.
     #[inline(always)]
     fn take(&mut self, (stage, name): (usize, &str), demand: Demand, made: Made) {
-        self.stepped = true;
-        if let Some(text) = self.traffic.fault.take() {
-            self.faults.push(Fault { stage, name: name.into(), text });
-        }
-        if let Some(tape) = &mut self.tape {
-            // It may be the step itself that is wrong.
-            let made = Made { occupancy: made.occupancy.max(1), ..made };
-            tape.work(stage, demand, &made, &self.traffic);
-            self.traffic.clear();
+        self.steps += 1;
+        match &mut self.made {
+            Some(all) => all[stage].push(demand, made, &mut self.traffic),
+            None if self.traffic.fault.is_some() => self.fault = fault_of(&mut self.traffic, name, None),
+            None => {}
         }
     }
 
-    /// What is on the tape since the last reel.
-    fn reel(&mut self, rests: Vec<Rest>, end: End) -> Option<Reel> {
-        let mut reel = self.tape.as_mut()?.reel(rests, end);
-        reel.faults = self.faults[self.told..].iter().map(|fault| (fault.stage, fault.text.clone())).collect();
-        self.told = self.faults.len();
-        Some(reel)
+    /// What was done since the last piece.
+    fn piece(&mut self, machine: &mut impl Machine, stopped: bool) -> Piece {
+        self.handed_on = self.steps;
+        let stages = self.made.iter_mut().flatten().map(Steps::take).collect();
+        Piece { stages, rests: rests(machine), stopped }
     }
 }
 
@@ -74,7 +68,7 @@ fn next<U: Unit, I: Inputs, O: Outputs, C>(
     ready.then_some(demand)
 }
 
-impl Visitor for Walk<'_> {
+impl Visitor for Walk {
     #[inline]
     fn stage<P: Place>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
@@ -91,44 +85,47 @@ impl Visitor for Walk<'_> {
 
 pub(super) fn run<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) -> bool) -> Result<(), String> {
     let mut walk = Walk::new(Traffic::muted(), None);
-    let end = walk_on(machine, &mut walk, progress, &mut |_| ());
-    match (walk.faults.pop(), end) {
-        (Some(Fault { name, text, .. }), _) => Err(format!("{name}: {text}")),
-        (None, End::Stopped) => Err("stopped".into()),
-        (None, _) => Ok(()),
+    let stopped = walk_on(machine, &mut walk, progress, &mut |_, _| ());
+    match walk.fault {
+        Some(fault) => Err(fault),
+        None if stopped => Err("stopped".into()),
+        None => Ok(()),
     }
 }
 
-pub(super) fn run_to_tape<M: Machine>(
+/// The same, and hands on what the stages do, some `steps` at a time; to begin with they have done nothing.
+pub(super) fn run_to<M: Machine>(
     machine: &mut M,
-    writer: &mut Writer,
     progress: &mut dyn FnMut(&mut M) -> bool,
-    keep: &mut dyn FnMut(Reel),
+    (steps, nothing, hand_on): (usize, Vec<Steps>, &mut dyn FnMut(Piece)),
 ) {
-    let mut walk = Walk::new(Traffic::default(), Some(writer));
-    let end = walk_on(machine, &mut walk, progress, keep);
-    walk.reel(rests(machine), end).into_iter().for_each(keep);
+    let mut walk = Walk::new(Traffic::default(), Some(nothing));
+    let stopped = walk_on(machine, &mut walk, progress, &mut |walk, machine| {
+        if walk.steps - walk.handed_on >= steps {
+            hand_on(walk.piece(machine, false));
+        }
+    });
+    hand_on(walk.piece(machine, stopped));
 }
 
-/// Makes all steps, and hands on the reels that are full meanwhile.
+/// Makes all steps, with a `look` at them after each round; whether it was stopped.
 fn walk_on<M: Machine>(
     machine: &mut M,
-    walk: &mut Walk<'_>,
+    walk: &mut Walk,
     progress: &mut dyn FnMut(&mut M) -> bool,
-    keep: &mut dyn FnMut(Reel),
-) -> End {
+    look: &mut dyn FnMut(&mut Walk, &mut M),
+) -> bool {
     for round in 1_u64.. {
-        (walk.stage, walk.stepped) = (0, false);
+        let before = walk.steps;
+        walk.stage = 0;
         machine.wire(walk);
-        if !walk.stepped || (walk.tape.is_none() && !walk.faults.is_empty()) {
+        if walk.steps == before || walk.fault.is_some() {
             break;
         }
-        if walk.tape.as_ref().is_some_and(|tape| tape.is_full()) {
-            walk.reel(rests(machine), End::Open).into_iter().for_each(&mut *keep);
-        }
+        look(walk, machine);
         if (round.is_multiple_of(16) || machine.has_news()) && !progress(machine) {
-            return End::Stopped;
+            return true;
         }
     }
-    End::Last
+    false
 }

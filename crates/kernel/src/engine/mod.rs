@@ -1,18 +1,21 @@
 //! The engines: three ways to run the same unit code.
 
+mod apart;
+mod ends;
 mod functional;
 mod retime;
 mod ticked;
 mod timed;
 mod work;
 
-use crate::check::{WiringError, check_wiring};
+use crate::check::check_wiring;
 use crate::report::RunReport;
 use crate::shape::Shape;
-use crate::tape::{End, Reel, Writer};
+use crate::tape::{Reel, Writer};
 use crate::time::{Halt, Rest, Time};
 use crate::wiring::Machine;
 use crate::{Cycle, Probe, Traffic};
+pub use apart::{Piece, make_steps, time_steps};
 pub use retime::{Reels, RetimeError, Tape, critical_path, retime};
 use work::Survey;
 
@@ -59,7 +62,7 @@ pub fn run_recorded<M: Machine, P: Probe>(
         let recording = Some(Recording { writer: &mut writer, keep: &mut *keep });
         let halt = run_engine(machine, engine, (time, probe), limits, recording);
         if matches!(halt, Halt::Quiet | Halt::Limit(_)) {
-            keep(writer.reel(rests(machine), End::Last));
+            keep(writer.reel(rests(machine), true));
         }
         halt
     })
@@ -118,23 +121,6 @@ pub fn run_functional<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut
     functional::run(machine, progress)
 }
 
-/// Makes the same steps, and writes them on a [tape](crate::tape) in reels of `reel_bytes` and somewhat more, the last of which says
-/// how the work ended: whoever hands them to [`retime`] as they come, on another thread, has the report of [`run_with`] with
-/// [`Engine::Timed`] as soon as the work is done. The work runs ahead of the times: so this is for runs without a limit of cycles.
-///
-/// # Errors
-/// If the wiring is wrong.
-pub fn run_to_tape<M: Machine>(
-    machine: &mut M,
-    progress: &mut dyn FnMut(&mut M) -> bool,
-    (reel_bytes, keep): (usize, &mut dyn FnMut(Reel)),
-) -> Result<(), WiringError> {
-    let shape = Shape::of(machine)?;
-    let mut writer = Writer::new(&shape, &shape.memories, reel_bytes);
-    functional::run_to_tape(machine, &mut writer, progress, keep);
-    Ok(())
-}
-
 /// Between rounds: hands on what is written of a tape, where it is worth a reel, and shows the machine to who looks on, with its
 /// memories as they are by now: they are the engine's while it runs.
 fn look<M: Machine>(
@@ -146,7 +132,7 @@ fn look<M: Machine>(
     if let (Some(writer), Some(keep)) = (tape, keep)
         && writer.is_full()
     {
-        keep(writer.reel(rests(machine), End::Open));
+        keep(writer.reel(rests(machine), false));
     }
     std::mem::swap(machine.memories(), &mut time.memories);
     let goes_on = progress(machine);

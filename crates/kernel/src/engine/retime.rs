@@ -1,12 +1,13 @@
 //! Times the work on a tape again: the timed engine, with steps from a tape in place of those of units.
 
+use super::ends::advance;
 use super::timed::RunAhead;
 use super::work::Work;
 use crate::asked::Asks;
 use crate::report::RunReport;
 use crate::shape::Shape;
-use crate::tape::{End, Reader, Reel, TapeError};
-use crate::time::{Halt, Known, Made, Path, Rest, Takes, Time, Visit};
+use crate::tape::{Reader, Reel, TapeError};
+use crate::time::{Halt, Made, Path, Rest, Takes, Time, Visit};
 use crate::{CriticalPath, Cycle, Demand, Groups, NoProbe, Outcome, Probe, Traffic};
 use std::borrow::Cow;
 
@@ -39,63 +40,37 @@ pub enum RetimeError {
 /// before are still to be timed.
 pub type Reels<'a, 'f> = dyn FnMut(usize) -> Result<Option<Cow<'f, Reel>>, String> + 'a;
 
-/// A number of FIFOs that the compiler does not know.
-const MANY: usize = usize::MAX;
-
-/// The steps on a tape of a stage with so many inputs and outputs.
-struct Recorded<'a, const I: usize, const O: usize, const MEMORY: bool>(&'a mut Reader);
-
-impl<const I: usize, const O: usize, const MEMORY: bool> Known for Recorded<'_, I, O, MEMORY> {
-    const INPUTS: Option<usize> = if I == MANY { None } else { Some(I) };
-    const OUTPUTS: Option<usize> = if O == MANY { None } else { Some(O) };
-    const HAS_MEMORY: bool = MEMORY;
-}
-
-/// Runs a stage ahead, by code made for its numbers of FIFOs where these are common: a step of code made for any takes two thirds more.
-fn advance<P: Probe>(walk: &mut RunAhead<'_, P>, number: usize, reader: &mut Reader) {
-    let clients = !walk.time.shape.stages[number].clients.is_empty();
-    match (reader.ends(), clients) {
-        ([1, 1], false) => walk.advance(number, &mut Recorded::<1, 1, false>(reader)),
-        ([1, 1], true) => walk.advance(number, &mut Recorded::<1, 1, true>(reader)),
-        ([1, 2], false) => walk.advance(number, &mut Recorded::<1, 2, false>(reader)),
-        ([2, 1], false) => walk.advance(number, &mut Recorded::<2, 1, false>(reader)),
-        ([2, 1], true) => walk.advance(number, &mut Recorded::<2, 1, true>(reader)),
-        ([3, 2], false) => walk.advance(number, &mut Recorded::<3, 2, false>(reader)),
-        _ => walk.advance(number, &mut Recorded::<MANY, MANY, true>(reader)),
-    }
-}
-
-impl<const I: usize, const O: usize, const MEMORY: bool> Work for Recorded<'_, I, O, MEMORY> {
+impl Work for Reader {
     type Declared = ();
 
     #[inline]
     fn next(&self) -> ((), Takes) {
-        ((), self.0.takes())
+        ((), self.takes())
     }
 
     #[inline]
     fn has_step(&self) -> bool {
-        self.0.has_step()
+        self.has_step()
     }
 
     #[inline]
     fn step(&mut self, (): (), _: &mut Traffic) -> Made {
-        self.0.step()
+        self.step()
     }
 
     #[inline]
     fn is_silent(&self, _: &Traffic) -> bool {
-        self.0.is_silent()
+        self.is_silent()
     }
 
     #[inline]
     fn asks<'a>(&'a mut self, traffic: &'a mut Traffic, _: &mut Visit<'_>) -> Option<Asks<'a>> {
-        self.0.asks(traffic)
+        self.asks(traffic)
     }
 
     #[inline]
     fn go_on(&mut self, _: &mut Traffic) {
-        self.0.go_on();
+        self.go_on();
     }
 }
 
@@ -224,9 +199,8 @@ fn timed_again<P: Probe>(
 ) -> Result<(RunReport, Option<CriticalPath>), RetimeError> {
     let mut time = Time::new(shape);
     time.keep_fills(&*probe);
-    let mut end = End::Open;
     if readers.iter().any(|reader| reader.demand().is_none()) {
-        end = feed(&mut readers, reels)?.ok_or_else(|| ends_early(&readers, &time))?;
+        feed(&mut readers, reels, &time)?;
     }
     let path = match wanted {
         Wanted::Path(most, groups) => Some(Path::new(&mut time, most, groups)),
@@ -256,11 +230,7 @@ fn timed_again<P: Probe>(
         if !walk.hungry {
             break if walk.limited { Halt::Limit(max_cycles) } else { Halt::Quiet };
         }
-        match feed(&mut readers, reels)? {
-            Some(next) => end = next,
-            None if end == End::Stopped => break Halt::Stopped,
-            None => return Err(ends_early(&readers, walk.time)),
-        }
+        feed(&mut readers, reels, walk.time)?;
     };
     let path = walk.path;
     time.land_all();
@@ -276,23 +246,20 @@ fn timed_again<P: Probe>(
     Ok((report, path))
 }
 
-/// Goes on with the next reel, which a stage needs: what is behind that; none where there is no other.
-fn feed(readers: &mut [Reader], reels: &mut Reels<'_, '_>) -> Result<Option<End>, RetimeError> {
+/// Goes on with the next reel, which a stage needs.
+fn feed(readers: &mut [Reader], reels: &mut Reels<'_, '_>, time: &Time) -> Result<(), RetimeError> {
     let waiting = readers.iter().map(Reader::waiting).sum();
-    let Some(reel) = reels(waiting).map_err(RetimeError::Read)? else { return Ok(None) };
+    let Some(reel) = reels(waiting).map_err(RetimeError::Read)? else {
+        let needs = |&stage: &usize| {
+            let demand = readers[stage].demand().unwrap_or(Demand::Finished);
+            !readers[stage].has_step() && time.next_start(stage, demand).is_known()
+        };
+        let stage = (0..readers.len()).find(needs).unwrap_or_default();
+        return Err(RetimeError::EndsEarly(time.shape.stages[stage].names.name.clone()));
+    };
     if reel.stages.len() != readers.len() {
         return Err(RetimeError::Stages { found: reel.stages.len(), expected: readers.len() });
     }
     reel.feed(readers);
-    Ok(Some(reel.end))
-}
-
-/// A stage goes on beyond the end of the tape.
-fn ends_early(readers: &[Reader], time: &Time) -> RetimeError {
-    let needs = |&stage: &usize| {
-        let demand = readers[stage].demand().unwrap_or(Demand::Finished);
-        !readers[stage].has_step() && time.next_start(stage, demand).is_known()
-    };
-    let stage = (0..readers.len()).find(needs).unwrap_or_default();
-    RetimeError::EndsEarly(time.shape.stages[stage].names.name.clone())
+    Ok(())
 }

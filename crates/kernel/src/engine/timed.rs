@@ -51,7 +51,7 @@ use super::work::{Live, Work};
 use super::{Limits, Recording, fault_of, look};
 use crate::place::Place;
 use crate::tape::Writer;
-use crate::time::{Halt, Path, Takes, Time};
+use crate::time::{Halt, Known, Path, Takes, Time};
 use crate::wiring::{Machine, Visitor};
 use crate::{Cycle, Probe, Traffic};
 
@@ -99,12 +99,12 @@ impl<'a, SomeProbe: Probe> RunAhead<'a, SomeProbe> {
 impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
     /// Makes all steps of a stage whose starts are known.
     #[inline(always)]
-    fn fire_known<W: Work>(&mut self, number: usize, work: &mut W) -> Takes {
+    fn fire_known<K: Known, W: Work>(&mut self, number: usize, work: &mut W) -> Takes {
         let Self { time, probe, traffic, tape, path, accounts_for, .. } = self;
-        let (mut visit, shape) = time.visit::<W>(number);
+        let (mut visit, shape) = time.visit::<K>(number);
         loop {
             let (declared, takes) = work.next();
-            let at = visit.next_start::<W>(takes);
+            let at = visit.next_start::<K>(takes);
             if at >= self.end {
                 let is_known = at.is_known();
                 self.limited |= is_known;
@@ -116,7 +116,7 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 return takes;
             }
             if at > visit.clock.free && *accounts_for {
-                visit.charge_wait::<W, _>(takes, at, *probe);
+                visit.charge_wait::<K, _>(takes, at, *probe);
             }
             let made = work.step(declared, traffic);
             work.tell(number, (declared, &made), traffic, probe);
@@ -124,10 +124,10 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 path.step(shape, &visit.sight(), (at, takes), &{ made });
             }
             if work.is_silent(traffic) {
-                visit.step::<W>(at, takes, &made);
+                visit.step::<K>(at, takes, &made);
             } else {
                 let asks = work.asks(traffic, &mut visit);
-                visit.step_asking::<W>(at, takes, &made, asks);
+                visit.step_asking::<K>(at, takes, &made, asks);
             }
             if let Some(tape) = tape {
                 work.write(tape, number, (declared, &made), traffic);
@@ -143,35 +143,35 @@ impl<SomeProbe: Probe> RunAhead<'_, SomeProbe> {
                 self.end = Cycle::ZERO;
                 return takes;
             }
-            if visit.serve_private::<W>(free) {
-                visit.land_known::<W>();
+            if visit.serve_private::<K>(free) {
+                visit.land_known::<K>();
             }
         }
     }
 
     /// Runs a stage ahead.
     #[inline(always)]
-    pub(super) fn advance<W: Work>(&mut self, number: usize, work: &mut W) {
-        let (mut visit, _) = self.time.visit::<W>(number);
-        if !visit.has_news::<W>() {
+    pub(super) fn advance<K: Known, W: Work>(&mut self, number: usize, work: &mut W) {
+        let (mut visit, _) = self.time.visit::<K>(number);
+        if !visit.has_news::<K>() {
             return;
         }
-        self.moved |= visit.land_known::<W>();
+        self.moved |= visit.land_known::<K>();
         loop {
-            let takes = self.fire_known(number, work);
-            let (mut visit, _) = self.time.visit::<W>(number);
-            self.moved |= visit.land_known::<W>();
+            let takes = self.fire_known::<K, W>(number, work);
+            let (mut visit, _) = self.time.visit::<K>(number);
+            self.moved |= visit.land_known::<K>();
             if !self.promises {
                 break;
             }
-            let start = visit.promise::<W>(takes);
-            if !visit.serve_private::<W>(start) {
+            let start = visit.promise::<K>(takes);
+            if !visit.serve_private::<K>(start) {
                 break;
             }
             self.moved = true;
-            visit.land_known::<W>();
+            visit.land_known::<K>();
         }
-        self.time.visit::<W>(number).0.leave::<W>();
+        self.time.visit::<K>(number).0.leave::<K>();
     }
 }
 
@@ -182,7 +182,7 @@ impl<SomeProbe: Probe> Visitor for RunAhead<'_, SomeProbe> {
         let number = self.stage;
         self.stage += 1;
         let work = &mut Live::new(stage, connections);
-        self.advance(number, work);
+        self.advance::<Live<'_, P::Unit, P::Inputs, P::Outputs, P::Clients>, _>(number, work);
     }
 }
 

@@ -9,7 +9,7 @@ use crate::wiring::{Inputs, Outputs, Visitor};
 use crate::{Connections, Demand, Probe, Stage, Traffic, Unit};
 
 /// The steps of one stage, in order.
-pub(crate) trait Work: Known {
+pub(crate) trait Work {
     /// What a unit declares of its next step: nothing, where there is no unit.
     type Declared: Copy;
     /// What the next step takes, as its unit declares it and as time looks at it.

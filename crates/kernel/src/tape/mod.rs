@@ -15,6 +15,5 @@ mod write;
 
 pub use bytes::TapeError;
 pub(crate) use read::Reader;
-pub(crate) use reel::End;
 pub use reel::Reel;
 pub(crate) use write::Writer;

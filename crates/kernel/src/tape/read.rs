@@ -37,8 +37,6 @@ pub(crate) struct Reader {
     at_asked: Cursor,
     /// What the step after the stream will take, if that is known.
     rest: Option<Rest>,
-    /// What is wrong with the last step of the stream.
-    fault: Option<String>,
     last: [u64; MAX_LINKS],
     ends: [usize; 2],
     tags: TagsOfStage,
@@ -61,7 +59,6 @@ impl Reader {
             is_silent: true,
             at_asked: Cursor::default(),
             rest: None,
-            fault: None,
             last: [0; MAX_LINKS],
             ends: [shape.inputs.len(), shape.outputs.len()],
             tags: TagsOfStage::new(shape, memories),
@@ -99,12 +96,12 @@ impl Reader {
         self.largest == shape.credits && self.tags.is_alike(shape, memories)
     }
 
-    /// Goes on with a piece of the stream, the last step of which may be a fault.
-    fn feed(&mut self, bytes: &[u8], rest: Rest, fault: Option<&str>) {
+    /// Goes on with a piece of the stream.
+    pub(crate) fn feed(&mut self, bytes: &[u8], rest: Rest) {
         self.bytes.drain(..self.at);
         self.at = 0;
         self.bytes.extend_from_slice(bytes);
-        (self.rest, self.fault) = (Some(rest), fault.map(str::to_owned));
+        self.rest = Some(rest);
         if !self.has_step() {
             self.read_ahead();
         }
@@ -113,11 +110,6 @@ impl Reader {
     /// Bytes that are not read yet.
     pub(crate) fn waiting(&self) -> usize {
         self.bytes.len() - self.at
-    }
-
-    /// Inputs and outputs of the stage.
-    pub(crate) fn ends(&self) -> [usize; 2] {
-        self.ends
     }
 
     /// Whether there is a step.
@@ -203,19 +195,12 @@ impl Reader {
     /// Reads steps up to about so many, or requests and lines.
     fn read_up_to(&mut self, most: usize, ahead: &mut Ahead) {
         while ahead.steps.len() < most && ahead.asked.len() < most && ahead.refused.is_none() {
-            let Some(&place) = self.bytes.get(self.at) else { break };
+            let Some(&place) = self.bytes.get(self.at) else { return };
             self.at += 1;
             if let Err(error) = self.read_step(place, ahead) {
                 self.error = Some(error);
                 return;
             }
-        }
-        if self.at == self.bytes.len()
-            && let Some(fault) = self.fault.take()
-            && let Some(last) = ahead.steps.last_mut()
-        {
-            *last = last.refused();
-            ahead.refused = Some(fault);
         }
     }
 
@@ -270,9 +255,8 @@ impl Reader {
 impl Reel {
     /// Feeds the readers of all stages.
     pub(crate) fn feed(&self, readers: &mut [Reader]) {
-        for (stage, (reader, (bytes, &rest))) in readers.iter_mut().zip(self.stages.iter().zip(&self.rests)).enumerate() {
-            let fault = self.faults.iter().find(|(number, _)| *number == stage);
-            reader.feed(bytes, rest, fault.map(|(_, text)| text.as_str()));
+        for ((reader, bytes), &rest) in readers.iter_mut().zip(&self.stages).zip(&self.rests) {
+            reader.feed(bytes, rest);
         }
     }
 }

@@ -10,33 +10,10 @@ use crate::wiring::MAX_LINKS;
 pub struct Reel {
     pub(crate) stages: Vec<Vec<u8>>,
     pub(crate) rests: Vec<Rest>,
-    pub(crate) end: End,
-    /// Stages whose last step in it is a fault, and which. A run with a fault leaves no tape: so this is in no file.
-    pub(crate) faults: Vec<(usize, String)>,
-}
-
-/// What is behind a reel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum End {
-    /// More, unless the run was cut.
-    Open,
-    /// Nothing: the work is done.
-    Last,
-    /// Nothing: the work was stopped.
-    Stopped,
+    pub(crate) last: bool,
 }
 
 impl Reel {
-    /// Puts the next reel behind this one.
-    pub fn append(&mut self, next: Self) {
-        for (stream, next) in self.stages.iter_mut().zip(&next.stages) {
-            stream.extend_from_slice(next);
-        }
-        let Self { rests, end, faults, .. } = next;
-        (self.rests, self.end) = (rests, end);
-        self.faults.extend(faults);
-    }
-
     /// The piece of a stage's stream, with what the step after it takes.
     pub(crate) fn piece(&self, stage: usize) -> Option<(&[u8], Rest)> {
         Some((self.stages.get(stage)?, *self.rests.get(stage)?))
@@ -51,7 +28,7 @@ impl Reel {
     /// As bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        put(&mut bytes, u64::from(self.end == End::Last));
+        put(&mut bytes, self.last.into());
         put(&mut bytes, self.stages.len() as u64);
         for (stream, rest) in self.stages.iter().zip(&self.rests) {
             put(&mut bytes, code(rest.demand) << 1 | u64::from(rest.empty));
@@ -69,8 +46,7 @@ impl Reel {
         let mut at = 0;
         let last = get_up_to(bytes, &mut at, ("whether a reel is the last", 1, "0 or 1"))? == 1;
         let count = get_up_to(bytes, &mut at, ("the number of stages", 4096, "at most 4096"))?;
-        let end = if last { End::Last } else { End::Open };
-        let mut reel = Self { stages: Vec::new(), rests: Vec::new(), end, faults: Vec::new() };
+        let mut reel = Self { stages: Vec::new(), rests: Vec::new(), last };
         for _ in 0..count {
             let rest = get(bytes, &mut at, "what is left of a stage")?;
             reel.rests.push(Rest { demand: demand_of(rest >> 1, MAX_LINKS)?, empty: rest & 1 != 0 });

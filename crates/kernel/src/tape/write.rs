@@ -2,10 +2,8 @@
 
 use super::bytes::{put, zigzag};
 use super::class::{CLASSES, Class, NEW, place};
-use super::reel::{End, Reel};
-use crate::asked::{by_client, each_line};
-use crate::memory::Divisor;
-use crate::shape::{Shape, StageShape};
+use super::reel::Reel;
+use crate::shape::Shape;
 use crate::time::{Made, Rest};
 use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
 use crate::{Demand, MemorySystem, Request, Traffic};
@@ -28,52 +26,29 @@ struct Stream {
     last: [u64; MAX_LINKS],
     /// Bytes of a line of each client's cache.
     line_bytes: [u32; MAX_CLIENTS],
-    /// What the largest step needs, by client.
-    largest: [u32; MAX_CLIENTS],
     /// The look-ups of the step being written: each line once, whatever of it was asked for, and however often.
     look_ups: Vec<Request>,
-    /// Their lines, of one client after the other.
-    lines: Vec<u64>,
 }
 
 impl Writer {
     pub(crate) fn new(shape: &Shape, memories: &MemorySystem, reel: usize) -> Self {
         let lines: Vec<u32> = memories.line_bytes().map(|bytes| bytes.unwrap_or(1)).collect();
-        let stream = |stage: &StageShape| Stream {
+        let stream = |clients: &[usize]| Stream {
             bytes: Vec::new(),
             classes: vec![None; CLASSES],
             last: [0; MAX_LINKS],
-            line_bytes: std::array::from_fn(|i| stage.clients.get(i).map_or(1, |&client| lines[client])),
-            largest: stage.credits,
+            line_bytes: std::array::from_fn(|i| clients.get(i).map_or(1, |&client| lines[client])),
             look_ups: Vec::new(),
-            lines: Vec::new(),
         };
-        Self { stages: shape.stages.iter().map(stream).collect(), written: 0, reel }
+        Self { stages: shape.stages.iter().map(|stage| stream(&stage.clients)).collect(), written: 0, reel }
     }
 
     /// Writes a step down, once its traffic is settled.
     #[inline]
     pub(crate) fn step(&mut self, stage: usize, demand: Demand, made: &Made, traffic: &Traffic) {
-        self.write(stage, |stream| {
-            stream.take_lines(traffic);
-            stream.step(demand, made, traffic.requests());
-        });
-    }
-
-    /// Writes a step down whose traffic nobody settles: tags are asked by who times it.
-    #[inline]
-    pub(crate) fn work(&mut self, stage: usize, demand: Demand, made: &Made, traffic: &Traffic) {
-        self.write(stage, |stream| {
-            stream.find_lines(traffic.look_ups());
-            stream.step(demand, made, traffic.requests());
-        });
-    }
-
-    #[inline(always)]
-    fn write(&mut self, stage: usize, step: impl FnOnce(&mut Stream)) {
         let stream = &mut self.stages[stage];
         let before = stream.bytes.len();
-        step(stream);
+        stream.step(demand, made, traffic);
         self.written += stream.bytes.len() - before;
     }
 
@@ -82,46 +57,24 @@ impl Writer {
         self.written >= self.reel
     }
 
-    /// What has been written since the last reel, with what the next step of each stage will take.
-    pub(crate) fn reel(&mut self, rests: Vec<Rest>, end: End) -> Reel {
+    /// What has been written since the last reel, with what the next step of each stage will take; `last`: there will be none
+    /// beyond.
+    pub(crate) fn reel(&mut self, rests: Vec<Rest>, last: bool) -> Reel {
         self.written = 0;
         let stages = self.stages.iter_mut().map(|stream| std::mem::take(&mut stream.bytes)).collect();
-        Reel { stages, rests, end, faults: vec![] }
+        Reel { stages, rests, last }
     }
 }
 
 impl Stream {
-    /// The lines that a settled step looks up.
     #[inline]
-    fn take_lines(&mut self, traffic: &Traffic) {
+    fn step(&mut self, demand: Demand, made: &Made, traffic: &Traffic) {
         self.look_ups.clear();
         for (client, line) in traffic.lines() {
             let address = line * u64::from(self.line_bytes[client as usize % MAX_CLIENTS]);
             self.look_ups.push(Request { client, write: false, address, bytes: 1 });
         }
-    }
-
-    /// The lines that a step looks up; of more than it may, one too many.
-    #[inline]
-    fn find_lines(&mut self, look_ups: &[Request]) {
-        let Self { line_bytes, largest, look_ups: found, lines, .. } = self;
-        found.clear();
-        lines.clear();
-        by_client(look_ups, |look_ups| {
-            let client = look_ups[0].client;
-            let own = client as usize % MAX_CLIENTS;
-            each_line(lines, look_ups, Divisor::new(line_bytes[own]), largest[own], |line| {
-                let address = line * u64::from(line_bytes[own]);
-                found.push(Request { client, write: false, address, bytes: 1 });
-            });
-            true
-        });
-    }
-
-    /// Writes a step down that looks up what was found.
-    #[inline]
-    fn step(&mut self, demand: Demand, made: &Made, requests: &[Request]) {
-        let asks = (requests, self.look_ups.as_slice());
+        let asks = (traffic.requests(), self.look_ups.as_slice());
         let place = place(demand, made, asks);
         let class = &mut self.classes[usize::from(place)];
         if !class.as_ref().is_some_and(|class| class.has(demand, made, asks)) {

@@ -5,8 +5,8 @@ pub mod random;
 
 use basrelief_kernel::plan::{Kind, Plan, PlanCache, PlanFifo, PlanMachine, PlanMemory, PlanPort, PlannedUnit, Token};
 use basrelief_kernel::{
-    Cause, Cycle, Engine, Limits, Machine, MemoryConfig, NoProbe, Outcome, Part, Probe, Recorder, RetimeError, RunReport, Shape,
-    UnitReport, retime, run, run_functional, run_recorded, run_to_tape, run_with, tape::Reel,
+    Cause, Cycle, Engine, Limits, Machine, MemoryConfig, NoProbe, Outcome, Part, Probe, Recorder, RunReport, Shape, UnitReport,
+    make_steps, retime, run, run_functional, run_recorded, run_with, tape::Reel, time_steps,
 };
 use std::borrow::Cow;
 
@@ -95,27 +95,36 @@ pub fn run_both(plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
     assert_eq!(timed, ticked, "timed, left, and ticked, right, of\n{}", serde_json::to_string(plan).unwrap());
     let again = retimed(&tape(plan, max_cycles), plan, max_cycles);
     assert_eq!(timed, again, "timed, left, and from its tape, right, of\n{}", serde_json::to_string(plan).unwrap());
-    let apart = retimed(&work(&mut machine(plan)), plan, max_cycles);
-    assert_eq!(timed, apart, "timed, left, and with its work apart, right, of\n{}", serde_json::to_string(plan).unwrap());
+    if max_cycles == u64::MAX {
+        let (apart, reels) = apart(|| machine(plan));
+        assert_eq!(timed.0, apart, "timed, left, and work apart from time, right, of\n{}", serde_json::to_string(plan).unwrap());
+        assert_eq!(streams(&tape(plan, max_cycles)), streams(&reels), "tapes of\n{}", serde_json::to_string(plan).unwrap());
+    }
     timed
 }
 
-/// The tape of the work alone.
-pub fn work<M: Machine>(machine: &mut M) -> Vec<Reel> {
-    let mut reels = Vec::new();
-    run_to_tape(machine, &mut |_| true, (64, &mut |reel| reels.push(reel))).unwrap();
-    reels
+/// Report and tape of a run whose steps are made first, and timed then.
+pub fn apart<M: Machine>(mut machine: impl FnMut() -> M) -> (RunReport, Vec<Reel>) {
+    let mut pieces = Vec::new();
+    make_steps(&mut machine(), &mut |_| true, (40, &mut |piece| pieces.push(piece))).unwrap();
+    let (mut pieces, mut reels) = (pieces.into_iter(), Vec::new());
+    let shape = Shape::of(&mut machine()).unwrap();
+    (time_steps(shape, &mut || pieces.next(), Some((64, &mut |reel| reels.push(reel)))), reels)
+}
+
+/// The stream of each stage, in one piece.
+pub fn streams(tape: &[Reel]) -> Vec<Vec<u8>> {
+    let stages = tape[0].streams().count();
+    let whole = |stage| tape.iter().flat_map(|reel| reel.streams().nth(stage).unwrap().iter().copied()).collect();
+    (0..stages).map(whole).collect()
 }
 
 /// The fault of a run, the same with both engines and with its work apart.
-pub fn fault<M: Machine>(mut machine: impl FnMut() -> M) -> String {
+pub fn fault<M: Machine>(machine: impl Fn() -> M) -> String {
     let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| run(&mut machine(), engine).outcome);
     assert_eq!(timed, ticked);
     let Outcome::Fault(text) = timed else { panic!("{timed:?}") };
-    let reels = work(&mut machine());
-    let mut reels = reels.iter().map(Cow::Borrowed);
-    let apart = retime(Shape::of(&mut machine()).unwrap(), &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX);
-    assert_eq!(apart, Err(RetimeError::Fault(text.clone())));
+    assert_eq!(apart(machine).0.outcome, Outcome::Fault(text.clone()));
     text
 }
 
