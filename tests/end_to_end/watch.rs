@@ -26,6 +26,8 @@ const DRAWN: &str = "--size 64x48 --set tile.width=8 --set tile.height=8 --set d
 struct Watching {
     address: String,
     number: u64,
+    /// What the picture is called in the end.
+    last: String,
 }
 
 impl Iterator for Watching {
@@ -36,6 +38,7 @@ impl Iterator for Watching {
             let told = get(&self.address, &format!("/after/{}", self.number))?;
             let told: Value = serde_json::from_slice(&told).expect("JSON");
             if told["over"] == true {
+                self.last = told["name"].as_str().expect("a name").into();
                 return None;
             }
             let before = std::mem::replace(&mut self.number, told["picture"].as_u64().expect("a number"));
@@ -46,8 +49,8 @@ impl Iterator for Watching {
     }
 }
 
-/// Runs this with `--watch`: what is seen of it.
-fn watched(place: &Place, line: &str) -> Vec<(Value, Vec<u8>)> {
+/// Runs this with `--watch`: what is seen of it, and what the last picture is called in the end.
+fn watched(place: &Place, line: &str) -> (Vec<(Value, Vec<u8>)>, String) {
     let mut run = place
         .command(&format!("{line} --watch=127.0.0.1:0"))
         .stdout(Stdio::null())
@@ -60,9 +63,10 @@ fn watched(place: &Place, line: &str) -> Vec<(Value, Vec<u8>)> {
     let address = said.trim_end().trim_end_matches('/').rsplit("http://").next().expect("an address").to_owned();
     let page = get(&address, "/").unwrap_or_else(|| panic!("no page: {said}"));
     assert!(page.starts_with(b"<!doctype html>"), "{said}");
-    let seen = Watching { address, number: 0 }.collect();
+    let mut watching = Watching { address, number: 0, last: String::new() };
+    let seen = watching.by_ref().collect();
     assert!(run.wait().expect("ends").success());
-    seen
+    (seen, watching.last)
 }
 
 #[test]
@@ -70,7 +74,8 @@ fn who_watches_sees_each_picture_when_it_is_there_and_the_last_one_for_certain()
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let shaped = relay(server.address(), 1e6, Duration::ZERO).expect("a relay");
-    let seen = watched(&place, &format!("run --from http://{shaped}/ {DRAWN}"));
+    let (seen, name) = watched(&place, &format!("run --from http://{shaped}/ {DRAWN}"));
+    assert_eq!(name, "image.png", "as its file");
     let last = place.bytes("out/image.png");
     assert!(seen.last().is_some_and(|(_, png)| *png == last), "of {} pictures the last is another", seen.len());
     assert!(seen.iter().any(|(_, png)| *png != last), "no picture is seen before the last");
@@ -87,7 +92,7 @@ fn between_two_rounds_a_picture_grows_and_each_pixel_is_that_of_the_round_before
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let shaped = relay(server.address(), 1.5e5, Duration::ZERO).expect("a relay");
-    let seen = watched(&place, &format!("run --from http://{shaped}/ {DRAWN}"));
+    let (seen, _) = watched(&place, &format!("run --from http://{shaped}/ {DRAWN}"));
     let rounds = ["out/image-round-0.png", "out/image-round-1.png"].map(|round| pixels(&place.bytes(round)));
     let changes: Vec<usize> = (0..rounds[0].len()).filter(|&i| rounds[0][i] != rounds[1][i]).collect();
     let growing =
@@ -115,7 +120,8 @@ fn who_watches_changes_neither_pictures_nor_cycles() {
         let shaped = relay(server.address(), 5e5, Duration::ZERO).expect("a relay");
         let line = format!("run --from http://{shaped}/ {DRAWN} --set defer.mode={mode} --frames 2 --orbit 40 --out");
         place.ok(&format!("{line} alone"));
-        let seen = watched(&place, &format!("{line} seen"));
+        let (seen, name) = watched(&place, &format!("{line} seen"));
+        assert_eq!(name, "image-0002.png", "as its file");
         assert!(seen.iter().any(|(told, _)| told["tiles"]["come"].is_u64()), "{mode}: nothing has grown");
         let (alone, seen) = (results(&place, "alone"), results(&place, "seen"));
         assert!(alone.0.len() >= 2 && alone == seen, "{mode}");

@@ -1,7 +1,7 @@
 // The page's side of the worker. Of runs that wait, the latest one counts.
-import type { Answer, Lost, Meanwhile, Parcel, Place, Start } from "./protocol";
+import type { Answer, Lost, Meanwhile, Parcel, Place, Start, Took } from "./protocol";
 
-export interface Answered<T> extends Parcel<T> { ms: number }
+export type Answered<T> = Parcel<T> & Took;
 
 interface Waiting { resolve(answer: Answered<unknown>): void; reject(error: Error): void; meanwhile?: (told: Meanwhile) => void }
 
@@ -21,8 +21,8 @@ export class Client {
     worker.onmessage = (event: MessageEvent<Answer | Lost | Meanwhile>) => {
       if ("lost" in event.data) return this.restart(`The simulator stopped: ${event.data.lost}`);
       if (!("ms" in event.data)) return this.#asked.get(event.data.id)?.meanwhile?.(event.data);
-      const { id, json, rest, ms } = event.data;
-      this.#asked.get(id)?.resolve({ json, rest, ms });
+      const { id, ...answered } = event.data;
+      this.#asked.get(id)?.resolve(answered);
       this.#asked.delete(id);
     };
     worker.onerror = event => this.restart(event.message);

@@ -20,11 +20,14 @@ const SERVED = document.documentElement.dataset["from"] !== undefined;
 export interface Embedded { wasm(): Promise<ArrayBuffer>; worker(): Worker }
 
 export async function page(embedded: Embedded): Promise<void> {
+  const answered = byId("answered");
   try {
+    answered.textContent = "loading the simulator\u2026";
     const client = new Client(embedded.worker, await embedded.wasm());
     const { json } = await client.ask<Catalogue>({ ask: "catalogue" });
     await new Page(client, json).begin();
   } catch (error) {
+    answered.textContent = "";
     problem(String(error instanceof Error ? error.message : error));
   }
 }
@@ -88,6 +91,7 @@ class Page {
       const asked = this.#tellWhat();
       byId("answered").textContent = "opening\u2026";
       this.#taken = (await asked).json;
+      this.#path.forget();
       problem(this.#taken.warnings?.join(" ") || undefined);
     } catch (error) {
       return problem((error as Error).message);
@@ -185,9 +189,9 @@ class Page {
     try {
       const began = performance.now();
       this.#path.begin(version);
-      const { json, rest, ms } = await this.client.ask<Told>(question, undefined, this.#meanwhile());
+      const { json, rest, ...took } = await this.client.ask<Told>(question, undefined, this.#meanwhile());
       const text = new TextDecoder().decode(bytesAt(rest, json.report));
-      this.#show({ json: { ...json, text, report: JSON.parse(text) as Report }, rest, ms }, whole, performance.now() - began);
+      this.#show({ json: { ...json, text, report: JSON.parse(text) as Report }, rest, ...took }, whole, performance.now() - began);
       problem(this.#taken?.warnings?.join(" ") || undefined);
       return true;
     } catch (error) {
@@ -200,7 +204,7 @@ class Page {
     }
   }
 
-  /** Hears what is told before the answer: what has come, and pictures that better ones follow. */
+  /** Hears what is told before the answer: what has come for this question, and pictures that better ones follow. */
   #meanwhile(): (told: Meanwhile) => void {
     let bytes = 0;
     return told => {
@@ -238,13 +242,14 @@ class Page {
 
   // What is shown.
 
-  #show({ json, rest, ms }: Answered<Run>, whole: boolean, answered: number): void {
+  #show({ json, rest, ms, waited }: Answered<Run>, whole: boolean, answered: number): void {
     const { report } = json;
     this.#shown = { run: json, rest, whole };
     const fresh = pictures(json.pictures, rest);
     this.#pictures = fresh;
     byId("what").textContent = `${report.machine} \u00b7 ${report.input.name} \u00b7 ${report.size.width} \u00d7 ${report.size.height}`;
-    byId("answered").textContent = `answered in ${answered.toFixed(0)} ms, ${ms.toFixed(0)} of them computing`;
+    const waiting = waited > 0 ? `, ${waited.toFixed(0)} waiting for the server` : "";
+    byId("answered").textContent = `answered in ${answered.toFixed(0)} ms, ${(ms - waited).toFixed(0)} of them computing${waiting}`;
     byId("command").textContent = json.command;
     this.#pictureChoices();
     this.#path.show(json.path, report);
@@ -393,6 +398,7 @@ class Page {
   /** Ends a run that takes too long; what is drawn has to be told anew. */
   #stop(): void {
     this.client.restart("Stopped. Change something to go on.");
+    this.#path.forget();
     const version = ++this.#version;
     this.#tellWhat().catch((error: Error) => version === this.#version && problem(error.message));
   }

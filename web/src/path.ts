@@ -9,6 +9,13 @@ export class Path {
   #before = NOTHING;
   #come = NOTHING;
   #view = -1;
+  /** What all tiles of all textures take, once that is known. */
+  #all = 0;
+
+  /** The simulator has begun anew: nothing has come. */
+  forget(): void {
+    this.#before = this.#come = NOTHING;
+  }
 
   /** Something of this view is asked for: a number of its own. */
   begin(view: number): void {
@@ -17,16 +24,23 @@ export class Path {
     this.#before = this.#come;
   }
 
-  /** Bytes come, and are not checked yet. */
+  /** Bytes that have come since the last answer, and are not checked yet: they are of this view, as what came for its answers so far. */
   came(bytes: number): void {
-    byId("path-view").textContent = `This view: fetching\u2026 ${thousands(bytes)} bytes have come.`;
+    const all = this.#come.tile_bytes + bytes;
+    this.#bar(all);
+    byId("path-view").textContent = `This view: fetching\u2026 ${thousands(all - this.#before.tile_bytes)} bytes have come.`;
+  }
+
+  #bar(bytes: number): void {
+    byId("path-share").style.width = percent(Math.min(bytes, this.#all), this.#all).replace(" ", "");
   }
 
   show(come: Come | null, report: Report): void {
     if (!come) return;
     this.#come = come;
     const all = report.figures["conventional_tile_bytes"] ?? 0;
-    byId("path-share").style.width = percent(Math.min(come.tile_bytes, all), all).replace(" ", "");
+    this.#all = all;
+    this.#bar(come.tile_bytes);
     byId("path-all").textContent = `Fetched ${thousands(come.tile_bytes)} of the ${thousands(all)} bytes that all tiles of all textures `
       + `take: ${percent(come.tile_bytes, all)}. The scene without texels took ${thousands(come.scene_bytes)} more.`;
     const [tiles, bytes] = [come.tiles - this.#before.tiles, come.tile_bytes - this.#before.tile_bytes];

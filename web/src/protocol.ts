@@ -10,7 +10,9 @@ export interface Parcel<T = unknown> {
 
 /** A question on its way to the worker, and what it comes to. */
 export interface Question { id: number; json: unknown; rest: Uint8Array }
-export interface Answer { id: number; json: unknown; rest: Uint8Array; ms: number }
+/** How long it took, and how much of that a server was waited for \[ms\]. */
+export interface Took { ms: number; waited: number }
+export interface Answer extends Took { id: number; json: unknown; rest: Uint8Array }
 /** The worker is told its simulator first. */
 export interface Start { wasm: ArrayBuffer }
 /** Told while a question is being answered: bytes that have come from a server, or a picture that a better one follows. */

@@ -9,6 +9,8 @@ const scope = self as unknown as DedicatedWorkerGlobalScope;
 let started: Promise<Simulator> | undefined;
 /** The question that is being answered. */
 let id = 0;
+/** How long the server was waited for meanwhile \[ms\]. */
+let waited = 0;
 
 function tell(meanwhile: Meanwhile, lent: Transferable[] = []): void {
   scope.postMessage(meanwhile, lent);
@@ -18,6 +20,7 @@ const outside: Outside = {
   // Waited for: the simulator cannot go on without it, and a worker may.
   get(address, fresh) {
     const request = new XMLHttpRequest();
+    const began = performance.now();
     try {
       request.open("GET", address, false);
       request.responseType = "arraybuffer";
@@ -26,6 +29,8 @@ const outside: Outside = {
       request.send();
     } catch {
       return { json: { error: `no answer has come, within ${PATIENCE / 1000} s` }, rest: new Uint8Array() };
+    } finally {
+      waited += performance.now() - began;
     }
     const rest = new Uint8Array(request.response as ArrayBuffer);
     tell({ id, came: rest.length });
@@ -42,10 +47,10 @@ scope.onmessage = async (event: MessageEvent<Start | Question>) => {
   }
   try {
     const ask = await started!;
-    id = message.id;
+    [id, waited] = [message.id, 0];
     const began = performance.now();
     const { json, rest } = ask(message.json, message.rest);
-    const answer: Answer = { id, json, rest, ms: performance.now() - began };
+    const answer: Answer = { id, json, rest, ms: performance.now() - began, waited };
     scope.postMessage(answer, [rest.buffer]);
   } catch (error) {
     // WebAssembly that has trapped is not to be used again.

@@ -82,6 +82,34 @@ async function looksAround() {
   await page.close();
 }
 
+/** While tiles come, of a view that is answered first in small and then in its size: the bytes of both are counted. And a simulator that
+ *  begins anew has nothing. */
+async function counts() {
+  const page = await browser.opened(`${server.address}#size=320x240&set=defer.mode%3Dprogressive`);
+  await page.evaluate(() => {
+    const [view, share] = ["path-view", "path-share"].map(id => document.getElementById(id));
+    globalThis.told = [];
+    const tell = () => globalThis.told.push([view.textContent, parseFloat(share.style.width)]);
+    new MutationObserver(tell).observe(view, { childList: true });
+    location.hash = "#size=640x480&turn=40,0&set=defer.mode%3Dprogressive";
+  });
+  await page.waitForFunction(() => document.getElementById("what").textContent.includes("640"));
+  await browser.whole(page);
+  const told = await page.evaluate(() => globalThis.told);
+  const coming = told.filter(([text]) => text.startsWith("This view: fetching")).map(([, share]) => share);
+  assert.ok(new Set(coming).size > 2, "what comes is told while it comes, and the bar grows not with answers alone");
+  const [bytes, shares] = [told.map(([text]) => numbers(text)[0]), told.map(([, share]) => share)];
+  // What comes with several tiles by a request has their lengths, too; an answer counts tiles alone.
+  const lengths = 4 * 64;
+  bytes.forEach((now, i) => assert.ok(i === 0 || now + lengths >= bytes[i - 1], `the view's bytes fall: ${bytes.slice(i - 1, i + 1)}`));
+  shares.forEach((now, i) => assert.ok(i === 0 || now >= shares[i - 1], `the bar falls: ${shares.slice(i - 1, i + 1)}`));
+  const [come, all] = numbers(await page.textContent("#path-all"));
+  assert.ok(Math.abs(shares.at(-1) - (100 * come) / all) < 0.06, `the bar is as long as it says: ${shares.at(-1)} %`);
+  assert.equal(bytes.at(-1), come, "all that has come is for this view");
+  assert.match(await page.textContent("#answered"), /^answered in \d+ ms, \d+ of them computing/);
+  await page.close();
+}
+
 /** Another encoding, whose bytes only the server knows; and what goes wrong. */
 async function otherwise() {
   const page = await browser.opened(`${server.address}#size=160x120&set=tile.encoding%3Dpng`);
@@ -109,7 +137,7 @@ async function pictures() {
 }
 
 try {
-  for (const test of [looksAround, ...(shots ? [pictures] : []), otherwise]) {
+  for (const test of [looksAround, counts, ...(shots ? [pictures] : []), otherwise]) {
     await test();
     console.log(`ok: ${test.name}`);
   }

@@ -15,15 +15,40 @@ struct Written {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a view, such as { orbit = 30 }")]
 struct WrittenView {
     at_ms: Option<f64>,
-    camera: Option<Camera>,
-    turn: Option<[f64; 2]>,
+    camera: Option<WrittenCamera>,
+    turn: Option<Numbers<2>>,
     zoom: Option<f64>,
     orbit: Option<f64>,
-    light: Option<[f64; 3]>,
+    light: Option<Numbers<3>>,
     light_orbit: Option<f64>,
+}
+
+/// As [`Camera`].
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "view_projection, to_light and to_viewer, as a file of --camera holds them")]
+struct WrittenCamera {
+    view_projection: Numbers<16>,
+    to_light: Numbers<3>,
+    to_viewer: Numbers<3>,
+}
+
+/// So many numbers. (Of an array serde's reader of TOML takes the first ones, and does not tell of others behind them.)
+#[derive(Debug, Deserialize)]
+#[serde(try_from = "Vec<f64>")]
+struct Numbers<const N: usize>([f64; N]);
+
+impl<const N: usize> TryFrom<Vec<f64>> for Numbers<N> {
+    type Error = String;
+
+    fn try_from(given: Vec<f64>) -> Result<Self, String> {
+        given
+            .try_into()
+            .map(Self)
+            .map_err(|given: Vec<f64>| format!("a list of {} stands here, expected {N} numbers", given.len()))
+    }
 }
 
 /// Latest time that a user acts at: three months \[ms\].
@@ -50,7 +75,7 @@ impl Script {
         let written: Written = if is_json {
             from_str(text).map_err(|fault| json(&fault))?
         } else {
-            toml::from_str(text).map_err(|error| syntax(text, &error))?
+            toml::from_str(text).map_err(|error| plain(&syntax(text, &error)))?
         };
         if written.views.is_empty() {
             return Err("/views: is empty; expected a view at least".into());
@@ -64,7 +89,18 @@ impl Script {
 
 fn own(view: WrittenView) -> OwnView {
     let WrittenView { camera, turn, zoom, orbit, light, light_orbit, .. } = view;
+    let camera = camera.map(|WrittenCamera { view_projection, to_light, to_viewer }| Camera {
+        view_projection: view_projection.0,
+        to_light: to_light.0,
+        to_viewer: to_viewer.0,
+    });
+    let (turn, light) = (turn.map(|turn| turn.0), light.map(|light| light.0));
     OwnView { camera, turn, zoom, orbit_degrees: orbit, light, light_orbit_degrees: light_orbit }
+}
+
+/// A sentence of the reader of TOML in the words of a user, who sees numbers and lists, and no types.
+fn plain(sentence: &str) -> String {
+    sentence.replace(", expected f64", ", expected a number").replace(", expected a sequence", ", expected a list")
 }
 
 /// When each view is left for the next, if anybody says.
@@ -120,6 +156,16 @@ mod tests {
             ("views = []", "/views: is empty; expected a view at least"),
             ("views = [{ at = 3 }]", "unknown field `at`"),
             ("views = [{ orbit = \"x\" }]", "line 1, column 20"),
+            ("views = [{ orbit = \"x\" }]", "invalid type: string \"x\", expected a number"),
+            ("views = 3", "invalid type: integer `3`, expected a list"),
+            ("views = [3]", "invalid type: integer `3`, expected a view, such as { orbit = 30 }"),
+            ("views = [{ camera = 3 }]", "expected view_projection, to_light and to_viewer, as a file of --camera holds them"),
+            ("views = [{ turn = [1] }]", "a list of 1 stands here, expected 2 numbers"),
+            ("views = [{ turn = [1, 2, 3] }]", "a list of 3 stands here, expected 2 numbers"),
+            (
+                r#"{"views": [{"light": [1, 2, 3, 4]}]}"#,
+                "views[0].light (line 1, column 34): a list of 4 stands here, expected 3 numbers",
+            ),
             ("views = [{ zoom = 1000 }]", "/views/0/zoom: 1000; expected a number from 0.01 to 100"),
             ("views = [{ turn = [1, nan] }]", "/views/0/turn: NaN; expected a finite angle"),
             ("views = [{ at_ms = 0 }, {}]", "/views/1/at_ms: is missing; expected a time for each view, or for none"),

@@ -133,7 +133,12 @@ pub fn simulate_source(
     for (file, path) in beside {
         file.publish().map_err(Failure::file(&path, "be written"))?;
     }
-    watched.iter().for_each(Watched::finish);
+    if let Some(watched) = watched {
+        if rest.frames == 1 {
+            watched.rename(&picture_name("image", 0, false));
+        }
+        watched.finish();
+    }
     show(&report, (&rest.kinds, &rest.extra, has_tape), simulation, quiet)
 }
 

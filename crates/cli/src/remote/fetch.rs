@@ -49,6 +49,8 @@ pub const MOST_IN_FLIGHT: u32 = 32;
 const LONGEST_HEAD: Duration = Duration::from_secs(600);
 /// How often it is looked whether a server listens.
 const LOOK: Duration = Duration::from_millis(100);
+/// What a proxy says of a server that does not listen, is not ready, or does not answer it.
+const NOBODY_BEHIND: [u16; 3] = [502, 503, 504];
 /// Longest number that is believed \[bytes\].
 const LONGEST_NUMBER: u64 = 20;
 
@@ -93,7 +95,7 @@ enum Then {
     Again,
     /// The same.
     Never,
-    /// Nobody listens: something else, once the server has started.
+    /// Nobody listens, or nobody behind a proxy: something else, once the server has started.
     Later,
 }
 
@@ -280,7 +282,11 @@ impl Fetcher {
             self.meter.asked();
         }
         let mut response = called?;
-        check_status(response.status().as_u16())?;
+        let status = response.status().as_u16();
+        check_status(status).map_err(|sentence| Fault {
+            sentence,
+            then: if NOBODY_BEHIND.contains(&status) { Then::Later } else { Then::Again },
+        })?;
         let tag = response.headers().get("etag").and_then(|tag| tag.to_str().ok()).unwrap_or_default();
         let hash = hash_in(tag)?.to_owned();
         let read = self.read(response.body_mut().as_reader(), largest, came);

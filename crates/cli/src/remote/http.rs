@@ -154,7 +154,9 @@ impl Answer {
 
     /// The answer to who has these already, as `If-None-Match` tells them.
     pub(super) fn unless(self, has: Option<&str>) -> Self {
-        let known = |tag: &str| has.is_some_and(|has| has.split(',').any(|one| one.trim().trim_start_matches("W/") == tag));
+        let known = |tag: &str| {
+            has.is_some_and(|has| has.split(',').any(|one| ["*", tag].contains(&one.trim().trim_start_matches("W/"))))
+        };
         if self.tag.as_deref().is_some_and(known) { Self { status: 304, body: [].into(), ..self } } else { self }
     }
 

@@ -77,6 +77,11 @@ impl Watched {
         self.0.changed.notify_all();
     }
 
+    /// The last picture has another name by now.
+    pub fn rename(&self, name: &str) {
+        self.lock().name = name.into();
+    }
+
     /// Something has come of the next one.
     pub(super) fn grow(&self, grow: impl FnOnce(&mut Growing)) {
         grow(&mut self.lock().growing);

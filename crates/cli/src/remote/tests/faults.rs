@@ -147,6 +147,22 @@ fn a_server_that_restarts_in_the_middle_is_waited_for_and_one_that_does_not_is_n
     }
 }
 
+/// As a proxy answers in place of a server that starts anew behind it.
+#[test]
+fn a_server_behind_a_proxy_is_waited_for_as_one_that_does_not_listen() {
+    for status in [502, 503, 504] {
+        // More than there are attempts.
+        let (url, count) = faulty(u32::MAX, move |n| if n < 8 { Fault::Status(status) } else { Fault::None });
+        let mut tiles =
+            RemoteTiles::new(Fetcher::new(&url, waiting(Duration::from_secs(20))), fetch(1, 1), None, TileProgress::new(true));
+        assert_eq!(all(&mut tiles).unwrap(), expected(), "{status}");
+        assert_eq!(count.load(Ordering::SeqCst), page().tiles() + 8, "{status}");
+    }
+    let (url, _count) = faulty(u32::MAX, |_| Fault::Status(502));
+    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene(|_| ()).unwrap_err();
+    assert!(error.ends_with("scene: http status: 502, for 0 s; is `basrelief serve` running there?"), "{error}");
+}
+
 #[test]
 fn attempts_end_when_their_time_is_over() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);

@@ -109,8 +109,11 @@ fn a_tile_is_kept_for_ever_a_scene_as_long_as_it_is_the_same_and_any_page_may_re
     says(&get("/", ""), &["content-type: text/html", "<p>page"]);
     let tag = format!("\"{}\"", hash_of(b"scene"));
     assert!(scene.contains(&format!("etag: {tag}\r\n")), "{scene}");
-    let unchanged = get("/scene", &format!("If-None-Match: {tag}\r\n"));
-    assert!(unchanged.starts_with("HTTP/1.1 304") && unchanged.ends_with("\r\n\r\n"), "{unchanged}");
+    for has in [&*tag, &format!("\"x\", W/{tag}"), "*"] {
+        let unchanged = get("/scene", &format!("If-None-Match: {has}\r\n"));
+        assert!(unchanged.starts_with("HTTP/1.1 304") && unchanged.ends_with("\r\n\r\n"), "{unchanged}");
+    }
+    assert!(get("/scene", "If-None-Match: \"x\"\r\n").starts_with("HTTP/1.1 200"));
 }
 
 #[test]

@@ -35,6 +35,48 @@ fn a_view_that_is_left_asks_for_no_more_and_the_next_takes_what_has_come() {
     assert_eq!(count.load(Ordering::SeqCst), 1 + page.tiles() + 1, "each once, and again what had not come");
 }
 
+/// Who looks, until the first view is left for the second in place of a tile that does not come for long: the answer number `late`.
+fn left_at(late: u32, in_flight: u32) -> (RemoteTiles, Vec<Arc<[u8]>>, Arc<AtomicU32>) {
+    let (url, count) = faulty(u32::MAX, move |n| if n == late { Fault::Silent } else { Fault::None });
+    let fetcher = Fetcher::new(&url, PATIENCE);
+    fetcher.scene(|_| ()).unwrap();
+    let fetch = TileFetch { left_at_ms: vec![150.0], ..fetch(in_flight, 1) };
+    let mut tiles = RemoteTiles::new(fetcher, fetch, None, TileProgress::new(true));
+    tiles.offer(&elsewhere());
+    let (user, page) = (tiles.user().unwrap(), page());
+    user.turn_to(0);
+    let mut taken = Vec::new();
+    while !user.leaves(&mut from(&page, taken.len() as u32)) {
+        taken.push(tiles.tile(&page, taken.len() as u32).unwrap());
+    }
+    user.turn_to(1);
+    (tiles, taken, count)
+}
+
+#[test]
+fn what_had_come_for_a_view_and_was_not_taken_is_not_asked_for_again() {
+    // Of two requests in flight one waits, and the other brings all the rest.
+    let (mut tiles, mut taken, count) = left_at(2, 2);
+    let (user, page) = (tiles.user().unwrap(), page());
+    assert!((taken.len() as u32) < page.tiles() - 1, "{}", taken.len());
+    while (taken.len() as u32) < page.tiles() {
+        assert!(!user.leaves(&mut from(&page, taken.len() as u32)), "the last view is not left");
+        taken.push(tiles.tile(&page, taken.len() as u32).unwrap());
+    }
+    assert_eq!(taken, expected());
+    assert_eq!(count.load(Ordering::SeqCst), 1 + page.tiles() + 1, "the scene, each once, and again what had not come");
+}
+
+#[test]
+fn the_next_view_waits_for_nothing_that_the_one_before_had_listed_and_not_asked_for() {
+    let (mut tiles, taken, count) = left_at(3, 1);
+    let (page, last) = (page(), page().tiles() - 1);
+    assert_eq!(taken.len(), 2);
+    assert!(!tiles.user().unwrap().leaves(&mut from(&page, last)), "the last view is not left");
+    assert_eq!(tiles.tile(&page, last).unwrap(), expected()[last as usize]);
+    assert_eq!(count.load(Ordering::SeqCst), 1 + 2 + 2 + 1, "the scene, two tiles, one that was under way, again, and the last");
+}
+
 #[test]
 fn behind_its_time_a_view_asks_for_no_more_though_the_device_is_at_work_and_has_not_left_it() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Late);
