@@ -1,6 +1,6 @@
 //! Attributes of a fragment from those of its triangle.
 
-use basrelief_signals::{Polygon, Vertex};
+use basrelief_signals::{Fragment, Polygon, Stamp, Vertex};
 use wide::f32x4;
 
 /// The vertices of triangle `triangle` of the polygon's fan: 0, `triangle + 1`, `triangle + 2`; `None` where the
@@ -45,6 +45,16 @@ impl<const N: usize> Gradient<N> {
         }
         attributes
     }
+}
+
+/// Weights of the fragments of a stamp, side by side. Lanes without a fragment repeat the last: a mask would cost more than what
+/// they compute in vain. (Not by way of an array that is filled: a register is not read before all that was written of it is in
+/// memory.)
+#[inline(always)]
+pub fn weights(stamp: &Stamp<Fragment>) -> [f32x4; 2] {
+    let Some(last) = stamp.len().checked_sub(1) else { return [f32x4::ZERO; 2] };
+    let [a, b, c, d] = [0, 1, 2, 3].map(|lane: usize| stamp[lane.min(last)].weights);
+    [f32x4::new([a[0], b[0], c[0], d[0]]), f32x4::new([a[1], b[1], c[1], d[1]])]
 }
 
 /// One attribute at `weights` of a triangle; see [`Gradient::at`].

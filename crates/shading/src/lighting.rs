@@ -19,8 +19,10 @@ pub struct LightVector {
 /// 8 bits of each component of a colour, 0..=1: saturating, halves rounded up; NaN is black.
 #[inline]
 pub fn saturated(color: [f32; 3]) -> [u8; 3] {
-    // The conversion saturates at both ends.
-    color.map(|c| (c * 255.0 + 0.5) as u8)
+    // The conversion saturates at both ends. (`map` would be a call.)
+    let [red, green, blue] = color;
+    let bits = |c: f32| (c * 255.0 + 0.5) as u8;
+    [bits(red), bits(green), bits(blue)]
 }
 
 /// The frame's lights as seen from `centre` (world space): point lights are evaluated there.

@@ -1,6 +1,7 @@
 //! Which texels a sample touches, and what they weigh.
 
-use basrelief_signals::{Filter, Image, Sampler, Wrap};
+use basrelief_signals::{Filter, Image, MAX_STAMP, Sampler, Wrap};
+use std::ops::{Mul, Sub};
 use wide::{f32x4, u32x4};
 
 /// Texels of a sample and their weights.
@@ -18,34 +19,62 @@ pub struct Taps {
 /// Samples that are computed side by side, in one vector register.
 pub const LANES: usize = 4;
 
-/// What [`LANES`] samples touch.
+const _: () = assert!(LANES == MAX_STAMP, "a stamp has a lane for each of its fragments");
+
+/// What [`LANES`] samples touch, side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footprints {
     /// Texels in use per sample: 1 (nearest) or 4 (bilinear).
     pub count: u8,
     /// Left and right columns, inside the image; the same where one texel is in use.
-    pub columns: [[u32; LANES]; 2],
+    pub columns: [u32x4; 2],
     /// Upper and lower rows, inside the image; the same where one texel is in use.
-    pub rows: [[u32; LANES]; 2],
+    pub rows: [u32x4; 2],
     /// Shares of the right column and of the lower row, 0 ..= 1.
-    pub shares: [[f32; LANES]; 2],
+    pub shares: [f32x4; 2],
 }
 
 impl Footprints {
+    /// Shares of each texel, in the order of [`Taps`]; they sum to 1.
+    #[inline(always)]
+    pub fn weights(&self) -> [f32x4; 4] {
+        shares(f32x4::ONE, self.shares)
+    }
+
+    /// Number of each texel in an image of this width, row by row, in the order of [`Taps`].
+    #[inline(always)]
+    pub fn numbers(&self, width: u32) -> [u32x4; 4] {
+        let ([left, right], [upper, lower]) = (self.columns, self.rows.map(|row| times(row, width)));
+        [upper + left, upper + right, lower + left, lower + right]
+    }
+
     /// Texels and weights of sample `lane`.
     #[inline(always)]
     pub fn taps(&self, lane: usize) -> Taps {
-        let [[x0, x1], [y0, y1]] = [self.columns, self.rows].map(|two| two.map(|lanes| lanes[lane]));
-        let [fx, fy] = self.shares.map(|lanes| lanes[lane]);
-        let (gx, gy) = (1.0 - fx, 1.0 - fy);
-        let weight = [gx * gy, fx * gy, gx * fy, fx * fy];
+        let of = |lanes: u32x4| lanes.to_array()[lane];
+        let ([left, right], [upper, lower], [fx, fy]) = (self.columns, self.rows, self.shares);
+        let (x0, x1, y0, y1) = (of(left), of(right), of(upper), of(lower));
+        let weight = shares(1.0, [fx.to_array()[lane], fy.to_array()[lane]]);
         Taps { count: self.count, texel: [[x0, y0], [x1, y0], [x0, y1], [x1, y1]], weight }
     }
 }
 
-/// Texels of `image` for samples at `uv` (0..1 spans the image; NaN counts as 0, every other value is legal).
-///
-/// Wrap modes come from the sampler, the filter from the caller: it is a choice of the machine.
+/// Shares of the four texels, from those of the right column and of the lower row.
+#[inline(always)]
+fn shares<F: Copy + Mul<Output = F> + Sub<Output = F>>(one: F, [fx, fy]: [F; 2]) -> [F; 4] {
+    let (gx, gy) = (one - fx, one - fy);
+    [gx * gy, fx * gy, gx * fy, fx * fy]
+}
+
+/// Coordinates `uv` of samples (0..1 spans an image; NaN counts as 0, every other value is legal) as the sampler wraps them: 0 ..= 1,
+/// whatever the size of the image.
+#[inline(always)]
+pub fn wrapped(sampler: &Sampler, [u, v]: [f32x4; 2]) -> [f32x4; 2] {
+    [fraction(u, sampler.wrap[0]), fraction(v, sampler.wrap[1])]
+}
+
+/// Texels of `image` for samples at coordinates that the sampler has [`wrapped`]. The filter comes from the caller: it is a choice
+/// of the machine.
 #[inline(always)]
 pub fn footprints(image: &Image, sampler: &Sampler, filter: Filter, [u, v]: [f32x4; 2]) -> Footprints {
     let (columns, fx) = axis(u, image.width, sampler.wrap[0], filter);
@@ -54,40 +83,40 @@ pub fn footprints(image: &Image, sampler: &Sampler, filter: Filter, [u, v]: [f32
     Footprints { count, columns, rows, shares: [fx, fy] }
 }
 
-/// [`footprints`] of one sample.
-#[inline]
+/// [`footprints`] of one sample at `uv`, not wrapped yet. (As a call it took a fifth of a run of W5.)
+#[inline(always)]
 pub fn taps(image: &Image, sampler: &Sampler, filter: Filter, uv: [f32; 2]) -> Taps {
-    footprints(image, sampler, filter, uv.map(f32x4::splat)).taps(0)
+    footprints(image, sampler, filter, wrapped(sampler, uv.map(f32x4::splat))).taps(0)
 }
 
-/// Columns or rows, and the share of the second.
+/// Columns or rows at coordinates of 0 ..= 1, and the share of the second.
 #[inline(always)]
-fn axis(u: f32x4, size: u32, wrap: Wrap, filter: Filter) -> ([[u32; LANES]; 2], [f32; LANES]) {
+fn axis(u: f32x4, size: u32, wrap: Wrap, filter: Filter) -> ([u32x4; 2], f32x4) {
     let size = size.max(1) as f32;
-    let x = place(u, size, wrap);
+    let x = u * size;
     match filter {
-        Filter::Nearest => ([whole(floor(x).fast_min(f32x4::splat(size - 1.0))); 2], [0.0; LANES]),
+        Filter::Nearest => ([whole(floor_of_place(x).fast_min(f32x4::splat(size - 1.0))); 2], f32x4::ZERO),
         Filter::Bilinear => {
             // One of the two texels around may stick out at either end. It comes back from the other side, or moves in by one.
             let x = x - 0.5;
-            let first = floor(x);
+            let first = floor_of_place(x);
             let second = first + 1.0;
             let back = if wrap == Wrap::Repeat { size } else { 1.0 };
             let inside = [
                 first.simd_lt(f32x4::ZERO).select(first + back, first),
                 second.simd_ge(f32x4::splat(size)).select(second - back, second),
             ];
-            (inside.map(whole), (x - first).to_array())
+            (inside.map(whole), x - first)
         }
     }
 }
 
-/// Coordinates wrapped into the image, 0 ..= size \[texels\].
+/// Coordinates wrapped into an image, 0 ..= 1.
 ///
-/// The fraction is taken before the multiplication: it works for every size at the cost of one rounding to an integer,
+/// The fraction is taken before the multiplication by a size: it works for every size at the cost of one rounding to an integer,
 /// where masking the integer part would need a power of two.
 #[inline(always)]
-fn place(u: f32x4, size: f32, wrap: Wrap) -> f32x4 {
+fn fraction(u: f32x4, wrap: Wrap) -> f32x4 {
     let (zero, one) = (f32x4::ZERO, f32x4::ONE);
     let fraction = match wrap {
         Wrap::Repeat => u - floor(u),
@@ -99,31 +128,43 @@ fn place(u: f32x4, size: f32, wrap: Wrap) -> f32x4 {
     };
     // Infinity minus infinity and NaN end here as 0: both compare as not above it.
     let positive = fraction.simd_gt(zero).select(fraction, zero);
-    positive.fast_min(one) * size
+    positive.fast_min(one)
 }
 
 /// Adding it rounds |x| <= 2^22 to a whole number, which then stands in the low 22 bits: around it, single precision has
 /// steps of 1.
 const WHOLE: f32 = 12_582_912.0;
 
-/// Round towards minus infinity. By way of a sum: without SSE 4.1 the library function is a detour over integers.
+/// Round towards minus infinity, for |x| <= 2^22: places in images are. By way of a sum: without SSE 4.1 the library function is a
+/// detour over integers.
+#[inline(always)]
+fn floor_of_place(x: f32x4) -> f32x4 {
+    let nearest = (x + WHOLE) - WHOLE;
+    nearest - nearest.simd_gt(x).select(f32x4::ONE, f32x4::ZERO)
+}
+
+/// Round towards minus infinity.
 #[inline(always)]
 fn floor(x: f32x4) -> f32x4 {
-    let nearest = (x + WHOLE) - WHOLE;
-    let below = nearest - nearest.simd_gt(x).select(f32x4::ONE, f32x4::ZERO);
-    x.abs().simd_lt(f32x4::splat(4_194_304.0)).select(below, x)
+    x.abs().simd_lt(f32x4::splat(4_194_304.0)).select(floor_of_place(x), x)
 }
 
 /// Whole numbers 0 ..= 2^22 as such.
 #[inline(always)]
-fn whole(x: f32x4) -> [u32; LANES] {
-    ((x + WHOLE).to_bits() - u32x4::splat(WHOLE.to_bits())).to_array()
+fn whole(x: f32x4) -> u32x4 {
+    (x + WHOLE).to_bits() - u32x4::splat(WHOLE.to_bits())
 }
 
-/// Components of a normal from its stored form, 0..=255: `v / 127.5 - 1`. Takes filtered values too, as it is linear.
-#[inline]
-pub fn decode_normal<const N: usize>(stored: [f32; N]) -> [f32; N] {
-    stored.map(|v| v * (1.0 / 127.5) - 1.0)
+/// Products with a width or the side of a block: mostly a power of two. (Without SSE 4.1 a product is some twenty instructions.)
+#[inline(always)]
+pub(crate) fn times(lanes: u32x4, n: u32) -> u32x4 {
+    if n.is_power_of_two() { lanes.unbounded_shl_scalar(n.trailing_zeros()) } else { lanes * n }
+}
+
+/// A component of normals from its stored form, 0..=255: `v / 127.5 - 1`. Takes filtered values too, as it is linear.
+#[inline(always)]
+pub fn decode_normal(stored: f32x4) -> f32x4 {
+    stored * (1.0 / 127.5) - 1.0
 }
 
 #[cfg(test)]
@@ -171,7 +212,7 @@ mod tests {
 
     #[test]
     fn normals_decode_to_their_range() {
-        assert_eq!(decode_normal([0.0, 127.5, 255.0]), [-1.0, 0.0, 1.0]);
+        assert_eq!(decode_normal(f32x4::new([0.0, 127.5, 255.0, 0.0])).to_array(), [-1.0, 0.0, 1.0, -1.0]);
     }
 
     fn any_wrap() -> impl Strategy<Value = Wrap> {
@@ -190,7 +231,8 @@ mod tests {
             prop_assert!((t.weight.iter().sum::<f32>() - 1.0).abs() < 1e-5);
             prop_assert!(t.weight.iter().all(|&s| (0.0..=1.0).contains(&s)));
             prop_assert!(t.texel.iter().all(|&[x, y]| x < w && y < h));
-            let beside = footprints(&image, &wrap(mode), filter, [[0.5, u, v, 0.0], [u, v, u, 1.0]].map(f32x4::new));
+            let uv = wrapped(&wrap(mode), [[0.5, u, v, 0.0], [u, v, u, 1.0]].map(f32x4::new));
+            let beside = footprints(&image, &wrap(mode), filter, uv);
             prop_assert_eq!(beside.taps(1), t);
         }
 

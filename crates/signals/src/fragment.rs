@@ -35,34 +35,75 @@ pub const MAX_STAMP: usize = 4;
 /// What a token costs the host, it costs once per stamp; what it costs the device, the units charge by its items.
 pub type Stamp<T> = ArrayVec<T, MAX_STAMP>;
 
-/// One sample of each fragment of a stamp, side by side: at a MIP level, or at a texel of one. What the lanes behind the last
-/// fragment hold means nothing.
+/// Values of the fragments of a stamp, side by side. What the lanes behind the last fragment hold means nothing.
+pub trait Lanes: Copy {
+    /// That of one fragment.
+    type Value;
+    /// The same for every fragment.
+    fn all(value: Self::Value) -> Self;
+    /// That of fragment `lane` of the stamp.
+    fn lane(&self, lane: usize) -> Self::Value;
+}
+
+impl<T: Copy> Lanes for [T; MAX_STAMP] {
+    type Value = T;
+
+    #[inline]
+    fn all(value: T) -> Self {
+        [value; MAX_STAMP]
+    }
+
+    #[inline]
+    fn lane(&self, lane: usize) -> T {
+        self[lane]
+    }
+}
+
+/// Pseudo-normals of the fragments of a stamp: all x, all y, all z, as they are computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Normals(pub [[i16; MAX_STAMP]; 3]);
+
+impl Lanes for Normals {
+    type Value = [i16; 3];
+
+    #[inline]
+    fn all(value: [i16; 3]) -> Self {
+        Self(value.map(|component| [component; MAX_STAMP]))
+    }
+
+    #[inline]
+    fn lane(&self, lane: usize) -> [i16; 3] {
+        self.0.map(|components| components[lane])
+    }
+}
+
+/// One sample of each fragment of a stamp: at a MIP level, or at a texel of one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Sample<T> {
+pub struct Sample<V> {
     /// MIP level, 0..=7: selects VQ table (121) and CLUT (122).
     pub level: u8,
     /// Share in the brightness of the fragment; those of a fragment sum to 1.
     pub weight: [f32; MAX_STAMP],
     /// What was sampled.
-    pub value: [T; MAX_STAMP],
+    pub value: V,
 }
 
-impl<T: Copy> Sample<T> {
+impl<V: Lanes> Sample<V> {
     /// The same for every fragment.
     #[inline]
-    pub fn all(level: u8, weight: f32, value: T) -> Self {
-        Self { level, weight: [weight; MAX_STAMP], value: [value; MAX_STAMP] }
+    pub fn all(level: u8, weight: f32, value: V::Value) -> Self {
+        Self { level, weight: [weight; MAX_STAMP], value: V::all(value) }
     }
 
     /// Level, weight and value of fragment `lane` of the stamp.
     #[inline]
-    pub fn of(&self, lane: usize) -> (u8, f32, T) {
-        (self.level, self.weight[lane], self.value[lane])
+    pub fn of(&self, lane: usize) -> (u8, f32, V::Value) {
+        (self.level, self.weight[lane], self.value.lane(lane))
     }
 }
 
 /// Samples of a stamp, 1..=[`MAX_SAMPLES`]; with two, those of the two adjacent MIP levels, nothing is allocated.
-pub type Samples<T> = SmallVec<[Sample<T>; 2]>;
+pub type Samples<V> = SmallVec<[Sample<V>; 2]>;
 
 /// Mapping unit (108) to replacement unit (110).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -71,7 +112,7 @@ pub struct PseudoNormals {
     pub stamp: Stamp<Fragment>,
     /// Pseudo-normals N': world space, fixed point, scaled so that the largest component is +-32767. The order of inner
     /// products does not depend on its length, so nothing is lost and no square root is needed (assumed).
-    pub samples: Samples<[i16; 3]>,
+    pub samples: Samples<Normals>,
 }
 
 /// Replacement unit (110) to brightness fetch unit (112): only indexes are kept on the surface.
@@ -80,7 +121,7 @@ pub struct Indexes {
     /// Where.
     pub stamp: Stamp<Fragment>,
     /// Numbers of the reference normals in the table of their level, from 0; as many samples as there were pseudo-normals.
-    pub samples: Samples<u16>,
+    pub samples: Samples<[u16; MAX_STAMP]>,
 }
 
 /// Brightness fetch unit (112) to graphics processor (104).

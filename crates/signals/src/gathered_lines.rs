@@ -21,7 +21,7 @@ impl GatheredLines {
     /// Whether this line is being gathered.
     #[inline]
     pub fn contains(&self, line: u64) -> bool {
-        self.is_newest(line) || self.lines.contains(&line)
+        self.is_newest(line) || self.place(line).is_some()
     }
 
     /// Whether none is.
@@ -38,7 +38,7 @@ impl GatheredLines {
     }
 
     fn touch_another(&mut self, line: u64, room: u32) -> Option<u64> {
-        let gone = match self.lines.iter().position(|l| *l == line) {
+        let gone = match self.place(line) {
             Some(own) => {
                 self.lines.remove(own);
                 None
@@ -48,6 +48,11 @@ impl GatheredLines {
         };
         self.lines.push(line);
         gone
+    }
+
+    /// Where a line is, looked for among the most recently written first: neighbours are drawn one after the other.
+    fn place(&self, line: u64) -> Option<usize> {
+        self.lines.iter().rposition(|l| *l == line)
     }
 
     /// Takes the least recently written line out; `None` where none is gathered.

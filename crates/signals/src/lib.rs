@@ -33,7 +33,8 @@ pub mod width;
 pub use about::{About, Pixels};
 pub use flow::{Control, Flow};
 pub use fragment::{
-    Fragment, Indexes, MAX_SAMPLES, MAX_STAMP, PictureFlow, Pixel, PixelBlock, PseudoNormals, Sample, Samples, Shaded, Stamp,
+    Fragment, Indexes, Lanes, MAX_SAMPLES, MAX_STAMP, Normals, PictureFlow, Pixel, PixelBlock, PseudoNormals, Sample, Samples,
+    Shaded, Stamp,
 };
 pub use gathered_lines::GatheredLines;
 pub use model::{

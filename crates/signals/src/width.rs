@@ -2,7 +2,7 @@
 //!
 //! A signal states its bits; what depends on the configuration it finds in [`Widths`].
 
-use crate::fragment::{Indexes, PictureFlow, PseudoNormals, Shaded};
+use crate::fragment::{Indexes, Lanes, PictureFlow, PseudoNormals, Shaded};
 use crate::packet::{PACKET_PIXELS, Packet, PixelPacket};
 use crate::{About, Control, Draw, Flow, Fragment, Frame, MAX_STAMP, Pixel, Pixels, Polygon, Sample, Samples, Stamp};
 use smallvec::{Array, SmallVec};
@@ -195,16 +195,16 @@ fn samples(widths: &Widths, value: u32) -> u32 {
 }
 
 /// The sample of each fragment of a stamp that has the largest share in it.
-fn heaviest<T: Copy>(samples: &Samples<T>) -> [Option<&Sample<T>>; MAX_STAMP] {
-    let heavier = |lane: usize| move |a: &&Sample<T>, b: &&Sample<T>| a.weight[lane].total_cmp(&b.weight[lane]);
+fn heaviest<V>(samples: &Samples<V>) -> [Option<&Sample<V>>; MAX_STAMP] {
+    let heavier = |lane: usize| move |a: &&Sample<V>, b: &&Sample<V>| a.weight[lane].total_cmp(&b.weight[lane]);
     std::array::from_fn(|lane| samples.iter().max_by(heavier(lane)))
 }
 
-fn sampled<T: Copy>(stamp: &Stamp<Fragment>, samples: &Samples<T>, entry: Option<fn(T) -> u16>) -> About {
+fn sampled<V: Lanes>(stamp: &Stamp<Fragment>, samples: &Samples<V>, entry: Option<fn(V::Value) -> u16>) -> About {
     let heaviest = heaviest(samples);
     let levels = heaviest.map(|sample| sample.map_or(0, |sample| sample.level));
     let lanes = [0, 1, 2, 3];
-    let entries = entry.map(|entry| lanes.map(|lane| heaviest[lane].map_or(0, |sample| entry(sample.value[lane]))));
+    let entries = entry.map(|entry| lanes.map(|lane| heaviest[lane].map_or(0, |sample| entry(sample.value.lane(lane)))));
     let mut pixels = Pixels::stamp(stamp.iter().map(|f| [f.x, f.y]));
     (pixels.levels, pixels.entries) = (Some(levels), entries);
     About::Pixels(pixels)

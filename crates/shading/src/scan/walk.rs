@@ -90,7 +90,8 @@ impl Walk {
     #[inline]
     fn covered(&self) -> u64 {
         let below = |column: i32| (1u64 << (column - self.left).clamp(0, self.block)) - 1;
-        self.spans.iter().rev().fold(0, |mask, &[first, end]| mask << ROW | below(end) & !below(first))
+        let rows = &self.spans[..self.block as usize];
+        rows.iter().rev().fold(0, |mask, &[first, end]| mask << ROW | below(end) & !below(first))
     }
 
     fn next_row_of_blocks(&mut self) -> bool {

@@ -33,11 +33,10 @@ pub struct Clut {
 }
 
 impl Clut {
-    /// Brightness at an index; an entry that does not exist is black.
+    /// Brightness by index.
     #[inline]
-    pub fn fetch(&self, level: u8, index: u16) -> [f32; 2] {
-        let entries = &self.levels[usize::from(level).min(LEVELS - 1)];
-        entries.get(usize::from(index)).copied().unwrap_or_default()
+    pub fn entries(&self, level: u8) -> &[[f32; 2]] {
+        &self.levels[usize::from(level).min(LEVELS - 1)]
     }
 
     /// Whether a level has been calculated.

@@ -84,10 +84,10 @@ impl ClutSets {
         Ok(count)
     }
 
-    /// Brightness at an index of the set in use.
+    /// Brightness by index in the set in use.
     #[inline]
-    pub(crate) fn fetch(&self, level: u8, index: u16) -> [f32; 2] {
-        self.sets.first().map_or([0.0; 2], |set| set.clut.fetch(level, index))
+    pub(crate) fn entries(&self, level: u8) -> &[[f32; 2]] {
+        self.sets.first().map_or(&[], |set| set.clut.entries(level))
     }
 
     /// Where a level of the set in use starts \[bytes\].
@@ -114,7 +114,7 @@ mod tests {
             sets.select(&key(k), 64, &config);
             let there = sets.has(0);
             sets.calculate(0, |_| Ok(vec![[k as f32; 2]])).unwrap();
-            assert_eq!(sets.fetch(0, 0), [k as f32; 2]);
+            assert_eq!(sets.entries(0), [[k as f32; 2]]);
             (there, sets.address(0) - CLUTS)
         };
         let room = LEVELS as u64 * 64;

@@ -3,6 +3,7 @@
 use crate::clut::{NormalTables, calculate};
 use crate::state::Rebuild;
 use crate::{BrightnessConfig, BrightnessFetchState, BrightnessSource};
+use arrayvec::ArrayVec;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_shading::{TableSet, light_vectors};
@@ -76,14 +77,14 @@ impl BrightnessFetch {
     }
 
     #[inline(always)]
-    fn item(&mut self, indexes: Indexes, traffic: &mut Traffic) -> Out {
+    fn item(&mut self, indexes: &mut Indexes, traffic: &mut Traffic) -> Out {
         if !self.state.sets.has_found() {
             self.find_set();
         }
         if indexes.samples.iter().all(|sample| self.state.sets.has(sample.level)) {
-            return self.fetch(&indexes, traffic);
+            return self.fetch(indexes, traffic);
         }
-        self.state.pending = Some(indexes);
+        self.state.pending = Some(std::mem::take(indexes));
         self.resume(traffic)
     }
 
@@ -158,19 +159,25 @@ impl BrightnessFetch {
         let state = &mut self.state;
         let (entry_bytes, normal_bytes) = (self.config.entry_bytes(), self.normals.entry_bytes());
         let from_clut = self.config.source == BrightnessSource::Clut;
+        // The same for all fragments: entries, where the first lies, and their size there. (Collected, they would be copied.)
+        let mut tables = ArrayVec::<_, MAX_SAMPLES>::new();
+        for &Sample { level, .. } in &indexes.samples {
+            let (base, bytes) = if from_clut {
+                (state.sets.address(level), entry_bytes)
+            } else {
+                (quantization_memory::vq_table(level), normal_bytes)
+            };
+            tables.push((state.sets.entries(level), base, bytes));
+        }
         let mut out = Stamp::new();
         for (lane, &fragment) in indexes.stamp.iter().enumerate() {
             let mut sum = [0.0; 2];
-            for &Sample { level, weight, value } in &indexes.samples {
+            for (Sample { weight, value, .. }, (entries, base, bytes)) in indexes.samples.iter().zip(&tables) {
                 let (weight, index) = (weight[lane], value[lane]);
-                let value = state.sets.fetch(level, index);
+                // An entry that does not exist is black.
+                let value = entries.get(usize::from(index)).copied().unwrap_or_default();
                 sum = [sum[0] + weight * value[0], sum[1] + weight * value[1]];
-                let (base, bytes) = if from_clut {
-                    (state.sets.address(level), entry_bytes)
-                } else {
-                    (quantization_memory::vq_table(level), normal_bytes)
-                };
-                traffic.look_up(CLUT, base + u64::from(index) * u64::from(bytes), bytes);
+                traffic.look_up(CLUT, base + u64::from(index) * u64::from(*bytes), *bytes);
             }
             out.push(Shaded { fragment, brightness: sum[0], highlight: sum[1] });
         }
@@ -213,9 +220,10 @@ impl Unit for BrightnessFetch {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, mut input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         match input {
-            Some(Flow::Item(indexes)) => self.item(indexes, traffic),
+            // By reference: moved on its way, the token is copied.
+            Some(Flow::Item(ref mut indexes)) => self.item(indexes, traffic),
             Some(Flow::Control(control)) => self.control(control),
             None => self.resume(traffic),
         }

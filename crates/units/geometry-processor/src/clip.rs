@@ -52,7 +52,8 @@ pub fn clip(triangle: &[Corner; 3]) -> Clipped {
     if a & b & c != 0 {
         return Clipped::Outside;
     }
-    if triangle.iter().all(|c| outside(c.clip, GUARD) == 0) {
+    // What is inside the view volume is inside the guard band: mostly nothing else is to be looked at.
+    if a | b | c == 0 || triangle.iter().all(|c| outside(c.clip, GUARD) == 0) {
         return Clipped::Whole;
     }
     let (mut corners, mut made) = (triangle.to_vec(), 0);

@@ -49,8 +49,14 @@ pub struct VertexCache {
 impl VertexCache {
     /// The transformed vertex, if it is there.
     pub fn get(&self, index: u32) -> Option<&Corner> {
-        let place = self.indices.iter().position(|i| *i == index)?;
-        self.corners.get(place)
+        self.corners.get(self.place(index)?)
+    }
+
+    /// Where a vertex is, looked for among the newest first: neighbours in a mesh share them.
+    fn place(&self, index: u32) -> Option<usize> {
+        let (newer, older) = self.indices.split_at(self.oldest);
+        let place = |of: &[u32]| of.iter().rposition(|i| *i == index);
+        place(newer).or_else(|| Some(newer.len() + place(older)?))
     }
 
     /// Takes in a vertex that is not there; `entries` is the size of the cache.
@@ -69,8 +75,7 @@ impl VertexCache {
 
     /// Lights a vertex that is there; whether its brightness was known.
     pub fn light(&mut self, index: u32) -> bool {
-        let place = self.indices.iter().position(|i| *i == index);
-        place.and_then(|place| self.lit.get_mut(place)).is_some_and(|lit| std::mem::replace(lit, true))
+        self.place(index).and_then(|place| self.lit.get_mut(place)).is_some_and(|lit| std::mem::replace(lit, true))
     }
 
     /// Empties it: indices are the object's.

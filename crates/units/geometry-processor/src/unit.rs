@@ -108,7 +108,8 @@ impl GeometryProcessor {
     }
 
     fn polygon(&mut self, object: &Object, frame: &Frame, number: u32, charge: &mut Charge) -> Result<Polygon, Dropped> {
-        let triangle = self.corners(object, number, charge).ok_or(Dropped::Degenerate)?;
+        let mut triangle = [Corner::default(); 3];
+        self.corners(object, number, &mut triangle, charge).ok_or(Dropped::Degenerate)?;
         if !triangle.iter().all(|c| c.clip.is_finite()) {
             return Err(Dropped::Degenerate);
         }
@@ -179,9 +180,8 @@ impl GeometryProcessor {
         indices.into_iter().filter(|index| !self.state.cache.light(*index)).count()
     }
 
-    /// Transformed corners of a triangle, from the vertex cache where they are there.
-    fn corners(&mut self, object: &Object, number: u32, charge: &mut Charge) -> Option<[Corner; 3]> {
-        let mut corners = [Corner::default(); 3];
+    /// Transformed corners of a triangle, from the vertex cache where they are there. (Returned, they would be copied, more than once.)
+    fn corners(&mut self, object: &Object, number: u32, corners: &mut [Corner; 3], charge: &mut Charge) -> Option<()> {
         let indices = indices(object, number)?;
         charge.fetched += index_bytes(object);
         for (corner, index) in corners.iter_mut().zip(indices) {
@@ -197,7 +197,7 @@ impl GeometryProcessor {
                 self.state.cache.insert(index, corner, self.config.vertex_cache as usize);
             }
         }
-        Some(corners)
+        Some(())
     }
 
     /// Drops what is not in front of the viewer, has no area, or faces away and is not seen from there; whether it faces away.

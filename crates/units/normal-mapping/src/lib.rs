@@ -9,7 +9,6 @@
 
 mod config;
 mod distinct;
-mod lanes;
 mod lines;
 mod rotate;
 mod state;

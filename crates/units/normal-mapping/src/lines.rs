@@ -2,18 +2,21 @@
 
 use basrelief_kernel::Traffic;
 use basrelief_shading::{Footprints, LevelPlace};
+use wide::u32x4;
 
 /// The cache in front of the normal-map memory (116).
 const NORMAL_MAP: u32 = 0;
 
-/// Lines remembered within a level of a stamp; what is forgotten is looked up again, and told apart by the cache.
-const RECENT: usize = 4;
+/// Texels of a sample: upper left, upper right, lower left, lower right.
+const TAPS: usize = 4;
 
 /// Texels and cache lines, in bytes.
 #[derive(Clone, Debug)]
 pub(crate) struct Lines {
     texel_bytes: u32,
     line_shift: u32,
+    /// Texels per line, as a power of two; `None` where a texel may lie across two.
+    texel_shift: Option<u32>,
     /// Lines that one texel may touch: 1 where texels divide lines.
     pub(crate) per_texel: u32,
 }
@@ -22,32 +25,61 @@ impl Lines {
     /// `line_bytes` is a power of two.
     pub(crate) fn new(texel_bytes: u32, line_bytes: u32) -> Self {
         let (texel_bytes, line) = (texel_bytes.max(1), line_bytes.max(1));
-        let per_texel = if line.is_multiple_of(texel_bytes) { 1 } else { (texel_bytes - 1) / line + 2 };
-        Self { texel_bytes, line_shift: line.ilog2(), per_texel }
+        let texel_shift = line.is_multiple_of(texel_bytes).then(|| (line / texel_bytes).ilog2());
+        let per_texel = if texel_shift.is_some() { 1 } else { (texel_bytes - 1) / line + 2 };
+        Self { texel_bytes, line_shift: line.ilog2(), texel_shift, per_texel }
     }
 
-    /// Looks up the taps of the first `count` samples of the level at this place, each line once: saying so again would cost the
-    /// device nothing, but the host time. Mostly all four texels of a sample lie in one 4 x 4 block, which is one line.
+    /// Looks up the taps of the first `count` samples of the level at this place, mostly each line once: saying so again would cost
+    /// the device nothing, but the host time.
     #[inline(always)]
     pub(crate) fn look_up(&self, place: LevelPlace, (footprints, count): (&Footprints, usize), traffic: &mut Traffic) {
-        let bytes = u64::from(self.texel_bytes);
-        let (mut recent, mut oldest) = ([u64::MAX; RECENT], 0);
-        let mut look_up = |address: u64| {
-            let line = address >> self.line_shift;
-            let known = recent.iter().fold(false, |known, seen| known | (*seen == line));
-            // A texel across two lines is left to the cache.
-            if !known || self.per_texel > 1 {
-                recent[oldest % RECENT] = line;
-                oldest += 1;
-                traffic.look_up(NORMAL_MAP, address, self.texel_bytes);
-            }
+        let texels = place.footprints(footprints);
+        let Some(shift) = self.texel_shift else {
+            return self.look_up_each(place.start, (texels, count), traffic);
         };
+        let rest = (place.start & ((1 << shift) - 1)) as u32;
+        let lines = texels.map(|texel| (texel + rest).unbounded_shr_scalar(shift));
+        let first = place.start >> shift;
+        let mut new = new_lines(lines) & ((1 << (TAPS * count)) - 1);
+        let by_sample = u32x4::transpose(lines).map(u32x4::to_array);
+        while new != 0 {
+            let tap = new.trailing_zeros() as usize;
+            new &= new - 1;
+            let line = first + u64::from(by_sample[tap / TAPS][tap % TAPS]);
+            traffic.look_up(NORMAL_MAP, line << self.line_shift, self.texel_bytes);
+        }
+    }
+
+    /// Texels across lines are left to the cache.
+    #[inline(never)]
+    fn look_up_each(&self, start: u64, (texels, count): ([u32x4; 4], usize), traffic: &mut Traffic) {
+        let texels = texels.map(u32x4::to_array);
         for lane in 0..count {
-            let [a, b, c, d] = place.taps(&footprints.taps(lane)).map(|texel| texel * bytes);
-            look_up(a);
-            if self.per_texel > 1 || ((a ^ b) | (a ^ c) | (a ^ d)) >> self.line_shift != 0 {
-                [b, c, d].into_iter().for_each(&mut look_up);
+            for tap in texels {
+                let address = (start + u64::from(tap[lane])) * u64::from(self.texel_bytes);
+                traffic.look_up(NORMAL_MAP, address, self.texel_bytes);
             }
         }
     }
+}
+
+/// Taps whose line is not that of a tap beside them or of the sample before: bit 4 * sample + tap. What else lies in one line is told
+/// apart by the cache: looking each line up among the last four took two branches per sample that cannot be predicted.
+#[inline(always)]
+fn new_lines([a, b, c, d]: [u32x4; TAPS]) -> u32 {
+    // Ahead of the first sample, a line that there is not.
+    let before = |lines: u32x4| {
+        let [first, second, third, _] = lines.to_array();
+        u32x4::new([u32::MAX, first, second, third])
+    };
+    let (left, right) = (before(a), before(b));
+    let known = u32x4::transpose([
+        a.simd_eq(left) | a.simd_eq(right),
+        b.simd_eq(a) | b.simd_eq(right),
+        c.simd_eq(a) | c.simd_eq(before(c)),
+        d.simd_eq(b) | d.simd_eq(c) | d.simd_eq(before(d)),
+    ]);
+    let [first, second, third, last] = known.map(u32x4::to_bitmask);
+    !(first | second << 4 | third << 8 | last << 12)
 }

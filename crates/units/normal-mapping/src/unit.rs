@@ -1,7 +1,6 @@
 //! The unit and its step.
 
 use crate::DistinctCounter;
-use crate::lanes::weights;
 use crate::lines::Lines;
 use crate::rotate::{FixedPoint, TangentFrame};
 use crate::state::Setup;
@@ -9,10 +8,12 @@ use crate::work::Timing;
 use crate::{FilterAt, NormalMappingConfig, NormalMappingState};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
-use basrelief_shading::{Footprints, LEVELS, Layout, Taps, decode_normal, footprints, select_levels};
-use basrelief_signals::{Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Sample, Samples, Stamp};
+use basrelief_shading::{Footprints, LEVELS, Layout, decode_normal, footprints, select_levels, weights, wrapped};
+use basrelief_signals::{
+    Control, Flow, Fragment, Image, Lanes, MAX_SAMPLES, MAX_STAMP, Normals, Polygon, PseudoNormals, Sample, Samples, Stamp,
+};
 use std::sync::Arc;
-use wide::f32x4;
+use wide::{f32x4, i32x4, u32x4};
 
 /// Normal-vector mapping unit (108).
 ///
@@ -56,17 +57,19 @@ impl NormalMapping {
         // Without a map N' = N at every level: the levels still have different VQ tables.
         let set = select_levels(polygon.lod, self.levels, map.map_or(LEVELS, |m| m.levels.len()));
         if let Some(map) = map {
-            self.state.places = std::array::from_fn(|i| self.layout.level(map, usize::from(set.level[i])));
+            for (place, level) in self.state.places.iter_mut().zip(set.level).take(set.count.into()) {
+                *place = self.layout.level(map, level.into());
+            }
         }
         self.state.levels = set;
         self.state.polygon = Some(Arc::clone(polygon));
         *self.state.setup = None;
     }
 
+    /// Gives a stamp its samples.
     #[inline(always)]
-    fn map(&mut self, stamp: Stamp<Fragment>, traffic: &mut Traffic) -> PseudoNormals {
-        let mut samples = Samples::new();
-        if self.sample(&stamp, &mut samples, traffic).is_none() {
+    fn map(&mut self, PseudoNormals { stamp, samples }: &mut PseudoNormals, traffic: &mut Traffic) {
+        if self.sample(stamp, samples, traffic).is_none() {
             // No polygon was announced, or it has no such triangle or level: a normal without direction.
             samples.clear();
             samples.push(Sample::all(0, 1.0, [0; 3]));
@@ -74,15 +77,14 @@ impl NormalMapping {
         let counters = &mut self.state.counters;
         counters.fragments += stamp.len() as u64;
         counters.pseudo_normals += (stamp.len() * samples.len()) as u64;
-        for sample in &samples {
-            sample.value.iter().take(stamp.len()).for_each(|normal| counters.distinct.insert(*normal));
+        for sample in samples.iter() {
+            (0..stamp.len()).for_each(|lane| counters.distinct.insert(sample.value.lane(lane)));
         }
-        PseudoNormals { stamp, samples }
     }
 
     /// Samples the fragments of a stamp side by side; `None` where there is nothing to sample.
     #[inline(always)]
-    fn sample(&mut self, stamp: &Stamp<Fragment>, out: &mut Samples<[i16; 3]>, traffic: &mut Traffic) -> Option<()> {
+    fn sample(&mut self, stamp: &Stamp<Fragment>, out: &mut Samples<Normals>, traffic: &mut Traffic) -> Option<()> {
         let NormalMappingState { polygon, levels, places, setup, counters } = &mut self.state;
         let polygon = polygon.as_deref()?;
         let triangle = stamp.first()?.triangle;
@@ -100,65 +102,59 @@ impl NormalMapping {
         };
         let frame = TangentFrame::new([nx, ny, nz], [tx, ty, tz], f32x4::splat(setup.handedness));
         let scale = polygon.material.normal_scale;
+        let uv = wrapped(&map.sampler, [u, v]);
         for (level, weight, place) in selected {
             let image = map.levels.get(usize::from(level))?;
-            let footprints = footprints(image, &map.sampler, self.config.filter, [u, v]);
+            let footprints = footprints(image, &map.sampler, self.config.filter, uv);
             self.lines.look_up(place, (&footprints, stamp.len()), traffic);
             counters.texels += u64::from(footprints.count) * stamp.len() as u64;
-            let mut add = |weight: [f32; MAX_STAMP], stored: [f32x4; 3]| {
-                let [x, y, z] = stored.map(|c| f32x4::new(decode_normal(c.to_array())));
-                let value = self.fixed_point.quantize(frame.rotate([x * scale, y * scale, z]));
-                // A ninth is dropped.
-                if out.len() < MAX_SAMPLES {
-                    out.push(Sample { level, weight, value });
-                }
+            let value = |stored: [f32x4; 3]| {
+                let [x, y, z] = stored.map(decode_normal);
+                self.fixed_point.quantize(frame.rotate([x * scale, y * scale, z]))
             };
             match self.config.filter_at {
-                FilterAt::Normal => add([weight; MAX_STAMP], filtered(image, &footprints)),
+                FilterAt::Normal => {
+                    let value = value(filtered(image, &footprints));
+                    out.push(Sample { level, weight: [weight; MAX_STAMP], value });
+                }
                 FilterAt::Brightness => {
-                    for tap in 0..usize::from(footprints.count) {
-                        let shares = std::array::from_fn(|lane| weight * footprints.taps(lane).weight[tap]);
-                        add(shares, unfiltered(image, &footprints, tap));
-                    }
+                    let taps =
+                        footprints.weights().into_iter().zip(footprints.numbers(image.width)).take(footprints.count.into());
+                    out.extend(taps.map(|(share, numbers)| Sample {
+                        level,
+                        weight: (share * weight).to_array(),
+                        value: value(stored(image, numbers)),
+                    }));
                 }
             }
         }
+        // A ninth is dropped.
+        out.truncate(MAX_SAMPLES);
         Some(())
     }
 }
 
-/// A texel as stored, 0..=255 per component; one that the image lacks (its texels are short) points straight up. Alpha comes
-/// along, although it means nothing.
+/// Texels as stored, 0..=255 per component, of several samples side by side; one that the image lacks (its texels are short) points
+/// straight up.
 #[inline(always)]
-fn stored(image: &Image, [x, y]: [u32; 2]) -> f32x4 {
-    let at = y as usize * image.width as usize + x as usize;
-    let [r, g, b, a] = image.texels.get(at).copied().unwrap_or([128, 128, 255, 255]);
-    f32x4::new([f32::from(r), f32::from(g), f32::from(b), f32::from(a)])
+fn stored(image: &Image, numbers: u32x4) -> [f32x4; 3] {
+    let texel = |at: u32| i32::from_le_bytes(image.texels.get(at as usize).copied().unwrap_or([128, 128, 255, 255]));
+    let texels = i32x4::new(numbers.to_array().map(texel));
+    let component = |texels: i32x4| f32x4::from_i32x4(texels & i32x4::splat(255));
+    [component(texels), component(texels.unbounded_shr_scalar(8)), component(texels.unbounded_shr_scalar(16))]
 }
 
 /// What is stored, filtered: the weighted sum of the taps. Decoding is linear, so it can follow.
 #[inline(always)]
 fn filtered(image: &Image, footprints: &Footprints) -> [f32x4; 3] {
+    let numbers = footprints.numbers(image.width);
     if footprints.count == 1 {
-        return unfiltered(image, footprints, 0);
+        return stored(image, numbers[0]);
     }
-    side_by_side(|lane| {
-        let Taps { texel: [a, b, c, d], weight: [wa, wb, wc, wd], .. } = footprints.taps(lane);
-        (stored(image, a) * wa + stored(image, b) * wb) + (stored(image, c) * wc + stored(image, d) * wd)
-    })
-}
-
-/// One tap of each footprint as stored.
-#[inline]
-fn unfiltered(image: &Image, footprints: &Footprints, tap: usize) -> [f32x4; 3] {
-    side_by_side(|lane| stored(image, footprints.taps(lane).texel[tap]))
-}
-
-/// Turns the texels of the lanes into the lanes of the components.
-#[inline(always)]
-fn side_by_side(texel: impl Fn(usize) -> f32x4) -> [f32x4; 3] {
-    let [x, y, z, _] = f32x4::transpose([texel(0), texel(1), texel(2), texel(3)]);
-    [x, y, z]
+    let weights = footprints.weights();
+    let weighted = |tap: usize| stored(image, numbers[tap]).map(|component| component * weights[tap]);
+    let sum = |[ax, ay, az]: [f32x4; 3], [bx, by, bz]: [f32x4; 3]| [ax + bx, ay + by, az + bz];
+    sum(sum(weighted(0), weighted(1)), sum(weighted(2), weighted(3)))
 }
 
 impl Unit for NormalMapping {
@@ -175,10 +171,12 @@ impl Unit for NormalMapping {
         let latency = self.timing.latency;
         match input {
             Some(Flow::Item(stamp)) => {
-                let out = self.map(stamp, traffic);
+                let fragments = stamp.len();
+                let mut out = PseudoNormals { stamp, samples: Samples::new() };
+                self.map(&mut out, traffic);
                 let is_mapped = self.state.polygon.as_ref().is_some_and(|polygon| polygon.material.normal_map.is_some());
                 let pace = self.timing.pace(is_mapped, out.samples.len());
-                Step::over(out.stamp.len(), pace, latency, Some(Flow::Item(out)))
+                Step::over(fragments, pace, latency, Some(Flow::Item(out)))
             }
             Some(Flow::Control(control)) => {
                 if let Control::Polygon(polygon) = &control {

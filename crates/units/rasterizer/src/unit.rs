@@ -73,7 +73,7 @@ impl Rasterizer {
         while let Some(polygon) = self.state.polygon.as_ref() {
             let walk = &self.state.scan.walk;
             let [x, y] = walk.pixel();
-            let here = Some((y / BLOCK as i32, x / BLOCK as i32, walk.triangle.number()));
+            let here = Some((y >> BLOCK.ilog2(), x >> BLOCK.ilog2(), walk.triangle.number()));
             if stamp.len() >= self.config.stamp as usize || (block.is_some() && block != here) {
                 break;
             }

@@ -150,13 +150,13 @@ impl Replacement {
     /// Sends the next of what was gathered; at last the control token that ended the batch.
     fn send(&mut self, traffic: &mut Traffic) -> Out {
         match self.state.gather.held.pop_front() {
-            Some(Flow::Item(normals)) => {
+            Some(Flow::Item(mut normals)) => {
                 let bytes = self.normals_bytes(&normals);
                 traffic.read(GATHERED, quantization_memory::GATHERED + self.state.gather.normals.read, bytes);
                 self.state.gather.normals.read += u64::from(bytes);
                 self.read_beside(crate::gather::fragments_bytes(&normals), traffic);
                 self.prepare_book();
-                self.replace(normals, traffic)
+                self.replace(&mut normals, traffic)
             }
             Some(Flow::Control(control)) => {
                 self.read_beside(crate::gather::control_bytes(&control), traffic);

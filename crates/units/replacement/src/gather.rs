@@ -3,7 +3,7 @@
 use crate::state::TableLoad;
 use basrelief_signals::polygon::{Lit, Taken};
 use basrelief_signals::width::{CONTROL, LEVEL, SHARE};
-use basrelief_signals::{Control, Flow, Fragment, PseudoNormals, Signal, Widths, quantization_memory};
+use basrelief_signals::{Control, Flow, Fragment, Lanes, PseudoNormals, Signal, Widths, quantization_memory};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -78,7 +78,7 @@ impl Gather {
             if let Flow::Item(PseudoNormals { stamp, samples }) = flow {
                 for lane in 0..stamp.len() {
                     let of_level = samples.iter().filter(|s| table_level(s.level) == level);
-                    normals.extend(of_level.map(|s| s.value[lane]));
+                    normals.extend(of_level.map(|s| s.value.lane(lane)));
                 }
             }
             normals

@@ -12,15 +12,32 @@
 //! ascending order finds it. All of this is in whole numbers.
 //!
 //! Rounding enters only where the cell of an N' is found: `(a / m + 1) * cells / 2` in single precision, for a component
-//! a and the largest m. Quotient, sum and product round by at most 2^-24 each, relatively, of values up to 2: an absolute
-//! error below 4 * 2^-24 * cells, or 2^-14 cells for the finest grid of 256. The corners lie 1/32 of a cell outside, 512
-//! times that, so N' is within the cone of the cell it falls into.
+//! a and the largest m, rounded to the cell whose middle is nearest. Quotient, sum and product round by at most 2^-24 each,
+//! relatively, of values up to 256: an absolute error below 2^-14 cells. What is divided is less by 1/128 of a cell, so that none
+//! of it falls past the first or the last. The corners lie 1/32 of a cell outside, so N' is within the cone of the cell that it is
+//! found in.
 //!
 //! Rejected: a scan (256 entries cost 200 ns and more), and a k-d tree, whose descent mispredicts at every branch.
+
+use basrelief_signals::{Lanes, MAX_STAMP, Normals};
+use wide::{f32x4, f64x4, i16x8, i32x4, u32x4};
 
 /// Units per half cell; corners stand `MARGIN` of them outside.
 const HALF_CELL: i64 = 32;
 const MARGIN: i64 = 2;
+
+/// Largest sum of the components of a reference normal, whatever their signs: 32,768 times that has 32 bits.
+const MOST_LENGTH: u32 = 65_535;
+
+/// So much nearer to the middle of its face is a direction taken for when its cell is sought \[cells\].
+const INSET: f32 = 1.0 / 128.0;
+
+/// Adding it rounds |x| <= 2^22 to a whole number, which then stands in the low 22 bits: around it, single precision has
+/// steps of 1.
+const WHOLE: f32 = 12_582_912.0;
+
+/// The same in double precision, for |x| <= 2^51.
+const WHOLE_DOUBLE: f64 = 6_755_399_441_055_744.0;
 
 /// Finest grid: cells per edge of a cube face. The proof above needs at most this.
 const MOST_CELLS: u32 = 256;
@@ -40,6 +57,49 @@ impl Candidate {
     }
 }
 
+/// Candidates whose inner products are taken side by side.
+const SIDE_BY_SIDE: usize = 4;
+
+/// Four candidates, ascending; the last stands there again where there are fewer.
+#[derive(Clone, Copy, Debug)]
+struct Four {
+    /// x and y of each.
+    xy: i16x8,
+    /// z of each, and 0.
+    z: i16x8,
+    /// Complements of their indexes.
+    ranks: i32x4,
+}
+
+impl Four {
+    /// Of 1..=4 candidates.
+    fn new(candidates: &[Candidate]) -> Self {
+        let [a, b, c, d]: [Candidate; SIDE_BY_SIDE] = std::array::from_fn(|i| candidates[i.min(candidates.len() - 1)]);
+        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [dx, dy, dz]] = [a, b, c, d].map(|c| c.normal);
+        let ranks = i32x4::new([a, b, c, d].map(|c| i32::from(!c.index)));
+        Self { xy: i16x8::new([ax, ay, bx, by, cx, cy, dx, dy]), z: i16x8::new([az, 0, bz, 0, cz, 0, dz, 0]), ranks }
+    }
+
+    /// Inner product and complement of the index of each in one number, of which the largest is sought: a branch on which is larger
+    /// could not be predicted, and ties go to the lowest index. Together they have 48 bits, which double precision holds.
+    #[inline(always)]
+    fn keys(&self, [xy, z]: [i16x8; 2]) -> f64x4 {
+        let dots = self.xy.dot(xy) + self.z.dot(z);
+        f64x4::from_i32x4(dots) * 65_536.0 + f64x4::from_i32x4(self.ranks)
+    }
+}
+
+/// The nearest of all these candidates.
+#[inline(always)]
+fn nearest_among(fours: &[Four], [x, y, z]: [i16; 3]) -> u16 {
+    let Some((first, others)) = fours.split_first() else { return 0 };
+    let n = [i16x8::new([x, y, x, y, x, y, x, y]), i16x8::splat(z)];
+    let best = others.iter().fold(first.keys(n), |best, four| best.fast_max(four.keys(n)));
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    let [a, b, c, d] = best.to_array();
+    !((larger(larger(a, c), larger(b, d)) + WHOLE_DOUBLE).to_bits() as u16)
+}
+
 /// Search structure over one VQ table (121) or code book.
 ///
 /// A quadtree of squares over each face: a square is divided when a direction falls into one of its quarters for the first
@@ -49,18 +109,29 @@ pub struct NearestSearch {
     /// Cells per edge of a face in the finest grid, a power of two.
     cells: u32,
     all: Vec<Candidate>,
-    /// Candidates left on each square: grid after grid, from the whole faces to the finest. `None`: not asked for yet.
+    /// Candidates left on each square of the coarser grids: grid after grid, from the whole faces. `None`: not asked for yet.
     squares: Vec<Option<Box<[Candidate]>>>,
+    /// Where those left on each cell, the squares of the finest grid, stand in `fours`: from here to
+    /// there. Nowhere: not asked for yet.
+    finest: Vec<[u32; 2]>,
+    fours: Vec<Four>,
 }
 
 impl NearestSearch {
-    /// For a table of at most 65,536 normals (more are ignored) that will be searched about `searches` times: the grid is
-    /// as fine as pays.
+    /// For a table of at most 65,536 unit vectors in steps of 1/32767 (more are ignored) that will be searched about `searches`
+    /// times: the grid is as fine as pays.
+    ///
+    /// # Panics
+    /// Where a vector is so long that inner products with it may have more than 32 bits. A unit vector is not, however coarsely
+    /// its components are rounded (to 8 bits or more).
     pub fn new(normals: &[[i16; 3]], searches: usize) -> Self {
+        let length = |normal: &[i16; 3]| normal.iter().map(|c| u32::from(c.unsigned_abs())).sum::<u32>();
+        assert!(normals.iter().all(|normal| length(normal) <= MOST_LENGTH), "reference normals are unit vectors");
         let all: Vec<Candidate> = normals.iter().zip(0..=u16::MAX).map(|(&normal, index)| Candidate { normal, index }).collect();
         let worth = (4 * all.len()).min(searches / 4);
         let cells = (0..).map(|d| 1 << d).find(|&c| c >= MOST_CELLS || (6 * c * c) as usize >= worth).unwrap_or(1);
-        Self { cells, all, squares: vec![None; first_of_grid(2 * cells)] }
+        let (squares, finest) = (vec![None; first_of_grid(cells)], vec![[0; 2]; (6 * cells * cells) as usize]);
+        Self { cells, all, squares, finest, fours: Vec::new() }
     }
 
     /// Entries of the table.
@@ -71,34 +142,68 @@ impl NearestSearch {
     /// Index of the nearest reference normal; 0 in an empty table.
     #[inline]
     pub fn nearest(&mut self, normal: [i16; 3]) -> u16 {
-        let Some(square) = Square::of(normal, self.cells) else { return 0 };
-        if self.squares[square.number()].is_none() {
-            self.divide(&square);
-        }
-        let n = normal.map(i64::from);
-        // Product and index in one number, of which the largest is sought: a branch on which is larger could not be
-        // predicted. Products have 33 bits; the complement of the index makes ties go to the lowest.
-        let key = |c: &Candidate| c.dot(n) << 16 | i64::from(!c.index);
-        let left = self.squares[square.number()].as_deref().unwrap_or_default();
-        left.iter().map(key).max().map_or(0, |best| !(best as u16))
+        self.nearest_of(&Normals::all(normal), 1)[0]
     }
 
-    /// Finds who is left on a square, from those left on the square around it: it lies within that one, so whoever is beaten
-    /// there is beaten here. (The margin is half as wide: also within.)
-    #[cold]
-    fn divide(&mut self, square: &Square) {
-        let thorough = square.cells == self.cells;
-        let left = match square.around() {
-            None => unbeaten(square, &self.all, thorough),
-            Some(around) => {
-                if self.squares[around.number()].is_none() {
-                    self.divide(&around);
-                }
-                let candidates = self.squares[around.number()].as_deref().unwrap_or_default();
-                unbeaten(square, candidates, thorough)
+    /// Those of the first `count` of these.
+    #[inline]
+    pub fn nearest_of(&mut self, normals: &Normals, count: usize) -> [u16; MAX_STAMP] {
+        let cells = self.cells_of(normals);
+        let mut indexes = [0; MAX_STAMP];
+        for (lane, index) in indexes.iter_mut().enumerate().take(count) {
+            let normal = normals.lane(lane);
+            // Everything ties for the zero vector, not only what is left on the cell.
+            if normal != [0; 3] {
+                *index = nearest_among(self.candidates(cells[lane]), normal);
             }
-        };
-        self.squares[square.number()] = Some(left.into());
+        }
+        indexes
+    }
+
+    /// Numbers of the cells that directions fall into; of the zero vector's, any.
+    #[inline(always)]
+    fn cells_of(&self, normals: &Normals) -> [u32; MAX_STAMP] {
+        let [x, y, z] = normals.0.map(|c| f32x4::from_i32x4(i32x4::new(c.map(i32::from))));
+        let [ax, ay, az] = [x, y, z].map(f32x4::abs);
+        let (by_x, by_y) = (ax.simd_ge(ay) & ax.simd_ge(az), ay.simd_ge(az));
+        let by_axis = |[x, y, z]: [f32x4; 3]| by_x.select(x, by_y.select(y, z));
+        let (m, a, b) = (by_axis([x, y, z]), by_axis([y, z, x]), by_axis([z, x, y]));
+        let face = by_axis([0.0, 2.0, 4.0].map(f32x4::splat)) + m.simd_lt(f32x4::ZERO).select(f32x4::ONE, f32x4::ZERO);
+        let cells = self.cells as f32;
+        let scale = f32x4::splat(0.5 * cells - INSET) / m.abs().fast_max(f32x4::ONE);
+        let place = |c: f32x4| ((c * scale + (0.5 * cells - 0.5)) + WHOLE) - WHOLE;
+        let number = (face * cells + place(b)) * cells + place(a);
+        ((number + WHOLE).to_bits() - u32x4::splat(WHOLE.to_bits())).to_array()
+    }
+
+    /// Who is left on a cell.
+    #[inline(always)]
+    fn candidates(&mut self, cell: u32) -> &[Four] {
+        let [first, end] = self.finest[cell as usize];
+        let [first, end] = if end > 0 { [first, end] } else { self.divide(cell) };
+        &self.fours[first as usize..end as usize]
+    }
+
+    /// Finds who that is, the first time that it is asked for.
+    #[cold]
+    fn divide(&mut self, cell: u32) -> [u32; 2] {
+        let left = self.left_on(&Square::new(cell, self.cells), true);
+        let first = self.fours.len() as u32;
+        self.fours.extend(left.chunks(SIDE_BY_SIDE).map(Four::new));
+        let place = [first, self.fours.len() as u32];
+        self.finest[cell as usize] = place;
+        place
+    }
+
+    /// Who is left on a square, of those left on the square around it: it lies within that one, so whoever is beaten there is
+    /// beaten here. (The margin is half as wide: also within.)
+    fn left_on(&mut self, square: &Square, thorough: bool) -> Vec<Candidate> {
+        let Some(around) = square.around() else { return unbeaten(square, &self.all, thorough) };
+        let number = first_of_grid(around.cells) + around.number_in_grid();
+        if self.squares[number].is_none() {
+            self.squares[number] = Some(self.left_on(&around, false).into());
+        }
+        unbeaten(square, self.squares[number].as_deref().unwrap_or_default(), thorough)
     }
 }
 
@@ -118,31 +223,15 @@ struct Square {
 }
 
 impl Square {
-    /// The square that a direction falls into; none for the zero vector.
-    #[inline]
-    fn of(normal: [i16; 3], cells: u32) -> Option<Self> {
-        let [x, y, z] = normal.map(i32::from);
-        let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
-        let (axis, m, a, b) = if ax >= ay && ax >= az {
-            (0, x, y, z)
-        } else if ay >= az {
-            (1, y, z, x)
-        } else {
-            (2, z, x, y)
-        };
-        if m == 0 {
-            return None;
-        }
-        let scale = 1.0 / m.abs() as f32;
-        let half = 0.5 * cells as f32;
-        let place = |c: i32| (((c as f32 * scale + 1.0) * half) as u32).min(cells - 1);
-        Some(Self { face: 2 * axis + u32::from(m < 0), cells, column: place(a), row: place(b) })
+    /// Number `number` of the grid with `cells` squares per edge of a face.
+    fn new(number: u32, cells: u32) -> Self {
+        Self { face: number / (cells * cells), cells, column: number % cells, row: number / cells % cells }
     }
 
-    /// Its number among the squares of all grids.
+    /// Its number among the squares of its grid.
     #[inline]
-    fn number(&self) -> usize {
-        first_of_grid(self.cells) + ((self.face * self.cells + self.row) * self.cells + self.column) as usize
+    fn number_in_grid(&self) -> usize {
+        ((self.face * self.cells + self.row) * self.cells + self.column) as usize
     }
 
     /// The square of the next coarser grid that it is a quarter of.
@@ -161,35 +250,33 @@ impl Square {
         }
     }
 
-    fn centre_and_corners(&self) -> ([i64; 3], [[i64; 3]; 4]) {
+    /// Its corners, in units that make them whole numbers; their sum is four times its centre.
+    fn corners(&self) -> [[i64; 3]; 4] {
         let m = i64::from(self.cells) * HALF_CELL;
         let middle = |i: u32| (2 * i64::from(i) + 1) * HALF_CELL - m;
         let (a, b) = (middle(self.column), middle(self.row));
         let reach = HALF_CELL + MARGIN;
         let corner = |s: i64, t: i64| self.point(m, a + s * reach, b + t * reach);
-        (self.point(m, a, b), [corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, 1)])
+        [corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, 1)]
     }
 }
 
 /// Candidates that the one nearest to the centre does not beat, in the finest cells also none of the others, ascending.
 fn unbeaten(square: &Square, candidates: &[Candidate], thorough: bool) -> Vec<Candidate> {
-    let (centre, corners) = square.centre_and_corners();
-    let at_corners = |c: &Candidate| corners.map(|n| c.dot(n));
-    let Some(nearest) = candidates.iter().max_by_key(|c| (c.dot(centre), std::cmp::Reverse(c.index))) else {
+    let corners = square.corners();
+    let mut left: Vec<(Candidate, [i64; 4])> = candidates.iter().map(|c| (*c, corners.map(|n| c.dot(n)))).collect();
+    let Some(&champion) = left.iter().max_by_key(|(c, at)| (at.iter().sum::<i64>(), std::cmp::Reverse(c.index))) else {
         return Vec::new();
     };
-    let champion = (nearest.index, at_corners(nearest));
-    let scored = candidates.iter().map(|c| (c, at_corners(c)));
-    let left: Vec<_> = scored.filter(|(c, at)| !beats(champion, (c.index, *at))).collect();
-    let stays = |&(c, at): &(&Candidate, [i64; 4])| {
-        !thorough || !left.iter().any(|&(other, other_at)| beats((other.index, other_at), (c.index, at)))
-    };
-    left.iter().filter(|c| stays(c)).map(|(c, _)| **c).collect()
+    left.retain(|one| !beats(&champion, one));
+    let mut unbeaten = Vec::with_capacity(left.len());
+    unbeaten.extend(left.iter().filter(|one| !thorough || !left.iter().any(|other| beats(other, one))).map(|(c, _)| *c));
+    unbeaten
 }
 
-fn beats((i, a): (u16, [i64; 4]), (j, b): (u16, [i64; 4])) -> bool {
-    let pairs = || a.into_iter().zip(b);
-    pairs().all(|(p, q)| p > q) || (i < j && pairs().all(|(p, q)| p >= q))
+fn beats((i, a): &(Candidate, [i64; 4]), (j, b): &(Candidate, [i64; 4])) -> bool {
+    let pairs = || a.iter().zip(b);
+    pairs().all(|(p, q)| p > q) || (i.index < j.index && pairs().all(|(p, q)| p >= q))
 }
 
 #[cfg(test)]

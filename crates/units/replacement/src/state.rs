@@ -92,14 +92,20 @@ impl ReplacementCounters {
         std::array::from_fn(|k| self.used[k].iter().map(|word| word.count_ones()).sum())
     }
 
-    #[inline]
-    pub(crate) fn count_search(&mut self, level: u8, index: u16) {
-        self.searches += 1;
+    /// Searches of a level found these.
+    #[inline(always)]
+    pub(crate) fn count_searches(&mut self, level: u8, indexes: &[u16]) {
+        self.searches += indexes.len() as u64;
         let used = &mut self.used[usize::from(level).min(LEVELS - 1)];
-        let word = usize::from(index) / 64;
-        if word >= used.len() {
-            used.resize(word + 1, 0);
+        for index in indexes {
+            let word = usize::from(*index) / 64;
+            if word >= used.len() {
+                used.resize(word + 1, 0);
+            }
+            // Mostly it is known, and a word that is not written need not be waited for when it is read again.
+            if used[word] >> (index % 64) & 1 == 0 {
+                used[word] |= 1 << (index % 64);
+            }
         }
-        used[word] |= 1 << (index % 64);
     }
 }

@@ -69,19 +69,19 @@ impl Replacement {
     }
 
     #[inline(always)]
-    fn item(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
+    fn item(&mut self, normals: &mut PseudoNormals, traffic: &mut Traffic) -> Out {
         if self.config.policy != Policy::Fixed {
             let object = self.state.object.as_ref().map_or(0, |o| o.id);
             self.state.history.count(object, normals.stamp.len() as u64, self.state.lod);
         }
         if self.config.codebook != CodeBookMode::Fixed {
-            return self.gather(normals, traffic);
+            return self.gather(std::mem::take(normals), traffic);
         }
-        self.request_tables(&normals);
+        self.request_tables(normals);
         if self.state.loads.is_empty() {
             return self.replace(normals, traffic);
         }
-        self.state.pending = Some(normals);
+        self.state.pending = Some(std::mem::take(normals));
         self.load(traffic)
     }
 
@@ -189,15 +189,15 @@ impl Replacement {
             return self.quiet();
         }
         match self.state.pending.take() {
-            Some(normals) => self.replace(normals, traffic),
+            Some(mut normals) => self.replace(&mut normals, traffic),
             None => self.quiet(),
         }
     }
 
     /// Searches every sample of a stamp in the table or code book of its level: those of the first fragment, then those of the
-    /// second ...
+    /// second ... The stamp travels on.
     #[inline(always)]
-    pub(crate) fn replace(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
+    pub(crate) fn replace(&mut self, normals: &mut PseudoNormals, traffic: &mut Traffic) -> Out {
         let object = self.fixed_by_object();
         let fragments = normals.stamp.len();
         let mut samples = Samples::new();
@@ -213,10 +213,8 @@ impl Replacement {
             match search {
                 Ok(search) => {
                     cycles = self.config.search_cycles(search.entries());
-                    for (index, normal) in indexes.iter_mut().zip(value).take(fragments) {
-                        *index = search.nearest(*normal);
-                        self.state.counters.count_search(level, *index);
-                    }
+                    indexes = search.nearest_of(value, fragments);
+                    self.state.counters.count_searches(level, &indexes[..fragments]);
                 }
                 Err(error) => {
                     let name = self.state.object.as_ref().map_or("", |o| o.name.as_str());
@@ -234,8 +232,8 @@ impl Replacement {
         } else {
             (fragments as u64 * of_fragment, fragments as u64 * of_fragment)
         };
-        let out = Indexes { stamp: normals.stamp, samples };
-        Step::after(self.latency + cycles, Some(Flow::Item(out))).busy(occupancy.max(1))
+        let out = Some(Flow::Item(Indexes { stamp: std::mem::take(&mut normals.stamp), samples }));
+        Step { out, occupancy: occupancy.max(1), latency: self.latency + cycles, marked: false }
     }
 }
 
@@ -271,9 +269,10 @@ impl Unit for Replacement {
     }
 
     #[inline(always)]
-    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+    fn step(&mut self, mut input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         match input {
-            Some(Flow::Item(normals)) => self.item(normals, traffic),
+            // By reference: moved on its way, the token is copied.
+            Some(Flow::Item(ref mut normals)) => self.item(normals, traffic),
             Some(Flow::Control(control)) => self.control(control, traffic),
             None => self.resume(traffic),
         }

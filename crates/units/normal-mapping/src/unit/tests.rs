@@ -2,7 +2,7 @@
 
 use super::*;
 use basrelief_kernel::OperatorConfig;
-use basrelief_signals::{Filter, Material, Sampler, Texture, Vertex};
+use basrelief_signals::{Filter, Lanes, Material, Sampler, Texture, Vertex};
 use proptest::prelude::*;
 
 /// A map whose level k has `side >> k` texels per side, filled by `texel(level, x, y)`.
@@ -69,7 +69,7 @@ fn claims_1_and_5_each_selected_level_reads_its_own_map() {
     let mut unit = unit(NormalMappingConfig::default(), 2, square(3, Some(lean)));
     let p = mapped(&mut unit, fragment(0.4, 0.2), &mut Traffic::default());
     assert_eq!(p.samples.iter().map(|s| (s.level, s.weight[0])).collect::<Vec<_>>(), [(0, 5.0 / 8.0), (1, 3.0 / 8.0)]);
-    let [a, b] = [0, 1].map(|i| p.samples[i].value[0]);
+    let [a, b] = [0, 1].map(|i| p.samples[i].value.lane(0));
     assert_eq!((a[0], b[1]), (32_767, 32_767));
     assert!(a[1].abs() < 200 && b[0].abs() < 200);
     assert_eq!((p.stamp[0].x, p.stamp[0].y, p.stamp[0].z), (3, 4, 5));
@@ -81,18 +81,18 @@ fn green_leans_against_v() {
     let mut left_handed = (*square(0, Some(up))).clone();
     left_handed.vertices.iter_mut().for_each(|v| v.tangent[3] = -1.0);
     let mut unit = unit(NormalMappingConfig::default(), 1, Arc::new(left_handed));
-    assert_eq!(mapped(&mut unit, fragment(0.5, 0.5), &mut Traffic::default()).samples[0].value[0][1], -32_767);
+    assert_eq!(mapped(&mut unit, fragment(0.5, 0.5), &mut Traffic::default()).samples[0].value.lane(0)[1], -32_767);
 }
 
 #[test]
 fn without_a_map_or_with_scale_zero_n_prime_is_n() {
     let mut bare = unit(NormalMappingConfig::default(), 2, square(3, None));
     let p = mapped(&mut bare, fragment(0.4, 0.2), &mut Traffic::default());
-    assert_eq!(p.samples.iter().map(|s| s.value[0]).collect::<Vec<_>>(), [[0, 0, 32_767]; 2]);
+    assert_eq!(p.samples.iter().map(|s| s.value.lane(0)).collect::<Vec<_>>(), [[0, 0, 32_767]; 2]);
     let mut flat = (*square(0, Some(map(4, 1, |_, _, _| [255, 0, 200])))).clone();
     flat.material = Arc::new(Material { normal_scale: 0.0, ..(*flat.material).clone() });
     let mut flat = unit(NormalMappingConfig::default(), 1, Arc::new(flat));
-    assert_eq!(mapped(&mut flat, fragment(0.4, 0.2), &mut Traffic::default()).samples[0].value[0], [0, 0, 32_767]);
+    assert_eq!(mapped(&mut flat, fragment(0.4, 0.2), &mut Traffic::default()).samples[0].value.lane(0), [0, 0, 32_767]);
 }
 
 #[test]
@@ -102,10 +102,10 @@ fn four_searches_when_brightness_is_filtered() {
     let ramp = map(8, 4, |_, x, y| [(16 * x) as u8, (16 * y) as u8, 255]);
     let mut unit = unit(config, 2, square(3, Some(ramp)));
     let p = mapped(&mut unit, fragment(0.5, 0.3), &mut Traffic::default());
-    let sum = |samples: &[Sample<[i16; 3]>]| samples.iter().map(|s| s.weight[0]).sum::<f32>();
+    let sum = |samples: &[Sample<Normals>]| samples.iter().map(|s| s.weight[0]).sum::<f32>();
     assert!((sum(&p.samples) - 1.0).abs() < 1e-6 && (sum(&p.samples[..4]) - 5.0 / 8.0).abs() < 1e-6);
     assert_eq!(p.samples.iter().map(|s| s.level).collect::<Vec<_>>(), [0, 0, 0, 0, 1, 1, 1, 1]);
-    assert_ne!(p.samples[0].value[0], p.samples[3].value[0]);
+    assert_ne!(p.samples[0].value.lane(0), p.samples[3].value.lane(0));
 }
 
 #[test]
@@ -210,7 +210,7 @@ proptest! {
         }
         let largest = n.iter().fold(0f64, |m, c| m.max(c.abs()));
         for i in 0..3 {
-            prop_assert!((f64::from(p.samples[0].value[0][i]) - 32_767.0 * n[i] / largest).abs() < 3.0, "{:?} {:?}", p.samples[0], n);
+            prop_assert!((f64::from(p.samples[0].value.lane(0)[i]) - 32_767.0 * n[i] / largest).abs() < 3.0, "{:?} {:?}", p.samples[0], n);
         }
     }
 
