@@ -5,7 +5,6 @@ use super::apart::{Piece, Steps};
 use super::work::{Live, Work};
 use super::{fault_of, rests};
 use crate::place::Place;
-use crate::time::Made;
 use crate::wiring::{Inputs, Machine, Outputs, Visitor};
 use crate::{Connections, Demand, Traffic, Unit};
 
@@ -24,27 +23,6 @@ struct Walk {
 impl Walk {
     fn new(traffic: Traffic, made: Option<Vec<Steps>>) -> Self {
         Self { traffic, stage: 0, steps: 0, handed_on: 0, fault: None, made }
-    }
-
-    /// Whether a stage is to go on. Who tells the time must come to the start of a step that is a fault: so all others go on
-    /// meanwhile, as far as they can without it.
-    #[inline(always)]
-    fn goes_on(&self, stage: usize) -> bool {
-        match &self.made {
-            Some(made) => !made[stage].is_fault(),
-            None => self.fault.is_none(),
-        }
-    }
-
-    /// After a step of a stage.
-    #[inline(always)]
-    fn take(&mut self, (stage, name): (usize, &str), demand: Demand, made: Made) {
-        self.steps += 1;
-        match &mut self.made {
-            Some(all) => all[stage].push(demand, made, &mut self.traffic),
-            None if self.traffic.fault.is_some() => self.fault = fault_of(&mut self.traffic, name, None),
-            None => {}
-        }
     }
 
     /// What was done since the last piece.
@@ -72,13 +50,20 @@ impl Visitor for Walk {
     #[inline]
     fn stage<P: Place>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
-        let number = self.stage;
-        self.stage += 1;
-        while self.goes_on(number)
-            && let Some(demand) = next(&stage.unit, connections)
-        {
-            let made = Live::new(&mut *stage, &mut *connections).step(demand, &mut self.traffic);
-            self.take((number, stage.name()), demand, made);
+        let Self { traffic, stage: number, steps, fault, made: all, .. } = self;
+        let mut own = all.as_mut().map(|all| &mut all[*number]);
+        *number += 1;
+        // Who tells the time must come to the start of a step that is a fault: so all others go on, as far as they can without it.
+        let mut goes_on = own.as_ref().map_or(fault.is_none(), |own| !own.is_fault());
+        while goes_on && let Some(demand) = next(&stage.unit, connections) {
+            let made = Live::new(&mut *stage, &mut *connections).step(demand, traffic);
+            *steps += 1;
+            goes_on = traffic.fault.is_none();
+            match &mut own {
+                Some(own) => own.push(demand, made, traffic),
+                None if !goes_on => *fault = fault_of(traffic, stage.name(), None),
+                None => {}
+            }
         }
     }
 }
