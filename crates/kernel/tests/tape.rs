@@ -117,6 +117,18 @@ fn work_that_is_stopped_is_timed_as_far_as_it_went() {
     assert!(0 < steps(&stopped) && steps(&stopped) < steps(&whole), "{stopped:?}");
 }
 
+/// However long the FIFOs are, and however much could be done before anybody takes it.
+#[test]
+fn pieces_of_work_are_small() {
+    let mut plan = Draw::chain().0;
+    plan.units[0].kind = Kind::Source { tokens: 5_000 };
+    plan.fifos.iter_mut().for_each(|fifo| fifo.depth = 10_000);
+    let mut pieces = Vec::new();
+    make_steps(&mut machine(&plan), &mut |_| true, (40, &mut |piece| pieces.push(piece.steps()))).unwrap();
+    assert_eq!(pieces.iter().sum::<usize>(), 3 * 5_000);
+    assert!(pieces.iter().all(|steps| *steps <= 40 + 3 * 10), "{pieces:?}");
+}
+
 #[test]
 fn a_tape_that_ends_early_names_the_unit_that_could_go_on() {
     let plan: Plan = serde_json::from_str(include_str!("laws/merged_late.json")).unwrap();

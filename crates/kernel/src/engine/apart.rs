@@ -74,6 +74,13 @@ pub struct Piece {
     pub(super) stopped: bool,
 }
 
+impl Piece {
+    /// How many steps it holds, of all stages.
+    pub fn steps(&self) -> usize {
+        self.stages.iter().map(|stage| stage.steps.len()).sum()
+    }
+}
+
 /// Makes all steps of a machine, and hands them on, some `steps` at a time. They run ahead of their times: so this is for runs without a
 /// limit of cycles. `progress` as in [`Limits`](super::Limits).
 ///

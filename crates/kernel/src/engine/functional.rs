@@ -18,11 +18,17 @@ struct Walk {
     fault: Option<String>,
     /// What the stages do, where somebody tells the time of it.
     made: Option<Vec<Steps>>,
+    /// So many steps are handed on at a time. A stage between long FIFOs could make any number before another is looked at: so it makes
+    /// a part of these at once.
+    piece: usize,
 }
 
+/// Parts of a piece that a stage makes at once.
+const PARTS: usize = 4;
+
 impl Walk {
-    fn new(traffic: Traffic, made: Option<Vec<Steps>>) -> Self {
-        Self { traffic, stage: 0, steps: 0, handed_on: 0, fault: None, made }
+    fn new(traffic: Traffic, made: Option<Vec<Steps>>, piece: usize) -> Self {
+        Self { traffic, stage: 0, steps: 0, handed_on: 0, fault: None, made, piece }
     }
 
     /// What was done since the last piece.
@@ -50,18 +56,19 @@ impl Visitor for Walk {
     #[inline]
     fn stage<P: Place>(&mut self, mut place: P) {
         let (stage, connections) = place.open();
-        let Self { traffic, stage: number, steps, fault, made: all, .. } = self;
+        let Self { traffic, stage: number, steps, fault, made: all, piece, .. } = self;
         let mut own = all.as_mut().map(|all| &mut all[*number]);
         *number += 1;
+        let most = *steps + piece.div_ceil(PARTS);
         // Who tells the time must come to the start of a step that is a fault: so all others go on, as far as they can without it.
         let mut goes_on = own.as_ref().map_or(fault.is_none(), |own| !own.is_fault());
         while goes_on && let Some(demand) = next(&stage.unit, connections) {
             let made = Live::new(&mut *stage, &mut *connections).step(demand, traffic);
             *steps += 1;
-            goes_on = traffic.fault.is_none();
+            goes_on = traffic.fault.is_none() && *steps < most;
             match &mut own {
                 Some(own) => own.push(demand, made, traffic),
-                None if !goes_on => *fault = fault_of(traffic, stage.name(), None),
+                None if traffic.fault.is_some() => *fault = fault_of(traffic, stage.name(), None),
                 None => {}
             }
         }
@@ -69,7 +76,7 @@ impl Visitor for Walk {
 }
 
 pub(super) fn run<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) -> bool) -> Result<(), String> {
-    let mut walk = Walk::new(Traffic::muted(), None);
+    let mut walk = Walk::new(Traffic::muted(), None, usize::MAX);
     let stopped = walk_on(machine, &mut walk, progress, &mut |_, _| ());
     match walk.fault {
         Some(fault) => Err(fault),
@@ -84,9 +91,9 @@ pub(super) fn run_to<M: Machine>(
     progress: &mut dyn FnMut(&mut M) -> bool,
     (steps, nothing, hand_on): (usize, Vec<Steps>, &mut dyn FnMut(Piece)),
 ) {
-    let mut walk = Walk::new(Traffic::default(), Some(nothing));
+    let mut walk = Walk::new(Traffic::default(), Some(nothing), steps);
     let stopped = walk_on(machine, &mut walk, progress, &mut |walk, machine| {
-        if walk.steps - walk.handed_on >= steps {
+        if walk.steps - walk.handed_on >= walk.piece {
             hand_on(walk.piece(machine, false));
         }
     });
