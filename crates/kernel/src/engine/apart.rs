@@ -1,6 +1,7 @@
 //! A run in two halves, which may be on two threads: one makes the steps, the other tells their times. What a step does depends on no
 //! time (law 6), so the first waits for nothing that the second finds.
 
+use super::Recording;
 use super::ends::advance;
 use super::functional::run_to;
 use super::timed::RunAhead;
@@ -107,7 +108,8 @@ pub fn time_steps(
     let inputs = time.shape.stages.iter().map(|stage| stage.inputs.len());
     let mut queues: Vec<Queue> = inputs.map(Queue::new).collect();
     let mut recording = keep.map(|(bytes, keep)| (Writer::new(&time.shape, &time.memories, bytes), keep));
-    let halt = tell(&mut time, &mut queues, pieces, &mut recording);
+    let tape = recording.as_mut().map(|(writer, keep)| Recording { writer, keep: &mut **keep });
+    let halt = tell(&mut time, &mut queues, pieces, tape);
     time.land_all();
     let rests = rests_of(&queues);
     if let (Some((mut writer, keep)), Halt::Quiet) = (recording, &halt) {
@@ -116,31 +118,28 @@ pub fn time_steps(
     time.conclude(&rests, halt)
 }
 
-/// Whom a tape is for.
-type Kept<'a> = Option<(Writer, &'a mut dyn FnMut(Reel))>;
-
-fn tell(time: &mut Time, queues: &mut [Queue], pieces: &mut dyn FnMut() -> Option<Piece>, recording: &mut Kept<'_>) -> Halt {
+fn tell(time: &mut Time, queues: &mut [Queue], pieces: &mut dyn FnMut() -> Option<Piece>, tape: Option<Recording<'_>>) -> Halt {
     let mut stopped = feed(queues, pieces).unwrap_or(true);
+    let (writer, mut keep) = tape.map(|Recording { writer, keep }| (writer, keep)).unzip();
+    let mut probe = NoProbe;
+    let mut walk = RunAhead::new(time, &mut probe, u64::MAX, writer);
     loop {
-        let tape = recording.as_mut().map(|(writer, _)| writer);
-        let mut probe = NoProbe;
-        let mut walk = RunAhead::new(time, &mut probe, u64::MAX, tape);
+        walk.begin();
         for (number, queue) in queues.iter_mut().enumerate() {
             advance(&mut walk, number, queue);
         }
         if let Some(fault) = walk.fault.take() {
             return Halt::Fault(fault);
         }
-        let (goes_on, hungry) = (walk.goes_on(), walk.hungry);
-        if let Some((writer, keep)) = recording
+        if let (Some(writer), Some(keep)) = (&mut walk.tape, &mut keep)
             && writer.is_full()
         {
             keep(writer.reel(rests_of(queues), false));
         }
-        if goes_on {
+        if walk.goes_on() {
             continue;
         }
-        if !hungry {
+        if !walk.hungry {
             return if stopped { Halt::Stopped } else { Halt::Quiet };
         }
         let Some(stops) = feed(queues, pieces) else { return Halt::Stopped };

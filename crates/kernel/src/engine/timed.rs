@@ -71,7 +71,7 @@ pub(super) struct RunAhead<'a, SomeProbe> {
     promises: bool,
     accounts_for: bool,
     /// Writes down what is done, where it is wanted.
-    tape: Option<&'a mut Writer>,
+    pub(super) tape: Option<&'a mut Writer>,
     /// Keeps what every step waited for, where that is wanted.
     pub(super) path: Option<Path>,
 }
