@@ -1,8 +1,9 @@
 //! Work on this thread and time on another: the machine draws as fast as it can, and who tells the times of its steps comes behind.
 
+use crate::settings::RunOptions;
 use crate::tape::REEL_BYTES;
 use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{Machine, Piece, RunReport, Shape, make_steps, time_steps};
+use basrelief_kernel::{Engine, Machine, Piece, Probe, RunReport, Shape, make_steps, time_steps};
 use basrelief_threads as threads;
 use std::cell::Cell;
 use std::sync::mpsc::sync_channel;
@@ -11,6 +12,14 @@ use std::sync::mpsc::sync_channel;
 const PIECE_STEPS: usize = 4096;
 /// How many pieces may wait between the two threads, so that what they hold does not grow with the run.
 const PIECES: usize = 4;
+
+/// Whether a run may be on two threads. Who looks at times and at work side by side needs both on one, and with a limit of cycles the work
+/// would run beyond it. And there must be a core for it: the exact picture has one.
+pub(crate) fn may_be_apart<P: Probe>(settings: &RunOptions) -> bool {
+    let &RunOptions { engine, max_cycles, requests, exact, .. } = settings;
+    let looks_at_both = P::is_on() || requests || max_cycles < u64::MAX;
+    engine == Some(Engine::Timed) && !looks_at_both && threads::workers() > 1 + usize::from(exact)
+}
 
 /// Runs a machine to its end, without a limit of cycles, and gives the report that the timed engine gives. None where there is no other
 /// thread, or the wiring is wrong: then nothing is done. `keep`: who is given the tape.

@@ -1,6 +1,6 @@
 //! A run under way: the engine, the pictures it finishes, and the report in the end.
 
-use crate::apart::run_apart;
+use crate::apart::{may_be_apart, run_apart};
 use crate::costs::StepGroups;
 use crate::ended::Ended;
 use crate::exact::Exact;
@@ -19,12 +19,12 @@ use basrelief_display_list::Expectation;
 use basrelief_frame_buffer::FinishedFrame;
 use basrelief_input::{Held, OverBudget};
 use basrelief_kernel::tape::Reel;
-use basrelief_kernel::{self as kernel, Engine, Limits, Machine, Outcome, Probe, RunReport};
+use basrelief_kernel::{self as kernel, Limits, Machine, Outcome, Probe, RunReport};
 use basrelief_machines::Facts;
 use basrelief_reference::{Picture, Quality, SizeMismatch, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_signals::{Camera, Frame};
-use basrelief_threads::{self as threads, Later};
+use basrelief_threads::Later;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -159,7 +159,7 @@ impl<'a> Session<'a> {
         probe: &mut P,
         kept: &mut Option<Kept>,
     ) -> Result<Option<RunReport>, String> {
-        let &RunOptions { clock, engine, max_cycles, requests, exact, .. } = self.settings;
+        let &RunOptions { clock, engine, max_cycles, .. } = self.settings;
         let (began, mut aside) = (clock(), 0.0);
         let reels = Mutex::new(Vec::new());
         let new_reels = || std::mem::take(&mut *reels.lock().unwrap_or_else(PoisonError::into_inner));
@@ -169,11 +169,8 @@ impl<'a> Session<'a> {
             self.take_tape(new_reels(), kept);
             self.look(spec, machine, &mut aside)
         };
-        // Who looks at times and at work side by side needs both on one thread.
-        let may_be_apart = engine == Some(Engine::Timed) && max_cycles == u64::MAX && !P::is_on() && !requests;
-        // The exact picture has the second core.
-        let apart = (may_be_apart && threads::workers() > 1 + usize::from(exact))
-            .then(|| run_apart(machine, &mut progress, is_recorded.then_some(&keep as _)));
+        let apart =
+            may_be_apart::<P>(self.settings).then(|| run_apart(machine, &mut progress, is_recorded.then_some(&keep as _)));
         let ran = match (apart.flatten(), engine) {
             (Some(report), _) => Ok(Some(report)),
             (None, Some(engine)) => {

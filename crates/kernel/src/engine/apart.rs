@@ -6,12 +6,11 @@ use super::ends::advance;
 use super::functional::run_to;
 use super::timed::RunAhead;
 use super::work::Work;
-use crate::asked::Asks;
 use crate::check::WiringError;
 use crate::report::RunReport;
 use crate::shape::Shape;
 use crate::tape::{Reel, Writer};
-use crate::time::{Halt, Made, Rest, Takes, Time, Visit};
+use crate::time::{Halt, Made, Rest, Takes, Time};
 use crate::wiring::Machine;
 use crate::{Demand, NoProbe, Request, Traffic};
 
@@ -230,23 +229,6 @@ impl Work for Queue {
             traffic.fault(fault);
         }
         made
-    }
-
-    #[inline(always)]
-    fn is_silent(&self, traffic: &Traffic) -> bool {
-        traffic.is_empty()
-    }
-
-    #[inline(always)]
-    fn asks<'a>(&'a mut self, traffic: &'a mut Traffic, visit: &mut Visit<'_>) -> Option<Asks<'a>> {
-        visit.settle(traffic)
-    }
-
-    #[inline(always)]
-    fn go_on(&mut self, traffic: &mut Traffic) {
-        if !traffic.is_empty() {
-            traffic.clear();
-        }
     }
 
     #[inline(always)]

@@ -19,11 +19,22 @@ pub(crate) trait Work {
     /// Makes it: what it did, and in `traffic` what it asked of memories, where it is made only now.
     fn step(&mut self, declared: Self::Declared, traffic: &mut Traffic) -> Made;
     /// Whether the step that was just made asked nothing of memories.
-    fn is_silent(&self, traffic: &Traffic) -> bool;
+    #[inline(always)]
+    fn is_silent(&self, traffic: &Traffic) -> bool {
+        traffic.is_empty()
+    }
     /// What the step that was just made, in this visit, asked of memories; none, and a fault in `traffic`, where it must not.
-    fn asks<'a>(&'a mut self, traffic: &'a mut Traffic, visit: &mut Visit<'_>) -> Option<Asks<'a>>;
+    #[inline(always)]
+    fn asks<'a>(&'a mut self, traffic: &'a mut Traffic, visit: &mut Visit<'_>) -> Option<Asks<'a>> {
+        visit.settle(traffic)
+    }
     /// Goes on behind that step.
-    fn go_on(&mut self, traffic: &mut Traffic);
+    #[inline(always)]
+    fn go_on(&mut self, traffic: &mut Traffic) {
+        if !traffic.is_empty() {
+            traffic.clear();
+        }
+    }
     /// Tells a probe that asks what the step was about that has just been made.
     fn tell<P: Probe>(&self, number: usize, (declared, made): (Self::Declared, &Made), traffic: &Traffic, probe: &mut P) {
         _ = (number, declared, made, traffic, probe);
@@ -80,23 +91,6 @@ where
         }
         let outputs = self.connections.outputs.push(step.out);
         Made { occupancy: step.occupancy, latency: step.latency, outputs, marked: step.marked }
-    }
-
-    #[inline(always)]
-    fn is_silent(&self, traffic: &Traffic) -> bool {
-        traffic.is_empty()
-    }
-
-    #[inline(always)]
-    fn asks<'a>(&'a mut self, traffic: &'a mut Traffic, visit: &mut Visit<'_>) -> Option<Asks<'a>> {
-        visit.settle(traffic)
-    }
-
-    #[inline(always)]
-    fn go_on(&mut self, traffic: &mut Traffic) {
-        if !traffic.is_empty() {
-            traffic.clear();
-        }
     }
 
     #[inline(always)]
