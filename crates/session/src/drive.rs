@@ -164,13 +164,12 @@ impl<'a> Session<'a> {
         let reels = Mutex::new(Vec::new());
         let new_reels = || std::mem::take(&mut *reels.lock().unwrap_or_else(PoisonError::into_inner));
         let keep = |reel| reels.lock().unwrap_or_else(PoisonError::into_inner).push(reel);
-        let is_recorded = kept.is_some() || self.shows_tape();
+        let (is_recorded, may_be_apart) = (kept.is_some() || self.shows_tape(), may_be_apart::<P>(self.settings));
         let mut progress = |machine: &mut M| {
             self.take_tape(new_reels(), kept);
             self.look(spec, machine, &mut aside)
         };
-        let apart =
-            may_be_apart::<P>(self.settings).then(|| run_apart(machine, &mut progress, is_recorded.then_some(&keep as _)));
+        let apart = may_be_apart.then(|| run_apart(machine, &mut progress, is_recorded.then_some(&keep as _)));
         let ran = match (apart.flatten(), engine) {
             (Some(report), _) => Ok(Some(report)),
             (None, Some(engine)) => {
