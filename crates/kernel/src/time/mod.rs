@@ -81,7 +81,7 @@ impl Time {
     /// Only tells time: for whom nothing else counts.
     pub(crate) fn account_for_nothing(&mut self) {
         self.accounts_for = false;
-        self.fifos.iter().for_each(Slots::count_nothing);
+        self.fifos.iter_mut().for_each(Slots::count_nothing);
     }
 
     /// A stage, to be worked on; and the shape of the machine.

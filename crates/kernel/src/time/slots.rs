@@ -251,9 +251,10 @@ impl Slots {
         self.occupancy.borrow_mut().settle(&self.ring, (self.pushed.get(), self.popped.get()));
     }
 
-    /// See [`Occupancy::count_nothing`].
-    pub(crate) fn count_nothing(&self) {
-        self.occupancy.borrow_mut().count_nothing();
+    /// See [`Occupancy::count_nothing`]. Nor does anybody ask why it waited.
+    pub(crate) fn count_nothing(&mut self) {
+        self.occupancy.get_mut().count_nothing();
+        self.awaits = Box::default();
     }
 
     /// See [`Occupancy::keep_fills`].
