@@ -59,19 +59,27 @@ impl Visitor for Walk {
         let Self { traffic, stage: number, steps, fault, made: all, piece, .. } = self;
         let mut own = all.as_mut().map(|all| &mut all[*number]);
         *number += 1;
-        let most = *steps + piece.div_ceil(PARTS);
         // Who tells the time must come to the start of a step that is a fault: so all others go on, as far as they can without it.
-        let mut goes_on = own.as_ref().map_or(fault.is_none(), |own| !own.is_fault());
-        while goes_on && let Some(demand) = next(&stage.unit, connections) {
+        if own.as_ref().map_or(fault.is_some(), |own| own.is_fault()) {
+            return;
+        }
+        let (mut count, most) = (0, piece.div_ceil(PARTS));
+        while count < most
+            && let Some(demand) = next(&stage.unit, connections)
+        {
             let made = Live::new(&mut *stage, &mut *connections).step(demand, traffic);
-            *steps += 1;
-            goes_on = traffic.fault.is_none() && *steps < most;
+            count += 1;
+            let is_fault = traffic.fault.is_some();
             match &mut own {
                 Some(own) => own.push(demand, made, traffic),
-                None if traffic.fault.is_some() => *fault = fault_of(traffic, stage.name(), None),
+                None if is_fault => *fault = fault_of(traffic, stage.name(), None),
                 None => {}
             }
+            if is_fault {
+                break;
+            }
         }
+        *steps += count;
     }
 }
 
