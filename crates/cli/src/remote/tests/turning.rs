@@ -1,21 +1,29 @@
 //! A user who turns to the next view.
 
 use super::*;
+use crate::remote::meter::Meter;
 
 /// The tiles of the page, from this one on.
 fn from(page: &Arc<Page>, first: u32) -> impl Iterator<Item = (Arc<Page>, u32)> {
     (first..page.tiles()).map(|tile| (Arc::clone(page), tile))
 }
 
-#[test]
-fn a_view_that_is_left_asks_for_no_more_and_the_next_takes_what_has_come() {
-    // The scene, two tiles, and one that does not come for long.
-    let (url, count) = faulty(u32::MAX, |n| if n == 3 { Fault::Silent } else { Fault::None });
+/// Who has looked at a view that is left by now.
+struct Left {
+    tiles: RemoteTiles,
+    taken: Vec<Arc<[u8]>>,
+    meter: Meter,
+    count: Arc<AtomicU32>,
+}
+
+/// Looks, until the first view is left in place of a tile that does not come for long: the answer number `late`.
+fn left_at(late: u32, in_flight: u32) -> Left {
+    let (url, count) = faulty(u32::MAX, move |n| if n == late { Fault::Silent } else { Fault::None });
     let fetcher = Fetcher::new(&url, PATIENCE);
     let meter = fetcher.meter().clone();
     fetcher.scene(|_| ()).unwrap();
-    let mut tiles =
-        RemoteTiles::new(fetcher, TileFetch { left_at_ms: vec![150.0], ..fetch(1, 1) }, None, TileProgress::new(true));
+    let fetch = TileFetch { left_at_ms: vec![150.0], ..fetch(in_flight, 1) };
+    let mut tiles = RemoteTiles::new(fetcher, fetch, None, TileProgress::new(true));
     tiles.offer(&elsewhere());
     let (user, page) = (tiles.user().unwrap(), page());
     user.turn_to(0);
@@ -23,6 +31,14 @@ fn a_view_that_is_left_asks_for_no_more_and_the_next_takes_what_has_come() {
     while !user.leaves(&mut from(&page, taken.len() as u32)) {
         taken.push(tiles.tile(&page, taken.len() as u32).unwrap());
     }
+    Left { tiles, taken, meter, count }
+}
+
+#[test]
+fn a_view_that_is_left_asks_for_no_more_and_the_next_takes_what_has_come() {
+    // The scene, two tiles, and one that does not come for long.
+    let Left { mut tiles, mut taken, meter, count } = left_at(3, 1);
+    let (user, page) = (tiles.user().unwrap(), page());
     assert_eq!(taken.len(), 2, "those that have come in time");
     assert!((150.0..280.0).contains(&meter.now().milliseconds), "{:?}", meter.now());
     assert_eq!(meter.read().abandoned, u64::from(page.tiles()) - 3, "all but those, and what is under way");
@@ -35,29 +51,12 @@ fn a_view_that_is_left_asks_for_no_more_and_the_next_takes_what_has_come() {
     assert_eq!(count.load(Ordering::SeqCst), 1 + page.tiles() + 1, "each once, and again what had not come");
 }
 
-/// Who looks, until the first view is left for the second in place of a tile that does not come for long: the answer number `late`.
-fn left_at(late: u32, in_flight: u32) -> (RemoteTiles, Vec<Arc<[u8]>>, Arc<AtomicU32>) {
-    let (url, count) = faulty(u32::MAX, move |n| if n == late { Fault::Silent } else { Fault::None });
-    let fetcher = Fetcher::new(&url, PATIENCE);
-    fetcher.scene(|_| ()).unwrap();
-    let fetch = TileFetch { left_at_ms: vec![150.0], ..fetch(in_flight, 1) };
-    let mut tiles = RemoteTiles::new(fetcher, fetch, None, TileProgress::new(true));
-    tiles.offer(&elsewhere());
-    let (user, page) = (tiles.user().unwrap(), page());
-    user.turn_to(0);
-    let mut taken = Vec::new();
-    while !user.leaves(&mut from(&page, taken.len() as u32)) {
-        taken.push(tiles.tile(&page, taken.len() as u32).unwrap());
-    }
-    user.turn_to(1);
-    (tiles, taken, count)
-}
-
 #[test]
 fn what_had_come_for_a_view_and_was_not_taken_is_not_asked_for_again() {
     // Of two requests in flight one waits, and the other brings all the rest.
-    let (mut tiles, mut taken, count) = left_at(2, 2);
+    let Left { mut tiles, mut taken, count, .. } = left_at(2, 2);
     let (user, page) = (tiles.user().unwrap(), page());
+    user.turn_to(1);
     assert!((taken.len() as u32) < page.tiles() - 1, "{}", taken.len());
     while (taken.len() as u32) < page.tiles() {
         assert!(!user.leaves(&mut from(&page, taken.len() as u32)), "the last view is not left");
@@ -69,7 +68,8 @@ fn what_had_come_for_a_view_and_was_not_taken_is_not_asked_for_again() {
 
 #[test]
 fn the_next_view_waits_for_nothing_that_the_one_before_had_listed_and_not_asked_for() {
-    let (mut tiles, taken, count) = left_at(3, 1);
+    let Left { mut tiles, taken, count, .. } = left_at(3, 1);
+    tiles.user().unwrap().turn_to(1);
     let (page, last) = (page(), page().tiles() - 1);
     assert_eq!(taken.len(), 2);
     assert!(!tiles.user().unwrap().leaves(&mut from(&page, last)), "the last view is not left");
