@@ -1,8 +1,9 @@
 //! What of a machine can be made ideal, and is worth it for a run.
 
-use basrelief_kernel::{CriticalPath, RunReport, Shape, Stretch};
+use basrelief_kernel::{CriticalPath, RunReport, Shape, Stretch, UnitReport};
 use serde::Serialize;
 use serde_json::{Map, Value};
+use std::cmp::Reverse;
 
 /// Slots that are as good as without bound.
 const SLOTS: u32 = 65_536;
@@ -23,6 +24,10 @@ pub(crate) struct Ideal {
 impl Ideal {
     fn new(resource: &str, what: &'static str, set: impl IntoIterator<Item = (String, String)>) -> Self {
         Self { resource: resource.to_owned(), what, set: set.into_iter().collect(), parts: vec![] }
+    }
+
+    fn of_unit(UnitReport { name, .. }: &UnitReport) -> Self {
+        Self::new(name, "a cycle per step", [("ideal.units".to_owned(), name.clone())])
     }
 }
 
@@ -59,13 +64,24 @@ impl Candidates<'_> {
     }
 
     /// Units whose steps take more than a cycle.
+    fn slow_units(&self) -> impl Iterator<Item = &UnitReport> {
+        self.run.units.iter().filter(|unit| unit.account.busy > unit.steps)
+    }
+
     fn units(&self) -> Vec<Ideal> {
-        let slow = self.run.units.iter().filter(|unit| unit.account.busy > unit.steps).map(|unit| &unit.name);
-        let is_on = |name: &&String| {
-            self.is_much(self.spent(|s| matches!(s, Stretch::Occupancy(unit) | Stretch::Latency(unit) if unit == *name)))
+        let is_on = |name: &str| {
+            self.is_much(self.spent(|s| matches!(s, Stretch::Occupancy(unit) | Stretch::Latency(unit) if unit == name)))
         };
-        let ideal = |name: &String| Ideal::new(name, "a cycle per step", [("ideal.units".to_owned(), name.clone())]);
-        slow.filter(is_on).map(ideal).collect()
+        self.slow_units().filter(|unit| is_on(&unit.name)).map(Ideal::of_unit).collect()
+    }
+
+    /// So many of them, the busiest first, for who does not know the path yet. One that is busy for longer than all frames take goes on
+    /// behind them, such as what shows them.
+    pub(crate) fn busiest_units(&self, most: usize) -> Vec<Ideal> {
+        let total = self.run.marked_cycles();
+        let mut units: Vec<&UnitReport> = self.slow_units().filter(|unit| unit.account.busy <= total).collect();
+        units.sort_by_key(|unit| Reverse(unit.account.busy));
+        units.into_iter().take(most).map(Ideal::of_unit).collect()
     }
 
     /// FIFOs whose slots somebody waited for. (However short: what was waited for in turn before the slot was free counts, too.)

@@ -8,13 +8,14 @@ use crate::tape::{Given, bytes_of};
 use basrelief_input::{Budget, Held, OverBudget};
 use basrelief_kernel::tape::Reel;
 use basrelief_kernel::{self as kernel, Groups, Phase, RunReport, Shape, Stretch, Tape};
-use basrelief_machines::ConfigProblem;
 use basrelief_report::Report;
 use basrelief_report::model::{CriticalPath, Limit, PathPart};
 use basrelief_threads as threads;
 
 /// How many single limits are tried in pairs.
 const PAIRED: usize = 3;
+/// How many are timed beside the critical path: together they take about as long.
+const EARLY: usize = 2;
 /// Most events that a critical path is looked for in, of 16 bytes each.
 pub(crate) const EVENTS: usize = 8 << 20;
 /// What two must save together, beyond what each saves alone, to be worth a line \[1/1000 of the cycles\].
@@ -108,8 +109,8 @@ impl<S: MachineSpec> Recorded<'_, S> {
     pub(crate) fn measure(&self, report: &mut Report) -> Vec<(u32, u64)> {
         let Ok(shape) = self.way.shape(self.spec) else { return vec![] };
         let tape = Tape::new(self.reels, &shape, self.room);
-        let path = self.critical_path(&tape);
-        report.limits = self.limits(&tape, path.as_ref()).ok();
+        let (path, early) = threads::both(|| self.critical_path(&tape), || threads::alone(|| self.early((&tape, &shape))));
+        report.limits = Some(self.limits((&tape, &shape), path.as_ref(), &early));
         let Some(kernel::CriticalPath { cycles, parts, by_group }) = path else { return vec![] };
         report.critical_path = Some(CriticalPath { cycles, parts: parts.into_iter().map(part).collect(), polygons: None });
         by_group
@@ -119,29 +120,32 @@ impl<S: MachineSpec> Recorded<'_, S> {
         tape.critical_path(self.way.shape(self.spec).ok()?, EVENTS, self.groups).ok()?
     }
 
+    /// Some that are worth it whatever the path is, as a rule: what another core can do until that is known.
+    fn early(&self, of: (&Tape<'_>, &Shape)) -> Vec<(Ideal, u64)> {
+        let busiest = Candidates { run: self.run, shape: of.1, path: None }.busiest_units(EARLY);
+        self.timed(of, busiest, &[])
+    }
+
     /// What could be saved, most first: each alone, and pairs that save more together than each for itself. What saves nothing is left
-    /// out.
-    ///
-    /// # Errors
-    /// Parameters that do not fit together; those of a run do.
-    fn limits(&self, tape: &Tape<'_>, path: Option<&kernel::CriticalPath>) -> Result<Vec<Limit>, ConfigProblem> {
-        let shape = self.way.shape(self.spec)?;
-        let singles = Candidates { run: self.run, shape: &shape, path }.ideals(self.spec);
-        let mut timed = self.timed((tape, &shape), singles);
+    /// out. `early`: what is timed already.
+    fn limits(&self, of: (&Tape<'_>, &Shape), path: Option<&kernel::CriticalPath>, early: &[(Ideal, u64)]) -> Vec<Limit> {
+        let singles = Candidates { run: self.run, shape: of.1, path }.ideals(self.spec);
+        let mut timed = self.timed(of, singles, early);
         let parts = self.parts(&timed);
-        timed.extend(self.timed((tape, &shape), parts));
+        timed.extend(self.timed(of, parts, &[]));
         // Stable: of equals the first in the block diagram is first.
         timed.sort_by_key(|(_, cycles)| *cycles);
-        let pairs = self.pairs((tape, &shape), &timed);
+        let pairs = self.pairs(of, &timed);
         let mut limits: Vec<Limit> =
             timed.into_iter().chain(pairs).filter_map(|(ideal, cycles)| self.limit(ideal, cycles)).collect();
         limits.sort_by_key(|limit| limit.cycles);
-        Ok(limits)
+        limits
     }
 
-    /// Each with its cycles, where it has any.
-    fn timed(&self, of: (&Tape<'_>, &Shape), ideals: Vec<Ideal>) -> Vec<(Ideal, u64)> {
-        let cycles = threads::map(ideals.iter().collect(), |ideal: &Ideal| self.cycles(of, &ideal.set));
+    /// Each with its cycles, where it has any: of those that are known, what is known.
+    fn timed(&self, of: (&Tape<'_>, &Shape), ideals: Vec<Ideal>, known: &[(Ideal, u64)]) -> Vec<(Ideal, u64)> {
+        let known = |ideal: &Ideal| known.iter().find(|(other, _)| other.set == ideal.set).map(|(_, cycles)| *cycles);
+        let cycles = threads::map(ideals.iter().collect(), |ideal| known(ideal).or_else(|| self.cycles(of, &ideal.set)));
         ideals.into_iter().zip(cycles).filter_map(|(ideal, cycles)| Some((ideal, cycles?))).collect()
     }
 
