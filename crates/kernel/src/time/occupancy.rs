@@ -101,19 +101,29 @@ impl Occupancy {
     fn merge(&mut self, ring: &[Token], (pushed, popped): (usize, usize), mut hold: impl FnMut(Cycle, usize)) {
         let mask = ring.len() - 1;
         let (mut push, mut pop, mut held, mut now) = (self.push, self.pop, self.held, self.settled_to);
-        while push < pushed && pop < popped {
-            let (reserved, free) = (ring[push & mask].reserved.get(), ring[pop & mask].free.get());
-            // In one cycle a slot may be freed and another reserved; the count in between lasts 0 cycles. Reserving
-            // first keeps `held` above 0, but it may exceed the depth: free first where both fall together. No branch on
-            // which it is: it changes from token to token.
-            let reserves = usize::from(reserved < free);
-            let to = reserved.min(free);
-            self.histogram[held] += to.0 - now.0;
+        let mut change = |to: Cycle, held: &mut usize, by: isize| {
+            self.histogram[*held] += to.0 - now.0;
             now = to;
-            push += reserves;
-            pop += 1 - reserves;
-            held = held + 2 * reserves - 1;
-            hold(to, held);
+            *held = held.wrapping_add_signed(by);
+            hold(to, *held);
+        };
+        // In one cycle a slot may be freed and another reserved; the count in between lasts 0 cycles. Freed first, as it is held to
+        // its end: so it never seems to hold more than there are. Mostly they take turns, which a processor foresees; without a branch
+        // every event would wait for the times of the last.
+        while push < pushed && pop < popped {
+            let free = ring[pop & mask].free.get();
+            while push < pushed && ring[push & mask].reserved.get() < free {
+                change(ring[push & mask].reserved.get(), &mut held, 1);
+                push += 1;
+            }
+            if push == pushed {
+                break;
+            }
+            let reserved = ring[push & mask].reserved.get();
+            while pop < popped && ring[pop & mask].free.get() <= reserved {
+                change(ring[pop & mask].free.get(), &mut held, -1);
+                pop += 1;
+            }
         }
         (self.push, self.pop, self.held, self.settled_to) = (push, pop, held, now);
     }
