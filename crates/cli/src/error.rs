@@ -18,7 +18,7 @@ pub enum Failure {
 impl From<SessionError> for Failure {
     fn from(error: SessionError) -> Self {
         match error {
-            SessionError::NoShortCuts(_) | SessionError::NoMethods(..) => Self::Usage(error.to_string()),
+            SessionError::NoShortCuts(_) | SessionError::NoMethods(..) | SessionError::NoTimes => Self::Usage(error.to_string()),
             _ => Self::bad(error),
         }
     }

@@ -57,6 +57,7 @@ pub fn within<E: Display>(name: &str) -> impl Fn(E) -> Failure {
 pub fn of_run(name: &str) -> impl Fn(SessionError) -> Failure {
     move |error| match error {
         SessionError::Trace(_) | SessionError::OverBudget(_) | SessionError::Fault(_) => within(name)(error),
+        SessionError::NoTimes => usage(error),
         _ => bad(error),
     }
 }

@@ -47,11 +47,7 @@ fn run_ahead<S: MachineSpec>(
     settings: &RunOptions,
     observer: &mut dyn Observer,
 ) -> Result<Option<RunAhead>, SessionError> {
-    let Some(engine) = settings.engine else {
-        return Err(SessionError::Fault(
-            "the user acts at times, and the functional model has none: choose another engine".into(),
-        ));
-    };
+    let engine = settings.engine.ok_or(SessionError::NoTimes)?;
     // Of the type of the run proper: an engine for another would be compiled beside it, for every machine.
     let mut machine = spec.build(SceneFront::new(CountedDraws::new(scene, &Rc::default()), spec.front()))?;
     let mut pictures = Vec::new();

@@ -198,6 +198,7 @@ pub fn run_named(
         | SessionError::Config(_)
         | SessionError::NoShortCuts(_)
         | SessionError::NoMethods(..)
+        | SessionError::NoTimes
         | SessionError::Incomplete(_) => e.into(),
     })
 }
