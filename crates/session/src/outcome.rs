@@ -32,7 +32,9 @@ pub enum SessionError {
     #[error("machine `{0}` has no methods to compare; --machine {1} has")]
     NoMethods(&'static str, String),
     /// A user who acts at times, of a run that has none.
-    #[error("the user acts at times, and a functional run has none: run with time, or set `defer.left_at_tile` in place of times")]
+    #[error(
+        "the user acts at times, and a functional run has none: run with time, or set `defer.left_at_tile` in place of times"
+    )]
     NoTimes,
     /// A run of a table of runs whose cycles mean nothing.
     #[error("{0}")]
