@@ -35,6 +35,12 @@ impl Traffic {
         Self { muted: true, ..Self::default() }
     }
 
+    /// Whether nobody hears what is asked, so that it need not be worked out.
+    #[inline(always)]
+    pub fn is_muted(&self) -> bool {
+        self.muted
+    }
+
     /// The clients that were asked for something, one bit each.
     pub(crate) fn clients(&self) -> u32 {
         self.requests.iter().chain(&self.look_ups).fold(0, |clients, request| clients | 1 << (request.client & 31))

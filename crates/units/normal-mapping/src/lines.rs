@@ -34,6 +34,9 @@ impl Lines {
     /// the device nothing, but the host time.
     #[inline(always)]
     pub(crate) fn look_up(&self, place: LevelPlace, (footprints, count): (&Footprints, usize), traffic: &mut Traffic) {
+        if traffic.is_muted() {
+            return;
+        }
         let texels = place.footprints(footprints);
         let Some(shift) = self.texel_shift else {
             return self.look_up_each(place.start, (texels, count), traffic);
