@@ -251,7 +251,8 @@ fn what_costs_take_counts_against_the_memory_budget() {
     };
     let whole = 64 << 20;
     assert_eq!(take(whole), Ok(()));
-    // A picture of 64 x 48 pixels takes 24 KiB for each thing that a unit does: dozens of them.
-    let error = take(1 << 20).unwrap_err();
+    // A picture of 64 x 48 pixels takes 24 KiB for each thing that a unit does: dozens of them. Beside the textures so few fit here that
+    // it is one of them that does not; how much polygons under way take depends on where the host puts them.
+    let error = take(1 << 19).unwrap_err();
     assert!(error.contains("costs") && error.contains("--memory-limit"), "{error}");
 }

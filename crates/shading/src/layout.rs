@@ -129,7 +129,7 @@ impl LevelPlace {
     }
 
     /// The same of samples side by side, but from the start of the level on \[texels\]: of the largest picture these are 32 bits.
-    /// (Not by a closure over two: it is not always inlined, and then takes 7 % of a run.)
+    /// (Not by closures over arrays: they are not always inlined, and then took 6 % of the instructions of W1.)
     #[inline(always)]
     pub fn footprints(&self, footprints: &Footprints) -> [u32x4; 4] {
         let ([left, right], [upper, lower]) = (footprints.columns, footprints.rows);
