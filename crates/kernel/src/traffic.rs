@@ -35,7 +35,7 @@ impl Traffic {
         Self { muted: true, ..Self::default() }
     }
 
-    /// Whether nobody hears what is asked, so that it need not be worked out.
+    /// Whether nobody hears what is asked, so that it need not be worked out. Nothing else that a step does may depend on it (law 6).
     #[inline(always)]
     pub fn is_muted(&self) -> bool {
         self.muted

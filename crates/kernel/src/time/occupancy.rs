@@ -101,11 +101,11 @@ impl Occupancy {
     fn merge(&mut self, ring: &[Token], (pushed, popped): (usize, usize), mut hold: impl FnMut(Cycle, usize)) {
         let mask = ring.len() - 1;
         let (mut push, mut pop, mut held, mut now) = (self.push, self.pop, self.held, self.settled_to);
-        let mut change = |to: Cycle, held: &mut usize, by: isize| {
-            self.histogram[*held] += to.0 - now.0;
+        let mut change = |to: Cycle, by: isize| {
+            self.histogram[held] += to.0 - now.0;
             now = to;
-            *held = held.wrapping_add_signed(by);
-            hold(to, *held);
+            held = held.wrapping_add_signed(by);
+            hold(to, held);
         };
         // In one cycle a slot may be freed and another reserved; the count in between lasts 0 cycles. Freed first, as it is held to
         // its end: so it never seems to hold more than there are. Mostly they take turns, which a processor foresees; without a branch
@@ -113,7 +113,7 @@ impl Occupancy {
         while push < pushed && pop < popped {
             let free = ring[pop & mask].free.get();
             while push < pushed && ring[push & mask].reserved.get() < free {
-                change(ring[push & mask].reserved.get(), &mut held, 1);
+                change(ring[push & mask].reserved.get(), 1);
                 push += 1;
             }
             if push == pushed {
@@ -121,7 +121,7 @@ impl Occupancy {
             }
             let reserved = ring[push & mask].reserved.get();
             while pop < popped && ring[pop & mask].free.get() <= reserved {
-                change(ring[pop & mask].free.get(), &mut held, -1);
+                change(ring[pop & mask].free.get(), -1);
                 pop += 1;
             }
         }
