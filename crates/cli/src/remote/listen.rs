@@ -45,6 +45,8 @@ pub(super) trait Answers: Send + Sync + 'static {
     fn answer(&self, path: &str) -> Answer;
     /// Headers that every answer has, a line each.
     fn headers(&self) -> &str;
+    /// All of an answer is on its way: it arrives even if the program ends now.
+    fn sent(&self, _answer: &Answer) {}
 }
 
 /// What a connection does; the first of these goes first.
@@ -206,6 +208,7 @@ impl Client<'_> {
             self.connections.now(self.number, Doing::Taking);
             let body = if only_head { &[] } else { &*answer.body };
             self.send(body, answer.head(answers.headers(), last).as_bytes())?;
+            answers.sent(&answer);
             if last {
                 return self.part();
             }

@@ -37,7 +37,7 @@ struct Shown {
     over: bool,
     /// When somebody asked for the next picture last.
     asked: Option<Instant>,
-    /// Somebody has all of them, and knows that they are all.
+    /// Somebody has all of them, and was sent that they are all.
     taken: bool,
     /// Of a picture that is still growing: its tiles.
     tiles: Option<TilesCome>,
@@ -52,6 +52,11 @@ impl Shown {
             self.picture = png.into();
             self.number += 1;
         }
+    }
+
+    /// What who asks is told.
+    fn told(&self, over: bool) -> Vec<u8> {
+        json!({ "picture": self.number, "name": self.name, "tiles": self.tiles, "over": over }).to_string().into_bytes()
     }
 }
 
@@ -136,10 +141,7 @@ impl Watched {
         }
         let over = shown.over && shown.number <= number;
         shown.asked = Some(Instant::now());
-        shown.taken |= over;
-        self.0.changed.notify_all();
-        let told =
-            json!({ "picture": shown.number, "name": shown.name, "tiles": shown.tiles, "over": over }).to_string().into_bytes();
+        let told = shown.told(over);
         Answer::found((told.clone().into(), tag_of(&told)), "application/json", Keep::Never)
     }
 }
@@ -166,5 +168,39 @@ impl Answers for Watched {
 
     fn headers(&self) -> &str {
         ""
+    }
+
+    /// A run ends as soon as somebody was told that it is over, and no answer outlives it: so only what is sent counts.
+    fn sent(&self, answer: &Answer) {
+        let mut shown = self.lock();
+        if shown.over && *answer.body == *shown.told(true) {
+            shown.taken = true;
+            self.0.changed.notify_all();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::thread;
+
+    #[test]
+    fn a_run_ends_when_the_answer_that_it_is_over_is_sent_and_not_when_it_is_made() {
+        let watched = Watched::default();
+        watched.show("image.png", b"a picture");
+        let early = watched.answer("/after/0");
+        let run = thread::spawn({
+            let watched = watched.clone();
+            move || watched.finish()
+        });
+        let last = watched.answer("/after/1");
+        watched.sent(&early);
+        thread::sleep(LAST / 10);
+        assert!(!run.is_finished(), "nobody knows yet that it is over");
+        let began = Instant::now();
+        watched.sent(&last);
+        run.join().expect("ends");
+        assert!(began.elapsed() < LAST / 2, "{:?}", began.elapsed());
     }
 }
