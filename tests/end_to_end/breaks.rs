@@ -9,9 +9,9 @@ use std::process::{Child, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Two views, the second of which needs tiles that the first does not.
+/// Views each of which needs tiles that those before do not, large enough for much to be still to come when the first picture is found.
 const VIEWS: &str =
-    "--size 64x48 --set tile.width=8 --set tile.height=8 --frames 2 --orbit 180 --set defer.mode=progressive --quiet";
+    "--size 320x240 --set tile.width=8 --set tile.height=8 --frames 4 --orbit 270 --set defer.mode=progressive --quiet";
 const LONGEST: Duration = Duration::from_secs(60);
 
 /// Waits until something is so.

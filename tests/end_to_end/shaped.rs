@@ -14,14 +14,21 @@ fn a_modelled_path_takes_as_long_as_a_real_one_of_its_rate_and_latency() {
     let address = server.address();
     let shaped = relay(address, 500_000.0, Duration::from_millis(50)).expect("a relay");
     let path = "--set path.bits_per_second=500000 --set path.latency_us=50000";
-    place.ok(&format!("run --from http://{shaped}/ --size 320x240 {path} --set defer.mode=progressive --quiet --out out"));
-    let report = place.report("out");
-    for name in ["first_picture", "final_picture"] {
-        let time = |of: &serde_json::Value, unit: &str| of[format!("{name}_{unit}")].as_f64().expect("a time");
-        let (modelled, path) = (time(&report["figures"], "ms"), &report["host"]["path"]);
-        let measured = time(path, "ms") - time(path, "idle_ms");
-        assert!((measured / modelled - 1.0).abs() < 0.1, "{name}: modelled {modelled}, measured {measured}");
-    }
+    let line = format!("run --from http://{shaped}/ --size 320x240 {path} --set defer.mode=progressive --quiet --out out");
+    // A computer that is busy with something else makes it longer, and never shorter.
+    let is_as_long = || {
+        place.ok(&line);
+        let report = place.report("out");
+        let ratios = ["first_picture", "final_picture"].map(|name| {
+            let time = |of: &serde_json::Value, unit: &str| of[format!("{name}_{unit}")].as_f64().expect("a time");
+            let path = &report["host"]["path"];
+            (time(path, "ms") - time(path, "idle_ms")) / time(&report["figures"], "ms")
+        });
+        assert!(ratios.iter().all(|ratio| *ratio > 0.9), "faster than its path: {ratios:?}");
+        println!("measured against modelled: {ratios:?}");
+        ratios.iter().all(|ratio| *ratio < 1.1)
+    };
+    assert!((0..4).any(|_| is_as_long()), "slower than its path each time");
 }
 
 /// What the clock has decided, counts repeat.

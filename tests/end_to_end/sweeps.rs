@@ -118,6 +118,8 @@ fn two_sweeps_at_once_on_one_folder_end_as_one() {
 #[test]
 fn an_interrupted_sweep_keeps_what_is_finished_and_goes_on() {
     let place = place();
+    // So large that it is not over before the signal has come.
+    fs::write(place.path("plan.toml"), PLAN.replace("96x72", "480x360")).unwrap();
     let whole = undisturbed(&place);
     let mut child = start(&place, "sweep plan.toml --threads 1");
     while reports(&place) < 2 {

@@ -89,6 +89,12 @@ fn pixels(png: &[u8]) -> Vec<[u8; 3]> {
 /// The second acquisition lies between the first two rounds.
 #[test]
 fn between_two_rounds_a_picture_grows_and_each_pixel_is_that_of_the_round_before_or_of_the_one_behind() {
+    // Where the computer is busy, the tiles may have come before a picture of some of them is coloured.
+    assert!((0..4).any(|_| grows()), "no picture is half there, each time");
+}
+
+/// Whether a picture was seen that is half that of the second round; all that are seen in between are made of the two.
+fn grows() -> bool {
     let place = Place::new();
     let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
     let shaped = relay(server.address(), 1.5e5, Duration::ZERO).expect("a relay");
@@ -99,11 +105,11 @@ fn between_two_rounds_a_picture_grows_and_each_pixel_is_that_of_the_round_before
         |told: &Value| told["tiles"]["acquisition"] == 2 && told["tiles"]["come"].as_u64() < told["tiles"]["needed"].as_u64();
     let growing: Vec<Vec<[u8; 3]>> = seen.iter().filter(|(told, _)| growing(told)).map(|(_, png)| pixels(png)).collect();
     let new = |picture: &Vec<[u8; 3]>| changes.iter().filter(|&&i| picture[i] == rounds[1][i]).count();
-    assert!(growing.iter().any(|picture| (1..changes.len()).contains(&new(picture))), "of {} none is half there", growing.len());
     for picture in &growing {
         let strange = (0..picture.len()).find(|&i| picture[i] != rounds[0][i] && picture[i] != rounds[1][i]);
         assert_eq!(strange, None, "a pixel of neither round");
     }
+    growing.iter().any(|picture| (1..changes.len()).contains(&new(picture)))
 }
 
 /// All pictures, and the report without what the host took.

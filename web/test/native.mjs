@@ -41,6 +41,7 @@ export class Native {
       server.stdout.once("data", bytes => done(String(bytes)));
       server.once("exit", code => failed(new Error(`basrelief ${what[0]} ended with ${code}`)));
     });
-    return { address: said.match(/http:\S+/)[0], stop: () => server.kill() };
+    const ended = new Promise(done => server.once("exit", done));
+    return { address: said.match(/http:\S+/)[0], stop: () => (server.kill(), ended) };
   }
 }

@@ -115,7 +115,7 @@ async function otherwise() {
   const page = await browser.opened(`${server.address}#size=160x120&set=tile.encoding%3Dpng`);
   const report = await equalsNative(page, "gallery");
   assert.equal(numbers(await page.textContent("#path-all"))[1], report.figures.conventional_tile_bytes);
-  server.stop();
+  await server.stop();
   await page.focus("#picture");
   await page.keyboard.press("ArrowUp");
   await page.waitForSelector("#problem:visible");

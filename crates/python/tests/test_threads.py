@@ -49,8 +49,8 @@ def test_ctrl_c_stops_a_run() -> None:
     script = """
 import basrelief, sys
 scene = basrelief.demo("sphere", size=(640, 480), frames=1000, orbit=360)
-print("running", flush=True)
 try:
+    print("running", flush=True)
     basrelief.Machine("bump").run(scene, exact=False, limits=False)
 except KeyboardInterrupt:
     print("stopped", basrelief.Machine("shade").name, flush=True)

@@ -38,7 +38,7 @@ fn what_nobody_takes_is_not_fetched_without_end_and_what_is_asked_for_comes_all_
 fn a_fault_that_passes_is_tried_again_and_nothing_is_lost() {
     for fault in PASSING.into_iter().chain([Fault::Status(404)]) {
         let (url, count) = faulty(u32::MAX, move |n| if n == 2 { fault } else { Fault::None });
-        assert_eq!(all(&mut tiles(&url, 2, None)).unwrap(), expected(), "{fault:?}");
+        assert_eq!(all(&mut tiles_with(fault, &url, (2, 1))).unwrap(), expected(), "{fault:?}");
         assert_eq!(count.load(Ordering::SeqCst), page().tiles() + 1, "{fault:?}");
     }
 }
@@ -56,12 +56,13 @@ fn who_waits_for_others_on_a_slow_path_is_not_given_up() {
             let (served, path) = (Arc::clone(&served), Arc::clone(&path));
             thread::spawn(move || {
                 let _turn = path.lock();
-                thread::sleep(PATIENCE.stall / 2);
+                thread::sleep(HASTY.stall / 4);
                 respond(&served, stream, Fault::None);
             });
         }
     });
-    assert_eq!(all(&mut tiles(&url, 8, None)).unwrap(), expected());
+    let mut tiles = RemoteTiles::new(Fetcher::new(&url, HASTY), fetch(8, 1), None, TileProgress::new(true));
+    assert_eq!(all(&mut tiles).unwrap(), expected());
     assert_eq!(count.load(Ordering::SeqCst), page().tiles(), "none is asked for again");
 }
 
@@ -75,14 +76,14 @@ fn a_fault_that_stays_is_an_error_that_names_texture_layer_and_tile() {
         (Fault::Corrupt, "hash"),
         (Fault::Truncated, "disconnected"),
         (Fault::Cut, "disconnected"),
-        (Fault::Silent, "nothing has come for 0.3 s"),
-        (Fault::Stalled, "nothing has come for 0.3 s"),
+        (Fault::Silent, "nothing has come for 1 s"),
+        (Fault::Stalled, "nothing has come for 1 s"),
         (Fault::Dripping, "less than 1000 bytes/s"),
         (Fault::Undecodable, "corrupt: "),
         (Fault::OtherSize, "picture of 3 x 2, expected RGB of 50 x 23"),
     ] {
         let (url, _) = faulty(u32::MAX, move |_| fault);
-        let (tile, error) = all(&mut tiles(&url, 1, None)).unwrap_err();
+        let (tile, error) = all(&mut tiles_with(fault, &url, (1, 1))).unwrap_err();
         assert_eq!(tile, 0);
         assert!(error.starts_with("texture 4 (plane), layer 0, tile 0: http://"), "{error}");
         assert!(error.contains(says), "{fault:?}: {error}");
@@ -109,16 +110,16 @@ fn waiting(starting: Duration) -> Patience {
 #[test]
 fn a_server_that_starts_late_is_waited_for_and_one_that_does_not_is_named() {
     let address = listener_of_its_own().local_addr().unwrap();
+    let url = format!("http://{address}");
+    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene(|_| ()).unwrap_err();
+    assert!(error.starts_with(&format!("{url}/scene: ")) && error.contains("refused"), "{error}");
+    assert!(error.ends_with(", for 0 s; is `basrelief serve` running there?"), "{error}");
     let began = Instant::now();
     let late = Duration::from_millis(500);
     thread::spawn(move || {
         thread::sleep(late);
         served().listen(address, Limits::default()).unwrap().1.join()
     });
-    let url = format!("http://{address}");
-    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene(|_| ()).unwrap_err();
-    assert!(error.starts_with(&format!("{url}/scene: ")) && error.contains("refused"), "{error}");
-    assert!(error.ends_with(", for 0 s; is `basrelief serve` running there?"), "{error}");
     assert_eq!(Fetcher::new(&url, waiting(Duration::from_secs(20))).scene(|_| ()).unwrap().1, b"scene");
     assert!(began.elapsed() >= late);
 }
@@ -167,9 +168,9 @@ fn a_server_behind_a_proxy_is_waited_for_as_one_that_does_not_listen() {
 fn attempts_end_when_their_time_is_over() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
     let began = Instant::now();
-    let patience = Patience { attempts: 100, whole: 3 * PATIENCE.stall / 2, ..PATIENCE };
+    let patience = Patience { attempts: 100, whole: 19 * HASTY.stall / 10, ..HASTY };
     let error = Fetcher::new(&url, patience).scene(|_| ()).unwrap_err();
-    assert!(error.contains("attempt 2; at most 100 are made, none 0.45 s after the first"), "{error}");
+    assert!(error.contains("attempt 2; at most 100 are made, none 1.9 s after the first"), "{error}");
     assert!(error.ends_with("is `basrelief serve` running there?"), "{error}");
     assert_eq!(count.load(Ordering::SeqCst), 2);
     assert!(began.elapsed() < Duration::from_secs(10), "{:?}", began.elapsed());
@@ -188,5 +189,5 @@ fn who_gives_up_waits_for_nobody() {
     let began = Instant::now();
     drop(tiles);
     // The server lets go before that, but not before it has slept.
-    assert!(began.elapsed() < 2 * PATIENCE.stall, "{:?}", began.elapsed());
+    assert!(began.elapsed() < 2 * HASTY.stall, "{:?}", began.elapsed());
 }

@@ -66,14 +66,23 @@ enum Fault {
 
 const LATE: Duration = Duration::from_millis(60);
 
+/// Who never gives up where nothing goes wrong, however busy the computer: requests can be counted.
 const PATIENCE: Patience = Patience {
-    stall: Duration::from_millis(300),
+    stall: Duration::from_secs(20),
     slowest: 1000,
     attempts: 3,
     pause: Duration::from_millis(5),
     whole: Duration::from_secs(20),
     starting: Duration::from_millis(300),
 };
+
+/// Who gives up soon: where nothing comes, or little.
+const HASTY: Patience = Patience { stall: Duration::from_secs(1), ..PATIENCE };
+
+/// Patience with a fault: only those that are found out by waiting are not waited for.
+fn patience(fault: Fault) -> Patience {
+    if matches!(fault, Fault::Silent | Fault::Stalled | Fault::Dripping) { HASTY } else { PATIENCE }
+}
 
 fn texture() -> Arc<Texture> {
     let texels = (0..200 * 90).map(|i: u32| [i as u8, (i / 7) as u8, (i / 200) as u8, 255]).collect();
@@ -124,7 +133,7 @@ fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
     let status = if let Fault::Status(status) = fault { status } else { 200 };
     match fault {
         Fault::Cut => return,
-        Fault::Silent => thread::sleep(3 * PATIENCE.stall),
+        Fault::Silent => thread::sleep(3 * HASTY.stall),
         Fault::Late => thread::sleep(LATE),
         Fault::Corrupt => body[0] ^= 1,
         Fault::Truncated | Fault::Stalled => body.truncate(length / 2),
@@ -141,7 +150,7 @@ fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
         }
     }
     if fault == Fault::Stalled {
-        thread::sleep(3 * PATIENCE.stall);
+        thread::sleep(3 * HASTY.stall);
     }
 }
 
@@ -174,6 +183,12 @@ fn kept(cache: TileCache) -> TileStore {
 
 fn tiles(url: &str, in_flight: u32, kept: Option<TileStore>) -> RemoteTiles {
     RemoteTiles::new(Fetcher::new(url, PATIENCE), fetch(in_flight, 1), kept, TileProgress::new(true))
+}
+
+/// Tiles of a server with this fault.
+fn tiles_with(fault: Fault, url: &str, (in_flight, tiles_per_request): (u32, u32)) -> RemoteTiles {
+    let fetcher = Fetcher::new(url, patience(fault));
+    RemoteTiles::new(fetcher, fetch(in_flight, tiles_per_request), None, TileProgress::new(true))
 }
 
 /// PNG, so many requests in flight, each for so many tiles.

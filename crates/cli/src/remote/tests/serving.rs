@@ -14,7 +14,7 @@ fn serving(at: impl Into<SocketAddr>, limits: Limits) -> SocketAddr {
     address
 }
 
-const LITTLE: Limits = Limits { idle: Duration::from_millis(200), slowest: 100, connections: 4 };
+const LITTLE: Limits = Limits { idle: Duration::from_secs(1), slowest: 100, connections: 4 };
 const LOOPBACK: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
 
 fn scene(address: SocketAddr) -> Vec<u8> {

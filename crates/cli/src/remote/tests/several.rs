@@ -27,7 +27,7 @@ fn several_tiles_by_a_request_are_the_same_in_fewer_requests_and_nobody_stands_i
 fn what_fails_together_is_asked_for_one_by_one_and_nothing_is_lost() {
     for fault in PASSING.into_iter().chain([Fault::Endless]) {
         let (url, count) = faulty(u32::MAX, move |n| if n == 0 { fault } else { Fault::None });
-        assert_eq!(all(&mut several(&url, 1, 64)).unwrap(), expected(), "{fault:?}");
+        assert_eq!(all(&mut tiles_with(fault, &url, (1, 64))).unwrap(), expected(), "{fault:?}");
         assert_eq!(count.load(Ordering::SeqCst), 1 + page().tiles(), "{fault:?}");
     }
     // The one that failed together counts as an attempt of each.
