@@ -15,20 +15,23 @@ fn a_modelled_path_takes_as_long_as_a_real_one_of_its_rate_and_latency() {
     let shaped = relay(address, 500_000.0, Duration::from_millis(50)).expect("a relay");
     let path = "--set path.bits_per_second=500000 --set path.latency_us=50000";
     let line = format!("run --from http://{shaped}/ --size 320x240 {path} --set defer.mode=progressive --quiet --out out");
-    // A computer that is busy with something else makes it longer, and never shorter.
-    let is_as_long = || {
+    // A computer that is busy with something else makes a picture later, and never earlier: its best time counts.
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..5 {
         place.ok(&line);
         let report = place.report("out");
-        let ratios = ["first_picture", "final_picture"].map(|name| {
+        for (best, name) in best.iter_mut().zip(["first_picture", "final_picture"]) {
             let time = |of: &serde_json::Value, unit: &str| of[format!("{name}_{unit}")].as_f64().expect("a time");
-            let path = &report["host"]["path"];
-            (time(path, "ms") - time(path, "idle_ms")) / time(&report["figures"], "ms")
-        });
-        assert!(ratios.iter().all(|ratio| *ratio > 0.9), "faster than its path: {ratios:?}");
-        println!("measured against modelled: {ratios:?}");
-        ratios.iter().all(|ratio| *ratio < 1.1)
-    };
-    assert!((0..4).any(|_| is_as_long()), "slower than its path each time");
+            let (modelled, path) = (time(&report["figures"], "ms"), &report["host"]["path"]);
+            let measured = time(path, "ms") - time(path, "idle_ms");
+            assert!(measured > 0.9 * modelled, "{name}: modelled {modelled}, measured {measured}");
+            *best = best.min(measured / modelled);
+        }
+        if best.iter().all(|ratio| *ratio < 1.1) {
+            return;
+        }
+    }
+    panic!("measured takes so many times what is modelled, at best: {best:?}");
 }
 
 /// What the clock has decided, counts repeat.
