@@ -8,7 +8,7 @@ use crate::exhibits::content::{ExhibitInfo, Form};
 use crate::exhibits::spec::show_round;
 use crate::held;
 use crate::judged::{Judged, judged};
-use crate::limits::{Kept, Recorded};
+use crate::limits::{Kept, Measured, Recorded};
 use crate::machines::{Logs, MachineSpec, PictureRecord};
 use crate::observer::{MemoryRequests, Observer, Pictures, picture_name};
 use crate::outcome::{Run, SessionError};
@@ -24,7 +24,7 @@ use basrelief_machines::Facts;
 use basrelief_reference::{Picture, Quality, SizeMismatch, metrics};
 use basrelief_report::model::{Difference, Input, Picture as PictureFile, PictureQuality, Size};
 use basrelief_signals::{Camera, Frame};
-use basrelief_threads::Later;
+use basrelief_threads::{self as threads, Later};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -34,8 +34,8 @@ use std::sync::{Mutex, PoisonError};
 pub(crate) struct EngineResult {
     facts: Facts,
     report: Option<RunReport>,
-    /// What the units did, where it was kept.
-    kept: Option<Kept>,
+    /// What limits it, where that was measured.
+    measured: Option<Measured>,
 }
 
 /// A run under way.
@@ -121,17 +121,20 @@ impl<'a> Session<'a> {
         self.keep_requests(&mut machine);
         // Where a user acts at times, what is drawn follows from times.
         let mut kept = Kept::new(self.settings.limits, &self.settings.budget).filter(|_| !spec.acts_at_times());
-        let ran = self.simulate(spec, &mut machine, probe, &mut kept);
+        let (ran, reels) = self.simulate(spec, &mut machine, probe, &mut kept);
         let report = match ran {
             Ok(report) => report,
             Err(fault) => {
+                self.take_tape(reels, &mut kept);
                 self.settle(0);
                 return Err(self.fault(fault));
             }
         };
         self.take_requests(&mut machine);
+        // The last frames first: they are judged while the last of the tape is encoded, and while it is measured what limits the run.
         self.take_frames(spec, &mut machine);
-        self.settle(0);
+        self.take_tape(reels, &mut kept);
+        let measured = self.settle_and_measure((spec, way), report.as_ref(), kept.as_ref());
         if !self.settings.exhibits.is_empty() {
             let last = machine.last_log().map(|log| (0, log));
             self.show(spec, last.as_slice());
@@ -147,18 +150,43 @@ impl<'a> Session<'a> {
         }
         match self.failed.take() {
             Some(failed) => Err(SessionError::Observer(failed)),
-            None => Ok(EngineResult { facts: machine.facts(), report, kept }),
+            None => Ok(EngineResult { facts: machine.facts(), report, measured }),
         }
     }
 
-    /// The engine's part; no report of a functional run.
+    /// Hands on the frames that are still judged, and measures meanwhile what limits a run that is complete, if its tape was kept.
+    fn settle_and_measure<S: MachineSpec>(
+        &mut self,
+        (spec, way): (&S, Way),
+        run: Option<&RunReport>,
+        kept: Option<&Kept>,
+    ) -> Option<Measured> {
+        let is_well = self.failed.is_none() && self.over_budget.is_none();
+        let complete = run.filter(|run| is_well && run.outcome == Outcome::Complete);
+        let Some((run, reels)) = complete.zip(kept.and_then(Kept::reels)) else {
+            self.settle(0);
+            return None;
+        };
+        let (groups, settings) = (self.groups.clone(), self.settings);
+        let groups = groups.as_ref().map(|groups| groups.borrow());
+        let groups = groups.as_ref().map_or(&[][..], |groups| &groups.stages);
+        let (given, room) = (&settings.given, settings.budget.left());
+        let measure = || Recorded { spec, given, way, reels, room, run, groups }.measure();
+        if let Some((measured, ())) = threads::apart(measure, || self.settle(0)) {
+            return measured;
+        }
+        self.settle(0);
+        measure()
+    }
+
+    /// The engine's part, and the reels of the tape that are not taken yet; no report of a functional run.
     fn simulate<S: MachineSpec, M: Logs<S::Log>, P: Probe>(
         &mut self,
         spec: &S,
         machine: &mut M,
         probe: &mut P,
         kept: &mut Option<Kept>,
-    ) -> Result<Option<RunReport>, String> {
+    ) -> (Result<Option<RunReport>, String>, Vec<Reel>) {
         let &RunOptions { clock, engine, max_cycles, .. } = self.settings;
         let (began, mut aside) = (clock(), 0.0);
         let reels = Mutex::new(Vec::new());
@@ -182,9 +210,8 @@ impl<'a> Session<'a> {
             }
             (None, None) => kernel::run_functional(machine, &mut progress).map(|()| None),
         };
-        self.take_tape(new_reels(), kept);
         self.simulate_s = clock() - began - aside;
-        ran
+        (ran, new_reels())
     }
 
     fn fault(&mut self, fault: String) -> SessionError {
@@ -357,7 +384,7 @@ impl<'a> Session<'a> {
 
     pub(crate) fn finish<S: MachineSpec>(
         self,
-        (spec, way): (&S, Way),
+        spec: &S,
         input: Input,
         frame: Option<&Frame>,
         result: EngineResult,
@@ -380,21 +407,16 @@ impl<'a> Session<'a> {
             warnings: warnings.to_vec(),
             shown: self.shown,
         };
-        let EngineResult { facts, report: run, kept } = result;
+        let EngineResult { facts, report: run, measured } = result;
         let complete = run.as_ref().filter(|run| run.outcome == Outcome::Complete);
-        let (mut tape_is_whole, mut path_groups) = (false, vec![]);
+        let mut tape_is_whole = false;
         if complete.is_some() && shows_tape {
             let figures = facts.figures().map(|f| (f.name.clone(), f.value.clone())).collect();
             let is_short = self.work.is_short();
             tape_is_whole = self.observer.tape(&tape::end(&ended, figures, self.work), is_short).is_ok();
         }
         let mut report = ended.report(spec, facts, run.as_ref());
-        if let (Some(run), Some(reels)) = (complete, kept.as_ref().and_then(Kept::reels)) {
-            let groups = self.groups.as_ref().map(|groups| groups.borrow());
-            let groups = groups.as_ref().map_or(&[][..], |groups| &groups.stages);
-            let room = self.settings.budget.left();
-            path_groups = Recorded { spec, given: &self.settings.given, way, reels, room, run, groups }.measure(&mut report);
-        }
+        let path_groups = measured.map(|measured| measured.put(&mut report)).unwrap_or_default();
         Run { report, timing: run, costs: None, path_groups, tape_is_whole, expectations, simulate_s: self.simulate_s }
     }
 }

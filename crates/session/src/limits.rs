@@ -11,6 +11,9 @@ use basrelief_kernel::{self as kernel, Groups, Phase, RunReport, Shape, Stretch,
 use basrelief_report::Report;
 use basrelief_report::model::{CriticalPath, Limit, PathPart};
 use basrelief_threads as threads;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::sync::{Mutex, PoisonError};
 
 /// How many single limits are tried in pairs.
 const PAIRED: usize = 3;
@@ -104,56 +107,114 @@ pub(crate) struct Recorded<'a, S> {
     pub(crate) groups: &'a [Groups],
 }
 
-impl<S: MachineSpec> Recorded<'_, S> {
-    /// Puts into a report what limits the run, and its critical path; cycles of that by group.
-    pub(crate) fn measure(&self, report: &mut Report) -> Vec<(u32, u64)> {
-        let Ok(shape) = self.way.shape(self.spec) else { return vec![] };
-        let tape = Tape::new(self.reels, &shape, self.room);
-        let (path, early) = threads::both(|| self.critical_path(&tape), || threads::alone(|| self.early((&tape, &shape))));
-        report.limits = Some(self.limits((&tape, &shape), path.as_ref(), &early));
-        let Some(kernel::CriticalPath { cycles, parts, by_group }) = path else { return vec![] };
+/// What limits a run, as far as it could be measured.
+#[derive(Debug)]
+pub(crate) struct Measured {
+    limits: Vec<Limit>,
+    path: Option<kernel::CriticalPath>,
+}
+
+impl Measured {
+    /// Puts it into a report; cycles of the critical path by group.
+    pub(crate) fn put(self, report: &mut Report) -> Vec<(u32, u64)> {
+        report.limits = Some(self.limits);
+        let Some(kernel::CriticalPath { cycles, parts, by_group }) = self.path else { return vec![] };
         report.critical_path = Some(CriticalPath { cycles, parts: parts.into_iter().map(part).collect(), polygons: None });
         by_group
+    }
+}
+
+/// A piece of the work.
+enum Task {
+    Path,
+    Time(Ideal),
+}
+
+/// How far the measurement is.
+#[derive(Default)]
+struct Progress {
+    path: Option<kernel::CriticalPath>,
+    /// What is worth it, in the order of the block diagram, once that is known.
+    singles: Vec<Ideal>,
+    /// What is timed or being timed, by parameters: its cycles, where it has any.
+    cycles: BTreeMap<Vec<(String, String)>, Option<u64>>,
+}
+
+impl Progress {
+    /// Those of them that nobody times yet: whoever asks does.
+    fn claim(&mut self, ideals: &[Ideal]) -> Vec<Task> {
+        let mut claimed = vec![];
+        for ideal in ideals {
+            if let Entry::Vacant(place) = self.cycles.entry(ideal.set.clone()) {
+                place.insert(None);
+                claimed.push(Task::Time(ideal.clone()));
+            }
+        }
+        claimed
+    }
+
+    /// The critical path; and all that was worth it with its cycles, where it has any: behind it the parts of what saves `much`, in
+    /// this order whichever was timed first.
+    fn timed(self, much: impl Fn(u64) -> bool) -> (Option<kernel::CriticalPath>, Vec<(Ideal, u64)>) {
+        let known = |ideal: Ideal| self.cycles.get(&ideal.set).copied().flatten().map(|cycles| (ideal, cycles));
+        let mut timed: Vec<_> = self.singles.into_iter().filter_map(known).collect();
+        let parts = timed.iter().filter(|(_, cycles)| much(*cycles)).flat_map(|(ideal, _)| ideal.parts.clone());
+        timed.extend(parts.filter_map(known).collect::<Vec<_>>());
+        (self.path, timed)
+    }
+}
+
+impl<S: MachineSpec> Recorded<'_, S> {
+    /// What limits the run, and its critical path; none where the machine has no shape.
+    pub(crate) fn measure(&self) -> Option<Measured> {
+        let shape = self.way.shape(self.spec).ok()?;
+        let tape = Tape::new(self.reels, &shape, self.room);
+        let (path, mut timed) = self.singles((&tape, &shape)).timed(|cycles| self.saves_much(cycles));
+        // Stable: of equals the first in the block diagram is first.
+        timed.sort_by_key(|(_, cycles)| *cycles);
+        let pairs = self.pairs((&tape, &shape), &timed);
+        let mut limits: Vec<Limit> =
+            timed.into_iter().chain(pairs).filter_map(|(ideal, cycles)| self.limit(ideal, cycles)).collect();
+        limits.sort_by_key(|limit| limit.cycles);
+        Some(Measured { limits, path })
+    }
+
+    /// The critical path, and what could be saved on it, each alone. The path takes as long as some timings do: meanwhile others time
+    /// the busiest units, which are worth it whatever the path is, as a rule.
+    fn singles(&self, of: (&Tape<'_>, &Shape)) -> Progress {
+        let early = if threads::workers() > 1 { EARLY } else { 0 };
+        let busiest = Candidates { run: self.run, shape: of.1, path: None }.busiest_units(early);
+        let mut progress = Progress::default();
+        let first: Vec<Task> = [Task::Path].into_iter().chain(progress.claim(&busiest)).collect();
+        let progress = Mutex::new(progress);
+        threads::tasks(first, |task, tasks| match task {
+            Task::Path => {
+                let path = self.critical_path(of.0);
+                let singles = Candidates { run: self.run, shape: of.1, path: path.as_ref() }.ideals(self.spec);
+                let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
+                tasks.add(progress.claim(&singles));
+                (progress.path, progress.singles) = (path, singles);
+            }
+            Task::Time(ideal) => {
+                let cycles = self.cycles(of, &ideal.set);
+                let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
+                if cycles.is_some_and(|cycles| self.saves_much(cycles)) {
+                    tasks.add(progress.claim(&ideal.parts));
+                }
+                progress.cycles.insert(ideal.set, cycles);
+            }
+        });
+        progress.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn critical_path(&self, tape: &Tape<'_>) -> Option<kernel::CriticalPath> {
         tape.critical_path(self.way.shape(self.spec).ok()?, EVENTS, self.groups).ok()?
     }
 
-    /// Some that are worth it whatever the path is, as a rule: what another core can do until that is known.
-    fn early(&self, of: (&Tape<'_>, &Shape)) -> Vec<(Ideal, u64)> {
-        let busiest = Candidates { run: self.run, shape: of.1, path: None }.busiest_units(EARLY);
-        self.timed(of, busiest, &[])
-    }
-
-    /// What could be saved, most first: each alone, and pairs that save more together than each for itself. What saves nothing is left
-    /// out. `early`: what is timed already.
-    fn limits(&self, of: (&Tape<'_>, &Shape), path: Option<&kernel::CriticalPath>, early: &[(Ideal, u64)]) -> Vec<Limit> {
-        let singles = Candidates { run: self.run, shape: of.1, path }.ideals(self.spec);
-        let mut timed = self.timed(of, singles, early);
-        let parts = self.parts(&timed);
-        timed.extend(self.timed(of, parts, &[]));
-        // Stable: of equals the first in the block diagram is first.
-        timed.sort_by_key(|(_, cycles)| *cycles);
-        let pairs = self.pairs(of, &timed);
-        let mut limits: Vec<Limit> =
-            timed.into_iter().chain(pairs).filter_map(|(ideal, cycles)| self.limit(ideal, cycles)).collect();
-        limits.sort_by_key(|limit| limit.cycles);
-        limits
-    }
-
-    /// Each with its cycles, where it has any: of those that are known, what is known.
-    fn timed(&self, of: (&Tape<'_>, &Shape), ideals: Vec<Ideal>, known: &[(Ideal, u64)]) -> Vec<(Ideal, u64)> {
-        let known = |ideal: &Ideal| known.iter().find(|(other, _)| other.set == ideal.set).map(|(_, cycles)| *cycles);
-        let cycles = threads::map(ideals.iter().collect(), |ideal| known(ideal).or_else(|| self.cycles(of, &ideal.set)));
-        ideals.into_iter().zip(cycles).filter_map(|(ideal, cycles)| Some((ideal, cycles?))).collect()
-    }
-
-    /// The parts of what saves much: those of a memory that saves next to nothing as a whole were as many timings as all else.
-    fn parts(&self, timed: &[(Ideal, u64)]) -> Vec<Ideal> {
+    /// Whether parts of it are worth a look: those of a memory that saves next to nothing as a whole were as many timings as all else.
+    fn saves_much(&self, cycles: u64) -> bool {
         let total = self.run.marked_cycles();
-        let much = timed.iter().filter(|(_, cycles)| total.saturating_sub(*cycles) > total / PART);
-        much.flat_map(|(ideal, _)| ideal.parts.iter().cloned()).collect()
+        total.saturating_sub(cycles) > total / PART
     }
 
     fn limit(&self, ideal: Ideal, cycles: u64) -> Option<Limit> {

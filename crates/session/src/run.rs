@@ -226,7 +226,7 @@ fn run_scene<S: MachineSpec, P: Probe>(
     let sha256 = digest.map(|d| d.to_string()).unwrap_or_default();
     let input = Input { kind: "scene".into(), name: file_name(&scene.name), sha256 };
     let frame = scene.frames.last().map(|f| &**f);
-    Ok(session.finish((spec, Way::Scene), input, frame, result, &scene.warnings, vec![]))
+    Ok(session.finish(spec, input, frame, result, &scene.warnings, vec![]))
 }
 
 fn run_trace<S: MachineSpec, P: Probe>(
@@ -265,7 +265,7 @@ fn run_trace<S: MachineSpec, P: Probe>(
     session.simulate_s -= passed.seconds - ahead;
     let sha256 = passed.digest.map(|d| d.to_string()).unwrap_or_default();
     let input = Input { kind: "trace".into(), name: file_name(&name), sha256 };
-    Ok(session.finish((spec, Way::Trace), input, passed.frame.as_deref(), result, &[], passed.expectations))
+    Ok(session.finish(spec, input, passed.frame.as_deref(), result, &[], passed.expectations))
 }
 
 /// A name without its folders: reports do not differ between them.

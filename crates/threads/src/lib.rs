@@ -5,8 +5,10 @@
 //! A panic in a piece of work is a panic of who asks for its result.
 
 mod later;
+mod tasks;
 
 pub use later::Later;
+pub use tasks::{Tasks, tasks};
 
 use std::cell::Cell;
 use std::io;

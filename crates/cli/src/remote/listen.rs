@@ -208,7 +208,9 @@ impl Client<'_> {
             self.connections.now(self.number, Doing::Taking);
             let body = if only_head { &[] } else { &*answer.body };
             self.send(body, answer.head(answers.headers(), last).as_bytes())?;
-            answers.sent(&answer);
+            if !only_head {
+                answers.sent(&answer);
+            }
             if last {
                 return self.part();
             }

@@ -18,8 +18,9 @@ const SLOPE: f64 = 0.62;
 pub(super) fn build() -> Stage {
     let mut shop = Workshop::default();
     let globe = Globe::new([1024, 512]);
-    let centres: Vec<DVec3> = (0..DIMPLES).map(centre).collect();
-    let map = shop.globe_normals("dimples", &globe, |texel| dimpled_normal(&centres, globe.direction(texel), globe.east(texel)));
+    let dimples = Dimples::new(&globe);
+    let normal = |texel| dimpled_normal(dimples.near(texel), globe.direction(texel), globe.east(texel));
+    let map = shop.globe_normals("dimples", &globe, normal);
     let print = shop.globe_colors("print", &globe, printed_color);
     let material = shop.material("golf ball", [1.0, 1.0, 0.97], Some(print), Some(map));
     shop.place("golf ball", sphere(96, 48, [1.0, 1.0]), DMat4::IDENTITY, &material);
@@ -35,14 +36,47 @@ fn centre(i: u32) -> DVec3 {
     DVec3::new(ring * libm::cos(turn), y, ring * libm::sin(turn))
 }
 
-/// Tangent-space normal at a point of the sphere: x east, y north.
-fn dimpled_normal(centres: &[DVec3], here: DVec3, east: DVec3) -> DVec3 {
+/// Which dimples are near: of some thirty at the same height, three or so.
+struct Dimples {
+    /// Squares of texels in a row.
+    width: u32,
+    /// The centres of the dimples that reach into each square, in their order.
+    squares: Vec<Vec<DVec3>>,
+}
+
+impl Dimples {
+    /// Side of a square \[texels\].
+    const SIDE: u32 = 16;
+
+    fn new(globe: &Globe) -> Self {
+        let centres: Vec<DVec3> = (0..DIMPLES).map(centre).collect();
+        let [width, height] = globe.size.map(|size| size.div_ceil(Self::SIDE));
+        let squares = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
+        Self { width, squares: squares.map(|square| reaching(&centres, globe, square)).collect() }
+    }
+
+    fn near(&self, texel: [u32; 2]) -> &[DVec3] {
+        let [column, row] = texel.map(|i| i / Self::SIDE);
+        &self.squares[(row * self.width + column) as usize]
+    }
+}
+
+/// Of these the ones that are less than [`RADIUS`] away from any texel of a square.
+fn reaching(centres: &[DVec3], globe: &Globe, square: [u32; 2]) -> Vec<DVec3> {
+    let texel = |place: [u32; 2]| globe.direction([0, 1].map(|i| (square[i] * Dimples::SIDE + place[i]).min(globe.size[i] - 1)));
+    let (middle, last) = (texel([Dimples::SIDE / 2; 2]), Dimples::SIDE - 1);
+    // Corners are farthest from the middle.
+    let corners = [[0, 0], [last, 0], [0, last], [last, last]].map(|corner| middle.dot(texel(corner)));
+    let reach = libm::acos(corners.into_iter().fold(1.0, f64::min));
+    let farthest = libm::cos((RADIUS + reach + 1e-6).min(PI));
+    centres.iter().copied().filter(|centre| middle.dot(*centre) > farthest).collect()
+}
+
+/// Tangent-space normal at a point of the sphere, with the dimples that may be there: x east, y north.
+fn dimpled_normal(near: &[DVec3], here: DVec3, east: DVec3) -> DVec3 {
     let north = here.cross(east);
-    // The lattice is sorted by y, so only a few centres are near.
-    let number = |y: f64| ((1.0 - y) * 0.5 * f64::from(DIMPLES)).clamp(0.0, f64::from(DIMPLES)) as usize;
-    let near = number(here.y + RADIUS)..(number(here.y - RADIUS) + 1).min(centres.len());
     let mut slope = DVec3::ZERO;
-    for &centre in &centres[near] {
+    for &centre in near {
         let cosine = here.dot(centre).min(1.0);
         // Cheap and safe: cos x >= 1 - x^2 / 2.
         if cosine < 1.0 - RADIUS * RADIUS / 2.0 {

@@ -78,7 +78,10 @@ fn timed_again<'a, S: MachineSpec>(
     }
     let mut report = report((spec, way), (ended, &figures), &run)?;
     if let Some(reels) = kept.as_ref().and_then(Kept::reels) {
-        Recorded { spec, given, way, reels, room: options.budget.left(), run: &run, groups: &[] }.measure(&mut report);
+        let recorded = Recorded { spec, given, way, reels, room: options.budget.left(), run: &run, groups: &[] };
+        if let Some(measured) = recorded.measure() {
+            measured.put(&mut report);
+        }
     }
     Ok(report)
 }

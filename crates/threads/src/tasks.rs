@@ -1,0 +1,100 @@
+//! Work that leads to more work.
+
+use crate::{crew, workers};
+use std::collections::VecDeque;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// What there is to do, first come, first served.
+#[derive(Debug)]
+pub struct Tasks<T> {
+    list: Mutex<List<T>>,
+    changed: Condvar,
+}
+
+#[derive(Debug)]
+struct List<T> {
+    waiting: VecDeque<T>,
+    /// How many are being done: each may add some.
+    under_way: usize,
+}
+
+/// Does these, and what is added to them meanwhile, as many at once as there are workers.
+pub fn tasks<T: Send>(first: impl IntoIterator<Item = T>, work: impl Fn(T, &Tasks<T>) + Sync) {
+    let list = List { waiting: first.into_iter().collect(), under_way: 0 };
+    let tasks = Tasks { list: Mutex::new(list), changed: Condvar::new() };
+    crew(workers(), || {
+        while let Some(task) = tasks.next() {
+            let _end = UnderWay(&tasks);
+            work(task, &tasks);
+        }
+    });
+}
+
+impl<T> Tasks<T> {
+    /// Adds some behind the others.
+    pub fn add(&self, more: impl IntoIterator<Item = T>) {
+        self.lock().waiting.extend(more);
+        self.changed.notify_all();
+    }
+
+    fn lock(&self) -> MutexGuard<'_, List<T>> {
+        self.list.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next, waited for as long as there may be one.
+    fn next(&self) -> Option<T> {
+        let idle = |list: &mut List<T>| list.waiting.is_empty() && list.under_way > 0;
+        let mut list = self.changed.wait_while(self.lock(), idle).unwrap_or_else(PoisonError::into_inner);
+        let task = list.waiting.pop_front()?;
+        list.under_way += 1;
+        Some(task)
+    }
+}
+
+/// A task that is being done: it is over, too, where it panics, or the others would wait for ever.
+struct UnderWay<'a, T>(&'a Tasks<T>);
+
+impl<T> Drop for UnderWay<'_, T> {
+    fn drop(&mut self) {
+        self.0.lock().under_way -= 1;
+        self.0.changed.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::panic::catch_unwind;
+    use std::thread::sleep;
+    use std::time::Duration;
+
+    #[test]
+    fn all_is_done_that_follows_from_what_is_done() {
+        for alone in [false, true] {
+            let done = Mutex::new(Vec::new());
+            let halve = || {
+                tasks([64_u32], |n, tasks| {
+                    // Whoever has nothing to do must not leave while another may add something.
+                    sleep(Duration::from_millis(1));
+                    done.lock().unwrap().push(n);
+                    tasks.add((n > 1).then_some([n / 2, n / 2]).into_iter().flatten());
+                });
+            };
+            if alone {
+                crate::alone(halve)
+            } else {
+                halve()
+            }
+            let mut done = done.into_inner().unwrap();
+            done.sort_unstable();
+            assert_eq!(done.len(), 127);
+            assert_eq!(done.iter().sum::<u32>(), 7 * 64);
+        }
+        tasks([], |(): (), _| unreachable!());
+    }
+
+    #[test]
+    fn a_panic_is_not_lost_and_nobody_waits_for_it() {
+        assert!(catch_unwind(|| tasks([1, 2, 3, 4], |n, _| assert_ne!(n, 3))).is_err());
+    }
+}
