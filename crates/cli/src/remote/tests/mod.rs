@@ -14,16 +14,19 @@ use basrelief_served::{hash_of, hash_of_picture, hex};
 use basrelief_session::TileFetch;
 use basrelief_signals::{Image, Sampler, Texture};
 use std::io::{BufRead, BufReader, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// Listens where nobody else does, now or later: clients of other tests take ports of 127.0.0.1 as they come, and so, now and then, the one
-/// of a server that is to listen there again. (Where there is no other address of this computer, that stays so.)
+/// Listens where nobody else does, now or later: clients of other tests take ports of 127.0.0.1 as they come, and their servers those of an
+/// address that they share, and so, now and then, the one of a server that is to listen there again. (Where this computer has no other
+/// address, that stays so.)
 fn listener_of_its_own() -> TcpListener {
-    TcpListener::bind("127.0.0.2:0").or_else(|_| TcpListener::bind("127.0.0.1:0")).unwrap()
+    static LISTENERS: AtomicU8 = AtomicU8::new(1);
+    let number = LISTENERS.fetch_add(1, Ordering::Relaxed);
+    TcpListener::bind(SocketAddr::from(([127, 0, 1, number], 0))).or_else(|_| TcpListener::bind("127.0.0.1:0")).unwrap()
 }
 
 /// Faults of an answer that another attempt does not meet.
