@@ -172,11 +172,7 @@ impl<'a> Session<'a> {
         let groups = groups.as_ref().map_or(&[][..], |groups| &groups.stages);
         let (given, room) = (&settings.given, settings.budget.left());
         let measure = || Recorded { spec, given, way, reels, room, run, groups }.measure();
-        if let Some((measured, ())) = threads::apart(measure, || self.settle(0)) {
-            return measured;
-        }
-        self.settle(0);
-        measure()
+        threads::both(measure, || self.settle(0)).0
     }
 
     /// The engine's part, and the reels of the tape that are not taken yet; no report of a functional run.

@@ -39,10 +39,11 @@ pub fn workers() -> usize {
     *CORES.get_or_init(|| thread::available_parallelism().map_or(1, usize::from))
 }
 
-/// Does two things at once; the first where there is room.
+/// Does two things at once; the first behind the second where there is no room.
 pub fn both<A: Send, B>(aside: impl FnOnce() -> A + Send, here: impl FnOnce() -> B) -> (A, B) {
     if workers() == 1 {
-        return (aside(), here());
+        let second = here();
+        return (aside(), second);
     }
     let work = Mutex::new(Some(aside));
     // Taken by whoever does it.
@@ -179,6 +180,14 @@ mod tests {
         let sum = apart(move || receive.iter().sum::<u64>(), move || (1..=100).try_for_each(|n| send.send(n)));
         assert_eq!(sum, (workers() > 1).then_some((5050, Ok(()))));
         alone(|| assert_eq!(apart(|| (), || panic!("there is no thread for it")), None::<((), ())>));
+    }
+
+    #[test]
+    fn of_two_things_on_one_thread_the_one_that_is_here_goes_first() {
+        let order = Mutex::new(Vec::new());
+        let done = |what| order.lock().unwrap().push(what);
+        alone(|| both(|| done("aside"), || done("here")));
+        assert_eq!(order.into_inner().unwrap(), ["here", "aside"]);
     }
 
     #[test]

@@ -23,7 +23,7 @@ fn clients_with_ten_times_the_connections_that_there_may_be_get_every_tile_as_it
         let fetcher = Fetcher::new(&format!("http://{address}"), Patience::default());
         let meter = fetcher.meter().clone();
         let fetch = TileFetch { encoding: TileEncoding::Raw, jpeg_quality: 100, ..fetch(IN_FLIGHT, 1) };
-        let mut source = RemoteTiles::new(fetcher, fetch, None, TileProgress::new(true));
+        let mut source = unkept(fetcher, fetch);
         source.offer(&elsewhere());
         source.announce(&tiles);
         for (number, expected) in expected.iter().enumerate() {

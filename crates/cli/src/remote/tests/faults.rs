@@ -38,7 +38,7 @@ fn what_nobody_takes_is_not_fetched_without_end_and_what_is_asked_for_comes_all_
 fn a_fault_that_passes_is_tried_again_and_nothing_is_lost() {
     for fault in PASSING.into_iter().chain([Fault::Status(404)]) {
         let (url, count) = faulty(u32::MAX, move |n| if n == 2 { fault } else { Fault::None });
-        assert_eq!(all(&mut tiles_with(fault, &url, (2, 1))).unwrap(), expected(), "{fault:?}");
+        assert_eq!(all(&mut unkept(Fetcher::new(&url, patience(fault)), fetch(2, 1))).unwrap(), expected(), "{fault:?}");
         assert_eq!(count.load(Ordering::SeqCst), page().tiles() + 1, "{fault:?}");
     }
 }
@@ -61,7 +61,7 @@ fn who_waits_for_others_on_a_slow_path_is_not_given_up() {
             });
         }
     });
-    let mut tiles = RemoteTiles::new(Fetcher::new(&url, HASTY), fetch(8, 1), None, TileProgress::new(true));
+    let mut tiles = unkept(Fetcher::new(&url, HASTY), fetch(8, 1));
     assert_eq!(all(&mut tiles).unwrap(), expected());
     assert_eq!(count.load(Ordering::SeqCst), page().tiles(), "none is asked for again");
 }
@@ -83,7 +83,7 @@ fn a_fault_that_stays_is_an_error_that_names_texture_layer_and_tile() {
         (Fault::OtherSize, "picture of 3 x 2, expected RGB of 50 x 23"),
     ] {
         let (url, _) = faulty(u32::MAX, move |_| fault);
-        let (tile, error) = all(&mut tiles_with(fault, &url, (1, 1))).unwrap_err();
+        let (tile, error) = all(&mut unkept(Fetcher::new(&url, patience(fault)), fetch(1, 1))).unwrap_err();
         assert_eq!(tile, 0);
         assert!(error.starts_with("texture 4 (plane), layer 0, tile 0: http://"), "{error}");
         assert!(error.contains(says), "{fault:?}: {error}");
@@ -130,7 +130,7 @@ fn a_server_that_restarts_in_the_middle_is_waited_for_and_one_that_does_not_is_n
         let (url, count) = faulty(5, |_| Fault::None);
         let address = url.trim_start_matches("http://").trim_end_matches('/').parse::<std::net::SocketAddr>().unwrap();
         let fetcher = Fetcher::new(&url, waiting(starting));
-        let mut tiles = RemoteTiles::new(fetcher, fetch(2, 1), None, TileProgress::new(true));
+        let mut tiles = unkept(fetcher, fetch(2, 1));
         if comes_back {
             thread::spawn(move || {
                 while count.load(Ordering::SeqCst) < 5 {
@@ -154,8 +154,7 @@ fn a_server_behind_a_proxy_is_waited_for_as_one_that_does_not_listen() {
     for status in [502, 503, 504] {
         // More than there are attempts.
         let (url, count) = faulty(u32::MAX, move |n| if n < 8 { Fault::Status(status) } else { Fault::None });
-        let mut tiles =
-            RemoteTiles::new(Fetcher::new(&url, waiting(Duration::from_secs(20))), fetch(1, 1), None, TileProgress::new(true));
+        let mut tiles = unkept(Fetcher::new(&url, waiting(Duration::from_secs(20))), fetch(1, 1));
         assert_eq!(all(&mut tiles).unwrap(), expected(), "{status}");
         assert_eq!(count.load(Ordering::SeqCst), page().tiles() + 8, "{status}");
     }
@@ -181,7 +180,7 @@ fn who_gives_up_waits_for_nobody() {
     let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
     let patience = Patience { stall: Duration::from_secs(100), ..PATIENCE };
     let fetcher = Fetcher::new(&url, patience);
-    let mut tiles = RemoteTiles::new(fetcher, fetch(4, 1), None, TileProgress::new(true));
+    let mut tiles = unkept(fetcher, fetch(4, 1));
     announce_all(&mut tiles);
     while count.load(Ordering::SeqCst) < 4 {
         thread::sleep(Duration::from_millis(1));

@@ -188,10 +188,9 @@ fn tiles(url: &str, in_flight: u32, kept: Option<TileStore>) -> RemoteTiles {
     RemoteTiles::new(Fetcher::new(url, PATIENCE), fetch(in_flight, 1), kept, TileProgress::new(true))
 }
 
-/// Tiles of a server with this fault.
-fn tiles_with(fault: Fault, url: &str, (in_flight, tiles_per_request): (u32, u32)) -> RemoteTiles {
-    let fetcher = Fetcher::new(url, patience(fault));
-    RemoteTiles::new(fetcher, fetch(in_flight, tiles_per_request), None, TileProgress::new(true))
+/// Tiles that are not kept.
+fn unkept(fetcher: Fetcher, fetch: TileFetch) -> RemoteTiles {
+    RemoteTiles::new(fetcher, fetch, None, TileProgress::new(true))
 }
 
 /// PNG, so many requests in flight, each for so many tiles.

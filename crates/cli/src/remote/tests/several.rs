@@ -3,7 +3,7 @@
 use super::*;
 
 fn several(url: &str, requests: u32, tiles_per_request: u32) -> RemoteTiles {
-    RemoteTiles::new(Fetcher::new(url, PATIENCE), fetch(requests, tiles_per_request), None, TileProgress::new(true))
+    unkept(Fetcher::new(url, PATIENCE), fetch(requests, tiles_per_request))
 }
 
 #[test]
@@ -27,7 +27,7 @@ fn several_tiles_by_a_request_are_the_same_in_fewer_requests_and_nobody_stands_i
 fn what_fails_together_is_asked_for_one_by_one_and_nothing_is_lost() {
     for fault in PASSING.into_iter().chain([Fault::Endless]) {
         let (url, count) = faulty(u32::MAX, move |n| if n == 0 { fault } else { Fault::None });
-        assert_eq!(all(&mut tiles_with(fault, &url, (1, 64))).unwrap(), expected(), "{fault:?}");
+        assert_eq!(all(&mut unkept(Fetcher::new(&url, patience(fault)), fetch(1, 64))).unwrap(), expected(), "{fault:?}");
         assert_eq!(count.load(Ordering::SeqCst), 1 + page().tiles(), "{fault:?}");
     }
     // The one that failed together counts as an attempt of each.

@@ -47,7 +47,7 @@ fn left_at(late: u32, in_flight: u32) -> Left {
     let meter = fetcher.meter().clone();
     fetcher.scene(|_| ()).unwrap();
     let fetch = TileFetch { left_at_ms: vec![LEFT_AT_MS], ..fetch(in_flight, 1) };
-    let mut tiles = RemoteTiles::new(fetcher, fetch, None, TileProgress::new(true));
+    let mut tiles = unkept(fetcher, fetch);
     tiles.offer(&elsewhere());
     let (user, page) = (tiles.user().unwrap(), page());
     user.turn_to(0);
@@ -108,7 +108,7 @@ fn behind_its_time_a_view_asks_for_no_more_though_the_device_is_at_work_and_has_
     let fetcher = Fetcher::new(&url, PATIENCE);
     fetcher.scene(|_| ()).unwrap();
     let fetch = TileFetch { left_at_ms: vec![2.5 * LATE.as_secs_f64() * 1e3], ..fetch(1, 1) };
-    let mut tiles = RemoteTiles::new(fetcher, fetch, None, TileProgress::new(true));
+    let mut tiles = unkept(fetcher, fetch);
     tiles.offer(&elsewhere());
     let (user, page) = (tiles.user().unwrap(), page());
     user.turn_to(0);
@@ -125,8 +125,7 @@ fn a_view_does_not_begin_before_its_time_and_what_was_announced_for_another_is_n
     let fetcher = Fetcher::new(&url, PATIENCE);
     let meter = fetcher.meter().clone();
     fetcher.scene(|_| ()).unwrap();
-    let mut tiles =
-        RemoteTiles::new(fetcher, TileFetch { left_at_ms: vec![120.0], ..fetch(4, 1) }, None, TileProgress::new(true));
+    let mut tiles = unkept(fetcher, TileFetch { left_at_ms: vec![120.0], ..fetch(4, 1) });
     announce_all(&mut tiles);
     let user = tiles.user().unwrap();
     user.turn_to(0);
