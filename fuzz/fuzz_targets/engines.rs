@@ -5,10 +5,10 @@
 
 #![no_main]
 
-use basrelief_display_list::*;
+use basrelief_trace::*;
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
-use basrelief_session::{MACHINES, MachineInfo, RunInput, RunOptions, SessionError, Unobserved, run};
+use basrelief_sim::{MACHINES, MachineInfo, RunInput, RunOptions, SessionError, Unobserved, run};
 use basrelief_signals::{Camera, Filter, Lighting, Sampler, Wrap};
 use libfuzzer_sys::fuzz_target;
 use std::io::Cursor;

@@ -3,7 +3,7 @@
 #![no_main]
 
 use basrelief_input::Budget;
-use basrelief_session::{RetimeOptions, When, retime};
+use basrelief_sim::{RetimeOptions, When, retime};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

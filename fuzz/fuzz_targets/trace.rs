@@ -3,7 +3,7 @@
 
 #![no_main]
 
-use basrelief_display_list::{Form, NoFiles, Recorder, Resolver, convert};
+use basrelief_trace::{Form, NoFiles, Recorder, Resolver, convert};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -146,7 +146,7 @@ fn verify_waits_for_no_pipe_and_follows_no_link_twice() {
 #[test]
 fn a_trace_cut_short_at_any_byte_is_an_error_and_writes_nothing() {
     let place = Place::new();
-    let quad = workspace().join("crates/session/src/quad.dl.jsonl");
+    let quad = workspace().join("crates/sim/src/quad.dl.jsonl");
     for form in ["jsonl", "jsonl.zst", "bdl", "bdl.zst"] {
         place.ok(&format!("convert {} whole.{form}", quad.display()));
         let bytes = place.bytes(&format!("whole.{form}"));

@@ -2,8 +2,8 @@
 //! space there is.
 
 use crate::support::{Outcome, PROGRAM, Place, finish};
-use basrelief_display_list::{Begin, Command as Line, Form, MaterialDefinition, Writer};
 use basrelief_signals::Lighting;
+use basrelief_trace::{Begin, Command as Line, Form, MaterialDefinition, Writer};
 use image::{DynamicImage, ImageFormat};
 use std::fs::{self, File};
 use std::io::{Read, Write};

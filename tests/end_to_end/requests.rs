@@ -95,7 +95,7 @@ const GOLDEN: &str = "\
 
 fn with_quad() -> Place {
     let place = Place::new();
-    fs::copy(workspace().join("crates/session/src/quad.dl.jsonl"), place.path("quad.dl.jsonl")).expect("copied");
+    fs::copy(workspace().join("crates/sim/src/quad.dl.jsonl"), place.path("quad.dl.jsonl")).expect("copied");
     place
 }
 

@@ -27,8 +27,8 @@ use basrelief_machines::{ConfigProblem, Draws, SceneFront};
 use basrelief_parameters::Parameters;
 use basrelief_report::Board;
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_session::{MachineConfig, run_apart};
 use basrelief_signals::{Mesh, Object, Scene};
+use basrelief_sim::{MachineConfig, run_apart};
 use std::borrow::Cow;
 use std::sync::Arc;
 

@@ -5,12 +5,12 @@
 
 use crate::machines::demo_scene;
 use crate::workload::{Counted, Sample, Size, Workload, measured};
-use basrelief_display_list::{
+use basrelief_signals::{Camera, Control, Lighting};
+use basrelief_sim::{MachineConfig, begin_of, display_list};
+use basrelief_trace::{
     Begin, Command, Encoding, Form, FrameBegin, FrameEnd, LightRecord, MaterialDefinition, NoFiles, ObjectBegin, PolygonRecord,
     Recorder, Resolver, TraceError, Writer, convert, open,
 };
-use basrelief_session::{MachineConfig, begin_of, display_list};
-use basrelief_signals::{Camera, Control, Lighting};
 use std::hint::black_box;
 use std::io::{Write, sink};
 use std::rc::Rc;

@@ -1,6 +1,6 @@
 //! What can go wrong, and the exit code it means.
 
-use basrelief_session::SessionError;
+use basrelief_sim::SessionError;
 use std::io::{self, Write};
 use std::path::Path;
 

@@ -3,11 +3,11 @@
 use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{Done, Failure};
 use crate::views::Script;
-use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
 use basrelief_scene::{SceneError, Subject, ViewOptions, demo, load_path_within, read_camera};
-use basrelief_session::{Given, MACHINES, MachineConfig, MachineInfo, Misconfigured, Prepared, RunInput};
 use basrelief_signals::Scene;
+use basrelief_sim::{Given, MACHINES, MachineConfig, MachineInfo, Misconfigured, Prepared, RunInput};
+use basrelief_trace::{Form, looks_like_trace};
 use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::{self, BufReader, Cursor, Read};

@@ -3,8 +3,8 @@
 use basrelief_input::{Budget, JsonFault, from_str, json_weight};
 use basrelief_parameters::syntax;
 use basrelief_scene::OwnView;
-use basrelief_session::TOML_GROWTH;
 use basrelief_signals::Camera;
+use basrelief_sim::TOML_GROWTH;
 use serde::Deserialize;
 
 /// The file as it is written.

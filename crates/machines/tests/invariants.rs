@@ -9,13 +9,13 @@ use std::process::Command;
 const FLOORS: &[&[&str]] = &[
     &["input", "parameters", "threads"],
     &["kernel", "signals"],
-    &["shading", "display-list"],
+    &["shading", "trace"],
     &[UNITS],
     &["scene", "reference"],
     &["machines", "served"],
     &["report"],
     &["charts"],
-    &["session"],
+    &["sim"],
     &["sweep"],
     &["cli", "bench", "python", "web"],
 ];
@@ -184,7 +184,7 @@ fn every_platform_computes_the_same_bits() {
     let words: Vec<String> =
         functions.iter().flat_map(|f| [format!(".{f}("), format!("f32::{f}("), format!("f64::{f}(")]).collect();
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    let importers = ["display-list", "scene", "reference", "report", "charts"].map(str::to_owned);
+    let importers = ["trace", "scene", "reference", "report", "charts"].map(str::to_owned);
     absent(&[pure(), importers.to_vec()].concat(), &words);
 }
 

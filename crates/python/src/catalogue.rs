@@ -1,7 +1,7 @@
 //! Which machines and which demo scenes there are.
 
 use basrelief_scene::DEMOS;
-use basrelief_session::{MACHINES, MachineInfo};
+use basrelief_sim::{MACHINES, MachineInfo};
 use pyo3::pyfunction;
 
 /// Names of the machines, each with what it is, in a sentence.

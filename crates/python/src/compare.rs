@@ -7,7 +7,7 @@ use crate::tape::opened;
 use basrelief_input::Budget;
 use basrelief_report::html::{self, compared as page_of};
 use basrelief_report::{Comparison, Report, Style, compare as difference};
-use basrelief_session::{Taped, beside, explain};
+use basrelief_sim::{Taped, beside, explain};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::{FromPyObject, Python, pyfunction};
 

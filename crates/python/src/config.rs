@@ -2,7 +2,7 @@
 
 use crate::error::{Done, bad, budget, usage, within};
 use basrelief_input::Budget;
-use basrelief_session::{Given, MachineConfig, MachineInfo, Misconfigured};
+use basrelief_sim::{Given, MachineConfig, MachineInfo, Misconfigured};
 use pyo3::{pyclass, pymethods};
 
 /// A machine with its parameters, which fit together.

@@ -1,7 +1,7 @@
 //! What goes wrong, as Python's exceptions, with the words of the command line.
 
 use basrelief_input::Budget;
-use basrelief_session::{SessionError, TapeFileError};
+use basrelief_sim::{SessionError, TapeFileError};
 use pyo3::exceptions::PyException;
 use pyo3::{PyErr, create_exception};
 use std::fmt::{self, Display, Formatter};

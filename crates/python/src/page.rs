@@ -4,7 +4,7 @@ use crate::error::{Done, bad, within};
 use crate::pixels::Given;
 use basrelief_report::html::{Beside, PagePicture, STYLE, sections};
 use basrelief_report::{Report, Style, to_html, to_text};
-use basrelief_session::{beside, page_pictures};
+use basrelief_sim::{beside, page_pictures};
 use pyo3::{Python, pyfunction};
 
 /// Columns of a text.

@@ -2,7 +2,7 @@
 
 use crate::error::{Done, bad};
 use basrelief_reference::{Picture, metrics};
-use basrelief_session::to_png;
+use basrelief_sim::to_png;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use pyo3::{Bound, FromPyObject, IntoPyObject, Python, pyfunction};

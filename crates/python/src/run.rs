@@ -7,7 +7,7 @@ use crate::scene::{Drawn, Source};
 use crate::watch::Watch;
 use basrelief_input::Budget;
 use basrelief_kernel::Engine;
-use basrelief_session::{RunOptions, When, run as session_run};
+use basrelief_sim::{RunOptions, When, run as sim_run};
 use pyo3::types::PyBytes;
 use pyo3::{Bound, FromPyObject, IntoPyObject, PyResult, Python, pyfunction};
 
@@ -109,7 +109,7 @@ fn watched(source: Source, settings: &RunOptions) -> PyResult<(String, Watch, bo
     let input = source.into_input()?;
     let name = input.name().to_owned();
     let mut watch = Watch::new(settings.tape, &settings.budget).map_err(bad)?;
-    let ran = session_run(input, settings, &mut watch, None);
+    let ran = sim_run(input, settings, &mut watch, None);
     if let Some(stopped) = watch.stopped() {
         return Err(stopped);
     }

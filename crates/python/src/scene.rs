@@ -1,11 +1,11 @@
 //! What is drawn: scenes, which are looked at, and display lists, which carry their view.
 
 use crate::error::{Done, Failure, bad, budget, usage, within};
-use basrelief_display_list::{Form, looks_like_trace};
 use basrelief_input::{Budget, Held, OverBudget, beside, json_weight};
 use basrelief_parameters::nearest;
 use basrelief_scene::{Directory, Files, Memory, SceneError, ViewOptions, demo, load_within, read_camera, text};
-use basrelief_session::{Prepared, RunInput};
+use basrelief_sim::{Prepared, RunInput};
+use basrelief_trace::{Form, looks_like_trace};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyAnyMethods, PyBytes, PyType};
 use pyo3::{Bound, FromPyObject, IntoPyObject, Py, PyAny, PyRef, PyResult, Python, pyclass, pyfunction, pymethods};

@@ -5,7 +5,7 @@ use crate::scene::{DisplayList, Source, View, text_of};
 use basrelief_input::Budget;
 use basrelief_reference::Picture;
 use basrelief_scene::{demo, load_path_within};
-use basrelief_session::{Prepared, RunInput, TOML_GROWTH, to_png};
+use basrelief_sim::{Prepared, RunInput, TOML_GROWTH, to_png};
 use basrelief_sweep::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
 use basrelief_threads as threads;
 use pyo3::{PyErr, PyResult, Python, pyclass, pyfunction, pymethods};

@@ -4,7 +4,7 @@ use crate::error::{Done, bad, budget, not_a_tape, of_tape};
 use crate::run::{Ran, limits_tape, when};
 use crate::watch::Watch;
 use basrelief_input::Budget;
-use basrelief_session::{RetimeOptions, When, retime_to};
+use basrelief_sim::{RetimeOptions, When, retime_to};
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::{PyResult, Python, pyfunction};
 use std::io::Read;

@@ -2,7 +2,7 @@
 
 use basrelief_input::{Budget, Held};
 use basrelief_reference::Picture;
-use basrelief_session::{Observer, Pictures, When};
+use basrelief_sim::{Observer, Pictures, When};
 use pyo3::{PyErr, Python};
 use std::io::{self, Write};
 use std::time::{Duration, Instant};

@@ -12,7 +12,7 @@ use crate::folder::Store;
 use crate::one::{Ran, run_point};
 use crate::plan::{Plan, Point};
 use crate::{Found, Host, SweepError};
-use basrelief_session::Recording;
+use basrelief_sim::Recording;
 use basrelief_threads as threads;
 use std::collections::hash_map::RandomState;
 use std::collections::{BTreeMap, VecDeque};

@@ -3,7 +3,7 @@
 use crate::execute::Tally;
 use basrelief_input::Budget;
 use basrelief_reference::Picture;
-use basrelief_session::{Prepared, RunInput};
+use basrelief_sim::{Prepared, RunInput};
 use std::io;
 use std::path::Path;
 

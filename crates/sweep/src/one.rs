@@ -8,10 +8,8 @@ use basrelief_input::Held;
 use basrelief_reference::Picture;
 use basrelief_report::Report;
 use basrelief_report::model::{Limit, OutcomeKind};
-use basrelief_session::{
-    MachineConfig, Observer, Pictures, RunInput, RunOptions, SessionError, Unobserved, When, doc_trace, run,
-};
 use basrelief_signals::{Frame, Scene};
+use basrelief_sim::{MachineConfig, Observer, Pictures, RunInput, RunOptions, SessionError, Unobserved, When, doc_trace, run};
 use std::sync::Arc;
 
 /// What a run of a point came to.

@@ -5,7 +5,7 @@ use crate::plan::{Axis, Plan, Point};
 use crate::{Found, Host, SweepError, Work, execute};
 use basrelief_report::Report;
 use basrelief_report::sensitivity::{Change, ComesTo, Measure, Sensitivity};
-use basrelief_session::Described;
+use basrelief_sim::Described;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -6,14 +6,14 @@ use crate::outside::Outside;
 use crate::parcel::Parcel;
 use crate::path::{Come, Path, PathTiles};
 use crate::shown::{Rounds, Shown, catalogue};
-use basrelief_display_list::looks_like_trace;
 use basrelief_input::{Budget, Held};
 use basrelief_report::Strips;
 use basrelief_scene::{Memory, Subject};
 use basrelief_served::unpack;
-use basrelief_session::{
+use basrelief_sim::{
     Costs, ExhibitInfo, Form, Given, MACHINES, MachineConfig, MachineInfo, Prepared, RunInput, RunOptions, When, board, run,
 };
+use basrelief_trace::looks_like_trace;
 use serde::Deserialize as _;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

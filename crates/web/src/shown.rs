@@ -7,7 +7,7 @@ use basrelief_reference::{Picture, metrics};
 use basrelief_report::html::sections;
 use basrelief_report::{Report, Strips};
 use basrelief_scene::DEMOS;
-use basrelief_session::{Content, Exhibit, ExhibitInfo, Form, MACHINES, MachineInfo, Observer, Pictures, beside};
+use basrelief_sim::{Content, Exhibit, ExhibitInfo, Form, MACHINES, MachineInfo, Observer, Pictures, beside};
 use serde_json::{Value, json};
 use std::rc::Rc;
 

@@ -1,7 +1,7 @@
 //! Questions and answers, as the page asks and is answered.
 
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_session::{Given, MACHINES, MachineInfo, RunInput, RunOptions, Unobserved, When, run};
+use basrelief_sim::{Given, MACHINES, MachineInfo, RunInput, RunOptions, Unobserved, When, run};
 use basrelief_web::{Desk, Parcel};
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -99,7 +99,7 @@ fn models_and_display_lists_are_told_by_their_content() {
     let run = json!({"ask": "run", "machine": "shade", "set": [], "view": {"size": SIZE}});
     assert_eq!(ask(&mut desk, run.clone()).json["command"], "basrelief run a.obj --machine shade --size 48x36");
 
-    let list = basrelief_session::doc_trace();
+    let list = basrelief_sim::doc_trace();
     let files = json!([{"name": "quad.dl.jsonl", "at": [0, list.len()]}]);
     let taken = ask_with(&mut desk, json!({"ask": "files", "name": "quad.dl.jsonl", "files": files}), &list);
     assert_eq!(taken["scene"], false);

@@ -2,8 +2,8 @@
 
 use super::chance::Chance;
 use super::{mutate, options, settings};
-use basrelief_display_list::{Form, convert};
-use basrelief_session::{MACHINES, MachineInfo};
+use basrelief_sim::{MACHINES, MachineInfo};
+use basrelief_trace::{Form, convert};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -71,7 +71,7 @@ impl Sources {
         let text = |name: &str| bytes(name).map(|b| String::from_utf8_lossy(&b).into_owned());
         let json = |name: &str| text(name).and_then(|t| serde_json::from_str(&t).map_err(|e| format!("{name}: {e}")));
         Ok(Self {
-            traces: vec![text("crates/session/src/quad.dl.jsonl")?, text("traces/patch-per-polygon.jsonl")?],
+            traces: vec![text("crates/sim/src/quad.dl.jsonl")?, text("traces/patch-per-polygon.jsonl")?],
             gltf: vec![json("tests/models/patch.gltf")?, json("tests/models/alcove.gltf")?],
             obj: text("tests/models/patch.obj")?,
             mtl: text("tests/models/patch.mtl")?,

@@ -3,7 +3,7 @@
 use super::chance::Chance;
 use super::mutate::ODD_NUMBERS;
 use super::settings::setting;
-use basrelief_session::{MACHINES, MachineInfo};
+use basrelief_sim::{MACHINES, MachineInfo};
 
 /// What may stand on a command line, as `FILE` a trace and as `MODEL` a model.
 const COMMANDS: [&str; 12] = [

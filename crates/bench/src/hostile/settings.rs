@@ -3,7 +3,7 @@
 use super::chance::Chance;
 use super::mutate::ODD_NUMBERS;
 use basrelief_parameters::Parameter;
-use basrelief_session::MachineInfo;
+use basrelief_sim::MachineInfo;
 use serde_json::Value;
 
 /// What is no value of most parameters.
@@ -86,7 +86,7 @@ fn resolved(schema: &Value, at: &Value) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_session::MACHINES;
+    use basrelief_sim::MACHINES;
 
     #[test]
     fn most_settings_are_of_the_machine_and_within_its_ranges_and_some_are_not() {

@@ -3,7 +3,7 @@
 use super::values::{Named, angles, direction, finite, key_value, machine, size, socket, tables};
 use crate::commands::{dump, tables as of_tables};
 use basrelief_report::Tables;
-use basrelief_session::MachineInfo;
+use basrelief_sim::MachineInfo;
 use clap::{ArgAction, ArgGroup, Args, ValueEnum};
 use std::net::SocketAddr;
 use std::num::NonZeroU64;

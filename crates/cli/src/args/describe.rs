@@ -1,7 +1,7 @@
 //! Arguments of the commands that simulate nothing: `describe`, `compare`, `schema`.
 
 use super::values::{finite, key_value, machine};
-use basrelief_session::{MACHINES, MachineInfo};
+use basrelief_sim::{MACHINES, MachineInfo};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 

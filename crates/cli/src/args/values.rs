@@ -3,7 +3,7 @@
 use super::Shard;
 use basrelief_report::Tables;
 pub use basrelief_scene::text::{angles, direction, finite, size};
-use basrelief_session::{MACHINES, MachineInfo};
+use basrelief_sim::{MACHINES, MachineInfo};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::net::SocketAddr;
 use ureq::http::Uri;

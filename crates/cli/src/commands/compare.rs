@@ -10,7 +10,7 @@ use basrelief_input::{Budget, json_weight};
 use basrelief_report::compare::overview;
 use basrelief_report::html::{self, PagePicture, compared};
 use basrelief_report::{Comparison, Report, compare as difference};
-use basrelief_session::{Taped, beside, explain};
+use basrelief_sim::{Taped, beside, explain};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -4,8 +4,8 @@ use crate::args::ConvertArgs;
 use crate::error::{Done, Failure};
 use crate::input::TraceFile;
 use crate::outputs::PartialFile;
-use basrelief_display_list::{self as display_list, Form};
 use basrelief_input::Budget;
+use basrelief_trace::{self as display_list, Form};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 

@@ -8,7 +8,7 @@ use basrelief_input::Budget;
 use basrelief_parameters::{Effect, Parameter};
 use basrelief_report::model::Hardware;
 use basrelief_scene::DEMOS;
-use basrelief_session::{MachineConfig, MachineInfo};
+use basrelief_sim::{MachineConfig, MachineInfo};
 use std::fmt::Write;
 
 /// Prints what the machine is.

@@ -2,7 +2,7 @@
 
 use crate::error::{Done, Failure};
 use crate::outputs::PartialFile;
-use basrelief_session::{ExhibitInfo, Form, MACHINES, MachineConfig, MachineInfo};
+use basrelief_sim::{ExhibitInfo, Form, MACHINES, MachineConfig, MachineInfo};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 

@@ -12,7 +12,7 @@ use basrelief_deferred_renderer::TileSource;
 use basrelief_input::Budget;
 use basrelief_scene::{Subject, ViewOptions};
 use basrelief_served::unpack;
-use basrelief_session::{Given, MACHINES, MachineConfig, Prepared, RunInput};
+use basrelief_sim::{Given, MACHINES, MachineConfig, Prepared, RunInput};
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;

@@ -5,7 +5,7 @@ use crate::outputs::PartialFile;
 use basrelief_reference::Picture;
 use basrelief_report::html::Beside;
 use basrelief_report::{Report, to_html};
-use basrelief_session::{beside, page_pictures};
+use basrelief_sim::{beside, page_pictures};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -12,7 +12,7 @@ use crate::progress::Progress;
 use crate::remote::Watched;
 use basrelief_reference::metrics;
 use basrelief_report::Report;
-use basrelief_session::{Content, Exhibit, Form, MemoryRequests, Observer, Pictures, RunOptions, picture_name, to_png};
+use basrelief_sim::{Content, Exhibit, Form, MemoryRequests, Observer, Pictures, RunOptions, picture_name, to_png};
 use basrelief_threads as threads;
 use std::cell::Cell;
 use std::fs::File;

@@ -9,7 +9,7 @@ use crate::progress::PointProgress;
 use basrelief_input::{Budget, Held};
 use basrelief_parameters::nearest;
 use basrelief_reference::Picture;
-use basrelief_session::{RunInput, TOML_GROWTH, to_png};
+use basrelief_sim::{RunInput, TOML_GROWTH, to_png};
 use basrelief_sweep::{Folder, Host, Opened, Plan, Point, SweepError, Tally, Work, tables};
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};

@@ -9,7 +9,7 @@ use crate::args::{RequestsFormat, SimulationArgs};
 use crate::error::{Done, Failure};
 use crate::outputs::{Outputs, PartialFile};
 use basrelief_kernel::MemoryRequest;
-use basrelief_session::{MachineConfig, MemoryRequests};
+use basrelief_sim::{MachineConfig, MemoryRequests};
 use clap::ValueEnum;
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};

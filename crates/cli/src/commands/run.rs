@@ -10,7 +10,7 @@ use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
 use crate::remote::Watched;
 use basrelief_input::Budget;
-use basrelief_session::{MACHINES, RunInput, RunOptions};
+use basrelief_sim::{MACHINES, RunInput, RunOptions};
 use std::path::Path;
 use std::rc::Rc;
 

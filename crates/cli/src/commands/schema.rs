@@ -7,7 +7,7 @@ use basrelief_signals::Camera;
 /// Prints a schema.
 pub fn schema(args: &SchemaArgs) -> Done {
     let schema = match args.of {
-        SchemaName::Trace => basrelief_display_list::schema(),
+        SchemaName::Trace => basrelief_trace::schema(),
         SchemaName::Report => basrelief_report::schema(),
         SchemaName::Config => args.machine.schema(),
         SchemaName::Camera => schemars::schema_for!(Camera).to_value(),

@@ -5,7 +5,7 @@ use crate::error::Done;
 use crate::input::Input;
 use basrelief_input::Budget;
 use basrelief_report::Sensitivity;
-use basrelief_session::RunOptions;
+use basrelief_sim::RunOptions;
 use basrelief_sweep::{Around, Opened, Plan, sensitivity};
 use basrelief_threads as threads;
 

@@ -9,8 +9,8 @@ use crate::remote::{Limits, SceneService, index_page};
 use basrelief_input::Budget;
 use basrelief_scene::{Subject, ViewOptions};
 use basrelief_served::{hash_of_picture, pack};
-use basrelief_session::hold_textures;
 use basrelief_signals::Texture;
+use basrelief_sim::hold_textures;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

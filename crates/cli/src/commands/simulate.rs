@@ -14,9 +14,9 @@ use basrelief_input::Budget;
 use basrelief_kernel::{Engine, Probe};
 use basrelief_report::model::OutcomeKind;
 use basrelief_report::{Report, Style, to_csv, to_text};
-use basrelief_session::{
-    self as session, ExhibitInfo, Form, Given, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved,
-    When, picture_name,
+use basrelief_sim::{
+    self as sim, ExhibitInfo, Form, Given, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved, When,
+    picture_name,
 };
 use basrelief_sweep::Around;
 use std::cell::Cell;
@@ -192,7 +192,7 @@ pub fn run_named(
     probe: Option<&mut dyn Probe>,
 ) -> Done<Run> {
     let name = source.name().to_owned();
-    session::run(source, settings, observer, probe).map_err(|e| match e {
+    sim::run(source, settings, observer, probe).map_err(|e| match e {
         SessionError::Trace(_) | SessionError::OverBudget(_) | SessionError::Fault(_) => Failure::within(&name)(e),
         SessionError::Observer(_)
         | SessionError::Config(_)

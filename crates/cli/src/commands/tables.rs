@@ -7,7 +7,7 @@ use crate::error::{Done, Failure, print};
 use crate::input::Input;
 use crate::outputs::Outputs;
 use crate::progress::Progress;
-use basrelief_session::{self as session, MACHINES, Observer, Run, RunOptions};
+use basrelief_sim::{self as sim, MACHINES, Observer, Run, RunOptions};
 use std::io::Write;
 
 /// A finished table.
@@ -25,7 +25,7 @@ type RunOnce<'a> = &'a mut dyn FnMut(&RunOptions, &mut dyn Observer) -> Done<Run
 /// Runs the input once per variant without short cuts, and writes the table.
 pub fn ablate(input: &Input, settings: &RunOptions, simulation: &SimulationArgs, quiet: bool) -> Done {
     write_table(input, simulation, quiet, |observer, run| {
-        let table = session::ablate(settings, observer, run)?;
+        let table = sim::ablate(settings, observer, run)?;
         let json = table.to_json().map_err(Failure::bad)?;
         Ok(Table { name: "ablation", text: table.to_text(style()), csv: table.to_csv(), json })
     })
@@ -34,7 +34,7 @@ pub fn ablate(input: &Input, settings: &RunOptions, simulation: &SimulationArgs,
 /// Runs the input by each method, and writes the table.
 pub fn compare_methods(input: &Input, settings: &RunOptions, simulation: &SimulationArgs, quiet: bool) -> Done {
     write_table(input, simulation, quiet, |observer, run| {
-        let table = session::compare_methods(settings, observer, run)?;
+        let table = sim::compare_methods(settings, observer, run)?;
         let json = table.to_json().map_err(Failure::bad)?;
         Ok(Table { name: "methods", text: table.to_text(style()), csv: table.to_csv(), json })
     })

@@ -6,7 +6,7 @@ use crate::args::RetimeArgs;
 use crate::error::{Done, Failure, print};
 use crate::outputs::{Outputs, PartialFile, RUN_TAPE, check_distinct, check_not_read};
 use basrelief_input::Budget;
-use basrelief_session::{Observer, RetimeOptions, TapeFileError, When, retime_to};
+use basrelief_sim::{Observer, RetimeOptions, TapeFileError, When, retime_to};
 use std::fs::File;
 use std::io::{self, BufReader, Write};
 use std::path::{Path, PathBuf};

@@ -7,7 +7,7 @@ use basrelief_input::{Budget, OverBudget};
 use basrelief_kernel::Probe;
 use basrelief_parameters::nearest;
 use basrelief_report::{Board, Chart, Timeline, Tokens, Watcher, Waves};
-use basrelief_session::{self as session, Following, MachineConfig, Run, RunInput, RunOptions, Sample};
+use basrelief_sim::{self as sim, Following, MachineConfig, Run, RunInput, RunOptions, Sample};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -32,7 +32,7 @@ impl TimelineFiles {
         if timeline.is_none() && waves.is_none() && tokens.is_none() {
             return Ok(None);
         }
-        let board = session::board(source, settings).map_err(Failure::bad)?;
+        let board = sim::board(source, settings).map_err(Failure::bad)?;
         let board = cut(board, simulation)?;
         let sample = Sample { every: *tokens_every, polygons: *tokens_of == TokenKind::Polygons };
         let sample = tokens.as_ref().map(|_| sample);
@@ -55,7 +55,7 @@ impl TimelineFiles {
             charts.push((Box::new(Waves::new(BufWriter::new(file), board, budget)), path));
         }
         if let (Some((file, path)), Some(sample)) = (tokens, *sample) {
-            let last = session::last_stage(sample, config, stages);
+            let last = sim::last_stage(sample, config, stages);
             charts.push((Box::new(Tokens::new(packed(file, path)?, board, last, budget)), path));
         }
         let (charts, paths): (Vec<_>, Vec<_>) = charts.into_iter().unzip();

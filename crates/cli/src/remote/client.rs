@@ -8,8 +8,8 @@ use crate::progress::TileProgress;
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{Cut, Page, TileEncoding, TileSource, User};
 use basrelief_served::{LARGEST_TILE, Offered, check_tile, most_together, tiles_address};
-use basrelief_session::TileFetch;
 use basrelief_signals::Texture;
+use basrelief_sim::TileFetch;
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 

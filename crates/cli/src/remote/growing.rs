@@ -3,8 +3,8 @@
 use super::Watched;
 use basrelief_deferred_renderer::{Cut, FilledBuffer, Onlooker, Page, Preview, TileSource, User};
 use basrelief_reference::Picture;
-use basrelief_session::to_png;
 use basrelief_signals::Texture;
+use basrelief_sim::to_png;
 use serde::Serialize;
 use std::mem;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use super::axes::{Axis, cell};
 use basrelief_charts::Cell;
-use basrelief_session::{Described, MachineConfig};
+use basrelief_sim::{Described, MachineConfig};
 use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use toml::Value;

@@ -16,7 +16,7 @@ use crate::{Host, Opened, SweepError};
 use axes::{Exclusion, Places};
 use basrelief_charts::{Constraint, Objective};
 use basrelief_parameters::{ConfigError, nearest};
-use basrelief_session::{ConfigLoader, Given, MachineConfig, MachineInfo, input_sha256};
+use basrelief_sim::{ConfigLoader, Given, MachineConfig, MachineInfo, input_sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use written::{Config, Method, Samples, Written};
 
@@ -88,7 +88,7 @@ impl Plan {
     }
 
     /// The plan whose points are a run as it is, and the same with each assumed parameter at its
-    /// [neighbours](basrelief_session::Described::neighbours), one at a time.
+    /// [neighbours](basrelief_sim::Described::neighbours), one at a time.
     ///
     /// # Errors
     /// An input that cannot be read, parameters that do not fit together.

@@ -127,7 +127,7 @@ fn a_grid_has_all_points_the_last_axis_fastest_and_inputs_slowest() {
 
 /// A FIFO of a machine.
 fn fifo_of(machine: &str) -> String {
-    let info = basrelief_session::MachineInfo::named(machine).unwrap();
+    let info = basrelief_sim::MachineInfo::named(machine).unwrap();
     let key =
         info.parameters().into_iter().map(|p| p.key).find(|key| key.starts_with("fifo.") && key.ends_with(".depth")).unwrap();
     key["fifo.".len()..key.len() - ".depth".len()].into()

@@ -4,7 +4,7 @@ use crate::support::{Program, plan, sweep};
 use basrelief_input::Budget;
 use basrelief_report::sensitivity::{Change, ComesTo, Measure, Sensitivity};
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_session::{Given, MACHINES, MachineInfo, Prepared, RunInput, RunOptions, Unobserved, run};
+use basrelief_sim::{Given, MACHINES, MachineInfo, Prepared, RunInput, RunOptions, Unobserved, run};
 use basrelief_sweep::{Around, Opened, Plan, sensitivity};
 use std::collections::BTreeSet;
 use std::fs;

@@ -3,7 +3,7 @@
 use basrelief_input::Budget;
 use basrelief_reference::Picture;
 use basrelief_scene::{ViewOptions, demo};
-use basrelief_session::{Prepared, RunInput, doc_trace};
+use basrelief_sim::{Prepared, RunInput, doc_trace};
 use basrelief_sweep::{Folder, Host, Opened, Plan, Tally, Work, execute, tables};
 use std::fs;
 use std::io::{self, Cursor};

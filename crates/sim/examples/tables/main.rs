@@ -1,0 +1,94 @@
+//! The tables of README.md and docs/, made again where they stand.
+//!
+//! ```text
+//! cargo run --release -p basrelief-sim --example tables -- [--models FOLDER] [FILE.md ...]
+//! cargo run --release -p basrelief-sim --example tables -- --print 'entries golf-ball'
+//! ```
+//!
+//! A table stands between `<!-- measured: NAME INPUT ... -->` and `<!-- end -->`: the first line says what makes it, and what
+//! stands between is replaced. Without files, all are. An input is a demo scene or a model, looked up in the folder; a table
+//! with a model that is not there stays as it is, and says so on standard error. `described:` in place of `measured:` says that
+//! what stands there follows from the machine itself, without a run; a test holds that.
+
+mod bump;
+mod defer;
+mod document;
+mod machine;
+mod memory;
+mod shade;
+mod support;
+mod texel;
+
+use std::error::Error;
+use std::path::PathBuf;
+use support::{Inputs, Missing};
+
+/// Makes a table, as text, of its inputs.
+type Make = fn(&Inputs, &[&str]) -> Result<String, Box<dyn Error>>;
+
+/// All tables, by name.
+const TABLES: &[(&str, Make)] = &[
+    ("entries", bump::entries),
+    ("quality", bump::quality),
+    ("paths", shade::paths),
+    ("short-cuts", shade::short_cuts),
+    ("full-over-hybrid", shade::full_over_hybrid),
+    ("cpu", shade::cpu),
+    ("methods", texel::methods),
+    ("dividers", texel::dividers),
+    ("igehy", memory::igehy),
+    ("hakura", memory::hakura),
+    ("tiles", defer::tiles),
+    ("dmax", defer::dmax),
+    ("machine", machine::machine),
+];
+
+/// Files that hold tables.
+const FILES: [&str; 7] = [
+    "README.md",
+    "docs/architecture.md",
+    "docs/quality.md",
+    "docs/shading.md",
+    "docs/texel.md",
+    "docs/defer.md",
+    "docs/experiments.md",
+];
+
+/// What `NAME INPUT ...` comes to.
+fn make(inputs: &Inputs, command: &str) -> Result<String, Box<dyn Error>> {
+    let words: Vec<&str> = command.split_whitespace().collect();
+    let (name, of) = words.split_first().ok_or("expected the name of a table")?;
+    let names = || TABLES.iter().map(|t| t.0).collect::<Vec<_>>().join(", ");
+    let table = TABLES.iter().find(|t| t.0 == *name);
+    table.ok_or_else(|| format!("there is no table `{name}`; expected {}", names()))?.1(inputs, of)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (mut inputs, mut files) = (Inputs::default(), Vec::new());
+    let mut args = std::env::args().skip(1);
+    while let Some(arg) = args.next() {
+        let mut value = || args.next().ok_or_else(|| format!("{arg} needs a value"));
+        match arg.as_str() {
+            "--models" => inputs.models = Some(value()?.into()),
+            "--print" => {
+                print!("{}", make(&inputs, &value()?)?);
+                return Ok(());
+            }
+            _ => files.push(PathBuf::from(arg)),
+        }
+    }
+    if files.is_empty() {
+        files = FILES.map(PathBuf::from).to_vec();
+    }
+    for file in files {
+        document::update(&file, |command| match make(&inputs, command) {
+            Ok(table) => Ok(Some(table)),
+            Err(e) if e.is::<Missing>() => {
+                eprintln!("{}: {command}: left as it is: {e}", file.display());
+                Ok(None)
+            }
+            Err(e) => Err(e),
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,192 @@
+//! Scene to trace and back: what a recorded display list draws, and when.
+
+use basrelief_geometry_processor::SceneDraws;
+use basrelief_kernel::{Traffic, Unit};
+use basrelief_machines::FrontConfig;
+use basrelief_machines::bump::BumpProcessorConfig;
+use basrelief_parameters::load;
+use basrelief_reference::{Picture, Quality};
+use basrelief_report::Report;
+use basrelief_report::model::Figure;
+use basrelief_scene::{ViewOptions, demo};
+use basrelief_signals::{Control, Scene};
+use basrelief_sim::{Observer, Pictures, RunInput, RunOptions, Unobserved, begin_of, display_list, run};
+use basrelief_trace::{Begin, Encoding, Form, Recorder};
+use std::io::{self, Cursor, Read};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+fn scene(name: &str, frames: u32) -> Arc<Scene> {
+    let options = ViewOptions { size: [64, 48], frames: Some(frames), ..ViewOptions::default() };
+    Arc::new(demo(name, &options).unwrap())
+}
+
+fn config(settings: &[(&str, &str)]) -> BumpProcessorConfig {
+    load("", settings).unwrap()
+}
+
+fn recorded(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) -> Vec<u8> {
+    let begin: Begin = begin_of(scene);
+    let mut recorder = Recorder::new(Vec::new(), Form { encoding, ..Form::default() }, begin).unwrap();
+    display_list(scene, &config.clone().into()).for_each(|control| recorder.record(&control).unwrap());
+    recorder.finish(Vec::new()).unwrap()
+}
+
+fn report(source: RunInput, config: &BumpProcessorConfig) -> Report {
+    let settings = RunOptions { config: config.clone().into(), exact: false, ..RunOptions::default() };
+    run(source, &settings, &mut Unobserved, None).unwrap().report
+}
+
+/// The scene's run and the run of its trace.
+fn both(scene: &Arc<Scene>, config: &BumpProcessorConfig, encoding: Encoding) -> [Report; 2] {
+    let trace = RunInput::trace(Cursor::new(recorded(scene, config, encoding)), "recorded");
+    [report(RunInput::scene(Arc::clone(scene)), config), report(trace, config)]
+}
+
+/// Figures of the units behind the display list.
+fn behind_the_list(report: &Report) -> Vec<(&String, &Figure)> {
+    let front =
+        ["triangles", "polygons", "bump_polygons", "vertices", "vertex_cache_hits", "display_list_commands", "vertex_bytes"];
+    let in_front = |name: &str| front.contains(&name) || name.starts_with("triangles_") || name.starts_with("vertices_");
+    report.figures.iter().filter(|(name, _)| !in_front(name) && *name != "polygons_clipped").collect()
+}
+
+fn bytes(report: &Report) -> Vec<(&String, &String, u64, u64)> {
+    let memories = report.memories.iter().flatten();
+    memories.flat_map(|(m, r)| r.clients.iter().map(move |(c, t)| (m, c, t.read_bytes, t.write_bytes))).collect()
+}
+
+#[test]
+fn a_replay_draws_the_same_picture_and_moves_the_same_bytes() {
+    for (name, frames) in [("mixed", 1), ("coin", 3), ("brick", 1)] {
+        let scene = scene(name, frames);
+        for encoding in [Encoding::JsonLines, Encoding::Binary] {
+            for settings in [&[][..], &[("display_list.arrival", "asap"), ("rasterizer.early_z", "false")]] {
+                let [drawn, replayed] = both(&scene, &config(settings), encoding);
+                assert_eq!(drawn.input.sha256, replayed.input.sha256, "the same input");
+                assert_eq!(drawn.image, replayed.image, "{name}: the same pictures to the bit");
+                assert_eq!(drawn.image.len(), frames as usize);
+                assert_eq!(behind_the_list(&drawn), behind_the_list(&replayed));
+                assert_eq!(bytes(&drawn), bytes(&replayed));
+                assert_eq!(drawn.camera, replayed.camera);
+            }
+        }
+    }
+}
+
+fn total(report: &Report) -> u64 {
+    report.cycles.as_ref().unwrap().total
+}
+
+/// Cycles from where a replay delivers the last command to where the geometry processor did, had nothing blocked either: a
+/// list holds the arrival of polygons only, and what is culled behind the last of them takes time too.
+fn tail(scene: &Arc<Scene>, config: &BumpProcessorConfig) -> u64 {
+    let mut geometry = FrontConfig::from(config).geometry_processor();
+    let mut replayed = 0;
+    for draw in SceneDraws::new(Arc::clone(scene)) {
+        match geometry.step(Some(draw), &mut Traffic::default()).out {
+            Some(Control::Polygon(polygon)) => replayed = polygon.arrival,
+            Some(_) => replayed += 1,
+            None => {}
+        }
+    }
+    geometry.state.arrival - replayed
+}
+
+/// With room for the whole list the front end is never blocked. Then a polygon reaches the rasterizer in a replay exactly
+/// `fifo.draws.latency` cycles before it does in the scene's run (there is no host, and no FIFO behind it), and the run is
+/// shorter by that much; and by up to the tail, where the end of the last frame waits for the geometry processor.
+#[test]
+fn a_replay_takes_the_cycles_of_the_run_but_for_what_the_front_end_explains() {
+    let unblocked = ("fifo.polygons.depth", "65536");
+    let slow = [unblocked, ("geometry.multipliers", "1"), ("geometry.dividers", "1")];
+    let fast = [
+        unblocked,
+        ("geometry.multipliers", "256"),
+        ("geometry.adders", "256"),
+        ("geometry.dividers", "256"),
+        ("geometry.square_roots", "256"),
+        ("geometry.powers", "256"),
+        ("geometry.fetch_bytes_per_cycle", "4096"),
+        ("geometry.link_bytes", "4096"),
+        ("fifo.draws.latency", "9"),
+    ];
+    for (name, frames) in [("mixed", 1), ("coin", 2), ("golf-ball", 2)] {
+        for settings in [&slow[..], &fast] {
+            let (scene, config) = (scene(name, frames), config(settings));
+            let [drawn, replayed] = both(&scene, &config, Encoding::Binary);
+            let (latency, tail) = (u64::from(config.fifo.draws.latency), tail(&scene, &config));
+            let shorter = total(&drawn).checked_sub(total(&replayed)).unwrap();
+            println!("{name} {settings:?}: {shorter} cycles shorter, latency {latency}, tail {tail}");
+            assert!((latency..=latency + tail).contains(&shorter));
+        }
+    }
+    // Nothing is culled behind the coin's last polygon, and its fragments take longer than that polygon did.
+    let (coin, config) = (scene("coin", 2), config(&fast));
+    let [drawn, replayed] = both(&coin, &config, Encoding::JsonLines);
+    assert_eq!(total(&drawn) - total(&replayed), u64::from(config.fifo.draws.latency));
+}
+
+/// Seconds that readings of a [`SlowTrace`] have taken.
+static READING: AtomicU32 = AtomicU32::new(0);
+
+/// A trace whose every reading takes a second, by a clock that else stands still.
+struct SlowTrace(Cursor<Vec<u8>>);
+
+impl Read for SlowTrace {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        READING.fetch_add(1, Ordering::Relaxed);
+        self.0.read(bytes)
+    }
+}
+
+#[test]
+fn reading_a_trace_is_no_part_of_the_simulation_not_even_its_first_command() {
+    let config = config(&[]);
+    let trace = SlowTrace(Cursor::new(recorded(&scene("mixed", 1), &config, Encoding::Binary)));
+    let clock = || f64::from(READING.load(Ordering::Relaxed));
+    let settings = RunOptions { config: config.into(), exact: false, clock, ..RunOptions::default() };
+    let run = run(RunInput::trace(trace, "slow"), &settings, &mut Unobserved, None).unwrap();
+    assert!(clock() > 10.0, "{} readings", clock());
+    assert_eq!(run.simulate_s, 0.0);
+}
+
+/// A frame, the machine's picture of it, and the exact one.
+type ShownFrame = (usize, Picture, Option<(Picture, Quality)>);
+
+/// What an observer is shown of the frames, in its order.
+#[derive(Default, PartialEq)]
+struct Shown(Vec<ShownFrame>);
+
+impl Observer for Shown {
+    fn frame(&mut self, pictures: &Pictures<'_>) -> Result<(), String> {
+        let exact = pictures.exact.map(|(picture, quality)| (picture.clone(), quality));
+        self.0.push((pictures.index, pictures.machine.clone(), exact));
+        Ok(())
+    }
+}
+
+/// Frames of a run with exact pictures, and its report.
+fn shown(source: RunInput, max_cycles: u64) -> (Shown, String) {
+    let mut shown = Shown::default();
+    let report = run(source, &RunOptions { max_cycles, ..RunOptions::default() }, &mut shown, None).unwrap().report;
+    (shown, report.to_json().unwrap())
+}
+
+/// Its other tests run beside this one; what they find does not depend on threads either.
+#[test]
+fn a_run_is_the_same_with_other_threads_and_without() {
+    let coin = scene("coin", 3);
+    let trace = recorded(&coin, &config(&[]), Encoding::Binary);
+    let all = || {
+        let replayed = shown(RunInput::trace(Cursor::new(trace.clone()), "recorded"), u64::MAX);
+        [shown(RunInput::scene(Arc::clone(&coin)), u64::MAX), shown(RunInput::scene(Arc::clone(&coin)), 60_000), replayed]
+    };
+    let threaded = all();
+    basrelief_threads::work_alone();
+    assert_eq!(basrelief_threads::workers(), 1);
+    let alone = all();
+    assert!(threaded == alone, "the same pictures, in the same order, and the same reports");
+    let [drawn, stopped, replayed] = threaded.each_ref().map(|(shown, _)| shown.0.len());
+    assert!(drawn == 3 && stopped < 3 && replayed == 3, "{drawn}, {stopped}, {replayed}");
+}

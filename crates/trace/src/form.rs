@@ -1,0 +1,223 @@
+//! The four forms of a trace and the layer that undoes or does the compression.
+
+use basrelief_input::{Budget, Held};
+use std::io::{self, BufRead, BufReader, BufWriter, Chain, Cursor, Read, Write};
+
+/// First bytes of the binary form. As in PNG, a first byte above 127 and both kinds of line end show up a transfer
+/// that took the file for text.
+pub(crate) const BINARY_MAGIC: [u8; 8] = *b"\x89BDL\r\n\x1a\n";
+const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
+
+/// How commands are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// JSON Lines: one command per line.
+    #[default]
+    JsonLines,
+    /// The binary twin: magic bytes, version, then each command as a length (32 bits, little endian) and a postcard
+    /// record.
+    Binary,
+}
+
+/// Form of a trace; told apart on reading by its first bytes, never by a file's name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Form {
+    /// How commands are written.
+    pub encoding: Encoding,
+    /// Whether all of it is compressed with zstd.
+    pub compressed: bool,
+}
+
+impl Form {
+    /// All forms.
+    pub const ALL: [Self; 4] = [
+        Self { encoding: Encoding::JsonLines, compressed: false },
+        Self { encoding: Encoding::JsonLines, compressed: true },
+        Self { encoding: Encoding::Binary, compressed: false },
+        Self { encoding: Encoding::Binary, compressed: true },
+    ];
+
+    /// The form to write into a file of this name: `.jsonl` or `.bdl`, each with `.zst` behind it if compressed.
+    pub fn for_file_name(name: &str) -> Option<Self> {
+        let (name, compressed) = name.strip_suffix(".zst").map_or((name, false), |stem| (stem, true));
+        let encoding = match name.rsplit_once('.')?.1 {
+            "jsonl" => Encoding::JsonLines,
+            "bdl" => Encoding::Binary,
+            _ => return None,
+        };
+        Some(Self { encoding, compressed })
+    }
+}
+
+/// Whether a file that starts so is meant as a display list, in whatever form; for callers that take other kinds of file
+/// too. JSON is one if its first command is `begin`.
+pub fn looks_like_trace(start: &[u8]) -> bool {
+    let json = start.trim_ascii_start().strip_prefix(b"{").map(<[u8]>::trim_ascii_start);
+    start.starts_with(&BINARY_MAGIC) || start.starts_with(&ZSTD_MAGIC) || json.is_some_and(|rest| rest.starts_with(b"\"begin\""))
+}
+
+/// Longest beginning of a compressed trace that says how large a window it takes \[bytes\].
+const ZSTD_HEAD: u64 = 18;
+
+/// A reader whose first bytes were looked at and put back.
+type Peeked<R> = Chain<Cursor<Vec<u8>>, R>;
+
+#[cfg(feature = "zstd")]
+type Decoder<R> = zstd::Decoder<'static, BufReader<Peeked<R>>>;
+
+fn peek<R: Read>(mut reader: R, bytes: u64) -> io::Result<(Vec<u8>, Peeked<R>)> {
+    let mut head = Vec::new();
+    reader.by_ref().take(bytes).read_to_end(&mut head)?;
+    Ok((head.clone(), Cursor::new(head).chain(reader)))
+}
+
+/// Uncompressed bytes of a trace.
+pub(crate) enum TraceBytes<R: Read> {
+    Plain(BufReader<Peeked<R>>),
+    #[cfg(feature = "zstd")]
+    Zstd(Box<BufReader<Peeked<Decoder<R>>>>),
+}
+
+impl<R: Read> TraceBytes<R> {
+    /// The first bytes of what it will give, the source, and what it takes itself.
+    pub(crate) fn open(reader: R, budget: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
+        let (mut head, reader) = peek(reader, ZSTD_HEAD)?;
+        if head.starts_with(&ZSTD_MAGIC) {
+            return Self::decompress(&head, reader, budget);
+        }
+        head.truncate(BINARY_MAGIC.len());
+        Ok((head, Self::Plain(BufReader::new(reader)), budget.nothing()))
+    }
+
+    #[cfg(feature = "zstd")]
+    fn decompress(head: &[u8], reader: Peeked<R>, budget: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
+        let mut decoder = zstd::Decoder::new(reader)?;
+        let bits = window_bits(head);
+        decoder.window_log_max(bits.max(COMMON_WINDOW))?;
+        let window = budget.take(1 << bits, "the window that its compression looks back into")?;
+        let (head, reader) = peek(decoder, BINARY_MAGIC.len() as u64)?;
+        Ok((head, Self::Zstd(Box::new(BufReader::with_capacity(1 << 16, reader))), window))
+    }
+
+    #[cfg(not(feature = "zstd"))]
+    fn decompress(_: &[u8], _: Peeked<R>, _: &Budget) -> io::Result<(Vec<u8>, Self, Held)> {
+        Err(no_compression())
+    }
+}
+
+/// Bits of the largest window that compressors take unless they are told to \[bytes, binary logarithm\]: 8 MiB.
+#[cfg(feature = "zstd")]
+const COMMON_WINDOW: u32 = 23;
+
+/// Bits of the window that a compressed trace asks for, by its first frame (RFC 8878, 3.1.1.1); later ones may ask for no
+/// larger one, but the common one. More than 2^27 bytes are refused, as by everybody else.
+#[cfg(feature = "zstd")]
+fn window_bits(head: &[u8]) -> u32 {
+    const LEAST: u32 = 10;
+    const MOST: u32 = 27;
+    let rest = head.get(ZSTD_MAGIC.len()..).unwrap_or_default();
+    let Some((&descriptor, rest)) = rest.split_first() else { return LEAST };
+    if descriptor & 0x20 == 0 {
+        // Its mantissa, in the low three bits, adds up to seven eighths.
+        return rest.first().map_or(LEAST, |window| 10 + u32::from(window >> 3) + u32::from(window & 7 != 0)).clamp(LEAST, MOST);
+    }
+    // No window of its own: as large as the content.
+    let identity = [0, 1, 2, 4][usize::from(descriptor & 3)];
+    let size = [1, 2, 4, 8][usize::from(descriptor >> 6)];
+    let bytes = rest.get(identity..).unwrap_or_default().iter().take(size).rev();
+    let content = bytes.fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte));
+    content.saturating_add(1 << 8).checked_next_power_of_two().map_or(MOST, u64::ilog2).clamp(LEAST, MOST)
+}
+
+#[cfg(not(feature = "zstd"))]
+fn no_compression() -> io::Error {
+    let message = "this build has no zstd (feature `zstd` of basrelief-trace): use the uncompressed form";
+    io::Error::new(io::ErrorKind::Unsupported, message)
+}
+
+impl<R: Read> Read for TraceBytes<R> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Plain(reader) => reader.read(into),
+            #[cfg(feature = "zstd")]
+            Self::Zstd(reader) => reader.read(into),
+        }
+    }
+}
+
+impl<R: Read> BufRead for TraceBytes<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        match self {
+            Self::Plain(reader) => reader.fill_buf(),
+            #[cfg(feature = "zstd")]
+            Self::Zstd(reader) => reader.fill_buf(),
+        }
+    }
+
+    fn consume(&mut self, amount: usize) {
+        match self {
+            Self::Plain(reader) => reader.consume(amount),
+            #[cfg(feature = "zstd")]
+            Self::Zstd(reader) => reader.consume(amount),
+        }
+    }
+}
+
+/// Takes the uncompressed bytes of a trace.
+pub(crate) enum Sink<W: Write> {
+    Plain(BufWriter<W>),
+    #[cfg(feature = "zstd")]
+    Zstd(Box<zstd::Encoder<'static, W>>),
+}
+
+impl<W: Write> Sink<W> {
+    pub(crate) fn create(writer: W, compressed: bool) -> io::Result<Self> {
+        if compressed { Self::compress(writer) } else { Ok(Self::Plain(BufWriter::with_capacity(1 << 16, writer))) }
+    }
+
+    #[cfg(feature = "zstd")]
+    fn compress(writer: W) -> io::Result<Self> {
+        let mut encoder = zstd::Encoder::new(writer, zstd::DEFAULT_COMPRESSION_LEVEL)?;
+        encoder.include_checksum(true)?;
+        Ok(Self::Zstd(Box::new(encoder)))
+    }
+
+    #[cfg(not(feature = "zstd"))]
+    fn compress(_: W) -> io::Result<Self> {
+        Err(no_compression())
+    }
+
+    pub(crate) fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match self {
+            Self::Plain(writer) => writer.write_all(bytes),
+            #[cfg(feature = "zstd")]
+            Self::Zstd(encoder) => encoder.write_all(bytes),
+        }
+    }
+
+    pub(crate) fn finish(self) -> io::Result<W> {
+        let mut writer = match self {
+            Self::Plain(writer) => writer.into_inner().map_err(io::IntoInnerError::into_error)?,
+            #[cfg(feature = "zstd")]
+            Self::Zstd(encoder) => encoder.finish()?,
+        };
+        writer.flush()?;
+        Ok(writer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_name_tells_the_form_to_write() {
+        let name = |name| Form::for_file_name(name);
+        assert_eq!(name("helmet.dl.jsonl"), Some(Form::ALL[0]));
+        assert_eq!(name("a/helmet.jsonl.zst"), Some(Form::ALL[1]));
+        assert_eq!(name("helmet.bdl"), Some(Form::ALL[2]));
+        assert_eq!(name("helmet.bdl.zst"), Some(Form::ALL[3]));
+        assert_eq!(name("helmet.glb"), None);
+        assert_eq!(name("zst"), None);
+    }
+}

@@ -1,0 +1,86 @@
+//! The display-list trace: what the geometry processor (102) hands on, recorded.
+//!
+//! # Format
+//!
+//! JSON Lines, one [`Command`] per line, an object whose one key is the command's name:
+//!
+//! | command | place | meaning |
+//! |---|---|---|
+//! | `begin` | first | format, version, size of the pictures |
+//! | `texture`, `material` | before their first use | definitions, by number |
+//! | `frame` ... `frame_end` | | a picture: camera, lights; colour textures defined ahead of it since the frame before are declared with it, used or not |
+//! | `object` | in a frame | the polygons that follow belong to it |
+//! | `shading` | directly ahead of `frame` or `object` | mode, Ia and Is of the figure shading device for it |
+//! | `importance` | directly ahead of `object` | levels by which its VQ table and CLUT are coarser |
+//! | `criterion` | in a frame | the texel value generator keeps this bound from here on |
+//! | `polygon` | behind its object | a convex polygon in window coordinates |
+//! | `expect` | outside frames | what a machine should make of the trace; at most 64 |
+//! | `end` | last | count of commands before it; without it a trace is truncated |
+//!
+//! An unknown command, an unknown field, a number that is not finite and an index out of range are errors. Numbers are
+//! held exactly: shortest decimals that read back to the same bits. [`schema()`] gives the JSON schema of a line.
+//!
+//! The *binary twin* holds the same commands: eight magic bytes (`89 42 44 4c 0d 0a 1a 0a`), the version (32 bits,
+//! little endian), then each command as a length (32 bits, little endian) and a [postcard](https://postcard.jamesmunns.com)
+//! record in the order of fields of the types here. Either may be compressed with zstd as a whole. [`open`] tells the
+//! forms apart by their first bytes.
+//!
+//! # Ways in and out
+//!
+//! ```text
+//!   bytes --open--> Reader --commands--> Writer --> bytes            convert: lossless between all forms
+//!                      |                    ^
+//!                  Resolver              Recorder
+//!                      v                    |
+//!                  Control (what travels on the wires)  --> CanonicalHash
+//! ```
+//!
+//! ```
+//! use basrelief_trace::{NoFiles, Resolver};
+//! use basrelief_signals::Control;
+//!
+//! let trace = r#"{"begin":{"format":"basrelief-display-list","version":1,"width":4,"height":4,"generator":"by hand"}}
+//! {"material":{"id":0,"name":"grey","base_color":[0.5,0.5,0.5,1],"normal_scale":1,"lighting":{"ka":0.1,"kd":0.8,"ks":0.4,"n":32}}}
+//! {"frame":{"index":0,"camera":{"view_projection":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],"to_light":[0,0,1],"to_viewer":[0,0,1]},"lights":[{"directional":{"to_light":[0,0,1],"intensity":1}}]}}
+//! {"object":{"id":0,"name":"triangle","centre":[0,0,0]}}
+//! {"polygon":{"object":0,"material":0,"lod":0,"bump":false,"arrival":0,"position":[[0,0,0.5,1],[4,0,0.5,1],[0,4,0.5,1]]}}
+//! {"frame_end":{}}
+//! {"end":{"commands":6}}
+//! "#;
+//! let controls: Result<Vec<_>, _> = Resolver::new(trace.as_bytes(), NoFiles)?.collect();
+//! assert!(matches!(controls?[2], (Control::Polygon(_), Some(0))));
+//! # Ok::<(), basrelief_trace::TraceError>(())
+//! ```
+//!
+//! This crate reaches no file system: it is generic over [`Read`](std::io::Read) and [`Write`](std::io::Write), and
+//! asks its caller for the files beside a trace through [`Files`].
+
+mod check;
+mod command;
+mod data;
+mod error;
+mod form;
+mod lent;
+mod parameter_value;
+mod reader;
+mod recorder;
+mod resolver;
+mod schema;
+mod sequence;
+mod writer;
+
+pub use check::GUARD_BAND;
+pub use command::{
+    Begin, Command, Criterion, End, Expectation, ExpectedTraffic, FORMAT, FrameBegin, FrameEnd, Importance, LightRecord,
+    MAX_EXPECTATIONS, MAX_SIDE, MAX_VERTICES, MaterialDefinition, ObjectBegin, PolygonRecord, ShadingRecord, TextureDefinition,
+    TextureKind, VERSION,
+};
+pub use data::{Digest, Texels};
+pub use error::{ErrorKind, Place, TraceError};
+pub use form::{Encoding, Form, looks_like_trace};
+pub use parameter_value::{ParameterValue, Scalar};
+pub use reader::{Reader, open, open_within};
+pub use recorder::{CanonicalHash, Recorder};
+pub use resolver::{Files, NoFiles, Resolver};
+pub use schema::schema;
+pub use writer::{Writer, convert, convert_within};

@@ -1,0 +1,44 @@
+//! The published schema is that of the lines written.
+
+mod common;
+
+use basrelief_trace::{Form, schema};
+use common::*;
+use proptest::prelude::*;
+
+fn validator() -> jsonschema::Validator {
+    jsonschema::validator_for(&schema()).unwrap()
+}
+
+#[test]
+fn every_line_of_the_sample_fits_the_schema() {
+    let validator = validator();
+    for line in SAMPLE.lines() {
+        let value = serde_json::from_str(line).unwrap();
+        assert!(validator.is_valid(&value), "{line}: {:?}", validator.iter_errors(&value).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn the_schema_describes_every_command_and_refuses_others() {
+    let validator = validator();
+    let text = schema().to_string();
+    for name in basrelief_trace::Command::NAMES {
+        assert!(text.contains(&format!("\"{name}\"")), "{name}");
+    }
+    for line in [r#"{"frame_end":{"x":1}}"#, r#"{"colour":{}}"#, r#"{"end":{}}"#, "{}"] {
+        assert!(!validator.is_valid(&serde_json::from_str(line).unwrap()), "{line}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    #[test]
+    fn every_recorded_line_fits_the_schema(controls in controls()) {
+        let validator = validator();
+        for line in String::from_utf8(record(&controls, Form::default()).unwrap()).unwrap().lines() {
+            prop_assert!(validator.is_valid(&serde_json::from_str(line).unwrap()), "{}", line);
+        }
+    }
+}
