@@ -5,10 +5,11 @@
 mod tool;
 
 use basrelief_reference::{Components, LevelRule, Options, Picture, Pyramid, Shading, Style, TextureFilter, draw_scene};
+use basrelief_scene::ViewOptions;
 use basrelief_signals::{Material, Mesh, Object, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tool::{Mesa, agreement, double_sided, load, mode};
+use tool::{Mesa, agreement, double_sided, foreign_models, load, mode, own_model};
 
 /// The same scene, white: without its textures the tool leaves out the factors of materials, too.
 fn white(scene: &Scene) -> Scene {
@@ -105,20 +106,45 @@ fn assert_agreement_to(least: f64, mesa: &Mesa, name: &str, scene: &Scene, model
     assert!(db >= least && differing <= 0.001, "{what}: {db:.2} dB, {differing}");
 }
 
+/// Returns the models of this repository, then those of `foreign` that exist.
+fn models(foreign: &[&str]) -> Vec<PathBuf> {
+    let own = ["patch.gltf", "alcove.gltf"].map(own_model);
+    let foreign = foreign_models().into_iter().flat_map(|folder| foreign.iter().map(move |name| folder.join(name)));
+    own.into_iter().chain(foreign).collect()
+}
+
+fn name_of(model: &Path) -> String {
+    model.file_name().expect("a model file").to_string_lossy().into_owned()
+}
+
+/// Returns meshes to be written as glTF: a demo of this repository, then the OBJ files of others that exist.
+fn meshes() -> Vec<(&'static str, Mesh)> {
+    let folder = foreign_models();
+    let foreign = ["spot.obj", "teapot.obj"].into_iter().filter_map(|name| Some((name, folder.as_ref()?.join(name))));
+    let foreign = foreign.map(|(name, path)| (name, only_mesh(&load(&path))));
+    std::iter::once(("goblet", goblet())).chain(foreign).collect()
+}
+
+/// Returns the mesh of the demo `goblet`, a surface of revolution.
+fn goblet() -> Mesh {
+    let scene = basrelief_scene::demo("goblet", &ViewOptions::default()).expect("a demo");
+    Mesh::clone(&scene.objects[0].mesh)
+}
+
 #[test]
 fn exact_pictures_agree_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };
-    for name in ["Avocado/Avocado.gltf", "TwoSidedPlane/TwoSidedPlane.gltf", "TextureCoordinateTest/TextureCoordinateTest.gltf"] {
-        let model = mesa.models.join(name);
-        let scene = load(&model);
-        assert_agreement(&mesa, name, &scene, &model, BUMP, true);
-        assert_agreement(&mesa, name, &double_sided(&scene), &model, BUMP, false);
+    for model in
+        models(&["Avocado/Avocado.gltf", "TwoSidedPlane/TwoSidedPlane.gltf", "TextureCoordinateTest/TextureCoordinateTest.gltf"])
+    {
+        let (name, scene) = (name_of(&model), load(&model));
+        assert_agreement(&mesa, &name, &scene, &model, BUMP, true);
+        assert_agreement(&mesa, &name, &double_sided(&scene), &model, BUMP, false);
     }
-    for name in ["spot.obj", "teapot.obj"] {
+    for (name, mesh) in meshes() {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let scene = load(&mesa.models.join(name));
-        let model = as_gltf(&only_mesh(&scene), PLAIN, folder.path());
-        assert_agreement(&mesa, name, &scene, &model, BUMP, false);
+        let model = as_gltf(&mesh, PLAIN, folder.path());
+        assert_agreement(&mesa, name, &load(&model), &model, BUMP, false);
     }
 }
 
@@ -127,31 +153,30 @@ const SHADINGS: [Shading; 3] = [Shading::Face, Shading::Gouraud, Shading::Phong]
 #[test]
 fn flat_gouraud_and_phong_shading_agree_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };
-    for name in ["Avocado/Avocado.gltf", "ClearcoatWicker.glb"] {
-        let model = mesa.models.join(name);
-        let textured = double_sided(&load(&model));
+    for model in models(&["Avocado/Avocado.gltf", "ClearcoatWicker.glb"]) {
+        let (name, textured) = (name_of(&model), double_sided(&load(&model)));
         for shading in SHADINGS {
             let plain = Style { shading, options: Options { filter: TextureFilter::None, ..BUMP.options } };
-            assert_agreement(&mesa, name, &white(&textured), &model, plain, false);
-            assert_agreement(&mesa, name, &textured, &model, Style { shading, ..BUMP }, false);
+            assert_agreement(&mesa, &name, &white(&textured), &model, plain, false);
+            assert_agreement(&mesa, &name, &textured, &model, Style { shading, ..BUMP }, false);
         }
     }
-    for name in ["spot.obj", "teapot.obj"] {
+    for (name, mesh) in meshes() {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let scene = load(&mesa.models.join(name));
-        let model = as_gltf(&only_mesh(&scene), PLAIN, folder.path());
+        let model = as_gltf(&mesh, PLAIN, folder.path());
+        let scene = load(&model);
         for shading in SHADINGS {
             assert_agreement(&mesa, name, &scene, &model, Style { shading, ..BUMP }, false);
         }
     }
 }
 
-/// The models above are closed or double-sided, so that culling does not show in them. Half of Spot is open.
+/// The models above are closed or double-sided, so culling is invisible in them. A goblet without every second triangle is open.
 #[test]
 fn culling_agrees_with_mesa_mirrored_or_not() {
     let Some(mesa) = Mesa::find() else { return };
-    let mut mesh = only_mesh(&load(&mesa.models.join("spot.obj")));
-    mesh.indices.truncate(mesh.indices.len() / 6 * 3);
+    let mut mesh = goblet();
+    mesh.indices = mesh.indices.chunks_exact(3).step_by(2).flatten().copied().collect();
     for scale in [[1, 1, 1], [-1, 1, 1]] {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let model = as_gltf(&mesh, Look { double_sided: false, scale, ..PLAIN }, folder.path());
@@ -160,7 +185,7 @@ fn culling_agrees_with_mesa_mirrored_or_not() {
         let count = |picture: Picture| picture.covered.iter().filter(|&&c| c).count();
         let (culled, all) = (count(draw(&scene, BUMP)), count(draw(&open, BUMP)));
         assert!(culled + 1_000 < all, "culling must show: {culled} of {all} pixels");
-        let name = format!("half of spot.obj, scaled by {scale:?}");
+        let name = format!("half a goblet, scaled by {scale:?}");
         for shading in [Shading::NormalMap, Shading::Face] {
             assert_agreement(&mesa, &name, &scene, &model, Style { shading, ..BUMP }, true);
             assert_agreement(&mesa, &name, &open, &model, Style { shading, ..BUMP }, false);
@@ -198,20 +223,20 @@ fn assert_textures_agree(mesa: &Mesa, name: &str, scene: &Scene, model: &Path, o
 #[test]
 fn textures_agree_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };
-    for name in MODELS {
-        let model = mesa.models.join(name);
-        assert_textures_agree(&mesa, name, &double_sided(&load(&model)), &model, 45.0);
+    for model in models(&MODELS) {
+        assert_textures_agree(&mesa, &name_of(&model), &double_sided(&load(&model)), &model, 45.0);
     }
 }
 
-/// Spot with its texture: as OBJ with a material here, as glTF there, since the tool drops materials of OBJ files.
+/// Spot with its texture: we read OBJ and MTL, the tool reads glTF, because it drops materials of OBJ files.
 #[test]
 fn the_texture_of_an_obj_file_agrees_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };
+    let Some(models) = foreign_models() else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = |name: &str| folder.path().join(name);
-    let plain = std::fs::read_to_string(mesa.models.join("spot.obj")).expect("Spot");
-    std::fs::copy(mesa.models.join("spot_texture.png"), file("spot.png")).expect("Spot's texture");
+    let plain = std::fs::read_to_string(models.join("spot.obj")).expect("Spot");
+    std::fs::copy(models.join("spot_texture.png"), file("spot.png")).expect("Spot's texture");
     std::fs::write(file("spot.mtl"), "newmtl skin\nmap_Kd spot.png\n").expect("a temporary file");
     std::fs::write(file("spot.obj"), format!("mtllib spot.mtl\nusemtl skin\n{plain}")).expect("a temporary file");
     let scene = load(&file("spot.obj"));

@@ -1,8 +1,8 @@
 //! The tool that draws with Mesa, and how far a picture is from its.
 //!
-//! It runs where the models and the tool are found (`BASRELIEF_INPUTS`, `BASRELIEF_PICTURE_ORACLE`; by default beside the
-//! workspace, in `../shared`) and `BASRELIEF_PYTHON` (default `python3`) can open a headless OpenGL context; says
-//! loudly that it was skipped where not. Light and camera are the defaults of both sides, which are to agree, too.
+//! The tool is `tests/oracles/pictures.py`. It needs a Python (`BASRELIEF_PYTHON`, default `python3`) that can open a headless
+//! OpenGL context. Without it, the tests print SKIPPED. Models made by others come from the folder that `BASRELIEF_INPUTS`
+//! names. Light and camera are the defaults of both sides, so the tests compare these, too.
 
 use basrelief_reference::metrics::psnr;
 use basrelief_reference::{Picture, Shading, Style, TextureFilter};
@@ -24,38 +24,48 @@ const UNPACK: &str = "import sys, numpy as np; from PIL import Image; png, npz, 
     rgb = np.asarray(Image.open(png).convert('RGB')); hit = np.load(npz)['prim'] > 0; \
     np.concatenate([rgb, hit[..., None].astype('u1')], 2).tofile(out)";
 
-/// The tool, and the models that it draws.
+/// The tool and the Python that runs it.
 pub struct Mesa {
     python: PathBuf,
     tool: PathBuf,
-    pub models: PathBuf,
+}
+
+/// Returns the folder of models made by others, or prints that their checks are skipped.
+pub fn foreign_models() -> Option<PathBuf> {
+    let default = || workspace().join("../shared/inputs");
+    let models = std::env::var_os("BASRELIEF_INPUTS").map_or_else(default, PathBuf::from).join("models");
+    if models.is_dir() {
+        return Some(models);
+    }
+    println!("SKIPPED: {} does not exist; BASRELIEF_INPUTS names the folder of foreign inputs", models.display());
+    None
+}
+
+/// Returns a model of this repository.
+pub fn own_model(name: &str) -> PathBuf {
+    workspace().join("tests/models").join(name)
+}
+
+fn workspace() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 impl Mesa {
-    /// The tool; where something is missing, says so.
+    /// Returns the tool, or prints the reason why it cannot run.
     pub fn find() -> Option<Self> {
-        Self::look().map_err(|missing| println!("SKIPPED, Mesa was not asked: {missing}")).ok()
+        Self::probe().map_err(|reason| println!("SKIPPED: no picture by Mesa: {reason}")).ok()
     }
 
-    /// The tool, or what is missing.
-    fn look() -> Result<Self, String> {
-        let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-        let path = |variable: &str, default: PathBuf| std::env::var_os(variable).map_or(default, PathBuf::from);
-        let python = path("BASRELIEF_PYTHON", "python3".into());
-        let tool = path("BASRELIEF_PICTURE_ORACLE", beside.join("tools/picture_oracle.py"));
-        let models = path("BASRELIEF_INPUTS", beside.join("inputs")).join("models");
-        for needed in [&tool, &models] {
-            if !needed.exists() {
-                return Err(format!("{} is not there", needed.display()));
-            }
-        }
+    /// Returns the tool, or the reason why it cannot run.
+    fn probe() -> Result<Self, String> {
+        let python = std::env::var_os("BASRELIEF_PYTHON").map_or("python3".into(), PathBuf::from);
         let probe = Command::new(&python).args(["-c", PROBE]).output();
         let probe = probe.map_err(|error| format!("{}: {error}", python.display()))?;
         if !probe.status.success() {
             let reason = String::from_utf8_lossy(&probe.stderr);
             return Err(format!("{}: {}", python.display(), reason.lines().last().unwrap_or("fails")));
         }
-        Ok(Self { python, tool, models })
+        Ok(Self { python, tool: workspace().join("tests/oracles/pictures.py") })
     }
 
     fn run(&self, command: &mut Command) {
