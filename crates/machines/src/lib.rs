@@ -10,8 +10,7 @@
 pub mod bump;
 mod config;
 pub mod defer;
-#[cfg(test)]
-mod drawing;
+mod diagram;
 mod draws;
 mod fifos;
 mod front;
@@ -23,7 +22,8 @@ mod unit_info;
 
 pub use basrelief_kernel::facts::Facts;
 pub use config::{ClockConfig, IdealConfig, ReferenceConfig, ReferenceFilter};
+pub use diagram::{BlockDiagram, PlacedText, Side, WireCell, drawn_units, numeral_of};
 pub use draws::Draws;
 pub use front::{FrontConfig, FrontEnd, SceneFront, TraceFront};
 pub use problem::{ConfigProblem, slow_fifos};
-pub use unit_info::{UnitInfo, drawn_units, numeral_of, units};
+pub use unit_info::{UnitInfo, units};

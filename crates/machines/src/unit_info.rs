@@ -1,5 +1,6 @@
 //! The boxes of a block diagram, in words: gathered from the wiring, what its units say of themselves, and the drawing.
 
+use crate::diagram::numeral_of;
 use basrelief_kernel::{Machine, topology};
 
 /// A box of the block diagram.
@@ -27,18 +28,6 @@ pub fn units(diagram: &str, of_scene: &mut impl Machine, of_trace: &mut impl Mac
         all.push(UnitInfo { name: stage.name, numeral, role: stage.role.does, code: file_of(stage.role.module) });
     }
     all
-}
-
-/// The numeral of a unit in a drawing; empty where there is none.
-pub fn numeral_of<'a>(diagram: &'a str, unit: &str) -> &'a str {
-    drawn_units(diagram).into_iter().find(|(name, _)| *name == unit).map_or("", |(_, numeral)| numeral)
-}
-
-/// Units as a drawing shows them, `[name (numeral)]`: name and numeral, which is empty where there is none. A unit that is drawn
-/// more than once is there as often.
-pub fn drawn_units(diagram: &str) -> Vec<(&str, &str)> {
-    let boxes = diagram.split('[').skip(1).filter_map(|rest| Some(rest.split_once(']')?.0.trim()));
-    boxes.map(|text| text.strip_suffix(')').and_then(|text| text.split_once(" (")).unwrap_or((text, ""))).collect()
 }
 
 /// The file of a unit crate's module: every unit stands in a file of its own, none in a `mod.rs`.

@@ -1,7 +1,7 @@
 //! What the tests of all machines share: their wiring, held against drawing and units.
 
-use super::{UnitInfo, drawn_units};
-use crate::drawing::Drawing;
+use super::UnitInfo;
+use crate::diagram::connections::Connections;
 use basrelief_kernel::{Engine, Machine, MemoryReport, StageTopology, run, topology};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -41,12 +41,12 @@ impl Wiring {
 pub(crate) fn drawing_is_the_wiring(drawing: &str, units: &[UnitInfo], all: &[Wiring]) {
     let wired: BTreeSet<&str> = all.iter().flat_map(|w| &w.stages).map(|s| s.name.as_str()).collect();
     assert_eq!(units.iter().map(|u| u.name.as_str()).collect::<BTreeSet<_>>(), wired);
-    let wiring = Drawing {
+    let wiring = Connections {
         units: units.iter().map(|u| (u.name.clone(), u.numeral.clone())).collect(),
         fifos: all.iter().flat_map(Wiring::fifos).collect(),
         clients: all.iter().flat_map(Wiring::clients).collect(),
     };
-    assert_eq!(Drawing::read(drawing).unwrap(), wiring);
+    assert_eq!(Connections::read(drawing).unwrap(), wiring);
 }
 
 /// Every unit has a role, and stands in the file that is named.
@@ -57,9 +57,4 @@ pub(crate) fn every_unit_says_what_it_does_and_where(units: &[UnitInfo]) {
         let code = std::fs::read_to_string(root.join(&unit.code)).unwrap_or_else(|e| panic!("{}: {e}", unit.code));
         assert!(code.contains(&format!("role!(\"{}\")", unit.role)), "{} is not in {}", unit.name, unit.code);
     }
-}
-
-#[test]
-fn units_are_read_from_a_drawing_with_their_numerals() {
-    assert_eq!(drawn_units(" [a (1)] --x--> [ b  ]  (2) [ c (3b) ]"), [("a", "1"), ("b", ""), ("c", "3b")]);
 }

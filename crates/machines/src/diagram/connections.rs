@@ -1,0 +1,148 @@
+//! Follows the wires of a block diagram, so that a test can compare the diagram with the machine edge by edge.
+
+use super::{BlockDiagram, PlacedText, Side, WireCell, drawn_units};
+use std::collections::BTreeSet;
+
+/// Units and edges of a block diagram.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(crate) struct Connections {
+    /// Units and their numerals.
+    pub(crate) units: BTreeSet<(String, String)>,
+    /// Producer, FIFO, consumer.
+    pub(crate) fifos: BTreeSet<[String; 3]>,
+    /// Unit, client, memory.
+    pub(crate) clients: BTreeSet<[String; 3]>,
+}
+
+impl Connections {
+    /// Reads a diagram.
+    ///
+    /// # Errors
+    /// A wire or a list of clients that ends at no unit or memory, with its row and column, from 0.
+    pub(crate) fn read(text: &str) -> Result<Self, String> {
+        let diagram = BlockDiagram::read(text);
+        let units = drawn_units(text).into_iter().map(|(name, numeral)| (name.to_owned(), numeral.to_owned()));
+        let mut connections = Self { units: units.collect(), ..Self::default() };
+        for clients in &diagram.clients {
+            connections
+                .add_clients(&diagram, clients)
+                .ok_or_else(|| format!("row {}: expected `[unit] =={}== {{memory}}`", clients.row, clients.text))?;
+        }
+        for head in &diagram.wires {
+            let Some(arrow) = head.arrow else { continue };
+            let consumer = diagram.wire_end((head.row, head.column), arrow);
+            let consumer = consumer.ok_or_else(|| format!("the arrowhead at {:?} points at no unit", (head.row, head.column)))?;
+            let (fifo, producer) = diagram.follow(head, arrow.opposite())?;
+            connections.fifos.insert([producer, fifo, consumer.name()].map(str::to_owned));
+        }
+        Ok(connections)
+    }
+
+    fn add_clients(&mut self, diagram: &BlockDiagram, clients: &PlacedText) -> Option<()> {
+        let PlacedText { row, column, width, .. } = *clients;
+        let unit = diagram.units.iter().find(|unit| (unit.row, unit.column + unit.width + 1) == (row, column))?.name();
+        let memory = diagram.memories.iter().find(|memory| (memory.row, memory.column) == (row, column + width + 1))?.name();
+        self.clients.extend(clients.text.split(", ").map(|client| [unit, client, memory].map(str::to_owned)));
+        Some(())
+    }
+}
+
+/// Row and column.
+type Cell = (usize, usize);
+
+fn next((row, column): Cell, side: Side) -> Cell {
+    let (down, right) = side.step();
+    (row.wrapping_add_signed(down), column.wrapping_add_signed(right))
+}
+
+fn covering(list: &[PlacedText], (row, column): Cell) -> Option<&PlacedText> {
+    list.iter().find(|placed| placed.row == row && (placed.column..placed.column + placed.width).contains(&column))
+}
+
+impl BlockDiagram {
+    fn wire(&self, (row, column): Cell) -> Option<&WireCell> {
+        self.wires.iter().find(|wire| (wire.row, wire.column) == (row, column))
+    }
+
+    /// The unit at which a wire ends that leaves `cell` on this side. A blank separates a horizontal wire from its unit.
+    fn wire_end(&self, cell: Cell, side: Side) -> Option<&PlacedText> {
+        let near = next(cell, side);
+        let is_blank = covering(&self.fifos, near).is_none() && self.wire(near).is_none();
+        let beyond = if side.is_horizontal() && is_blank { next(near, side) } else { near };
+        covering(&self.units, beyond)
+    }
+
+    /// Follows a wire from its arrowhead against its direction, to its name and its producer.
+    fn follow(&self, head: &WireCell, mut side: Side) -> Result<(&str, &str), String> {
+        let (mut cell, mut fifo) = ((head.row, head.column), "");
+        loop {
+            cell = next(cell, side);
+            let beside = (!side.is_horizontal()).then_some((cell.0, cell.1 + 2));
+            if let Some(wire) = self.wire(cell) {
+                side = wire.continuation(side).ok_or_else(|| format!("the wire turns at {cell:?} in no direction, or in two"))?;
+                fifo =
+                    beside.and_then(|beside| self.fifos.iter().find(|f| (f.row, f.column) == beside)).map_or(fifo, |f| &f.text);
+            } else if let Some(name) = covering(&self.fifos, cell).filter(|_| side.is_horizontal()) {
+                fifo = &name.text;
+            } else {
+                return Err(format!("the wire to {:?} breaks at {cell:?}", (head.row, head.column)));
+            }
+            if let Some(producer) = self.wire_end(cell, side) {
+                return Ok((fifo, producer.name()));
+            }
+        }
+    }
+}
+
+impl WireCell {
+    /// The side at which a wire leaves this cell that was entered in this direction.
+    fn continuation(&self, direction: Side) -> Option<Side> {
+        let ahead: Vec<Side> = self.sides.iter().copied().filter(|side| *side != direction.opposite()).collect();
+        match (self.sides.contains(&direction.opposite()), ahead.as_slice()) {
+            (true, [only]) => Some(*only),
+            (true, [_, _, _]) => Some(direction),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn edges(text: &str) -> Vec<String> {
+        Connections::read(text).unwrap().fifos.into_iter().map(|edge| edge.join(" ")).collect()
+    }
+
+    #[test]
+    fn wires_turn_cross_and_have_names() {
+        let text = "
+ [a (1)] --one--+      [ b ] <--five--+
+     |          v        | two        |
+     |         [c] ------|--three--+  |
+     | four              v         |  |
+     +----------------> [d] <------+  |
+                         |  aside     |
+                         +------------+";
+        assert_eq!(edges(text), ["a four d", "a one c", "b two d", "c three d", "d five b"]);
+    }
+
+    #[test]
+    fn clients_connect_units_and_memories() {
+        let connections = Connections::read(" [a (1)] ==x, y== {m (2)}   [b] ==z== {m (2)}").unwrap();
+        let clients: Vec<String> = connections.clients.iter().map(|c| c.join(" ")).collect();
+        assert_eq!(clients, ["a x m", "a y m", "b z m"]);
+        let units = [("a", "1"), ("b", "")].map(|(name, numeral)| (name.to_owned(), numeral.to_owned()));
+        assert_eq!(connections.units, units.into());
+    }
+
+    #[test]
+    fn broken_wires_and_clients_are_rejected() {
+        assert!(Connections::read(" [a] --x--> b").is_err_and(|e| e.contains("points at no unit")));
+        assert!(Connections::read(" [a]  -x--> [b]").is_err_and(|e| e.contains("breaks")));
+        assert!(
+            Connections::read(" [a] --x--+\n\n       [b] <--+").is_err_and(|e| e.contains("breaks at") || e.contains("turns"))
+        );
+        assert!(Connections::read(" [a] ==x== m").is_err_and(|e| e.contains("expected")));
+    }
+}
