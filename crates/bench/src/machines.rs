@@ -25,10 +25,10 @@ use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
 use basrelief_machines::texel::{TexelMachineConfig, TextureMappingSystem};
 use basrelief_machines::{ConfigProblem, Draws, SceneFront};
 use basrelief_parameters::Parameters;
-use basrelief_report::Board;
 use basrelief_scene::{ViewOptions, demo};
 use basrelief_signals::{Mesh, Object, Scene};
 use basrelief_sim::{MachineConfig, run_apart};
+use basrelief_timeline::Board;
 use std::borrow::Cow;
 use std::sync::Arc;
 

@@ -4,8 +4,8 @@ use crate::machines::{self, Drawing, Set};
 use crate::traces;
 use crate::workload::{Ready, Sample, Size, Workload};
 use basrelief_kernel::{Engine, NoProbe};
-use basrelief_report::{Timeline, Watcher};
 use basrelief_threads as threads;
+use basrelief_timeline::{Timeline, Watcher};
 use serde::Serialize;
 use std::io::sink;
 

@@ -2,11 +2,11 @@
 
 use crate::error::{Done, Failure, bad, budget, within};
 use crate::scene::{DisplayList, Source, View, text_of};
+use basrelief_dse::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
 use basrelief_input::Budget;
 use basrelief_reference::Picture;
 use basrelief_scene::{demo, load_path_within};
 use basrelief_sim::{Prepared, RunInput, TOML_GROWTH, to_png};
-use basrelief_sweep::{Folder, Found, Host, Opened, Plan as SweepPlan, Point, Tally, Work, execute, tables};
 use basrelief_threads as threads;
 use pyo3::{PyErr, PyResult, Python, pyclass, pyfunction, pymethods};
 use std::collections::{BTreeMap, BTreeSet};

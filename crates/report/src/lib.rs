@@ -1,4 +1,4 @@
-//! What people read and open: the report of a run, its tables, its time line, and the explained difference of two.
+//! What people read and open: the report of a run, its tables, its page, and the explained difference of two.
 //!
 //! | module | what it makes |
 //! |---|---|
@@ -14,8 +14,6 @@
 //! | [`work`] | what a machine draws, in its own words |
 //! | [`html`](mod@html) | the report as one page |
 //! | [`csv`] | the same figures, one per line |
-//! | [`timeline`] | what every unit did when, as a trace for Perfetto, and as waves |
-//! | [`strips`] | the same in some hundred columns, to be looked at as a whole |
 //!
 //! Nothing here opens a file, reads a clock or prints: writers are arguments, host figures are arguments, tables are
 //! strings. A report without its `host` part is the same to the bit whatever the engine, machine or thread count.
@@ -34,10 +32,8 @@ pub mod model;
 #[cfg(test)]
 mod samples;
 pub mod sensitivity;
-pub mod strips;
 pub mod text;
 mod tidy;
-pub mod timeline;
 pub mod work;
 
 pub use ablation::Ablation;
@@ -49,6 +45,4 @@ pub use json::{ReadError, SCHEMA, schema};
 pub use methods::Methods;
 pub use model::Report;
 pub use sensitivity::Sensitivity;
-pub use strips::Strips;
 pub use text::{Style, Tables, hardware, to_text};
-pub use timeline::{Board, Chart, Life, Timeline, Tokens, Watcher, Waves, Whose};

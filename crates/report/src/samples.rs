@@ -7,9 +7,8 @@ use crate::model::{
     Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, Input, Legend, Memory, OutcomeKind, Part, Picture,
     PictureQuality, Report, Size, Unit,
 };
-use crate::timeline::Board;
 use basrelief_kernel::plan::{Plan, PlanMachine};
-use basrelief_kernel::{Engine, Outcome, RunReport, Shape};
+use basrelief_kernel::{Engine, Outcome, RunReport};
 use basrelief_reference::Quality;
 use basrelief_signals::Camera;
 use serde_json::json;
@@ -220,28 +219,12 @@ pub fn deadlocked() -> Report {
 }
 
 /// Source, unit with a memory client, sink.
-pub fn plan() -> Plan {
-    serde_json::from_value(json!({
-        "fifos": [{"name": "f", "depth": 3, "latency": 1}, {"name": "g", "depth": 2, "latency": 2}],
-        "memories": [{"name": "m", "burst_bytes": 32, "burst_cycles": 4, "banks": 2, "row_bytes": 256, "cas": 3, "rcd": 2, "rp": 2,
-            "ports": [{"name": "p", "outstanding": 2}]}],
-        "units": [
-            {"name": "source", "kind": "source", "tokens": TOKENS, "in": [], "out": ["f"], "occupancy": [1, 3], "latency": [1]},
-            {"name": "reader", "kind": "access", "in": ["f"], "out": ["g"], "occupancy": [1], "latency": [2],
-             "requests": [{"port": "p", "write": false, "bytes": 16, "stride": 48, "offset": 0, "span": 4096}]},
-            {"name": "sink", "kind": "sink", "in": ["g"], "out": [], "occupancy": [1, 2, 9], "latency": [0]},
-        ],
-    }))
-    .unwrap()
+fn plan() -> Plan {
+    serde_json::from_str(include_str!("../../timeline/tests/plan.json")).unwrap()
 }
 
-pub fn run() -> RunReport {
+fn run() -> RunReport {
     basrelief_kernel::run(&mut PlanMachine::new(&plan()).unwrap(), Engine::Timed)
-}
-
-/// The machine of [`plan`], as a time line shows it.
-pub fn board() -> Board {
-    Board::new("plan", 0, Shape::of(&mut PlanMachine::new(&plan()).unwrap()).unwrap().diagram())
 }
 
 /// What the kernel made of [`plan`].

@@ -5,7 +5,7 @@ use crate::flow::{Flow, Follower, Origin};
 use crate::machines::MachineConfig;
 use basrelief_input::{Budget, OverBudget};
 use basrelief_kernel::{Cause, Cycle, Interval, Label, MemoryEvent, Probe, StageTopology};
-use basrelief_report::{Life, Watcher, Whose};
+use basrelief_timeline::{Life, Watcher, Whose};
 use std::collections::VecDeque;
 use std::num::NonZeroU64;
 

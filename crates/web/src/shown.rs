@@ -4,10 +4,11 @@ use crate::outside::Outside;
 use crate::parcel::Parcel;
 use crate::path::Path;
 use basrelief_reference::{Picture, metrics};
+use basrelief_report::Report;
 use basrelief_report::html::sections;
-use basrelief_report::{Report, Strips};
 use basrelief_scene::DEMOS;
 use basrelief_sim::{Content, Exhibit, ExhibitInfo, Form, MACHINES, MachineInfo, Observer, Pictures, beside};
+use basrelief_timeline::Strips;
 use serde_json::{Value, json};
 use std::rc::Rc;
 

@@ -3,8 +3,8 @@
 use super::plans::{Planned, counts, work, written};
 use crate::args::ExploreArgs;
 use crate::error::{Done, Failure, print};
+use basrelief_dse::{Explored, Found, explore as find};
 use basrelief_input::Budget;
-use basrelief_sweep::{Explored, Found, explore as find};
 
 /// Explores.
 pub fn explore(args: &ExploreArgs, budget: &Budget, quiet: bool) -> Done {

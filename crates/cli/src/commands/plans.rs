@@ -6,11 +6,11 @@ use crate::input::{self, Input, TraceFile, demo_of, read_text};
 use crate::interrupt;
 use crate::outputs::PartialFile;
 use crate::progress::PointProgress;
+use basrelief_dse::{Folder, Host, Opened, Plan, Point, SweepError, Tally, Work, tables};
 use basrelief_input::{Budget, Held};
 use basrelief_parameters::nearest;
 use basrelief_reference::Picture;
 use basrelief_sim::{RunInput, TOML_GROWTH, to_png};
-use basrelief_sweep::{Folder, Host, Opened, Plan, Point, SweepError, Tally, Work, tables};
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};
 use std::io;
@@ -63,7 +63,7 @@ pub fn counts(Tally { points, there, run, retimed, .. }: &Tally, failed: usize) 
 /// A file that cannot be read or written.
 pub fn written(plan: &Plan, folder: &Folder, args: &PlanArgs, host: &Program<'_>) -> Done<String> {
     let front = tables(plan, folder, host).map_err(bad)?;
-    let files: Vec<&str> = basrelief_sweep::tables::FILES.iter().map(|(file, _)| *file).collect();
+    let files: Vec<&str> = basrelief_dse::tables::FILES.iter().map(|(file, _)| *file).collect();
     Ok(format!("\n{front}\nWritten to {}/: {}\n", args.out.display(), files.join(", ")))
 }
 

@@ -3,10 +3,10 @@
 use super::plans::{Program, bad};
 use crate::error::Done;
 use crate::input::Input;
+use basrelief_dse::{Around, Opened, Plan, sensitivity};
 use basrelief_input::Budget;
 use basrelief_report::Sensitivity;
 use basrelief_sim::RunOptions;
-use basrelief_sweep::{Around, Opened, Plan, sensitivity};
 use basrelief_threads as threads;
 
 /// The run that is to be changed.

@@ -10,6 +10,7 @@ use crate::error::{Done, Failure, print};
 use crate::outputs::{Outputs, REPORT, RUN_TAPE, check_distinct, check_not_read};
 use crate::progress::Progress;
 use crate::remote::Watched;
+use basrelief_dse::Around;
 use basrelief_input::Budget;
 use basrelief_kernel::{Engine, Probe};
 use basrelief_report::model::OutcomeKind;
@@ -18,7 +19,6 @@ use basrelief_sim::{
     self as sim, ExhibitInfo, Form, Given, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved, When,
     picture_name,
 };
-use basrelief_sweep::Around;
 use std::cell::Cell;
 use std::io::{IsTerminal, Write};
 use std::net::SocketAddr;

@@ -3,8 +3,8 @@
 use super::plans::{Planned, Program, bad, counts, work, written};
 use crate::args::{PlanArgs, SweepArgs};
 use crate::error::{Done, Failure, print};
+use basrelief_dse::{Folder, Found, Plan, Point, Tally, execute, verify};
 use basrelief_input::Budget;
-use basrelief_sweep::{Folder, Found, Plan, Point, Tally, execute, verify};
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -6,8 +6,8 @@ use crate::outputs::PartialFile;
 use basrelief_input::{Budget, OverBudget};
 use basrelief_kernel::Probe;
 use basrelief_parameters::nearest;
-use basrelief_report::{Board, Chart, Timeline, Tokens, Watcher, Waves};
 use basrelief_sim::{self as sim, Following, MachineConfig, Run, RunInput, RunOptions, Sample};
+use basrelief_timeline::{Board, Chart, Timeline, Tokens, Watcher, Waves};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 

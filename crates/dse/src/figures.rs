@@ -1,0 +1,177 @@
+//! The numbers of a report, each by its path: `cycles.total`, `quality.psnr_db`, `units.replacement.busy`.
+//!
+//! The path is that in `report.json`, with the exception of `derived.NAME`, whose `value` is meant. Of a list below `figures`, such as a
+//! number for each frame, there is the sum, `figures.NAME.sum`; other lists have no path. Three sums are added: `cycles.frames`, the cycles of all frames, for which `cycles` is short; `memories.bytes`, what all memories moved; and
+//! `hardware.bits`, what the machine holds.
+
+use crate::Cell;
+use basrelief_report::model::Hardware;
+use serde::Deserialize as _;
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// A number of a report.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Its path.
+    pub name: String,
+    /// Unit of measure, in the plural; empty for a ratio.
+    pub unit: String,
+    /// What it is; may be empty.
+    pub what: String,
+    /// Its value.
+    pub cell: Cell,
+}
+
+/// The path that a name in a plan stands for.
+pub fn path_of(name: &str) -> &str {
+    if name == "cycles" { "cycles.frames" } else { name }
+}
+
+/// Parts of a report whose numbers are figures as they stand there.
+const PLAIN: [&str; 6] = ["cycles", "quality", "units", "fifos", "memories", "caches"];
+
+/// The figures of a report, part by part, in the order of their names: that of JSON's keys goes by features that other crates may ask
+/// for.
+pub fn figures(report: &Value) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    for part in PLAIN {
+        numbers(&report[part], &mut vec![part], &mut |path, cell| {
+            figures.push(Figure { name: path.join("."), unit: unit(path).into(), what: String::new(), cell });
+        });
+    }
+    figures.extend(sums(report));
+    for (name, value) in sorted(&report["figures"]) {
+        let legend = |key: &str| report["legend"][name][key].as_str().unwrap_or_default().to_owned();
+        let figure = |name, cell| Figure { name, unit: legend("unit"), what: legend("about"), cell };
+        figures.extend(number(value).map(|cell| figure(format!("figures.{name}"), cell)));
+        figures.extend(sum(value).map(|cell| figure(format!("figures.{name}.sum"), cell)));
+    }
+    for (name, derived) in sorted(&report["derived"]) {
+        let text = |key: &str| derived[key].as_str().unwrap_or_default().to_owned();
+        let unit = Some(text("unit")).filter(|unit| unit != "1").unwrap_or_default();
+        let figure = |cell| Figure { name: format!("derived.{name}"), unit, what: text("formula"), cell };
+        figures.extend(number(&derived["value"]).map(figure));
+    }
+    figures
+}
+
+fn sorted(group: &Value) -> BTreeMap<&str, &Value> {
+    group.as_object().into_iter().flatten().map(|(name, value)| (name.as_str(), value)).collect()
+}
+
+fn number(value: &Value) -> Option<Cell> {
+    value.as_u64().map(Cell::Whole).or_else(|| value.as_f64().map(Cell::Number))
+}
+
+/// Sum of a list of numbers, if it has any.
+fn sum(value: &Value) -> Option<Cell> {
+    let cells = value.as_array().filter(|list| !list.is_empty())?.iter().map(number).collect::<Option<Vec<_>>>()?;
+    let whole = |cell: &Cell| if let Cell::Whole(n) = cell { Some(*n) } else { None };
+    let number = |cell: &Cell| match cell {
+        Cell::Whole(n) => Some(*n as f64),
+        Cell::Number(x) => Some(*x),
+        _ => None,
+    };
+    match cells.iter().map(whole).try_fold(0, |sum: u64, n| sum.checked_add(n?)) {
+        Some(sum) => Some(Cell::Whole(sum)),
+        None => cells.iter().map(number).sum::<Option<f64>>().map(Cell::Number),
+    }
+}
+
+/// All numbers below, groups opened.
+fn numbers<'a>(value: &'a Value, path: &mut Vec<&'a str>, found: &mut impl FnMut(&[&str], Cell)) {
+    for (name, value) in sorted(value) {
+        path.push(name);
+        match number(value) {
+            // A name in the patent, and no number of the run.
+            Some(_) if name == "numeral" => {}
+            Some(cell) => found(path, cell),
+            None => numbers(value, path, found),
+        }
+        path.pop();
+    }
+}
+
+fn sums(report: &Value) -> Vec<Figure> {
+    let frames = report["cycles"]["frames"].as_array().map(|frames| frames.iter().filter_map(Value::as_u64).sum());
+    let memories = report["memories"].as_object();
+    let clients = memories.into_iter().flatten().filter_map(|(_, memory)| memory["clients"].as_object()).flatten();
+    let bytes =
+        clients.map(|(_, client)| ["read_bytes", "write_bytes"].iter().filter_map(|key| client[key].as_u64()).sum::<u64>());
+    let hardware = Vec::<Hardware>::deserialize(&report["hardware"]).unwrap_or_default();
+    let sum = |name: &str, unit: &str, what: &str, n: u64| Figure {
+        name: name.into(),
+        unit: unit.into(),
+        what: what.into(),
+        cell: Cell::Whole(n),
+    };
+    let bytes = memories.map(|_| sum("memories.bytes", "bytes", "what all memories moved", bytes.sum()));
+    let bits = sum("hardware.bits", "bits", "what the machine holds", hardware.iter().map(Hardware::bits).sum());
+    let frames = frames.map(|cycles| sum("cycles.frames", "cycles", "of all frames", cycles));
+    frames.into_iter().chain(bytes).chain([bits]).collect()
+}
+
+/// The unit of measure of a figure that has none in the report: docs of `basrelief_report::model` say the same in words.
+fn unit(path: &[&str]) -> &'static str {
+    let last = path.last().copied().unwrap_or_default();
+    match (path[0], last) {
+        ("cycles", _) | ("memories", "queue_wait" | "interval") => "cycles",
+        ("units", "steps") => "steps",
+        ("units" | "fifos", "tokens") => "tokens",
+        ("units", _) => "cycles",
+        ("fifos", _) => "slots",
+        ("memories", "reads" | "writes") => "requests",
+        ("memories", "read_bytes" | "write_bytes") => "bytes",
+        ("memories", _) => "bursts",
+        ("caches", _) => "look-ups",
+        ("quality", "psnr_db") => "dB",
+        ("quality", "mean" | "largest") => "1/255",
+        _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn every_number_has_its_path_and_its_unit() {
+        let report = json!({
+            "cycles": { "total": 10, "frames": [7], "drain": 3 },
+            "units": { "a": { "numeral": 11, "busy": 4, "tokens": 2, "starved": { "in": 6 } } },
+            "memories": { "m": { "clients": { "z": { "read_bytes": 5, "write_bytes": 8 } }, "channels": [{ "row_hits": 1 }] } },
+            "hardware": [{ "place": "a", "kind": "table", "about": "x", "count": 8, "width": 3 }],
+            "figures": { "fragments": 9, "names": "x", "levels": [1, 2], "none": [], "waits": [1, 0.5], "words": ["y"] },
+            "legend": { "fragments": { "unit": "fragments", "about": "drawn" } },
+            "derived": { "a.utilisation": { "value": 0.4, "unit": "1", "formula": "f" }, "time_ms": { "value": 2.5, "unit": "ms", "formula": "g" } },
+            "quality": { "psnr_db": 30.5, "ssim": 1.0 },
+        });
+        let found: Vec<String> =
+            figures(&report).into_iter().map(|f| format!("{} = {} {}", f.name, f.cell, f.unit).trim_end().to_owned()).collect();
+        assert_eq!(
+            found,
+            [
+                "cycles.drain = 3 cycles",
+                "cycles.total = 10 cycles",
+                "quality.psnr_db = 30.5 dB",
+                "quality.ssim = 1.0",
+                "units.a.busy = 4 cycles",
+                "units.a.starved.in = 6 cycles",
+                "units.a.tokens = 2 tokens",
+                "memories.m.clients.z.read_bytes = 5 bytes",
+                "memories.m.clients.z.write_bytes = 8 bytes",
+                "cycles.frames = 7 cycles",
+                "memories.bytes = 13 bytes",
+                "hardware.bits = 24 bits",
+                "figures.fragments = 9 fragments",
+                "figures.levels.sum = 3",
+                "figures.waits.sum = 1.5",
+                "derived.a.utilisation = 0.4",
+                "derived.time_ms = 2.5 ms",
+            ]
+        );
+        assert_eq!((path_of("cycles"), path_of("cycles.drain")), ("cycles.frames", "cycles.drain"));
+    }
+}

@@ -1,0 +1,181 @@
+//! Points that no other beats.
+//!
+//! A point *dominates* another if it is at least as good by every objective and better by one. The front is what no point
+//! dominates. Only [`candidates`] count: rows that have run, keep every constraint and have a finite number for every
+//! objective. Points that are equal by every objective do not dominate each other: all of them are on the front, or none.
+
+use crate::rules::Goal;
+use crate::table::{Cell, Table};
+use std::cmp::Ordering;
+
+/// Rows that may be chosen, by number, each with its costs: a value per objective, of which the smaller is better. None if the
+/// table has no objective.
+pub fn candidates(table: &Table) -> Vec<(usize, Vec<f64>)> {
+    by(table, &table.objectives().collect::<Vec<_>>())
+}
+
+/// As [`candidates`], by these objectives alone.
+fn by(table: &Table, objectives: &[(usize, Goal)]) -> Vec<(usize, Vec<f64>)> {
+    let costs = |cells: &[Cell]| -> Option<Vec<f64>> {
+        objectives.iter().map(|&(at, goal)| Some(goal.cost(cells.get(at)?.number()?))).collect()
+    };
+    if objectives.is_empty() {
+        return vec![];
+    }
+    let feasible = table.rows.iter().enumerate().filter(|(_, row)| table.feasible(row));
+    feasible.filter_map(|(number, row)| Some((number, costs(&row.cells)?))).collect()
+}
+
+/// Numbers of the rows on the front, in the order of the table.
+///
+/// ```
+/// use basrelief_dse::{Cell, Column, Goal, Role, Row, State, Table, front};
+///
+/// let column = |name: &str, goal| Column { name: name.into(), unit: "".into(), role: Role::Objective(goal), what: "".into() };
+/// let row = |cycles, db| Row {
+///     id: format!("{cycles}"),
+///     state: State::Ok,
+///     cells: vec![Cell::Whole(cycles), Cell::Number(db)],
+///     picture: None,
+/// };
+/// let table = Table {
+///     columns: vec![column("cycles", Goal::Min), column("psnr_db", Goal::Max)],
+///     rows: vec![row(100, 20.0), row(300, 30.0), row(200, 19.0), row(300, 30.0)],
+///     ..Table::default()
+/// };
+/// // The third takes longer than the first and is worse; the second and the last are equal.
+/// assert_eq!(front(&table), [0, 1, 3]);
+/// ```
+pub fn front(table: &Table) -> Vec<usize> {
+    front_by(table, &table.objectives().collect::<Vec<_>>())
+}
+
+/// As [`front`], by these objectives alone.
+pub(crate) fn front_by(table: &Table, objectives: &[(usize, Goal)]) -> Vec<usize> {
+    let (rows, costs): (Vec<usize>, Vec<Vec<f64>>) = by(table, objectives).into_iter().unzip();
+    nondominated(&costs).into_iter().map(|at| rows[at]).collect()
+}
+
+/// Whether costs `a` are nowhere above costs `b`, and somewhere below.
+pub fn dominates(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b)
+}
+
+/// Places of the costs that no others dominate, ascending. All have the same length, and numbers that are finite.
+///
+/// Takes time in proportion to n log n up to three objectives, beyond that to n times the points on the front.
+pub fn nondominated(costs: &[impl AsRef<[f64]>]) -> Vec<usize> {
+    let of = |at: usize| costs[at].as_ref();
+    let mut order: Vec<usize> = (0..costs.len()).collect();
+    order.sort_by(|&a, &b| lexicographic(of(a), of(b)));
+    let (mut seen, mut front) = (Seen::default(), vec![]);
+    // What dominates a point stands before it, and equal points stand together.
+    for equal in order.chunk_by(|&a, &b| of(a) == of(b)) {
+        if seen.add(of(equal[0])) {
+            front.extend_from_slice(equal);
+        }
+    }
+    front.sort_unstable();
+    front
+}
+
+/// Points of a front, in lexicographic order.
+#[derive(Default)]
+struct Seen<'a> {
+    /// With up to three costs: the second and the third of those that no other is below in both, the second ascending.
+    stair: Vec<[f64; 2]>,
+    /// With more: all of them.
+    points: Vec<&'a [f64]>,
+}
+
+impl<'a> Seen<'a> {
+    /// Adds a point unless one of those before dominates it; whether it has.
+    fn add(&mut self, costs: &'a [f64]) -> bool {
+        if costs.len() > 3 {
+            // The latest are the nearest, and most often those that dominate.
+            let free = !self.points.iter().rev().any(|other| dominates(other, costs));
+            self.points.extend(free.then_some(costs));
+            return free;
+        }
+        // The first cost of all before is no higher.
+        let [second, third] = [1, 2].map(|at| costs.get(at).copied().unwrap_or(0.0));
+        let before = self.stair.partition_point(|step| step[0] <= second);
+        let free = before == 0 || self.stair[before - 1][1] > third;
+        if free {
+            let from = self.stair.partition_point(|step| step[0] < second);
+            let covered = self.stair[from..].iter().take_while(|step| step[1] >= third).count();
+            self.stair.splice(from..from + covered, [[second, third]]);
+        }
+        free
+    }
+}
+
+/// By the first number, then the second, and so on; zeros of either sign are equal.
+pub(crate) fn lexicographic(a: &[f64], b: &[f64]) -> Ordering {
+    a.partial_cmp(b).unwrap_or(Ordering::Equal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Column, Role, Row, State};
+    use proptest::prelude::*;
+
+    /// Few different values, so that there are ties.
+    pub(crate) fn costs() -> impl Strategy<Value = Vec<Vec<f64>>> {
+        let number = (0u8..6).prop_map(f64::from);
+        (1usize..5).prop_flat_map(move |n| prop::collection::vec(prop::collection::vec(number.clone(), n), 0..40))
+    }
+
+    proptest! {
+        #[test]
+        fn the_front_is_what_no_point_dominates(costs in costs()) {
+            let free = |at: &usize| !costs.iter().any(|other| dominates(other, &costs[*at]));
+            let expected: Vec<usize> = (0..costs.len()).filter(free).collect();
+            prop_assert_eq!(nondominated(&costs), expected);
+        }
+    }
+
+    #[test]
+    fn only_candidates_are_on_the_front() {
+        let columns = [Role::Objective(Goal::Min), Role::Objective(Goal::Max), Role::Figure];
+        let column = |(at, role)| Column { name: format!("c{at}"), unit: "".into(), role, what: "".into() };
+        let row = |cells: [Cell; 3]| Row { id: "".into(), state: State::Ok, cells: cells.into(), picture: None };
+        let figure = |cycles, db, bits| row([Cell::Whole(cycles), Cell::Number(db), Cell::Whole(bits)]);
+        let mut table = Table {
+            columns: columns.into_iter().enumerate().map(column).collect(),
+            constraints: vec!["c2 <= 8".parse().unwrap()],
+            rows: vec![
+                figure(1, 9.0, 9),
+                figure(1, f64::NAN, 1),
+                figure(1, f64::INFINITY, 1),
+                row([Cell::Whole(1), Cell::Missing, Cell::Whole(1)]),
+                figure(2, 8.0, 8),
+                figure(0, 99.0, 8),
+                figure(3, 8.0, 8),
+            ],
+            ..Table::default()
+        };
+        table.rows[5].state = State::Failed("deadlock".into());
+        assert_eq!(front(&table), [4]);
+        assert_eq!(candidates(&table), [(4, vec![2.0, -8.0]), (6, vec![3.0, -8.0])]);
+        table.constraints.clear();
+        assert_eq!(front(&table), [0]);
+        table.columns.iter_mut().for_each(|column| column.role = Role::Figure);
+        assert!(front(&table).is_empty());
+    }
+
+    #[test]
+    fn long_fronts_are_found() {
+        // By comparing each with each other, these would take minutes.
+        let stair: Vec<[f64; 2]> = (0..100_000).map(|at| [f64::from(at), f64::from(-at)]).collect();
+        assert_eq!(nondominated(&stair).len(), 100_000);
+        let plane: Vec<[f64; 3]> = (0..300).flat_map(|x| (0..300).map(move |y| [x, y, -x - y].map(f64::from))).collect();
+        assert_eq!(nondominated(&plane).len(), 90_000);
+    }
+
+    #[test]
+    fn zeros_of_either_sign_are_equal() {
+        assert_eq!(nondominated(&[[0.0, 1.0], [-0.0, 1.0], [-0.0, 0.5]]), [2]);
+    }
+}

@@ -1,0 +1,279 @@
+//! Axes of a plan: parameters, and the values that they take.
+
+use crate::Cell;
+use serde::Deserialize;
+use std::ops::Range;
+use toml::de::{DeTable, DeValue};
+use toml::{Spanned, Table, Value};
+
+/// Most values of an axis.
+pub(super) const MOST_VALUES: usize = 1 << 12;
+
+/// Parameters that take their values together: one, or several that are zipped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Parameters, as `--set` names them.
+    pub keys: Vec<String>,
+    /// For each value of the axis, the values of its parameters, as they are written in TOML. None where the parameters are as in the
+    /// rest of the plan: that is the first place of an axis that is changed one at a time.
+    pub values: Vec<Vec<String>>,
+    /// The same as cells of a table.
+    pub cells: Vec<Vec<Cell>>,
+}
+
+/// A range as it is written.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Steps {
+    from: f64,
+    to: f64,
+    step: Option<f64>,
+    factor: Option<f64>,
+}
+
+/// Values of parameters, by place: the order in the file is that of the axes.
+type Parsed = Vec<(Option<usize>, String, Vec<Value>)>;
+
+/// Where the parts of a plan stand in its text.
+pub(super) struct Places<'a>(Option<Spanned<DeTable<'a>>>);
+
+impl<'a> Places<'a> {
+    pub(super) fn of(text: &'a str) -> Self {
+        Self(DeTable::parse(text).ok())
+    }
+
+    /// Where the key at the end of this path stands.
+    fn of_path(&self, path: &[String]) -> Option<usize> {
+        let mut table = self.0.as_ref()?.get_ref();
+        let mut found: Option<Range<usize>> = None;
+        for part in path {
+            if let Some((key, value)) = table.iter().find(|(key, _)| key.get_ref() == part) {
+                found = Some(key.span());
+                match value.get_ref() {
+                    DeValue::Table(inner) => table = inner,
+                    _ => break,
+                }
+            }
+        }
+        found.map(|span| span.start)
+    }
+}
+
+/// The axes of `[axes]`, in the order in which they are written, then those of each `[[zip]]`.
+pub(super) fn axes(axes: &Table, zips: &[Table], places: &Places<'_>) -> Result<Vec<Axis>, String> {
+    let mut parsed = Vec::new();
+    parameters(axes, &["axes".to_owned()], places, &mut parsed)?;
+    parsed.sort_by_key(|(place, ..)| *place);
+    let single = parsed.into_iter().map(|(_, key, values)| axis(vec![(key, values)]));
+    let zipped = zips.iter().map(|zip| {
+        let mut parsed = Vec::new();
+        parameters(zip, &["zip".to_owned()], places, &mut parsed)?;
+        axis(parsed.into_iter().map(|(_, key, values)| (key, values)).collect())
+    });
+    single.chain(zipped).collect()
+}
+
+fn axis(parameters: Vec<(String, Vec<Value>)>) -> Result<Axis, String> {
+    let Some((first, values)) = parameters.first() else { return Err("zip: names no parameter; expected two or more".into()) };
+    let count = values.len();
+    if let Some((other, values)) = parameters.iter().find(|(_, values)| values.len() != count) {
+        let others = values.len();
+        return Err(format!("zip: `{first}` has {count} values and `{other}` has {others}; expected as many of each"));
+    }
+    let keys = parameters.iter().map(|(key, _)| key.clone()).collect();
+    let row = |n: usize| parameters.iter().map(move |(_, values)| &values[n]);
+    let values = (0..count).map(|n| row(n).map(Value::to_string).collect()).collect();
+    let cells = (0..count).map(|n| row(n).map(cell).collect()).collect();
+    Ok(Axis { keys, values, cells })
+}
+
+/// Parameters of a table and the groups in it, each with its values.
+fn parameters(table: &Table, path: &[String], places: &Places<'_>, found: &mut Parsed) -> Result<(), String> {
+    for (name, value) in table {
+        let path = [path, std::slice::from_ref(name)].concat();
+        let (place, key) = (path.join("."), path[1..].join("."));
+        let values = match value {
+            Value::Array(values) => values.clone(),
+            Value::Table(range) if range.contains_key("from") || range.contains_key("to") => range_values(range, &place)?,
+            Value::Table(group) => {
+                parameters(group, &path, places, found)?;
+                continue;
+            }
+            other => return Err(format!("{place}: is {other}, expected a list of values, or {RANGE}")),
+        };
+        if values.is_empty() {
+            return Err(format!("{place}: has no values; expected one at least"));
+        }
+        if values.len() > MOST_VALUES {
+            return Err(format!("{place}: has {} values; expected at most {MOST_VALUES}", values.len()));
+        }
+        found.push((places.of_path(&path), key, values));
+    }
+    Ok(())
+}
+
+const RANGE: &str = "a range such as { from = 8, to = 64, step = 8 } or { from = 2, to = 64, factor = 2 }";
+
+fn range_values(range: &Table, place: &str) -> Result<Vec<Value>, String> {
+    let wrong = |what: String| format!("{place}: {what}; expected {RANGE}");
+    let Steps { from, to, step, factor } =
+        Steps::deserialize(range.clone()).map_err(|error| wrong(error.message().trim().to_owned()))?;
+    let is_whole = range.values().all(|value| !value.is_float());
+    let grows = |x: f64| match (step, factor) {
+        (Some(step), None) => Ok(x + step),
+        (None, Some(factor)) => Ok(x * factor),
+        _ => Err(wrong("a range goes by a step or by a factor".into())),
+    };
+    let is_right = [from, to].iter().all(|x| x.is_finite()) && from <= to && grows(from)? > from;
+    if !is_right {
+        return Err(wrong("it does not rise from its first value to its last".into()));
+    }
+    let mut values = Vec::new();
+    // By its number, not from the one before: what is rounded does not add up.
+    for n in 0_u32.. {
+        let x = match (step, factor) {
+            (Some(step), _) => from + f64::from(n) * step,
+            (_, factor) => (0..n).fold(from, |x, _| x * factor.unwrap_or(1.0)),
+        };
+        // Digits that only rounding has made, as of 0.1 + 0.2, go.
+        let x = (x * 1e9).round() / 1e9;
+        if x > to || values.len() > MOST_VALUES {
+            break;
+        }
+        values.push(if is_whole { Value::Integer(x as i64) } else { Value::Float(x) });
+    }
+    Ok(values)
+}
+
+/// A value as a cell of a table.
+pub(super) fn cell(value: &Value) -> Cell {
+    match value {
+        Value::Integer(n) => u64::try_from(*n).map_or(Cell::Number(*n as f64), Cell::Whole),
+        Value::Float(x) => Cell::Number(*x),
+        Value::String(text) => Cell::Text(text.clone()),
+        other => Cell::Text(other.to_string()),
+    }
+}
+
+/// Points that are left out: for each parameter, the values that it must have for that.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Exclusion(Vec<(usize, usize, Vec<String>)>);
+
+impl Exclusion {
+    /// As it is written.
+    pub(super) fn of(table: &Table, axes: &[Axis]) -> Result<Self, String> {
+        let mut wanted = Vec::new();
+        leaves(table, "", &mut wanted);
+        let part = |(key, value): (String, &Value)| {
+            let place = axes.iter().enumerate().find_map(|(n, axis)| Some((n, axis.keys.iter().position(|k| *k == key)?)));
+            let (axis, at) = place.ok_or_else(|| {
+                let keys = axes.iter().flat_map(|axis| &axis.keys).map(String::as_str);
+                let near = basrelief_parameters::nearest(&key, keys);
+                let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+                format!("exclude: `{key}` is on no axis{hint}")
+            })?;
+            let values: Vec<String> = match value {
+                // A list is several values, unless the axis has lists for values.
+                Value::Array(values) if !has(axes, (axis, at), &value.to_string()) => {
+                    values.iter().map(Value::to_string).collect()
+                }
+                value => vec![value.to_string()],
+            };
+            match values.iter().find(|value| !has(axes, (axis, at), value)) {
+                Some(none) => Err(format!("exclude: `{key}` never is {none}: nothing would be left out")),
+                None => Ok((axis, at, values)),
+            }
+        };
+        if wanted.is_empty() {
+            return Err("exclude: names no parameter: everything would be left out".into());
+        }
+        Ok(Self(wanted.into_iter().map(part).collect::<Result<_, _>>()?))
+    }
+
+    pub(super) fn leaves_out(&self, places: &[usize], axes: &[Axis]) -> bool {
+        self.0
+            .iter()
+            .all(|(axis, at, values)| axes[*axis].values[places[*axis]].get(*at).is_some_and(|value| values.contains(value)))
+    }
+}
+
+fn has(axes: &[Axis], (axis, at): (usize, usize), value: &str) -> bool {
+    axes[axis].values.iter().any(|row| row.get(at).is_some_and(|given| given == value))
+}
+
+/// Dotted names and values, groups opened.
+fn leaves<'a>(table: &'a Table, prefix: &str, found: &mut Vec<(String, &'a Value)>) {
+    for (name, value) in table {
+        let key = format!("{prefix}{name}");
+        match value {
+            Value::Table(group) => leaves(group, &format!("{key}."), found),
+            _ => found.push((key, value)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str) -> Result<Vec<Axis>, String> {
+        let table: Table = text.parse().unwrap();
+        let group = |name: &str| table.get(name).and_then(Value::as_table).cloned().unwrap_or_default();
+        let zips = table.get("zip").and_then(Value::as_array).cloned().unwrap_or_default();
+        let zips: Vec<Table> = zips.into_iter().map(|zip| zip.as_table().cloned().unwrap()).collect();
+        axes(&group("axes"), &zips, &Places::of(text))
+    }
+
+    fn values(text: &str) -> Vec<String> {
+        of(&format!("[axes]\na = {text}")).unwrap().swap_remove(0).values.into_iter().flatten().collect()
+    }
+
+    #[test]
+    fn axes_are_in_the_order_of_the_file_and_zips_behind_them() {
+        let text = "[axes]\nz.y = [1]\na.b = [1, 2]\n[axes.m]\nn = [3]\n[[zip]]\nc.d = [1, 2]\nb = [\"x\", \"y\"]\n";
+        let keys: Vec<Vec<String>> = of(text).unwrap().into_iter().map(|axis| axis.keys).collect();
+        assert_eq!(keys, [vec!["z.y"], vec!["a.b"], vec!["m.n"], vec!["b", "c.d"]]);
+    }
+
+    #[test]
+    fn ranges_rise_by_a_step_or_by_a_factor() {
+        assert_eq!(values("{ from = 8, to = 30, step = 8 }"), ["8", "16", "24"]);
+        assert_eq!(values("{ from = 2, to = 64, factor = 2 }"), ["2", "4", "8", "16", "32", "64"]);
+        assert_eq!(values("{ from = 0.1, to = 0.5, step = 0.1 }"), ["0.1", "0.2", "0.3", "0.4", "0.5"]);
+        assert_eq!(values("[[256, 128], [64, 64]]"), ["[256, 128]", "[64, 64]"]);
+    }
+
+    #[test]
+    fn wrong_axes_are_named_with_what_was_expected() {
+        let says = |text: &str, part: &str| {
+            let error = of(text).unwrap_err();
+            assert!(error.contains(part), "{error}");
+        };
+        says("[axes]\na.b = 3", "axes.a.b: is 3, expected a list of values, or a range such as");
+        says("[axes]\na = []", "axes.a: has no values; expected one at least");
+        says("[axes]\na = { from = 1, to = 4 }", "axes.a: a range goes by a step or by a factor; expected a range such as");
+        says("[axes]\na = { from = 1, to = 4, step = 1, factor = 2 }", "a range goes by a step or by a factor");
+        says("[axes]\na = { from = 1, to = 4, stp = 1 }", "axes.a: unknown field `stp`");
+        says("[axes]\na = { from = 4, to = 1, step = 1 }", "it does not rise from its first value to its last");
+        says("[axes]\na = { from = 0, to = 1, factor = 2 }", "it does not rise");
+        says("[axes]\na = { from = 1, to = inf, step = 1 }", "it does not rise");
+        says("[axes]\na = { from = 1, to = 1e9, step = 1 }", "has 4097 values; expected at most 4096");
+        says("[[zip]]\na = [1, 2]\nb = [1]", "zip: `a` has 2 values and `b` has 1; expected as many of each");
+        says("[[zip]]\n", "zip: names no parameter");
+    }
+
+    #[test]
+    fn what_is_excluded_has_all_the_values_that_are_named() {
+        let axes = of("[axes]\na = [1, 2]\nb = [[1, 2], [3]]\n").unwrap();
+        let exclusion = |text: &str| Exclusion::of(&text.parse().unwrap(), &axes);
+        let left_out = |text: &str| {
+            let exclusion = exclusion(text).unwrap();
+            [[0, 0], [0, 1], [1, 0], [1, 1]].map(|places| exclusion.leaves_out(&places, &axes))
+        };
+        assert_eq!(left_out("a = 2\nb = [1, 2]"), [false, false, true, false]);
+        assert_eq!(left_out("a = [1, 2]\nb = [[3]]"), [false, true, false, true]);
+        assert!(exclusion("c = 1").unwrap_err().contains("`c` is on no axis"));
+        assert_eq!(exclusion("a = 3").unwrap_err(), "exclude: `a` never is 3: nothing would be left out");
+        assert!(exclusion("").unwrap_err().contains("everything"));
+    }
+}

@@ -1,0 +1,272 @@
+//! What is run: inputs, a machine, axes, samples, objectives, constraints; and the points that follow.
+
+mod axes;
+mod base;
+mod identity;
+mod points;
+mod written;
+
+pub use axes::Axis;
+pub(crate) use identity::hexadecimal;
+pub use points::Point;
+
+use crate::figures::{Figure, path_of};
+use crate::one;
+use crate::{Constraint, Objective};
+use crate::{Host, Opened, SweepError};
+use axes::{Exclusion, Places};
+use basrelief_parameters::{ConfigError, nearest};
+use basrelief_sim::{ConfigLoader, Given, MachineConfig, MachineInfo, input_sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use written::{Config, Method, Samples, Written};
+
+/// A plan whose parts fit together, with its inputs open.
+#[derive(Debug)]
+pub struct Plan {
+    /// A heading.
+    pub title: String,
+    /// What is drawn.
+    pub inputs: Vec<Input>,
+    /// Who draws it.
+    pub machine: &'static MachineInfo,
+    /// In the order in which they are written; the first changes slowest.
+    pub axes: Vec<Axis>,
+    /// What is to be small or large; at least one. Columns are paths of [figures](crate::figures).
+    pub objectives: Vec<Objective>,
+    /// What must be kept.
+    pub constraints: Vec<Constraint>,
+    /// No step starts in this cycle or later.
+    pub max_cycles: u64,
+    /// Whether exact pictures are drawn, and measured against. In a folder all points have them.
+    pub(crate) exact: bool,
+    /// What is run, each once.
+    pub points: Vec<Point>,
+    /// Parameters that all points share.
+    base: Given,
+    /// Their TOML, read.
+    loader: ConfigLoader,
+}
+
+/// A run, to make a plan [around](Plan::around).
+#[derive(Clone, Debug)]
+pub struct Around {
+    /// As the user named it; a display list is opened by that.
+    pub name: String,
+    /// Its input.
+    pub opened: Opened,
+    /// Who draws it.
+    pub machine: &'static MachineInfo,
+    /// Parameters as they were given.
+    pub given: Given,
+    /// No step starts in this cycle or later.
+    pub max_cycles: u64,
+    /// Whether exact pictures are drawn, and measured against.
+    pub exact: bool,
+}
+
+/// An input of a plan.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// As the plan names it.
+    pub name: String,
+    /// What it is.
+    pub opened: Opened,
+    /// All of it that a report depends on.
+    identity: String,
+}
+
+impl Plan {
+    /// Reads a plan, opens its inputs, and checks all of it: names, values, figures, the number of points.
+    ///
+    /// # Errors
+    /// The first that is wrong: field, what was expected, what to do. The file's name is not in it.
+    pub fn read(text: &str, host: &dyn Host) -> Result<Self, SweepError> {
+        let mut plan = Self::parse(text, host).map_err(SweepError)?;
+        let known = one::rehearse(&plan, host);
+        plan.check_figures(known.as_deref()).map_err(SweepError)?;
+        Ok(plan)
+    }
+
+    /// The plan whose points are a run as it is, and the same with each assumed parameter at its
+    /// [neighbours](basrelief_sim::Described::neighbours), one at a time.
+    ///
+    /// # Errors
+    /// An input that cannot be read, parameters that do not fit together.
+    pub fn around(run: Around, host: &dyn Host) -> Result<Self, SweepError> {
+        let Around { name, opened, machine, given, max_cycles, exact } = run;
+        let of_run = || {
+            let loader = machine.loader(&given.toml).map_err(|error| error.to_string())?;
+            let title = format!("{}, {name}", machine.name);
+            let (axes, objectives) = (vec![], vec![]);
+            let (constraints, inputs, points) = (vec![], vec![], vec![]);
+            let mut plan =
+                Self { title, inputs, machine, axes, objectives, constraints, max_cycles, exact, points, base: given, loader };
+            plan.axes = plan.around_base()?;
+            let samples = Samples { method: Method::OneAtATime, points: None, seed: 0 };
+            let places = points::places(&plan.axes, &[], Some(&samples), 1)?;
+            plan.inputs = vec![plan.input(&name, opened, host)?];
+            plan.points = points::points(&plan, &places);
+            Ok(plan)
+        };
+        of_run().map_err(SweepError)
+    }
+
+    fn parse(text: &str, host: &dyn Host) -> Result<Self, String> {
+        let written = Written::parse(text)?;
+        let names = written.inputs();
+        let Some(first) = names.first() else { return Err("input: names nothing; expected one input at least".into()) };
+        let machine = match &written.machine {
+            Some(name) => MachineInfo::named(name).map_err(|error| format!("machine: {error}"))?,
+            None => MachineInfo::of_demo(first.strip_prefix("demo:").unwrap_or_default()),
+        };
+        let base = match &written.config {
+            None => String::new(),
+            Some(Config::Inline(table)) => toml::to_string(table).map_err(|error| format!("config: {error}"))?,
+            Some(Config::File(name)) => host.text(name).map_err(|error| format!("config: {error}"))?,
+        };
+        let loader = machine.loader(&base).map_err(|error| format!("config: {error}"))?;
+        let mut plan = Self {
+            title: written.title.clone().unwrap_or_else(|| format!("{}, {}", machine.name, names.join(", "))),
+            inputs: vec![],
+            machine,
+            axes: axes::axes(&written.axes, &written.zip, &Places::of(text))?,
+            objectives: written.objectives()?,
+            constraints: written.constraints()?,
+            max_cycles: written.max_cycles.unwrap_or(u64::MAX),
+            exact: true,
+            points: vec![],
+            base: Given { toml: base, settings: vec![] },
+            loader,
+        };
+        plan.check_parameters()?;
+        if written.samples.as_ref().is_some_and(|samples| samples.method == Method::OneAtATime) {
+            plan.axes = plan.around_base()?;
+        }
+        let exclusions = written.exclude.iter().map(|table| Exclusion::of(table, &plan.axes)).collect::<Result<Vec<_>, _>>()?;
+        let places = points::places(&plan.axes, &exclusions, written.samples.as_ref(), names.len())?;
+        let view: Vec<(String, String)> = written.view.iter().map(|(name, value)| (name.clone(), plain(value))).collect();
+        plan.inputs = names.iter().map(|name| plan.open(name, &view, host)).collect::<Result<_, _>>()?;
+        plan.points = points::points(&plan, &places);
+        Ok(plan)
+    }
+
+    fn open(&self, name: &str, view: &[(String, String)], host: &dyn Host) -> Result<Input, String> {
+        self.input(name, host.open(name, view)?, host)
+    }
+
+    fn input(&self, name: &str, opened: Opened, host: &dyn Host) -> Result<Input, String> {
+        let source = one::source(name, &opened, host)?;
+        let default = self.machine.load("", &[]).map_err(|error| error.to_string())?;
+        let sha256 = input_sha256(source, &default, host.budget()).map_err(|error| format!("{name}: {error}"))?;
+        let identity = identity::of_input(name, &opened, &sha256);
+        Ok(Input { name: name.into(), opened, identity })
+    }
+
+    /// The axes around what the plan is without them.
+    fn around_base(&self) -> Result<Vec<Axis>, String> {
+        let base = self.load(&[]).map_err(|error| format!("config: {error}"))?;
+        base::around(self.axes.clone(), &base, &|key, value| self.load(&[(key.into(), value.into())]).ok())
+    }
+
+    /// Each parameter once, each value by itself.
+    fn check_parameters(&self) -> Result<(), String> {
+        let mut seen = BTreeSet::new();
+        if let Some(twice) = self.axes.iter().flat_map(|axis| &axis.keys).find(|key| !seen.insert(*key)) {
+            return Err(format!("axes: `{twice}` is on two axes; expected it on one"));
+        }
+        self.check_value("config", &[])?;
+        for axis in &self.axes {
+            let place = if axis.keys.len() == 1 { "axes" } else { "zip" };
+            for values in &axis.values {
+                let settings: Vec<(&str, &str)> =
+                    axis.keys.iter().map(String::as_str).zip(values.iter().map(String::as_str)).collect();
+                self.check_value(place, &settings)?;
+            }
+        }
+        if self.objectives.is_empty() {
+            return Err("objectives: there are none; expected one at least, such as \"cycles min\"".into());
+        }
+        Ok(())
+    }
+
+    /// Parameters that do not fit together are no mistake of the plan: others may mend that, and otherwise the point is a row.
+    fn check_value(&self, place: &str, settings: &[(&str, &str)]) -> Result<(), String> {
+        match self.loader.load(settings) {
+            Err(ConfigError::Unfit { .. }) | Ok(_) => Ok(()),
+            Err(error) => Err(format!("{place}: {}", self.machine.explain(&error))),
+        }
+    }
+
+    /// Figures by their paths, each known; none are where nothing could be run to know them by.
+    fn check_figures(&mut self, known: Option<&[Figure]>) -> Result<(), String> {
+        let columns = self.objectives.iter_mut().map(|o| ("objectives", &mut o.column));
+        for (place, column) in columns.chain(self.constraints.iter_mut().map(|c| ("constraints", &mut c.column))) {
+            *column = path_of(column).into();
+            let Some(known) = known else { continue };
+            if !known.iter().any(|figure| figure.name == *column) {
+                let near = nearest(column, known.iter().map(|figure| figure.name.as_str()));
+                let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+                return Err(format!(
+                    "{place}: the report has no figure `{column}`{hint} (docs/sweep.md says how they are named)"
+                ));
+            }
+        }
+        let mut seen = BTreeSet::new();
+        match self.objectives.iter().find(|objective| !seen.insert(&objective.column)) {
+            Some(twice) => Err(format!("objectives: `{}` is named twice", twice.column)),
+            None => Ok(()),
+        }
+    }
+
+    /// The part of the points that is shard `number` of `count`, from 1. Points that share their work stay together.
+    pub fn shard(&self, number: usize, count: usize) -> Vec<&Point> {
+        let mut groups = BTreeMap::new();
+        let of_shard = |point: &&Point| {
+            let next = groups.len();
+            *groups.entry(point.work.clone()).or_insert(next) % count == number - 1
+        };
+        self.points.iter().filter(of_shard).collect()
+    }
+
+    /// How many runs there are at least: points that share their work are one.
+    pub fn works(&self) -> usize {
+        self.points.iter().map(|point| &point.work).collect::<BTreeSet<_>>().len()
+    }
+
+    /// The values of a point on each axis, as `--set` takes them.
+    pub fn settings(&self, places: &[usize]) -> Vec<(String, String)> {
+        let of_axis = |(axis, &place): (&Axis, &usize)| {
+            axis.keys.iter().cloned().zip(axis.values[place].iter().cloned()).collect::<Vec<_>>()
+        };
+        self.axes.iter().zip(places).flat_map(of_axis).collect()
+    }
+
+    /// The parameters of a point, as they are given.
+    pub fn given(&self, places: &[usize]) -> Given {
+        let settings = self.base.settings.iter().cloned().chain(self.settings(places)).collect();
+        Given { toml: self.base.toml.clone(), settings }
+    }
+
+    /// The whole configuration of a point.
+    ///
+    /// # Errors
+    /// Parameters that do not fit together.
+    pub fn config(&self, places: &[usize]) -> Result<MachineConfig, String> {
+        self.load(&self.settings(places)).map_err(|error| error.to_string())
+    }
+
+    /// The base with these settings over it.
+    fn load(&self, settings: &[(String, String)]) -> Result<MachineConfig, ConfigError> {
+        let all = self.base.settings.iter().chain(settings);
+        self.loader.load(&all.map(|(key, value)| (key.as_str(), value.as_str())).collect::<Vec<_>>())
+    }
+}
+
+/// A value as the command line takes it.
+fn plain(value: &toml::Value) -> String {
+    match value {
+        toml::Value::String(text) => text.clone(),
+        toml::Value::Array(values) => values.iter().map(plain).collect::<Vec<_>>().join(","),
+        other => other.to_string(),
+    }
+}

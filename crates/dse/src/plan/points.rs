@@ -1,0 +1,110 @@
+//! The points of a plan.
+
+use super::Plan;
+use super::axes::{Axis, Exclusion};
+use super::identity::Identity;
+use super::written::{Method, Samples};
+use crate::sample::{latin_hypercube, sobol};
+use basrelief_threads as threads;
+use std::collections::BTreeSet;
+
+/// Most points of a plan, over all inputs.
+pub(super) const MOST_POINTS: usize = 1 << 15;
+
+/// One run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Point {
+    /// SHA-256, in hexadecimal, over all that its report depends on.
+    pub id: String,
+    /// The same over all that its work depends on: points that share it differ in times only.
+    pub work: String,
+    /// Number of its input.
+    pub input: usize,
+    /// Its place on each axis, from 0.
+    pub places: Vec<usize>,
+}
+
+/// Places on all axes: the grid, or a sample of it, without what is excluded.
+pub(super) fn places(
+    axes: &[Axis],
+    exclusions: &[Exclusion],
+    samples: Option<&Samples>,
+    inputs: usize,
+) -> Result<Vec<Vec<usize>>, String> {
+    let lengths: Vec<usize> = axes.iter().map(|axis| axis.values.len()).collect();
+    let places = match samples {
+        Some(Samples { method: method @ (Method::LatinHypercube | Method::Sobol), points, seed }) => {
+            let points = points.ok_or("samples: `points` says how many; expected a number such as points = 64")?;
+            bounded(Some(points), inputs)?;
+            let sample = if *method == Method::Sobol { sobol } else { latin_hypercube };
+            sample(points, &lengths, *seed).map_err(|error| format!("samples: {error}"))?
+        }
+        Some(Samples { points: Some(_), .. }) => {
+            return Err("samples: a grid, or one value at a time, has all its points; leave `points` out".into());
+        }
+        Some(Samples { method: Method::OneAtATime, .. }) => {
+            bounded(Some(lengths.iter().map(|length| length - 1).sum::<usize>() + 1), inputs)?;
+            one_at_a_time(&lengths)
+        }
+        _ => {
+            bounded(lengths.iter().try_fold(1_usize, |product, length| product.checked_mul(*length)), inputs)?;
+            grid(&lengths)
+        }
+    };
+    let left: Vec<Vec<usize>> =
+        places.into_iter().filter(|places| !exclusions.iter().any(|exclusion| exclusion.leaves_out(places, axes))).collect();
+    if left.is_empty() { Err("exclude: leaves no point".into()) } else { Ok(left) }
+}
+
+fn bounded(points: Option<usize>, inputs: usize) -> Result<(), String> {
+    let all = points.and_then(|points| points.checked_mul(inputs));
+    match all {
+        Some(0) => Err("samples: no points; expected one at least".into()),
+        Some(all) if all <= MOST_POINTS => Ok(()),
+        all => {
+            let all = all.map_or("far more".to_owned(), |all| all.to_string());
+            Err(format!(
+                "{all} points; expected at most {MOST_POINTS}: shorten axes, take samples, or write several plans for one folder"
+            ))
+        }
+    }
+}
+
+/// All places, the last axis changing fastest.
+fn grid(lengths: &[usize]) -> Vec<Vec<usize>> {
+    let mut all = vec![vec![]];
+    for &length in lengths {
+        all = all.iter().flat_map(|places| (0..length).map(move |place| [&places[..], &[place]].concat())).collect();
+    }
+    all
+}
+
+/// The base, which is the first place of each axis, and behind it each other place of each axis alone.
+fn one_at_a_time(lengths: &[usize]) -> Vec<Vec<usize>> {
+    let base = vec![0; lengths.len()];
+    let alone = |(axis, &length): (usize, &usize)| {
+        let base = base.clone();
+        (1..length).map(move |place| {
+            let mut places = base.clone();
+            places[axis] = place;
+            places
+        })
+    };
+    let others = lengths.iter().enumerate().flat_map(alone);
+    std::iter::once(vec![0; lengths.len()]).chain(others).collect()
+}
+
+/// The points of a plan, input by input; of equal ones the first.
+pub(super) fn points(plan: &Plan, places: &[Vec<usize>]) -> Vec<Point> {
+    let identity = Identity::of(plan);
+    let all: Vec<(usize, &Vec<usize>)> =
+        (0..plan.inputs.len()).flat_map(|input| places.iter().map(move |p| (input, p))).collect();
+    let pieces = all.chunks(64).collect();
+    let point = |&(input, places): &(usize, &Vec<usize>)| {
+        let (id, work) = identity.hashes(plan, input, places);
+        Point { id, work, input, places: places.clone() }
+    };
+    let points = threads::map(pieces, |piece: &[(usize, &Vec<usize>)]| piece.iter().map(point).collect::<Vec<_>>());
+    let mut seen = BTreeSet::new();
+    points.into_iter().flatten().filter(|point| seen.insert(point.id.clone())).collect()
+}

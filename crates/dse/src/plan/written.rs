@@ -1,0 +1,119 @@
+//! A plan as it is written.
+
+use crate::{Constraint, Goal, Objective};
+use basrelief_parameters::{nearest, syntax};
+use serde::Deserialize;
+use toml::Table;
+
+/// A plan as it is written. What each field means says docs/sweep.md.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Written {
+    pub(super) title: Option<String>,
+    pub(super) input: Inputs,
+    pub(super) machine: Option<String>,
+    pub(super) config: Option<Config>,
+    #[serde(default)]
+    pub(super) view: Table,
+    pub(super) max_cycles: Option<u64>,
+    #[serde(default)]
+    pub(super) axes: Table,
+    #[serde(default)]
+    pub(super) zip: Vec<Table>,
+    #[serde(default)]
+    pub(super) exclude: Vec<Table>,
+    pub(super) samples: Option<Samples>,
+    pub(super) objectives: Vec<WrittenObjective>,
+    #[serde(default)]
+    pub(super) constraints: Vec<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "expected the name of an input, such as \"demo:golf-ball\", or a list of them")]
+pub(super) enum Inputs {
+    One(String),
+    Several(Vec<String>),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "expected parameters, as in a file of --config, or the name of such a file")]
+pub(super) enum Config {
+    File(String),
+    Inline(Table),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Samples {
+    pub(super) method: Method,
+    pub(super) points: Option<usize>,
+    #[serde(default)]
+    pub(super) seed: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Method {
+    Grid,
+    LatinHypercube,
+    Sobol,
+    OneAtATime,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "expected \"FIGURE min\", \"FIGURE max\" or { figure = \"FIGURE\", goal = \"min\" }")]
+pub(super) enum WrittenObjective {
+    Text(String),
+    Fields(ObjectiveFields),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObjectiveFields {
+    figure: String,
+    goal: WrittenGoal,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum WrittenGoal {
+    Min,
+    Max,
+}
+
+impl Written {
+    pub(super) fn parse(text: &str) -> Result<Self, String> {
+        toml::from_str(text).map_err(|error| {
+            let names: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
+            let misspelt = error.message().starts_with("unknown ");
+            let near = names.split_first().filter(|_| misspelt).and_then(|(given, known)| nearest(given, known.iter().copied()));
+            let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+            format!("{}{hint}", syntax(text, &error))
+        })
+    }
+
+    pub(super) fn inputs(&self) -> Vec<String> {
+        match &self.input {
+            Inputs::One(input) => vec![input.clone()],
+            Inputs::Several(inputs) => inputs.clone(),
+        }
+    }
+
+    pub(super) fn objectives(&self) -> Result<Vec<Objective>, String> {
+        let objective = |written: &WrittenObjective| match written {
+            WrittenObjective::Text(text) => text.parse().map_err(|error| format!("objectives: {error}")),
+            WrittenObjective::Fields(ObjectiveFields { figure, goal }) => Ok(Objective {
+                column: figure.clone(),
+                goal: match goal {
+                    WrittenGoal::Min => Goal::Min,
+                    WrittenGoal::Max => Goal::Max,
+                },
+            }),
+        };
+        self.objectives.iter().map(objective).collect()
+    }
+
+    pub(super) fn constraints(&self) -> Result<Vec<Constraint>, String> {
+        self.constraints.iter().map(|text| text.parse().map_err(|error| format!("constraints: {error}"))).collect()
+    }
+}

@@ -1,0 +1,202 @@
+//! The table of all points, and what is made of it.
+
+use crate::figures::{Figure, figures};
+use crate::folder::publish;
+use crate::plan::{Plan, Point};
+use crate::{Cell, Column, Goal, PageOptions, Role, Row, State, Table, front, page, vega, write};
+use crate::{Folder, Found, Host, SweepError};
+use basrelief_threads as threads;
+use sha2::{Digest as _, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use std::fs;
+
+/// What a sweep writes beside its points, and what each is. The front is written last: where it is of these points, the others are.
+pub const FILES: &[(&str, &str)] = &[
+    ("sweep.html", "the sweep as a page"),
+    ("sweep.jsonl", "the whole table, a JSON object per point"),
+    ("sweep.csv", "the same as CSV"),
+    #[cfg(feature = "parquet")]
+    ("sweep.parquet", "the same as Parquet"),
+    #[cfg(feature = "sqlite")]
+    ("sweep.sqlite", "the same as a SQLite database"),
+    ("sweep.vl.json", "a chart of the front for Vega-Lite"),
+    (FRONT, "the front in words"),
+];
+const FRONT: &str = "front.txt";
+
+/// Writes the tables of all points, and gives the front in words. Where they are there already, of the same points, nothing is read or
+/// written.
+///
+/// # Errors
+/// A report that cannot be read, a file that cannot be written.
+pub fn tables(plan: &Plan, folder: &Folder, host: &dyn Host) -> Result<String, SweepError> {
+    let found: Vec<Found> = plan.points.iter().map(|point| folder.find(&point.id)).collect();
+    let stamp = format!("\npoints {}\n", stamp(plan, &found));
+    let before = fs::read_to_string(folder.place(FRONT)).unwrap_or_default();
+    if let Some(front) = before.strip_suffix(&stamp) {
+        return Ok(front.to_owned());
+    }
+    let all: Vec<&Point> = plan.points.iter().collect();
+    let table = table(plan, (&all, &found), folder)?;
+    let failed = |error: std::io::Error| SweepError(format!("the table: {error}"));
+    let (mut lines, mut csv) = (Vec::new(), Vec::new());
+    write::json_lines(&table, &mut lines).map_err(failed)?;
+    write::csv(&table, &mut csv).map_err(failed)?;
+    let page = page(
+        &table,
+        &PageOptions {
+            files: FILES.iter().skip(1).map(|(file, what)| ((*file).into(), (*what).into())).collect(),
+            ..PageOptions::default()
+        },
+    );
+    let chart = serde_json::to_string_pretty(&vega(&table)).map_err(|error| SweepError(error.to_string()))? + "\n";
+    let front = front_text(&table);
+    let last = format!("{front}{stamp}");
+    let all = [
+        page.as_bytes(),
+        &lines,
+        &csv,
+        #[cfg(feature = "parquet")]
+        &crate::parquet(&table).map_err(failed)?,
+        #[cfg(feature = "sqlite")]
+        &crate::sqlite(&table).map_err(failed)?,
+        chart.as_bytes(),
+        last.as_bytes(),
+    ];
+    FILES.iter().zip(all).try_for_each(|((file, _), bytes)| publish(&folder.place(file), bytes, host))?;
+    Ok(front)
+}
+
+/// A hash over all that the tables depend on: a report follows from the hash of its point.
+fn stamp(plan: &Plan, found: &[Found]) -> String {
+    let mut hash = Sha256::new();
+    hash.update(format!("{:?}", (env!("CARGO_PKG_VERSION"), FILES, &plan.title, &plan.objectives, &plan.constraints)));
+    for (point, found) in plan.points.iter().zip(found) {
+        hash.update(format!("{} {found:?}\n", point.id));
+    }
+    let inputs: Vec<&str> = plan.inputs.iter().map(|input| input.name.as_str()).collect();
+    hash.update(format!("{inputs:?} {:?}", plan.axes));
+    crate::plan::hexadecimal(hash)
+}
+
+/// The table of these points: a row for each. Columns are objectives, figures of constraints, inputs where
+/// there are several, axes, and all other figures.
+///
+/// # Errors
+/// A report that cannot be read.
+pub(crate) fn table_of(plan: &Plan, points: &[&Point], folder: &Folder) -> Result<Table, SweepError> {
+    let found: Vec<Found> = points.iter().map(|point| folder.find(&point.id)).collect();
+    table(plan, (points, &found), folder)
+}
+
+fn table(plan: &Plan, (points, found): (&[&Point], &[Found]), folder: &Folder) -> Result<Table, SweepError> {
+    let read = |(point, found): (&&Point, &Found)| match found {
+        Found::Report => folder.report(&point.id).map(|report| (State::Ok, figures(&report))),
+        Found::Failed => folder.failure(&point.id).map(|failure| {
+            let crate::folder::Failure { outcome, message } = failure;
+            (State::Failed(format!("{outcome}: {message}")), vec![])
+        }),
+        Found::Missing => Ok((State::Pending, vec![])),
+    };
+    let read = threads::map(points.iter().zip(found).collect(), read).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let columns = columns(plan, &read);
+    let numbers: BTreeMap<&str, usize> = columns.iter().enumerate().map(|(n, column)| (column.name.as_str(), n)).collect();
+    let row = |(point, (state, figures)): (&&Point, &(State, Vec<Figure>))| {
+        let mut cells = vec![Cell::Missing; columns.len()];
+        for (name, cell) in axis_cells(plan, point).chain(figures.iter().map(|figure| (&*figure.name, figure.cell.clone()))) {
+            cells[numbers[name]] = cell;
+        }
+        let picture = folder.picture(&point.id).filter(|_| *state == State::Ok);
+        Row { id: point.id.clone(), state: state.clone(), cells, picture }
+    };
+    let rows = points.iter().zip(&read).map(row).collect();
+    let table = Table { title: plan.title.clone(), columns, constraints: plan.constraints.clone(), rows };
+    table.check().map_err(|error| SweepError(error.to_string()))?;
+    Ok(table)
+}
+
+/// The column of inputs, where there are several.
+const INPUT: &str = "input";
+
+/// Names and values of a point's input and axes.
+fn axis_cells<'a>(plan: &'a Plan, point: &'a Point) -> impl Iterator<Item = (&'a str, Cell)> {
+    let input = (plan.inputs.len() > 1).then(|| (INPUT, Cell::Text(plan.inputs[point.input].name.clone())));
+    let axes = plan.axes.iter().zip(&point.places);
+    let cells = axes.flat_map(|(axis, &place)| axis.keys.iter().map(String::as_str).zip(axis.cells[place].iter().cloned()));
+    input.into_iter().chain(cells)
+}
+
+fn columns(plan: &Plan, points: &[(State, Vec<Figure>)]) -> Vec<Column> {
+    let mut columns: Vec<Column> = Vec::new();
+    let column = |name: &str, role| Column { name: name.into(), unit: String::new(), role, what: String::new() };
+    columns.extend(plan.objectives.iter().map(|o| column(&o.column, Role::Objective(o.goal))));
+    let mut named: BTreeSet<String> = columns.iter().map(|column| column.name.clone()).collect();
+    let constrained = plan.constraints.iter().filter(|constraint| named.insert(constraint.column.clone()));
+    columns.extend(constrained.map(|constraint| column(&constraint.column, Role::Figure)));
+    columns.extend((plan.inputs.len() > 1).then(|| column(INPUT, Role::Axis)));
+    let parameters = plan.machine.parameters();
+    for key in plan.axes.iter().flat_map(|axis| &axis.keys) {
+        let parameter = parameters.iter().find(|parameter| parameter.key == *key);
+        let (unit, what) = parameter.map_or(("", ""), |parameter| (parameter.unit, &parameter.doc));
+        columns.push(Column { unit: unit.into(), what: what.into(), ..column(key, Role::Axis) });
+    }
+    for figure in points.iter().flat_map(|(_, figures)| figures) {
+        if named.insert(figure.name.clone()) {
+            columns.push(column(&figure.name, Role::Figure));
+        }
+    }
+    let about: BTreeMap<&str, &Figure> =
+        points.iter().flat_map(|(_, figures)| figures).map(|figure| (figure.name.as_str(), figure)).collect();
+    for column in &mut columns {
+        if let Some(figure) = about.get(column.name.as_str()) {
+            (column.unit, column.what) = (figure.unit.clone(), figure.what.clone());
+        }
+    }
+    columns
+}
+
+/// Most points of a front that are printed.
+const MOST_PRINTED: usize = 40;
+
+/// The front as a plain table: what no other point beats.
+fn front_text(table: &Table) -> String {
+    let front = front::front(table);
+    let (points, of) = (front.len(), table.rows.iter().filter(|row| table.feasible(row)).count());
+    let kept: Vec<String> = table.constraints.iter().map(ToString::to_string).collect();
+    let keep = if kept.is_empty() { String::new() } else { format!(" that keep {}", kept.join(", ")) };
+    let mut text = format!("{}\n{points} of {of} points{keep} are not beaten by another\n", table.title);
+    let shown: Vec<usize> = table.objectives().map(|(at, _)| at).chain(table.axes()).collect();
+    let title = |&at: &usize| match table.columns[at].role {
+        Role::Objective(Goal::Min) => format!("{} min", table.columns[at].header()),
+        Role::Objective(Goal::Max) => format!("{} max", table.columns[at].header()),
+        Role::Axis | Role::Figure => table.columns[at].header(),
+    };
+    let mut order = front;
+    let cost = |row: usize| shown.first().and_then(|&at| table.rows[row].cells[at].number()).unwrap_or(f64::NAN);
+    // Stable: of equals the first of the plan is first.
+    order.sort_by(|a, b| cost(*a).total_cmp(&cost(*b)));
+    let line = |&row: &usize| shown.iter().map(|&at| table.rows[row].cells[at].to_string()).collect::<Vec<_>>();
+    let lines: Vec<Vec<String>> =
+        std::iter::once(shown.iter().map(title).collect()).chain(order.iter().take(MOST_PRINTED).map(line)).collect();
+    if points > 0 {
+        text += &aligned(&lines);
+    }
+    if points > MOST_PRINTED {
+        let _ = writeln!(text, "... and {} more", points - MOST_PRINTED);
+    }
+    text
+}
+
+/// Columns of equal width, to the right.
+fn aligned(lines: &[Vec<String>]) -> String {
+    let columns = lines.first().map_or(0, Vec::len);
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let mut text = String::new();
+    for line in lines {
+        let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
+        text += &(cells.join("  ") + "\n");
+    }
+    text
+}

@@ -1,0 +1,198 @@
+//! Sweeps: re-timed is run, threads change nothing, failures are rows, what is there stays.
+
+use crate::support::{Program, files, plan, sweep};
+use basrelief_dse::folder::{Failure, Store};
+use basrelief_dse::{Folder, Found, Work, execute, tables, verify};
+use std::fs;
+use std::time::Instant;
+use tempfile::tempdir;
+
+/// Two works, each under six times.
+const PLAN: &str = "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjectives = [\"cycles min\", \"hardware.bits min\"]\n\
+                    [axes]\nshade.mode = [\"normal\", \"brightness\"]\nfifo.interpolated.depth = [1, 2, 64]\n\
+                    memory.frame.part = [\"fpm-80\", \"sram\"]\n";
+
+#[test]
+fn a_point_that_is_timed_again_has_the_bytes_of_one_that_is_run() {
+    for text in [PLAN.to_owned(), PLAN.replace("demo:ellipsoid@1", "quad.dl.jsonl")] {
+        let folder = tempdir().unwrap();
+        let (plan, tally) = sweep(&text, folder.path(), 2);
+        assert_eq!((tally.points, tally.run, tally.retimed, tally.failed), (12, 2, 10, 0));
+        let points: Vec<_> = plan.points.iter().collect();
+        let (count, others) = verify(&plan, &points, 100.0, &Folder::new(folder.path()), &Program::new()).unwrap();
+        assert_eq!((count, others), (12, vec![]));
+    }
+}
+
+#[test]
+fn a_point_that_was_tampered_with_is_found() {
+    let folder = tempdir().unwrap();
+    let (plan, _) = sweep(PLAN, folder.path(), 2);
+    let id = &plan.points[7].id;
+    let path = folder.path().join("points").join(id).join("report.json");
+    fs::write(&path, fs::read_to_string(&path).unwrap().replacen("\"total\": ", "\"total\": 1", 1)).unwrap();
+    let points: Vec<_> = plan.points.iter().collect();
+    let (_, others) = verify(&plan, &points, 100.0, &Folder::new(folder.path()), &Program::new()).unwrap();
+    assert_eq!(others, std::slice::from_ref(id));
+    let (count, _) = verify(&plan, &points, 10.0, &Folder::new(folder.path()), &Program::new()).unwrap();
+    assert_eq!(count, 2, "a tenth of twelve, and what is left");
+}
+
+#[test]
+fn every_file_is_the_same_to_the_byte_whatever_the_threads() {
+    let [one, two] = [1, 2].map(|threads| {
+        let folder = tempdir().unwrap();
+        sweep(PLAN, folder.path(), threads);
+        files(folder.path())
+    });
+    assert_eq!(one.len(), 12 * 2 + tables::FILES.len());
+    assert!(one == two);
+}
+
+/// The same with a limit that some points keep and others do not.
+fn limited() -> String {
+    let folder = tempdir().unwrap();
+    let (plan, _) = sweep(PLAN, folder.path(), 2);
+    let total = |id: &str| Folder::new(folder.path()).report(id).unwrap()["cycles"]["total"].as_u64().unwrap();
+    let mut totals: Vec<u64> = plan.points.iter().map(|point| total(&point.id)).collect();
+    totals.sort_unstable();
+    format!("max_cycles = {}\n{PLAN}", totals[5])
+}
+
+#[test]
+fn points_that_do_not_come_to_their_end_are_rows_with_their_reason() {
+    let folder = tempdir().unwrap();
+    let (plan, tally) = sweep(&limited(), folder.path(), 2);
+    let store = Folder::new(folder.path());
+    let failed: Vec<_> = plan.points.iter().filter(|p| store.find(&p.id) == Found::Failed).collect();
+    assert!(!failed.is_empty() && failed.len() < 12, "{} of 12", failed.len());
+    assert_eq!(tally.failed, failed.len());
+    let failure = store.failure(&failed[0].id).unwrap();
+    assert_eq!((failure.outcome.as_str(), failure.message.as_str()), ("limit", "stopped at the limit of max_cycles"));
+    let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
+    assert_eq!(
+        table.lines().filter(|line| line.contains(",failed,limit: stopped at the limit of max_cycles,")).count(),
+        failed.len()
+    );
+    // What comes to its end in time is the report of a run without limit.
+    let whole = tempdir().unwrap();
+    let (free, _) = sweep(PLAN, whole.path(), 2);
+    for (point, free) in plan.points.iter().zip(&free.points).filter(|(point, _)| store.find(&point.id) == Found::Report) {
+        assert_eq!(store.report_text(&point.id).unwrap(), Folder::new(whole.path()).report_text(&free.id).unwrap());
+    }
+}
+
+#[test]
+fn parameters_that_do_not_fit_together_are_rows_with_their_reason() {
+    let text = "input = \"demo:ellipsoid@1\"\nmachine = \"bump\"\nobjectives = [\"cycles min\"]\n\
+                [axes]\nmemory.normal_map.outstanding = [1, 16]\nfifo.shaded.depth = [2, 4]\n";
+    let folder = tempdir().unwrap();
+    let (_, tally) = sweep(text, folder.path(), 2);
+    assert_eq!((tally.points, tally.failed), (4, 2));
+    let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
+    assert_eq!(
+        table.matches(",failed,\"unfit: `memory.normal_map.outstanding`: is 1, but one step needs 8 requests").count(),
+        2,
+        "{table:.2000}"
+    );
+}
+
+#[test]
+fn a_point_that_is_known_to_be_stuck_is_a_row_off_the_front_until_it_is_run_again() {
+    let folder = tempdir().unwrap();
+    let host = Program::new();
+    let (plan, store) = (plan(PLAN, &host), Folder::new(folder.path()));
+    let message = "nothing can start: a waits for b".to_owned();
+    store.put_failure(&plan.points[3].id, &Failure { outcome: "deadlock".into(), message }, &host).unwrap();
+    let (_, tally) = sweep(PLAN, folder.path(), 2);
+    assert_eq!((tally.there, tally.run + tally.retimed, tally.failed), (1, 11, 0));
+    let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
+    let row = format!("{},failed,deadlock: nothing can start: a waits for b,,,", plan.points[3].id);
+    assert!(table.lines().nth(4).unwrap().starts_with(&row), "{table:.2000}");
+    assert!(fs::read_to_string(folder.path().join("front.txt")).unwrap().contains("of 11 points are not beaten"));
+    let points: Vec<_> = plan.points.iter().collect();
+    let work = Work { points: &points, retry_failed: true, pictures: true, threads: 2 };
+    assert_eq!(execute(&plan, &work, &store, &host).unwrap().run, 1);
+    assert_eq!(store.find(&plan.points[3].id), Found::Report);
+}
+
+#[test]
+fn what_is_there_is_not_run_again_and_what_failed_only_on_demand() {
+    let folder = tempdir().unwrap();
+    let text = limited();
+    let (_, first) = sweep(&text, folder.path(), 2);
+    assert!(first.failed > 0);
+    let before = files(folder.path());
+    let (_, second) = sweep(&text, folder.path(), 2);
+    assert_eq!((second.there, second.run, second.retimed), (12, 0, 0));
+    assert!(before == files(folder.path()));
+    let host = Program::new();
+    let plan = plan(&text, &host);
+    let points: Vec<_> = plan.points.iter().collect();
+    let work = Work { points: &points, retry_failed: true, pictures: true, threads: 2 };
+    let tally = execute(&plan, &work, &Folder::new(folder.path()), &host).unwrap();
+    assert_eq!((tally.there, tally.run, tally.failed), (12 - first.failed, first.failed, first.failed));
+}
+
+#[test]
+fn a_second_plan_finds_the_points_of_the_first() {
+    let folder = tempdir().unwrap();
+    sweep(PLAN, folder.path(), 2);
+    let (plan, tally) = sweep(&PLAN.replace("[1, 2, 64]", "[2, 8]").replace("cycles min", "cycles max"), folder.path(), 2);
+    assert_eq!((plan.points.len(), tally.there, tally.run + tally.retimed), (8, 4, 4));
+}
+
+#[test]
+fn a_full_disk_ends_the_sweep_with_the_name_of_the_file_and_leaves_what_is_whole() {
+    for room in [0, 1, 5, 12, 24, 26] {
+        let folder = tempdir().unwrap();
+        let host = Program::with_room(room);
+        let plan = plan(PLAN, &host);
+        let points: Vec<_> = plan.points.iter().collect();
+        let work = Work { points: &points, retry_failed: false, pictures: true, threads: 2 };
+        let store = Folder::new(folder.path());
+        let ended = execute(&plan, &work, &store, &host).and_then(|_| tables(&plan, &store, &host));
+        let error = ended.unwrap_err().to_string();
+        assert!(error.contains(&folder.path().display().to_string()) && error.contains(": cannot be written: "), "{error}");
+        // And when there is room again, it goes on.
+        sweep(PLAN, folder.path(), 2);
+        let undisturbed = tempdir().unwrap();
+        sweep(PLAN, undisturbed.path(), 2);
+        assert!(files(folder.path()) == files(undisturbed.path()), "room for {room} files");
+    }
+}
+
+#[test]
+fn objectives_come_first_then_axes_then_all_figures_each_with_its_unit() {
+    let folder = tempdir().unwrap();
+    sweep(PLAN, folder.path(), 2);
+    let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
+    let head = "id,state,reason,cycles.frames [cycles],hardware.bits [bits],shade.mode,\
+                fifo.interpolated.depth [tokens],memory.frame.part,cycles.drain [cycles],";
+    assert!(table.starts_with(head), "{table:.600}");
+    assert_eq!(table.lines().count(), 13);
+    let front = fs::read_to_string(folder.path().join("front.txt")).unwrap();
+    assert!(
+        front.contains("of 12 points are not beaten by another\ncycles.frames [cycles] min  hardware.bits [bits] min  "),
+        "{front}"
+    );
+}
+
+#[test]
+fn ten_thousand_points_are_checked_found_and_resumed_at_once() {
+    let text = "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjectives = [\"cycles min\"]\n[axes]\nshade.mode = [\"normal\", \"brightness\"]\n\
+                fifo.pixels.depth = { from = 1, to = 50, step = 1 }\nfifo.interpolated.depth = { from = 1, to = 100, step = 1 }\n";
+    let (folder, host) = (tempdir().unwrap(), Program::new());
+    let store = Folder::new(folder.path());
+    for point in &plan(text, &host).points {
+        store.put(&point.id, ("{ \"cycles\": { \"frames\": [7] } }", None), &host).unwrap();
+    }
+    sweep(text, folder.path(), 2);
+    let began = Instant::now();
+    let (plan, tally) = sweep(text, folder.path(), 2);
+    let seconds = began.elapsed().as_secs_f64();
+    println!("{} points checked, found and resumed in {seconds:.2} s", plan.points.len());
+    assert_eq!((plan.points.len(), tally.there, tally.run), (10_000, 10_000, 0));
+    // Less than 1 s when built for release; here, for debugging and beside other tests, ten times that is no mistake.
+    assert!(seconds < 20.0, "{seconds} s");
+}

@@ -1,0 +1,183 @@
+//! Assumptions changed one at a time: all of them, each as a run with that value, the same whatever the threads.
+
+use crate::support::{Program, plan, sweep};
+use basrelief_dse::{Around, Opened, Plan, sensitivity};
+use basrelief_input::Budget;
+use basrelief_report::sensitivity::{Change, ComesTo, Measure, Sensitivity};
+use basrelief_scene::{ViewOptions, demo};
+use basrelief_sim::{Given, MACHINES, MachineInfo, Prepared, RunInput, RunOptions, Unobserved, run};
+use std::collections::BTreeSet;
+use std::fs;
+use std::sync::Arc;
+use tempfile::tempdir;
+
+/// The first demo of a machine, small.
+fn around(machine: &'static MachineInfo, given: Given, frames: u32) -> Around {
+    let options = ViewOptions { size: [32, 24], frames: Some(frames), ..ViewOptions::default() };
+    let scene = Arc::new(demo(machine.demos[0], &options).unwrap());
+    let opened = Opened::Scene(Prepared::kept(scene, &Budget::default()));
+    Around { name: machine.demos[0].into(), opened, machine, given, max_cycles: u64::MAX, exact: true }
+}
+
+fn measured(around: &Around, threads: usize) -> Sensitivity {
+    let host = Program::new();
+    sensitivity(&Plan::around(around.clone(), &host).unwrap(), threads, &host).unwrap()
+}
+
+/// What a run comes to with a parameter set over what is given.
+fn measured_alone(around: &Around, set: Option<(&str, String)>) -> Measure {
+    let Opened::Scene(prepared) = &around.opened else { panic!("a scene") };
+    let settings = around.given.settings.iter().cloned().chain(set.map(|(key, value)| (key.to_owned(), value))).collect();
+    let given = Given { settings, ..around.given.clone() };
+    let config = given.config(around.machine, &[]).unwrap();
+    let options = RunOptions { config, given, ..RunOptions::default() };
+    Measure::of(&run(RunInput::Scene(prepared.clone()), &options, &mut Unobserved, None).unwrap().report)
+}
+
+fn set(change: &Change) -> Option<(&str, String)> {
+    Some((&change.parameter, change.to.as_str().map_or_else(|| change.to.to_string(), str::to_owned)))
+}
+
+/// Percent that a change moves at most, where it is one of cycles or bytes.
+fn size(change: &Change) -> f64 {
+    let ComesTo::Run(moved) = &change.comes_to else { return -1.0 };
+    moved.cycles_percent.abs().max(moved.bytes_percent.abs()).max(12.2 * moved.psnr_change_db.unwrap().abs())
+}
+
+/// All that is said of one machine.
+fn every_assumption_is_changed(machine: usize, frames: u32) {
+    let machine = &MACHINES[machine];
+    let around = around(machine, Given::default(), frames);
+    let told = measured(&around, 2);
+    assert_eq!(told.base, measured_alone(&around, None));
+
+    let config = machine.load("", &[]).unwrap();
+    let assumed = config.described().into_iter().filter(|p| p.provenance.kind == "assumed");
+    let wanted: BTreeSet<String> = assumed.map(|p| p.key).collect();
+    let changed: BTreeSet<String> = told.changes.iter().map(|change| change.parameter.clone()).collect();
+    let unchanged: BTreeSet<String> = told.unchanged.iter().cloned().collect();
+    assert_eq!(changed.union(&unchanged).cloned().collect::<BTreeSet<_>>(), wanted);
+    assert!(unchanged.iter().all(|key| key == "ideal.units" || key.starts_with("defer.")), "{unchanged:?}");
+
+    assert!(told.changes.windows(2).all(|pair| size(&pair[0]) >= size(&pair[1])), "the largest first");
+    // What moves most, and some of all kinds.
+    let runs = told.changes.iter().filter_map(|change| match &change.comes_to {
+        ComesTo::Run(moved) => Some((change, moved)),
+        ComesTo::Nothing { .. } => None,
+    });
+    for (change, moved) in runs.clone().take(3).chain(runs.step_by(23)) {
+        assert_eq!(moved.measure, measured_alone(&around, set(change)), "{change:?}");
+    }
+    for change in told.changes.iter().filter(|change| size(change) < 0.0) {
+        let ComesTo::Nothing { reason } = &change.comes_to else { panic!("{change:?}") };
+        let config = around.given.config(machine, &[set(change).map(|(key, value)| (key.to_owned(), value)).unwrap()]);
+        let refused =
+            config.map_or_else(|e| e.to_string(), |config| config.check().map_or_else(|e| e.to_string(), |()| String::new()));
+        println!("{} {}: {reason}", change.parameter, change.to);
+        assert!(reason.split_once(": ").is_some_and(|(word, why)| word != "unfit" || why == refused), "{reason}");
+    }
+}
+
+#[test]
+fn every_assumption_of_bump_is_changed_and_comes_to_what_a_run_with_it_does() {
+    every_assumption_is_changed(0, 1);
+}
+
+#[test]
+fn every_assumption_of_shade_is_changed_and_comes_to_what_a_run_with_it_does() {
+    every_assumption_is_changed(1, 1);
+}
+
+#[test]
+fn every_assumption_of_texel_is_changed_and_comes_to_what_a_run_with_it_does() {
+    every_assumption_is_changed(2, 2);
+}
+
+#[test]
+fn every_assumption_of_defer_is_changed_and_comes_to_what_a_run_with_it_does() {
+    every_assumption_is_changed(3, 1);
+}
+
+#[test]
+fn it_is_the_same_whatever_the_threads_and_stands_on_what_was_given() {
+    let settings = vec![("shade.mode".to_owned(), "normal".to_owned()), ("cpu.divide".to_owned(), "40".to_owned())];
+    let around = around(&MACHINES[1], Given { toml: "[cpu]\nmultiply = 9".into(), settings }, 1);
+    let [one, two] = [1, 2].map(|threads| measured(&around, threads));
+    assert_eq!(serde_json::to_string(&one).unwrap(), serde_json::to_string(&two).unwrap());
+    let values = |key: &str| {
+        let of = one.changes.iter().filter(|change| change.parameter == key);
+        of.map(|change| (change.from.as_u64().unwrap(), change.to.as_u64().unwrap())).collect::<BTreeSet<_>>()
+    };
+    assert_eq!(values("cpu.divide"), BTreeSet::from([(40, 20), (40, 60)]));
+    assert_eq!(values("cpu.multiply"), BTreeSet::from([(9, 5), (9, 14)]));
+    let change = one.changes.iter().find(|change| change.parameter == "cpu.divide").unwrap();
+    let ComesTo::Run(moved) = &change.comes_to else { panic!("{change:?}") };
+    assert_eq!(moved.measure, measured_alone(&around, set(change)));
+}
+
+#[test]
+fn what_passes_the_limit_of_cycles_is_a_row_with_its_reason_and_without_exact_pictures_there_are_no_decibels() {
+    let around = around(&MACHINES[1], Given::default(), 1);
+    let total = {
+        let Opened::Scene(prepared) = &around.opened else { panic!("a scene") };
+        run(
+            RunInput::Scene(prepared.clone()),
+            &RunOptions { config: MACHINES[1].load("", &[]).unwrap(), ..RunOptions::default() },
+            &mut Unobserved,
+            None,
+        )
+        .unwrap()
+        .report
+        .cycles
+        .unwrap()
+        .total
+    };
+    let told = measured(&Around { max_cycles: total, exact: false, ..around.clone() }, 2);
+    assert_eq!(told.base.psnr_db, None);
+    let limit = ComesTo::Nothing { reason: "limit: stopped at the limit of max_cycles".into() };
+    let (beyond, within): (Vec<_>, Vec<_>) = told.changes.iter().partition(|change| change.comes_to == limit);
+    assert!(!beyond.is_empty() && within.len() > beyond.len());
+    let short = Around { max_cycles: total / 2, ..around };
+    let host = Program::new();
+    let error = sensitivity(&Plan::around(short, &host).unwrap(), 2, &host).unwrap_err().to_string();
+    assert_eq!(error, "as configured: limit: stopped at the limit of max_cycles");
+}
+
+/// Two axes of their own, and the base beside them.
+const PLAN: &str = "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjectives = [\"cycles min\"]\n\
+                    samples = { method = \"one_at_a_time\" }\nconfig.cpu.divide = 40\n\
+                    [axes]\nshade.mode = [\"normal\", \"brightness\"]\nfifo.interpolated.depth = [1, 2, 64]\n\
+                    [[zip]]\ncpu.divide = [10, 20]\ncpu.multiply = [2, 3]\n";
+
+#[test]
+fn a_plan_changes_one_axis_at_a_time_from_what_it_is_without_them() {
+    let folder = tempdir().unwrap();
+    let (plan, tally) = sweep(PLAN, folder.path(), 2);
+    // The depth that is the default's is the base.
+    let depth = plan.machine.parameters().into_iter().find(|p| p.key == "fifo.interpolated.depth").unwrap().default;
+    let depths = [1, 2, 64].into_iter().filter(|given| depth != *given).count();
+    let mode = plan.machine.parameters().into_iter().find(|p| p.key == "shade.mode").unwrap().default;
+    let modes = ["normal", "brightness"].into_iter().filter(|given| mode != *given).count();
+    assert_eq!((tally.points, tally.failed), (1 + depths + modes + 2, 0));
+    let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
+    let mut lines = table.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').take(8).collect();
+    assert_eq!(head[4..], ["shade.mode", "fifo.interpolated.depth [tokens]", "cpu.divide [cycles]", "cpu.multiply [cycles]"]);
+    let axes: Vec<String> = lines.map(|line| line.split(',').skip(4).take(4).collect::<Vec<_>>().join(" ")).collect();
+    let mode = mode.as_str().unwrap();
+    assert_eq!(axes[0], format!("{mode} {depth} 40 4"));
+    assert_eq!(axes[axes.len() - 2..], [format!("{mode} {depth} 10 2"), format!("{mode} {depth} 20 3")]);
+}
+
+#[test]
+fn a_plan_without_axes_changes_every_assumption() {
+    let host = Program::new();
+    let text = "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjectives = [\"cycles min\"]\nsamples = { method = \"one_at_a_time\" }\n";
+    let of_file = plan(text, &host);
+    let Opened::Scene(prepared) = &of_file.inputs[0].opened else { panic!("a scene") };
+    let around = Around { opened: Opened::Scene(prepared.clone()), ..around(&MACHINES[1], Given::default(), 1) };
+    let of_run = Plan::around(around, &host).unwrap();
+    assert_eq!(of_run.points.iter().map(|p| &p.id).collect::<Vec<_>>(), of_file.points.iter().map(|p| &p.id).collect::<Vec<_>>());
+    let error = Plan::read(&text.replace("time\" }", "time\", points = 4 }"), &host).unwrap_err().to_string();
+    assert!(error.contains("has all its points; leave `points` out"), "{error}");
+}

@@ -1,0 +1,103 @@
+//! A program around a sweep, for tests: demos, display lists in memory, a disk that can fill up.
+
+use basrelief_dse::{Folder, Host, Opened, Plan, Tally, Work, execute, tables};
+use basrelief_input::Budget;
+use basrelief_reference::Picture;
+use basrelief_scene::{ViewOptions, demo};
+use basrelief_sim::{Prepared, RunInput, doc_trace};
+use std::fs;
+use std::io::{self, Cursor};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The program.
+pub struct Program {
+    budget: Budget,
+    /// Files that may still be written.
+    room: AtomicUsize,
+}
+
+impl Program {
+    pub fn new() -> Self {
+        Self::with_room(usize::MAX)
+    }
+
+    pub fn with_room(files: usize) -> Self {
+        Self { budget: Budget::default(), room: AtomicUsize::new(files) }
+    }
+}
+
+impl Host for Program {
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<Opened, String> {
+        if name == "quad.dl.jsonl" {
+            return Ok(Opened::Trace);
+        }
+        let Some(name) = name.strip_prefix("demo:") else { return Err(format!("input: {name}: cannot be read")) };
+        assert!(view.iter().all(|(name, _)| name == "frames"), "the only option that this program knows");
+        let frames = view.iter().map(|(_, value)| value.parse().unwrap()).next_back();
+        let options = ViewOptions { size: [40, 30], frames, ..ViewOptions::default() };
+        let scene = demo(name, &options).map_err(|error| format!("input: {error}"))?;
+        Ok(Opened::Scene(Prepared::kept(Arc::new(scene), &self.budget)))
+    }
+
+    fn trace(&self, name: &str) -> Result<RunInput, String> {
+        Ok(RunInput::trace(Cursor::new(doc_trace()), name))
+    }
+
+    fn text(&self, name: &str) -> Result<String, String> {
+        if name == "wide.toml" { Ok("replacement.lanes = 16".into()) } else { Err(format!("{name}: cannot be read")) }
+    }
+
+    fn png(&self, picture: &Picture) -> Result<Vec<u8>, String> {
+        Ok(picture.to_rgba())
+    }
+
+    fn publish(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let left = self.room.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |room| room.checked_sub(1));
+        left.map_err(|_| io::ErrorKind::StorageFull)?;
+        fs::create_dir_all(path.parent().unwrap())?;
+        fs::write(path, bytes)
+    }
+
+    fn progress(&self, _: &Tally) {}
+
+    fn budget(&self) -> &Budget {
+        &self.budget
+    }
+}
+
+/// A plan that is right.
+pub fn plan(text: &str, host: &Program) -> Plan {
+    Plan::read(text, host).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// Runs a plan on so many threads, and writes its tables.
+pub fn sweep(text: &str, folder: &Path, threads: usize) -> (Plan, Tally) {
+    let host = Program::new();
+    let plan = plan(text, &host);
+    let folder = Folder::new(folder);
+    let points: Vec<_> = plan.points.iter().collect();
+    let work = Work { points: &points, retry_failed: false, pictures: true, threads };
+    let tally = execute(&plan, &work, &folder, &host).unwrap();
+    tables(&plan, &folder, &host).unwrap();
+    (plan, tally)
+}
+
+/// All files below, by their paths, with their bytes.
+pub fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut all = Vec::new();
+    collect(folder, folder, &mut all);
+    all.sort();
+    all
+}
+
+fn collect(top: &Path, folder: &Path, all: &mut Vec<(PathBuf, Vec<u8>)>) {
+    for path in fs::read_dir(folder).into_iter().flatten().map(|entry| entry.unwrap().path()) {
+        if path.is_dir() {
+            collect(top, &path, all);
+        } else {
+            all.push((path.strip_prefix(top).unwrap().into(), fs::read(&path).unwrap()));
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! The machine and the run that the tests of this crate draw.
+
+use crate::Board;
+use basrelief_kernel::plan::{Plan, PlanMachine};
+use basrelief_kernel::{Engine, RunReport, Shape};
+
+/// Source, unit with a memory client, sink.
+pub fn plan() -> Plan {
+    serde_json::from_str(include_str!("../tests/plan.json")).unwrap()
+}
+
+pub fn run() -> RunReport {
+    basrelief_kernel::run(&mut PlanMachine::new(&plan()).unwrap(), Engine::Timed)
+}
+
+/// The machine of [`plan`], as a time line shows it.
+pub fn board() -> Board {
+    Board::new("plan", 0, Shape::of(&mut PlanMachine::new(&plan()).unwrap()).unwrap().diagram())
+}

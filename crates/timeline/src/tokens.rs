@@ -1,0 +1,182 @@
+//! The life of single tokens, for Konata, which shows processors: where it has an instruction, there is a token here.
+//!
+//! A token is in the unit that takes it, and then in a FIFO until the next does: these are its stages, in lane 0. That the unit waits for
+//! a memory or a slot before it takes it stands in lane 1. One that comes to where pixels end is retired there; one that does not, since
+//! others lie in front, is flushed where it is removed.
+//!
+//! The format, Kanata 4, counts cycles forwards only, and what tokens do is known token by token: so it is kept until the end.
+
+use crate::board::{Board, wait_name};
+use crate::levels::Value;
+use crate::watcher::{Chart, Life, State, Transfer, Whose};
+use basrelief_input::{Budget, Held, OverBudget};
+use basrelief_kernel::Cause;
+use std::io::{self, Write};
+
+/// Lanes of what a token is in, and of what it is held up by.
+const STAGES: u8 = 0;
+const STALLS: u8 = 1;
+
+/// A unit was at work for a token, or waited with it.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    life: Life,
+    whose: Whose,
+    stage: usize,
+    state: State,
+    from: u64,
+    to: u64,
+}
+
+/// What the file tells of a token in a cycle. These of a token and a cycle stand in this order.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Event {
+    Begins(String),
+    Leaves(u8, String),
+    Enters(u8, String),
+    Ends { flushed: bool },
+}
+
+/// Writes the lives of tokens. Errors are told by [`Chart::finish`].
+#[derive(Debug)]
+pub struct Tokens<W> {
+    out: W,
+    board: Board,
+    /// Number of the stage where pixels end.
+    last: Option<usize>,
+    pieces: Vec<Piece>,
+    held: Held,
+    over: Option<OverBudget>,
+}
+
+impl<W: Write> Tokens<W> {
+    /// Lives of tokens of a machine in which tokens are retired in the `last` stage. What is kept until the end counts against the budget.
+    pub fn new(out: W, board: &Board, last: Option<usize>, budget: &Budget) -> Self {
+        Self { out, board: board.clone(), last, pieces: vec![], held: budget.nothing(), over: None }
+    }
+
+    /// The FIFO between two stages.
+    fn between(&self, from: usize, to: usize) -> &str {
+        let fifo = self.board.diagram.fifos.iter().find(|fifo| fifo.ends == [from, to]);
+        fifo.map_or("under way", |fifo| &fifo.name)
+    }
+
+    /// What the file tells of one token, by cycle.
+    fn events(&self, pieces: &[Piece]) -> Vec<(u64, Event)> {
+        let Some(first) = pieces.first() else { return vec![] };
+        let mut events = vec![(first.from, Event::Begins(label(first)))];
+        let (mut is_in, mut end) = (None::<usize>, first.from);
+        for piece in pieces {
+            let name = match piece.state {
+                State::Waits(of) => {
+                    let stall = self.stall(piece.stage, of);
+                    events.push((piece.from, Event::Enters(STALLS, stall.clone())));
+                    events.push((piece.to, Event::Leaves(STALLS, stall)));
+                    continue;
+                }
+                State::Busy | State::Done => self.board.name(piece.stage),
+            };
+            if let Some(before) = is_in.filter(|before| *before != piece.stage) {
+                // Of a unit that goes on while the next is at it, nothing is shown beyond.
+                let left = end.min(piece.from);
+                events.push((left, Event::Leaves(STAGES, self.board.name(before))));
+                if left < piece.from {
+                    let fifo = self.between(before, piece.stage);
+                    events.push((left, Event::Enters(STAGES, fifo.into())));
+                    events.push((piece.from, Event::Leaves(STAGES, fifo.into())));
+                }
+            }
+            if is_in != Some(piece.stage) {
+                events.push((piece.from, Event::Enters(STAGES, name)));
+            }
+            (is_in, end) = (Some(piece.stage), end.max(piece.to));
+        }
+        let Some(stage) = is_in else { return vec![] };
+        events.push((end, Event::Leaves(STAGES, self.board.name(stage))));
+        let is_retired = pieces.iter().any(|piece| Some(piece.stage) == self.last);
+        events.push((end, Event::Ends { flushed: !is_retired }));
+        events
+    }
+
+    fn stall(&self, stage: usize, of: Cause) -> String {
+        wait_name(&self.board.diagram.stages[stage], of)
+    }
+
+    fn write(&mut self) -> io::Result<()> {
+        let mut pieces = std::mem::take(&mut self.pieces);
+        pieces.sort_by_key(|piece| (piece.life.number, piece.from, piece.to, piece.stage));
+        let lives = pieces.chunk_by(|a, b| a.life.number == b.life.number);
+        let mut events: Vec<(u64, u64, usize, Event)> = vec![];
+        for life in lives {
+            let of_life = self.events(life);
+            self.held.grow(of_life.len() as u64 * size_of::<(u64, u64, usize, Event)>() as u64, "lives of tokens")?;
+            events.extend((0..).zip(of_life).map(|(k, (at, event))| (at, life[0].life.number, k, event)));
+        }
+        // Those of a token stay as they are, but that time goes forwards.
+        events.sort();
+        let Self { out, .. } = self;
+        writeln!(out, "Kanata\t0004")?;
+        let mut now = events.first().map_or(self.board.from, |event| event.0);
+        writeln!(out, "C=\t{now}")?;
+        let (mut ids, mut retired) = (std::collections::BTreeMap::new(), 0);
+        for (at, life, _, event) in events {
+            if at > now {
+                writeln!(out, "C\t{}", at - now)?;
+                now = at;
+            }
+            let count = ids.len();
+            let id = *ids.entry(life).or_insert(count);
+            match event {
+                Event::Begins(label) => writeln!(out, "I\t{id}\t{life}\t0\nL\t{id}\t0\t{label}")?,
+                Event::Enters(lane, name) => writeln!(out, "S\t{id}\t{lane}\t{name}")?,
+                Event::Leaves(lane, name) => writeln!(out, "E\t{id}\t{lane}\t{name}")?,
+                Event::Ends { flushed } => {
+                    writeln!(out, "R\t{id}\t{retired}\t{}", u8::from(flushed))?;
+                    retired += u64::from(!flushed);
+                }
+            }
+        }
+        out.flush()
+    }
+}
+
+/// What a token is called: whom it is for, and where it is in the picture.
+fn label(Piece { life, whose, .. }: &Piece) -> String {
+    let numbers = [("frame", whose.frame.map(|frame| frame + 1)), ("object", whose.object), ("polygon", whose.polygon)];
+    let mut label: Vec<String> = numbers.into_iter().filter_map(|(what, number)| Some(format!("{what} {}", number?))).collect();
+    if let Some([x, y]) = life.pixel {
+        let more = if life.pixels > 1 { format!(" and {} more", life.pixels - 1) } else { String::new() };
+        label.push(format!("pixel {x}, {y}{more}"));
+    }
+    if label.is_empty() { format!("token {}", life.number) } else { label.join(", ") }
+}
+
+impl<W: Write> Chart for Tokens<W> {
+    fn state(&mut self, stage: usize, state: State, whose: &Whose, from: u64, to: u64) {
+        let Some(life) = whose.life.filter(|_| self.over.is_none()) else { return };
+        // That a unit waits for the token is nothing that the token does.
+        if matches!(state, State::Waits(Cause::Starved(_)) | State::Done) {
+            return;
+        }
+        match self.held.room(&mut self.pieces, 1, "lives of tokens") {
+            Ok(()) => self.pieces.push(Piece { life, whose: *whose, stage, state, from, to }),
+            Err(over) => {
+                self.over = Some(over);
+                self.pieces = vec![];
+            }
+        }
+    }
+
+    fn level(&mut self, _: usize, _: u64, _: Value) {}
+
+    fn moved(&mut self, _: usize, _: Transfer, _: u64, _: u64) {}
+
+    fn open(&mut self, _: usize, _: u64, _: u64, _: u64) {}
+
+    fn frame(&mut self, _: usize, _: u64, _: u64) {}
+
+    fn finish(mut self: Box<Self>, _: u64) -> io::Result<()> {
+        self.over.take().map_or(Ok(()), Err)?;
+        self.write()
+    }
+}

@@ -1,0 +1,137 @@
+//! Lives of tokens, read back as Konata reads them.
+
+use crate::samples;
+use crate::*;
+use basrelief_input::{Budget, OverBudget};
+use basrelief_kernel::{Cause, Cycle, Engine, Interval, Limits, NoProbe, RunReport, plan::PlanMachine, run_with};
+use std::collections::BTreeMap;
+
+/// A token as a reader sees it.
+#[derive(Debug, Default, PartialEq)]
+struct Read {
+    label: String,
+    /// (lane, name, from, to), in the order in which they begin.
+    stages: Vec<(u64, String, u64, u64)>,
+    /// When it ended, and whether it was flushed.
+    end: Option<(u64, bool)>,
+}
+
+/// Reads a file, and holds it to the format: time goes forwards, a stage ends before the next begins in its lane, nothing is left open.
+fn read(text: &str) -> Vec<Read> {
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("Kanata\t0004"));
+    let mut now = lines.next().unwrap().strip_prefix("C=\t").unwrap().parse::<u64>().unwrap();
+    let mut tokens: Vec<Read> = vec![];
+    // By token and lane, what it is in, and since when.
+    let mut open: BTreeMap<(usize, u64), (String, u64)> = BTreeMap::new();
+    let mut retired = 0;
+    for line in lines {
+        let words: Vec<&str> = line.split('\t').collect();
+        let number = |i: usize| words[i].parse::<u64>().unwrap();
+        if words[0] == "C" {
+            assert!(number(1) > 0, "{line}");
+            now += number(1);
+            continue;
+        }
+        let id = number(1) as usize;
+        match words[0] {
+            "I" => {
+                assert_eq!(id, tokens.len(), "numbers follow each other");
+                tokens.push(Read::default());
+            }
+            "L" => tokens[id].label += words[3],
+            "S" => assert_eq!(open.insert((id, number(2)), (words[3].into(), now)), None, "{line} at {now}"),
+            "E" => {
+                let (name, from) = open.remove(&(id, number(2))).unwrap();
+                assert_eq!(name, words[3]);
+                tokens[id].stages.push((number(2), name, from, now));
+            }
+            "R" => {
+                assert_eq!(number(2), retired);
+                retired += u64::from(words[3] == "0");
+                assert!(tokens[id].end.replace((now, words[3] == "1")).is_none());
+            }
+            other => panic!("{other}"),
+        }
+    }
+    assert!(open.is_empty(), "{open:?}");
+    tokens
+}
+
+fn run() -> RunReport {
+    let mut machine = PlanMachine::new(&samples::plan()).unwrap();
+    run_with(&mut machine, Engine::Timed, &mut NoProbe, Limits { max_cycles: u64::MAX, progress: &mut |_| true })
+}
+
+fn written(board: &Board, budget: &Budget, tell: impl FnOnce(&mut Watcher<'_>)) -> std::io::Result<String> {
+    let mut bytes = vec![];
+    let last = board.diagram.stages.len() - 1;
+    let mut watcher = Watcher::new(board.clone(), vec![Box::new(Tokens::new(&mut bytes, board, Some(last), budget))]);
+    tell(&mut watcher);
+    watcher.finish(&run()).into_iter().collect::<std::io::Result<()>>()?;
+    Ok(String::from_utf8(bytes).unwrap())
+}
+
+fn life(number: u64) -> Whose {
+    Whose { frame: Some(0), polygon: Some(4), life: Some(Life { number, pixel: Some([3, 5]), pixels: 4 }), ..Whose::default() }
+}
+
+fn add(watcher: &mut Watcher<'_>, stage: usize, cause: Option<Cause>, (from, to): (u64, u64), whose: &Whose) {
+    watcher.add(Interval { stage, cause, from: Cycle(from), to: Cycle(to) }, whose);
+}
+
+/// Two stages next to each other, the second the last of all, and the FIFO between them.
+fn pair(board: &Board) -> ([usize; 2], String) {
+    let last = board.diagram.stages.len() - 1;
+    let fifo = board.diagram.fifos.iter().find(|fifo| fifo.ends[1] == last).unwrap();
+    (fifo.ends, fifo.name.clone())
+}
+
+#[test]
+fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
+    let board = samples::board();
+    let ([before, last], fifo) = pair(&board);
+    let text = written(&board, &Budget::default(), |watcher| {
+        add(watcher, before, Some(Cause::Starved(0)), (0, 2), &life(0));
+        add(watcher, before, None, (2, 5), &life(0));
+        add(watcher, before, None, (5, 6), &life(64));
+        add(watcher, last, Some(Cause::Memory(0)), (7, 9), &life(0));
+        add(watcher, last, None, (9, 10), &life(0));
+        add(watcher, last, None, (10, 11), &Whose::default());
+    });
+    let tokens = read(&text.unwrap());
+    let [name_before, name_last] = [before, last].map(|stage| board.name(stage));
+    let stall = format!("memory: {}", board.diagram.stages[last].clients.first().cloned().unwrap_or_default());
+    let label = "frame 1, polygon 4, pixel 3, 5 and 3 more";
+    let retired = Read {
+        label: label.into(),
+        stages: vec![(0, name_before.clone(), 2, 5), (1, stall, 7, 9), (0, fifo, 5, 9), (0, name_last, 9, 10)],
+        end: Some((10, false)),
+    };
+    let flushed = Read { label: label.into(), stages: vec![(0, name_before, 5, 6)], end: Some((6, true)) };
+    assert_eq!(tokens, [retired, flushed]);
+}
+
+#[test]
+fn a_unit_that_is_still_at_a_token_when_the_next_takes_it_is_shown_until_then() {
+    let board = samples::board();
+    let ([before, last], _) = pair(&board);
+    let text = written(&board, &Budget::default(), |watcher| {
+        add(watcher, before, None, (2, 8), &life(0));
+        add(watcher, last, None, (4, 6), &life(0));
+    });
+    let tokens = read(&text.unwrap());
+    let names = [before, last].map(|stage| board.name(stage));
+    assert_eq!(tokens[0].stages, [(0, names[0].clone(), 2, 4), (0, names[1].clone(), 4, 8)]);
+}
+
+#[test]
+fn no_more_is_kept_than_may_be() {
+    let board = samples::board();
+    let few = |watcher: &mut Watcher<'_>| {
+        (0..1000).for_each(|k| add(watcher, 0, None, (2 * k, 2 * k + 1), &life(k)));
+    };
+    let error = written(&board, &Budget::new(10_000), few).unwrap_err();
+    assert!(OverBudget::within(&error).is_some(), "{error}");
+    assert_eq!(read(&written(&board, &Budget::default(), few).unwrap()).len(), 999, "the last begins behind the end of the run");
+}

@@ -1,0 +1,314 @@
+//! From what a probe is told to what is shown: neighbours joined, cut to the window, the rest left out.
+
+use crate::board::Board;
+use crate::levels::{Channel, Levels, RATE_CYCLES, Value};
+use basrelief_kernel::{CacheCounts, Cause, Cycle, Interval, MemoryEvent, Outcome, Probe, RunReport};
+use std::io;
+
+/// What a unit does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It is kept by a step.
+    Busy,
+    /// It waits.
+    Waits(Cause),
+    /// It makes no step any more, but others go on.
+    Done,
+}
+
+/// Whom a step was for, as far as that is known; and a wait: for whom the step that ended it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Whose {
+    /// Number of the frame, from 0.
+    pub frame: Option<u32>,
+    /// Number of the object.
+    pub object: Option<u32>,
+    /// Number of the polygon in its frame, from 0.
+    pub polygon: Option<u32>,
+    /// MIP level of the first of its pixels.
+    pub level: Option<u8>,
+    /// The memory clients of its stage that the step asked for something, one bit each; of a wait none.
+    pub asks: u32,
+    /// The token that it comes from, of those whose life is told.
+    pub life: Option<Life>,
+}
+
+/// A token whose life is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Life {
+    /// Its number among those of its kind.
+    pub number: u64,
+    /// Column and row of its first pixel, where it has any.
+    pub pixel: Option<[u16; 2]>,
+    /// How many pixels it has.
+    pub pixels: usize,
+}
+
+/// Whose data a bus moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Transfer {
+    /// Number of the client.
+    pub client: usize,
+    /// Posted write rather than read.
+    pub write: bool,
+}
+
+/// A file that shows a run. What it is told lies within the window of its [`Board`], and is of what that shows. What is of one unit or
+/// one level comes in order of time; between these there is no order.
+pub trait Chart {
+    /// A unit was in a state, for somebody, from one cycle to the one before another.
+    fn state(&mut self, stage: usize, state: State, whose: &Whose, from: u64, to: u64);
+    /// A [level](Levels) holds a value from a cycle on. The first is told at the window's beginning.
+    fn level(&mut self, level: usize, at: u64, value: Value);
+    /// The bus of a [channel](Levels) moved data of a client, or to it.
+    fn moved(&mut self, channel: usize, transfer: Transfer, from: u64, to: u64);
+    /// A row was open in a bank, both numbered as in [`Levels`].
+    fn open(&mut self, bank: usize, row: u64, from: u64, to: u64);
+    /// A frame, by its number from 1 on, took these cycles.
+    fn frame(&mut self, number: usize, from: u64, to: u64);
+    /// Nothing more comes; the window ends at `end`.
+    ///
+    /// # Errors
+    /// The first that the writer gave.
+    fn finish(self: Box<Self>, end: u64) -> io::Result<()>;
+}
+
+/// What a level has held last, and whether that was told.
+#[derive(Clone, Copy, Debug)]
+struct Now {
+    value: Value,
+    told: bool,
+    is_shown: bool,
+}
+
+/// What a bus does.
+#[derive(Clone, Copy, Debug, Default)]
+struct BusNow {
+    /// What may still go on.
+    open: Option<(Transfer, u64, u64)>,
+    /// Number of the interval whose rate is being taken, and the cycles in which data moved there.
+    interval: u64,
+    busy: u64,
+}
+
+/// The interval whose hit rate is being taken, and what was found there.
+#[derive(Clone, Copy, Debug, Default)]
+struct HitsNow {
+    interval: u64,
+    hits: u64,
+    all: u64,
+}
+
+/// A probe that shows a run to charts.
+pub struct Watcher<'a> {
+    board: Board,
+    charts: Vec<Box<dyn Chart + 'a>>,
+    /// The state of each stage that may still go on, and for whom.
+    open: Vec<Option<(Interval, Whose)>>,
+    numbers: Levels,
+    levels: Vec<Now>,
+    buses: Vec<BusNow>,
+    hits: Vec<HitsNow>,
+}
+
+impl std::fmt::Debug for Watcher<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Watcher").field("board", &self.board).field("charts", &self.charts.len()).finish_non_exhaustive()
+    }
+}
+
+impl<'a> Watcher<'a> {
+    /// Shows a machine to charts that were made for the same board.
+    pub fn new(board: Board, charts: Vec<Box<dyn Chart + 'a>>) -> Self {
+        let numbers = Levels::new(&board);
+        let levels = numbers.all.iter().map(|l| Now { value: l.start, told: false, is_shown: l.is_shown }).collect();
+        let (buses, hits) =
+            (vec![BusNow::default(); numbers.channels.len()], vec![HitsNow::default(); board.diagram.clients.len()]);
+        Self { open: vec![None; board.diagram.stages.len()], board, charts, numbers, levels, buses, hits }
+    }
+
+    /// Shows what is still open, cut at the end of the run, and the frames.
+    ///
+    /// What units wait for after their last step, in a run that did not complete, no probe is shown: it stands in the
+    /// report.
+    ///
+    /// Tells of each chart, in order, whether it could be written.
+    pub fn finish(mut self, run: &RunReport) -> Vec<io::Result<()>> {
+        let end = run.total.min(self.board.to);
+        // What is behind the end of a run cut short is not shown.
+        self.board.to = end;
+        for stage in 0..self.open.len() {
+            if let Some((mut last, whose)) = self.open[stage].take() {
+                last.to = last.to.min(Cycle(run.total));
+                self.show(last, &whose);
+                if run.outcome == Outcome::Complete {
+                    self.state(stage, State::Done, &Whose::default(), last.to.0, run.total);
+                }
+            }
+        }
+        for channel in 0..self.buses.len() {
+            self.show_transfer(channel, None);
+            self.end_rate(channel, end.div_ceil(RATE_CYCLES));
+        }
+        for client in 0..self.hits.len() {
+            self.end_hits(client);
+        }
+        for level in 0..self.levels.len() {
+            self.hold(level, end, None);
+        }
+        let mut start = 0_u64;
+        for (k, &cycles) in run.marks.iter().enumerate() {
+            let end = start.saturating_add(cycles);
+            if let Some((from, to)) = self.cut(start, end) {
+                self.charts.iter_mut().for_each(|chart| chart.frame(k + 1, from, to));
+            }
+            start = end;
+        }
+        self.charts.into_iter().map(|chart| chart.finish(end)).collect()
+    }
+
+    /// The part of these cycles that is shown.
+    fn cut(&self, from: u64, to: u64) -> Option<(u64, u64)> {
+        let (from, to) = (from.max(self.board.from), to.min(self.board.to));
+        (from < to).then_some((from, to))
+    }
+
+    /// A stage was at work, or waited, for somebody. What follows at once, and is the same for the same, is one.
+    pub fn add(&mut self, new: Interval, whose: &Whose) {
+        let Some(open) = self.open.get_mut(new.stage) else { return };
+        match open {
+            Some((last, of)) if last.cause == new.cause && last.to == new.from && of == whose => last.to = new.to,
+            _ => {
+                if let Some((last, whose)) = open.replace((new, *whose)) {
+                    self.show(last, &whose);
+                }
+            }
+        }
+    }
+
+    fn show(&mut self, Interval { stage, cause, from, to }: Interval, whose: &Whose) {
+        self.state(stage, cause.map_or(State::Busy, State::Waits), whose, from.0, to.0);
+    }
+
+    fn state(&mut self, stage: usize, state: State, whose: &Whose, from: u64, to: u64) {
+        if let Some((from, to)) = self.cut(from, to).filter(|_| self.board.shows(stage)) {
+            self.charts.iter_mut().for_each(|chart| chart.state(stage, state, whose, from, to));
+        }
+    }
+
+    /// A level holds something new from `at` on, or nothing more is to come. What it held before is told once it is known that it did
+    /// so at the window's beginning.
+    fn hold(&mut self, level: usize, at: u64, new: Option<Value>) {
+        let Board { from, to, .. } = self.board;
+        let Some(now) = self.levels.get_mut(level).filter(|now| now.is_shown && new != Some(now.value)) else { return };
+        let first = (!now.told && at > from && from < to).then_some((from, now.value));
+        let next = new.map(|value| (at, value)).filter(|_| (from + 1..to).contains(&at));
+        now.told |= first.is_some();
+        now.value = new.unwrap_or(now.value);
+        for (at, value) in first.into_iter().chain(next) {
+            self.charts.iter_mut().for_each(|chart| chart.level(level, at, value));
+        }
+    }
+
+    /// The bus of a channel moves something else, or nothing more: shows what it moved before.
+    fn show_transfer(&mut self, channel: usize, next: Option<(Transfer, u64, u64)>) {
+        let Some((transfer, from, to)) = std::mem::replace(&mut self.buses[channel].open, next) else { return };
+        if let Some((from, to)) = self.cut(from, to) {
+            self.charts.iter_mut().for_each(|chart| chart.moved(channel, transfer, from, to));
+        }
+    }
+
+    fn moved(&mut self, channel: usize, transfer: Transfer, mut from: u64, to: u64) {
+        if !self.numbers.channels[channel].is_shown {
+            return;
+        }
+        match &mut self.buses[channel].open {
+            Some((last, _, end)) if *last == transfer && *end == from => *end = to,
+            _ => self.show_transfer(channel, Some((transfer, from, to))),
+        }
+        while from < to {
+            let interval = from / RATE_CYCLES;
+            self.end_rate(channel, interval);
+            let end = to.min((interval + 1) * RATE_CYCLES);
+            self.buses[channel].busy += end - from;
+            from = end;
+        }
+    }
+
+    /// Of a bus no more comes before interval `next`.
+    fn end_rate(&mut self, channel: usize, next: u64) {
+        let BusNow { interval, busy, .. } = self.buses[channel];
+        if next <= interval {
+            return;
+        }
+        self.hold_rate(channel, interval * RATE_CYCLES, busy);
+        if next > interval + 1 {
+            self.hold_rate(channel, (interval + 1) * RATE_CYCLES, 0);
+        }
+        (self.buses[channel].interval, self.buses[channel].busy) = (next, 0);
+    }
+
+    fn hold_rate(&mut self, channel: usize, at: u64, busy: u64) {
+        let memory = &self.board.diagram.memories[self.numbers.channels[channel].memory];
+        let bytes = busy as f64 * f64::from(memory.burst_bytes) / (memory.burst_cycles * RATE_CYCLES) as f64;
+        let level = self.numbers.queue(channel);
+        self.hold(level + 1, at, Some(Value::Real(bytes)));
+        self.hold(level + 2, at, Some(Value::Real(100.0 * busy as f64 / RATE_CYCLES as f64)));
+    }
+
+    fn looked_up(&mut self, client: usize, at: u64, found: CacheCounts) {
+        if self.hits[client].interval != at / RATE_CYCLES {
+            self.end_hits(client);
+            self.hits[client].interval = at / RATE_CYCLES;
+        }
+        let now = &mut self.hits[client];
+        now.hits += found.hits;
+        now.all += found.hits + found.misses + found.merged;
+    }
+
+    /// Nothing more comes of the interval in which a client looked something up last.
+    fn end_hits(&mut self, client: usize) {
+        let HitsNow { interval, hits, all } = std::mem::take(&mut self.hits[client]);
+        if all > 0 {
+            let percent = 100.0 * hits as f64 / all as f64;
+            self.hold(self.numbers.hit_rate(client), interval * RATE_CYCLES, Some(Value::Real(percent)));
+        }
+    }
+}
+
+impl Probe for Watcher<'_> {
+    fn worked(&mut self, stage: usize, from: Cycle, to: Cycle) {
+        self.add(Interval { stage, cause: None, from, to }, &Whose::default());
+    }
+
+    fn waited(&mut self, stage: usize, cause: Cause, from: Cycle, to: Cycle) {
+        self.add(Interval { stage, cause: Some(cause), from, to }, &Whose::default());
+    }
+
+    fn held(&mut self, fifo: usize, at: Cycle, slots: usize) {
+        self.hold(fifo, at.0, Some(Value::Count(slots as u64)));
+    }
+
+    fn memory(&mut self, event: MemoryEvent) {
+        match event {
+            MemoryEvent::Moved { memory, channel, client, write, from, to } => {
+                self.moved(self.numbers.channel(memory, channel), Transfer { client, write }, from.0, to.0);
+            }
+            MemoryEvent::Open { memory, channel, bank, row, from, to } => {
+                let Channel { first_bank, is_shown, .. } = self.numbers.channels[self.numbers.channel(memory, channel)];
+                if let Some((from, to)) = self.cut(from.0, to.0).filter(|_| is_shown) {
+                    self.charts.iter_mut().for_each(|chart| chart.open(first_bank + bank, row, from, to));
+                }
+            }
+            MemoryEvent::Queued { memory, channel, at, bursts } => {
+                let level = self.numbers.queue(self.numbers.channel(memory, channel));
+                self.hold(level, at.0, Some(Value::Count(bursts as u64)));
+            }
+            MemoryEvent::InFlight { client, at, requests } => {
+                let credits = self.board.diagram.clients[client].credits.saturating_sub(requests as u64);
+                self.hold(self.numbers.credits(client), at.0, Some(Value::Count(credits)));
+            }
+            MemoryEvent::LookedUp { client, at, found } => self.looked_up(client, at.0, found),
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! The signals of waves, and what is shown on them of the values that change.
+
+use crate::board::Board;
+use crate::levels::{Levels, Value};
+use fst_writer::{
+    FstBodyWriter, FstHeaderWriter, FstScopeType, FstSignalId, FstSignalType, FstVarDirection, FstVarType, FstWriteError,
+};
+use std::io::{Seek, Write};
+
+/// Number of the value that is the frame.
+pub(crate) const FRAME: usize = 0;
+
+/// States of a unit; 0 is none. What waits for a FIFO or client has its number in there.
+pub(crate) const BUSY: u64 = 1;
+pub(crate) const DONE: u64 = 2;
+pub(crate) const FIRST_WAIT: u64 = 3;
+
+/// Numbers of the values that change: the frame, then those of each kind.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Numbers {
+    pub(crate) first_stage: usize,
+    pub(crate) first_level: usize,
+    pub(crate) first_bus: usize,
+    pub(crate) first_bank: usize,
+    pub(crate) count: usize,
+}
+
+impl Numbers {
+    pub(crate) fn new(board: &Board) -> Self {
+        let levels = Levels::new(board);
+        let first_stage = FRAME + 1;
+        let first_level = first_stage + board.diagram.stages.len();
+        let first_bus = first_level + levels.all.len();
+        let first_bank = first_bus + levels.channels.len();
+        Self { first_stage, first_level, first_bus, first_bank, count: first_bank + levels.banks }
+    }
+
+    /// Those that hold from one cycle to another; levels hold until the next.
+    pub(crate) fn that_end(self) -> impl Iterator<Item = usize> {
+        (0..self.first_level).chain(self.first_bus..self.count)
+    }
+}
+
+type Header<W> = FstHeaderWriter<W>;
+type Body<W> = FstBodyWriter<W>;
+type Done<T = ()> = Result<T, FstWriteError>;
+
+/// A number as a vector of bits.
+#[derive(Clone, Copy, Debug)]
+struct Number {
+    id: FstSignalId,
+    bits: u32,
+}
+
+impl Number {
+    fn declare<W: Write + Seek>(header: &mut Header<W>, name: &str, most: u64) -> Done<Self> {
+        let bits = u64::BITS - most.max(1).leading_zeros();
+        let kind = if bits == 1 { FstVarType::Wire } else { FstVarType::Reg };
+        let id = header.var(name, FstSignalType::bit_vec(bits), kind, FstVarDirection::Implicit, None)?;
+        Ok(Self { id, bits })
+    }
+
+    fn set<W: Write + Seek>(self, body: &mut Body<W>, value: u64) -> Done {
+        let digits: [u8; 64] = std::array::from_fn(|bit| b'0' + (value >> (63 - bit) & 1) as u8);
+        body.signal_change(self.id, &digits[64 - self.bits as usize..])
+    }
+}
+
+/// The wires of a unit, by state.
+const STATES: [&str; 5] = ["busy", "starved", "blocked", "memory", "done"];
+
+/// Which wire of a unit is 1.
+fn wire_of(state: u64) -> Option<usize> {
+    match state {
+        0 => None,
+        BUSY => Some(0),
+        DONE => Some(4),
+        wait => Some(1 + (wait - FIRST_WAIT) as usize % 3),
+    }
+}
+
+/// The signals that show a value.
+#[derive(Clone, Copy, Debug)]
+enum Wires {
+    /// It is not shown.
+    None,
+    /// As it is.
+    Number(Number),
+    /// A number with a fraction.
+    Real(FstSignalId),
+    /// Of a unit: a wire per state.
+    State([Number; 5]),
+    /// Of a bus: whether it moves data; whose, and whether to the memory.
+    Bus([Number; 3]),
+    /// Of a bank: whether a row is open, and which.
+    Bank([Number; 2]),
+    /// Of a FIFO.
+    Fifo(FifoWires),
+}
+
+/// A FIFO's signals, and what they follow from.
+#[derive(Clone, Copy, Debug)]
+struct FifoWires {
+    fill: Number,
+    valid: Number,
+    ready: Number,
+    depth: u64,
+    held: u64,
+    /// The unit that takes from it waits for it.
+    starves: bool,
+    changed: bool,
+}
+
+/// All signals, by the numbers of the values that they show.
+pub(crate) struct Signals {
+    wires: Vec<Wires>,
+    numbers: Numbers,
+    /// The state of each stage.
+    states: Vec<u64>,
+    /// Numbers of each stage's input FIFOs.
+    inputs: Vec<Vec<usize>>,
+    /// FIFOs that have changed in this cycle.
+    changed: Vec<usize>,
+}
+
+impl Signals {
+    pub(crate) fn declare<W: Write + Seek>(header: &mut Header<W>, board: &Board, numbers: &Numbers) -> Done<Self> {
+        let (levels, mut wires) = (Levels::new(board), vec![Wires::None; numbers.count]);
+        within(header, &board.machine, |header| {
+            wires[FRAME] = Wires::Number(Number::declare(header, "frame", u32::MAX.into())?);
+            for stage in (0..board.diagram.stages.len()).filter(|&stage| board.shows(stage)) {
+                wires[numbers.first_stage + stage] = declare_states(header, &board.name(stage))?;
+            }
+            let of_channels = levels.queue(0)..levels.credits(0);
+            for (number, level) in
+                levels.all.iter().enumerate().filter(|(number, level)| level.is_shown && !of_channels.contains(number))
+            {
+                let wires = &mut wires[numbers.first_level + number];
+                within(header, &level.of, |header| {
+                    *wires = if level.what == "fill" { declare_fifo(header, level.most)? } else { declare_level(header, level)? };
+                    Ok(())
+                })?;
+            }
+            declare_channels(header, (board, &levels), numbers, &mut wires)
+        })?;
+        let diagram = &board.diagram;
+        let number = |name: &String| diagram.fifos.iter().position(|fifo| fifo.name == *name).unwrap_or(usize::MAX);
+        let inputs = diagram.stages.iter().map(|stage| stage.inputs.iter().map(number).collect()).collect();
+        Ok(Self { wires, numbers: *numbers, states: vec![0; diagram.stages.len()], inputs, changed: vec![] })
+    }
+
+    /// A value changes.
+    pub(crate) fn change<W: Write + Seek>(&mut self, body: &mut Body<W>, number: usize, new: u64) -> Done {
+        match self.wires[number] {
+            Wires::None => Ok(()),
+            Wires::Number(wire) => wire.set(body, new),
+            Wires::Real(id) => body.signal_change(id, &f64::from_bits(new).to_le_bytes()),
+            Wires::State(wires) => self.change_state(body, number - self.numbers.first_stage, &wires, new),
+            Wires::Bus([bus, client, write]) => {
+                let transfer = new.saturating_sub(1);
+                bus.set(body, u64::from(new > 0))?;
+                client.set(body, transfer / 2)?;
+                write.set(body, transfer % 2)
+            }
+            Wires::Bank([open, row]) => {
+                open.set(body, u64::from(new > 0))?;
+                row.set(body, new.saturating_sub(1))
+            }
+            Wires::Fifo(_) => {
+                self.change_fifo(number - self.numbers.first_level, |wires| wires.held = new);
+                Ok(())
+            }
+        }
+    }
+
+    fn change_state<W: Write + Seek>(&mut self, body: &mut Body<W>, stage: usize, wires: &[Number], new: u64) -> Done {
+        let one = wire_of(new);
+        for (number, wire) in wires.iter().enumerate() {
+            wire.set(body, u64::from(one == Some(number)))?;
+        }
+        let old = std::mem::replace(&mut self.states[stage], new);
+        for (state, starves) in [(old, false), (new, true)] {
+            if wire_of(state) == Some(1) {
+                let input = self.inputs[stage][(state - FIRST_WAIT) as usize / 3];
+                self.change_fifo(input, |wires| wires.starves = starves);
+            }
+        }
+        Ok(())
+    }
+
+    fn change_fifo(&mut self, fifo: usize, change: impl FnOnce(&mut FifoWires)) {
+        let number = self.numbers.first_level + fifo;
+        let Some(Wires::Fifo(wires)) = self.wires.get_mut(number) else { return };
+        change(wires);
+        if !std::mem::replace(&mut wires.changed, true) {
+            self.changed.push(number);
+        }
+    }
+
+    /// Writes what follows from all changes of a cycle.
+    pub(crate) fn settle<W: Write + Seek>(&mut self, body: &mut Body<W>) -> Done {
+        for number in self.changed.drain(..) {
+            let Wires::Fifo(wires) = &mut self.wires[number] else { continue };
+            wires.changed = false;
+            wires.fill.set(body, wires.held)?;
+            wires.valid.set(body, u64::from(wires.held > 0 && !wires.starves))?;
+            wires.ready.set(body, u64::from(wires.held < wires.depth))?;
+        }
+        Ok(())
+    }
+}
+
+/// Declares signals in a scope. Viewers take what is behind a space for something else.
+fn within<W: Write + Seek>(header: &mut Header<W>, name: &str, declare: impl FnOnce(&mut Header<W>) -> Done) -> Done {
+    header.scope(name.replace(' ', "_"), "", FstScopeType::Module)?;
+    declare(header)?;
+    header.up_scope()
+}
+
+fn declare_states<W: Write + Seek>(header: &mut Header<W>, name: &str) -> Done<Wires> {
+    let mut wires = Wires::None;
+    within(header, name, |header| {
+        wires = Wires::State(all(header, STATES.map(|state| (state, 1)))?);
+        Ok(())
+    })?;
+    Ok(wires)
+}
+
+fn declare_fifo<W: Write + Seek>(header: &mut Header<W>, depth: u64) -> Done<Wires> {
+    let [fill, valid, ready] = all(header, [("fill", depth), ("valid", 1), ("ready", 1)])?;
+    Ok(Wires::Fifo(FifoWires { fill, valid, ready, depth, held: 0, starves: false, changed: false }))
+}
+
+fn declare_level<W: Write + Seek>(header: &mut Header<W>, level: &crate::levels::Level) -> Done<Wires> {
+    let name = level.what.replace(' ', "_");
+    Ok(match level.start {
+        Value::Count(_) => Wires::Number(Number::declare(header, &name, level.most)?),
+        Value::Real(_) => {
+            Wires::Real(header.var(name, FstSignalType::real(), FstVarType::Real, FstVarDirection::Implicit, None)?)
+        }
+    })
+}
+
+/// Declares a scope per channel, and one in it per bank.
+fn declare_channels<W: Write + Seek>(
+    header: &mut Header<W>,
+    (board, levels): (&Board, &Levels),
+    numbers: &Numbers,
+    wires: &mut [Wires],
+) -> Done {
+    let clients = board.diagram.clients.len() as u64;
+    for (number, channel) in levels.channels.iter().enumerate().filter(|(_, channel)| channel.is_shown) {
+        within(header, &channel.name, |header| {
+            for level in levels.queue(number)..levels.queue(number) + 3 {
+                wires[numbers.first_level + level] = declare_level(header, &levels.all[level])?;
+            }
+            wires[numbers.first_bus + number] = Wires::Bus(all(header, [("bus", 1), ("client", clients), ("write", 1)])?);
+            for bank in 0..board.diagram.memories[channel.memory].banks {
+                let wires = &mut wires[numbers.first_bank + channel.first_bank + bank];
+                within(header, &format!("bank {bank}"), |header| {
+                    *wires = Wires::Bank(all(header, [("open", 1), ("row", u32::MAX.into())])?);
+                    Ok(())
+                })?;
+            }
+            Ok(())
+        })?;
+    }
+    Ok(())
+}
+
+/// Declares numbers of these names, each with the most that it can be.
+fn all<W: Write + Seek, const N: usize>(header: &mut Header<W>, names: [(&str, u64); N]) -> Done<[Number; N]> {
+    let mut declared = [None; N];
+    for (declared, (name, most)) in declared.iter_mut().zip(names) {
+        *declared = Some(Number::declare(header, name, most)?);
+    }
+    // Each is there by now.
+    Ok(declared.map(|number| number.expect("declared above")))
+}
