@@ -5,7 +5,7 @@ use crate::remote::Server;
 use crate::support::Place;
 use std::time::Duration;
 
-/// A slow path, so that what the host takes beside it is little; the rest of the table of docs/defer.md is made by the example
+/// A slow path, so that what the host takes beside it is little; the rest of the table of docs/experiments/defer.md is made by the example
 /// `shaped_path`.
 #[test]
 fn a_modelled_path_takes_as_long_as_a_real_one_of_its_rate_and_latency() {

@@ -266,9 +266,9 @@ fn points_of(study: &str) -> Vec<BTreeMap<String, serde_json::Value>> {
     place.text("out/sweep.jsonl").lines().map(point).collect()
 }
 
-/// Rows of the table of docs/texture-caches.md whose heading begins so.
+/// Rows of the table of docs/experiments/texture-caches.md whose heading begins so.
 fn rows_of(heading: &str) -> Vec<Vec<String>> {
-    let page = fs::read_to_string(workspace().join("docs/texture-caches.md")).unwrap();
+    let page = fs::read_to_string(workspace().join("docs/experiments/texture-caches.md")).unwrap();
     let cells = |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect();
     let rows = page.lines().skip_while(|line| !line.starts_with(heading)).skip(2);
     rows.take_while(|line| line.starts_with('|')).map(cells).collect()
@@ -310,7 +310,7 @@ fn the_study_of_texture_latency_finds_what_its_page_says() {
     let all: Vec<[u64; 4]> = points.iter().map(numbers).collect();
     let without = all.iter().filter(|[cl, ..]| *cl == 0).map(|point| point[3]).min().unwrap();
     let rows = rows_of("| `cl` | requests |");
-    assert_eq!((all.len(), rows.len()), (96, 12));
+    assert_eq!((all.len(), rows.len()), (96, 6));
     for row in rows {
         let of_row = |point: &&[u64; 4]| point[0].to_string() == row[0] && point[1].to_string() == row[1];
         let speeds = all.iter().filter(of_row).map(|point| format!("{:.1}", 100.0 * without as f64 / point[3] as f64));

@@ -11,7 +11,7 @@
 //!
 //! `measure` is an example, not a binary: the workspace has one binary, so that `cargo run` knows what is meant.
 //!
-//! docs/performance.md has the figures.
+//! docs/lab-notebook/host-speed.md has the figures.
 
 pub mod graphs;
 pub mod hostile;

@@ -1,4 +1,4 @@
-//! Clients that look around at once, from one server: a table of docs/defer.md.
+//! Clients that look around at once, from one server: a table of docs/experiments/defer.md.
 //!
 //! ```text
 //! cargo run --release -p basrelief-cli --example many_clients -- [--seconds S] [OPTION of `run`...]

@@ -1,4 +1,4 @@
-//! Times to pictures over shaped paths, measured and modelled: the tables of docs/defer.md.
+//! Times to pictures over shaped paths, measured and modelled: the tables of docs/experiments/defer.md.
 //!
 //! ```text
 //! cargo run --release -p basrelief-cli --example shaped_path              # one tile by a request

@@ -1,4 +1,4 @@
-//! Invariants of absence: what must not be in the tree. docs/architecture.md says why.
+//! Invariants of absence: what must not be in the tree. ARCHITECTURE.md lists them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! Why glTF and OBJ are read by this crate and not by `gltf` and `tobj`: what those cannot do, one test each.
 //!
 //! A test that fails here is good news: the library has mended that fault. Weigh again then whether it can take the place
-//! of our reader (docs/decisions.md, "What is written by hand, and what is not"), and take the test away.
+//! of our reader (docs/adr/0033-gltf-and-obj-readers-are-our-own.md), and take the test away.
 
 use basrelief_scene::{Memory, ViewOptions, load};
 use serde_json::{Value, json};
@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// Says what to do when a library does what it could not.
 #[track_caller]
 fn still(fault: bool, what: &str) {
-    assert!(fault, "mended: {what}; weigh the library again (docs/decisions.md) and take this test away");
+    assert!(fault, "mended: {what}; weigh the library again (docs/adr/0033) and take this test away");
 }
 
 fn ours(name: &str, bytes: &[u8]) -> Result<(), String> {

@@ -1,4 +1,4 @@
-//! A machine as docs/architecture.md shows it: its drawing, and its units with what they do and where their code is.
+//! A machine as docs/reference/machines.md shows it: its drawing, and its units with what they do and where their code is.
 
 use crate::support::{Inputs, Table};
 use basrelief_sim::MachineInfo;
@@ -14,17 +14,17 @@ pub fn machine(_: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     for unit in machine.units() {
         let numeral = if unit.numeral.is_empty() { String::new() } else { format!(" ({})", unit.numeral) };
         let label = unit.code.trim_start_matches("crates/units/");
-        table.row(&[format!("`{}`{numeral}", unit.name), unit.role.into(), format!("[{label}](../{})", unit.code)]);
+        table.row(&[format!("`{}`{numeral}", unit.name), unit.role.into(), format!("[{label}](../../{})", unit.code)]);
     }
     Ok(format!("```\n{}\n```\n\n{}", machine.diagram.trim_end(), table.text()))
 }
 
 #[test]
-fn the_page_of_the_architecture_shows_the_machines_as_they_are() {
-    let page = include_str!("../../../../docs/architecture.md");
+fn machine_page_matches_the_machines() {
+    let page = include_str!("../../../../docs/reference/machines.md");
     let shown = basrelief_sim::MACHINES.iter().filter(|m| page.contains(&format!("<!-- described: machine {} -->", m.name)));
     assert_eq!(shown.count(), basrelief_sim::MACHINES.len());
     let make = |command: &str| crate::make(&Inputs::default(), command).map(Some);
-    let again = "run `cargo run -p basrelief-sim --example tables -- docs/architecture.md`";
-    assert!(crate::document::replaced(page, make).unwrap() == page, "docs/architecture.md shows another machine: {again}");
+    let again = "run `cargo run -p basrelief-sim --example tables -- docs/reference/machines.md`";
+    assert!(crate::document::replaced(page, make).unwrap() == page, "docs/reference/machines.md shows another machine: {again}");
 }

@@ -46,12 +46,12 @@ const TABLES: &[(&str, Make)] = &[
 /// Files that hold tables.
 const FILES: [&str; 7] = [
     "README.md",
-    "docs/architecture.md",
-    "docs/quality.md",
-    "docs/shading.md",
-    "docs/texel.md",
-    "docs/defer.md",
-    "docs/experiments.md",
+    "docs/reference/machines.md",
+    "docs/experiments/quality.md",
+    "docs/experiments/shading.md",
+    "docs/experiments/texel.md",
+    "docs/experiments/defer.md",
+    "docs/experiments/texture-caches.md",
 ];
 
 /// What `NAME INPUT ...` comes to.

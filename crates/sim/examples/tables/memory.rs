@@ -219,7 +219,7 @@ mod tests {
         }
     }
 
-    /// Wider lines do not do on this scene, as docs/experiments.md explains: where they do, take the last line away.
+    /// Wider lines do not do on this scene, as docs/experiments/texture-caches.md explains: where they do, take the last line away.
     #[test]
     fn hakura_1997_a_cache_of_16_kib_reads_a_third_and_less() {
         let scene = corridor([640, 480]);
