@@ -34,7 +34,7 @@ macro_rules! fifos {
 
         impl $fifos {
             /// All of them, empty, as configured; `widths` are those of their tokens.
-            pub(super) fn new(config: &$configs, widths: &basrelief_signals::Widths) -> Self {
+            pub(super) fn new(config: &$configs, widths: &basrelief_signals::SignalWidths) -> Self {
                 Self { $($name: $crate::fifos::fifo(stringify!($name), &config.$name, widths),)* }
             }
         }
@@ -43,12 +43,12 @@ macro_rules! fifos {
 pub(crate) use fifos;
 
 use basrelief_kernel::{Fifo, FifoConfig, Label};
-use basrelief_signals::{Signal, Widths};
+use basrelief_signals::{BitWidth, SignalWidths};
 
 /// A FIFO as configured.
-pub(crate) fn fifo<T: Signal>(name: &str, config: &FifoConfig, widths: &Widths) -> Fifo<T> {
+pub(crate) fn fifo<T: BitWidth>(name: &str, config: &FifoConfig, widths: &SignalWidths) -> Fifo<T> {
     let fifo = Fifo::new(name, config.depth as usize, u64::from(config.latency));
-    fifo.carrying(T::bits(widths)).labelled(|token: &T| Label(token.about().into()))
+    fifo.carrying(T::bits(widths)).labelled(|token: &T| Label(token.attribution().into()))
 }
 
 /// What configures a FIFO of `depth` slots.

@@ -4,7 +4,7 @@ use basrelief_geometry_processor::{
     BumpConfig, DisplayListConfig, DisplayListSource, GeometryConfig, GeometryProcessor, PolygonLink, SceneSource,
 };
 use basrelief_kernel::{Fifo, Operators, Stage, Visitor};
-use basrelief_signals::{Control, Draw, Taken};
+use basrelief_signals::{Control, Draw, VertexAttributes};
 use std::fmt::Display;
 
 /// The way in: whatever ends in the FIFO `polygons`.
@@ -25,7 +25,7 @@ pub struct FrontConfig {
     /// How long arithmetic takes.
     pub operators: Operators,
     /// What the machine takes of vertices.
-    pub taken: Taken,
+    pub taken: VertexAttributes,
 }
 
 impl FrontConfig {

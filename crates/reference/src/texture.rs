@@ -1,7 +1,7 @@
 //! Texture sampling as OpenGL defines it, and as the rate-limited renderer does, in `f64`.
 
 use crate::{LevelRule, Options, Pyramid, TexelCentre, TextureFilter};
-use basrelief_signals::{Image, Texture, Wrap};
+use basrelief_signals::{Image, Texture, WrapMode};
 use glam::{DVec2, DVec3};
 
 /// Texture coordinates of a pixel and their change per pixel to the right and down.
@@ -82,7 +82,7 @@ impl Sampler<'_> {
     }
 
     /// Across and down: the coordinate in texels of a level, texel i covering i..i + 1; how many there are; the wrap.
-    fn place(&self, image: &Image, level: usize) -> [(f64, u32, Wrap); 2] {
+    fn place(&self, image: &Image, level: usize) -> [(f64, u32, WrapMode); 2] {
         let [across, down] = self.texture.sampler.wrap;
         [
             (self.coordinate(self.at.x, self.finest.width, image.width, level, across), image.width, across),
@@ -90,13 +90,13 @@ impl Sampler<'_> {
         ]
     }
 
-    fn coordinate(&self, at: f64, finest: u32, size: u32, level: usize, wrap: Wrap) -> f64 {
+    fn coordinate(&self, at: f64, finest: u32, size: u32, level: usize, wrap: WrapMode) -> f64 {
         let Pyramid::Tiled { centre, .. } = self.pyramid else { return at * f64::from(size) };
         // Period and edge are those of the finest level: a side that was rounded up does not fill its level.
         let inside = match wrap {
-            Wrap::Repeat => at.rem_euclid(1.0),
-            Wrap::Clamp => at.clamp(0.0, 1.0),
-            Wrap::Mirror => 1.0 - (at.rem_euclid(2.0) - 1.0).abs(),
+            WrapMode::Repeat => at.rem_euclid(1.0),
+            WrapMode::Clamp => at.clamp(0.0, 1.0),
+            WrapMode::Mirror => 1.0 - (at.rem_euclid(2.0) - 1.0).abs(),
         };
         let corner = match centre {
             TexelCentre::Half => 0.0,
@@ -107,22 +107,22 @@ impl Sampler<'_> {
 }
 
 /// The two texels around a coordinate and the share of the second.
-fn taps(coordinate: f64, size: u32, wrap: Wrap) -> (usize, usize, f64) {
+fn taps(coordinate: f64, size: u32, wrap: WrapMode) -> (usize, usize, f64) {
     let at = coordinate - 0.5;
     let first = at.floor();
     (wrapped(first, size, wrap), wrapped(first + 1.0, size, wrap), at - first)
 }
 
 /// Texel number of an unbounded one (a whole number), 0..size. Not a number becomes 0.
-fn wrapped(index: f64, size: u32, wrap: Wrap) -> usize {
+fn wrapped(index: f64, size: u32, wrap: WrapMode) -> usize {
     let size = f64::from(size);
     if index >= 0.0 && index < size {
         return index as usize;
     }
     let inside = match wrap {
-        Wrap::Repeat => index.rem_euclid(size),
-        Wrap::Clamp => index,
-        Wrap::Mirror => {
+        WrapMode::Repeat => index.rem_euclid(size),
+        WrapMode::Clamp => index,
+        WrapMode::Mirror => {
             let folded = index.rem_euclid(2.0 * size);
             if folded < size { folded } else { 2.0 * size - 1.0 - folded }
         }
@@ -145,7 +145,7 @@ mod tests {
         Image { width, height, texels: values.iter().map(|&v| [v, v, v, 255]).collect() }
     }
 
-    fn ramp(wrap: Wrap) -> Texture {
+    fn ramp(wrap: WrapMode) -> Texture {
         let sampler = Modes { wrap: [wrap; 2], ..Modes::default() };
         let levels = vec![gray(4, 1, &[0, 51, 102, 153]), gray(2, 1, &[0, 255]), gray(1, 1, &[204])];
         Texture { id: 0, name: String::new(), sampler, levels, offset: 0, elsewhere: None }
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn texel_centres_are_exact_and_between_them_it_is_linear() {
-        let texture = ramp(Wrap::Clamp);
+        let texture = ramp(WrapMode::Clamp);
         for (u, expected) in [(0.5, 0.0), (1.5, 1.0), (2.0, 1.5), (3.5, 3.0), (0.0, 0.0), (4.0, 3.0), (9.0, 3.0)] {
             assert!((fifths(&texture, TextureFilter::Bilinear, u, 0.0) - expected).abs() < 1e-12, "u = {u}");
         }
@@ -177,16 +177,16 @@ mod tests {
     fn wrap_modes_are_those_of_opengl() {
         let nearest = |wrap, u| fifths(&ramp(wrap), TextureFilter::Nearest, u, 0.0).round();
         let row = |wrap| [-4.5, -1.5, -0.5, 0.5, 3.9, 4.5, 7.5, 8.5].map(|u| nearest(wrap, u));
-        assert_eq!(row(Wrap::Repeat), [3.0, 2.0, 3.0, 0.0, 3.0, 0.0, 3.0, 0.0]);
-        assert_eq!(row(Wrap::Mirror), [3.0, 1.0, 0.0, 0.0, 3.0, 3.0, 0.0, 0.0]);
-        assert_eq!(row(Wrap::Clamp), [0.0, 0.0, 0.0, 0.0, 3.0, 3.0, 3.0, 3.0]);
-        let seam = fifths(&ramp(Wrap::Repeat), TextureFilter::Bilinear, 0.0, 0.0);
+        assert_eq!(row(WrapMode::Repeat), [3.0, 2.0, 3.0, 0.0, 3.0, 0.0, 3.0, 0.0]);
+        assert_eq!(row(WrapMode::Mirror), [3.0, 1.0, 0.0, 0.0, 3.0, 3.0, 0.0, 0.0]);
+        assert_eq!(row(WrapMode::Clamp), [0.0, 0.0, 0.0, 0.0, 3.0, 3.0, 3.0, 3.0]);
+        let seam = fifths(&ramp(WrapMode::Repeat), TextureFilter::Bilinear, 0.0, 0.0);
         assert!((seam - 1.5).abs() < 1e-12);
     }
 
     #[test]
     fn level_of_detail_picks_and_blends_levels() {
-        let texture = ramp(Wrap::Clamp);
+        let texture = ramp(WrapMode::Clamp);
         let at = |step| fifths(&texture, TextureFilter::Trilinear, 1.5, step);
         assert!((at(0.0) - 1.0).abs() < 1e-12, "magnified: level 0");
         assert!((at(1.0) - 1.0).abs() < 1e-12);
@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn one_level_is_the_nearest_one_and_the_finer_half_way() {
-        let texture = ramp(Wrap::Clamp);
+        let texture = ramp(WrapMode::Clamp);
         let half_way = std::f64::consts::SQRT_2;
         let (below, above) = (half_way * 0.999, half_way * 1.001);
         let nearest = |step| fifths(&texture, TextureFilter::NearestMipNearest, 3.2, step);
@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn the_mip_map_selector_looks_along_the_scan_line_only() {
-        let texture = ramp(Wrap::Clamp);
+        let texture = ramp(WrapMode::Clamp);
         let by = |level| move |right, down| fifths_by(&texture, Options { level, ..Options::default() }, 1.5, right, down);
         let scan_line = by(LevelRule::AlongScanLine);
         assert!((scan_line([2.0, 0.0], [1e6, 1e6]) - 1.25).abs() < 1e-12, "level 1, whatever changes downwards");
@@ -233,7 +233,7 @@ mod tests {
     }
 
     /// A row of five texels: levels of 5, 3, 2 and 1 where sides are rounded up.
-    fn five(centre: TexelCentre, wrap: Wrap) -> (Texture, Options) {
+    fn five(centre: TexelCentre, wrap: WrapMode) -> (Texture, Options) {
         let sampler = Modes { wrap: [wrap; 2], ..Modes::default() };
         let levels = [&[0, 10, 20, 30, 40][..], &[5, 25, 40], &[15, 40], &[28]].map(|v| gray(v.len() as u32, 1, v));
         let options = Options { pyramid: Pyramid::Tiled { tile: [1, 1], centre }, ..Options::default() };
@@ -246,25 +246,25 @@ mod tests {
             let (texture, options) = five(centre, wrap);
             fifths_by(&texture, options, u, [step, 0.0], [0.0, 0.0]) * 51.0
         };
-        let half = |u, step| value(TexelCentre::Half, Wrap::Clamp, u, step);
+        let half = |u, step| value(TexelCentre::Half, WrapMode::Clamp, u, step);
         assert!((half(1.0, 2.0) - 5.0).abs() < 1e-9 && (half(3.0, 2.0) - 25.0).abs() < 1e-9, "middles of level 1");
         assert!((half(2.0, 2.0) - 15.0).abs() < 1e-9 && (half(5.0, 2.0) - 40.0).abs() < 1e-9);
         assert!((half(5.0, 4.0) - 33.75).abs() < 1e-9, "the edge of level 2 is a quarter into its last texel");
         assert_eq!([half(5.001, 4.0), half(70.0, 4.0)], [half(5.0, 4.0); 2], "and goes on beyond");
-        let integer = |u, step| value(TexelCentre::Integer, Wrap::Clamp, u, step);
+        let integer = |u, step| value(TexelCentre::Integer, WrapMode::Clamp, u, step);
         assert!((integer(2.0, 2.0) - 25.0).abs() < 1e-9, "texel 1 of level 1, half a texel aside");
         assert!((integer(3.0, 1.0) - 30.0).abs() < 1e-9);
         // The seam of a texture that repeats: half of the last texel and half of the first, on every level.
-        let seam = value(TexelCentre::Half, Wrap::Repeat, 0.0, 2.0);
+        let seam = value(TexelCentre::Half, WrapMode::Repeat, 0.0, 2.0);
         assert!((seam - 22.5).abs() < 1e-9, "{seam}");
-        assert!((value(TexelCentre::Half, Wrap::Repeat, 5.0 + 3.0, 2.0) - 25.0).abs() < 1e-9, "one turn on");
-        assert!((value(TexelCentre::Half, Wrap::Mirror, 10.0 - 3.0, 2.0) - 25.0).abs() < 1e-9, "and mirrored");
-        assert!((value(TexelCentre::Half, Wrap::Mirror, -3.0, 2.0) - 25.0).abs() < 1e-9);
+        assert!((value(TexelCentre::Half, WrapMode::Repeat, 5.0 + 3.0, 2.0) - 25.0).abs() < 1e-9, "one turn on");
+        assert!((value(TexelCentre::Half, WrapMode::Mirror, 10.0 - 3.0, 2.0) - 25.0).abs() < 1e-9, "and mirrored");
+        assert!((value(TexelCentre::Half, WrapMode::Mirror, -3.0, 2.0) - 25.0).abs() < 1e-9);
     }
 
     #[test]
     fn senseless_input_is_harmless() {
-        let mut texture = ramp(Wrap::Mirror);
+        let mut texture = ramp(WrapMode::Mirror);
         for u in [f64::NAN, f64::INFINITY, -1e300] {
             for filter in FILTERS {
                 let _ = fifths(&texture, filter, u, u);

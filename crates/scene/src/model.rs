@@ -2,7 +2,7 @@
 
 use crate::camera::{Bounds, Viewpoint};
 use crate::view::Lamp;
-use basrelief_signals::{Object, Shading};
+use basrelief_signals::{Object, ShadingSettings};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ pub(crate) struct Model {
     /// The file's lights.
     pub lamps: Vec<(Lamp, f64)>,
     /// How the figure shading device shades its frames.
-    pub shading: Shading,
+    pub shading: ShadingSettings,
 }
 
 /// Box around all vertices in the world.

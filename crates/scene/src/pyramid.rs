@@ -6,7 +6,7 @@
 //! level to level by up to a texel: against Mesa, which resamples, a floor of 101 x 38 texels was at
 //! 27 to 29 dB so, and is at 36 to 41 now.)
 
-use basrelief_signals::{Image, Wrap};
+use basrelief_signals::{Image, WrapMode};
 use basrelief_threads as threads;
 
 /// Levels of a normal map, 0..=7: what the LOD range 0..=63 can address.
@@ -41,7 +41,7 @@ pub fn normal_levels(mut base: Image) -> Vec<Image> {
 ///
 /// `strength` is the height \[texels of level 0\] of 1.0. Level k holds `normalize(-dh/dcol, dh/drow, 1)` with central
 /// differences over its own texels, divided by 2^k since they are 2^k level-0 texels wide.
-pub fn height_levels(base: HeightMap, strength: f64, wrap: [Wrap; 2]) -> Vec<Image> {
+pub fn height_levels(base: HeightMap, strength: f64, wrap: [WrapMode; 2]) -> Vec<Image> {
     let mut map = base;
     let mut images = Vec::new();
     let mut scale = strength;
@@ -169,7 +169,7 @@ fn halve_heights(map: &HeightMap) -> HeightMap {
     HeightMap { width: half(map.width), height: half(map.height), heights: boxes(map.width, map.height, mean) }
 }
 
-fn differentiate(map: &HeightMap, scale: f64, wrap: [Wrap; 2]) -> Image {
+fn differentiate(map: &HeightMap, scale: f64, wrap: [WrapMode; 2]) -> Image {
     let at = |column: i64, row: i64| {
         let (x, y) = (wrapped(column, map.width, wrap[0]), wrapped(row, map.height, wrap[1]));
         map.heights.get(y * map.width as usize + x).copied().unwrap_or_default()
@@ -187,12 +187,12 @@ fn differentiate(map: &HeightMap, scale: f64, wrap: [Wrap; 2]) -> Image {
     Image { width: map.width, height: map.height, texels }
 }
 
-fn wrapped(i: i64, size: u32, wrap: Wrap) -> usize {
+fn wrapped(i: i64, size: u32, wrap: WrapMode) -> usize {
     let size = i64::from(size);
     let inside = match wrap {
-        Wrap::Repeat => i.rem_euclid(size),
-        Wrap::Clamp => i.clamp(0, size - 1),
-        Wrap::Mirror => {
+        WrapMode::Repeat => i.rem_euclid(size),
+        WrapMode::Clamp => i.clamp(0, size - 1),
+        WrapMode::Mirror => {
             let folded = i.rem_euclid(2 * size);
             folded.min(2 * size - 1 - folded)
         }
@@ -270,7 +270,7 @@ mod tests {
         };
         let centre = |levels: Vec<Image>| levels[0].texels[5];
         let diagonal = std::f64::consts::FRAC_1_SQRT_2;
-        let clamp = [Wrap::Clamp; 2];
+        let clamp = [WrapMode::Clamp; 2];
         assert_eq!(centre(height_levels(ramp(1.0, 0.0), 1.0, clamp)), encode_normal([-diagonal, 0.0, diagonal]));
         assert_eq!(centre(height_levels(ramp(0.0, 1.0), 1.0, clamp)), encode_normal([0.0, diagonal, diagonal]));
     }
@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn a_slope_stays_the_same_on_every_level() {
         let ramp = HeightMap { width: 64, height: 64, heights: (0..4096).map(|i| f64::from(i % 64)).collect() };
-        for (k, level) in height_levels(ramp, 0.5, [Wrap::Clamp; 2]).iter().enumerate().take(5) {
+        for (k, level) in height_levels(ramp, 0.5, [WrapMode::Clamp; 2]).iter().enumerate().take(5) {
             let middle = (level.height / 2 * level.width + level.width / 2) as usize;
             let expected = encode_normal(normalize([-0.5, 0.0, 1.0]));
             assert_eq!(level.texels[middle], expected, "level {k}");
@@ -287,9 +287,9 @@ mod tests {
 
     #[test]
     fn wrapping_follows_the_sampler() {
-        assert_eq!([-1, 4, 9].map(|i| wrapped(i, 4, Wrap::Repeat)), [3, 0, 1]);
-        assert_eq!([-1, 4, 9].map(|i| wrapped(i, 4, Wrap::Clamp)), [0, 3, 3]);
-        assert_eq!([-1, 4, 9].map(|i| wrapped(i, 4, Wrap::Mirror)), [0, 3, 1]);
+        assert_eq!([-1, 4, 9].map(|i| wrapped(i, 4, WrapMode::Repeat)), [3, 0, 1]);
+        assert_eq!([-1, 4, 9].map(|i| wrapped(i, 4, WrapMode::Clamp)), [0, 3, 3]);
+        assert_eq!([-1, 4, 9].map(|i| wrapped(i, 4, WrapMode::Mirror)), [0, 3, 1]);
     }
 
     proptest! {
@@ -310,7 +310,7 @@ mod tests {
         fn every_level_of_a_height_map_stores_unit_normals(
             heights in proptest::collection::vec(0.0f64..1.0, 35), strength in 0.0f64..20.0
         ) {
-            for level in height_levels(HeightMap { width: 7, height: 5, heights }, strength, [Wrap::Repeat; 2]) {
+            for level in height_levels(HeightMap { width: 7, height: 5, heights }, strength, [WrapMode::Repeat; 2]) {
                 for t in &level.texels {
                     let length: f64 = [0, 1, 2].map(|i| f64::from(t[i]) / 127.5 - 1.0).iter().map(|c| c * c).sum();
                     prop_assert!((length.sqrt() - 1.0).abs() < 0.01);

@@ -2,7 +2,7 @@
 
 use crate::SceneError;
 use crate::camera::{AUTO_VIEW, Bounds, View, Viewpoint, check_camera, direction, rows, turn, turn_around};
-use basrelief_signals::{Camera, Frame, Light, LightKind, MAX_PICTURE_PIXELS, Shading};
+use basrelief_signals::{Camera, Frame, Light, LightKind, MAX_PICTURE_PIXELS, ShadingSettings};
 use glam::{DMat4, DVec3, DVec4};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -136,13 +136,21 @@ pub(crate) struct ViewHints {
     /// Orbit of the light, where the user does not say.
     pub light_orbit: LightOrbit,
     /// How the figure shading device shades the frames.
-    pub shading: Shading,
+    pub shading: ShadingSettings,
 }
 
 impl ViewHints {
     /// The hints of a model without animation.
     pub(crate) fn still(bounds: Bounds, camera: Option<Viewpoint>, lamps: Vec<(Lamp, f64)>) -> Self {
-        Self { bounds, camera, lamps, frames: 1, orbit: 0.0, light_orbit: LightOrbit::Degrees(0.0), shading: Shading::default() }
+        Self {
+            bounds,
+            camera,
+            lamps,
+            frames: 1,
+            orbit: 0.0,
+            light_orbit: LightOrbit::Degrees(0.0),
+            shading: ShadingSettings::default(),
+        }
     }
 
     /// All frames, in order.

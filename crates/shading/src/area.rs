@@ -1,10 +1,10 @@
-//! Areas of polygons on the screen and in a texture, and the level of detail that follows from them.
+//! Areas of polygons on the screen and in a texture, and the level of detail computed from them.
 
 use crate::lod::lod;
 use basrelief_signals::{Texture, Vertex};
 
-/// Twice the signed area of a polygon; positive where its corners run from x towards y (clockwise on the screen, where y
-/// runs down). Taken from the first corner, so that a place far from the origin costs no precision.
+/// Returns twice the signed area of a polygon. It is positive if the corners run from x towards y (clockwise on the screen, where
+/// y runs down). Coordinates are taken relative to the first corner, so that a position far from the origin costs no precision.
 pub fn doubled_area(corners: impl IntoIterator<Item = [f32; 2]>) -> f32 {
     let mut corners = corners.into_iter();
     let Some(origin) = corners.next() else { return 0.0 };
@@ -18,7 +18,8 @@ pub fn doubled_area(corners: impl IntoIterator<Item = [f32; 2]>) -> f32 {
     area
 }
 
-/// LOD of a polygon in window coordinates for `texture`, mapped by `uv`: from the area ratio of the whole polygon.
+/// Returns the LOD of a polygon in window coordinates for `texture`, mapped by `uv`. It follows from the area ratio of the whole
+/// polygon.
 pub fn polygon_lod(vertices: &[Vertex], texture: &Texture, uv: impl Fn(&Vertex) -> [f32; 2]) -> u8 {
     let Some(finest) = texture.levels.first() else { return 0 };
     let pixels = doubled_area(vertices.iter().map(|v| [v.position[0], v.position[1]])).abs();
@@ -32,7 +33,7 @@ mod tests {
     use basrelief_signals::{Image, Sampler};
 
     #[test]
-    fn areas_are_signed_and_do_not_depend_on_the_place() {
+    fn area_is_signed_and_translation_invariant() {
         let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 3.0], [0.0, 3.0]];
         assert_eq!(doubled_area(square), 12.0);
         assert_eq!(doubled_area(square.into_iter().rev()), -12.0);
@@ -41,7 +42,7 @@ mod tests {
     }
 
     #[test]
-    fn lod_is_that_of_the_area_ratio() {
+    fn lod_follows_area_ratio() {
         let vertex =
             |x: f32, y: f32| Vertex { position: [x + 100.0, y + 50.0, 0.5, 1.0], uv: [x / 64.0, y / 64.0], ..Vertex::default() };
         let polygon = [vertex(0.0, 0.0), vertex(16.0, 0.0), vertex(16.0, 16.0), vertex(0.0, 16.0)];

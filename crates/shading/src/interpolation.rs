@@ -1,9 +1,9 @@
-//! Attributes of a fragment from those of its triangle.
+//! Interpolation of the attributes of a fragment over its triangle.
 
 use basrelief_signals::{Fragment, Polygon, Stamp, Vertex};
 use wide::f32x4;
 
-/// The vertices of triangle `triangle` of the polygon's fan: 0, `triangle + 1`, `triangle + 2`; `None` where the
+/// Returns the vertices of triangle `triangle` of the polygon's fan: 0, `triangle + 1`, `triangle + 2`. Returns `None` if the
 /// polygon has fewer.
 #[inline]
 pub fn fan_triangle(polygon: &Polygon, triangle: u16) -> Option<[&Vertex; 3]> {
@@ -11,9 +11,9 @@ pub fn fan_triangle(polygon: &Polygon, triangle: u16) -> Option<[&Vertex; 3]> {
     Some([polygon.vertices.first()?, polygon.vertices.get(i + 1)?, polygon.vertices.get(i + 2)?])
 }
 
-/// Attributes over a triangle: their value at the first vertex and what the other two add.
+/// Attributes over a triangle: the value at the first vertex, and the differences of the other two from it.
 ///
-/// `N` attributes side by side, so that the compiler may use vector registers.
+/// The `N` attributes lie side by side, so that the compiler can use vector registers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gradient<const N: usize> {
     first: [f32; N],
@@ -22,21 +22,21 @@ pub struct Gradient<const N: usize> {
 }
 
 impl<const N: usize> Gradient<N> {
-    /// From the attributes of the three vertices.
+    /// Creates the gradient from the attributes of the three vertices.
     #[inline]
     pub fn new([a, b, c]: [&[f32; N]; 3]) -> Self {
         let less = |p: &[f32; N]| std::array::from_fn(|i| p[i] - a[i]);
         Self { first: *a, second: less(b), third: less(c) }
     }
 
-    /// Attributes at perspective-correct `weights` of the second and third vertex: `a + w1 (b - a) + w2 (c - a)`, so that
-    /// what is constant over the triangle stays so to the bit.
+    /// Returns the attributes at perspective-correct `weights` of the second and third vertex: `a + w1 (b - a) + w2 (c - a)`. An
+    /// attribute that is constant over the triangle stays constant to the bit.
     #[inline]
     pub fn at(&self, weights: [f32; 2]) -> [f32; N] {
         std::array::from_fn(|i| self.first[i] + weights[0] * self.second[i] + weights[1] * self.third[i])
     }
 
-    /// [`Gradient::at`] for four fragments side by side.
+    /// Computes [`Gradient::at`] for four fragments side by side.
     #[inline(always)]
     pub fn side_by_side(&self, [second, third]: [f32x4; 2]) -> [f32x4; N] {
         let mut attributes = [f32x4::ZERO; N];
@@ -47,9 +47,9 @@ impl<const N: usize> Gradient<N> {
     }
 }
 
-/// Weights of the fragments of a stamp, side by side. Lanes without a fragment repeat the last: a mask would cost more than what
-/// they compute in vain. (Not by way of an array that is filled: a register is not read before all that was written of it is in
-/// memory.)
+/// Returns the weights of the fragments of a stamp, side by side. Lanes without a fragment repeat the last one: a mask would cost
+/// more than the wasted arithmetic. (An array filled in steps would be slower: the processor cannot load the register before all
+/// stores to it are in memory.)
 #[inline(always)]
 pub fn weights(stamp: &Stamp<Fragment>) -> [f32x4; 2] {
     let Some(last) = stamp.len().checked_sub(1) else { return [f32x4::ZERO; 2] };
@@ -57,7 +57,7 @@ pub fn weights(stamp: &Stamp<Fragment>) -> [f32x4; 2] {
     [f32x4::new([a[0], b[0], c[0], d[0]]), f32x4::new([a[1], b[1], c[1], d[1]])]
 }
 
-/// One attribute at `weights` of a triangle; see [`Gradient::at`].
+/// Returns one attribute at `weights` of a triangle. See [`Gradient::at`].
 #[inline]
 pub fn interpolate<const N: usize>(vertices: [&[f32; N]; 3], weights: [f32; 2]) -> [f32; N] {
     Gradient::new(vertices).at(weights)
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fan_ends_with_its_last_vertex() {
+    fn fan_ends_with_last_vertex() {
         let polygon =
             Polygon { vertices: vec![Vertex::default(); 5], material: Arc::default(), object: 0, lod: 0, bump: true, arrival: 0 };
         assert!(fan_triangle(&polygon, 2).is_some());

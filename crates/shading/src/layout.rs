@@ -1,8 +1,8 @@
-//! Where the texels of a level lie in memory: row by row, in blocks, or in blocks of blocks.
+//! Memory layouts of the texels of a level: row by row, in blocks, or in blocks of blocks.
 //!
-//! Hakura and Gupta, "The Design and Analysis of a Cache Architecture for Texture Mapping" (ISCA 1997), by whose names the layouts
-//! go: a line of memory that is a block serves a texture that is crossed in any direction, and blocks within superblocks of a
-//! cache's size keep neighbours above each other from sharing its sets.
+//! The layouts have the names of Hakura and Gupta, "The Design and Analysis of a Cache Architecture for Texture Mapping" (ISCA
+//! 1997). A memory line that holds a block suits textures that are crossed in any direction. Blocks within superblocks of a
+//! cache's size keep vertical neighbours from sharing a cache set.
 
 use crate::texture::times;
 use crate::{Footprints, Taps};
@@ -11,24 +11,24 @@ use serde::{Deserialize, Serialize};
 use std::ops::{Add, BitAnd};
 use wide::u32x4;
 
-/// Side of the smallest block that a level takes whole in memory \[texels\]: of textures as scenes and display lists place them,
-/// and of the blocks in which pictures are visited and stored.
+/// Side of the smallest block that a level fills in memory \[texels\]. Scenes and display lists place textures in such blocks,
+/// and pictures are traversed and stored in them.
 pub const BLOCK: u32 = 4;
 
-/// Levels take this many times the room of whole 4 x 4 blocks at most: with blocks no larger than the level, each side is padded
-/// to less than twice its length.
+/// Largest ratio of a level's padded size to its size in whole 4 x 4 blocks. Blocks are no larger than the level, so each side is
+/// padded to less than twice its length.
 const SPREAD: u64 = 4;
 
-/// In which order the texels of a level lie in memory.
+/// Order of the texels of a level in memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TextureLayout {
     /// Row by row.
     Linear,
-    /// In square blocks, row of blocks by row of blocks, each row by row.
+    /// Square blocks, row by row. Each block is stored row by row.
     #[default]
     Blocked,
-    /// In square superblocks of square blocks: row by row in each of the three.
+    /// Square superblocks of square blocks. Superblocks, blocks and texels are each stored row by row.
     #[serde(rename = "blocked_6d")]
     Blocked6d,
 }
@@ -36,20 +36,21 @@ pub enum TextureLayout {
 /// A [`TextureLayout`] with the sides of its blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
-    /// Sides of a block and of a superblock \[texels\]: powers of two, the first no larger. Rows are blocks of one texel, and blocks
-    /// without superblocks are superblocks of one block.
+    /// Sides of a block and of a superblock \[texels\]: powers of two, the first no larger than the second. Row order uses blocks
+    /// of one texel. Blocks without superblocks use superblocks of one block.
     sides: [u32; 2],
 }
 
 impl Default for Layout {
-    /// Blocks of 4 x 4 texels.
+    /// Returns the layout with blocks of 4 x 4 texels.
     fn default() -> Self {
         Self { sides: [BLOCK; 2] }
     }
 }
 
 impl Layout {
-    /// A layout with blocks and superblocks of these sides \[texels\], powers of two, as far as it has any.
+    /// Creates a layout with blocks and superblocks of these sides \[texels\], which are powers of two. Sides that the layout
+    /// does not have are ignored.
     pub fn new(layout: TextureLayout, block: u32, superblock: u32) -> Self {
         let sides = match layout {
             TextureLayout::Linear => [1; 2],
@@ -59,22 +60,23 @@ impl Layout {
         Self { sides }
     }
 
-    /// Sides of blocks and superblocks in a level of this size: no larger than its smaller side, or 4.
+    /// Returns the sides of blocks and superblocks in a level of this size. They are at most its smaller side, or 4.
     fn of_level(self, [width, height]: [u32; 2]) -> [u32; 2] {
         let most = 1 << width.min(height).max(BLOCK).ilog2();
         self.sides.map(|side| side.min(most))
     }
 
-    /// Texels that a level of this size takes in memory, padded to whole blocks and superblocks.
+    /// Returns the texels that a level of this size takes in memory, padded to whole blocks and superblocks.
     pub fn room(self, size: [u32; 2]) -> u64 {
         let [_, side] = self.of_level(size);
         size.iter().map(|n| u64::from(n.next_multiple_of(side))).product()
     }
 
-    /// Where level `level` of the texture lies: behind its finer ones. One that it does not have lies behind its last.
+    /// Returns the position of level `level` of the texture, behind its finer levels. A level that does not exist lies behind the
+    /// last.
     ///
-    /// A texture begins where its scene or display list has placed it, in whole 4 x 4 blocks; with larger ones all lie as much farther
-    /// apart as they may have grown.
+    /// Scenes and display lists place a texture in whole 4 x 4 blocks. For larger blocks, all positions are spread by the largest
+    /// possible growth.
     pub fn level(self, texture: &Texture, level: usize) -> LevelPlace {
         let start = texture.offset * if self.sides[1] > BLOCK { SPREAD } else { 1 };
         let finer = texture.levels.iter().take(level).map(|image| self.room([image.width, image.height]));
@@ -82,7 +84,7 @@ impl Layout {
         LevelPlace { start: finer.fold(start, |a, b| a + b), ..self.place(size) }
     }
 
-    /// A level of this size at the start of the memory.
+    /// Returns the position of a level of this size at the start of the memory.
     #[inline(always)]
     fn place(self, size: [u32; 2]) -> LevelPlace {
         let [block, superblock] = self.of_level(size);
@@ -90,36 +92,37 @@ impl Layout {
     }
 }
 
-/// Where a level lies, and how: constant over a polygon.
+/// Position and layout of a level in memory, constant over a polygon.
 ///
-/// What column and row add to an address are bits side by side, but for the row of superblocks, which is a product or, where a
-/// texture's width is a power of two, bits too. So every layout takes the same operators: a sum for each texel.
+/// The contributions of column and row to an address are separate bit fields. The row of superblocks is an exception: it is a
+/// product, and also a bit field if the texture's width is a power of two. Every layout therefore needs the same operators: one
+/// sum per texel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LevelPlace {
-    /// First texel \[texels from the start of the memory\].
+    /// Address of the first texel \[texels from the start of the memory\].
     pub start: u64,
     /// Width, padded to superblocks \[texels\].
     width: u32,
     /// Sides of blocks and superblocks \[texels\].
     sides: [u32; 2],
-    /// Bits of a column or row that say which texel of its block it is, which block of its superblock, and which superblock.
+    /// Masks of a column or row for the texel in its block, the block in its superblock, and the superblock.
     masks: [u32; 3],
 }
 
 impl LevelPlace {
-    /// At the start of the memory. Sides are powers of two, and `width` a multiple of the second.
+    /// Creates a level at the start of the memory. Sides are powers of two, and `width` is a multiple of the second.
     fn new(width: u32, sides: [u32; 2]) -> Self {
         let [block, superblock] = sides.map(|side| side - 1);
         Self { start: 0, width, sides, masks: [block, superblock & !block, !superblock] }
     }
 
-    /// A texel \[texels from the start of the memory\].
+    /// Returns the address of a texel \[texels from the start of the memory\].
     #[inline(always)]
     pub fn texel(&self, [x, y]: [u32; 2]) -> u64 {
         self.start + self.column(u64::from(x)) + self.row(u64::from(y))
     }
 
-    /// [`LevelPlace::texel`] of each tap. Column and row contribute apart, and four taps lie in two of each.
+    /// Computes [`LevelPlace::texel`] for each tap. Column and row contribute separately, and four taps share two of each.
     #[inline(always)]
     pub fn taps(&self, taps: &Taps) -> [u64; 4] {
         let [[x0, y0], [x1, _], [_, y1], _] = taps.texel;
@@ -128,8 +131,8 @@ impl LevelPlace {
         [upper + left, upper + right, lower + left, lower + right]
     }
 
-    /// The same of samples side by side, but from the start of the level on \[texels\]: of the largest picture these are 32 bits.
-    /// (Not by closures over arrays: they are not always inlined, and then took 6 % of the instructions of W1.)
+    /// Computes the addresses of samples side by side \[texels from the start of the level\]: the largest picture needs 32 bits.
+    /// (Closures over arrays are not always inlined: they took 6 % of the instructions of W1.)
     #[inline(always)]
     pub fn footprints(&self, footprints: &Footprints) -> [u32x4; 4] {
         let ([left, right], [upper, lower]) = (footprints.columns, footprints.rows);
@@ -138,14 +141,15 @@ impl LevelPlace {
         [upper + left, upper + right, lower + left, lower + right]
     }
 
-    /// What of a column or row stands under each mask.
+    /// Returns the part of a column or row under each mask.
     #[inline(always)]
     fn parts<C: Coordinate>(&self, c: C) -> [C; 3] {
         let [texel, block, superblock] = self.masks;
         [c & C::from(texel), c & C::from(block), c & C::from(superblock)]
     }
 
-    /// What stands under a mask is a number of blocks times their side; times the side again, it is their texels.
+    /// Returns the contribution of a column to an address. The part under a mask is a number of blocks times their side. Multiplied
+    /// by the side again, it counts their texels.
     #[inline(always)]
     fn column<C: Coordinate>(&self, x: C) -> C {
         let [texel, block, superblock] = self.parts(x);
@@ -161,14 +165,14 @@ impl LevelPlace {
     }
 }
 
-/// A column or row, or those of several samples side by side.
+/// A column or row of one sample, or of several samples side by side.
 trait Coordinate: Copy + From<u32> + BitAnd<Output = Self> + Add<Output = Self> {
-    /// Times a width or side.
+    /// Multiplies by a width or side.
     fn times(self, n: u32) -> Self;
 }
 
 impl Coordinate for u64 {
-    /// (A product: shifts by numbers that the compiler does not know took a run up to 2 % more instructions.)
+    /// (Shifts by amounts unknown to the compiler took up to 2 % more instructions of a run than this product.)
     #[inline(always)]
     fn times(self, n: u32) -> Self {
         self * Self::from(n)
@@ -182,7 +186,7 @@ impl Coordinate for u32x4 {
     }
 }
 
-/// Number of a pixel of a picture of this width that lies in 4 x 4 blocks.
+/// Returns the number of a pixel in a picture of this width that is stored in 4 x 4 blocks.
 #[inline(always)]
 pub fn pixel_offset(width: u32, pixel: [u32; 2]) -> u64 {
     LevelPlace::new(width.next_multiple_of(BLOCK), [BLOCK; 2]).texel(pixel)
@@ -192,7 +196,7 @@ pub fn pixel_offset(width: u32, pixel: [u32; 2]) -> u64 {
 mod tests {
     use super::*;
     use crate::taps;
-    use basrelief_signals::{Filter, Sampler};
+    use basrelief_signals::{Sampler, TexelFilter};
     use proptest::prelude::*;
     use std::collections::BTreeSet;
 
@@ -213,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn by_default_a_texel_lies_where_4_x_4_blocks_have_it() {
+    fn default_layout_is_blocked_4_x_4() {
         let texture = texture(&[[6, 5], [3, 2], [1, 1]], 32);
         let at = |level, texel| Layout::default().level(&texture, level).texel(texel);
         assert_eq!([at(0, [0, 0]), at(0, [3, 1]), at(0, [4, 0]), at(0, [1, 4])], [32, 32 + 7, 32 + 16, 32 + 33]);
@@ -222,18 +226,18 @@ mod tests {
     }
 
     #[test]
-    fn a_texel_by_hand_in_each_layout() {
+    fn each_layout_matches_hand_computed_texel() {
         let texture = texture(&[[32, 16]], 0);
         let at = |layout, block, superblock| Layout::new(layout, block, superblock).level(&texture, 0).texel([21, 11]);
         assert_eq!(at(TextureLayout::Linear, 4, 8), 11 * 32 + 21);
         // The first row of blocks has 256 texels, and two blocks are to the left.
         assert_eq!(at(TextureLayout::Blocked, 8, 8), 256 + 2 * 64 + 3 * 8 + 5);
-        // Superblock (2, 1) of 8 x 8, in it block (1, 0) of 4 x 4, in that texel (1, 3).
+        // In superblock (2, 1) of 8 x 8, block (1, 0) of 4 x 4, texel (1, 3).
         assert_eq!(at(TextureLayout::Blocked6d, 4, 8), 256 + 2 * 64 + 16 + 3 * 4 + 1);
     }
 
     #[test]
-    fn a_superblock_lies_side_by_side_in_memory_and_so_does_each_of_its_blocks() {
+    fn superblocks_and_blocks_are_contiguous() {
         let texture = texture(&[[96, 64]], 0);
         let place = Layout::new(TextureLayout::Blocked6d, 4, 32).level(&texture, 0);
         for side in [4, 32] {
@@ -245,13 +249,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn texels_take_places_of_their_own_in_the_padded_extent_of_their_level(
+        fn texel_addresses_are_distinct_within_padded_level(
             layout in any_layout(), size in [1u32..70, 1u32..70], finer in [1u32..70, 1u32..70], offset in 0u64..9,
         ) {
             let texture = texture(&[finer, size], 16 * offset);
             let [start, place, end] = [0, 1, 2].map(|level| layout.level(&texture, level));
             prop_assert_eq!([place.start - start.start, end.start - place.start], [finer, size].map(|size| layout.room(size)));
-            // Extended to whole superblocks, every place is taken once.
+            // In a level padded to whole superblocks, every address is used once.
             let [_, side] = layout.of_level(size);
             let padded = size.map(|n| n.next_multiple_of(side));
             let places: BTreeSet<u64> = texels(padded).map(|texel| place.texel(texel)).collect();
@@ -260,15 +264,15 @@ mod tests {
         }
 
         #[test]
-        fn textures_side_by_side_do_not_overlap(layout in any_layout(), sizes in prop::collection::vec([1u32..99, 1u32..99], 1..5)) {
+        fn adjacent_textures_do_not_overlap(layout in any_layout(), sizes in prop::collection::vec([1u32..99, 1u32..99], 1..5)) {
             let one = texture(&sizes, 32);
-            // Where a scene places the next one.
+            // Position of the next texture in a scene.
             let next = texture(&sizes, Layout::default().level(&one, sizes.len()).start);
             prop_assert!(layout.level(&one, sizes.len()).start <= layout.level(&next, 0).start);
         }
 
         #[test]
-        fn by_default_blocks_follow_each_other_row_by_row(size in [1u32..70, 1u32..70]) {
+        fn default_blocks_are_stored_row_by_row(size in [1u32..70, 1u32..70]) {
             let place = Layout::default().level(&texture(&[size], 0), 0);
             let expected = |[x, y]: [u32; 2]| (y / 4 * size[0].div_ceil(4) + x / 4) * 16 + y % 4 * 4 + x % 4;
             prop_assert!(texels(size).all(|texel| place.texel(texel) == u64::from(expected(texel))));
@@ -281,9 +285,9 @@ mod tests {
         }
 
         #[test]
-        fn taps_lie_where_their_texels_do(layout in any_layout(), size in [1u32..70, 1u32..70], u in -3f32..3.0, v in -3f32..3.0) {
+        fn taps_have_addresses_of_their_texels(layout in any_layout(), size in [1u32..70, 1u32..70], u in -3f32..3.0, v in -3f32..3.0) {
             let texture = texture(&[size], 48);
-            let taps = taps(&texture.levels[0], &texture.sampler, Filter::Bilinear, [u, v]);
+            let taps = taps(&texture.levels[0], &texture.sampler, TexelFilter::Bilinear, [u, v]);
             let place = layout.level(&texture, 0);
             prop_assert_eq!(place.taps(&taps), taps.texel.map(|texel| place.texel(texel)));
         }

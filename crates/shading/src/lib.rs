@@ -1,16 +1,16 @@
 //! Pure graphics arithmetic that several units share: no state, no time, no I/O.
 //!
 //! - [`lighting`]: ambient + Lambert + Blinn-Phong, for CLUT entries and vertices;
-//! - [`area`]: areas of polygons on the screen and in a texture, and the LOD that follows;
-//! - [`mod@lod`]: level of detail 0..=63, and which MIP levels it selects with which weights;
-//! - [`texture`]: which texels a sample touches;
-//! - [`layout`]: where they lie in memory;
+//! - [`area`]: areas of polygons on the screen and in a texture, and the LOD computed from them;
+//! - [`mod@lod`]: level of detail 0..=63, and the MIP levels and weights that it selects;
+//! - [`texture`]: texels and weights of a sample;
+//! - [`layout`]: addresses of texels in memory;
 //! - [`mod@reference_normals`]: the contents of the VQ tables (121);
-//! - [`interpolation`]: attributes of a fragment from those of its triangle;
-//! - [`scan`]: from a polygon to its pixels.
+//! - [`interpolation`]: interpolation of attributes over a triangle;
+//! - [`scan`]: rasterization of a polygon.
 //!
-//! Single precision throughout; double only where tables are built. Transcendental functions come from `libm`, so that
-//! every platform computes the same bits.
+//! Arithmetic is in single precision; only tables are built in double precision. Transcendental functions come from `libm`, so
+//! that every platform computes the same bits.
 
 pub mod area;
 pub mod interpolation;

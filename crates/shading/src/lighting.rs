@@ -1,22 +1,22 @@
-//! The lighting formula: `ka + kd * sum i max(N.L, 0)` and `ks * sum i max(N.H, 0)^n` (assumed: ambient + Lambert +
-//! Blinn-Phong; the patent fixes only that light type and position decide the brightness of a normal).
+//! The lighting formula: `ka + kd * sum i max(N.L, 0)` and `ks * sum i max(N.H, 0)^n` (assumed: ambient + Lambert + Blinn-Phong;
+//! the patent states only that light type and position decide the brightness of a normal).
 
 use basrelief_signals::{Frame, LightKind, Lighting};
 use glam::Vec3;
 
-/// A light as the formula needs it: constant over an object, as light and viewer are at infinity or the light is
+/// A light prepared for the formula. It is constant over an object, because light and viewer are at infinity or the light is
 /// evaluated at the object's centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LightVector {
-    /// Unit vector towards the light, world space; zero where a point light lies in the object's centre.
+    /// Unit vector towards the light, world space. Zero if a point light lies in the object's centre.
     pub to_light: Vec3,
-    /// Unit vector halfway between light and viewer; zero where they are opposite.
+    /// Unit vector halfway between light and viewer. Zero if they are opposite.
     pub halfway: Vec3,
-    /// Multiplies the diffuse and specular terms.
+    /// Factor of the diffuse and specular terms.
     pub intensity: f32,
 }
 
-/// 8 bits of each component of a colour, 0..=1: saturating, halves rounded up; NaN is black.
+/// Converts a colour of components 0..=1 to 8 bits each. Values saturate, halves round up, and NaN becomes black.
 #[inline]
 pub fn saturated(color: [f32; 3]) -> [u8; 3] {
     // The conversion saturates at both ends. (`map` would be a call.)
@@ -25,7 +25,7 @@ pub fn saturated(color: [f32; 3]) -> [u8; 3] {
     [bits(red), bits(green), bits(blue)]
 }
 
-/// The frame's lights as seen from `centre` (world space): point lights are evaluated there.
+/// Returns the frame's lights as seen from `centre` (world space), where point lights are evaluated.
 pub fn light_vectors(frame: &Frame, centre: [f32; 3]) -> Vec<LightVector> {
     let to_viewer = Vec3::from(frame.camera.to_viewer.map(|c| c as f32));
     let vector = |kind: LightKind| match kind {
@@ -39,10 +39,10 @@ pub fn light_vectors(frame: &Frame, centre: [f32; 3]) -> Vec<LightVector> {
     frame.lights.iter().map(|l| light(l.kind, l.intensity)).collect()
 }
 
-/// Brightness of a surface with this unit normal: `[ambient + diffuse, specular]`, not clamped above.
+/// Returns the brightness of a surface with this unit normal: `[ambient + diffuse, specular]`, not clamped above.
 ///
-/// The specular term does not ask whether the light is in front of the surface: the formula of the exact picture does
-/// not either.
+/// The specular term does not test whether the light is in front of the surface, and neither does the formula of the exact
+/// picture.
 pub fn brightness(unit_normal: Vec3, lighting: &Lighting, lights: &[LightVector]) -> [f32; 2] {
     let mut diffuse = 0.0;
     let mut specular = 0.0;
@@ -53,7 +53,7 @@ pub fn brightness(unit_normal: Vec3, lighting: &Lighting, lights: &[LightVector]
     [lighting.ka + lighting.kd * diffuse, lighting.ks * specular]
 }
 
-/// `max(x, 0)^n`; most reference normals face away from a highlight, so the zero is worth a branch.
+/// Computes `max(x, 0)^n`. Most reference normals face away from a highlight, so a branch for zero pays off.
 fn power(x: f32, n: f32) -> f32 {
     if x > 0.0 { libm::powf(x, n) } else { 0.0 }
 }
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn facing_light_and_viewer_all_terms_are_full() {
+    fn surface_facing_light_and_viewer_has_full_terms() {
         let lights = light_vectors(&frame(&[LightKind::Directional { to_light: [0.0, 0.0, 1.0] }]), [0.0; 3]);
         let lighting = Lighting::default();
         assert_eq!(brightness(Vec3::Z, &lighting, &lights), [lighting.ka + lighting.kd, lighting.ks]);
@@ -90,14 +90,14 @@ mod tests {
     }
 
     #[test]
-    fn a_point_light_is_evaluated_at_the_centre() {
+    fn point_light_is_evaluated_at_object_centre() {
         let kinds = [LightKind::Point { position: [1.0, 2.0, 7.0] }];
         assert_eq!(light_vectors(&frame(&kinds), [1.0, 2.0, 3.0])[0].to_light, Vec3::Z);
         assert_eq!(light_vectors(&frame(&kinds), [1.0, 2.0, 7.0])[0].to_light, Vec3::ZERO);
     }
 
     #[test]
-    fn opposite_light_gives_no_highlight_and_no_nan() {
+    fn opposite_light_gives_neither_highlight_nor_nan() {
         let lights = light_vectors(&frame(&[LightKind::Directional { to_light: [0.0, 0.0, -1.0] }]), [0.0; 3]);
         assert_eq!(brightness(Vec3::X, &Lighting::default(), &lights), [0.1, 0.0]);
     }

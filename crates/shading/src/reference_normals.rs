@@ -3,17 +3,17 @@
 use crate::lod::LEVELS;
 use std::f64::consts::PI;
 
-/// Most entries of a table: indexes have 16 bits.
+/// Most entries of a table, because indexes have 16 bits.
 pub const MAX_ENTRIES: usize = 65_536;
 
-/// How the reference normals of a table are spread over the sphere.
+/// Distribution of the reference normals of a table over the sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Table {
     /// Spherical Fibonacci lattice: even for every number of entries (assumed).
     #[default]
     Fibonacci,
-    /// Face normals of a tetrahedron whose faces are divided k x k and raised to the sphere: 4 k^2 entries (stated: the
+    /// Face normals of a tetrahedron whose faces are divided k x k and projected onto the sphere: 4 k^2 entries (stated: the
     /// polyhedron of 256 faces; k = 8).
     Tetrahedron,
 }
@@ -21,29 +21,29 @@ pub enum Table {
 /// A table that cannot be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TableError {
-    /// No index for it.
+    /// The number of entries exceeds the range of an index.
     #[error("a VQ table of {0} entries: expected 1..={MAX_ENTRIES}; change `replacement.entries`")]
     Entries(usize),
-    /// The tetrahedron has no such division.
+    /// The tetrahedron has no division into this many faces.
     #[error(
         "a tetrahedron has 4 k^2 faces, not {entries}; set `replacement.entries` to {below} or {above}, or \
          `replacement.table` to fibonacci"
     )]
     Tetrahedron {
-        /// As asked for.
+        /// Requested number of entries.
         entries: usize,
-        /// Next smaller division that exists.
+        /// Next smaller number of entries that exists.
         below: usize,
-        /// Next larger division that exists.
+        /// Next larger number of entries that exists.
         above: usize,
     },
 }
 
 impl Table {
-    /// Whether a table of this many entries exists.
+    /// Checks that a table of this many entries exists.
     ///
     /// # Errors
-    /// Says which sizes do.
+    /// Returns an error with the nearest valid sizes if it does not.
     pub fn check(self, entries: usize) -> Result<(), TableError> {
         if !(1..=MAX_ENTRIES).contains(&entries) {
             return Err(TableError::Entries(entries));
@@ -55,63 +55,64 @@ impl Table {
     }
 }
 
-/// Which VQ tables (121) a machine has: the replacement unit searches them, the brightness fetch unit lights them.
+/// VQ tables (121) of a machine. The replacement unit searches them, and the brightness fetch unit lights them.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct TableSet {
-    /// Entries of each MIP level's table, unless an object fixes the number.
+    /// Entries of the table of each MIP level, unless an object fixes the number.
     pub entries: [u32; LEVELS],
-    /// How they are spread.
+    /// Distribution over the sphere.
     pub table: Table,
-    /// Each level has vectors of its own.
+    /// True if each level has vectors of its own.
     pub distinct: bool,
     /// Bits per component, 8..=16.
     pub entry_bits: u32,
 }
 
 impl TableSet {
-    /// Entries of a level's table (a level above 7 counts as 7); `object` is the number that an object fixes.
+    /// Returns the number of entries of a level's table. Levels above 7 count as 7. `object` is the number that an object fixes.
     #[inline]
     pub fn entries(&self, level: u8, object: Option<u32>) -> u32 {
         object.unwrap_or(self.entries[usize::from(level).min(LEVELS - 1)])
     }
 
-    /// The reference normals of a level's table of `entries` entries.
+    /// Returns the reference normals of a level's table of `entries` entries.
     ///
     /// # Errors
-    /// Where there is no such table.
+    /// Returns an error if no such table exists.
     pub fn normals(&self, level: u8, entries: u32) -> Result<Vec<[i16; 3]>, TableError> {
         reference_normals(level, entries as usize, self.table, self.distinct, self.entry_bits)
     }
 
-    /// Checks the sizes of all levels.
+    /// Checks the table sizes of all levels.
     ///
     /// # Errors
-    /// The first level's that does not exist.
+    /// Returns the error of the first level whose table does not exist.
     pub fn check(&self) -> Result<(), TableError> {
         self.entries.iter().try_for_each(|&n| self.table.check(n as usize))
     }
 
-    /// Bytes of one entry as loaded: three components, packed (derived).
+    /// Returns the bytes of one entry as loaded: three components, packed (derived).
     pub fn entry_bytes(&self) -> u32 {
         (3 * self.entry_bits).div_ceil(8)
     }
 }
 
-/// Rounds a component -1..=1 to `bits` (8..=16, clamped), in steps of 1/32767: how normals are stored everywhere.
+/// Rounds a component -1..=1 to `bits` (8..=16, clamped), in steps of 1/32767. All normals are stored in this form.
 #[inline]
 pub fn quantize_unit(c: f64, bits: u32) -> i16 {
     let steps = f64::from((1_i32 << (bits.clamp(8, 16) - 1)) - 1);
     ((c * steps).round() * (32_767.0 / steps)).round() as i16
 }
 
-/// The VQ table (121) of MIP level `level`: `entries` unit vectors in world space, in steps of 1/32767, each component
-/// quantized to `entry_bits` (8..=16, clamped).
+/// Computes the VQ table (121) of MIP level `level`: `entries` unit vectors in world space, in steps of 1/32767. Each component
+/// is quantized to `entry_bits` bits (8..=16, clamped).
 ///
-/// Where `distinct`, level k's vectors are level 0's turned by a rotation of its own, so that quantization errors differ
-/// between levels and interpolation absorbs them (stated); otherwise every level has level 0's, for the ablation.
+/// If `distinct` is true, the vectors of level k are those of level 0 turned by a rotation of its own. Quantization errors then
+/// differ between levels, and interpolation averages them (stated). Otherwise every level has the vectors of level 0, for the
+/// ablation.
 ///
 /// # Errors
-/// Where there is no table of this size.
+/// Returns an error if no table of this size exists.
 pub fn reference_normals(
     level: u8,
     entries: usize,
@@ -128,7 +129,7 @@ pub fn reference_normals(
     Ok(vectors.into_iter().map(|v| turn.map(|row| dot(row, v)).map(|c| quantize_unit(c, entry_bits))).collect())
 }
 
-/// Point i of n: height by equal area, longitude by the golden ratio.
+/// Returns n points: heights divide the sphere into equal areas, and longitudes step by the golden ratio.
 fn fibonacci(n: usize) -> Vec<[f64; 3]> {
     let golden = (5f64.sqrt() - 1.0) / 2.0;
     let point = |i: usize| {
@@ -157,7 +158,7 @@ fn tetrahedron(k: usize) -> Vec<[f64; 3]> {
     let mut normals = Vec::with_capacity(4 * k * k);
     for face in FACES {
         let [a, b, c] = face.map(|i| CORNERS[i]);
-        // Points of the divided face, raised to the sphere: without that all k^2 normals of a face would be equal.
+        // Points of the divided face, projected onto the sphere. Without the projection all k^2 normals of a face would be equal.
         let point = |i: usize, j: usize| {
             let (s, t) = (i as f64 / k as f64, j as f64 / k as f64);
             unit(std::array::from_fn(|d| a[d] + s * (b[d] - a[d]) + t * (c[d] - a[d])))
@@ -188,8 +189,8 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
     v.map(|c| c / length)
 }
 
-/// Rotation of a level (assumed): about an axis with no symmetry of either table, by the golden angle per level, so that
-/// any two levels are at least 0.3 rad apart. Rows of the matrix; the identity for level 0.
+/// Returns the rows of the rotation matrix of a level (assumed), the identity for level 0. The axis is no symmetry axis of either
+/// table. Each level turns by the golden angle, so any two levels are at least 0.3 rad apart.
 fn rotation(level: u8) -> [[f64; 3]; 3] {
     let angle = f64::from(level) * PI * (3.0 - 5f64.sqrt());
     let (s, c) = (libm::sin(angle), libm::cos(angle));
@@ -213,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn claim_1_no_two_levels_share_a_reference_normal() {
+    fn claim_1_levels_share_no_reference_normal() {
         for table in [Table::Fibonacci, Table::Tetrahedron] {
             let all: BTreeSet<[i16; 3]> = (0..8).flat_map(|level| set(level, table, true)).collect();
             assert_eq!(all.len(), 8 * 256, "{table:?}");
@@ -221,14 +222,14 @@ mod tests {
     }
 
     #[test]
-    fn identical_tables_are_level_0s() {
+    fn identical_tables_equal_level_0() {
         for level in 0..8 {
             assert_eq!(set(level, Table::Fibonacci, false), set(0, Table::Fibonacci, true));
         }
     }
 
     #[test]
-    fn a_divided_tetrahedron_has_256_faces_whose_normals_point_outward() {
+    fn divided_tetrahedron_has_256_outward_faces() {
         let normals = tetrahedron(8);
         assert_eq!(normals.len(), 256);
         let sum = normals.iter().fold([0.0; 3], |s, n| [s[0] + n[0], s[1] + n[1], s[2] + n[2]]);
@@ -241,7 +242,7 @@ mod tests {
 
     #[test]
     fn tables_cover_the_sphere() {
-        // Largest angle from any direction to the nearest of 256: a perfect covering would have 0.136 rad.
+        // Largest angle from any direction to the nearest of 256 entries. A perfect covering would have 0.136 rad.
         let probes = fibonacci(5_000);
         for (table, limit) in [(Table::Fibonacci, 0.17), (Table::Tetrahedron, 0.35)] {
             let normals = reference_normals(3, 256, table, true, 16).unwrap();
@@ -252,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_without_a_table_say_what_to_write() {
+    fn invalid_table_size_error_names_valid_sizes() {
         let error = |n, table| reference_normals(0, n, table, true, 16).unwrap_err().to_string();
         assert!(error(0, Table::Fibonacci).contains("1..=65536"));
         assert!(error(65_537, Table::Fibonacci).contains("replacement.entries"));
@@ -262,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn an_object_may_fix_the_number_of_entries() {
+    fn object_fixes_number_of_entries() {
         let tables =
             TableSet { entries: [256, 128, 64, 32, 16, 16, 16, 16], table: Table::Fibonacci, distinct: true, entry_bits: 11 };
         assert_eq!([0, 2, 9].map(|k| tables.entries(k, None)), [256, 64, 16]);

@@ -1,32 +1,32 @@
-//! Control in band (law 7).
+//! Control tokens in band (law 7).
 
 use crate::{Frame, ObjectInfo, Polygon};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A control token: takes effect when popped, travels on to the next unit.
+/// A control token. It takes effect when a unit pops it, and then travels on to the next unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Control {
     /// A frame begins: size, camera, lights.
     Frame(Arc<Frame>),
-    /// The polygons that follow belong to this object; the object before it is complete.
+    /// The following polygons belong to this object. The previous object is complete.
     Object(Arc<ObjectInfo>),
-    /// The fragments that follow, up to the next control token, are of this polygon.
+    /// The following fragments, up to the next control token, belong to this polygon.
     Polygon(Arc<Polygon>),
-    /// The fragments that follow are indexed with these reference normals, one list per MIP level, unit vectors in
-    /// steps of 1/32767 (code books `per_polygon` and `per_object`).
+    /// The following fragments are indexed with these reference normals. There is one list per MIP level of unit vectors in steps
+    /// of 1/32767 (code books `per_polygon` and `per_object`).
     CodeBook(Arc<Vec<Vec<[i16; 3]>>>),
-    /// The frame is complete; who gathers, flushes.
+    /// The frame is complete. Units that gather lines flush them.
     FrameEnd,
-    /// Accuracy criterion e of the texel value generator \[pixels\], for spans until another is selected. Other machines do not
-    /// ask.
+    /// Accuracy criterion e of the texel value generator \[pixels\]. It applies to all spans until the next criterion. Other
+    /// machines ignore it.
     Criterion(f64),
 }
 
-/// What a wire carries behind the geometry processor: control, or an item of its own kind.
+/// A token on a wire behind the geometry processor: control, or an item of the wire's own type.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Flow<T> {
-    /// Control, in band.
+    /// An in-band control token.
     Control(Control),
     /// The item.
     Item(T),

@@ -1,5 +1,5 @@
-//! What travels between the units behind the rasterizer. Tokens are small; what is constant over a polygon travels
-//! once, in the control token ahead of its fragments.
+//! Tokens between the units behind the rasterizer. Tokens are small: values that are constant over a polygon travel once, in the
+//! control token ahead of its fragments.
 
 use crate::Frame;
 use arrayvec::ArrayVec;
@@ -19,7 +19,7 @@ pub struct Fragment {
     pub y: u16,
     /// Depth in steps of the z-buffer, 0 = near.
     pub z: u32,
-    /// Perspective-correct weights of the second and third vertex of its triangle (the first has the rest).
+    /// Perspective-correct weights of the second and third vertex of the triangle. The first vertex has the rest.
     pub weights: [f32; 2],
     /// Triangle of the polygon's fan: vertices 0, `triangle + 1`, `triangle + 2`.
     pub triangle: u16,
@@ -28,24 +28,24 @@ pub struct Fragment {
 /// Most items of a [`Stamp`].
 pub const MAX_STAMP: usize = 4;
 
-/// Neighbours on the screen: items of pixels of one triangle in one 4 x 4 block of the picture, in the order of the scan. A
-/// token as wide as that (McCormack et al. 1998 call the pixels that move together a stamp). At most [`MAX_STAMP`], as
-/// `rasterizer.stamp` says, and at least one.
+/// Neighbours on the screen: 1 to [`MAX_STAMP`] items, for pixels of one triangle in one 4 x 4 block of the picture, in scan
+/// order. The parameter `rasterizer.stamp` sets the largest number. McCormack et al. (1998) call pixels that move together a
+/// stamp.
 ///
-/// What a token costs the host, it costs once per stamp; what it costs the device, the units charge by its items.
+/// The host pays for a token once per stamp. The units charge the device's cost per item.
 pub type Stamp<T> = ArrayVec<T, MAX_STAMP>;
 
-/// Values of the fragments of a stamp, side by side. What the lanes behind the last fragment hold means nothing.
-pub trait Lanes: Copy {
-    /// That of one fragment.
+/// Values of the fragments of a stamp, side by side. Lanes behind the last fragment hold arbitrary values.
+pub trait StampLanes: Copy {
+    /// Value of one fragment.
     type Value;
-    /// The same for every fragment.
+    /// Returns lanes with the same value for every fragment.
     fn all(value: Self::Value) -> Self;
-    /// That of fragment `lane` of the stamp.
+    /// Returns the value of fragment `lane` of the stamp.
     fn lane(&self, lane: usize) -> Self::Value;
 }
 
-impl<T: Copy> Lanes for [T; MAX_STAMP] {
+impl<T: Copy> StampLanes for [T; MAX_STAMP] {
     type Value = T;
 
     #[inline]
@@ -59,11 +59,11 @@ impl<T: Copy> Lanes for [T; MAX_STAMP] {
     }
 }
 
-/// Pseudo-normals of the fragments of a stamp: all x, all y, all z, as they are computed.
+/// Pseudo-normals of the fragments of a stamp, stored as all x, all y, all z for side-by-side arithmetic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Normals(pub [[i16; MAX_STAMP]; 3]);
+pub struct StampNormals(pub [[i16; MAX_STAMP]; 3]);
 
-impl Lanes for Normals {
+impl StampLanes for StampNormals {
     type Value = [i16; 3];
 
     #[inline]
@@ -77,70 +77,70 @@ impl Lanes for Normals {
     }
 }
 
-/// One sample of each fragment of a stamp: at a MIP level, or at a texel of one.
+/// One sample of each fragment of a stamp, taken at one MIP level or at one texel of a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Sample<V> {
-    /// MIP level, 0..=7: selects VQ table (121) and CLUT (122).
+pub struct StampSample<V> {
+    /// MIP level, 0..=7. It selects the VQ table (121) and the CLUT (122).
     pub level: u8,
-    /// Share in the brightness of the fragment; those of a fragment sum to 1.
+    /// Share in the brightness of the fragment. The shares of a fragment sum to 1.
     pub weight: [f32; MAX_STAMP],
-    /// What was sampled.
+    /// Sampled values.
     pub value: V,
 }
 
-impl<V: Lanes> Sample<V> {
-    /// The same for every fragment.
+impl<V: StampLanes> StampSample<V> {
+    /// Returns a sample with the same weight and value for every fragment.
     #[inline]
     pub fn all(level: u8, weight: f32, value: V::Value) -> Self {
         Self { level, weight: [weight; MAX_STAMP], value: V::all(value) }
     }
 
-    /// Level, weight and value of fragment `lane` of the stamp.
+    /// Returns level, weight and value of fragment `lane` of the stamp.
     #[inline]
     pub fn of(&self, lane: usize) -> (u8, f32, V::Value) {
         (self.level, self.weight[lane], self.value.lane(lane))
     }
 }
 
-/// Samples of a stamp, 1..=[`MAX_SAMPLES`]; with two, those of the two adjacent MIP levels, nothing is allocated.
-pub type Samples<V> = SmallVec<[Sample<V>; 2]>;
+/// Samples of a stamp, 1..=[`MAX_SAMPLES`]. Two samples (the two adjacent MIP levels) need no heap allocation.
+pub type StampSamples<V> = SmallVec<[StampSample<V>; 2]>;
 
-/// Mapping unit (108) to replacement unit (110).
+/// Token from the mapping unit (108) to the replacement unit (110).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PseudoNormals {
-    /// Where.
+    /// Fragments.
     pub stamp: Stamp<Fragment>,
-    /// Pseudo-normals N': world space, fixed point, scaled so that the largest component is +-32767. The order of inner
-    /// products does not depend on its length, so nothing is lost and no square root is needed (assumed).
-    pub samples: Samples<Normals>,
+    /// Pseudo-normals N' in world space, in fixed point, scaled so that the largest component is +-32767. The order of inner
+    /// products does not depend on the length of N', so this is exact and needs no square root (assumed).
+    pub samples: StampSamples<StampNormals>,
 }
 
-/// Replacement unit (110) to brightness fetch unit (112): only indexes are kept on the surface.
+/// Token from the replacement unit (110) to the brightness fetch unit (112). Only indexes are kept on the surface.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Indexes {
-    /// Where.
+pub struct NormalIndexes {
+    /// Fragments.
     pub stamp: Stamp<Fragment>,
-    /// Numbers of the reference normals in the table of their level, from 0; as many samples as there were pseudo-normals.
-    pub samples: Samples<[u16; MAX_STAMP]>,
+    /// Numbers of the reference normals in the table of their level, from 0. There is one sample per sampled pseudo-normal.
+    pub samples: StampSamples<[u16; MAX_STAMP]>,
 }
 
-/// Brightness fetch unit (112) to graphics processor (104).
+/// Token from the brightness fetch unit (112) to the graphics processor (104).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Shaded {
-    /// Where.
+pub struct ShadedFragment {
+    /// Fragment.
     pub fragment: Fragment,
     /// Brightness: ambient + diffuse (+ specular where `brightness.components = combined`).
     pub brightness: f32,
-    /// Specular brightness, added after blending; 0 where combined.
+    /// Specular brightness, added after blending. It is 0 where the components are combined.
     pub highlight: f32,
 }
 
-/// Graphics processor (104) to frame buffer (126).
+/// Token from the graphics processor (104) to the frame buffer (126).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Pixel {
-    /// Column.
+    /// Column, from the left.
     pub x: u16,
-    /// Row.
+    /// Row, from the top.
     pub y: u16,
     /// Depth.
     pub z: u32,
@@ -148,27 +148,27 @@ pub struct Pixel {
     pub rgb: [u8; 3],
 }
 
-/// Pixels of one 4 x 4 block of the picture, in a token as wide as that.
+/// Pixels of one 4 x 4 block of the picture, in one token.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PixelBlock {
     /// Column and row of the block \[blocks of 4 x 4 pixels\].
     pub at: [u16; 2],
-    /// Which pixels are meant: bit 4 * row + column.
+    /// Valid pixels: bit 4 * row + column.
     pub mask: u16,
-    /// Colours, 8 bits each, by the number of their bit.
+    /// Colours, 8 bits each, indexed by bit number.
     pub rgb: [[u8; 3]; 16],
 }
 
-/// What a buffer takes that shows one picture of a frame after the other.
+/// Input of a picture buffer that shows several pictures of a frame in sequence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum PictureFlow {
     /// A frame begins.
     Frame(Arc<Frame>),
     /// Final colours of pixels.
     Pixels(PixelBlock),
-    /// The picture is complete, to be shown; whether it is the last of its frame.
+    /// The picture is complete and can be shown.
     Show {
-        /// No better one follows.
+        /// True for the last picture of the frame.
         last: bool,
     },
 }

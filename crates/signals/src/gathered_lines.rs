@@ -1,37 +1,37 @@
-//! The lines of a picture's memory that a unit has open for writing.
+//! Memory lines of a picture that a unit has open for writing.
 
 use serde::{Deserialize, Serialize};
 
-/// Lines that gather writes, by number, each once. When there is no room for another, the least recently written one goes:
-/// then it is written to memory as a whole. How many there may be is a parameter of the unit, which says so at each touch;
-/// here it is a few dozen at most, since a line is looked for one by one.
+/// Set of memory lines that gather writes, each held once. If there is no room for another line, the least recently written one
+/// is written to memory as a whole. Each touch passes the number of lines, a parameter of the unit. It is a few dozen at most,
+/// because the search is linear.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GatheredLines {
-    /// The most recently written one last, so that it is found, and the common touch done, with one comparison.
+    /// Lines in order of their last write. The newest is last, so one comparison handles the common touch.
     lines: Vec<u64>,
 }
 
 impl GatheredLines {
-    /// Whether this line is the most recently written one.
+    /// Returns true if `line` is the most recently written one.
     #[inline(always)]
     pub fn is_newest(&self, line: u64) -> bool {
         self.lines.last() == Some(&line)
     }
 
-    /// Whether this line is being gathered.
+    /// Returns true if `line` is being gathered.
     #[inline]
     pub fn contains(&self, line: u64) -> bool {
         self.is_newest(line) || self.place(line).is_some()
     }
 
-    /// Whether none is.
+    /// Returns true if no line is being gathered.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
 
-    /// Writes into a line: it is the most recently written one now. Returns the line that had to go, where `room` (>= 1) lines
-    /// are gathered already.
+    /// Writes into a line, which becomes the most recently written one. Returns the evicted line if `room` (>= 1) lines were
+    /// gathered already.
     #[inline]
     pub fn touch(&mut self, line: u64, room: u32) -> Option<u64> {
         if self.is_newest(line) { None } else { self.touch_another(line, room) }
@@ -50,12 +50,13 @@ impl GatheredLines {
         gone
     }
 
-    /// Where a line is, looked for among the most recently written first: neighbours are drawn one after the other.
+    /// Returns the position of a line. The search starts at the most recently written one, because neighbours are drawn one after
+    /// the other.
     fn place(&self, line: u64) -> Option<usize> {
         self.lines.iter().rposition(|l| *l == line)
     }
 
-    /// Takes the least recently written line out; `None` where none is gathered.
+    /// Removes the least recently written line. Returns `None` if no line is gathered.
     pub fn take(&mut self) -> Option<u64> {
         (!self.lines.is_empty()).then(|| self.lines.remove(0))
     }
@@ -66,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_least_recently_written_line_goes() {
+    fn least_recently_written_line_is_evicted() {
         let mut lines = GatheredLines::default();
         assert_eq!([1, 2, 3, 1, 1].map(|line| lines.touch(line, 3)), [None; 5]);
         assert_eq!([4, 1, 5].map(|line| lines.touch(line, 3)), [Some(2), None, Some(3)]);
@@ -76,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn with_room_for_one_a_line_goes_when_it_is_left() {
+    fn room_for_one_evicts_on_every_change_of_line() {
         let mut lines = GatheredLines::default();
         assert_eq!([7, 7, 8, 7].map(|line| lines.touch(line, 1)), [None, None, Some(7), Some(8)]);
     }

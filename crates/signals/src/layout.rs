@@ -1,24 +1,25 @@
-//! Address map of the graphics-data memory (124) and the size of a picture: the one place where the units that share
-//! this memory agree. Byte addresses; all assumed.
+//! Address map of the graphics-data memory (124) and limits of the picture size. All units that share this memory use it.
+//! Addresses are in bytes and all assumed.
 
-/// Colour buffers: two, taken in turn by frames, so that video output reads the one that is not drawn.
+/// Start of the two colour buffers. Frames alternate between them, so video output reads the buffer that is not being drawn.
 pub const COLOR_BUFFERS: u64 = 0;
-/// From one colour buffer to the other.
+/// Distance between the two colour buffers \[bytes\].
 pub const COLOR_BUFFER_STRIDE: u64 = 1 << 27;
-/// Z-buffer: four rows of 2 KiB further than a round number, so that colour and depth of one pixel lie in different banks.
-/// (At 1 << 28 every change between them was a row conflict: 966 k cycles instead of 791 k on the sphere demo.)
+/// Start of the z-buffer. It lies four rows of 2 KiB behind a round number, so that colour and depth of one pixel lie in
+/// different banks. At 1 << 28 every change between them was a row conflict: 966 k cycles instead of 791 k on the sphere demo.
 pub const Z_BUFFER: u64 = (1 << 28) + (4 << 11);
-/// Colour textures; `Texture::offset` counts from here; two rows further, for the same reason.
+/// Start of the colour textures. `Texture::offset` counts from here. The two extra rows have the same reason as those of the
+/// z-buffer.
 pub const COLOR_TEXTURES: u64 = (1 << 29) + (2 << 11);
-/// Entries of fragments that wait to be drawn (`graphics.draw = after_list`).
+/// Start of the entries of fragments that wait to be drawn (`graphics.draw = after_list`).
 pub const HELD_RESULTS: u64 = 1 << 30;
 
-/// Widest and highest picture \[pixels\].
+/// Largest width and height of a picture \[pixels\].
 pub const MAX_SIDE: u32 = 1 << 14;
-/// Largest picture \[pixels\]: with 4 bytes per pixel, and sides rounded up to whole blocks, it fits its buffer.
+/// Most pixels of a picture. With 4 bytes per pixel, and sides rounded up to whole blocks, such a picture fits its buffer.
 pub const MAX_PIXELS: u64 = 1 << 24;
 
-/// Whether a picture of this size has room.
+/// Returns true if a picture of this size fits its buffer.
 pub fn fits(width: u32, height: u32) -> bool {
     width <= MAX_SIDE && height <= MAX_SIDE && u64::from(width) * u64::from(height) <= MAX_PIXELS
 }

@@ -1,28 +1,28 @@
-//! What the host hands to the geometry processor.
+//! Scene data that the host sends to the geometry processor.
 
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// How texture coordinates outside 0..1 are mapped back.
+/// Mapping of texture coordinates outside 0..1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Wrap {
+pub enum WrapMode {
     /// The texture repeats.
     #[default]
     Repeat,
-    /// It repeats, every other time mirrored.
+    /// The texture repeats, and every second copy is mirrored.
     Mirror,
     /// The edge texel extends.
     Clamp,
 }
 
-/// How texels are filtered within a level.
+/// Filter between texels of one level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Filter {
-    /// The texel whose area holds the sample point.
+pub enum TexelFilter {
+    /// Takes the texel whose area holds the sample point.
     Nearest,
-    /// Four texels around the sample point, weighted.
+    /// Takes the weighted mean of the four texels around the sample point.
     #[default]
     Bilinear,
 }
@@ -32,9 +32,9 @@ pub enum Filter {
 #[serde(deny_unknown_fields)]
 pub struct Sampler {
     /// Wrap mode in u, then in v.
-    pub wrap: [Wrap; 2],
+    pub wrap: [WrapMode; 2],
     /// Filter within a level.
-    pub filter: Filter,
+    pub filter: TexelFilter,
 }
 
 /// One level of a texture: RGBA, 8 bits each, as stored (no sRGB decoding).
@@ -44,7 +44,7 @@ pub struct Image {
     pub width: u32,
     /// Height \[texels\], at least 1.
     pub height: u32,
-    /// `width * height` texels, top row first; none in a texture whose texels are [elsewhere](Texture::elsewhere).
+    /// `width * height` texels, top row first. Empty in a texture whose texels are [elsewhere](Texture::elsewhere).
     pub texels: Vec<[u8; 4]>,
 }
 
@@ -53,18 +53,18 @@ pub struct Image {
 /// A normal map stores unit tangent-space normals as RGB = round(127.5 * (n + 1)), +Y up (glTF convention), A = 255.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Texture {
-    /// Number within its display list or scene; colour textures and normal maps share one numbering.
+    /// Number within its display list or scene. Colour textures and normal maps share one numbering.
     pub id: u32,
-    /// For messages.
+    /// Name for messages.
     pub name: String,
-    /// Wrap and filter.
+    /// Wrap modes and filter.
     pub sampler: Sampler,
-    /// Level 0 (finest) first; each next level has max(1, floor(size / 2)) texels per side. At least one level.
+    /// Level 0 (finest) first. Each next level has max(1, floor(size / 2)) texels per side. There is at least one level.
     pub levels: Vec<Image>,
-    /// Texels of earlier textures in the same memory, each level padded to whole 4 x 4 blocks: where this one starts.
+    /// Start of the texture in its memory, in texels. Each level of the earlier textures is padded to whole 4 x 4 blocks.
     pub offset: u64,
-    /// SHA-256 of a picture whose texels only a server has: of its finest level, as the server defines it. Its levels then have
-    /// sizes and no texels.
+    /// SHA-256 of the finest level of a picture whose texels only a server has, as the server defines it. The levels then have
+    /// sizes but no texels.
     #[serde(default)]
     pub elsewhere: Option<[u8; 32]>,
 }
@@ -84,7 +84,7 @@ pub struct Lighting {
 }
 
 impl Default for Lighting {
-    /// The defaults of this project (assumed): ka 0.1, kd 0.8, ks 0.4, n 32.
+    /// Returns the defaults of this project (assumed): ka 0.1, kd 0.8, ks 0.4, n 32.
     fn default() -> Self {
         Self { ka: 0.1, kd: 0.8, ks: 0.4, n: 32.0 }
     }
@@ -95,19 +95,19 @@ impl Default for Lighting {
 pub struct Material {
     /// Number within its display list or scene.
     pub id: u32,
-    /// For messages.
+    /// Name for messages.
     pub name: String,
-    /// RGBA factor, multiplies the texture and the vertex colour.
+    /// RGBA factor. It multiplies the texture and the vertex colour.
     pub base_color: [f32; 4],
-    /// Ordinary texture.
+    /// Colour texture.
     pub color_texture: Option<Arc<Texture>>,
-    /// Normal map; its presence makes the surface a candidate for bump mapping.
+    /// Normal map. Its presence makes the surface a candidate for bump mapping.
     pub normal_map: Option<Arc<Texture>>,
-    /// Multiplies x and y of the tangent-space normal (glTF `normalTexture.scale`).
+    /// Factor of x and y of the tangent-space normal (glTF `normalTexture.scale`).
     pub normal_scale: f32,
     /// Lighting coefficients.
     pub lighting: Lighting,
-    /// Back faces are drawn too.
+    /// True if back faces are drawn too.
     pub double_sided: bool,
 }
 
@@ -126,103 +126,103 @@ impl Default for Material {
     }
 }
 
-/// Indexed triangles in object space. Per-vertex arrays have the length of `positions`; an optional one may be empty.
+/// Indexed triangles in object space. Per-vertex arrays have the length of `positions`, but optional ones may be empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mesh {
     /// Positions in object space.
     pub positions: Vec<[f32; 3]>,
-    /// Unit normals; never empty (importers compute them where the file has none).
+    /// Unit normals. Never empty: importers compute them if the file has none.
     pub normals: Vec<[f32; 3]>,
-    /// Unit tangents with handedness w = +-1; never empty where the material has a normal map.
+    /// Unit tangents with handedness w = +-1. Never empty if the material has a normal map.
     pub tangents: Vec<[f32; 4]>,
-    /// Coordinates of the colour texture (texture transform applied); may be empty.
+    /// Coordinates of the colour texture, with the texture transform applied. May be empty.
     pub uv: Vec<[f32; 2]>,
-    /// Coordinates of the normal map (texture transform applied); may be empty.
+    /// Coordinates of the normal map, with the texture transform applied. May be empty.
     pub uv_normal: Vec<[f32; 2]>,
-    /// Vertex colours, RGBA; may be empty.
+    /// Vertex colours, RGBA. May be empty.
     pub colors: Vec<[f32; 4]>,
-    /// Three per triangle, counter-clockwise seen from the front; each below `positions.len()`.
+    /// Vertex numbers, three per triangle, counter-clockwise seen from the front. Each is below `positions.len()`.
     pub indices: Vec<u32>,
 }
 
-/// How the figure shading device shades a polygon: what its mode register (14) says.
+/// Shading mode of a polygon in the figure shading device, as in its mode register (14).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Mode {
-    /// Normal interpolation: specular term by interpolated normals.
+pub enum ShadingMode {
+    /// Normal interpolation: the specular term uses interpolated normals.
     #[default]
     Normal,
-    /// Brightness interpolation: all terms at the sample points, interpolated.
+    /// Brightness interpolation: all terms are computed at the sample points and interpolated.
     Brightness,
-    /// Polyhedron (constant shading): mean of the sample points.
+    /// Polyhedron (constant shading): all pixels get the mean of the sample points.
     Polyhedron,
 }
 
-/// What the host tells the figure shading device for a frame or an object; of an object it goes ahead of its frame's, and what
-/// neither says is the machine's configuration (`shade.mode`, `shade.ia`, `shade.is`). Other machines do not ask.
+/// Settings of the figure shading device for a frame or an object. An object's settings override its frame's, and both override
+/// the machine's configuration (`shade.mode`, `shade.ia`, `shade.is`). Other machines ignore them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Shading {
-    /// Mode.
-    pub mode: Option<Mode>,
+pub struct ShadingSettings {
+    /// Shading mode.
+    pub mode: Option<ShadingMode>,
     /// Ambient intensity Ia, 0..=16.
     pub ia: Option<f32>,
-    /// Light intensity Is, 0..=16; multiplies the intensity of every light.
+    /// Light intensity Is, 0..=16. It multiplies the intensity of every light.
     pub is: Option<f32>,
 }
 
-impl Shading {
-    /// Largest Ia and Is.
-    pub const MOST: f32 = 16.0;
+impl ShadingSettings {
+    /// Largest value of Ia and Is.
+    pub const MAX_INTENSITY: f32 = 16.0;
 
-    /// What this says, and where it says nothing, what `other` says.
+    /// Returns these settings, with unset ones taken from `other`.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self { mode: self.mode.or(other.mode), ia: self.ia.or(other.ia), is: self.is.or(other.is) }
     }
 
-    /// The first of Ia and Is that is not in its range, with its name.
+    /// Returns name and value of the first of Ia and Is that is out of range.
     pub fn out_of_range(&self) -> Option<(&'static str, f32)> {
         let values = [("ia", self.ia), ("is", self.is)].into_iter().filter_map(|(name, value)| Some((name, value?)));
-        values.into_iter().find(|(_, value)| !(0.0..=Self::MOST).contains(value))
+        values.into_iter().find(|(_, value)| !(0.0..=Self::MAX_INTENSITY).contains(value))
     }
 }
 
-/// A mesh placed in the world with its material: what a code book or a point light is evaluated per.
+/// A mesh placed in the world with its material. Code books and point lights are evaluated per object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Object {
     /// Number within the scene, counted from 0.
     pub id: u32,
-    /// For messages.
+    /// Name for messages.
     pub name: String,
     /// The triangles.
     pub mesh: Arc<Mesh>,
-    /// Object to world, row-major.
+    /// Transform from object to world space, row-major.
     pub world: [f64; 16],
-    /// The surface.
+    /// Surface of the object.
     pub material: Arc<Material>,
-    /// Number of reference normals fixed when the object was modelled (spec variant (c)).
+    /// Number of reference normals if fixed when the object was modelled (spec variant (c)).
     pub entries: Option<u32>,
-    /// Levels by which its table and CLUT are coarser than the MIP level, fixed by its importance when it was modelled.
+    /// Levels by which table and CLUT are coarser than the MIP level, fixed by the object's importance when it was modelled.
     pub bias: Option<u8>,
-    /// Bump mapping decided when the object was modelled (spec variant (d)); `None` leaves it to the machine.
+    /// Bump mapping if decided when the object was modelled (spec variant (d)). `None` leaves the decision to the machine.
     pub bump: Option<bool>,
-    /// How the figure shading device shades it.
-    pub shading: Shading,
+    /// Settings of the figure shading device.
+    pub shading: ShadingSettings,
 }
 
-/// Where light comes from.
+/// Position of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LightKind {
-    /// At infinity; unit direction towards the light, world space.
+    /// A light at infinity.
     Directional {
-        /// Unit vector.
+        /// Unit direction towards the light, world space.
         to_light: [f32; 3],
     },
-    /// At a point in world space; evaluated at the object's centre.
+    /// A light at a point in world space, evaluated at the object's centre.
     Point {
-        /// World space.
+        /// Position in world space.
         position: [f32; 3],
     },
 }
@@ -230,18 +230,18 @@ pub enum LightKind {
 /// One light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Light {
-    /// Type and place.
+    /// Type and position.
     #[serde(flatten)]
     pub kind: LightKind,
-    /// Multiplies the diffuse and specular terms; 1 for a single light.
+    /// Factor of the diffuse and specular terms. It is 1 for a single light.
     pub intensity: f32,
 }
 
-/// The view actually used; the keys of `--camera` files and of the report.
+/// View of a frame. Its fields are the keys of `--camera` files and of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
-    /// Row-major, clip = M \[x y z 1\]^T, OpenGL depth range.
+    /// View-projection matrix, row-major: clip = M \[x y z 1\]^T, OpenGL depth range.
     pub view_projection: [f64; 16],
     /// Unit direction to the (first) light, world space.
     pub to_light: [f64; 3],
@@ -249,51 +249,51 @@ pub struct Camera {
     pub to_viewer: [f64; 3],
 }
 
-/// Most pixels of one picture: enough for 3840 x 2160. The machine's picture, the exact one and the metrics between them
-/// take about 80 bytes for each, and no number in a file may ask for more memory than a gibibyte.
+/// Most pixels of one picture: enough for 3840 x 2160. The machine's picture, the exact picture and the metrics between them take
+/// about 80 bytes per pixel. No number in a file may request more than a gibibyte of memory.
 pub const MAX_PICTURE_PIXELS: u64 = 1 << 23;
 
-/// One picture of a sequence; width times height at most [`MAX_PICTURE_PIXELS`].
+/// One picture of a sequence. Width times height is at most [`MAX_PICTURE_PIXELS`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// Counted from 0.
+    /// Frame number, counted from 0.
     pub index: u32,
     /// Width of the picture \[pixels\].
     pub width: u32,
     /// Height of the picture \[pixels\].
     pub height: u32,
-    /// The view.
+    /// View.
     pub camera: Camera,
-    /// All lights; at least one.
+    /// All lights, at least one.
     pub lights: Vec<Light>,
-    /// How the figure shading device shades it.
-    pub shading: Shading,
-    /// Colour textures that are declared ahead of this frame, whether a polygon names them or not: with the first frame all
-    /// those of the scene.
+    /// Settings of the figure shading device.
+    pub shading: ShadingSettings,
+    /// Colour textures that are declared ahead of this frame, used or not. The first frame declares all colour textures of the
+    /// scene.
     pub textures: Vec<Arc<Texture>>,
 }
 
-/// A scene as imported: what the host knows.
+/// A scene as imported, known to the host only.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
     /// Name of the file or of the demo.
     pub name: String,
-    /// In drawing order.
+    /// Objects in drawing order.
     pub objects: Vec<Arc<Object>>,
     /// All frames to draw, in order.
     pub frames: Vec<Arc<Frame>>,
-    /// What was left out or replaced on import, one sentence each.
+    /// Parts that import left out or replaced, one sentence each.
     pub warnings: Vec<String>,
 }
 
-/// Host to geometry processor.
+/// A command from the host to the geometry processor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Draw {
     /// A frame begins.
     Frame(Arc<Frame>),
-    /// The triangles that follow are of this object.
+    /// The following triangles belong to this object.
     Object(Arc<Object>),
-    /// Number of a triangle of the current object (its indices are `3 * t ..= 3 * t + 2`).
+    /// A triangle of the current object, by number. Its indices are `3 * t ..= 3 * t + 2`.
     Triangle(u32),
     /// The frame is complete.
     FrameEnd,

@@ -1,11 +1,11 @@
-//! Pixels that travel together, whatever their shape: what a depth test and a frame buffer ask of a token.
+//! Traits of tokens of pixels, whatever their shape, for depth tests and frame buffers.
 
 use crate::{Fragment, MAX_STAMP, Pixel, Stamp};
 use serde::{Deserialize, Serialize};
 
-/// Has a place on the screen and a depth.
+/// A pixel with a position on the screen and a depth.
 pub trait PixelPlace {
-    /// Column, row, depth.
+    /// Returns column, row and depth.
     fn place(&self) -> (u16, u16, u32);
 }
 
@@ -23,47 +23,47 @@ impl PixelPlace for Pixel {
     }
 }
 
-/// A token of pixels that lie in one line of a picture's memory: a rectangle of [`LINE_PIXELS`], the same for all tokens of
-/// a type, so that a picture that they draw is stored line by line.
+/// A token of pixels in one line of a picture's memory. A line is a rectangle of [`LINE_PIXELS`], the same for all tokens of a
+/// type. A picture drawn by such tokens is stored line by line.
 pub trait PixelToken {
-    /// Width and height of a line \[pixels\]; their product is [`LINE_PIXELS`].
+    /// Width and height of a line \[pixels\]. Their product is [`LINE_PIXELS`].
     const LINE: [u32; 2];
     /// Most pixels of a token.
     const MOST_PIXELS: u32;
-    /// Pixels in it.
+    /// Returns the number of pixels.
     fn pixels(&self) -> usize;
 }
 
-/// Pixels of a line of a picture's memory.
+/// Pixels per memory line of a picture.
 pub const LINE_PIXELS: u32 = 16;
 
-/// Number of a line in the largest picture, [`MAX_PIXELS`](crate::layout::MAX_PIXELS) \[bits\].
+/// Width of a line number in the largest picture, [`MAX_PIXELS`](crate::layout::MAX_PIXELS) \[bits\].
 pub const LINE_NUMBER: u32 = (crate::layout::MAX_PIXELS / LINE_PIXELS as u64).ilog2();
 
-/// Number of the line that holds pixel `(x, y)` of a picture of this width, lines row by row.
+/// Returns the number of the line that holds pixel `(x, y)` of a picture of this width. Lines are numbered row by row.
 #[inline]
 pub fn line_of<T: PixelToken>(width: u32, [x, y]: [u32; 2]) -> u64 {
     let [columns, rows] = T::LINE;
     u64::from(y / rows) * u64::from(width.div_ceil(columns)) + u64::from(x / columns)
 }
 
-/// Lines of a picture of this size.
+/// Returns the number of lines of a picture of this size.
 pub fn lines<T: PixelToken>(width: u32, height: u32) -> u64 {
     let [columns, rows] = T::LINE;
     u64::from(width.div_ceil(columns)) * u64::from(height.div_ceil(rows))
 }
 
-/// A token whose pixels a depth test looks at.
+/// A token whose pixels undergo a depth test.
 pub trait DepthToken: PixelToken {
-    /// The token goes on though none of its pixels is left: what follows counts tokens.
+    /// True if a token travels on with no pixel left, because the following units count tokens.
     const KEPT_WHEN_EMPTY: bool;
-    /// Drops the pixels of which `passes` says no, in order, and tells whether any is left.
+    /// Keeps the pixels for which `passes` returns true, in order. Returns true if any is left.
     fn retain(&mut self, passes: impl FnMut(u16, u16, u32) -> bool) -> bool;
 }
 
 /// A token of finished pixels.
 pub trait ColorToken: PixelToken {
-    /// Shows each pixel: column, row, colour.
+    /// Calls `show` with column, row and colour of each pixel.
     fn each(&self, show: impl FnMut(u16, u16, [u8; 3]));
 }
 
@@ -80,8 +80,8 @@ impl<T: PixelPlace> PixelToken for Stamp<T> {
 impl<T: PixelPlace> DepthToken for Stamp<T> {
     const KEPT_WHEN_EMPTY: bool = false;
 
-    /// (Not by `ArrayVec::retain` alone, which asks in two places and guards against a panic in either: 30 instructions more for a
-    /// stamp of one pixel.)
+    /// (`ArrayVec::retain` alone calls the predicate in two places and guards against a panic in either: 30 instructions more for
+    /// a stamp of one pixel.)
     #[inline(always)]
     fn retain(&mut self, mut passes: impl FnMut(u16, u16, u32) -> bool) -> bool {
         let mut left = 0_u32;
@@ -89,7 +89,7 @@ impl<T: PixelPlace> DepthToken for Stamp<T> {
             let (x, y, z) = item.place();
             left |= u32::from(passes(x, y, z)) << i;
         }
-        // Mostly all or none are.
+        // In most cases all or none are.
         if left == 0 {
             self.clear();
         } else if left + 1 < 1 << self.len() {
@@ -99,7 +99,7 @@ impl<T: PixelPlace> DepthToken for Stamp<T> {
     }
 }
 
-/// Drops the items of a stamp whose bit in `left` is not set.
+/// Drops the items of a stamp whose bit in `left` is clear.
 #[inline(never)]
 fn keep<T>(stamp: &mut Stamp<T>, mut left: u32) {
     stamp.retain(|_| {
@@ -119,25 +119,25 @@ impl ColorToken for Stamp<Pixel> {
 /// Most pixels of a [`Packet`].
 pub const PACKET_PIXELS: usize = 16;
 
-/// Where the pixels of a packet are: neighbours on a scan line, in one aligned cell of [`PACKET_PIXELS`] columns.
+/// Positions of the pixels of a packet: neighbours on a scan line, in one aligned cell of [`PACKET_PIXELS`] columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Packet {
     /// First column of the cell, a multiple of [`PACKET_PIXELS`].
     pub x: u16,
-    /// Row.
+    /// Row, from the top.
     pub y: u16,
-    /// Columns of the cell that have a pixel, one bit each, the first in the lowest.
+    /// Mask of the columns of the cell that have a pixel. The lowest bit is the first column.
     pub mask: u16,
 }
 
 impl Packet {
-    /// Pixels in it.
+    /// Returns the number of pixels.
     #[inline]
     pub fn pixels(&self) -> usize {
         self.mask.count_ones() as usize
     }
 
-    /// Positions of its pixels in the cell, from the left.
+    /// Returns the positions of the pixels in the cell, from the left.
     #[inline]
     pub fn positions(&self) -> impl Iterator<Item = usize> + use<> {
         let mut mask = self.mask;
@@ -149,10 +149,10 @@ impl Packet {
     }
 }
 
-/// Colours of a packet's pixels.
+/// Colours of the pixels of a packet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PixelPacket {
-    /// Where.
+    /// Positions of the pixels.
     pub packet: Packet,
     /// Final colours, 8 bits each, by position in the cell.
     pub rgb: [[u8; 3]; PACKET_PIXELS],
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stamp_is_asked_in_order_and_keeps_the_order_of_what_is_left() {
+    fn stamp_retain_keeps_order() {
         let stamp = Stamp::from_iter([10, 11, 12, 13].map(|x| Pixel { x, y: 5, z: 7, ..Pixel::default() }));
         for kept in 0..16_u16 {
             let (mut left, mut asked) = (stamp.clone(), Vec::new());
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn a_packet_shows_its_pixels_from_the_left() {
+    fn packet_shows_pixels_from_the_left() {
         let packet = Packet { x: 32, y: 7, mask: 0b1000_0000_0001_0010 };
         assert_eq!(packet.positions().collect::<Vec<_>>(), [1, 4, 15]);
         assert_eq!(packet.pixels(), 3);

@@ -1,6 +1,6 @@
-//! What the geometry processor hands on.
+//! Screen-space polygons, the output of the geometry processor.
 
-use crate::{Material, Shading};
+use crate::{Material, ShadingSettings};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -11,15 +11,15 @@ pub struct Vertex {
     pub position: [f32; 4],
     /// Unit normal, world space.
     pub normal: [f32; 3],
-    /// Tangent, world space, and handedness; zero where there is no normal map.
+    /// Tangent in world space, and handedness. Zero if the surface has no normal map.
     pub tangent: [f32; 4],
     /// Coordinates of the colour texture.
     pub uv: [f32; 2],
     /// Coordinates of the normal map.
     pub uv_normal: [f32; 2],
-    /// Vertex colour, RGBA, without the material's factor.
+    /// Vertex colour, RGBA, without the factor of the material.
     pub color: [f32; 4],
-    /// Brightness at the vertex, for polygons that are no bump target: `[ka + kd.., ks..]`, the two terms apart.
+    /// Brightness at the vertex for polygons that are not bump targets: `[ka + kd.., ks..]`, the two terms separate.
     pub brightness: [f32; 2],
 }
 
@@ -37,56 +37,56 @@ impl Default for Vertex {
     }
 }
 
-/// A convex polygon in window coordinates, clipped, culled and projected: the unit of the display list.
+/// A convex polygon in window coordinates: clipped, culled and projected. Display lists consist of these.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Polygon {
-    /// Three or more, either winding (culling is done); drawn as a fan around the first.
+    /// Three or more vertices of either winding, as culling is done. The polygon is drawn as a fan around the first.
     pub vertices: Vec<Vertex>,
-    /// The surface.
+    /// Surface of the polygon.
     pub material: Arc<Material>,
-    /// Number of the object it belongs to.
+    /// Number of the object that the polygon belongs to.
     pub object: u32,
     /// Level of detail 0..=63: 8 * log2(texels of level 0 per pixel), rounded.
     pub lod: u8,
-    /// Bump target.
+    /// True for bump targets.
     pub bump: bool,
-    /// Cycle at which the geometry processor would have delivered it, had nothing blocked it.
+    /// Cycle at which the geometry processor would have delivered the polygon if nothing had blocked it.
     pub arrival: u64,
 }
 
 /// Bytes of a number in single precision.
 const NUMBER: u64 = 4;
-/// Bytes of a colour, RGBA, 8 bits each (assumed: what vertex formats of the time had).
+/// Bytes of a colour, RGBA, 8 bits each (assumed: as in vertex formats of the time).
 const COLOR: u64 = 4;
 
-/// What a machine takes of vertices, beside their positions, where a surface has it.
+/// Vertex attributes, besides positions, that a machine accepts if a surface has them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Taken {
-    /// Where surfaces are lit.
-    pub lit: Lit,
-    /// Tangents and coordinates of normal maps.
+pub struct VertexAttributes {
+    /// Stage that lights surfaces.
+    pub lit: LightingStage,
+    /// Accepts tangents and coordinates of normal maps.
     pub normal_maps: bool,
-    /// Coordinates of colour textures.
+    /// Accepts coordinates of colour textures.
     pub textures: bool,
 }
 
-/// Where a machine lights surfaces, which says whether it takes normals or brightness.
+/// Stage at which a machine lights surfaces. It decides whether the machine accepts normals or brightness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Lit {
-    /// Nowhere: neither.
+pub enum LightingStage {
+    /// No lighting: neither.
     #[default]
     Nowhere,
-    /// At the vertices, in the geometry processor: brightness.
+    /// Lighting at the vertices, in the geometry processor: brightness.
     AtVertices,
-    /// Bump targets in the machine, others at the vertices: normals of the ones, brightness of the others.
+    /// Bump targets are lit in the machine and need normals. Other polygons are lit at the vertices and need brightness.
     Targets,
-    /// In the machine: normals.
+    /// Lighting in the machine: normals.
     InMachine,
 }
 
-/// Attributes of a vertex that go somewhere.
+/// Vertex attributes that are sent for a polygon.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Attributes {
+pub struct SentAttributes {
     /// Normal.
     pub normal: bool,
     /// Tangent and coordinates of the normal map.
@@ -95,23 +95,22 @@ pub struct Attributes {
     pub texture: bool,
     /// Colour.
     pub color: bool,
-    /// Brightness, its two terms.
+    /// Brightness, with its two terms.
     pub brightness: bool,
 }
 
-impl Taken {
-    /// Attributes of a surface of this material that are handed on, as those of a bump target or not, with colours at its
-    /// vertices or without.
-    pub fn of(self, material: &Material, bump: bool, color: bool) -> Attributes {
-        let normal = self.lit == Lit::InMachine || (self.lit == Lit::Targets && bump);
-        let brightness = self.lit == Lit::AtVertices || (self.lit == Lit::Targets && !bump);
+impl VertexAttributes {
+    /// Returns the attributes sent for a surface of this material. `bump` marks a bump target, `color` colours at the vertices.
+    pub fn of(self, material: &Material, bump: bool, color: bool) -> SentAttributes {
+        let normal = self.lit == LightingStage::InMachine || (self.lit == LightingStage::Targets && bump);
+        let brightness = self.lit == LightingStage::AtVertices || (self.lit == LightingStage::Targets && !bump);
         let normal_map = self.normal_maps && bump && material.normal_map.is_some();
-        Attributes { normal, normal_map, texture: self.textures && material.color_texture.is_some(), color, brightness }
+        SentAttributes { normal, normal_map, texture: self.textures && material.color_texture.is_some(), color, brightness }
     }
 }
 
-impl Attributes {
-    /// What they take \[bytes\].
+impl SentAttributes {
+    /// Returns the size of the attributes \[bytes\].
     pub fn bytes(self) -> u64 {
         let of = |there: bool, bytes: u64| if there { bytes } else { 0 };
         of(self.normal, 3 * NUMBER)
@@ -123,51 +122,51 @@ impl Attributes {
 }
 
 impl Polygon {
-    /// On a link: a word with the number of its vertices, LOD and flags, a word each with the numbers of material and object
-    /// \[bytes\].
+    /// Size of a polygon's head on a link \[bytes\]: one word with vertex count, LOD and flags, and one word each for the numbers
+    /// of material and object.
     pub const HEAD_BYTES: u64 = 3 * NUMBER;
-    /// Window coordinates of a vertex and 1 / w \[bytes\].
+    /// Size of the window coordinates and 1 / w of a vertex \[bytes\].
     pub const POSITION_BYTES: u64 = 4 * NUMBER;
 
-    /// What it takes on a link to a machine \[bytes\]: its head, and of each vertex the position and what its material and its way
-    /// through the machine need. Colours that are white at all vertices are left out, as a flag says.
-    pub fn bytes(&self, taken: Taken) -> u64 {
+    /// Returns the size of the polygon on a link to a machine \[bytes\]: its head, and for each vertex the position and the
+    /// attributes sent. A flag leaves out colours that are white at all vertices.
+    pub fn bytes(&self, taken: VertexAttributes) -> u64 {
         let is_coloured = self.vertices.iter().any(|v| v.color != [1.0; 4]);
         let attributes = taken.of(&self.material, self.bump, is_coloured);
         Self::HEAD_BYTES + self.vertices.len() as u64 * (Self::POSITION_BYTES + attributes.bytes())
     }
 }
 
-/// What the units need to know about an object.
+/// Data of an object that the units need.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObjectInfo {
-    /// Number, counted from 0.
+    /// Object number, counted from 0.
     pub id: u32,
-    /// For messages.
+    /// Name for messages.
     pub name: String,
-    /// Centre in world space: where point lights are evaluated.
+    /// Centre in world space, at which point lights are evaluated.
     pub centre: [f32; 3],
-    /// Number of reference normals, where the model fixes it.
+    /// Number of reference normals if the model fixes it.
     pub entries: Option<u32>,
-    /// Levels by which table and CLUT are coarser than the MIP level, where the model says how important it is.
+    /// Levels by which table and CLUT are coarser than the MIP level if the model fixes the object's importance.
     pub bias: Option<u8>,
-    /// How the figure shading device shades it.
-    pub shading: Shading,
-    /// What its mesh consists of, where that is known.
+    /// Settings of the figure shading device.
+    pub shading: ShadingSettings,
+    /// Size of its mesh, if known.
     pub mesh: Option<MeshInfo>,
 }
 
-/// What an indexed mesh consists of: what there is to send of it before any of its triangles is drawn.
+/// Contents of an indexed mesh, which are sent before any of its triangles is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshInfo {
-    /// Vertices.
+    /// Number of vertices.
     pub vertices: u32,
-    /// Indices: three per triangle.
+    /// Number of indices: three per triangle.
     pub indices: u32,
-    /// Vertices have coordinates of the colour texture.
+    /// True if vertices have coordinates of the colour texture.
     pub uv: bool,
-    /// Vertices have colours.
+    /// True if vertices have colours.
     pub colors: bool,
 }
 
@@ -193,23 +192,23 @@ mod tests {
     }
 
     #[test]
-    fn a_polygon_takes_the_bytes_of_what_its_material_and_its_way_need() {
+    fn polygon_bytes_follow_material_and_lighting() {
         let bare = Material::default();
         let mapped = Material { normal_map: Some(texture()), ..Material::default() };
         let textured = Material { color_texture: Some(texture()), ..mapped.clone() };
         let bytes = |lit, bump, material: &Material| {
-            polygon(bump, material.clone()).bytes(Taken { lit, normal_maps: true, textures: true })
+            polygon(bump, material.clone()).bytes(VertexAttributes { lit, normal_maps: true, textures: true })
         };
         let positions = 12 + 3 * 16;
-        assert_eq!(bytes(Lit::Nowhere, true, &bare), positions);
-        assert_eq!(bytes(Lit::Targets, true, &bare), positions + 3 * 12, "a normal");
-        assert_eq!(bytes(Lit::Targets, false, &bare), positions + 3 * 8, "brightness");
-        assert_eq!(bytes(Lit::Targets, true, &mapped), positions + 3 * (12 + 24), "with tangent and coordinates");
-        assert_eq!(bytes(Lit::Targets, false, &mapped), positions + 3 * 8, "which no plain polygon needs");
-        assert_eq!(bytes(Lit::Targets, true, &textured), positions + 3 * (12 + 24 + 8));
-        assert_eq!(bytes(Lit::InMachine, false, &bare), positions + 3 * 12);
+        assert_eq!(bytes(LightingStage::Nowhere, true, &bare), positions);
+        assert_eq!(bytes(LightingStage::Targets, true, &bare), positions + 3 * 12, "a normal");
+        assert_eq!(bytes(LightingStage::Targets, false, &bare), positions + 3 * 8, "brightness");
+        assert_eq!(bytes(LightingStage::Targets, true, &mapped), positions + 3 * (12 + 24), "with tangent and coordinates");
+        assert_eq!(bytes(LightingStage::Targets, false, &mapped), positions + 3 * 8, "which no plain polygon needs");
+        assert_eq!(bytes(LightingStage::Targets, true, &textured), positions + 3 * (12 + 24 + 8));
+        assert_eq!(bytes(LightingStage::InMachine, false, &bare), positions + 3 * 12);
         let mut coloured = polygon(false, bare);
         coloured.vertices[1].color = [1.0, 0.0, 0.0, 1.0];
-        assert_eq!(coloured.bytes(Taken::default()), positions + 3 * 4);
+        assert_eq!(coloured.bytes(VertexAttributes::default()), positions + 3 * 4);
     }
 }

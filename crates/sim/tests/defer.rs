@@ -3,7 +3,7 @@
 use basrelief_machines::defer::DeferConfig;
 use basrelief_report::Report;
 use basrelief_scene::{ViewOptions, load_path};
-use basrelief_signals::{Control, Material, Object, Scene, Texture, Wrap};
+use basrelief_signals::{Control, Material, Object, Scene, Texture, WrapMode};
 use basrelief_sim::{RunInput, RunOptions, Unobserved, begin_of, display_list, run};
 use basrelief_trace::{Form, Recorder};
 use std::io::Cursor;
@@ -79,7 +79,7 @@ fn the_first_frame_declares_all_textures_of_the_scene_those_out_of_view_too_452(
 }
 
 /// The alcove with this wrap mode on all textures, coordinates running far beyond their edges.
-fn wrapped(wrap: Wrap) -> Arc<Scene> {
+fn wrapped(wrap: WrapMode) -> Arc<Scene> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/alcove.gltf");
     let mut scene = load_path(&path, &ViewOptions { size: [160, 120], ..ViewOptions::default() }).unwrap();
     for object in &mut scene.objects {
@@ -95,7 +95,7 @@ fn wrapped(wrap: Wrap) -> Arc<Scene> {
 
 #[test]
 fn section_3_the_exact_picture_goes_on_beyond_the_edges_of_odd_textures_as_the_device_does() {
-    for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+    for wrap in [WrapMode::Repeat, WrapMode::Mirror, WrapMode::Clamp] {
         for centre in ["half", "integer"] {
             let settings = [("tile.width", "4"), ("tile.height", "4"), ("defer.texel_centre", centre)];
             let config: DeferConfig = basrelief_parameters::load("", &settings).unwrap();

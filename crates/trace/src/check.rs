@@ -2,7 +2,7 @@
 
 use crate::command::*;
 use crate::error::{ErrorKind, Fault};
-use basrelief_signals::{MAX_PICTURE_PIXELS, Shading};
+use basrelief_signals::{MAX_PICTURE_PIXELS, ShadingSettings};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
@@ -131,8 +131,8 @@ fn check_object(object: &ObjectBegin) -> Result<(), Fault> {
     object.entries.map_or(Ok(()), |entries| within("entries", entries, 1..=MAX_ENTRIES))
 }
 
-fn check_shading(shading: &Shading) -> Result<(), Fault> {
-    shading.out_of_range().map_or(Ok(()), |(name, value)| within(name, value, 0.0..=Shading::MOST))
+fn check_shading(shading: &ShadingSettings) -> Result<(), Fault> {
+    shading.out_of_range().map_or(Ok(()), |(name, value)| within(name, value, 0.0..=ShadingSettings::MAX_INTENSITY))
 }
 
 fn check_polygon(polygon: &PolygonRecord) -> Result<(), Fault> {

@@ -2,7 +2,7 @@
 
 use crate::data::{Digest, Texels};
 use crate::parameter_value::ParameterValue;
-use basrelief_signals::{Camera, Light, LightKind, Lighting, MeshInfo, Mode, Sampler, Shading};
+use basrelief_signals::{Camera, Light, LightKind, Lighting, MeshInfo, Sampler, ShadingMode, ShadingSettings};
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
@@ -298,7 +298,7 @@ fields! {
     /// have made every trace recorded before unreadable.
     pub struct ShadingRecord {} optional {
         /// Mode register (14).
-        mode: Option<Mode>,
+        mode: Option<ShadingMode>,
         /// Ambient intensity Ia, 0..=16.
         #[schemars(range(min = 0.0, max = 16.0))]
         ia: Option<f32>,
@@ -317,13 +317,13 @@ pub struct Importance {
     pub bias: u8,
 }
 
-impl From<Shading> for ShadingRecord {
-    fn from(Shading { mode, ia, is }: Shading) -> Self {
+impl From<ShadingSettings> for ShadingRecord {
+    fn from(ShadingSettings { mode, ia, is }: ShadingSettings) -> Self {
         Self { mode, ia, is }
     }
 }
 
-impl From<&ShadingRecord> for Shading {
+impl From<&ShadingRecord> for ShadingSettings {
     fn from(&ShadingRecord { mode, ia, is }: &ShadingRecord) -> Self {
         Self { mode, ia, is }
     }

@@ -6,7 +6,7 @@ use crate::error::{Fault, Place, TraceError};
 use crate::form::Form;
 use crate::sequence::Nesting;
 use crate::writer::{Writer, write_line};
-use basrelief_signals::{Control, Frame, Material, ObjectInfo, Polygon, Shading, Texture, Vertex};
+use basrelief_signals::{Control, Frame, Material, ObjectInfo, Polygon, ShadingSettings, Texture, Vertex};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
@@ -166,8 +166,8 @@ impl Describer {
     }
 
     /// Ahead of what it is said of, and only where it says something.
-    fn shading(&mut self, shading: Shading, emit: &mut Emit<'_>) -> Result<(), TraceError> {
-        if shading == Shading::default() {
+    fn shading(&mut self, shading: ShadingSettings, emit: &mut Emit<'_>) -> Result<(), TraceError> {
+        if shading == ShadingSettings::default() {
             return Ok(());
         }
         self.emit(&Command::Shading(shading.into()), emit)

@@ -8,7 +8,7 @@ use crate::lent::Lent;
 use crate::reader::{Reader, open_within};
 use crate::sequence::Nesting;
 use basrelief_input::{Budget, Held, OverBudget};
-use basrelief_signals::{Control, Frame, Image, Light, Material, ObjectInfo, Polygon, Shading, Texture, Vertex};
+use basrelief_signals::{Control, Frame, Image, Light, Material, ObjectInfo, Polygon, ShadingSettings, Texture, Vertex};
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 use std::sync::Arc;
@@ -57,7 +57,7 @@ pub struct Resolver<R: Read, F> {
     declared: Vec<Arc<Texture>>,
     materials: BTreeMap<u32, Arc<Material>>,
     /// Said of the frame or object that comes next.
-    shading: Shading,
+    shading: ShadingSettings,
     /// Said of the object that comes next.
     bias: Option<u8>,
     expectations: Vec<Expectation>,
@@ -97,7 +97,7 @@ impl<R: Read, F: Files> Resolver<R, F> {
             textures: BTreeMap::new(),
             declared: Vec::new(),
             materials: BTreeMap::new(),
-            shading: Shading::default(),
+            shading: ShadingSettings::default(),
             bias: None,
             expectations: Vec::new(),
             failed: false,

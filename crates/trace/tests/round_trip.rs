@@ -2,7 +2,7 @@
 
 mod common;
 
-use basrelief_signals::{Control, Frame, Mode, ObjectInfo, Shading, Texture};
+use basrelief_signals::{Control, Frame, ObjectInfo, ShadingMode, ShadingSettings, Texture};
 use basrelief_trace::*;
 use common::*;
 use proptest::prelude::*;
@@ -94,13 +94,13 @@ proptest! {
 #[test]
 fn mode_ia_and_is_of_frames_and_objects_survive_every_form_and_traces_without_them_are_as_they_were() {
     let plain = resolve(SAMPLE.replacen(r#""width":8,"height":8"#, r#""width":64,"height":48"#, 1).as_bytes()).unwrap();
-    let said = Shading { mode: Some(Mode::Brightness), ia: Some(0.5), is: Some(-0.0) };
+    let said = ShadingSettings { mode: Some(ShadingMode::Brightness), ia: Some(0.5), is: Some(-0.0) };
     let shaded: Vec<Control> = plain
         .iter()
         .map(|control| match control {
             Control::Frame(frame) => Control::Frame(Arc::new(Frame { shading: said, ..Frame::clone(frame) })),
             Control::Object(object) => {
-                let shading = Shading { mode: Some(Mode::Polyhedron), ..Shading::default() };
+                let shading = ShadingSettings { mode: Some(ShadingMode::Polyhedron), ..ShadingSettings::default() };
                 Control::Object(Arc::new(ObjectInfo { shading, ..ObjectInfo::clone(object) }))
             }
             other => other.clone(),

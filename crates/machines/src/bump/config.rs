@@ -13,7 +13,9 @@ use basrelief_normal_mapping::NormalMappingConfig;
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
 use basrelief_replacement::ReplacementConfig;
-use basrelief_signals::{Control, Draw, Flow, Fragment, Indexes, Lit, Pixel, PseudoNormals, Shaded, Stamp, Taken};
+use basrelief_signals::{
+    Control, Draw, Flow, Fragment, LightingStage, NormalIndexes, Pixel, PseudoNormals, ShadedFragment, Stamp, VertexAttributes,
+};
 
 /// Cycles per second, by default.
 const HZ: u64 = 200_000_000;
@@ -74,9 +76,9 @@ fifos! {
         /// Mapping unit to replacement unit: pseudo-normals N'.
         pseudo_normals: Flow<PseudoNormals> = 128,
         /// Replacement unit to brightness fetch unit: indexes.
-        indexes: Flow<Indexes> = 32,
+        indexes: Flow<NormalIndexes> = 32,
         /// Brightness fetch unit to graphics processor: brightness.
-        shaded: Flow<Stamp<Shaded>> = 64,
+        shaded: Flow<Stamp<ShadedFragment>> = 64,
         /// Graphics processor to frame buffer, or to the z-test without early z: pixels.
         pixels: Flow<Stamp<Pixel>> = 128,
         /// Z-test to frame buffer, without early z.
@@ -150,5 +152,5 @@ parameter_groups! {
     }
 }
 
-front_of!(BumpProcessorConfig, |c| Taken { lit: Lit::Targets, normal_maps: true, textures: true });
+front_of!(BumpProcessorConfig, |c| VertexAttributes { lit: LightingStage::Targets, normal_maps: true, textures: true });
 memories_of!(BumpProcessorConfig);

@@ -14,7 +14,7 @@ use basrelief_normal_mapping::NormalMapping;
 use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
 use basrelief_replacement::Replacement;
 use basrelief_signals::width::count;
-use basrelief_signals::{Fragment, Pixel, Stamp, Widths};
+use basrelief_signals::{Fragment, Pixel, SignalWidths, Stamp};
 
 /// Bump-mapping processor (106) between geometry processor (102) and graphics processor (104), with its memories.
 #[derive(Clone, Debug)]
@@ -96,17 +96,17 @@ impl<F: FrontEnd> BumpProcessor<F> {
 }
 
 /// How wide its signals are, with stamps of so many fragments.
-pub(super) fn widths(config: &BumpProcessorConfig, stamp: u32) -> Widths {
+pub(super) fn widths(config: &BumpProcessorConfig, stamp: u32) -> SignalWidths {
     let most = config.replacement.entries.levels().into_iter().max().unwrap_or(1);
     let values = if config.brightness.components == Components::Separate { 2 } else { 1 };
-    Widths {
+    SignalWidths {
         depth: config.rasterizer.z_bits,
         stamp,
         samples: config.normal_mapping.samples(config.brightness.levels),
         normal: config.normal_mapping.normal_bits,
         index: count(most.max(2) - 1),
         brightness: values * config.brightness.bits,
-        ..Widths::default()
+        ..SignalWidths::default()
     }
 }
 

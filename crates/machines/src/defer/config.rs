@@ -12,7 +12,7 @@ use basrelief_graphics_processor::DepthConfig;
 use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
 use basrelief_parameters::parameter_groups;
 use basrelief_rasterizer::RasterizerConfig;
-use basrelief_signals::{Control, Draw, Flow, Fragment, Lit, PictureFlow, Stamp, Taken};
+use basrelief_signals::{Control, Draw, Flow, Fragment, LightingStage, PictureFlow, Stamp, VertexAttributes};
 
 /// Cycles per second, by default.
 const HZ: u64 = 100_000_000;
@@ -173,13 +173,13 @@ parameter_groups! {
     }
 }
 
-front_of!(DeferConfig, |c| Taken { lit: lit(c), normal_maps: false, textures: true });
+front_of!(DeferConfig, |c| VertexAttributes { lit: lit(c), normal_maps: false, textures: true });
 memories_of!(DeferConfig);
 
 /// Vertices are lit where cells hold brightness.
-fn lit(c: &DeferConfig) -> Lit {
+fn lit(c: &DeferConfig) -> LightingStage {
     match c.defer.lighting {
-        Lighting::None => Lit::Nowhere,
-        Lighting::Gouraud => Lit::AtVertices,
+        Lighting::None => LightingStage::Nowhere,
+        Lighting::Gouraud => LightingStage::AtVertices,
     }
 }

@@ -18,7 +18,7 @@ use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Fifo, Machine, MemorySystem, Stage, Visitor};
 use basrelief_rasterizer::Rasterizer;
-use basrelief_signals::{Fragment, Stamp, Widths};
+use basrelief_signals::{Fragment, SignalWidths, Stamp};
 use std::sync::Arc;
 
 /// Rendering device (100) at the end of a path (104, 106, 108) from a server (110).
@@ -79,7 +79,7 @@ impl<F: FrontEnd> DeferredRenderer<F> {
         let sizes = Sizes::new(&c.cell, cut, &engine);
         let cells = Cells::new((engine.clone(), c.operators.clone()), &c.cell, (c.defer.lighting, c.defer.wrap), cut);
         let tile_bytes = 3 * c.tile.width * c.tile.height;
-        let widths = Widths { depth: c.rasterizer.z_bits, stamp: c.rasterizer.stamp, ..Widths::default() };
+        let widths = SignalWidths { depth: c.rasterizer.z_bits, stamp: c.rasterizer.stamp, ..SignalWidths::default() };
         wired(
             Self {
                 front,

@@ -5,15 +5,15 @@ use crate::fifos::fifos;
 use crate::front::front_of;
 use crate::memories::{complete, explain, memories, memories_of};
 use basrelief_figure_shading::{
-    CircuitConfig, CpuConfig, Finished, Highlights, HostConfig, InterpolationConfig, NormalInterpolationConfig, NormalLoad,
-    Order, ScanConfig, ShadingConfig, ShortCutConfigs, Signal,
+    CircuitConfig, CpuConfig, FigureFlow, Finished, Highlights, HostConfig, InterpolationConfig, NormalInterpolationConfig,
+    NormalLoad, Order, ScanConfig, ShadingConfig, ShortCutConfigs,
 };
 use basrelief_frame_buffer::{FrameBufferConfig, FrameDone, VideoOutConfig};
 use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig};
 use basrelief_graphics_processor::DepthConfig;
 use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
 use basrelief_parameters::{parameter_groups, parameters};
-use basrelief_signals::{Control, Draw, Flow, Lit, Pixel, Stamp, Taken};
+use basrelief_signals::{Control, Draw, Flow, LightingStage, Pixel, Stamp, VertexAttributes};
 use std::sync::Arc;
 
 parameters! {
@@ -88,25 +88,25 @@ fifos! {
         /// Microcomputer (10) to registers (14), (16), (18): their values, brightness at the sample points; all control.
         figures: Order = 4,
         /// Registers to circuit (21): brightness at the sample points, with what the registers say; all control.
-        selections: Signal = 4,
+        selections: FigureFlow = 4,
         /// Microcomputer (10) to circuit (50): normals at the sample points.
         normals: Arc<NormalLoad> = 4,
         /// Process 24 to selector (53): dots of flat polygons.
-        flat_dots: Signal = 16,
+        flat_dots: FigureFlow = 16,
         /// Process 24 to selector (28): dots in polyhedron mode.
-        constant_dots: Signal = 16,
+        constant_dots: FigureFlow = 16,
         /// Circuit (21) to adder (52): dots in normal-interpolation mode, all control.
-        interpolated: Signal = 16,
+        interpolated: FigureFlow = 16,
         /// Circuit (21) to selector (28): dots in brightness-interpolation mode.
-        brightness_dots: Signal = 16,
+        brightness_dots: FigureFlow = 16,
         /// Circuit (50) to gate (51): specular brightness of dots.
         highlights: Highlights = 64,
         /// Gate (51) to adder (52).
         gated: Highlights = 16,
         /// Adder (52) to selector (53).
-        sums: Signal = 16,
+        sums: FigureFlow = 16,
         /// Selector (53) to selector (28).
-        selected: Signal = 16,
+        selected: FigureFlow = 16,
         /// Selector (28) to the depth test, or to the frame memory (300) without it.
         pixels: Flow<Stamp<Pixel>> = 64,
         /// Depth test to frame memory (300).
@@ -195,5 +195,5 @@ parameter_groups! {
     }
 }
 
-front_of!(ShadeConfig, |c| Taken { lit: Lit::InMachine, normal_maps: false, textures: false });
+front_of!(ShadeConfig, |c| VertexAttributes { lit: LightingStage::InMachine, normal_maps: false, textures: false });
 memories_of!(ShadeConfig);

@@ -13,7 +13,7 @@ use basrelief_figure_shading::{
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
-use basrelief_signals::{Pixel, Stamp, Widths};
+use basrelief_signals::{Pixel, SignalWidths, Stamp};
 
 /// Figure shading device (200) between host computer (100) and frame memory (300).
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ impl<F: FrontEnd> FigureShadingDevice<F> {
         wired(
             Self {
                 front,
-                fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, stamp: 1, ..Widths::default() }),
+                fifos: Fifos::new(&c.fifo, &SignalWidths { depth: c.scan.z_bits, stamp: 1, ..SignalWidths::default() }),
                 host: Stage::new("host-interface", HostInterface::new(c.host)),
                 microcomputer: Stage::new("microcomputer", microcomputer),
                 registers: Stage::new("registers", RegisterBank::default()),

@@ -9,7 +9,7 @@ use basrelief_geometry_processor::{BumpConfig, DisplayListConfig, GeometryConfig
 use basrelief_graphics_processor::DepthConfig;
 use basrelief_kernel::{CacheConfig, MemoryConfig, OperatorConfig, Operators, Part};
 use basrelief_parameters::{parameter_groups, parameters};
-use basrelief_signals::{Control, Draw, Flow, Lit, PixelPacket, Taken};
+use basrelief_signals::{Control, Draw, Flow, LightingStage, PixelPacket, VertexAttributes};
 use basrelief_texel_value_generator::signals::{
     GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Points, Quotients, Segment, Span, TexelPacket, TexturePacket,
 };
@@ -188,13 +188,13 @@ parameter_groups! {
     }
 }
 
-front_of!(TexelMachineConfig, |c| Taken { lit: lit(c), normal_maps: false, textures: true });
+front_of!(TexelMachineConfig, |c| VertexAttributes { lit: lit(c), normal_maps: false, textures: true });
 memories_of!(TexelMachineConfig);
 
 /// Vertices are lit where brightness is interpolated, those of bump targets in (340).
-fn lit(c: &TexelMachineConfig) -> Lit {
+fn lit(c: &TexelMachineConfig) -> LightingStage {
     match c.illuminance.mode {
-        IlluminanceMode::Off => Lit::Nowhere,
-        IlluminanceMode::Gouraud => Lit::Targets,
+        IlluminanceMode::Off => LightingStage::Nowhere,
+        IlluminanceMode::Gouraud => LightingStage::Targets,
     }
 }

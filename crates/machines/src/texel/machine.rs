@@ -11,7 +11,7 @@ use basrelief_frame_buffer::{FinishedFrame, FrameBuffer, VideoOut};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
-use basrelief_signals::{PixelPacket, Widths};
+use basrelief_signals::{PixelPacket, SignalWidths};
 use basrelief_texel_value_generator::signals::TexelPacket;
 use basrelief_texel_value_generator::{
     ApproximateCalculator, Combiner, Divider, FrameLog, IlluminanceValueGenerator, Method, MipMapSelector, MipMode,
@@ -60,7 +60,7 @@ impl<F: FrontEnd> TextureMappingSystem<F> {
         wired(
             Self {
                 front,
-                fifos: Fifos::new(&c.fifo, &Widths { depth: c.scan.z_bits, texture: bits, ..Widths::default() }),
+                fifos: Fifos::new(&c.fifo, &SignalWidths { depth: c.scan.z_bits, texture: bits, ..SignalWidths::default() }),
                 depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, c.scan.z_bits, c.cache.depth.line_bytes)),
                 scan_converter: Stage::new(
                     "scan-converter",

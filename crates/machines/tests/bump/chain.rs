@@ -7,8 +7,8 @@ use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_normal_mapping::NormalMapping;
 use basrelief_replacement::Replacement;
 use basrelief_signals::{
-    Camera, Control, Flow, Fragment, Frame, Image, Indexes, Light, LightKind, Material, Polygon, PseudoNormals, Sample, Sampler,
-    Shaded, Stamp, Texture, Vertex,
+    Camera, Control, Flow, Fragment, Frame, Image, Light, LightKind, Material, NormalIndexes, Polygon, PseudoNormals, Sampler,
+    ShadedFragment, Stamp, StampSample, Texture, Vertex,
 };
 use std::sync::Arc;
 
@@ -18,8 +18,8 @@ pub const TO_LIGHT: [f32; 3] = [0.48, 0.36, 0.8];
 /// A fragment as it leaves each of the three units.
 pub struct Traced {
     pub normals: PseudoNormals,
-    pub indexes: Indexes,
-    pub shaded: Shaded,
+    pub indexes: NormalIndexes,
+    pub shaded: ShadedFragment,
 }
 
 /// The three units.
@@ -107,7 +107,7 @@ impl Chain {
 pub fn single(level: u8, normal: [i16; 3]) -> PseudoNormals {
     PseudoNormals {
         stamp: Stamp::from_iter([Fragment::default()]),
-        samples: [Sample::all(level, 1.0, normal)].into_iter().collect(),
+        samples: [StampSample::all(level, 1.0, normal)].into_iter().collect(),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::common::settings::{Axis, Settings, choices, choices_and_fifos};
 use basrelief_scene::pyramid::{HeightMap, color_levels, height_levels};
 use basrelief_signals::{
-    Camera, Frame, Image, Light, LightKind, Lighting, Material, Mesh, Object, Sampler, Scene, Texture, Wrap,
+    Camera, Frame, Image, Light, LightKind, Lighting, Material, Mesh, Object, Sampler, Scene, Texture, WrapMode,
 };
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -220,7 +220,7 @@ fn texture(id: u32, levels: Vec<Image>) -> Arc<Texture> {
 /// A normal map of 16 x 16 texels with its pyramid.
 pub fn bumps() -> Vec<Image> {
     let height = |i: u32| f64::from((i * i + 3 * (i / 16) * i) % 17) / 17.0;
-    height_levels(HeightMap { width: 16, height: 16, heights: (0..256).map(height).collect() }, 2.0, [Wrap::Repeat; 2])
+    height_levels(HeightMap { width: 16, height: 16, heights: (0..256).map(height).collect() }, 2.0, [WrapMode::Repeat; 2])
 }
 
 fn checks() -> Vec<Image> {

@@ -2,7 +2,7 @@
 
 use crate::recipe::{FAST, SMALL, floor, frame, object, rectangle, texture, textured};
 use crate::runs::{Ran, timed};
-use basrelief_signals::{Control, Image, Texture, Wrap};
+use basrelief_signals::{Control, Image, Texture, WrapMode};
 use std::sync::Arc;
 
 /// A texture of half the width and height: means of four texels, rounded half up.
@@ -31,7 +31,7 @@ fn run(list: &[Control], mode: &str, cap: &str) -> Ran {
 #[test]
 fn depth_of_layers_0033_a_cap_on_dmax_draws_the_picture_of_textures_halved_as_often() {
     // Tiles of 8 x 8: 128 x 128 texels have Dmax = 4, 64 x 32 have 3.
-    let (ground, near) = (texture(0, [128, 128], [Wrap::Repeat; 2]), texture(1, [64, 32], [Wrap::Clamp; 2]));
+    let (ground, near) = (texture(0, [128, 128], [WrapMode::Repeat; 2]), texture(1, [64, 32], [WrapMode::Clamp; 2]));
     let halves = list(&halved(&halved(&ground)), &halved(&near));
     let whole = list(&ground, &near);
     for mode in ["best", "progressive", "conventional"] {
@@ -50,7 +50,7 @@ fn depth_of_layers_0033_a_cap_on_dmax_draws_the_picture_of_textures_halved_as_of
 
 #[test]
 fn depth_of_layers_0033_a_cap_of_dmax_or_more_leaves_nothing_out() {
-    let list = list(&texture(0, [128, 128], [Wrap::Repeat; 2]), &texture(1, [37, 61], [Wrap::Clamp; 2]));
+    let list = list(&texture(0, [128, 128], [WrapMode::Repeat; 2]), &texture(1, [37, 61], [WrapMode::Clamp; 2]));
     let (all, capped) = (run(&list, "best", "31"), run(&list, "best", "4"));
     assert_eq!((all.report, &all.seen.finished, &all.seen.facts), (capped.report, &capped.seen.finished, &capped.seen.facts));
 }

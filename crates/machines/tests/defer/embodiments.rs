@@ -4,7 +4,7 @@ use crate::recipe::{FAST, SMALL, rectangle, texture, textured, views};
 use crate::runs::{Seen, timed};
 use basrelief_deferred_renderer::How;
 use basrelief_deferred_renderer::acquisition::TileState;
-use basrelief_signals::{Control, Material, Polygon, Wrap};
+use basrelief_signals::{Control, Material, Polygon, WrapMode};
 use std::sync::Arc;
 
 fn seen(list: &[Control], more: &[(&str, &str)]) -> Seen {
@@ -59,7 +59,7 @@ fn embodiments_2_and_12_textures_are_pyramids_of_tiles() {
 
 #[test]
 fn embodiments_3_and_13_brightness_coefficients_stand_in_the_cell_and_multiply_the_texel() {
-    let base = texture(1, [8, 8], [Wrap::Clamp; 2]);
+    let base = texture(1, [8, 8], [WrapMode::Clamp; 2]);
     let half = Arc::new(Material { base_color: [0.5, 1.0, 0.0, 1.0], ..Material::clone(&textured(&base)) });
     let picture = |material: &Arc<Material>| {
         let list = [crate::recipe::frame(0), rectangle([0.0, 0.0, 40.0, 30.0], 0.5, material), Control::FrameEnd];
@@ -117,7 +117,7 @@ fn embodiments_7_8_17_and_18_progressive_pictures_until_the_best() {
 
 #[test]
 fn embodiments_10_and_20_interpolate_once_at_integer_depth_and_twice_and_between_elsewhere() {
-    let base = textured(&texture(1, [32, 32], [Wrap::Clamp; 2]));
+    let base = textured(&texture(1, [32, 32], [WrapMode::Clamp; 2]));
     let interpolations = |side: f32| {
         let list = [crate::recipe::frame(0), rectangle([0.0, 0.0, side, side], 0.5, &base), Control::FrameEnd];
         let seen = seen(&list, &[]);

@@ -5,7 +5,7 @@ use crate::runs::{Ran, Seen, Tile, config, timed};
 use basrelief_deferred_renderer::cell::split_depth;
 use basrelief_deferred_renderer::{Cell, How, Page};
 use basrelief_machines::defer::warnings;
-use basrelief_signals::{Control, Frame, Material, Wrap};
+use basrelief_signals::{Control, Frame, Material, WrapMode};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -88,9 +88,9 @@ fn declaring() -> Vec<Control> {
     let mut list = views(&[0.0]);
     let Some(Control::Frame(frame)) = list.first_mut() else { panic!("a list begins with a frame") };
     let textures = vec![
-        texture(7, [40, 30], [Wrap::Clamp; 2]),
-        texture(0, [64, 64], [Wrap::Repeat; 2]),
-        texture(8, [9, 5], [Wrap::Clamp; 2]),
+        texture(7, [40, 30], [WrapMode::Clamp; 2]),
+        texture(0, [64, 64], [WrapMode::Repeat; 2]),
+        texture(8, [9, 5], [WrapMode::Clamp; 2]),
     ];
     *frame = Arc::new(Frame { textures, ..Frame::clone(frame) });
     list

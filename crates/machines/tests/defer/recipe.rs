@@ -2,7 +2,7 @@
 
 use crate::common::settings::{Axis, Settings, choices};
 use basrelief_signals::{
-    Camera, Control, Frame, Image, Light, LightKind, Material, ObjectInfo, Polygon, Sampler, Texture, Vertex, Wrap,
+    Camera, Control, Frame, Image, Light, LightKind, Material, ObjectInfo, Polygon, Sampler, Texture, Vertex, WrapMode,
 };
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ pub fn object(id: u32) -> Control {
 }
 
 /// A texture of noise, its only level the finest.
-pub fn texture(id: u32, size: [u32; 2], wrap: [Wrap; 2]) -> Arc<Texture> {
+pub fn texture(id: u32, size: [u32; 2], wrap: [WrapMode; 2]) -> Arc<Texture> {
     let mut state = id.wrapping_mul(0x9e37_79b9) ^ size[0];
     let mut byte = || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -89,7 +89,7 @@ pub fn floor(material: &Arc<Material>, repeats: f32) -> Control {
 
 /// Some of everything: non-square, odd and large textures, all wrap modes, a hidden picture, direct colours.
 pub fn hall() -> Vec<Control> {
-    use Wrap::{Clamp, Mirror, Repeat};
+    use WrapMode::{Clamp, Mirror, Repeat};
     let ground = textured(&texture(0, [64, 64], [Repeat; 2]));
     let wide = textured(&texture(1, [150, 40], [Clamp; 2]));
     let odd = textured(&texture(2, [37, 61], [Mirror, Repeat]));
@@ -135,7 +135,7 @@ fn random_polygon() -> impl Strategy<Value = (Vec<Corner>, usize)> {
 
 /// Frames of polygons that share materials.
 pub fn display_lists() -> impl Strategy<Value = Vec<Control>> {
-    let wrap = || prop_oneof![Just(Wrap::Repeat), Just(Wrap::Mirror), Just(Wrap::Clamp)];
+    let wrap = || prop_oneof![Just(WrapMode::Repeat), Just(WrapMode::Mirror), Just(WrapMode::Clamp)];
     let textures = prop::collection::vec(((1u32..70, 1u32..70), wrap(), wrap()), 4);
     let frames = prop::collection::vec(prop::collection::vec(random_polygon(), 0..6), 1..4);
     (textures, frames).prop_map(|(textures, frames)| {

@@ -6,7 +6,7 @@ use crate::runs::{Ran, config, figure, replay, run, scene_front, small_demo, tim
 use basrelief_kernel::{Engine, run_functional};
 use basrelief_machines::Draws;
 use basrelief_machines::texel::{FrameLog, TexelMachineConfig, TextureMappingSystem, warnings};
-use basrelief_signals::{Control, Wrap};
+use basrelief_signals::{Control, WrapMode};
 use proptest::prelude::*;
 
 /// A floor that runs from near to far, as wide as the picture.
@@ -14,7 +14,7 @@ fn floor(size: [u32; 2], w: [f32; 2], tiles: f32) -> Vec<Control> {
     let [width, height] = size.map(|side| side as f32);
     let corners = [[0.0, 0.0, 0.5, w[0]], [width, 0.0, 0.5, w[1]], [width, height, 0.5, w[1]], [0.0, height, 0.5, w[0]]];
     let uv = [[0.0, 0.0], [tiles, 0.0], [tiles, 1.0], [0.0, 1.0]];
-    let material = material(Some(texture(Wrap::Repeat)));
+    let material = material(Some(texture(WrapMode::Repeat)));
     vec![frame(0, size), object(0), polygon(&corners, &uv, &material, false), Control::FrameEnd]
 }
 

@@ -2,7 +2,8 @@
 
 use crate::common::settings::{Axis, Settings, choices, choices_and_fifos};
 use basrelief_signals::{
-    Camera, Control, Filter, Frame, Image, Light, LightKind, Material, ObjectInfo, Polygon, Sampler, Texture, Vertex, Wrap,
+    Camera, Control, Frame, Image, Light, LightKind, Material, ObjectInfo, Polygon, Sampler, TexelFilter, Texture, Vertex,
+    WrapMode,
 };
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -34,13 +35,13 @@ pub fn object(id: u32) -> Control {
 }
 
 /// A texture of noise, 16 x 8 texels and all levels, somewhat transparent.
-pub fn texture(wrap: Wrap) -> Arc<Texture> {
+pub fn texture(wrap: WrapMode) -> Arc<Texture> {
     let level = |k: u32| {
         let (width, height) = ((16u32 >> k).max(1), (8u32 >> k).max(1));
         let texel = |i: u32| [i * 37 + k, i * 91 + 5 * k, i * 13, 255 - i].map(|c| c as u8);
         Image { width, height, texels: (0..width * height).map(texel).collect() }
     };
-    let sampler = Sampler { wrap: [wrap, Wrap::Repeat], filter: Filter::Bilinear };
+    let sampler = Sampler { wrap: [wrap, WrapMode::Repeat], filter: TexelFilter::Bilinear };
     Arc::new(Texture { id: 0, name: "noise".into(), sampler, levels: (0..5).map(level).collect(), offset: 32, elsewhere: None })
 }
 
@@ -78,7 +79,7 @@ fn random_polygon() -> impl Strategy<Value = (Vec<[f32; 4]>, Vec<[f32; 2]>, usiz
 /// Frames of objects of polygons with three materials: two textures and none.
 pub fn display_lists() -> impl Strategy<Value = Vec<Control>> {
     prop::collection::vec(prop::collection::vec(random_polygon(), 0..7), 1..3).prop_map(|frames| {
-        let materials = [Some(texture(Wrap::Repeat)), Some(texture(Wrap::Clamp)), None].map(material);
+        let materials = [Some(texture(WrapMode::Repeat)), Some(texture(WrapMode::Clamp)), None].map(material);
         let mut list = Vec::new();
         for (polygons, index) in frames.into_iter().zip(0..) {
             list.push(frame(index, [80, 30]));

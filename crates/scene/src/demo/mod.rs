@@ -21,7 +21,7 @@ use crate::camera::{Bounds, Viewpoint};
 use crate::model::bounds;
 use crate::view::{Lamp, ViewHints};
 use crate::{SceneError, Subject, ViewOptions};
-use basrelief_signals::{Scene, Shading};
+use basrelief_signals::{Scene, ShadingSettings};
 use stage::Stage;
 use std::ops::RangeInclusive;
 
@@ -157,7 +157,7 @@ fn subject(name: &str) -> Result<Subject, SceneError> {
         frames: stage.frames,
         orbit: stage.orbit,
         light_orbit: stage.light_orbit,
-        shading: Shading::default(),
+        shading: ShadingSettings::default(),
     };
     Ok(Subject { name: name.into(), objects: stage.objects, hints, warnings: Vec::new() })
 }

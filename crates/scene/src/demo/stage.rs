@@ -4,7 +4,7 @@ use crate::camera::Viewpoint;
 use crate::pyramid::{HeightMap, color_levels, height_levels, normal_levels};
 use crate::textures::{Content, TextureStore};
 use crate::view::LightOrbit;
-use basrelief_signals::{Filter, Image, Lighting, Material, Mesh, Object, Sampler, Shading, Texture, Wrap};
+use basrelief_signals::{Image, Lighting, Material, Mesh, Object, Sampler, ShadingSettings, TexelFilter, Texture, WrapMode};
 use basrelief_threads as threads;
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
@@ -188,7 +188,7 @@ impl Workshop {
     /// A repeating normal map from heights over the unit square, `height` texels high.
     pub(super) fn heights(&mut self, name: &str, size: u32, height: f64, at: impl Fn(f64, f64) -> f64 + Sync) -> Arc<Texture> {
         let heights = by_texel([size; 2], |[column, row]| at(centre(column, size), centre(row, size)));
-        let wrap = [Wrap::Repeat; 2];
+        let wrap = [WrapMode::Repeat; 2];
         let levels = height_levels(HeightMap { width: size, height: size, heights }, height, wrap);
         self.store.add(name, sampler(wrap), Content::Heights(height), levels)
     }
@@ -198,25 +198,31 @@ impl Workshop {
         let [width, height] = globe.size;
         let texels = by_texel(globe.size, |texel| crate::pyramid::encode_normal(at(texel).to_array()));
         let levels = normal_levels(Image { width, height, texels });
-        self.store.add(name, sampler([Wrap::Repeat, Wrap::Clamp]), Content::Normals, levels)
+        self.store.add(name, sampler([WrapMode::Repeat, WrapMode::Clamp]), Content::Normals, levels)
     }
 
     /// A repeating colour texture of the whole sphere, by direction; components 0..=1.
     pub(super) fn globe_colors(&mut self, name: &str, globe: &Globe, at: impl Fn(DVec3) -> DVec3 + Sync) -> Arc<Texture> {
-        self.colors_as(name, globe.size, [Wrap::Repeat; 2], |texel| at(globe.direction(texel)))
+        self.colors_as(name, globe.size, [WrapMode::Repeat; 2], |texel| at(globe.direction(texel)))
     }
 
     /// A repeating colour texture; components 0..=1.
     pub(super) fn colors(&mut self, name: &str, size: [u32; 2], at: impl Fn(f64, f64) -> DVec3 + Sync) -> Arc<Texture> {
-        self.colors_as(name, size, [Wrap::Repeat; 2], |[column, row]| at(centre(column, size[0]), centre(row, size[1])))
+        self.colors_as(name, size, [WrapMode::Repeat; 2], |[column, row]| at(centre(column, size[0]), centre(row, size[1])))
     }
 
     /// A picture that ends at its edges; components 0..=1.
     pub(super) fn picture(&mut self, name: &str, size: [u32; 2], at: impl Fn(f64, f64) -> DVec3 + Sync) -> Arc<Texture> {
-        self.colors_as(name, size, [Wrap::Clamp; 2], |[column, row]| at(centre(column, size[0]), centre(row, size[1])))
+        self.colors_as(name, size, [WrapMode::Clamp; 2], |[column, row]| at(centre(column, size[0]), centre(row, size[1])))
     }
 
-    fn colors_as(&mut self, name: &str, size: [u32; 2], wrap: [Wrap; 2], at: impl Fn([u32; 2]) -> DVec3 + Sync) -> Arc<Texture> {
+    fn colors_as(
+        &mut self,
+        name: &str,
+        size: [u32; 2],
+        wrap: [WrapMode; 2],
+        at: impl Fn([u32; 2]) -> DVec3 + Sync,
+    ) -> Arc<Texture> {
         let stored = |c: DVec3| {
             let [r, g, b] = (c.clamp(DVec3::ZERO, DVec3::ONE) * 255.0).round().to_array().map(|c| c as u8);
             [r, g, b, 255]
@@ -288,7 +294,7 @@ impl Workshop {
             entries,
             bias: None,
             bump,
-            shading: Shading::default(),
+            shading: ShadingSettings::default(),
         }));
     }
 
@@ -299,8 +305,8 @@ impl Workshop {
     }
 }
 
-fn sampler(wrap: [Wrap; 2]) -> Sampler {
-    Sampler { wrap, filter: Filter::Bilinear }
+fn sampler(wrap: [WrapMode; 2]) -> Sampler {
+    Sampler { wrap, filter: TexelFilter::Bilinear }
 }
 
 /// A value for each texel, by column and row; row by row.

@@ -1,6 +1,6 @@
 //! What this project keeps in a document's `extras`.
 
-use basrelief_signals::Shading;
+use basrelief_signals::ShadingSettings;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use std::fmt::{Formatter, Result as FmtResult};
@@ -15,7 +15,7 @@ pub(crate) struct Extras {
     /// Whether the object is a bump target.
     pub bump: Option<bool>,
     /// How the figure shading device shades the object, or a scene's frames.
-    pub shading: Shading,
+    pub shading: ShadingSettings,
 }
 
 #[derive(Deserialize)]
@@ -25,7 +25,7 @@ struct OwnExtras {
     bias: Option<u8>,
     bump: Option<bool>,
     #[serde(default)]
-    shading: Shading,
+    shading: ShadingSettings,
 }
 
 impl<'de> Deserialize<'de> for Extras {
@@ -50,7 +50,10 @@ impl<'de> Visitor<'de> for ExtrasVisitor {
             if key == "basrelief" {
                 let OwnExtras { entries, bias, bump, shading } = map.next_value()?;
                 if let Some((name, value)) = shading.out_of_range() {
-                    return Err(A::Error::custom(format!("`shading.{name}` is {value}, expected 0..={}", Shading::MOST)));
+                    return Err(A::Error::custom(format!(
+                        "`shading.{name}` is {value}, expected 0..={}",
+                        ShadingSettings::MAX_INTENSITY
+                    )));
                 }
                 extras = Extras { entries, bias, bump, shading };
             } else {
@@ -93,7 +96,7 @@ impl<'de> Visitor<'de> for ExtrasVisitor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_signals::Mode;
+    use basrelief_signals::ShadingMode;
 
     #[test]
     fn extras_may_be_anything() {
@@ -101,14 +104,14 @@ mod tests {
             assert_eq!(serde_json::from_str::<Extras>(other).unwrap(), Extras::default(), "{other}");
         }
         let ours = serde_json::from_str::<Extras>(r#"{"x": [], "basrelief": {"entries": 64, "bump": false}}"#).unwrap();
-        assert_eq!(ours, Extras { entries: Some(64), bias: None, bump: Some(false), shading: Shading::default() });
+        assert_eq!(ours, Extras { entries: Some(64), bias: None, bump: Some(false), shading: ShadingSettings::default() });
         assert!(serde_json::from_str::<Extras>(r#"{"basrelief": {"entires": 64}}"#).is_err());
     }
 
     #[test]
     fn extras_say_how_an_object_is_shaded() {
         let read = |shading: &str| serde_json::from_str::<Extras>(&format!(r#"{{"basrelief": {{"shading": {shading}}}}}"#));
-        let shading = Shading { mode: Some(Mode::Polyhedron), ia: None, is: Some(0.5) };
+        let shading = ShadingSettings { mode: Some(ShadingMode::Polyhedron), ia: None, is: Some(0.5) };
         assert_eq!(read(r#"{"mode": "polyhedron", "is": 0.5}"#).unwrap(), Extras { shading, ..Extras::default() });
         for wrong in [r#"{"ia": 17}"#, r#"{"is": -1}"#, r#"{"mode": "flat"}"#, r#"{"n": 2}"#] {
             assert!(read(wrong).is_err(), "{wrong}");

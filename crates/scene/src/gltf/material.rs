@@ -11,7 +11,7 @@ use crate::outside::Outside;
 use crate::picture;
 use crate::textures::{Content, TextureStore};
 use basrelief_input::Held;
-use basrelief_signals::{Filter, Material, Sampler, Texture, Wrap};
+use basrelief_signals::{Material, Sampler, TexelFilter, Texture, WrapMode};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -135,15 +135,15 @@ impl<'a> Materials<'a> {
         let place = || format!("/samplers/{}", index.0);
         let definition = resolve(&self.document.samplers, "samplers", index, place)?;
         let wrap = |mode: Option<Int>, field: &str| match mode.map(|m| m.0) {
-            None | Some(10497) => Ok(Wrap::Repeat),
-            Some(33648) => Ok(Wrap::Mirror),
-            Some(33071) => Ok(Wrap::Clamp),
+            None | Some(10497) => Ok(WrapMode::Repeat),
+            Some(33648) => Ok(WrapMode::Mirror),
+            Some(33071) => Ok(WrapMode::Clamp),
             Some(other) => Err(SceneError::at(format!("{}/{field}", place()), format!("wrap mode {other}"))
                 .expected("10497 (repeat), 33648 (mirrored repeat) or 33071 (clamp to edge)")),
         };
         let filter = match definition.mag_filter.map(|m| m.0) {
-            None | Some(9729) => Filter::Bilinear,
-            Some(9728) => Filter::Nearest,
+            None | Some(9729) => TexelFilter::Bilinear,
+            Some(9728) => TexelFilter::Nearest,
             Some(other) => {
                 return Err(SceneError::at(format!("{}/magFilter", place()), format!("filter {other}"))
                     .expected("9728 (nearest) or 9729 (linear)"));

@@ -24,7 +24,7 @@ use crate::error::Warnings;
 use crate::model::{Model, bounds};
 use crate::outside::{Outside, mesh_bytes};
 use accessor::Accessors;
-use basrelief_signals::{Material, Mesh, Object, Shading};
+use basrelief_signals::{Material, Mesh, Object, ShadingSettings};
 use buffers::{Buffers, Container};
 use extras::Extras;
 use geometry::Geometry;
@@ -83,8 +83,10 @@ fn import(json: &[u8], container: Container<'_>, outside: &Outside<'_>, warnings
     }
     let bounds = bounds(&objects);
     let lamps = scene::lamps(&document, &nodes, bounds.centre(), warnings)?;
-    let shading =
-        document.scenes.get(document.scene.map_or(0, |scene| scene.index())).map_or_else(Shading::default, |s| s.extras.shading);
+    let shading = document
+        .scenes
+        .get(document.scene.map_or(0, |scene| scene.index()))
+        .map_or_else(ShadingSettings::default, |s| s.extras.shading);
     Ok(Model { objects, bounds, camera, lamps, shading })
 }
 

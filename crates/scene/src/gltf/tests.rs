@@ -6,7 +6,7 @@ use crate::picture::tests::png;
 use crate::{SceneError, ViewOptions, load};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use basrelief_signals::{Filter, LightKind, Mode, Scene, Shading, Wrap};
+use basrelief_signals::{LightKind, Scene, ShadingMode, ShadingSettings, TexelFilter, WrapMode};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -122,7 +122,7 @@ fn a_square_comes_out_whole() {
     let material = &object.material;
     assert_eq!((material.base_color, material.normal_scale, material.double_sided), ([0.5, 1., 1., 1.], 0.5, false));
     let (color, map) = (material.color_texture.as_ref().unwrap(), material.normal_map.as_ref().unwrap());
-    assert_eq!((color.sampler.wrap, color.sampler.filter), ([Wrap::Clamp, Wrap::Mirror], Filter::Nearest));
+    assert_eq!((color.sampler.wrap, color.sampler.filter), ([WrapMode::Clamp, WrapMode::Mirror], TexelFilter::Nearest));
     assert_ne!(color.id, map.id, "one picture, two uses, two textures");
     assert_eq!((color.levels.len(), color.levels[1].texels[0]), (2, [100, 50, 255, 255]));
     assert!(scene.warnings.iter().any(|w| w.contains("Rec. 709")), "{:?}", scene.warnings);
@@ -257,9 +257,9 @@ fn extras_of_scene_material_and_node_say_mode_ia_and_is() {
     let of_scene =
         with(set("/scenes/0/extras", says(json!({"ia": 0.5}))), "/materials/0/extras", says(json!({"is": 2, "mode": "normal"})));
     let scene = import(&with(of_scene, "/nodes/1/extras", says(json!({"mode": "polyhedron"})))).unwrap_or_else(|e| panic!("{e}"));
-    let none = Shading::default();
-    assert_eq!(scene.frames[0].shading, Shading { ia: Some(0.5), ..none });
-    assert_eq!(scene.objects[0].shading, Shading { mode: Some(Mode::Polyhedron), is: Some(2.0), ..none });
+    let none = ShadingSettings::default();
+    assert_eq!(scene.frames[0].shading, ShadingSettings { ia: Some(0.5), ..none });
+    assert_eq!(scene.objects[0].shading, ShadingSettings { mode: Some(ShadingMode::Polyhedron), is: Some(2.0), ..none });
     refuses(&set("/nodes/1/extras", says(json!({"ia": 17}))), "expected 0..=16");
 }
 

@@ -16,7 +16,7 @@ use crate::outside::{Outside, mesh_bytes, over_budget};
 use crate::textures::{Content, TextureStore};
 use crate::{normals, tangents};
 use basrelief_input::{Held, OverBudget};
-use basrelief_signals::{Filter, Material, Mesh, Object, Sampler, Shading, Texture, Wrap};
+use basrelief_signals::{Material, Mesh, Object, Sampler, ShadingSettings, TexelFilter, Texture, WrapMode};
 use glam::DVec3;
 use mtl::{Map, MtlMaterial};
 use parse::{Corner, Group, NONE, Obj};
@@ -79,10 +79,10 @@ pub(crate) fn import(bytes: &[u8], outside: &Outside<'_>, warnings: &mut Warning
             entries: None,
             bias: None,
             bump: None,
-            shading: Shading::default(),
+            shading: ShadingSettings::default(),
         }));
     }
-    Ok(Model { bounds: bounds(&objects), objects, camera: None, lamps: Vec::new(), shading: Shading::default() })
+    Ok(Model { bounds: bounds(&objects), objects, camera: None, lamps: Vec::new(), shading: ShadingSettings::default() })
 }
 
 fn object_name(group: &Group) -> String {
@@ -235,8 +235,8 @@ impl Materials<'_> {
         if let Some(texture) = self.shared.get(&key) {
             return Ok(texture.clone());
         }
-        let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
-        let sampler = Sampler { wrap: [wrap; 2], filter: Filter::Bilinear };
+        let wrap = if map.clamp { WrapMode::Clamp } else { WrapMode::Repeat };
+        let sampler = Sampler { wrap: [wrap; 2], filter: TexelFilter::Bilinear };
         let texture = match self.outside.read(&map.file, "MTL") {
             Ok((bytes, _held)) => Some(self.store.decode(&bytes, &map.file, sampler, content, self.outside)?),
             Err(e) if e.over_budget => return Err(e),

@@ -3,7 +3,7 @@
 use crate::files::Memory;
 use crate::picture::tests::png;
 use crate::{SceneError, ViewOptions, load};
-use basrelief_signals::{Scene, Wrap};
+use basrelief_signals::{Scene, WrapMode};
 use proptest::prelude::*;
 
 const SQUARE: &str = "mtllib lib/m.mtl\no wall\nusemtl stone\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n\
@@ -29,7 +29,7 @@ fn materials_are_read_through_the_given_files() {
     let material = &object.material;
     assert!(material.double_sided);
     assert_eq!(material.base_color, [0.5, 0.6, 0.7, 1.0]);
-    assert_eq!(material.color_texture.as_ref().unwrap().sampler.wrap, [Wrap::Clamp; 2]);
+    assert_eq!(material.color_texture.as_ref().unwrap().sampler.wrap, [WrapMode::Clamp; 2]);
     // The ramp rises by 20/255 per texel, twice the standard height: it leans to the left.
     let red = material.normal_map.as_ref().unwrap().levels[0].texels[5][0];
     let slope: f64 = 20.0 / 255.0 * 8.0;

@@ -5,7 +5,7 @@ use crate::camera::{Bounds, Viewpoint};
 use crate::picture::MAX_SIDE;
 use crate::view::{Lamp, LightOrbit, ViewHints};
 use crate::{SceneError, Subject};
-use basrelief_signals::{Image, Lighting, Material, Mesh, Object, Sampler, Shading, Texture};
+use basrelief_signals::{Image, Lighting, Material, Mesh, Object, Sampler, ShadingSettings, Texture};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -87,7 +87,7 @@ struct ObjectHead {
     entries: Option<u32>,
     bias: Option<u8>,
     bump: Option<bool>,
-    shading: Shading,
+    shading: ShadingSettings,
 }
 
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
@@ -98,7 +98,7 @@ struct ViewHead {
     frames: u32,
     orbit: f64,
     light_orbit: LightOrbit,
-    shading: Shading,
+    shading: ShadingSettings,
 }
 
 /// Things that several refer to, each once, in the order in which they were first named.
@@ -255,9 +255,9 @@ impl ObjectHead {
     }
 }
 
-fn in_range(shading: &Shading) -> Result<(), (&'static str, String)> {
+fn in_range(shading: &ShadingSettings) -> Result<(), (&'static str, String)> {
     match shading.out_of_range() {
-        Some((name, value)) => Err(("shading", format!("{name} is {value}; expected 0..={}", Shading::MOST))),
+        Some((name, value)) => Err(("shading", format!("{name} is {value}; expected 0..={}", ShadingSettings::MAX_INTENSITY))),
         None => Ok(()),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{Memory, ViewOptions};
-use basrelief_signals::{Material, Scene, Wrap};
+use basrelief_signals::{Material, Scene, WrapMode};
 use std::sync::Arc;
 
 /// Stands for the hash of a picture.
@@ -108,7 +108,7 @@ fn what_is_out_of_range_is_refused_with_its_place() {
     assert!(refused(|o| o.world[5] = f64::NAN).starts_with("there: /objects/0/world: NaN"));
     assert!(refused(|o| o.shading.ia = Some(17.0)).starts_with("there: /objects/0/shading: ia is 17"));
     let levels = vec![basrelief_signals::Image { width: 16_385, height: 1, texels: vec![] }];
-    let sampler = basrelief_signals::Sampler { wrap: [Wrap::Clamp; 2], ..Default::default() };
+    let sampler = basrelief_signals::Sampler { wrap: [WrapMode::Clamp; 2], ..Default::default() };
     let large = Arc::new(Texture { id: 0, name: String::new(), sampler, levels, offset: 0, elsewhere: None });
     let error = refused(move |o| Arc::make_mut(&mut o.material).color_texture = Some(large));
     assert_eq!(error, "there: /textures/0/size: 16385 x 1; expected 1..=16384 per side");

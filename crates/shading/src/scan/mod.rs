@@ -1,6 +1,6 @@
-//! From a polygon in window coordinates to its pixels: exact coverage, top-left rule, in a fixed order.
+//! Rasterization of polygons in window coordinates: exact coverage, top-left rule, fixed pixel order.
 //!
-//! A polygon is a fan around its first vertex, each triangle of which is [set up](Triangle) and [walked](Walk). Units that
+//! A polygon is a fan around its first vertex. Each triangle of the fan is [set up](Triangle) and [walked](Walk). Units that
 //! [scan](Scan) the same polygon on the same [raster](Raster) visit the same pixels in the same order.
 
 mod polygon;

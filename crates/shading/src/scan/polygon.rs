@@ -1,21 +1,21 @@
-//! Traversal of a polygon: triangle by triangle of its fan.
+//! Traversal of a polygon, triangle by triangle of its fan.
 
 use super::{Edges, Raster, Triangle, Walk, doubled_grid_area, snap};
 use crate::fan_triangle;
 use basrelief_signals::Polygon;
 use serde::{Deserialize, Serialize};
 
-/// Triangles of the polygon's fan.
+/// Returns the number of triangles of the polygon's fan.
 pub fn fan_triangles(polygon: &Polygon) -> u16 {
     u16::try_from(polygon.vertices.len().saturating_sub(2)).unwrap_or(u16::MAX)
 }
 
-/// How a polygon winds on the sub-pixel grid.
+/// Winding of a polygon on the sub-pixel grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Winding {
-    /// +-1; 0 without area.
+    /// +-1, or 0 for a polygon without area.
     sign: i64,
-    /// Triangles of its fan overlap.
+    /// True if triangles of its fan overlap.
     pub(super) folded: bool,
 }
 
@@ -23,19 +23,19 @@ impl Winding {
     pub(super) fn of(polygon: &Polygon, bits: u32) -> Self {
         let area = |t| fan_triangle(polygon, t).map_or(0, |v| doubled_grid_area(v.map(|v| snap(v, bits))));
         let (positive, negative) = (0..fan_triangles(polygon)).map(area).fold((0i64, 0i64), |(p, n), a| {
-            // A damaged trace can wind so often that the sum leaves the range.
+            // A damaged trace can wind so often that the sum would overflow.
             (p.saturating_add(a.max(0)), n.saturating_add(a.min(0)))
         });
         Self { sign: (positive + negative).signum(), folded: positive > 0 && negative < 0 }
     }
 
-    /// The first triangle of the fan from number `from` on that has pixels.
+    /// Returns the first triangle of the fan, from number `from` on, that has pixels.
     pub(super) fn triangle(self, polygon: &Polygon, from: u16, raster: Raster) -> Option<Triangle> {
         (from..fan_triangles(polygon)).find_map(|t| Triangle::new(fan_triangle(polygon, t)?, t, self.sign, raster))
     }
 
-    /// In a folded polygon, triangles of the fan overlap: a pixel is inside where more of them wind with the polygon
-    /// than against it, and it goes to the first that winds with it. Whether that is `triangle`.
+    /// Returns true if a pixel of a folded polygon belongs to `triangle`. Triangles of such a fan overlap. A pixel is inside if
+    /// more triangles wind with the polygon than against it, and it belongs to the first that winds with the polygon.
     pub(super) fn gives(self, polygon: &Polygon, bits: u32, triangle: u16, [x, y]: [i32; 2]) -> bool {
         let covers = |t, sign| {
             let edges = fan_triangle(polygon, t).and_then(|v| Edges::new(v.map(|v| snap(v, bits)), sign, bits));
@@ -49,28 +49,28 @@ impl Winding {
     }
 }
 
-/// Where the traversal of a polygon is: on a pixel, or past the last.
+/// Traversal of a polygon: it stands on a pixel, or past the last.
 ///
-/// Fill rule: a pixel belongs to a polygon when its centre lies inside, or on a top or left edge. Polygons that share an
-/// edge neither share nor miss a pixel of it, also where snapping to the sub-pixel grid has made one slightly concave.
-/// A polygon's winding is that of its snapped outline; one without area has no pixels.
+/// Fill rule: a pixel belongs to a polygon if its centre lies inside, or on a top or left edge. Polygons that share an edge
+/// neither share nor miss a pixel of it, even if snapping to the sub-pixel grid has made one slightly concave. The winding of a
+/// polygon is that of its snapped outline. A polygon without area has no pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Scan {
     raster: Raster,
     winding: Winding,
-    /// Number of the triangle of its fan that comes next.
+    /// Number of the next triangle of the fan.
     next_triangle: u16,
-    /// Traversal of the current triangle; stands on the current pixel.
+    /// Traversal of the current triangle, which stands on the current pixel.
     pub walk: Walk,
 }
 
 impl Scan {
-    /// In front of the first pixel of `polygon`.
+    /// Creates a traversal that stands in front of the first pixel of `polygon`.
     pub fn new(polygon: &Polygon, raster: Raster) -> Self {
         Self { raster, winding: Winding::of(polygon, raster.bits), next_triangle: 0, walk: Walk::default() }
     }
 
-    /// On to the next pixel of `polygon`, which must be that of [`Scan::new`]; false past the last.
+    /// Advances to the next pixel of `polygon`, the polygon passed to [`Scan::new`]. Returns false past the last pixel.
     #[inline]
     pub fn advance(&mut self, polygon: &Polygon) -> bool {
         loop {
@@ -85,7 +85,7 @@ impl Scan {
         }
     }
 
-    /// Number of the current triangle in the polygon's fan.
+    /// Returns the number of the current triangle in the polygon's fan.
     #[inline]
     pub fn triangle(&self) -> u16 {
         self.walk.triangle.number()
@@ -124,7 +124,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn blocks_rows_and_columns_visit_the_same_pixels_each_in_its_order(
+        fn each_traversal_order_visits_the_same_pixels(
             corners in prop::collection::vec([-9f32..70.0, -9f32..50.0], 3..7), block in 1u32..=8,
         ) {
             let vertices = corners.iter().map(|&[x, y]| Vertex { position: [x, y, 0.5, 1.0], ..Vertex::default() }).collect();

@@ -1,36 +1,36 @@
-//! Traversal of a polygon scan line by scan line, a span at a time.
+//! Traversal of a polygon scan line by scan line, one span at a time.
 
 use super::polygon::Winding;
 use super::{MAX_BLOCK, Raster, Triangle};
 use basrelief_signals::Polygon;
 use serde::{Deserialize, Serialize};
 
-/// The spans of a polygon: pixels side by side on a scan line, of one triangle of its fan. They cover the pixels that
-/// [`Scan`](super::Scan) visits, triangle by triangle, from the top, from the left.
+/// Spans of a polygon. A span is a run of pixels on a scan line that belong to one triangle of the fan. The spans cover the
+/// pixels that [`Scan`](super::Scan) visits, triangle by triangle, top to bottom and left to right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spans {
     raster: Raster,
     winding: Winding,
-    /// The triangle that is scanned.
+    /// Triangle being scanned.
     pub triangle: Triangle,
-    /// Number of the triangle of the fan that comes next.
+    /// Number of the next triangle of the fan.
     next_triangle: u16,
     /// Spans of the rows from `top` on.
     rows: [[i32; 2]; MAX_BLOCK],
     top: i32,
     /// Current row.
     y: i32,
-    /// What is left of it: the first column, and the column behind the last.
+    /// Rest of the current row: the first column, and the column behind the last.
     left: [i32; 2],
 }
 
 impl Spans {
-    /// In front of the first span of `polygon`.
+    /// Creates a traversal that stands in front of the first span of `polygon`.
     pub fn new(polygon: &Polygon, raster: Raster) -> Self {
         Self { raster, winding: Winding::of(polygon, raster.bits), ..Self::default() }
     }
 
-    /// Row, first and last column of the next span of `polygon`, which must be that of [`Spans::new`].
+    /// Returns row, first and last column of the next span of `polygon`, the polygon passed to [`Spans::new`].
     pub fn next(&mut self, polygon: &Polygon) -> Option<[i32; 3]> {
         loop {
             if self.left[0] < self.left[1] {
@@ -49,7 +49,7 @@ impl Spans {
         }
     }
 
-    /// First and last of the next columns, side by side, that are the triangle's own.
+    /// Returns the first and last column of the next run that belongs to the triangle.
     fn owned(&self, polygon: &Polygon) -> Option<[i32; 2]> {
         let owns = |x: &i32| self.winding.gives(polygon, self.raster.bits, self.triangle.number(), [*x, self.y]);
         let first = (self.left[0]..self.left[1]).find(owns)?;
@@ -90,7 +90,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn spans_cover_the_pixels_of_the_scan_and_no_other(
+        fn spans_cover_exactly_the_scanned_pixels(
             corners in prop::collection::vec([-9f32..70.0, -9f32..50.0], 3..7),
         ) {
             let vertices = corners.iter().map(|&[x, y]| Vertex { position: [x, y, 0.5, 1.0], ..Vertex::default() }).collect();

@@ -1,33 +1,33 @@
 //! Set-up of a triangle: exact edge functions, depth and weights.
 //!
-//! Coordinates are snapped to the sub-pixel grid, from there on coverage is integer arithmetic without rounding. Limits:
-//! a coordinate is clamped to +-2^19 pixels, a grid has at most 2^10 steps per pixel, a screen at most 2^14 pixels per
-//! side; so an edge function stays below 2^61.
+//! Coordinates are snapped to the sub-pixel grid. From there on coverage is integer arithmetic without rounding. Limits: a
+//! coordinate is clamped to +-2^19 pixels, a grid has at most 2^10 steps per pixel, and a screen has at most 2^14 pixels per
+//! side. An edge function therefore stays below 2^61.
 
 use super::MAX_BLOCK;
 use basrelief_signals::{Fragment, Vertex, layout};
 use serde::{Deserialize, Serialize};
 
-/// Largest coordinate \[pixels\]; the guard band of the geometry processor is far inside.
+/// Largest coordinate \[pixels\]. The guard band of the geometry processor is far inside.
 const MAX_COORDINATE: f64 = (1u32 << 19) as f64;
 
 /// A point on the sub-pixel grid.
 pub type Point = [i64; 2];
 
-/// Position of a vertex on the grid of 2^-`bits` pixel; NaN counts as 0.
+/// Returns the position of a vertex on the grid of 2^-`bits` pixel. NaN counts as 0.
 #[inline]
 pub fn snap(vertex: &Vertex, bits: u32) -> Point {
     let steps = f64::from(1u32 << bits);
     let to_grid = |v: f32| {
         let scaled = f64::from(v).clamp(-MAX_COORDINATE, MAX_COORDINATE) * steps + 0.5;
-        // Round towards minus infinity; the library function would be a call.
+        // Rounds towards minus infinity. The library function would be a call.
         let whole = scaled as i64;
         whole - i64::from(whole as f64 > scaled)
     };
     [to_grid(vertex.position[0]), to_grid(vertex.position[1])]
 }
 
-/// Twice the signed area; positive where the corners run clockwise on the screen.
+/// Returns twice the signed area. It is positive if the corners run clockwise on the screen.
 #[inline]
 pub fn doubled_grid_area([a, b, c]: [Point; 3]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -40,8 +40,9 @@ pub struct Edge {
     step: [i64; 2],
     /// Value at the centre of pixel (0, 0).
     origin: i64,
-    /// A pixel is on the inner side when `step . (x, y) + cover >= 0`: the origin less one where the top-left rule
-    /// gives the edge to the other side, in the units of `step`, rounded down. Exact, as the products are whole.
+    /// Coverage offset: a pixel is on the inner side if `step . (x, y) + cover >= 0`. The offset is the origin, less one if the
+    /// top-left rule gives the edge to the other side, in units of `step`, rounded down. It is exact because the products are
+    /// whole.
     cover: i64,
 }
 
@@ -50,7 +51,7 @@ impl Edge {
         let half = 1i64 << (bits - 1);
         let step = [sign * (from[1] - to[1]), sign * (to[0] - from[0])];
         let origin = step[0] * (half - from[0]) + step[1] * (half - from[1]);
-        // y runs down: an edge is a left edge when the function grows to the right, a top edge when it grows downwards.
+        // As y runs down, a left edge has a function that grows to the right, and a top edge one that grows downwards.
         let top_left = step[0] > 0 || (step[0] == 0 && step[1] > 0);
         Self { step, origin, cover: (origin - i64::from(!top_left)) >> bits }
     }
@@ -65,9 +66,9 @@ impl Edge {
         self.step[0] * i64::from(x) + self.step[1] * i64::from(y) + self.cover >= 0
     }
 
-    /// Cuts the spans (first column, column behind the last) of the rows from `top` on to what lies on the inner side; `across` is
-    /// 0, or 1 for the spans of columns.
-    /// The sign is looked at once, not in every row, and the divisions of the rows do not wait for each other.
+    /// Cuts the spans (first column, column behind the last) of the rows from `top` on to the inner side of the edge. `across` is
+    /// 0, or 1 for the spans of columns. The sign is tested once instead of in every row, and the divisions of the rows do not
+    /// depend on each other.
     #[inline]
     fn clip(&self, across: usize, top: i32, spans: &mut [[i32; 2]]) {
         let (a, b) = (self.step[across], self.step[1 - across]);
@@ -87,25 +88,27 @@ fn column(x: i64) -> i32 {
     x.clamp(-1, i64::from(i32::MAX)) as i32
 }
 
-/// `floor(v / d)` for |v| < 2^53, d > 0. In floating point, a third of the price of the integer instruction: both are
-/// exact there, and a quotient that is not whole is at least 1 / d from the next whole number, more than rounding moves it.
+/// Computes `floor(v / d)` for |v| < 2^53, d > 0. Floating-point division costs a third of the integer instruction. Both operands
+/// are exact there, and a quotient that is not whole is at least 1 / d from the next whole number, which is more than the
+/// rounding error.
 #[inline]
 fn floor_division(v: i64, d: i64) -> i64 {
     let truncated = (v as f64 / d as f64) as i64;
     truncated - i64::from(truncated * d > v)
 }
 
-/// The three edges of a triangle: its coverage.
+/// The three edges of a triangle, which define its coverage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Edges {
-    /// Edge `i` lies opposite corner `i`; the three values sum to `area`.
+    /// Edge `i` lies opposite corner `i`. The three values sum to `area`.
     edges: [Edge; 3],
     /// Twice the area, > 0.
     area: i64,
 }
 
 impl Edges {
-    /// `sign` is +-1: the winding that counts as positive. `None` where the triangle winds the other way or has no area.
+    /// Creates the edges. `sign` is +-1: the winding that counts as positive. Returns `None` if the triangle winds the other way
+    /// or has no area.
     #[inline]
     pub fn new(corners: [Point; 3], sign: i64, bits: u32) -> Option<Self> {
         let area = sign * doubled_grid_area(corners);
@@ -114,13 +117,13 @@ impl Edges {
         (area > 0).then(|| Self { edges: [edge(b, c), edge(c, a), edge(a, b)], area })
     }
 
-    /// Whether the centre of this pixel is covered; on an edge, the top-left rule decides.
+    /// Returns true if the centre of this pixel is covered. On an edge, the top-left rule decides.
     pub fn covers(&self, x: i32, y: i32) -> bool {
         self.edges.iter().all(|e| e.covers(x, y))
     }
 }
 
-/// Pixels that may be covered, the last column and row excluded.
+/// Bounds of the pixels that may be covered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Bounds {
     /// First column and column behind the last.
@@ -147,14 +150,14 @@ impl Bounds {
 /// A triangle of a fan, ready to be walked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Triangle {
-    /// Where fragments may be.
+    /// Bounds of its fragments.
     pub bounds: Bounds,
     edges: Edges,
     /// Depth of each corner \[steps of the z-buffer per unit of its edge function\].
     depth: [f64; 3],
     /// 1 / w of each corner, relative to the largest.
     inverse_w: [f32; 3],
-    /// 1 / twice the area.
+    /// 1 / (twice the area).
     inverse_area: f64,
     /// Number in the fan.
     number: u16,
@@ -162,7 +165,7 @@ pub struct Triangle {
     z_max: u32,
 }
 
-/// What a set-up needs to know beside the vertices.
+/// Parameters of a triangle's set-up besides its vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Raster {
     /// Width and height \[pixels\].
@@ -173,12 +176,12 @@ pub struct Raster {
     pub z_max: u32,
     /// Side of the blocks in which a triangle is visited \[pixels\], 1..=[`MAX_BLOCK`].
     pub block: u32,
-    /// Column of blocks by column of blocks, each column by column, in place of rows.
+    /// True if blocks are visited column by column, each column by column, instead of by rows.
     pub columns: bool,
 }
 
 impl Raster {
-    /// A raster of `screen` pixels with depth values of `z_bits` (1..=32) bits.
+    /// Creates a raster of `screen` pixels with depth values of `z_bits` (1..=32) bits.
     pub fn new(screen: [u32; 2], bits: u32, z_bits: u32, block: u32) -> Self {
         let z_max = u32::MAX >> 32u32.saturating_sub(z_bits).min(31);
         Self { screen: screen.map(|side| side.min(layout::MAX_SIDE)), bits, z_max, block, columns: false }
@@ -186,7 +189,7 @@ impl Raster {
 }
 
 impl Triangle {
-    /// Triangle `number` of a fan that winds with `sign`; `None` where it covers no pixel.
+    /// Creates triangle `number` of a fan that winds with `sign`. Returns `None` if it covers no pixel.
     pub fn new(vertices: [&Vertex; 3], number: u16, sign: i64, raster: Raster) -> Option<Self> {
         let Raster { screen, bits, z_max, .. } = raster;
         let corners = vertices.map(|v| snap(v, bits));
@@ -199,18 +202,19 @@ impl Triangle {
         Some(Self { bounds, edges, depth, inverse_w, inverse_area, number, bits, z_max })
     }
 
-    /// Number in its fan.
+    /// Returns the triangle's number in its fan.
     pub fn number(&self) -> u16 {
         self.number
     }
 
-    /// Covered columns of `count` rows from `top` on, the last excluded; empty where the first is not below it.
+    /// Computes the covered columns of `count` rows from `top` on, without the last. A span is empty if its first column is not
+    /// below its last.
     #[inline]
     pub fn spans(&self, top: i32, count: i32, spans: &mut [[i32; 2]; MAX_BLOCK]) {
         self.spans_across(0, top, count, spans);
     }
 
-    /// [`Triangle::spans`] with columns and rows exchanged where `across` is 1: covered rows of columns.
+    /// Computes [`Triangle::spans`]. If `across` is 1, columns and rows are exchanged: covered rows of columns.
     #[inline]
     pub(super) fn spans_across(&self, across: usize, top: i32, count: i32, spans: &mut [[i32; 2]; MAX_BLOCK]) {
         let bounds = [self.bounds.x, self.bounds.y];
@@ -224,7 +228,7 @@ impl Triangle {
         }
     }
 
-    /// The three edge functions of a covered pixel, >= 0 each; they sum to twice the area.
+    /// Returns the three edge functions of a covered pixel, each >= 0. They sum to twice the area.
     #[inline]
     pub fn shares(&self, x: i32, y: i32) -> [f64; 3] {
         let Edges { edges, area } = &self.edges;
@@ -232,8 +236,8 @@ impl Triangle {
         [area - e1 - e2, e1, e2].map(|e| e as f64)
     }
 
-    /// Depth of a covered pixel of these shares \[steps of the z-buffer\], neither rounded nor clamped: all terms of the sum are
-    /// >= 0, so nothing cancels.
+    /// Returns the depth of a covered pixel with these shares \[steps of the z-buffer\], neither rounded nor clamped. All terms
+    /// of the sum are >= 0, so nothing cancels.
     #[inline]
     pub fn exact_depth(&self, share: [f64; 3]) -> f64 {
         share[0] * self.depth[0] + share[1] * self.depth[1] + share[2] * self.depth[2]
@@ -244,13 +248,13 @@ impl Triangle {
         ((self.exact_depth(share) + 0.5) as u32).min(self.z_max)
     }
 
-    /// 1 / twice the area: shares times it are weights that sum to 1.
+    /// Returns 1 / (twice the area). Shares times it are weights that sum to 1.
     #[inline]
     pub fn inverse_area(&self) -> f64 {
         self.inverse_area
     }
 
-    /// The fragment of a covered pixel, its weights perspective-correct.
+    /// Returns the fragment of a covered pixel, with perspective-correct weights.
     #[inline]
     pub fn fragment(&self, x: i32, y: i32) -> Fragment {
         let share = self.shares(x, y);
@@ -260,7 +264,7 @@ impl Triangle {
         Fragment { x: x as u16, y: y as u16, z: self.depth(share), weights, triangle: self.number }
     }
 
-    /// The fragment of a covered pixel, its weights linear on the screen.
+    /// Returns the fragment of a covered pixel, with weights that are linear on the screen.
     #[inline]
     pub fn linear_fragment(&self, x: i32, y: i32) -> Fragment {
         let share = self.shares(x, y);
@@ -269,8 +273,8 @@ impl Triangle {
     }
 }
 
-/// 1 / w relative to the largest: products with edge functions can then neither overflow nor all vanish. A set that is
-/// not positive and finite, which only a damaged trace can hold, counts as equal.
+/// Returns 1 / w relative to the largest, so that products with edge functions neither overflow nor all vanish. A set that is not
+/// positive and finite, possible only in a damaged trace, counts as equal.
 fn relative(inverse_w: [f32; 3]) -> [f32; 3] {
     let [a, b, c] = inverse_w;
     if inverse_w.iter().all(|q| *q > 0.0 && q.is_finite()) {

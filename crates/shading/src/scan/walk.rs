@@ -1,10 +1,10 @@
-//! Traversal of a triangle: row of blocks by row of blocks, block by block, row by row; only covered pixels. By columns, rows and
-//! columns are exchanged, here as in all names below.
+//! Traversal of the covered pixels of a triangle: row of blocks by row of blocks, block by block, row by row. In traversal by
+//! columns, rows and columns are exchanged, here and in all names below.
 //!
-//! A row of blocks starts with the analytic span of each of its rows; a block then is a mask of covered pixels, taken bit
-//! by bit. Testing every pixel of every touched block instead was rejected: a triangle of fifteen pixels touches five
-//! blocks, that is five tests per fragment. Walking the spans without a mask was tried: its branch at the end of every
-//! four pixels cannot be predicted.
+//! A row of blocks starts with the analytic span of each of its rows. A block is then a mask of covered pixels, taken bit by bit.
+//! Testing every pixel of every touched block was rejected: a triangle of fifteen pixels touches five blocks, which gives five
+//! tests per fragment. Walking the spans without a mask was also rejected: its branch at the end of every four pixels cannot be
+//! predicted.
 
 use super::{MAX_BLOCK, Raster, Triangle};
 use basrelief_signals::Fragment;
@@ -13,14 +13,14 @@ use serde::{Deserialize, Serialize};
 /// Bits of the mask per row of a block.
 const ROW: u32 = MAX_BLOCK as u32;
 
-/// Where the traversal of a triangle is.
+/// Traversal of a triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Walk {
-    /// The triangle.
+    /// Triangle being traversed.
     pub triangle: Triangle,
     /// Side of a block \[pixels\], 1..=[`MAX_BLOCK`].
     block: i32,
-    /// Rows and columns are exchanged.
+    /// True if rows and columns are exchanged.
     columns: bool,
     /// First row of the current row of blocks.
     top: i32,
@@ -30,12 +30,12 @@ pub struct Walk {
     left: i32,
     /// Column behind the last of the current row of blocks.
     right: i32,
-    /// Covered pixels of the current block that are not done, the current one first: bit 8 * row + column.
+    /// Covered pixels of the current block that are not done. The current pixel is the lowest bit; bit 8 * row + column.
     mask: u64,
 }
 
 impl Walk {
-    /// In front of the first pixel.
+    /// Creates a traversal that stands in front of the first pixel.
     #[inline]
     pub fn new(triangle: Triangle, raster: Raster) -> Self {
         let (block, columns) = (raster.block.clamp(1, ROW) as i32, raster.columns);
@@ -43,7 +43,7 @@ impl Walk {
         Self { triangle, block, columns, top: first / block * block - block, ..Self::default() }
     }
 
-    /// Column and row of the current pixel.
+    /// Returns column and row of the current pixel.
     #[inline]
     pub fn pixel(&self) -> [i32; 2] {
         let bit = self.mask.trailing_zeros();
@@ -51,28 +51,28 @@ impl Walk {
         if self.columns { [row, column] } else { [column, row] }
     }
 
-    /// Fragment of the current pixel.
+    /// Returns the fragment of the current pixel.
     #[inline]
     pub fn fragment(&self) -> Fragment {
         let [x, y] = self.pixel();
         self.triangle.fragment(x, y)
     }
 
-    /// Fragment of the current pixel, its weights linear on the screen.
+    /// Returns the fragment of the current pixel, with weights that are linear on the screen.
     #[inline]
     pub fn linear_fragment(&self) -> Fragment {
         let [x, y] = self.pixel();
         self.triangle.linear_fragment(x, y)
     }
 
-    /// On to the next covered pixel; false where there is none.
+    /// Advances to the next covered pixel. Returns false if none is left.
     #[inline]
     pub fn advance(&mut self) -> bool {
         self.mask &= self.mask.wrapping_sub(1);
         self.mask != 0 || self.next_block()
     }
 
-    /// On to the next block that has pixels.
+    /// Advances to the next block that has pixels.
     fn next_block(&mut self) -> bool {
         loop {
             self.left += self.block;
@@ -86,7 +86,7 @@ impl Walk {
         }
     }
 
-    /// Mask of the current block.
+    /// Returns the coverage mask of the current block.
     #[inline]
     fn covered(&self) -> u64 {
         let below = |column: i32| (1u64 << (column - self.left).clamp(0, self.block)) - 1;

@@ -13,7 +13,7 @@ use crate::costs::CostPoints;
 use crate::following::Sample;
 use basrelief_input::{Budget, OverBudget};
 use basrelief_kernel::{Label, StageTopology};
-use basrelief_signals::About;
+use basrelief_signals::Attribution;
 use entered::Entered;
 use std::collections::VecDeque;
 
@@ -95,14 +95,14 @@ impl Flow {
         let mut whose = taken;
         for &(output, label) in given {
             let Some(&fifo) = self.stages[stage].outputs.get(output) else { continue };
-            let about = About::from(label.0);
-            if let About::Frame { index, size } = about {
+            let about = Attribution::from(label.0);
+            if let Attribution::Frame { index, size } = about {
                 follower.frame(size)?;
                 self.frames = self.frames.max(index.saturating_add(1));
             }
             let current = self.current[stage];
             let mut origin = match about {
-                About::Polygon(place) if self.enter == Some(fifo) => {
+                Attribution::Polygon(place) if self.enter == Some(fifo) => {
                     let entered = self.entered.enter(place, &current)?;
                     follower.entered(&entered)?;
                     // It is here that there is a polygon: what was taken is a triangle of the object.
@@ -113,7 +113,7 @@ impl Flow {
             };
             if taken.is_none() {
                 whose = Some(whose.map_or(origin, |whose| whose.or_finer(origin)));
-                if !matches!(about, About::Made | About::Pixels(_) | About::Levels(_)) {
+                if !matches!(about, Attribution::Inherited | Attribution::Pixels(_) | Attribution::Levels(_)) {
                     self.current[stage] = origin;
                 }
             }
@@ -165,16 +165,16 @@ impl Flow {
 }
 
 /// Whom a token is for that says this and is given by a step for `whom`.
-fn about_whom(about: About, whom: Origin, entered: &Entered) -> Origin {
+fn about_whom(about: Attribution, whom: Origin, entered: &Entered) -> Origin {
     match about {
-        About::Made => whom,
-        About::Levels(levels) => Origin { levels: Some(levels), ..whom },
-        About::Pixels(pixels) => whom.at(pixels),
-        About::Frame { index, .. } => Origin::whole(Some(index)),
-        About::Whole => Origin::whole(whom.frame),
-        About::Object(object) => Origin { object: Some(object), ..Origin::whole(whom.frame) },
+        Attribution::Inherited => whom,
+        Attribution::Levels(levels) => Origin { levels: Some(levels), ..whom },
+        Attribution::Pixels(pixels) => whom.at(pixels),
+        Attribution::Frame { index, .. } => Origin::whole(Some(index)),
+        Attribution::Whole => Origin::whole(whom.frame),
+        Attribution::Object(object) => Origin { object: Some(object), ..Origin::whole(whom.frame) },
         // One that is none of the list's own is for that which it was made of.
-        About::Polygon(place) => {
+        Attribution::Polygon(place) => {
             let polygon = entered.origin(place).unwrap_or(Origin { pixels: None, levels: None, ..whom });
             Origin { life: whom.life, ..polygon }
         }

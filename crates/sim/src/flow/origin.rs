@@ -1,7 +1,7 @@
 //! Whom a step is for.
 
 use crate::following::Sample;
-use basrelief_signals::Pixels;
+use basrelief_signals::PixelSet;
 
 /// Numbers of a polygon, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +20,7 @@ pub(crate) struct Origin {
     /// Number of the object.
     pub(crate) object: Option<u32>,
     pub(crate) polygon: Option<Polygon>,
-    pub(crate) pixels: Option<Pixels>,
+    pub(crate) pixels: Option<PixelSet>,
     /// MIP level of each pixel, 4 bits each, by place in the token.
     pub(crate) levels: Option<u64>,
     /// Number of the token whose life is told that this comes from.
@@ -35,7 +35,7 @@ impl Origin {
 
     /// What this becomes where a token is about pixels of its own.
     #[must_use]
-    pub(super) fn at(self, pixels: Pixels) -> Self {
+    pub(super) fn at(self, pixels: PixelSet) -> Self {
         let levels = pixels.levels.map(|levels| (0..).zip(levels).map(|(i, level)| u64::from(level) << (4 * i)).sum());
         Self { pixels: Some(pixels), levels, ..self }
     }
@@ -73,10 +73,10 @@ mod tests {
     fn of_two_tokens_the_one_counts_that_says_more() {
         let frame = Origin::whole(Some(3));
         let polygon = Origin { object: Some(1), polygon: Some(Polygon { run: 7, frame: 2 }), ..frame };
-        let pixel = polygon.at(Pixels::one(4, 5));
+        let pixel = polygon.at(PixelSet::one(4, 5));
         assert_eq!(frame.or_finer(polygon), polygon);
         assert_eq!(pixel.or_finer(polygon), pixel);
-        let other = Origin { levels: Some(9), ..polygon.at(Pixels::one(6, 5)) };
+        let other = Origin { levels: Some(9), ..polygon.at(PixelSet::one(6, 5)) };
         assert_eq!(pixel.or_finer(other), Origin { levels: Some(9), ..pixel }, "the first, with the levels of the second");
     }
 }

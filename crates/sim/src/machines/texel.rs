@@ -10,7 +10,7 @@ use basrelief_frame_buffer::FinishedFrame;
 use basrelief_machines::texel::{self, TexelMachineConfig, TextureMappingSystem};
 use basrelief_machines::{ConfigProblem, Facts, FrontConfig, FrontEnd};
 use basrelief_reference::{LevelRule, Options, Shading, Style, TextureFilter};
-use basrelief_signals::Filter;
+use basrelief_signals::TexelFilter;
 use basrelief_texel_value_generator::{Division, IlluminanceMode, Method, MipMode};
 
 impl MachineSpec for TexelMachineConfig {
@@ -36,12 +36,12 @@ impl MachineSpec for TexelMachineConfig {
     /// Exact mapping, by the filter that the machine has: what is lost then is lost by division points.
     fn exact_style(&self) -> Style {
         let filter = match (self.mip.mode, self.look_up.filter) {
-            (MipMode::Off, Filter::Nearest) => TextureFilter::Nearest,
-            (MipMode::Off, Filter::Bilinear) => TextureFilter::Bilinear,
-            (MipMode::Nearest, Filter::Nearest) => TextureFilter::NearestMipNearest,
-            (MipMode::Nearest, Filter::Bilinear) => TextureFilter::BilinearMipNearest,
-            (MipMode::Trilinear, Filter::Nearest) => TextureFilter::NearestMipLinear,
-            (MipMode::Trilinear, Filter::Bilinear) => TextureFilter::Trilinear,
+            (MipMode::Off, TexelFilter::Nearest) => TextureFilter::Nearest,
+            (MipMode::Off, TexelFilter::Bilinear) => TextureFilter::Bilinear,
+            (MipMode::Nearest, TexelFilter::Nearest) => TextureFilter::NearestMipNearest,
+            (MipMode::Nearest, TexelFilter::Bilinear) => TextureFilter::BilinearMipNearest,
+            (MipMode::Trilinear, TexelFilter::Nearest) => TextureFilter::NearestMipLinear,
+            (MipMode::Trilinear, TexelFilter::Bilinear) => TextureFilter::Trilinear,
         };
         let options = Options {
             filter,

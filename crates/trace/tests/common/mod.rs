@@ -2,8 +2,8 @@
 #![allow(dead_code, reason = "each test binary uses its share")]
 
 use basrelief_signals::{
-    Camera, Control, Filter, Frame, Image, Light, LightKind, Lighting, Material, MeshInfo, Mode, ObjectInfo, Polygon, Sampler,
-    Shading, Texture, Vertex, Wrap,
+    Camera, Control, Frame, Image, Light, LightKind, Lighting, Material, MeshInfo, ObjectInfo, Polygon, Sampler, ShadingMode,
+    ShadingSettings, TexelFilter, Texture, Vertex, WrapMode,
 };
 use basrelief_trace::{Begin, CanonicalHash, Digest, Form, NoFiles, Recorder, Resolver, TraceError, Writer, open};
 use proptest::prelude::*;
@@ -63,8 +63,8 @@ fn vertex() -> impl Strategy<Value = Vertex> {
 
 pub fn texture(id: u32, normal: bool) -> impl Strategy<Value = Arc<Texture>> {
     let sampler = (0..3usize, 0..3usize, any::<bool>()).prop_map(|(u, v, nearest)| {
-        let wrap = |i| [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp][i];
-        let filter = if nearest { Filter::Nearest } else { Filter::Bilinear };
+        let wrap = |i| [WrapMode::Repeat, WrapMode::Mirror, WrapMode::Clamp][i];
+        let filter = if nearest { TexelFilter::Nearest } else { TexelFilter::Bilinear };
         Sampler { wrap: [wrap(u), wrap(v)], filter }
     });
     (1u32..9, 1u32..9, any::<u8>(), any::<u64>(), sampler).prop_map(move |(width, height, count, seed, sampler)| {
@@ -101,11 +101,11 @@ fn material(id: u32) -> impl Strategy<Value = Arc<Material>> {
     )
 }
 
-fn shading() -> impl Strategy<Value = Shading> {
-    let mode = proptest::sample::select(vec![Mode::Normal, Mode::Brightness, Mode::Polyhedron]);
+fn shading() -> impl Strategy<Value = ShadingSettings> {
+    let mode = proptest::sample::select(vec![ShadingMode::Normal, ShadingMode::Brightness, ShadingMode::Polyhedron]);
     let intensity = || proptest::option::of(0.0f32..=16.0);
-    let some = (proptest::option::of(mode), intensity(), intensity()).prop_map(|(mode, ia, is)| Shading { mode, ia, is });
-    prop_oneof![Just(Shading::default()), some]
+    let some = (proptest::option::of(mode), intensity(), intensity()).prop_map(|(mode, ia, is)| ShadingSettings { mode, ia, is });
+    prop_oneof![Just(ShadingSettings::default()), some]
 }
 
 type Shape = (Vec<Vertex>, usize, u8, bool, u64);

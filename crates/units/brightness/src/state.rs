@@ -2,7 +2,7 @@
 
 use crate::ClutKey;
 use crate::sets::ClutSets;
-use basrelief_signals::{Frame, Indexes, ObjectInfo};
+use basrelief_signals::{Frame, NormalIndexes, ObjectInfo};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ pub struct BrightnessFetchState {
     pub(crate) sets: ClutSets,
     pub(crate) rebuild: Option<Rebuild>,
     /// The fragment that waits for it.
-    pub(crate) pending: Option<Indexes>,
+    pub(crate) pending: Option<NormalIndexes>,
     /// What it has counted.
     pub counters: BrightnessFetchCounters,
 }

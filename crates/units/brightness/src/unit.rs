@@ -7,7 +7,9 @@ use arrayvec::ArrayVec;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_shading::{TableSet, light_vectors};
-use basrelief_signals::{Control, Flow, Indexes, MAX_SAMPLES, MAX_STAMP, Sample, Shaded, Stamp, quantization_memory};
+use basrelief_signals::{
+    Control, Flow, MAX_SAMPLES, MAX_STAMP, NormalIndexes, ShadedFragment, Stamp, StampSample, quantization_memory,
+};
 use std::sync::Arc;
 
 /// The cache in front of the CLUTs (122) in memory (120).
@@ -36,7 +38,7 @@ pub struct BrightnessFetch {
     normals: NormalTables,
 }
 
-type Out = Step<Option<Flow<Stamp<Shaded>>>>;
+type Out = Step<Option<Flow<Stamp<ShadedFragment>>>>;
 
 impl BrightnessFetch {
     /// A unit for the VQ tables (121) that the replacement unit searches, and stamps of at most `most_samples` samples, in a
@@ -77,7 +79,7 @@ impl BrightnessFetch {
     }
 
     #[inline(always)]
-    fn item(&mut self, indexes: &mut Indexes, traffic: &mut Traffic) -> Out {
+    fn item(&mut self, indexes: &mut NormalIndexes, traffic: &mut Traffic) -> Out {
         if !self.state.sets.has_found() {
             self.find_set();
         }
@@ -155,13 +157,13 @@ impl BrightnessFetch {
     }
 
     #[inline(always)]
-    fn fetch(&mut self, indexes: &Indexes, traffic: &mut Traffic) -> Out {
+    fn fetch(&mut self, indexes: &NormalIndexes, traffic: &mut Traffic) -> Out {
         let state = &mut self.state;
         let (entry_bytes, normal_bytes) = (self.config.entry_bytes(), self.normals.entry_bytes());
         let from_clut = self.config.source == BrightnessSource::Clut;
         // The same for all fragments: entries, where the first lies, and their size there. (Collected, they would be copied.)
         let mut tables = ArrayVec::<_, MAX_SAMPLES>::new();
-        for &Sample { level, .. } in &indexes.samples {
+        for &StampSample { level, .. } in &indexes.samples {
             let (base, bytes) = if from_clut {
                 (state.sets.address(level), entry_bytes)
             } else {
@@ -172,14 +174,14 @@ impl BrightnessFetch {
         let mut out = Stamp::new();
         for (lane, &fragment) in indexes.stamp.iter().enumerate() {
             let mut sum = [0.0; 2];
-            for (Sample { weight, value, .. }, (entries, base, bytes)) in indexes.samples.iter().zip(&tables) {
+            for (StampSample { weight, value, .. }, (entries, base, bytes)) in indexes.samples.iter().zip(&tables) {
                 let (weight, index) = (weight[lane], value[lane]);
                 // An entry that does not exist is black.
                 let value = entries.get(usize::from(index)).copied().unwrap_or_default();
                 sum = [sum[0] + weight * value[0], sum[1] + weight * value[1]];
                 traffic.look_up(CLUT, base + u64::from(index) * u64::from(*bytes), *bytes);
             }
-            out.push(Shaded { fragment, brightness: sum[0], highlight: sum[1] });
+            out.push(ShadedFragment { fragment, brightness: sum[0], highlight: sum[1] });
         }
         let per_fragment = indexes.samples.len();
         state.counters.fragments += out.len() as u64;
@@ -211,8 +213,8 @@ const SINGLE: u32 = 32;
 
 impl Unit for BrightnessFetch {
     basrelief_kernel::role!("looks brightness up by index, interpolates between levels");
-    type In = Option<Flow<Indexes>>;
-    type Out = Option<Flow<Stamp<Shaded>>>;
+    type In = Option<Flow<NormalIndexes>>;
+    type Out = Option<Flow<Stamp<ShadedFragment>>>;
 
     #[inline]
     fn demand(&self) -> Demand {

@@ -4,7 +4,7 @@ use basrelief_brightness::{BrightnessConfig, BrightnessFetch, BrightnessSource};
 use basrelief_kernel::{Operators, unit_contract};
 use basrelief_shading::{LEVELS, Table, TableSet};
 use basrelief_signals::{
-    Camera, Control, Flow, Fragment, Frame, Indexes, Light, LightKind, ObjectInfo, Polygon, Sample, Stamp, Vertex,
+    Camera, Control, Flow, Fragment, Frame, Light, LightKind, NormalIndexes, ObjectInfo, Polygon, Stamp, StampSample, Vertex,
 };
 use std::sync::Arc;
 
@@ -45,14 +45,14 @@ fn polygon() -> Control {
     Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: true, arrival: 0 }))
 }
 
-fn indexes(i: u16) -> Flow<Indexes> {
+fn indexes(i: u16) -> Flow<NormalIndexes> {
     let samples = [(0, i % 40, 0.25), (3, i % 7, 0.75)];
-    let samples = samples.map(|(level, index, weight)| Sample::all(level, weight, index)).into_iter().collect();
-    Flow::Item(Indexes { stamp: Stamp::from_iter([Fragment::default()]), samples })
+    let samples = samples.map(|(level, index, weight)| StampSample::all(level, weight, index)).into_iter().collect();
+    Flow::Item(NormalIndexes { stamp: Stamp::from_iter([Fragment::default()]), samples })
 }
 
 /// Two objects: the second one's CLUTs are recalculated.
-fn two_objects() -> Vec<Flow<Indexes>> {
+fn two_objects() -> Vec<Flow<NormalIndexes>> {
     let mut run = vec![Flow::Control(frame())];
     for x in [0.0, 9.0] {
         run.extend([object(x), polygon()].map(Flow::Control));

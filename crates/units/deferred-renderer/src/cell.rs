@@ -2,7 +2,7 @@
 
 use crate::config::{CellConfig, NumberFormat};
 use crate::page::Page;
-use basrelief_signals::Wrap;
+use basrelief_signals::WrapMode;
 use serde::{Deserialize, Serialize};
 
 /// What a pixel of the reference buffer (126) holds. Numbers are those that its fields can hold.
@@ -17,7 +17,7 @@ pub struct Cell {
     /// Layer depth D (314).
     pub depth: f32,
     /// How the coordinates are mapped back into the texture, in u and in v.
-    pub wrap: [Wrap; 2],
+    pub wrap: [WrapMode; 2],
 }
 
 /// Nothing was drawn.
@@ -27,7 +27,7 @@ const DIRECT: u16 = u16::MAX - 1;
 
 impl Default for Cell {
     fn default() -> Self {
-        Self { page: EMPTY, coefficients: [0; 3], coordinates: [0.0; 2], depth: 0.0, wrap: [Wrap::Repeat; 2] }
+        Self { page: EMPTY, coefficients: [0; 3], coordinates: [0.0; 2], depth: 0.0, wrap: [WrapMode::Repeat; 2] }
     }
 }
 
@@ -47,7 +47,7 @@ impl Cell {
     /// The same pixel, with these wrap modes.
     #[inline]
     #[must_use]
-    pub fn wrapped(self, wrap: [Wrap; 2]) -> Self {
+    pub fn wrapped(self, wrap: [WrapMode; 2]) -> Self {
         Self { wrap, ..self }
     }
 

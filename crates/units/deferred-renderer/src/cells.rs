@@ -3,7 +3,7 @@
 use crate::Cell;
 use crate::cell::{CellFormat, layer_depth, most_pages};
 use crate::cell_work::CellWork;
-use crate::config::{CellConfig, EngineConfig, Lighting, WrapMode};
+use crate::config::{CellConfig, EngineConfig, Lighting, WrapOverride};
 use crate::page::{Cut, Page};
 use crate::pyramid::is_same_picture;
 use crate::sizes::Sizes;
@@ -12,7 +12,7 @@ use crate::tokens::{CellFlow, PlacedCell};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Derived, Operators, Step, Traffic, Unit};
 use basrelief_shading::{LightVector, light_vectors, saturated};
-use basrelief_signals::{Control, Flow, Fragment, Frame, Polygon, Stamp, Texture, Wrap};
+use basrelief_signals::{Control, Flow, Fragment, Frame, Polygon, Stamp, Texture, WrapMode};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -22,7 +22,7 @@ use std::sync::Arc;
 pub(crate) struct Surface {
     polygon: Arc<Polygon>,
     /// Its texture's page, and how coordinates are mapped back into it.
-    page: Option<(Arc<Page>, [Wrap; 2])>,
+    page: Option<(Arc<Page>, [WrapMode; 2])>,
     /// Of the triangle that the last fragment was in.
     #[serde(skip)]
     slopes: Derived<Slopes>,
@@ -68,7 +68,7 @@ pub struct Cells {
     format: CellFormat,
     page_bits: u32,
     lighting: Lighting,
-    wrap: WrapMode,
+    wrap: WrapOverride,
     cut: Cut,
     work: CellWork,
     sizes: Sizes,
@@ -86,7 +86,7 @@ impl Cells {
     pub fn new(
         (config, operators): (EngineConfig, Operators),
         cell: &CellConfig,
-        (lighting, wrap): (Lighting, WrapMode),
+        (lighting, wrap): (Lighting, WrapOverride),
         cut: Cut,
     ) -> Self {
         Self {

@@ -3,7 +3,7 @@
 use crate::encoding::TileEncoding;
 use crate::page::TexelCentre;
 use basrelief_parameters::parameters;
-use basrelief_signals::Wrap;
+use basrelief_signals::WrapMode;
 use serde::{Deserialize, Serialize};
 
 /// How a picture comes about.
@@ -44,7 +44,7 @@ pub enum Lighting {
 /// Wrap modes, by texture or for all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum WrapMode {
+pub enum WrapOverride {
     /// What the texture's own sampler says.
     #[default]
     Sampler,
@@ -56,14 +56,14 @@ pub enum WrapMode {
     Clamp,
 }
 
-impl WrapMode {
+impl WrapOverride {
     /// Wrap modes of a texture whose own are these.
-    pub fn of(self, own: [Wrap; 2]) -> [Wrap; 2] {
+    pub fn of(self, own: [WrapMode; 2]) -> [WrapMode; 2] {
         match self {
             Self::Sampler => own,
-            Self::Repeat => [Wrap::Repeat; 2],
-            Self::Mirror => [Wrap::Mirror; 2],
-            Self::Clamp => [Wrap::Clamp; 2],
+            Self::Repeat => [WrapMode::Repeat; 2],
+            Self::Mirror => [WrapMode::Mirror; 2],
+            Self::Clamp => [WrapMode::Clamp; 2],
         }
     }
 }
@@ -106,7 +106,7 @@ parameters! {
         /// What the brightness coefficients hold: none (colours of material and vertices) or gouraud (times the brightness at the vertices).
         lighting: Lighting = Lighting::None, unit: "", Assumed("what is fetched is told by the pictures alone; gouraud is the patent's use");
         /// Wrap modes: sampler (the texture's own), or repeat, mirror, clamp for all.
-        wrap: WrapMode = WrapMode::Sampler, unit: "", Assumed("the scene knows");
+        wrap: WrapOverride = WrapOverride::Sampler, unit: "", Assumed("the scene knows");
         /// The viewpoint is left after this many progressive pictures (475: user input); 0: never.
         pictures_per_view: u32 = 0, unit: "pictures", Assumed("the user looks until the picture is as good as it gets"), range: 0..=64;
         /// Where each viewpoint is left, from the first on: in place of which tile that it would ask for, counted in the viewpoint from 1.

@@ -51,7 +51,7 @@ pub use cell::{Cell, CellFormat};
 pub use cells::{Cells, CellsCounters, CellsState, brightness_range};
 pub use config::{
     CellConfig, DepthPixel, EngineConfig, Lighting, NumberFormat, PathConfig, RenderMode, RendererConfig, TileConfig, TileOrder,
-    WrapMode,
+    WrapOverride,
 };
 pub use encoding::TileEncoding;
 pub use expander::Expander;

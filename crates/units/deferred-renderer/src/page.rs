@@ -4,7 +4,7 @@
 //! it, rounding up. Tiles of a layer are numbered row by row, layers one after the other: a tile has one number within its texture.
 
 pub use crate::layers::{Cut, Layer, TexelCentre};
-use basrelief_signals::{Texture, Wrap};
+use basrelief_signals::{Texture, WrapMode};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
@@ -178,27 +178,27 @@ impl Page {
 
     /// Texture coordinates (312) mapped back into the texture. NaN becomes 0.
     #[inline]
-    pub fn placed(&self, st: [f32; 2], wrap: [Wrap; 2]) -> Placed {
+    pub fn placed(&self, st: [f32; 2], wrap: [WrapMode; 2]) -> Placed {
         // (Not by `map`: it and its closure become calls.)
         let coordinates = [self.placed_along(0, st[0], wrap[0]), self.placed_along(1, st[1], wrap[1])];
-        Placed { coordinates, repeats: [wrap[0] == Wrap::Repeat, wrap[1] == Wrap::Repeat] }
+        Placed { coordinates, repeats: [wrap[0] == WrapMode::Repeat, wrap[1] == WrapMode::Repeat] }
     }
 
     #[inline(always)]
-    fn placed_along(&self, axis: usize, s: f32, wrap: Wrap) -> f32 {
+    fn placed_along(&self, axis: usize, s: f32, wrap: WrapMode) -> f32 {
         let size = self.size[axis];
         let inside = match wrap {
-            Wrap::Repeat => {
+            WrapMode::Repeat => {
                 let rest = s - size * floor(s * self.inverse[axis]);
                 // The quotient is rounded: the rest may be off by one texture.
                 let rest = if rest < 0.0 { rest + size } else { rest };
                 if rest >= size { rest - size } else { rest }
             }
-            Wrap::Mirror => {
+            WrapMode::Mirror => {
                 let rest = s - 2.0 * size * floor(0.5 * s * self.inverse[axis]);
                 if rest > size { 2.0 * size - rest } else { rest }
             }
-            Wrap::Clamp => s,
+            WrapMode::Clamp => s,
         };
         if inside > 0.0 { inside.min(size) } else { 0.0 }
     }

@@ -5,7 +5,7 @@ use crate::tokens::{
     CellBlock, CellFlow, Content, EncodedTile, ExpandedTile, Mark, MarkFlow, Order, Parcel, PassFlow, PlacedCell, Request, Round,
 };
 use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER};
-use basrelief_signals::{About, Pixels, Signal, Stamp, Widths};
+use basrelief_signals::{Attribution, BitWidth, PixelSet, SignalWidths, Stamp};
 
 /// Cell of the reference buffer (126), on the way there.
 const CELL: u32 = 16 + WRAP_BITS + 3 * 16 + 3 * NUMBER;
@@ -14,122 +14,122 @@ const TILE: u32 = 16 + NUMBER;
 /// Marks that travel side by side.
 const MARKS: u32 = 4;
 
-impl Signal for PlacedCell {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for PlacedCell {
+    fn bits(_: &SignalWidths) -> u32 {
         2 * COORDINATE + CELL
     }
 
-    fn about(&self) -> About {
-        About::Pixels(Pixels::one(self.x, self.y))
+    fn attribution(&self) -> Attribution {
+        Attribution::Pixels(PixelSet::one(self.x, self.y))
     }
 }
 
 /// Cells or control; two bits tell which.
-impl Signal for CellFlow {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for CellFlow {
+    fn bits(widths: &SignalWidths) -> u32 {
         2 + Stamp::<PlacedCell>::bits(widths).max(CONTROL)
     }
 
-    fn about(&self) -> About {
+    fn attribution(&self) -> Attribution {
         match self {
-            Self::Frame(frame) => About::frame(frame),
-            Self::Page(_) => About::Made,
-            Self::Cells(cells) => cells.about(),
-            Self::FrameEnd => About::Whole,
+            Self::Frame(frame) => Attribution::frame(frame),
+            Self::Page(_) => Attribution::Inherited,
+            Self::Cells(cells) => cells.attribution(),
+            Self::FrameEnd => Attribution::Whole,
         }
     }
 }
 
 /// Place, and 4 x 4 cells, each there or not.
-impl Signal for CellBlock {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for CellBlock {
+    fn bits(_: &SignalWidths) -> u32 {
         2 * COORDINATE + 16 * (1 + CELL)
     }
 
-    fn about(&self) -> About {
-        About::Pixels(Pixels::block(self.at, self.mask))
+    fn attribution(&self) -> Attribution {
+        Attribution::Pixels(PixelSet::block(self.at, self.mask))
     }
 }
 
-impl Signal for PassFlow {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for PassFlow {
+    fn bits(widths: &SignalWidths) -> u32 {
         3 + CellBlock::bits(widths).max(CONTROL)
     }
 
-    fn about(&self) -> About {
+    fn attribution(&self) -> Attribution {
         match self {
-            Self::Frame(frame) => About::frame(frame),
-            Self::Page(_) => About::Made,
-            Self::Begin | Self::End => About::Whole,
-            Self::Cells(block) => block.about(),
+            Self::Frame(frame) => Attribution::frame(frame),
+            Self::Page(_) => Attribution::Inherited,
+            Self::Begin | Self::End => Attribution::Whole,
+            Self::Cells(block) => block.attribution(),
         }
     }
 }
 
 /// Tile, pixels that want it, distance.
-impl Signal for Mark {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for Mark {
+    fn bits(_: &SignalWidths) -> u32 {
         TILE + 5 + NUMBER
     }
 }
 
-impl Signal for MarkFlow {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for MarkFlow {
+    fn bits(widths: &SignalWidths) -> u32 {
         2 + MARKS * (1 + Mark::bits(widths))
     }
 
-    /// Marks are about the pixels of the block that wants them.
-    fn about(&self) -> About {
+    /// Marks concern the pixels of the block that requested them.
+    fn attribution(&self) -> Attribution {
         match self {
-            Self::Page(_) | Self::Marks(_) => About::Made,
-            Self::Frame | Self::End => About::Whole,
+            Self::Page(_) | Self::Marks(_) => Attribution::Inherited,
+            Self::Frame | Self::End => Attribution::Whole,
         }
     }
 }
 
 /// The number of a tile: what is announced goes by the same wire.
-impl Signal for Request {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for Request {
+    fn bits(_: &SignalWidths) -> u32 {
         2 + TILE
     }
 }
 
-impl Signal for Order {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for Order {
+    fn bits(_: &SignalWidths) -> u32 {
         2 + TILE
     }
 }
 
-impl Signal for Round {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for Round {
+    fn bits(_: &SignalWidths) -> u32 {
         1
     }
 }
 
 /// Tile; its bytes stand in the receive buffer of the path.
-impl Signal for EncodedTile {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for EncodedTile {
+    fn bits(_: &SignalWidths) -> u32 {
         TILE
     }
 }
 
 /// Tile; its texels stand in the buffer of the expander.
-impl Signal for ExpandedTile {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for ExpandedTile {
+    fn bits(_: &SignalWidths) -> u32 {
         TILE
     }
 }
 
 /// What it is, and its bytes; they themselves stand in the receive buffer of the path.
-impl Signal for Parcel {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for Parcel {
+    fn bits(widths: &SignalWidths) -> u32 {
         2 + NUMBER + EncodedTile::bits(widths).max(CONTROL)
     }
 
-    fn about(&self) -> About {
+    fn attribution(&self) -> Attribution {
         match &self.content {
-            Content::Asked(control) | Content::Mesh(control) => control.about(),
-            Content::Tile(_) => About::Whole,
+            Content::Asked(control) | Content::Mesh(control) => control.attribution(),
+            Content::Tile(_) => Attribution::Whole,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Adder (52).
 
 use crate::dots::needed;
-use crate::{CircuitConfig, Dot, Highlight, Highlights, Selection, Signal};
+use crate::{CircuitConfig, Dot, FigureFlow, Highlight, Highlights, Selection};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_signals::width::NUMBER;
@@ -62,8 +62,8 @@ impl Adder {
 
 impl Unit for Adder {
     basrelief_kernel::role!("adds the specular term");
-    type In = (Option<Signal>, Option<Highlights>);
-    type Out = Option<Signal>;
+    type In = (Option<FigureFlow>, Option<Highlights>);
+    type Out = Option<FigureFlow>;
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -74,22 +74,22 @@ impl Unit for Adder {
     fn step(&mut self, (signal, highlight): Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         let mut cycles = 1;
         let out = match (signal, highlight) {
-            (Some(Signal::Dot(dot)), highlight) => {
+            (Some(FigureFlow::Dot(dot)), highlight) => {
                 cycles = u64::from(self.config.initiation_interval);
                 match highlight {
-                    None => Some(Signal::Dot(dot)),
-                    Some(Highlights::Dot(highlight)) => Some(Signal::Dot(self.sum(dot, highlight, traffic))),
+                    None => Some(FigureFlow::Dot(dot)),
+                    Some(Highlights::Dot(highlight)) => Some(FigureFlow::Dot(self.sum(dot, highlight, traffic))),
                     Some(_) => {
                         traffic.fault("adder (52): circuit (50) has fewer dots than circuit (21)".into());
                         None
                     }
                 }
             }
-            (Some(Signal::Figure(figure)), _) => {
+            (Some(FigureFlow::Figure(figure)), _) => {
                 self.state.joins = figure.registers.selection() == Selection::LinearAndSpecular;
-                Some(Signal::Figure(figure))
+                Some(FigureFlow::Figure(figure))
             }
-            (Some(Signal::End), Some(Highlights::Dot(_))) => {
+            (Some(FigureFlow::End), Some(Highlights::Dot(_))) => {
                 traffic.fault("adder (52): circuit (50) has more dots than circuit (21)".into());
                 None
             }

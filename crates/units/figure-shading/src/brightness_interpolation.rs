@@ -1,7 +1,7 @@
 //! Brightness interpolation circuit (21).
 
 use crate::dots::{Corners, Dots, INTERPOLATION, set_up_cycles, tell_interpolator};
-use crate::{Dot, Figure, InterpolationConfig, Mode, Selection, Signal};
+use crate::{Dot, Figure, FigureFlow, InterpolationConfig, Selection, ShadingMode};
 use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_signals::Fragment;
@@ -49,7 +49,7 @@ pub struct BrightnessInterpolation {
     pub state: BrightnessInterpolationState,
 }
 
-type Out = Step<(Option<Signal>, Option<Signal>)>;
+type Out = Step<(Option<FigureFlow>, Option<FigureFlow>)>;
 
 impl BrightnessInterpolation {
     /// A circuit at power-on.
@@ -79,17 +79,17 @@ impl BrightnessInterpolation {
         let latency = self.latency;
         let state = &mut self.state;
         let Some(figure) = &state.figure else { return Step::after(0, (None, None)) };
-        let to_adder = figure.registers.mode == Mode::Normal;
+        let to_adder = figure.registers.mode == ShadingMode::Normal;
         let (signal, cycles) = match state.dots.next(&figure.polygon) {
             Some(fragment) => {
                 let brightness = state.corners.at(&fragment, |i| figure.brightness.get(i).copied().unwrap_or_default());
                 let Fragment { x, y, z, .. } = fragment;
                 state.counters.drawn += 1;
-                (Signal::Dot(Dot { x, y, z, brightness }), u64::from(self.config.initiation_interval))
+                (FigureFlow::Dot(Dot { x, y, z, brightness }), u64::from(self.config.initiation_interval))
             }
             None => {
                 state.figure = None;
-                (Signal::End, 1)
+                (FigureFlow::End, 1)
             }
         };
         state.counters.started_cycles += cycles;
@@ -100,8 +100,8 @@ impl BrightnessInterpolation {
 
 impl Unit for BrightnessInterpolation {
     basrelief_kernel::role!("interpolates brightness: all terms but the specular");
-    type In = Option<Signal>;
-    type Out = (Option<Signal>, Option<Signal>);
+    type In = Option<FigureFlow>;
+    type Out = (Option<FigureFlow>, Option<FigureFlow>);
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -111,7 +111,7 @@ impl Unit for BrightnessInterpolation {
     #[inline]
     fn step(&mut self, input: Self::In, _: &mut Traffic) -> Out {
         let Some(signal) = input else { return self.draw() };
-        let cycles = if let Signal::Figure(figure) = &signal { self.begin(figure) } else { 1 };
+        let cycles = if let FigureFlow::Figure(figure) = &signal { self.begin(figure) } else { 1 };
         Step::after(0, (Some(signal), None)).busy(cycles)
     }
 

@@ -1,7 +1,7 @@
 //! Parameters of the figure shading device (200).
 
 use basrelief_parameters::{parameter_groups, parameters};
-use basrelief_signals::{Mode, Shading};
+use basrelief_signals::{ShadingMode, ShadingSettings};
 use serde::{Deserialize, Serialize};
 
 /// Where N.L below 0 is cut off.
@@ -41,7 +41,7 @@ parameters! {
     /// What is shaded, and how.
     pub struct ShadingConfig {
         /// Mode register (14): normal, brightness or polyhedron; where a display list or a scene does not say.
-        mode: Mode = Mode::Normal, unit: "", Stated("process 13 writes the mode register (14)");
+        mode: ShadingMode = ShadingMode::Normal, unit: "", Stated("process 13 writes the mode register (14)");
         /// N.L below 0 is cut off: vertex (at the sample points) or none.
         clamp: Clamp = Clamp::Vertex, unit: "", Assumed("a light behind the surface takes no light away; none makes the theorem hold exactly");
         /// Interpolated normals are brought to length 1 before the inner product.
@@ -51,9 +51,9 @@ parameters! {
         /// Flat polygons take the mean in brightness-interpolation mode, too.
         flat_in_brightness_mode: bool = false, unit: "", Derived("in Figure 1 selector (53) lies before (28), which takes (21) in this mode; the text would allow it");
         /// Ambient intensity Ia, where a display list or a scene does not say.
-        ia: f32 = 1.0, unit: "", Assumed("the coefficients carry the scale"), range: 0.0..=Shading::MOST;
+        ia: f32 = 1.0, unit: "", Assumed("the coefficients carry the scale"), range: 0.0..=ShadingSettings::MAX_INTENSITY;
         /// Light intensity Is, where a display list or a scene does not say; multiplies the intensity of every light.
-        is: f32 = 1.0, unit: "", Assumed("the coefficients carry the scale"), range: 0.0..=Shading::MOST;
+        is: f32 = 1.0, unit: "", Assumed("the coefficients carry the scale"), range: 0.0..=ShadingSettings::MAX_INTENSITY;
     }
 }
 

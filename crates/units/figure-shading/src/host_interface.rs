@@ -5,7 +5,7 @@ use crate::{Finished, HostConfig};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_signals::width::NUMBER;
-use basrelief_signals::{Control, Frame, LightKind, Lighting, ObjectInfo, Polygon, Shading};
+use basrelief_signals::{Control, Frame, LightKind, Lighting, ObjectInfo, Polygon, ShadingSettings};
 use serde::{Deserialize, Serialize};
 
 /// What the host interface has counted.
@@ -29,7 +29,7 @@ pub struct HostInterfaceState {
     /// Coefficients and colour sent last.
     pub sent: Option<(Lighting, [f32; 4])>,
     /// Mode, Ia and Is of the frame, and those sent last: an object may have its own.
-    pub shading: [Shading; 2],
+    pub shading: [ShadingSettings; 2],
     /// Polygons that the device holds.
     pub in_flight: u32,
     /// The end of the frame waits until they are finished.

@@ -2,7 +2,7 @@
 
 use crate::{Clamp, power};
 use basrelief_shading::LightVector;
-use basrelief_signals::{Lighting, Mode};
+use basrelief_signals::{Lighting, ShadingMode};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Illumination {
     /// Mode.
-    pub mode: Mode,
+    pub mode: ShadingMode,
     /// Ka, Kd, Ks, n.
     pub lighting: Lighting,
     /// Colour of the surface, without that of its sample points.

@@ -29,7 +29,7 @@
 //! The microcomputer writes the registers, which are a unit of their own ([`RegisterBank`]); what they hold travels in band: a
 //! [`Figure`] token runs from (10) through the registers, which put their values into it, (21), (52) and (53) to (28) ahead of
 //! the polygon's dots, and each of them sets itself by it. Dots then come along the way that the registers select, and an
-//! [end token](Signal::End) behind them; the other ways carry nothing of this polygon. So a selector knows which input to
+//! [end token](FigureFlow::End) behind them; the other ways carry nothing of this polygon. So a selector knows which input to
 //! read, and nobody waits for a circuit that was not started.
 //!
 //! # Polygons that are none
@@ -65,7 +65,7 @@ mod signals;
 mod widths;
 
 pub use adder::{Adder, AdderCounters, AdderState};
-pub use basrelief_signals::Mode;
+pub use basrelief_signals::ShadingMode;
 pub use brightness_interpolation::{BrightnessInterpolation, BrightnessInterpolationCounters, BrightnessInterpolationState};
 pub use config::{
     CircuitConfig, Clamp, FlatnessConfig, HostConfig, InterpolationConfig, NormalInterpolationConfig, PowerMethod,
@@ -82,4 +82,4 @@ pub use register_bank::{RegisterBank, RegisterBankCounters, RegisterBankState};
 pub use registers::{RegisterWrite, Registers, Route, Selection};
 pub use selector_28::{Selector28, Selector28Counters, Selector28State};
 pub use selector_53::{Selector53, Selector53State};
-pub use signals::{Dot, Figure, Finished, Highlight, Highlights, NormalLoad, Order, Signal};
+pub use signals::{Dot, Figure, FigureFlow, Finished, Highlight, Highlights, NormalLoad, Order};

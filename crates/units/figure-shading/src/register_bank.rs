@@ -1,6 +1,6 @@
 //! Registers (14), (16) and (18) as hardware: written by the microcomputer (10), read by what they select.
 
-use crate::{Order, RegisterWrite, Registers, Signal};
+use crate::{FigureFlow, Order, RegisterWrite, Registers};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
@@ -50,7 +50,7 @@ impl RegisterBank {
 impl Unit for RegisterBank {
     basrelief_kernel::role!("mode, flatness and specular register: set by the microcomputer");
     type In = Option<Order>;
-    type Out = Option<Signal>;
+    type Out = Option<FigureFlow>;
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -64,10 +64,10 @@ impl Unit for RegisterBank {
                 self.write(write);
                 None
             }
-            Some(Order::Pass(Signal::Figure(mut figure))) => {
+            Some(Order::Pass(FigureFlow::Figure(mut figure))) => {
                 // The microcomputer keeps the polygon that process 24 draws: then this copies what stands beside its points.
                 Arc::make_mut(&mut figure).registers = self.state.registers;
-                Some(Signal::Figure(figure))
+                Some(FigureFlow::Figure(figure))
             }
             Some(Order::Pass(signal)) => Some(signal),
             None => None,

@@ -1,13 +1,13 @@
 //! Registers (14), (16), (18), and what they select.
 
-use crate::Mode;
+use crate::ShadingMode;
 use serde::{Deserialize, Serialize};
 
 /// The three registers, as they stand while a polygon is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Registers {
     /// Mode register (14), written by process 13.
-    pub mode: Mode,
+    pub mode: ShadingMode,
     /// Flatness register (16), written by process 15: the polygon is flat.
     pub flat: bool,
     /// Specular register (18), written by process 17: specular reflection is not negligible; gate (51) is open.
@@ -18,7 +18,7 @@ pub struct Registers {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RegisterWrite {
     /// Of the mode register (14), by process 13.
-    Mode(Mode),
+    Mode(ShadingMode),
     /// Of the flatness register (16), by process 15.
     Flat(bool),
     /// Of the specular register (18), by process 17.
@@ -49,10 +49,10 @@ impl Registers {
     /// What selectors (53) and (28) and gate (51) come to together.
     pub fn selection(self) -> Selection {
         match self.mode {
-            Mode::Polyhedron => Selection::Mean,
-            Mode::Brightness | Mode::Normal if self.flat => Selection::Mean,
-            Mode::Normal if self.specular => Selection::LinearAndSpecular,
-            Mode::Brightness | Mode::Normal => Selection::Linear,
+            ShadingMode::Polyhedron => Selection::Mean,
+            ShadingMode::Brightness | ShadingMode::Normal if self.flat => Selection::Mean,
+            ShadingMode::Normal if self.specular => Selection::LinearAndSpecular,
+            ShadingMode::Brightness | ShadingMode::Normal => Selection::Linear,
         }
     }
 
@@ -64,7 +64,7 @@ impl Registers {
 
     /// Whether the dots of process 24 go to selector (53); else to (28).
     pub fn mean_goes_to_53(self) -> bool {
-        self.mode == Mode::Normal
+        self.mode == ShadingMode::Normal
     }
 }
 
@@ -93,12 +93,12 @@ impl Route {
     /// The route that the registers select.
     pub fn of(registers: Registers, reused: bool) -> Self {
         match registers.mode {
-            Mode::Polyhedron => Self::Polyhedron,
+            ShadingMode::Polyhedron => Self::Polyhedron,
             _ if reused => Self::Reused,
             _ if registers.flat => Self::Flat,
-            Mode::Brightness => Self::Brightness,
-            Mode::Normal if registers.specular => Self::Normal,
-            Mode::Normal => Self::GateClosed,
+            ShadingMode::Brightness => Self::Brightness,
+            ShadingMode::Normal if registers.specular => Self::Normal,
+            ShadingMode::Normal => Self::GateClosed,
         }
     }
 
@@ -120,7 +120,7 @@ mod tests {
     use super::*;
 
     fn registers() -> impl Iterator<Item = Registers> {
-        let modes = [Mode::Normal, Mode::Brightness, Mode::Polyhedron];
+        let modes = [ShadingMode::Normal, ShadingMode::Brightness, ShadingMode::Polyhedron];
         let flags = [(false, false), (false, true), (true, false), (true, true)];
         modes.into_iter().flat_map(move |mode| flags.map(|(flat, specular)| Registers { mode, flat, specular }))
     }
@@ -130,9 +130,9 @@ mod tests {
         use Selection::{Linear, LinearAndSpecular, Mean};
         // flat, specular: no no, no yes, yes no, yes yes.
         let table = [
-            (Mode::Normal, [Linear, LinearAndSpecular, Mean, Mean]),
-            (Mode::Brightness, [Linear, Linear, Mean, Mean]),
-            (Mode::Polyhedron, [Mean, Mean, Mean, Mean]),
+            (ShadingMode::Normal, [Linear, LinearAndSpecular, Mean, Mean]),
+            (ShadingMode::Brightness, [Linear, Linear, Mean, Mean]),
+            (ShadingMode::Polyhedron, [Mean, Mean, Mean, Mean]),
         ];
         for (r, expected) in registers().zip(table.iter().flat_map(|(_, row)| row)) {
             assert_eq!(r.selection(), *expected, "{r:?}");

@@ -1,7 +1,7 @@
 //! Selector (28), the way out of the device.
 
 use crate::dots::needed;
-use crate::{CircuitConfig, Dot, Figure, Finished, Mode, Route, Selection, Signal};
+use crate::{CircuitConfig, Dot, Figure, FigureFlow, Finished, Route, Selection, ShadingMode};
 use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_shading::saturated;
@@ -59,7 +59,7 @@ impl Selector28 {
         self.state.route = figure.route;
         self.state.counters.polygons[figure.route as usize] += 1;
         self.state.selected = match (figure.registers.mode, figure.registers.selection()) {
-            (Mode::Normal, _) => FROM_53,
+            (ShadingMode::Normal, _) => FROM_53,
             (_, Selection::Mean) => FROM_24,
             _ => FROM_21,
         };
@@ -74,7 +74,7 @@ impl Selector28 {
 
 impl Unit for Selector28 {
     basrelief_kernel::role!("by the mode: (53), (21) or process 24; saturates");
-    type In = (Option<Signal>, Option<Signal>, Option<Signal>);
+    type In = (Option<FigureFlow>, Option<FigureFlow>, Option<FigureFlow>);
     type Out = (Option<Flow<Stamp<Pixel>>>, Option<Finished>);
 
     #[inline]
@@ -86,23 +86,23 @@ impl Unit for Selector28 {
     fn step(&mut self, (from_53, from_21, from_24): Self::In, _: &mut Traffic) -> Step<Self::Out> {
         let mut cycles = 1;
         let out = match from_53.or(from_21).or(from_24) {
-            Some(Signal::Dot(dot)) => {
+            Some(FigureFlow::Dot(dot)) => {
                 cycles = u64::from(self.config.initiation_interval);
                 // One push: collecting an iterator costs half as much again as the rest of the step.
                 let mut stamp = Stamp::new();
                 stamp.push(self.pixel(dot));
                 (Some(Flow::Item(stamp)), None)
             }
-            Some(Signal::Figure(figure)) => {
+            Some(FigureFlow::Figure(figure)) => {
                 self.select(&figure);
                 (None, None)
             }
-            Some(Signal::End) => {
+            Some(FigureFlow::End) => {
                 self.state.selected = FROM_53;
                 (None, Some(Finished))
             }
-            Some(Signal::Frame(frame)) => (Some(Flow::Control(Control::Frame(frame))), None),
-            Some(Signal::FrameEnd) => (Some(Flow::Control(Control::FrameEnd)), None),
+            Some(FigureFlow::Frame(frame)) => (Some(Flow::Control(Control::Frame(frame))), None),
+            Some(FigureFlow::FrameEnd) => (Some(Flow::Control(Control::FrameEnd)), None),
             None => (None, None),
         };
         Step::after(u64::from(self.config.latency), out).busy(cycles)

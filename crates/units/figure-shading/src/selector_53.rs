@@ -1,6 +1,6 @@
 //! Selector (53).
 
-use crate::{CircuitConfig, Selection, Signal};
+use crate::{CircuitConfig, FigureFlow, Selection};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
@@ -31,8 +31,8 @@ impl Selector53 {
 
 impl Unit for Selector53 {
     basrelief_kernel::role!("flat or not: process 24 or the adder");
-    type In = (Option<Signal>, Option<Signal>);
-    type Out = Option<Signal>;
+    type In = (Option<FigureFlow>, Option<FigureFlow>);
+    type Out = Option<FigureFlow>;
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -44,14 +44,14 @@ impl Unit for Selector53 {
         let mut cycles = 1;
         let out = sum.or(mean);
         match &out {
-            Some(Signal::Dot(_)) => cycles = u64::from(self.config.initiation_interval),
-            Some(Signal::Figure(figure)) => {
+            Some(FigureFlow::Dot(_)) => cycles = u64::from(self.config.initiation_interval),
+            Some(FigureFlow::Figure(figure)) => {
                 let registers = figure.registers;
                 self.state.flat = registers.mean_goes_to_53() && registers.selection() == Selection::Mean;
             }
             // Whichever input it came by: what follows comes by way of the adder.
-            Some(Signal::End) => self.state.flat = false,
-            Some(Signal::Frame(_) | Signal::FrameEnd) | None => {}
+            Some(FigureFlow::End) => self.state.flat = false,
+            Some(FigureFlow::Frame(_) | FigureFlow::FrameEnd) | None => {}
         }
         Step::after(u64::from(self.config.latency), out).busy(cycles)
     }

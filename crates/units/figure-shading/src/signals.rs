@@ -43,12 +43,12 @@ pub enum Order {
     /// A register is written.
     Write(RegisterWrite),
     /// Passes; a polygon takes the registers' values with it.
-    Pass(Signal),
+    Pass(FigureFlow),
 }
 
 /// Control, dots and their end, from (10) by way of (21), (52) and (53) to (28).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Signal {
+pub enum FigureFlow {
     /// A frame begins.
     Frame(Arc<Frame>),
     /// The dots that follow, up to the end, are of this polygon.
@@ -109,6 +109,6 @@ mod tests {
 
     #[test]
     fn a_dot_is_a_small_token() {
-        assert_eq!([size_of::<Signal>(), size_of::<Highlights>()], [24, 12]);
+        assert_eq!([size_of::<FigureFlow>(), size_of::<Highlights>()], [24, 12]);
     }
 }

@@ -1,88 +1,88 @@
 //! How wide the device's signals are.
 
-use crate::signals::{Dot, Finished, Highlight, Highlights, NormalLoad, Order, Signal as Dots};
+use crate::signals::{Dot, FigureFlow, Finished, Highlight, Highlights, NormalLoad, Order};
 use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER};
-use basrelief_signals::{About, Pixels, Signal, Widths};
+use basrelief_signals::{Attribution, BitWidth, PixelSet, SignalWidths};
 
 /// Place, depth, three brightnesses.
-impl Signal for Dot {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for Dot {
+    fn bits(widths: &SignalWidths) -> u32 {
         2 * COORDINATE + widths.depth + 3 * NUMBER
     }
 
-    fn about(&self) -> About {
-        About::Pixels(Pixels::one(self.x, self.y))
+    fn attribution(&self) -> Attribution {
+        Attribution::Pixels(PixelSet::one(self.x, self.y))
     }
 }
 
 /// A dot, or control; two bits tell which.
-impl Signal for Dots {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for FigureFlow {
+    fn bits(widths: &SignalWidths) -> u32 {
         2 + Dot::bits(widths).max(CONTROL)
     }
 
-    fn about(&self) -> About {
+    fn attribution(&self) -> Attribution {
         match self {
-            Self::Frame(frame) => About::frame(frame),
-            Self::Figure(figure) => About::polygon(&figure.polygon),
-            Self::Dot(dot) => dot.about(),
-            Self::End => About::Made,
-            Self::FrameEnd => About::Whole,
+            Self::Frame(frame) => Attribution::frame(frame),
+            Self::Figure(figure) => Attribution::polygon(&figure.polygon),
+            Self::Dot(dot) => dot.attribution(),
+            Self::End => Attribution::Inherited,
+            Self::FrameEnd => Attribution::Whole,
         }
     }
 }
 
 /// Control: what is written, or the number of what stands in the registers of circuit (21).
-impl Signal for Order {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for Order {
+    fn bits(_: &SignalWidths) -> u32 {
         1 + CONTROL
     }
 
-    fn about(&self) -> About {
+    fn attribution(&self) -> Attribution {
         match self {
-            Self::Write(_) => About::Made,
-            Self::Pass(signal) => signal.about(),
+            Self::Write(_) => Attribution::Inherited,
+            Self::Pass(signal) => signal.attribution(),
         }
     }
 }
 
 /// Place and one brightness.
-impl Signal for Highlight {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for Highlight {
+    fn bits(_: &SignalWidths) -> u32 {
         2 * COORDINATE + NUMBER
     }
 
-    fn about(&self) -> About {
-        About::Pixels(Pixels::one(self.x, self.y))
+    fn attribution(&self) -> Attribution {
+        Attribution::Pixels(PixelSet::one(self.x, self.y))
     }
 }
 
-impl Signal for Highlights {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for Highlights {
+    fn bits(widths: &SignalWidths) -> u32 {
         2 + Highlight::bits(widths)
     }
 
-    fn about(&self) -> About {
+    fn attribution(&self) -> Attribution {
         match self {
-            Self::Start { .. } | Self::End => About::Made,
-            Self::Dot(dot) => dot.about(),
+            Self::Start { .. } | Self::End => Attribution::Inherited,
+            Self::Dot(dot) => dot.attribution(),
         }
     }
 }
 
 /// The number of what stands in the registers of circuit (50).
-impl Signal for NormalLoad {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for NormalLoad {
+    fn bits(_: &SignalWidths) -> u32 {
         CONTROL
     }
 
-    fn about(&self) -> About {
-        About::polygon(&self.polygon)
+    fn attribution(&self) -> Attribution {
+        Attribution::polygon(&self.polygon)
     }
 }
 
-impl Signal for Finished {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for Finished {
+    fn bits(_: &SignalWidths) -> u32 {
         1
     }
 }

@@ -4,7 +4,7 @@ use crate::config::FrameBufferConfig;
 use crate::state::{FinishedFrame, FrameBufferState};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
-use basrelief_signals::width::{COLOR, COORDINATE, NUMBER, Signal, Widths};
+use basrelief_signals::width::{BitWidth, COLOR, COORDINATE, NUMBER, SignalWidths};
 use basrelief_signals::{
     ColorToken, Control, Flow, Frame, GatheredLines, LINE_NUMBER, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines,
 };
@@ -27,8 +27,8 @@ pub struct FrameDone {
 }
 
 /// Where it lies, its size and its number.
-impl Signal for FrameDone {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for FrameDone {
+    fn bits(_: &SignalWidths) -> u32 {
         2 * NUMBER + 2 * COORDINATE + NUMBER
     }
 }

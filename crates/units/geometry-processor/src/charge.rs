@@ -5,7 +5,7 @@ use crate::work;
 use crate::{GeometryProcessor, PolygonLink};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{HardwareKind, Work};
-use basrelief_signals::{Attributes, Lit, Material, Object, Polygon};
+use basrelief_signals::{LightingStage, Material, Object, Polygon, SentAttributes};
 
 /// What a step keeps the unit for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,7 +24,7 @@ impl Charge {
 }
 
 /// A vertex as it is fetched: three numbers of its position, and these attributes \[bytes\].
-pub(crate) fn vertex_bytes(of: Attributes) -> u64 {
+pub(crate) fn vertex_bytes(of: SentAttributes) -> u64 {
     12 + of.bytes()
 }
 
@@ -46,10 +46,10 @@ impl GeometryProcessor {
 
     /// Attributes that are fetched of an object's vertices: those that its material has and the machine takes, and normals where
     /// it is lit at all. Whether a candidate is a bump target is known too late to spare it a tangent.
-    pub(crate) fn fetched(&self, object: &Object) -> Attributes {
+    pub(crate) fn fetched(&self, object: &Object) -> SentAttributes {
         let may_be_target = object.bump.unwrap_or_else(|| self.is_candidate(object));
         let taken = self.taken.of(&object.material, may_be_target, !object.mesh.colors.is_empty());
-        Attributes { normal: self.taken.lit != Lit::Nowhere, brightness: false, ..taken }
+        SentAttributes { normal: self.taken.lit != LightingStage::Nowhere, brightness: false, ..taken }
     }
 
     /// From the last operands of a polygon to its delivery \[cycles\].
@@ -75,13 +75,13 @@ impl GeometryProcessor {
 
     /// A transformed vertex: clip and window coordinates, and all attributes that the machine may take.
     fn vertex_bits(&self) -> u32 {
-        let is_taken = |lit: [Lit; 2]| lit.contains(&self.taken.lit);
-        let all = Attributes {
-            normal: is_taken([Lit::InMachine, Lit::Targets]),
+        let is_taken = |lit: [LightingStage; 2]| lit.contains(&self.taken.lit);
+        let all = SentAttributes {
+            normal: is_taken([LightingStage::InMachine, LightingStage::Targets]),
             normal_map: self.taken.normal_maps,
             texture: self.taken.textures,
             color: true,
-            brightness: is_taken([Lit::AtVertices, Lit::Targets]),
+            brightness: is_taken([LightingStage::AtVertices, LightingStage::Targets]),
         };
         8 * NUMBER + 8 * all.bytes() as u32
     }

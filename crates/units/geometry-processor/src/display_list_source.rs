@@ -132,11 +132,13 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_signals::{Lit, Polygon, Taken, Vertex};
+    use basrelief_signals::{LightingStage, Polygon, Vertex, VertexAttributes};
     use std::sync::Arc;
 
-    const LINK: PolygonLink =
-        PolygonLink { bytes_per_cycle: 16, taken: Taken { lit: Lit::Nowhere, normal_maps: false, textures: false } };
+    const LINK: PolygonLink = PolygonLink {
+        bytes_per_cycle: 16,
+        taken: VertexAttributes { lit: LightingStage::Nowhere, normal_maps: false, textures: false },
+    };
 
     /// Unblocked delivery cycles of commands without bytes with these recorded ones.
     fn delivered(arrival: Arrival, recorded: &[Option<u64>]) -> Vec<u64> {
@@ -178,7 +180,7 @@ mod tests {
         assert_eq!(at(60, Arrival::Asap, &[None; 3]), [0, 1, 2]);
         assert_eq!(at(16, Arrival::Asap, &[None; 3]), [3, 7, 11]);
         assert_eq!(at(16, Arrival::Recorded, &[Some(5), Some(6), Some(20), None]), [5, 9, 20, 24]);
-        let lit = Taken { lit: Lit::InMachine, ..LINK.taken };
+        let lit = VertexAttributes { lit: LightingStage::InMachine, ..LINK.taken };
         assert_eq!(delivered_over(PolygonLink { taken: lit, ..LINK }, Arrival::Asap, &polygon, &[None; 2]), [5, 11]);
     }
 

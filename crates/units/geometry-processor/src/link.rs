@@ -1,6 +1,6 @@
 //! The link that polygons go by.
 
-use basrelief_signals::{Control, Taken};
+use basrelief_signals::{Control, VertexAttributes};
 
 /// What hands polygons on to a machine: so many bytes per cycle, of what the machine takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -8,7 +8,7 @@ pub struct PolygonLink {
     /// `geometry.link_bytes`.
     pub bytes_per_cycle: u32,
     /// What the machine takes of vertices.
-    pub taken: Taken,
+    pub taken: VertexAttributes,
 }
 
 impl PolygonLink {

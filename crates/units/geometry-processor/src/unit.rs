@@ -12,7 +12,7 @@ use crate::work;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Operators, Step, Traffic, Unit};
 use basrelief_shading::{brightness, doubled_area, light_vectors, polygon_lod};
-use basrelief_signals::{Control, Draw, Frame, Lit, MeshInfo, Object, ObjectInfo, Polygon, Taken, Vertex};
+use basrelief_signals::{Control, Draw, Frame, LightingStage, MeshInfo, Object, ObjectInfo, Polygon, Vertex, VertexAttributes};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ pub struct GeometryProcessor {
     /// Parameters of the bump decision.
     pub bump: BumpConfig,
     /// What the machine takes of vertices.
-    pub taken: Taken,
+    pub taken: VertexAttributes,
     /// How long arithmetic takes.
     pub operators: Operators,
     /// Everything it remembers.
@@ -52,7 +52,7 @@ enum Dropped {
 
 impl GeometryProcessor {
     /// A geometry processor at power-on, in front of a machine that takes so much of vertices.
-    pub fn new(config: GeometryConfig, bump: BumpConfig, taken: Taken, operators: Operators) -> Self {
+    pub fn new(config: GeometryConfig, bump: BumpConfig, taken: VertexAttributes, operators: Operators) -> Self {
         Self { config, bump, taken, operators, state: GeometryProcessorState::default() }
     }
 
@@ -168,7 +168,7 @@ impl GeometryProcessor {
         for vertex in vertices {
             vertex.brightness = brightness(Vec3::from(vertex.normal), lighting, lights);
         }
-        if matches!(self.taken.lit, Lit::AtVertices | Lit::Targets) {
+        if matches!(self.taken.lit, LightingStage::AtVertices | LightingStage::Targets) {
             self.state.counters.vertices_lit += u64::from(unlit);
             charge.add(work::lighting(lighting, lights.len() as u32).times(unlit));
         }

@@ -5,16 +5,16 @@ use crate::clip::{DISTANCES, made_corner};
 use crate::transform::Transform;
 use crate::window::Window;
 use basrelief_kernel::{Operators, Work};
-use basrelief_signals::{Attributes, Lighting, Lit, Taken};
+use basrelief_signals::{Lighting, LightingStage, SentAttributes, VertexAttributes};
 
 /// Transforming a vertex with these attributes.
-pub(crate) fn vertex(of: Attributes) -> Work {
+pub(crate) fn vertex(of: SentAttributes) -> Work {
     let directions = u32::from(of.normal) + u32::from(of.normal_map);
     Transform::POSITION.and(DISTANCES).and(Window::PLACE).and(Transform::DIRECTION.times(directions))
 }
 
 /// Making a vertex with these attributes where an edge is cut.
-pub(crate) fn cut_vertex(of: Attributes) -> Work {
+pub(crate) fn cut_vertex(of: SentAttributes) -> Work {
     let numbers = |there: bool, count: u32| if there { count } else { 0 };
     let all = numbers(of.normal, 3) + numbers(of.normal_map, 3 + 2) + numbers(of.texture, 2) + numbers(of.color, 4);
     made_corner(all, u32::from(of.normal) + u32::from(of.normal_map)).and(Window::PLACE)
@@ -50,16 +50,16 @@ pub(crate) fn object(lights: u32) -> Work {
 
 /// Cycles from the last operands of a polygon to its delivery: position, place, area and LOD, while the normal is transformed
 /// and lit.
-pub(crate) fn latency(operators: &Operators, taken: Taken) -> u64 {
+pub(crate) fn latency(operators: &Operators, taken: VertexAttributes) -> u64 {
     let area = Work { multiply: 1, add: 2, ..Work::NONE };
     let lod = Work { divide: 1, add: 1, ..Work::NONE };
     let outline = Transform::POSITION_CHAIN.and(Window::PLACE_CHAIN).and(area);
     let outline = if taken.normal_maps { outline.and(lod) } else { outline };
     let lighting = Work { multiply: 3, add: 4, power: 1, ..Work::NONE };
     let normal = match taken.lit {
-        Lit::Nowhere => Work::NONE,
-        Lit::InMachine => Transform::DIRECTION_CHAIN,
-        Lit::AtVertices | Lit::Targets => Transform::DIRECTION_CHAIN.and(lighting),
+        LightingStage::Nowhere => Work::NONE,
+        LightingStage::InMachine => Transform::DIRECTION_CHAIN,
+        LightingStage::AtVertices | LightingStage::Targets => Transform::DIRECTION_CHAIN.and(lighting),
     };
     operators.latency(outline).max(operators.latency(normal))
 }

@@ -6,7 +6,8 @@ use basrelief_geometry_processor::{
 };
 use basrelief_kernel::{OperatorConfig, Operators, unit_contract};
 use basrelief_signals::{
-    Camera, Control, Draw, Frame, Light, LightKind, Lit, Material, Mesh, Object, ObjectInfo, Polygon, Scene, Taken, Vertex,
+    Camera, Control, Draw, Frame, Light, LightKind, LightingStage, Material, Mesh, Object, ObjectInfo, Polygon, Scene, Vertex,
+    VertexAttributes,
 };
 use std::sync::Arc;
 
@@ -80,7 +81,7 @@ fn the_strips_have_every_kind_of_triangle() {
 }
 
 /// What the bump-mapping processor takes.
-const TAKEN: Taken = Taken { lit: Lit::Targets, normal_maps: true, textures: true };
+const TAKEN: VertexAttributes = VertexAttributes { lit: LightingStage::Targets, normal_maps: true, textures: true };
 
 fn unit() -> GeometryProcessor {
     let config = GeometryConfig { vertex_cache: 4, two_sided_lighting: true, ..GeometryConfig::default() };

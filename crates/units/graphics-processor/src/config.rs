@@ -2,7 +2,7 @@
 
 use basrelief_kernel::Work;
 use basrelief_parameters::parameters;
-use basrelief_signals::Filter;
+use basrelief_signals::TexelFilter;
 use serde::{Deserialize, Serialize};
 
 /// When a list is drawn (S24 of Figure 4).
@@ -46,7 +46,7 @@ parameters! {
         /// When a list is drawn: streamed or after_list.
         draw: DrawOrder = DrawOrder::Streamed, unit: "", Assumed("the flow chart draws after all bump targets (S24); streaming gives the same picture without holding results");
         /// Filter within a level of the colour texture: nearest or bilinear.
-        filter: Filter = Filter::Bilinear, unit: "", Assumed("ordinary texture mapping; four taps");
+        filter: TexelFilter = TexelFilter::Bilinear, unit: "", Assumed("ordinary texture mapping; four taps");
         /// MIP level of the colour texture: nearest or off.
         mip: Mip = Mip::Nearest, unit: "", Assumed("one level, chosen once per polygon");
         /// A texel of a colour texture.

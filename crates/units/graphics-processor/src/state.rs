@@ -1,7 +1,7 @@
 //! State of the graphics processor (104).
 
 use basrelief_shading::LevelPlace;
-use basrelief_signals::{Control, Fragment, Polygon, Shaded, Stamp};
+use basrelief_signals::{Control, Fragment, Polygon, ShadedFragment, Stamp};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub enum Held {
     /// Control; costs no room, as the display list is kept by the host.
     Control(Control),
     /// Fragments of a bump target, with their brightness: an entry each.
-    Bump(Stamp<Shaded>),
+    Bump(Stamp<ShadedFragment>),
     /// Fragments of another polygon; cost no room, as they are found in the display list when that is drawn.
     Plain(Stamp<Fragment>),
 }

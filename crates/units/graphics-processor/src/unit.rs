@@ -7,7 +7,7 @@ use crate::work::Timing;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_shading::{Gradient, Layout, fan_triangle, interpolate, polygon_lod, select_levels, taps};
-use basrelief_signals::{Control, Filter, Flow, Fragment, Pixel, Polygon, Shaded, Stamp, Texture, layout};
+use basrelief_signals::{Control, Flow, Fragment, Pixel, Polygon, ShadedFragment, Stamp, TexelFilter, Texture, layout};
 use std::sync::Arc;
 
 /// Client of the colour-texture cache.
@@ -246,7 +246,7 @@ fn twins(a: &Control, b: &Control) -> bool {
 
 impl Unit for GraphicsProcessor {
     basrelief_kernel::role!("texture RGB times brightness");
-    type In = (Option<Flow<Stamp<Shaded>>>, Option<Flow<Stamp<Fragment>>>);
+    type In = (Option<Flow<Stamp<ShadedFragment>>>, Option<Flow<Stamp<Fragment>>>);
     type Out = Option<Flow<Stamp<Pixel>>>;
 
     #[inline]
@@ -280,7 +280,7 @@ impl Unit for GraphicsProcessor {
 
     /// Taps of a filtered sample, each on as many lines of the cache as a texel can lie on; lines of entries.
     fn largest_step(&self, client: usize) -> u32 {
-        let taps = if self.config.filter == Filter::Nearest { 1 } else { 4 };
+        let taps = if self.config.filter == TexelFilter::Nearest { 1 } else { 4 };
         let (bytes, line) = (self.config.texel_bytes, self.line_bytes.max(1));
         let lines = if bytes.is_power_of_two() { bytes.div_ceil(line) } else { 2 + bytes / line };
         match client {

@@ -2,7 +2,7 @@
 
 use crate::GraphicsConfig;
 use basrelief_kernel::{Operators, Work};
-use basrelief_signals::{Filter, Polygon};
+use basrelief_signals::{Polygon, TexelFilter};
 
 /// Attributes of a fragment from two weights: two products and two sums for each number.
 const fn interpolated(numbers: u32) -> Work {
@@ -24,14 +24,14 @@ const FILTERED: Work = Work { multiply: 1 + 12, add: 2 + 3 + 9, ..Work::NONE };
 const CHAIN: Work = Work { multiply: 1 + 1 + 1 + 1 + 4, add: 2 + 1 + 1 + 2 + 2, ..Work::NONE };
 
 /// A pixel of this polygon.
-fn pixel(polygon: &Polygon, filter: Filter) -> Work {
+fn pixel(polygon: &Polygon, filter: TexelFilter) -> Work {
     let of = |there: bool, work: Work| if there { work } else { Work::NONE };
     let is_textured = polygon.material.color_texture.is_some();
     BLENDED
         .and(of(polygon.vertices.iter().any(|v| v.color != [1.0; 4]), COLOURED))
         .and(of(!polygon.bump, LIT))
         .and(of(is_textured, TEXTURED))
-        .and(of(is_textured && filter == Filter::Bilinear, FILTERED))
+        .and(of(is_textured && filter == TexelFilter::Bilinear, FILTERED))
 }
 
 /// When, as far as parameters say it: they do not change during a run.

@@ -3,7 +3,8 @@
 use basrelief_graphics_processor::{DepthConfig, DepthTest, DrawOrder, GraphicsConfig, GraphicsProcessor};
 use basrelief_kernel::{Operators, unit_contract};
 use basrelief_signals::{
-    Camera, Control, Flow, Fragment, Frame, Image, Material, ObjectInfo, Pixel, Polygon, Sampler, Shaded, Stamp, Texture, Vertex,
+    Camera, Control, Flow, Fragment, Frame, Image, Material, ObjectInfo, Pixel, Polygon, Sampler, ShadedFragment, Stamp, Texture,
+    Vertex,
 };
 use std::sync::Arc;
 
@@ -47,17 +48,18 @@ fn fragment(i: u16) -> Fragment {
     Fragment { x: 7 * i % 32, y: 5 * i % 16, z: u32::from(i * 37 % 101), weights, triangle: i % 2 }
 }
 
-fn shaded(i: u16) -> Flow<Stamp<Shaded>> {
-    let one = |i: u16| Shaded { fragment: fragment(i), brightness: f32::from(i % 9) / 7.0, highlight: f32::from(i % 4) / 9.0 };
+fn shaded(i: u16) -> Flow<Stamp<ShadedFragment>> {
+    let one =
+        |i: u16| ShadedFragment { fragment: fragment(i), brightness: f32::from(i % 9) / 7.0, highlight: f32::from(i % 4) / 9.0 };
     // Of one triangle.
     Flow::Item((0..=i % 3).map(|k| one(i + 2 * k)).collect())
 }
 
-type Shading = Vec<Flow<Stamp<Shaded>>>;
+type ShadingSettings = Vec<Flow<Stamp<ShadedFragment>>>;
 type Plain = Vec<Flow<Stamp<Fragment>>>;
 
 /// Two frames of bump targets and other polygons, textured and not, some without fragments, on the two ways.
-fn both_ways() -> (Shading, Plain) {
+fn both_ways() -> (ShadingSettings, Plain) {
     let textured = Material { id: 1, color_texture: Some(texture()), ..Material::default() };
     let bare = Material { base_color: [0.9, 0.4, 0.1, 1.0], ..Material::default() };
     let object = ObjectInfo {
@@ -71,7 +73,7 @@ fn both_ways() -> (Shading, Plain) {
     };
     let (mut bump_way, mut plain_way) = (Vec::new(), Vec::new());
     let mut after_plain = false;
-    let mut control = |c: Control, plain: bool, ways: (&mut Shading, &mut Plain)| {
+    let mut control = |c: Control, plain: bool, ways: (&mut ShadingSettings, &mut Plain)| {
         if plain || after_plain {
             ways.1.push(Flow::Control(c.clone()));
         }

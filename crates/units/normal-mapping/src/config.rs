@@ -2,7 +2,7 @@
 
 use basrelief_kernel::Work;
 use basrelief_parameters::parameters;
-use basrelief_signals::Filter;
+use basrelief_signals::TexelFilter;
 use serde::{Deserialize, Serialize};
 
 /// Where the four texels of a bilinear footprint are brought together.
@@ -20,7 +20,7 @@ parameters! {
     /// Normal-vector mapping unit (108).
     pub struct NormalMappingConfig {
         /// Filter within a MIP level: nearest or bilinear.
-        filter: Filter = Filter::Bilinear, unit: "", Stated("trilinear filtering: linear within a level in both directions and between levels");
+        filter: TexelFilter = TexelFilter::Bilinear, unit: "", Stated("trilinear filtering: linear within a level in both directions and between levels");
         /// What is filtered: the normal before the search, or the brightness after four searches (at most two levels).
         filter_at: FilterAt = FilterAt::Normal, unit: "", Assumed("a quarter of the searches");
         /// Width of each component of a pseudo-normal.
@@ -45,8 +45,8 @@ impl NormalMappingConfig {
     /// Texels of one sample of a level.
     pub fn taps(&self) -> u32 {
         match self.filter {
-            Filter::Nearest => 1,
-            Filter::Bilinear => 4,
+            TexelFilter::Nearest => 1,
+            TexelFilter::Bilinear => 4,
         }
     }
 

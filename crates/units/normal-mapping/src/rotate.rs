@@ -1,6 +1,6 @@
 //! From tangent space to the world: `N' = T x + B y + N z`, `B = w (N x T)`.
 
-use basrelief_signals::Normals;
+use basrelief_signals::StampNormals;
 use std::ops::{Add, Mul, Sub};
 use wide::f32x4;
 
@@ -55,7 +55,7 @@ impl FixedPoint {
     /// N' of each lane, so that its largest component is +-32767; the zero vector and what has no direction (infinite, not a
     /// number) become zero.
     #[inline(always)]
-    pub(crate) fn quantize(self, v: [f32x4; 3]) -> Normals {
+    pub(crate) fn quantize(self, v: [f32x4; 3]) -> StampNormals {
         let [x, y, z] = v;
         // Which of the two a NaN wins differs between processors, but the sum finds those.
         let largest = x.abs().fast_max(y.abs()).fast_max(z.abs());
@@ -64,7 +64,7 @@ impl FixedPoint {
         let sound =
             (x + y + z).abs().simd_le(largest * 3.0) & largest.simd_ge(f32x4::splat(1e-30)) & largest.simd_le(f32x4::splat(1e30));
         let scale = f32x4::splat(self.steps) / largest;
-        Normals(v.map(|c| {
+        StampNormals(v.map(|c| {
             let coarse = sound.select(c * scale, f32x4::ZERO);
             let fine = if self.widen == 1.0 { coarse } else { ((coarse + ROUND) - ROUND) * self.widen };
             (fine + ROUND).to_bits().to_array().map(|bits| bits as i16)
@@ -79,7 +79,7 @@ const ROUND: f32 = 12_582_912.0;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use basrelief_signals::Lanes;
+    use basrelief_signals::StampLanes;
     use proptest::prelude::*;
 
     /// The quantized vector, beside lanes of other vectors.

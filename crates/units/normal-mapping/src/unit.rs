@@ -10,7 +10,8 @@ use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_shading::{Footprints, LEVELS, Layout, decode_normal, footprints, select_levels, weights, wrapped};
 use basrelief_signals::{
-    Control, Flow, Fragment, Image, Lanes, MAX_SAMPLES, MAX_STAMP, Normals, Polygon, PseudoNormals, Sample, Samples, Stamp,
+    Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Stamp, StampLanes, StampNormals, StampSample,
+    StampSamples,
 };
 use std::sync::Arc;
 use wide::{f32x4, i32x4, u32x4};
@@ -72,7 +73,7 @@ impl NormalMapping {
         if self.sample(stamp, samples, traffic).is_none() {
             // No polygon was announced, or it has no such triangle or level: a normal without direction.
             samples.clear();
-            samples.push(Sample::all(0, 1.0, [0; 3]));
+            samples.push(StampSample::all(0, 1.0, [0; 3]));
         }
         let counters = &mut self.state.counters;
         counters.fragments += stamp.len() as u64;
@@ -84,7 +85,7 @@ impl NormalMapping {
 
     /// Samples the fragments of a stamp side by side; `None` where there is nothing to sample.
     #[inline(always)]
-    fn sample(&mut self, stamp: &Stamp<Fragment>, out: &mut Samples<Normals>, traffic: &mut Traffic) -> Option<()> {
+    fn sample(&mut self, stamp: &Stamp<Fragment>, out: &mut StampSamples<StampNormals>, traffic: &mut Traffic) -> Option<()> {
         let NormalMappingState { polygon, levels, places, setup, counters } = &mut self.state;
         let polygon = polygon.as_deref()?;
         let triangle = stamp.first()?.triangle;
@@ -97,7 +98,7 @@ impl NormalMapping {
         let selected = (0..usize::from(levels.count)).map(|i| (levels.level[i], levels.weight[i], places[i]));
         let Some(map) = polygon.material.normal_map.as_deref() else {
             let value = self.fixed_point.quantize([nx, ny, nz]);
-            out.extend(selected.map(|(level, weight, _)| Sample { level, weight: [weight; MAX_STAMP], value }));
+            out.extend(selected.map(|(level, weight, _)| StampSample { level, weight: [weight; MAX_STAMP], value }));
             return Some(());
         };
         let frame = TangentFrame::new([nx, ny, nz], [tx, ty, tz], f32x4::splat(setup.handedness));
@@ -115,12 +116,12 @@ impl NormalMapping {
             match self.config.filter_at {
                 FilterAt::Normal => {
                     let value = value(filtered(image, &footprints));
-                    out.push(Sample { level, weight: [weight; MAX_STAMP], value });
+                    out.push(StampSample { level, weight: [weight; MAX_STAMP], value });
                 }
                 FilterAt::Brightness => {
                     let taps =
                         footprints.weights().into_iter().zip(footprints.numbers(image.width)).take(footprints.count.into());
-                    out.extend(taps.map(|(share, numbers)| Sample {
+                    out.extend(taps.map(|(share, numbers)| StampSample {
                         level,
                         weight: (share * weight).to_array(),
                         value: value(stored(image, numbers)),
@@ -172,7 +173,7 @@ impl Unit for NormalMapping {
         match input {
             Some(Flow::Item(stamp)) => {
                 let fragments = stamp.len();
-                let mut out = PseudoNormals { stamp, samples: Samples::new() };
+                let mut out = PseudoNormals { stamp, samples: StampSamples::new() };
                 self.map(&mut out, traffic);
                 let is_mapped = self.state.polygon.as_ref().is_some_and(|polygon| polygon.material.normal_map.is_some());
                 let pace = self.timing.pace(is_mapped, out.samples.len());

@@ -2,7 +2,7 @@
 
 use crate::NormalMappingConfig;
 use basrelief_kernel::{Operators, Work};
-use basrelief_signals::{Filter, MAX_SAMPLES};
+use basrelief_signals::{MAX_SAMPLES, TexelFilter};
 
 /// Attributes of a fragment from two weights: two products and two sums for each number.
 const fn interpolated(numbers: u32) -> Work {
@@ -31,7 +31,7 @@ const SCALED: Work = Work { multiply: 3, add: 2, divide: 1, ..Work::NONE };
 fn mapped(config: &NormalMappingConfig, samples: u32) -> Work {
     let of_a_footprint = config.samples(1);
     let footprints = samples.div_ceil(of_a_footprint);
-    let is_filtered = config.filter == Filter::Bilinear && of_a_footprint == 1;
+    let is_filtered = config.filter == TexelFilter::Bilinear && of_a_footprint == 1;
     let footprint = if is_filtered { FOOTPRINT.and(FILTERED) } else { FOOTPRINT };
     FRAME.and(footprint.times(footprints)).and(ROTATED.and(SCALED).times(samples))
 }

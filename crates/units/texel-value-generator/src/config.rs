@@ -1,7 +1,7 @@
 //! Parameters of the texture mapping system (300).
 
 use basrelief_parameters::parameters;
-use basrelief_signals::Filter;
+use basrelief_signals::TexelFilter;
 use serde::{Deserialize, Serialize};
 
 /// Declares a choice of behaviour: a fieldless enum, in snake case in files, its first variant the default.
@@ -211,7 +211,7 @@ parameters! {
     /// Texture look-up table (330).
     pub struct LookUpConfig {
         /// Filter within a level: nearest or bilinear.
-        filter: Filter = Filter::Bilinear, unit: "", Assumed("the patent leaves it open");
+        filter: TexelFilter = TexelFilter::Bilinear, unit: "", Assumed("the patent leaves it open");
         /// A texel.
         texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each"), range: 1..=16;
         /// Samples filtered per cycle, each of one level: the two of a trilinear pixel take two cycles with 1. A pixel takes at least a cycle, and what its ports need (`cache.texture.lookups_per_cycle`).

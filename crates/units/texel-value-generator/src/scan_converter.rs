@@ -198,7 +198,7 @@ fn snapped(polygon: &Arc<Polygon>, shift: f32) -> Arc<Polygon> {
 /// U, V, W at the vertices of a triangle. Whole tiles that its polygon has in common are taken off u and v, an even number of
 /// them, so that a mirrored texture stays as it is; a texture that is clamped keeps them.
 fn corners(polygon: &Polygon, triangle: u16) -> [Uvw; 3] {
-    use basrelief_signals::Wrap::Clamp;
+    use basrelief_signals::WrapMode::Clamp;
     let Some(vertices) = fan_triangle(polygon, triangle) else { return [[0.0, 0.0, 1.0]; 3] };
     let wrap = polygon.material.color_texture.as_ref().map_or([Clamp; 2], |texture| texture.sampler.wrap);
     let coordinate = |v: &Vertex, i: usize| f64::from(v.uv[i]);

@@ -6,7 +6,7 @@ use crate::twins::{Pair, pair};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_shading::{Layout, LevelPlace, Taps, taps};
-use basrelief_signals::{Control, Filter, Flow, Image, PACKET_PIXELS, Texture};
+use basrelief_signals::{Control, Flow, Image, PACKET_PIXELS, TexelFilter, Texture};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -123,7 +123,7 @@ impl TextureLookUpTable {
     /// A weighted mean of two is a difference, a product and a sum; a bilinear sample is three for each component, and two levels
     /// are one more.
     fn tell_hardware(&self, facts: &mut Facts) {
-        let means = if self.config.filter == Filter::Nearest { 0 } else { 3 * self.config.samples_per_cycle };
+        let means = if self.config.filter == TexelFilter::Nearest { 0 } else { 3 * self.config.samples_per_cycle };
         let levels = u32::from(self.trilinear);
         facts.hardware(HardwareKind::Multiplier, "u, v to texels", 2 * self.config.samples_per_cycle, ADDRESS_BITS);
         facts.hardware(HardwareKind::Multiplier, "filters", means * COMPONENTS, COMPONENT_BITS);
@@ -218,7 +218,7 @@ impl Unit for TextureLookUpTable {
 
     /// Taps of the pixels of a packet, each on two lines of the cache where texels can straddle them.
     fn largest_step(&self, client: usize) -> u32 {
-        let taps = if self.config.filter == Filter::Nearest { 1 } else { 4 };
+        let taps = if self.config.filter == TexelFilter::Nearest { 1 } else { 4 };
         let levels = if self.trilinear { 2 } else { 1 };
         let bytes = self.config.texel_bytes;
         let lines =

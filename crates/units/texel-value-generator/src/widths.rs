@@ -4,7 +4,7 @@ use crate::signals::{
     Coordinates, GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Point, Segment, Span, TexelPacket, TexturePacket,
 };
 use basrelief_signals::width::{COORDINATE, NUMBER};
-use basrelief_signals::{About, PACKET_PIXELS, Packet, Pixels, Signal, Widths};
+use basrelief_signals::{Attribution, BitWidth, PACKET_PIXELS, Packet, PixelSet, SignalWidths};
 
 /// Pixels of a packet.
 const PIXELS: u32 = PACKET_PIXELS as u32;
@@ -14,114 +14,114 @@ const COMPONENT: u32 = 16;
 const EXPONENT: u32 = 8;
 
 /// U, V, W, as many significant bits as their quotients have.
-impl Signal for Point {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for Point {
+    fn bits(widths: &SignalWidths) -> u32 {
         3 * (widths.texture + EXPONENT)
     }
 }
 
 /// u and v.
-impl Signal for Coordinates {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for Coordinates {
+    fn bits(widths: &SignalWidths) -> u32 {
         2 * widths.texture
     }
 }
 
 /// Row, first column, pixels, triangle and two flags; two scales; U, V, W at both ends and per pixel; depth and its change; two
 /// weights at both ends.
-impl Signal for Span {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for Span {
+    fn bits(widths: &SignalWidths) -> u32 {
         4 * COORDINATE + 2 + 2 * EXPONENT + 3 * Point::bits(widths) + 2 * widths.depth + 4 * NUMBER
     }
 
-    fn about(&self) -> About {
+    fn attribution(&self) -> Attribution {
         row([self.x, self.y], self.count, self.backwards)
     }
 }
 
 /// Row, first column, pixels, triangle and a flag; two weights at both ends.
-impl Signal for LitSpan {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for LitSpan {
+    fn bits(_: &SignalWidths) -> u32 {
         4 * COORDINATE + 1 + 4 * NUMBER
     }
 
-    fn about(&self) -> About {
+    fn attribution(&self) -> Attribution {
         row([self.x, self.y], self.count, self.backwards)
     }
 }
 
 /// Its span, both division points, pixels, two flags.
-impl Signal for Segment {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for Segment {
+    fn bits(widths: &SignalWidths) -> u32 {
         Span::bits(widths) + 3 * COORDINATE + 2
     }
 
-    fn about(&self) -> About {
+    fn attribution(&self) -> Attribution {
         row([self.span.column(self.from), self.span.y], self.walk, self.span.backwards)
     }
 }
 
 /// Place, division points, and u, v and depth by pixel.
-impl Signal for TexelPacket {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for TexelPacket {
+    fn bits(widths: &SignalWidths) -> u32 {
         Packet::bits(widths) + PIXELS * (1 + 2 * widths.texture + widths.depth)
     }
 
-    fn about(&self) -> About {
-        self.packet.about()
+    fn attribution(&self) -> Attribution {
+        self.packet.attribution()
     }
 }
 
 /// Place, and du and dv by pixel.
-impl Signal for GradientPacket {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for GradientPacket {
+    fn bits(widths: &SignalWidths) -> u32 {
         Packet::bits(widths) + PIXELS * 2 * widths.texture
     }
 
-    fn about(&self) -> About {
-        self.packet.about()
+    fn attribution(&self) -> Attribution {
+        self.packet.attribution()
     }
 }
 
 /// Level by pixel: 4 bits, and 8 of a fraction.
-impl Signal for LevelPacket {
-    fn bits(_: &Widths) -> u32 {
+impl BitWidth for LevelPacket {
+    fn bits(_: &SignalWidths) -> u32 {
         PIXELS * 12
     }
 
     /// The nearest whole levels.
-    fn about(&self) -> About {
+    fn attribution(&self) -> Attribution {
         let bits = |level: f32| u64::from((level + 0.5).clamp(0.0, 15.0) as u8);
-        About::Levels((0..).zip(self.level).map(|(i, level)| bits(level) << (4 * i)).sum())
+        Attribution::Levels((0..).zip(self.level).map(|(i, level)| bits(level) << (4 * i)).sum())
     }
 }
 
 /// Place, division points, and RGBA by pixel.
-impl Signal for TexturePacket {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for TexturePacket {
+    fn bits(widths: &SignalWidths) -> u32 {
         Packet::bits(widths) + PIXELS * (1 + 4 * COMPONENT)
     }
 
-    fn about(&self) -> About {
-        self.packet.about()
+    fn attribution(&self) -> Attribution {
+        self.packet.attribution()
     }
 }
 
 /// Place, and RGBA by pixel.
-impl Signal for IlluminancePacket {
-    fn bits(widths: &Widths) -> u32 {
+impl BitWidth for IlluminancePacket {
+    fn bits(widths: &SignalWidths) -> u32 {
         Packet::bits(widths) + PIXELS * 4 * COMPONENT
     }
 
-    fn about(&self) -> About {
-        self.packet.about()
+    fn attribution(&self) -> Attribution {
+        self.packet.attribution()
     }
 }
 
 /// So many pixels from this column on, or up to it.
-fn row([x, y]: [u16; 2], count: u16, backwards: bool) -> About {
+fn row([x, y]: [u16; 2], count: u16, backwards: bool) -> Attribution {
     let first = if backwards { x.saturating_sub(count.saturating_sub(1)) } else { x };
-    About::Pixels(Pixels::row([first, y], count))
+    Attribution::Pixels(PixelSet::row([first, y], count))
 }
 
 #[cfg(test)]
@@ -131,8 +131,8 @@ mod tests {
 
     #[test]
     fn the_width_of_u_and_v_is_that_of_every_signal_that_carries_them() {
-        let [narrow, wide] = [20, 32].map(|texture| Widths { texture, ..Widths::default() });
-        let wider = |bits: fn(&Widths) -> u32| bits(&wide) - bits(&narrow);
+        let [narrow, wide] = [20, 32].map(|texture| SignalWidths { texture, ..SignalWidths::default() });
+        let wider = |bits: fn(&SignalWidths) -> u32| bits(&wide) - bits(&narrow);
         assert_eq!(wider(Quotients::bits), 2 * 2 * 12, "two points");
         assert_eq!(wider(Points::bits), 2 * 3 * 12);
         assert_eq!(wider(Span::bits), 3 * 3 * 12);

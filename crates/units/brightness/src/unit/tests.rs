@@ -64,10 +64,10 @@ fn book(lists: &[&[[i16; 3]]]) -> Control {
     Control::CodeBook(Arc::new(lists.iter().map(|l| l.to_vec()).collect()))
 }
 
-fn indexes(samples: &[(u8, u16, f32)]) -> Indexes {
-    Indexes {
+fn indexes(samples: &[(u8, u16, f32)]) -> NormalIndexes {
+    NormalIndexes {
         stamp: Stamp::from_iter([Fragment::default()]),
-        samples: samples.iter().map(|&(level, index, weight)| Sample::all(level, weight, index)).collect(),
+        samples: samples.iter().map(|&(level, index, weight)| StampSample::all(level, weight, index)).collect(),
     }
 }
 
@@ -81,7 +81,7 @@ fn tell(unit: &mut BrightnessFetch, controls: &[Control]) {
 }
 
 /// Feeds one fragment and steps until it leaves.
-fn fetch(unit: &mut BrightnessFetch, samples: &[(u8, u16, f32)]) -> (Shaded, Vec<Request>, Out) {
+fn fetch(unit: &mut BrightnessFetch, samples: &[(u8, u16, f32)]) -> (ShadedFragment, Vec<Request>, Out) {
     let mut requests = Vec::new();
     let mut input = Some(Flow::Item(indexes(samples)));
     loop {

@@ -8,7 +8,7 @@ use basrelief_deferred_renderer::tokens::{
 };
 use basrelief_deferred_renderer::{
     Cell, CellConfig, CellFormat, Cells, Cut, EngineConfig, Expander, Identification, Leaving, Lighting, Path, PathConfig,
-    Rasterization, ReferenceBuffer, RenderMode, Sizes, TileConfig, TileLists, TileOrder, WrapMode,
+    Rasterization, ReferenceBuffer, RenderMode, Sizes, TileConfig, TileLists, TileOrder, WrapOverride,
 };
 use basrelief_kernel::{Demand, Operators, Traffic, Unit, unit_contract};
 use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, Material, Polygon, Stamp, Vertex};
@@ -100,7 +100,7 @@ fn engine() -> EngineConfig {
 
 fn cells() -> Cells {
     let cut = Cut { tile: [8, 8], ..Cut::default() };
-    Cells::new((engine(), Operators::default()), &CellConfig::default(), (Lighting::None, WrapMode::Sampler), cut)
+    Cells::new((engine(), Operators::default()), &CellConfig::default(), (Lighting::None, WrapOverride::Sampler), cut)
 }
 
 fn reference_buffer(mode: RenderMode) -> ReferenceBuffer {

@@ -7,12 +7,12 @@ use basrelief_deferred_renderer::colour::progressive;
 use basrelief_deferred_renderer::tokens::{CellBlock, CellFlow, Order, Parcel, PassFlow};
 use basrelief_deferred_renderer::{
     Cell, CellConfig, Cells, Conventional, Cut, EngineConfig, Leaving, Lighting, PageTexels, PathConfig, Rasterization,
-    RenderMode, ServedTexture, Server, Sizes, TextureMemory, TileEncoding, WrapMode,
+    RenderMode, ServedTexture, Server, Sizes, TextureMemory, TileEncoding, WrapOverride,
 };
 use basrelief_kernel::{Operators, Traffic, Unit};
 use basrelief_signals::{
     Camera, Control, Flow, Fragment, Frame, Light, LightKind, Material, MeshInfo, ObjectInfo, Polygon, Sampler, Stamp, Texture,
-    Vertex, Wrap,
+    Vertex, WrapMode,
 };
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ fn triangle(material: Material, normal: [f32; 3], bump: bool) -> Control {
 
 fn cells(lighting: Lighting) -> Cells {
     let engine = (EngineConfig::default(), Operators::default());
-    Cells::new(engine, &CellConfig::default(), (lighting, WrapMode::Sampler), Cut::default())
+    Cells::new(engine, &CellConfig::default(), (lighting, WrapOverride::Sampler), Cut::default())
 }
 
 /// The cell that a pixel of these commands' last polygon gets, and the pages that were set up.
@@ -85,14 +85,14 @@ fn a_bump_target_is_lit_at_its_vertices_by_the_formula() {
 #[test]
 fn one_picture_under_several_samplers_is_one_page() {
     let one = texture([100, 40]);
-    let sampler = Sampler { wrap: [Wrap::Clamp, Wrap::Mirror], ..Sampler::default() };
+    let sampler = Sampler { wrap: [WrapMode::Clamp, WrapMode::Mirror], ..Sampler::default() };
     let other = Arc::new(Texture { id: 8, sampler, ..Texture::clone(&one) });
     let of = |t: &Arc<Texture>| Material { color_texture: Some(Arc::clone(t)), ..Material::default() };
     let controls = [frame(0), triangle(of(&one), [0.0; 3], false), triangle(of(&other), [0.0; 3], false)];
     let mut unit = cells(Lighting::None);
     let (cell, pages) = cell(&mut unit, &controls);
     assert_eq!((pages, unit.state.pictures.len()), (1, 1));
-    assert_eq!((cell.page(), cell.wrap), (Some(0), [Wrap::Clamp, Wrap::Mirror]), "a sampler is the cell's");
+    assert_eq!((cell.page(), cell.wrap), (Some(0), [WrapMode::Clamp, WrapMode::Mirror]), "a sampler is the cell's");
 
     let (bytes, conventional) = sent(PathConfig { number_bytes: 0, ..PathConfig::default() }, Lighting::None, &controls);
     assert_eq!(bytes.iter().sum::<u64>(), 8, "its size travels once");

@@ -2,7 +2,7 @@
 
 use crate::{SIZES, page, page_of, texture};
 use basrelief_deferred_renderer::{Cut, Page, ServedTexture};
-use basrelief_signals::Wrap;
+use basrelief_signals::WrapMode;
 use std::collections::BTreeSet;
 
 /// Sizes of layers from coarsest to finest, by halving until one fits into a tile.
@@ -90,7 +90,7 @@ fn depth_of_layers_0033_a_cap_on_dmax_leaves_out_the_finest_layers_and_changes_n
                 assert_eq!(served.tile(&all, tile), served.tile(&capped, tile), "{size:?}, cap {cap}, tile {tile}");
             }
             for u in [-1.3, 0.0, 0.372, 0.999, 1.0, 2.45] {
-                let placed = |page: &Page| page.placed(page.size().map(|n| u * n), [Wrap::Repeat; 2]);
+                let placed = |page: &Page| page.placed(page.size().map(|n| u * n), [WrapMode::Repeat; 2]);
                 let of_all = all.taps(depth, placed(&all));
                 assert_eq!(of_all, capped.taps(depth, placed(&capped)), "{size:?}, layer {depth}, {u}");
             }

@@ -2,23 +2,23 @@
 
 use crate::{page, page_of};
 use basrelief_deferred_renderer::{Cut, TexelCentre, TileList, TileState};
-use basrelief_signals::Wrap;
+use basrelief_signals::WrapMode;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
 /// Texel of a filter that stands outside, mapped back.
-fn inside(index: i64, size: i64, wrap: Wrap) -> i64 {
-    if wrap == Wrap::Repeat { index.rem_euclid(size) } else { index.clamp(0, size - 1) }
+fn inside(index: i64, size: i64, wrap: WrapMode) -> i64 {
+    if wrap == WrapMode::Repeat { index.rem_euclid(size) } else { index.clamp(0, size - 1) }
 }
 
 /// The texels that a bilinear filter reads along one axis, from the definition: coordinates wrapped in the finest layer,
 /// scaled, and every texel that weighs anything.
-fn read(s: f64, finest: u32, layer: u32, shift: u32, wrap: Wrap, centre: TexelCentre) -> BTreeSet<i64> {
+fn read(s: f64, finest: u32, layer: u32, shift: u32, wrap: WrapMode, centre: TexelCentre) -> BTreeSet<i64> {
     let size = f64::from(finest);
     let placed = match wrap {
-        Wrap::Repeat => s.rem_euclid(size),
-        Wrap::Clamp => s.clamp(0.0, size),
-        Wrap::Mirror => {
+        WrapMode::Repeat => s.rem_euclid(size),
+        WrapMode::Clamp => s.clamp(0.0, size),
+        WrapMode::Mirror => {
             let folded = s.rem_euclid(2.0 * size);
             if folded > size { 2.0 * size - folded } else { folded }
         }
@@ -29,8 +29,8 @@ fn read(s: f64, finest: u32, layer: u32, shift: u32, wrap: Wrap, centre: TexelCe
     near.filter(|i| weight(*i) > 0.0).map(|i| inside(i, layer.into(), wrap)).collect()
 }
 
-fn wraps() -> impl Strategy<Value = Wrap> {
-    prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)]
+fn wraps() -> impl Strategy<Value = WrapMode> {
+    prop_oneof![Just(WrapMode::Repeat), Just(WrapMode::Clamp), Just(WrapMode::Mirror)]
 }
 
 fn centres() -> impl Strategy<Value = TexelCentre> {
@@ -99,7 +99,9 @@ proptest! {
 
 #[test]
 fn erratum_5b_the_last_column_and_row_mark_no_tile_of_the_next_row_or_layer() {
-    for (wrap, right, below) in [(Wrap::Clamp, None, None), (Wrap::Mirror, None, None), (Wrap::Repeat, Some(0), Some(0))] {
+    for (wrap, right, below) in
+        [(WrapMode::Clamp, None, None), (WrapMode::Mirror, None, None), (WrapMode::Repeat, Some(0), Some(0))]
+    {
         let page = page_of([128, 128], Cut::default());
         let finest = page.layers[1];
         // Beyond the middle of the last texel.
@@ -121,7 +123,7 @@ fn erratum_5b_the_last_column_and_row_mark_no_tile_of_the_next_row_or_layer() {
 #[test]
 fn erratum_0104_the_finer_layer_has_twice_the_coordinates_of_the_coarser() {
     let page = page_of([256, 256], Cut { tile: [64, 64], centre: TexelCentre::Integer, ..Cut::default() });
-    let placed = page.placed([100.0, 60.0], [Wrap::Clamp; 2]);
+    let placed = page.placed([100.0, 60.0], [WrapMode::Clamp; 2]);
     for depth in 0..=page.dmax() {
         let shift = page.dmax() - depth;
         let [x, y] = page.taps(depth, placed);
@@ -134,7 +136,7 @@ fn coarse_layers_lie_on_top_of_fine_ones_with_centres_at_halves_and_are_shifted_
     for (centre, shift) in [(TexelCentre::Half, 0.0), (TexelCentre::Integer, 1.5)] {
         let page = page_of([256, 256], Cut { tile: [64, 64], centre, ..Cut::default() });
         let middle = |depth: u8, s: f32| {
-            let [x, _] = page.taps(depth, page.placed([s, 0.0], [Wrap::Clamp; 2]));
+            let [x, _] = page.taps(depth, page.placed([s, 0.0], [WrapMode::Clamp; 2]));
             let texels = f32::from(1u8 << (page.dmax() - depth));
             // Middle of the covered finest texels, weighted, counted from the middle of texel 0.
             (x.first as f32 + x.fraction) * texels + 0.5 * (texels - 1.0)

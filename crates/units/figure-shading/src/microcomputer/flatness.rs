@@ -5,7 +5,7 @@ use super::state::Process;
 use crate::cpu::Operations;
 use crate::local_memory::PolygonBuffer;
 use basrelief_kernel::{Traffic, Work};
-use basrelief_signals::{Mode, Polygon};
+use basrelief_signals::{Polygon, ShadingMode};
 use glam::Vec3;
 
 /// Distance of a sample point's normal from another: three differences, their squares, a comparison.
@@ -46,9 +46,9 @@ impl Microcomputer {
         traffic: &mut Traffic,
     ) -> (bool, u64) {
         let matters = match self.state.settings.mode {
-            Mode::Normal => true,
-            Mode::Brightness => self.shading.flat_in_brightness_mode,
-            Mode::Polyhedron => false,
+            ShadingMode::Normal => true,
+            ShadingMode::Brightness => self.shading.flat_in_brightness_mode,
+            ShadingMode::Polyhedron => false,
         };
         if !matters || !self.short_cuts.flatness.enabled {
             return (false, 0);

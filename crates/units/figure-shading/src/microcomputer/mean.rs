@@ -4,10 +4,10 @@ use super::Microcomputer;
 use super::state::{Decided, Phase, Process};
 use super::unit::{Out, nothing};
 use crate::cpu::Operations;
-use crate::{Dot, Signal};
+use crate::{Dot, FigureFlow};
 use basrelief_kernel::{Step, Traffic, Work};
 use basrelief_shading::fan_triangles;
-use basrelief_signals::{Fragment, Mode};
+use basrelief_signals::{Fragment, ShadingMode};
 
 /// Per sample point: its components, summed.
 const SUM: Operations = Operations { load: 3, add: 3, ..Operations::NONE };
@@ -40,7 +40,7 @@ impl Microcomputer {
         self.port.read(traffic, buffer.brightness(), SUM.load * points);
         let mut cycles = self.run(Process::Mean, SUM.times(points).and(SHARE));
         let mean = mean(brightness);
-        if self.state.settings.mode != Mode::Polyhedron {
+        if self.state.settings.mode != ShadingMode::Polyhedron {
             cycles += self.store(&decided.polygon, mean, buffer, traffic);
         }
         (mean, cycles)
@@ -63,10 +63,10 @@ impl Microcomputer {
             cycles = self.dot_cycles;
             self.state.counters.dots += 1;
             self.state.counters.processes[Process::Mean as usize].cycles += cycles;
-            Signal::Dot(Dot { x, y, z, brightness: *brightness })
+            FigureFlow::Dot(Dot { x, y, z, brightness: *brightness })
         } else {
             self.state.phase = Phase::Idle;
-            Signal::End
+            FigureFlow::End
         };
         let out = if to_53 { (None, None, Some(signal), None) } else { (None, None, None, Some(signal)) };
         Step::after(cycles, out).busy(cycles)

@@ -7,7 +7,7 @@ use crate::local_memory::{LIGHT, LIGHTS, SETTINGS};
 use crate::{Illumination, ScanConfig};
 use basrelief_kernel::{Traffic, Work};
 use basrelief_shading::{Raster, light_vectors};
-use basrelief_signals::{Frame, ObjectInfo, Polygon, Shading};
+use basrelief_signals::{Frame, ObjectInfo, Polygon, ShadingSettings};
 use std::sync::Arc;
 
 /// Mode decision: the mode is loaded and told from the other two.
@@ -31,7 +31,7 @@ impl Microcomputer {
 
     /// The polygons that follow are of this object; the cycles that it takes, and whether its mode is another.
     pub(super) fn begin_object(&mut self, object: Arc<ObjectInfo>) -> (u64, bool) {
-        let of_frame = self.state.frame.as_ref().map_or_else(Shading::default, |frame| frame.shading);
+        let of_frame = self.state.frame.as_ref().map_or_else(ShadingSettings::default, |frame| frame.shading);
         let (before, said) = (self.state.settings, object.shading.or(of_frame));
         self.state.object = Some(object);
         self.state.lights_changed = true;
@@ -43,12 +43,12 @@ impl Microcomputer {
     }
 
     /// What is said, and where nothing is, what is configured.
-    fn settings(&self, said: Shading) -> Settings {
+    fn settings(&self, said: ShadingSettings) -> Settings {
         let c = &self.shading;
         Settings { mode: said.mode.unwrap_or(c.mode), ia: said.ia.unwrap_or(c.ia), is: said.is.unwrap_or(c.is) }
     }
 
-    fn decide_mode(&mut self, said: Shading) -> u64 {
+    fn decide_mode(&mut self, said: ShadingSettings) -> u64 {
         self.state.settings = self.settings(said);
         self.run(Process::Mode, DECISION)
     }

@@ -7,7 +7,7 @@ use crate::cpu::Operations;
 use crate::local_memory::{LIGHT, LIGHTS};
 use crate::{NormalLoad, Selection, SpecularSkip};
 use basrelief_kernel::Traffic;
-use basrelief_signals::Mode;
+use basrelief_signals::ShadingMode;
 use std::sync::Arc;
 
 /// The command that starts it, and n.
@@ -24,7 +24,7 @@ impl Microcomputer {
         let Decided { polygon, registers, number, .. } = decided;
         let starts = match registers.selection() {
             Selection::LinearAndSpecular => true,
-            Selection::Linear => registers.mode == Mode::Normal && self.shading.specular_skip == SpecularSkip::Gate,
+            Selection::Linear => registers.mode == ShadingMode::Normal && self.shading.specular_skip == SpecularSkip::Gate,
             Selection::Mean => false,
         };
         if !starts {

@@ -5,7 +5,7 @@ use super::Plane;
 use crate::dots::Dots;
 use crate::{Figure, Illumination, Registers};
 use basrelief_shading::Raster;
-use basrelief_signals::{Frame, Mode, ObjectInfo, Polygon};
+use basrelief_signals::{Frame, ObjectInfo, Polygon, ShadingMode};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -66,7 +66,7 @@ pub(crate) struct Decided {
 /// Mode, Ia and Is, as the display list or the configuration has them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Settings {
-    pub(crate) mode: Mode,
+    pub(crate) mode: ShadingMode,
     pub(crate) ia: f32,
     pub(crate) is: f32,
 }

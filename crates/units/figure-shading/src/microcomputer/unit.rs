@@ -7,8 +7,8 @@ use crate::cpu::Operations;
 use crate::dots::Dots;
 use crate::local_memory::{self, LocalPort, PolygonBuffer};
 use crate::{
-    CpuConfig, Figure, HostConfig, NormalInterpolationConfig, NormalLoad, Order, Power, RegisterWrite, Registers, Route,
-    ScanConfig, Selection, ShadingConfig, ShortCutConfigs, Signal,
+    CpuConfig, Figure, FigureFlow, HostConfig, NormalInterpolationConfig, NormalLoad, Order, Power, RegisterWrite, Registers,
+    Route, ScanConfig, Selection, ShadingConfig, ShortCutConfigs,
 };
 use basrelief_kernel::facts::{Facts, Part};
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
@@ -45,7 +45,7 @@ pub struct Microcomputer {
 }
 
 /// One token per output.
-type Outs = (Option<Order>, Option<Arc<NormalLoad>>, Option<Signal>, Option<Signal>);
+type Outs = (Option<Order>, Option<Arc<NormalLoad>>, Option<FigureFlow>, Option<FigureFlow>);
 pub(super) type Out = Step<Outs>;
 
 pub(super) fn nothing(cycles: u64) -> Out {
@@ -58,7 +58,7 @@ fn ordered(cycles: u64, order: Order) -> Out {
 }
 
 /// When the CPU is done, through the registers to circuit (21).
-fn passed(cycles: u64, signal: Signal) -> Out {
+fn passed(cycles: u64, signal: FigureFlow) -> Out {
     ordered(cycles, Order::Pass(signal))
 }
 
@@ -113,7 +113,7 @@ impl Microcomputer {
             Control::Frame(frame) => {
                 let cycles = self.begin_frame(&frame);
                 self.state.phase = Phase::WriteMode;
-                passed(cycles, Signal::Frame(frame))
+                passed(cycles, FigureFlow::Frame(frame))
             }
             Control::Object(object) => {
                 let (cycles, other_mode) = self.begin_object(object);
@@ -123,7 +123,7 @@ impl Microcomputer {
                 nothing(cycles)
             }
             Control::Polygon(polygon) => self.decide(polygon, traffic),
-            Control::FrameEnd => passed(1, Signal::FrameEnd),
+            Control::FrameEnd => passed(1, FigureFlow::FrameEnd),
             Control::CodeBook(_) | Control::Criterion(_) => nothing(1),
         }
     }
@@ -193,7 +193,7 @@ impl Microcomputer {
             self.state.dots = Dots::new(&figure.polygon, raster);
             self.state.phase = Phase::Output { figure: Arc::clone(&figure), brightness };
         }
-        passed(cycles, Signal::Figure(figure))
+        passed(cycles, FigureFlow::Figure(figure))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Polygons through microcomputer and circuits, step by step, without time.
 
 use basrelief_figure_shading::{
-    Adder, BrightnessInterpolation, CircuitConfig, CpuConfig, Dot, Figure, Highlight, Highlights, HostConfig,
+    Adder, BrightnessInterpolation, CircuitConfig, CpuConfig, Dot, Figure, FigureFlow, Highlight, Highlights, HostConfig,
     InterpolationConfig, Microcomputer, NormalInterpolation, NormalInterpolationConfig, NormalLoad, Order, RegisterBank,
-    ScanConfig, ShadingConfig, ShortCutConfigs, Signal,
+    ScanConfig, ShadingConfig, ShortCutConfigs,
 };
 use basrelief_kernel::{Demand, OperatorConfig, Operators, Traffic, Unit};
 use basrelief_signals::{Camera, Control, Frame, Light, LightKind, Lighting, Material, Polygon, Vertex};
@@ -56,7 +56,7 @@ pub fn operators() -> Operators {
 
 /// What came of a polygon on each wire.
 #[derive(Clone, Debug, Default)]
-pub struct Shaded {
+pub struct ShadedFragment {
     pub figure: Option<Arc<Figure>>,
     pub load: Option<Arc<NormalLoad>>,
     /// Of circuit (21).
@@ -88,13 +88,13 @@ pub fn feed<T, U: Unit<In = Option<T>>>(unit: &mut U, tokens: impl IntoIterator<
     out
 }
 
-fn dots(signals: impl IntoIterator<Item = Signal>) -> Vec<Dot> {
-    signals.into_iter().filter_map(|s| if let Signal::Dot(dot) = s { Some(dot) } else { None }).collect()
+fn dots(signals: impl IntoIterator<Item = FigureFlow>) -> Vec<Dot> {
+    signals.into_iter().filter_map(|s| if let FigureFlow::Dot(dot) = s { Some(dot) } else { None }).collect()
 }
 
 /// One polygon through a microcomputer that has its frame, and through the circuits.
-pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> Shaded {
-    let mut shaded = Shaded::default();
+pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> ShadedFragment {
+    let mut shaded = ShadedFragment::default();
     let (mut mean, mut figures) = (Vec::new(), Vec::new());
     for (figure, load, flat, constant) in feed(unit, [polygon]) {
         shaded.load = shaded.load.or(load);
@@ -106,7 +106,7 @@ pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> Sha
     let mut registers = RegisterBank::default();
     let mode = Order::Write(basrelief_figure_shading::RegisterWrite::Mode(config.shading.mode));
     for signal in feed(&mut registers, [mode].into_iter().chain(figures)).into_iter().flatten() {
-        if let Signal::Figure(figure) = &signal {
+        if let FigureFlow::Figure(figure) = &signal {
             shaded.figure = Some(Arc::clone(figure));
         }
         let out = feed(&mut BrightnessInterpolation::new(InterpolationConfig::default(), operators()), [signal]);
@@ -122,7 +122,7 @@ pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> Sha
 }
 
 /// Through the adder (52).
-fn add(linear: Vec<Signal>, highlights: Vec<Highlights>) -> Vec<Signal> {
+fn add(linear: Vec<FigureFlow>, highlights: Vec<Highlights>) -> Vec<FigureFlow> {
     let mut adder = Adder::new(CircuitConfig::default(), operators());
     let (mut highlights, mut out) = (highlights.into_iter(), Vec::new());
     for signal in linear {
@@ -136,7 +136,7 @@ fn add(linear: Vec<Signal>, highlights: Vec<Highlights>) -> Vec<Signal> {
 }
 
 /// One polygon under these lights.
-pub fn draw(config: &Config, lights: Vec<Light>, polygon: Control) -> Shaded {
+pub fn draw(config: &Config, lights: Vec<Light>, polygon: Control) -> ShadedFragment {
     let mut unit = config.microcomputer();
     feed(&mut unit, [frame(lights)]);
     shade(&mut unit, config, polygon)

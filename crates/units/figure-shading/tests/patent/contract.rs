@@ -2,9 +2,9 @@
 
 use crate::chain::{Config, feed, frame, operators, polygon, sun};
 use basrelief_figure_shading::{
-    Adder, BrightnessInterpolation, CircuitConfig, Dot, Finished, Gate, Highlight, Highlights, HostConfig, HostInterface,
-    InterpolationConfig, Microcomputer, Mode, NormalInterpolationConfig, NormalLoad, Order, PowerMethod, RegisterBank,
-    Selector28, Selector53, Signal, SpecularSkip,
+    Adder, BrightnessInterpolation, CircuitConfig, Dot, FigureFlow, Finished, Gate, Highlight, Highlights, HostConfig,
+    HostInterface, InterpolationConfig, Microcomputer, NormalInterpolationConfig, NormalLoad, Order, PowerMethod, RegisterBank,
+    Selector28, Selector53, ShadingMode, SpecularSkip,
 };
 use basrelief_kernel::{Demand, Step, Traffic, Unit, unit_contract};
 use basrelief_signals::{Control, Flow, Lighting, ObjectInfo, Pixel, Stamp};
@@ -41,7 +41,7 @@ fn display_list() -> Vec<Control> {
     [frame.clone(), frame].concat()
 }
 
-fn config(mode: Mode) -> Config {
+fn config(mode: ShadingMode) -> Config {
     let mut config = Config::default();
     config.shading.mode = mode;
     config.shading.specular_skip = SpecularSkip::Gate;
@@ -51,15 +51,15 @@ fn config(mode: Mode) -> Config {
 /// What the microcomputer and the circuits put on each wire.
 struct Wires {
     figures: Vec<Order>,
-    selections: Vec<Signal>,
+    selections: Vec<FigureFlow>,
     normals: Vec<Arc<NormalLoad>>,
-    flat_dots: Vec<Signal>,
-    constant_dots: Vec<Signal>,
-    interpolated: Vec<Signal>,
-    brightness_dots: Vec<Signal>,
+    flat_dots: Vec<FigureFlow>,
+    constant_dots: Vec<FigureFlow>,
+    interpolated: Vec<FigureFlow>,
+    brightness_dots: Vec<FigureFlow>,
     highlights: Vec<Highlights>,
     gated: Vec<Highlights>,
-    sums: Vec<Signal>,
+    sums: Vec<FigureFlow>,
 }
 
 /// Steps a unit of two inputs until both are used up.
@@ -76,7 +76,7 @@ fn join<A, B, T>(unit: &mut impl Unit<In = (Option<A>, Option<B>), Out = Option<
     }
 }
 
-fn wires(mode: Mode) -> Wires {
+fn wires(mode: ShadingMode) -> Wires {
     let config = config(mode);
     let (mut figures, mut normals, mut flat_dots, mut constant_dots) = (vec![], vec![], vec![], vec![]);
     for (figure, load, flat, constant) in feed(&mut config.microcomputer(), display_list()) {
@@ -85,29 +85,29 @@ fn wires(mode: Mode) -> Wires {
         flat_dots.extend(flat);
         constant_dots.extend(constant);
     }
-    let selections: Vec<Signal> = feed(&mut RegisterBank::default(), figures.clone()).into_iter().flatten().collect();
+    let selections: Vec<FigureFlow> = feed(&mut RegisterBank::default(), figures.clone()).into_iter().flatten().collect();
     let linear = feed(&mut BrightnessInterpolation::new(InterpolationConfig::default(), operators()), selections.clone());
     let (interpolated, brightness_dots): (Vec<_>, Vec<_>) = linear.into_iter().unzip();
     let [interpolated, brightness_dots] = [interpolated, brightness_dots].map(|wire| wire.into_iter().flatten().collect());
     let highlights: Vec<_> = feed(&mut config.circuit_50(), normals.clone()).into_iter().flatten().collect();
     let gated: Vec<_> = feed(&mut Gate::default(), highlights.clone()).into_iter().flatten().collect();
-    let interpolated: Vec<Signal> = interpolated;
+    let interpolated: Vec<FigureFlow> = interpolated;
     let sums = join(&mut Adder::default(), interpolated.clone(), gated.clone());
     Wires { figures, selections, normals, flat_dots, constant_dots, interpolated, brightness_dots, highlights, gated, sums }
 }
 
-fn selected(mode: Mode) -> Vec<Signal> {
+fn selected(mode: ShadingMode) -> Vec<FigureFlow> {
     let wires = wires(mode);
     join(&mut Selector53::default(), wires.sums, wires.flat_dots)
 }
 
 #[test]
 fn the_tokens_of_the_contracts_say_something() {
-    let normal = wires(Mode::Normal);
+    let normal = wires(ShadingMode::Normal);
     let open = normal.highlights.iter().filter(|h| matches!(h, Highlights::Start { open: true })).count();
     let closed = normal.highlights.iter().filter(|h| matches!(h, Highlights::Start { open: false })).count();
     assert!(open > 0 && closed > 0 && normal.flat_dots.len() > 20 && normal.gated.len() > 20);
-    assert!(wires(Mode::Brightness).brightness_dots.len() > 20 && wires(Mode::Polyhedron).constant_dots.len() > 20);
+    assert!(wires(ShadingMode::Brightness).brightness_dots.len() > 20 && wires(ShadingMode::Polyhedron).constant_dots.len() > 20);
 }
 
 /// The microcomputer with its four outputs on one wire: the contract knows up to two.
@@ -145,7 +145,7 @@ struct TwoWays {
 }
 
 impl Unit for TwoWays {
-    type In = (Option<Signal>, Option<Signal>);
+    type In = (Option<FigureFlow>, Option<FigureFlow>);
     type Out = (Option<Flow<Stamp<Pixel>>>, Option<Finished>);
 
     fn demand(&self) -> Demand {
@@ -172,7 +172,7 @@ unit_contract! {
 
 unit_contract! {
     name: contract_of_the_microcomputer,
-    unit: OneWire(config(Mode::Normal).microcomputer()),
+    unit: OneWire(config(ShadingMode::Normal).microcomputer()),
     inputs: display_list(),
     clients: [ClientKind::Port],
     state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
@@ -180,7 +180,7 @@ unit_contract! {
 
 unit_contract! {
     name: contract_of_the_microcomputer_in_polyhedron_mode,
-    unit: OneWire(config(Mode::Polyhedron).microcomputer()),
+    unit: OneWire(config(ShadingMode::Polyhedron).microcomputer()),
     inputs: display_list(),
     clients: [ClientKind::Port],
     state: |unit| unit.0.state.clone() => |unit, state| unit.0.state = state,
@@ -189,28 +189,28 @@ unit_contract! {
 unit_contract! {
     name: contract_of_the_registers,
     unit: RegisterBank::default(),
-    inputs: wires(Mode::Normal).figures,
+    inputs: wires(ShadingMode::Normal).figures,
     state,
 }
 
 unit_contract! {
     name: contract_of_circuit_21,
     unit: BrightnessInterpolation::new(InterpolationConfig::default(), operators()),
-    inputs: wires(Mode::Normal).selections,
+    inputs: wires(ShadingMode::Normal).selections,
     state,
 }
 
 unit_contract! {
     name: contract_of_circuit_21_in_brightness_mode,
     unit: BrightnessInterpolation::new(InterpolationConfig { initiation_interval: 3 }, operators()),
-    inputs: wires(Mode::Brightness).selections,
+    inputs: wires(ShadingMode::Brightness).selections,
     state,
 }
 
 unit_contract! {
     name: contract_of_circuit_50,
-    unit: config(Mode::Normal).circuit_50(),
-    inputs: wires(Mode::Normal).normals,
+    unit: config(ShadingMode::Normal).circuit_50(),
+    inputs: wires(ShadingMode::Normal).normals,
     state,
 }
 
@@ -219,54 +219,54 @@ unit_contract! {
     unit: basrelief_figure_shading::NormalInterpolation::new(
         NormalInterpolationConfig { power: PowerMethod::Table, table_entries: 64, ..NormalInterpolationConfig::default() }, true, operators(),
     ),
-    inputs: wires(Mode::Normal).normals,
+    inputs: wires(ShadingMode::Normal).normals,
     state,
 }
 
 unit_contract! {
     name: contract_of_the_gate,
     unit: Gate::new(CircuitConfig::default()),
-    inputs: wires(Mode::Normal).highlights,
+    inputs: wires(ShadingMode::Normal).highlights,
     state,
 }
 
 unit_contract! {
     name: contract_of_the_adder,
     unit: Adder::new(CircuitConfig { latency: 3, ..CircuitConfig::default() }, operators()),
-    inputs: (wires(Mode::Normal).interpolated, wires(Mode::Normal).gated),
+    inputs: (wires(ShadingMode::Normal).interpolated, wires(ShadingMode::Normal).gated),
     state,
 }
 
 unit_contract! {
     name: contract_of_selector_53,
     unit: Selector53::new(CircuitConfig::default()),
-    inputs: (wires(Mode::Normal).sums, wires(Mode::Normal).flat_dots),
+    inputs: (wires(ShadingMode::Normal).sums, wires(ShadingMode::Normal).flat_dots),
     state,
 }
 
 unit_contract! {
     name: contract_of_selector_28_in_brightness_mode,
     unit: TwoWays { unit: Selector28::new(CircuitConfig::default()), second: 1 },
-    inputs: (selected(Mode::Brightness), wires(Mode::Brightness).brightness_dots),
+    inputs: (selected(ShadingMode::Brightness), wires(ShadingMode::Brightness).brightness_dots),
     state: |unit| unit.unit.state => |unit, state| unit.unit.state = state,
 }
 
 unit_contract! {
     name: contract_of_selector_28_in_polyhedron_mode,
     unit: TwoWays { unit: Selector28::new(CircuitConfig::default()), second: 2 },
-    inputs: (selected(Mode::Polyhedron), wires(Mode::Polyhedron).constant_dots),
+    inputs: (selected(ShadingMode::Polyhedron), wires(ShadingMode::Polyhedron).constant_dots),
     state: |unit| unit.unit.state => |unit, state| unit.unit.state = state,
 }
 
 unit_contract! {
     name: contract_of_selector_28_in_normal_mode,
     unit: TwoWays { unit: Selector28::new(CircuitConfig::default()), second: 1 },
-    inputs: (selected(Mode::Normal), vec![]),
+    inputs: (selected(ShadingMode::Normal), vec![]),
     state: |unit| unit.unit.state => |unit, state| unit.unit.state = state,
 }
 
 /// What the adder says to a dot and a highlight.
-fn message(signal: Signal, highlight: Highlights) -> String {
+fn message(signal: FigureFlow, highlight: Highlights) -> String {
     let mut adder = Adder::default();
     adder.state.joins = true;
     let mut traffic = Traffic::default();
@@ -276,26 +276,26 @@ fn message(signal: Signal, highlight: Highlights) -> String {
 
 #[test]
 fn section_4_the_adder_asserts_equal_addresses() {
-    let dot = |x, y| Signal::Dot(Dot { x, y, ..Dot::default() });
+    let dot = |x, y| FigureFlow::Dot(Dot { x, y, ..Dot::default() });
     let highlight = |x, y| Highlights::Dot(Highlight { x, y, brightness: 0.5 });
     assert!(message(dot(3, 4), highlight(3, 4)).contains("fault: None"));
     assert!(message(dot(3, 4), highlight(4, 4)).contains("circuit (21) is at dot 3, 4 and circuit (50) at 4, 4"));
     assert!(message(dot(3, 4), highlight(3, 5)).contains("circuit (50) at 3, 5"));
     assert!(message(dot(3, 4), Highlights::End).contains("fewer dots"));
-    assert!(message(Signal::End, highlight(3, 4)).contains("more dots"));
-    assert!(message(Signal::End, Highlights::End).contains("fault: None"));
+    assert!(message(FigureFlow::End, highlight(3, 4)).contains("more dots"));
+    assert!(message(FigureFlow::End, Highlights::End).contains("fault: None"));
 }
 
 #[test]
 fn section_2_the_sum_is_not_saturated_and_the_output_is_once() {
     let mut adder = Adder::default();
     adder.state.joins = true;
-    let dot = Signal::Dot(Dot { brightness: [0.9, -0.2, 0.1], ..Dot::default() });
+    let dot = FigureFlow::Dot(Dot { brightness: [0.9, -0.2, 0.1], ..Dot::default() });
     let highlight = Highlights::Dot(Highlight { brightness: 0.5, ..Highlight::default() });
     let sum = adder.step((Some(dot), Some(highlight)), &mut Traffic::default()).out;
-    let Some(Signal::Dot(sum)) = sum else { panic!("{sum:?}") };
+    let Some(FigureFlow::Dot(sum)) = sum else { panic!("{sum:?}") };
     assert!((sum.brightness[0] - 1.4).abs() < 1e-6 && (sum.brightness[1] - 0.3).abs() < 1e-6);
-    let (pixel, _) = Selector28::default().step((Some(Signal::Dot(sum)), None, None), &mut Traffic::default()).out;
+    let (pixel, _) = Selector28::default().step((Some(FigureFlow::Dot(sum)), None, None), &mut Traffic::default()).out;
     let Some(Flow::Item(pixel)) = pixel else { panic!("{pixel:?}") };
     assert_eq!(pixel[0].rgb, [255, 77, 153]);
 }

@@ -1,12 +1,12 @@
 //! What is paid: operations of the CPU (11), its registers, memory (12), operators of the circuits.
 
-use crate::chain::{Config, Shaded, feed, frame, operators, polygon, shade, sun};
+use crate::chain::{Config, ShadedFragment, feed, frame, operators, polygon, shade, sun};
 use basrelief_figure_shading::{
-    CpuConfig, HostConfig, HostInterface, Microcomputer, Mode, NormalInterpolation, NormalInterpolationConfig, Order, Process,
-    RegisterBank, RegisterWrite, Registers,
+    CpuConfig, HostConfig, HostInterface, Microcomputer, NormalInterpolation, NormalInterpolationConfig, Order, Process,
+    RegisterBank, RegisterWrite, Registers, ShadingMode,
 };
 use basrelief_kernel::{OperatorConfig, Operators, Traffic, Unit};
-use basrelief_signals::{Control, Light, Lighting, ObjectInfo, Shading};
+use basrelief_signals::{Control, Light, Lighting, ObjectInfo, ShadingSettings};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ fn lights(count: usize) -> Vec<Light> {
 }
 
 /// A microcomputer that has its frame and has drawn these.
-fn drawn(config: &Config, lights: Vec<Light>, polygons: &[Control]) -> (Microcomputer, Vec<Shaded>) {
+fn drawn(config: &Config, lights: Vec<Light>, polygons: &[Control]) -> (Microcomputer, Vec<ShadedFragment>) {
     let mut unit = config.microcomputer();
     feed(&mut unit, [frame(lights)]);
     let shaded = polygons.iter().map(|p| shade(&mut unit, config, p.clone())).collect();
@@ -93,7 +93,7 @@ fn process_17_takes_no_power_per_polygon_and_finds_its_limit_once_per_material()
 fn process_17_searches_its_limit_only_when_the_material_changes() {
     let square = |n| polygon(&SQUARE, &CURVED, shiny(n));
     let object = |id| {
-        let (name, centre, shading) = (String::new(), [id as f32, 0.0, 0.0], Shading::default());
+        let (name, centre, shading) = (String::new(), [id as f32, 0.0, 0.0], ShadingSettings::default());
         Control::Object(Arc::new(ObjectInfo { id, name, centre, entries: None, bias: None, shading, mesh: None }))
     };
     let spent = |controls: &[Control]| cycles(&drawn(&Config::default(), lights(2), controls).0, Process::Specular);
@@ -171,21 +171,21 @@ fn registers_14_16_and_18_are_written_in_a_step_each_and_a_polygon_takes_what_th
         .filter_map(|(order, ..)| order)
         .collect();
     let writes: Vec<_> = orders.iter().filter_map(|o| if let Order::Write(write) = o { Some(*write) } else { None }).collect();
-    assert_eq!(writes, [RegisterWrite::Mode(Mode::Normal), RegisterWrite::Flat(false), RegisterWrite::Specular(true)]);
+    assert_eq!(writes, [RegisterWrite::Mode(ShadingMode::Normal), RegisterWrite::Flat(false), RegisterWrite::Specular(true)]);
     let mut registers = RegisterBank::default();
     for order in orders {
         let is_write = matches!(order, Order::Write(_));
         let step = registers.step(Some(order), &mut Traffic::default());
         assert_eq!((step.occupancy, step.out.is_none()), (1, is_write));
     }
-    assert_eq!(registers.state.registers, Registers { mode: Mode::Normal, flat: false, specular: true });
+    assert_eq!(registers.state.registers, Registers { mode: ShadingMode::Normal, flat: false, specular: true });
     let mut others = RegisterBank::default();
-    others.step(Some(Order::Write(RegisterWrite::Mode(Mode::Brightness))), &mut Traffic::default());
+    others.step(Some(Order::Write(RegisterWrite::Mode(ShadingMode::Brightness))), &mut Traffic::default());
     let (_, shaded) = drawn(&Config::default(), lights(1), &[polygon(&SQUARE, &CURVED, shiny(50.0))]);
-    let figure = basrelief_figure_shading::Signal::Figure(shaded[0].figure.clone().expect("a figure"));
+    let figure = basrelief_figure_shading::FigureFlow::Figure(shaded[0].figure.clone().expect("a figure"));
     let out = others.step(Some(Order::Pass(figure)), &mut Traffic::default()).out;
-    let Some(basrelief_figure_shading::Signal::Figure(figure)) = out else { panic!("it passes") };
-    assert_eq!(figure.registers.mode, Mode::Brightness, "what selects is the register, not what was meant");
+    let Some(basrelief_figure_shading::FigureFlow::Figure(figure)) = out else { panic!("it passes") };
+    assert_eq!(figure.registers.mode, ShadingMode::Brightness, "what selects is the register, not what was meant");
 }
 
 /// Bytes that a unit of one input reads and writes in memory (12).

@@ -1,7 +1,7 @@
 //! Polygons that are none: the rules of the crate's page.
 
 use crate::chain::{Config, SIDE, draw, polygon, sun};
-use basrelief_figure_shading::{Dot, Mode};
+use basrelief_figure_shading::{Dot, ShadingMode};
 use basrelief_signals::{Control, Lighting, Polygon};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -13,7 +13,7 @@ const TRIANGLE: [[f32; 2]; 3] = [[2.0, 2.0], [28.0, 4.0], [6.0, 30.0]];
 fn drawn(points: &[[f32; 2]], normals: &[Vec3]) -> Vec<Dot> {
     let mut places: Vec<BTreeSet<(u16, u16)>> = Vec::new();
     let mut last = Vec::new();
-    for mode in [Mode::Polyhedron, Mode::Brightness, Mode::Normal] {
+    for mode in [ShadingMode::Polyhedron, ShadingMode::Brightness, ShadingMode::Normal] {
         let mut config = Config::default().plain();
         config.shading.mode = mode;
         last = draw(&config, vec![sun(Vec3::Z)], polygon(points, normals, Lighting::default())).dots;
@@ -85,7 +85,7 @@ fn a_polygon_without_enough_points_has_no_dots_either() {
         let Control::Polygon(whole) = polygon(&TRIANGLE, &[Vec3::Z; 3], Lighting::default()) else { unreachable!() };
         let vertices = whole.vertices[..count].to_vec();
         let few = Control::Polygon(Arc::new(Polygon { vertices, ..Polygon::clone(&whole) }));
-        for mode in [Mode::Polyhedron, Mode::Brightness, Mode::Normal] {
+        for mode in [ShadingMode::Polyhedron, ShadingMode::Brightness, ShadingMode::Normal] {
             let mut config = Config::default();
             config.shading.mode = mode;
             assert!(draw(&config, vec![sun(Vec3::Z)], few.clone()).dots.is_empty());

@@ -1,7 +1,7 @@
 //! Section 2: interpolation, and the theorem of the invention.
 
 use crate::chain::{Config, direction, draw, lighting, polygon, sun, triangle, weights};
-use basrelief_figure_shading::{Clamp, Mode};
+use basrelief_figure_shading::{Clamp, ShadingMode};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::cmp::Ordering;
@@ -47,7 +47,7 @@ proptest! {
     #[test]
     fn equation_6_is_what_circuit_21_interpolates(t in triangle(), normals in prop::array::uniform3(direction()), kd in 0.125f32..1.0) {
         let mut config = exact();
-        config.shading.mode = Mode::Brightness;
+        config.shading.mode = ShadingMode::Brightness;
         let lighting = basrelief_signals::Lighting { ka: 0.1, kd, ks: 0.0, n: 1.0 };
         let shaded = draw(&config, vec![sun(Vec3::Z)], polygon(&t, &normals, lighting));
         let i = normals.map(|n| 0.1 + f64::from(kd) * f64::from(n.z));

@@ -1,21 +1,21 @@
 //! Mode, Ia and Is as a display list says them, for a frame or an object.
 
 use crate::chain::{Config, SIDE, feed, polygon, shade, sun};
-use basrelief_figure_shading::{HostConfig, HostInterface, Microcomputer, Mode, Order, RegisterWrite, Route};
+use basrelief_figure_shading::{HostConfig, HostInterface, Microcomputer, Order, RegisterWrite, Route, ShadingMode};
 use basrelief_kernel::{Traffic, Unit};
-use basrelief_signals::{Camera, Control, Frame, Lighting, ObjectInfo, Shading};
+use basrelief_signals::{Camera, Control, Frame, Lighting, ObjectInfo, ShadingSettings};
 use glam::Vec3;
 use std::sync::Arc;
 
 const SQUARE: [[f32; 2]; 4] = [[2.0, 2.0], [10.0, 2.0], [10.0, 10.0], [2.0, 10.0]];
 
-fn frame(shading: Shading) -> Control {
+fn frame(shading: ShadingSettings) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let lights = vec![sun(Vec3::Z)];
     Control::Frame(Arc::new(Frame { index: 0, width: SIDE, height: SIDE, camera, lights, textures: Vec::new(), shading }))
 }
 
-fn object(shading: Shading) -> Control {
+fn object(shading: ShadingSettings) -> Control {
     Control::Object(Arc::new(ObjectInfo {
         id: 0,
         name: String::new(),
@@ -32,11 +32,11 @@ fn square() -> Control {
 }
 
 /// Route and brightness of the square, and what the mode register (14) was told since the polygon before.
-fn draw(unit: &mut Microcomputer, controls: Vec<Control>) -> (Route, f32, Vec<Mode>) {
+fn draw(unit: &mut Microcomputer, controls: Vec<Control>) -> (Route, f32, Vec<ShadingMode>) {
     let orders = feed(unit, controls).into_iter().filter_map(|(order, ..)| order);
     let modes = orders.filter_map(|o| if let Order::Write(RegisterWrite::Mode(mode)) = o { Some(mode) } else { None }).collect();
     let mut config = Config::default();
-    config.shading.mode = Mode::Normal;
+    config.shading.mode = ShadingMode::Normal;
     let shaded = shade(unit, &config, square());
     let figure = shaded.figure.expect("a figure");
     let dots = if shaded.mean.is_empty() { &shaded.linear } else { &shaded.mean };
@@ -46,25 +46,25 @@ fn draw(unit: &mut Microcomputer, controls: Vec<Control>) -> (Route, f32, Vec<Mo
 #[test]
 fn an_objects_mode_ia_and_is_go_ahead_of_its_frames_and_those_of_the_configuration() {
     let mut unit = Config::default().microcomputer();
-    let mode = |mode| Shading { mode: Some(mode), ..Shading::default() };
-    let none = Shading::default();
+    let mode = |mode| ShadingSettings { mode: Some(mode), ..ShadingSettings::default() };
+    let none = ShadingSettings::default();
     let (route, brightness, modes) = draw(&mut unit, vec![frame(none), object(none)]);
-    assert_eq!((route, modes), (Route::Flat, vec![Mode::Normal]), "as configured");
+    assert_eq!((route, modes), (Route::Flat, vec![ShadingMode::Normal]), "as configured");
     assert!((brightness - 0.6).abs() < 1e-6);
-    let (route, _, modes) = draw(&mut unit, vec![object(mode(Mode::Polyhedron))]);
-    assert_eq!((route, modes), (Route::Polyhedron, vec![Mode::Polyhedron]));
+    let (route, _, modes) = draw(&mut unit, vec![object(mode(ShadingMode::Polyhedron))]);
+    assert_eq!((route, modes), (Route::Polyhedron, vec![ShadingMode::Polyhedron]));
     let (route, _, modes) = draw(&mut unit, vec![object(none)]);
-    assert_eq!((route, modes), (Route::Flat, vec![Mode::Normal]), "the next object has none of its own");
+    assert_eq!((route, modes), (Route::Flat, vec![ShadingMode::Normal]), "the next object has none of its own");
     let (route, _, modes) = draw(&mut unit, vec![object(none)]);
     assert_eq!((route, modes), (Route::Reused, vec![]), "nothing changed");
-    let dim = Shading { ia: Some(0.0), is: Some(0.5), ..none };
+    let dim = ShadingSettings { ia: Some(0.0), is: Some(0.5), ..none };
     let (route, brightness, _) = draw(&mut unit, vec![object(dim)]);
     assert_eq!(route, Route::Flat, "Figure 7: void after a new Ia or Is");
     assert!((brightness - 0.25).abs() < 1e-6, "{brightness}");
-    let (_, brightness, modes) = draw(&mut unit, vec![Control::FrameEnd, frame(mode(Mode::Brightness)), object(none)]);
-    assert_eq!(modes, [Mode::Brightness], "of the frame");
+    let (_, brightness, modes) = draw(&mut unit, vec![Control::FrameEnd, frame(mode(ShadingMode::Brightness)), object(none)]);
+    assert_eq!(modes, [ShadingMode::Brightness], "of the frame");
     assert!((brightness - 0.6).abs() < 1e-6);
-    let (route, _, _) = draw(&mut unit, vec![object(Shading { ia: Some(0.25), ..none })]);
+    let (route, _, _) = draw(&mut unit, vec![object(ShadingSettings { ia: Some(0.25), ..none })]);
     assert_eq!(route, Route::Brightness, "the object says no mode: that of its frame");
 }
 
@@ -76,8 +76,8 @@ fn the_host_sends_what_differs() {
         host.step((Some(control), None), &mut Traffic::default());
         (host.state.counters.bytes - before) / 4
     };
-    let all = Shading { mode: Some(Mode::Polyhedron), ia: Some(0.5), is: Some(2.0) };
-    assert_eq!(sent(frame(Shading::default())), 5 + 4);
-    let of_objects = [all, all, Shading { ia: None, ..all }, Shading::default(), Shading::default()];
+    let all = ShadingSettings { mode: Some(ShadingMode::Polyhedron), ia: Some(0.5), is: Some(2.0) };
+    assert_eq!(sent(frame(ShadingSettings::default())), 5 + 4);
+    let of_objects = [all, all, ShadingSettings { ia: None, ..all }, ShadingSettings::default(), ShadingSettings::default()];
     assert_eq!(of_objects.map(|shading| sent(object(shading))), [3, 0, 1, 2, 0]);
 }

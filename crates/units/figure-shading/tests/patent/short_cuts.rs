@@ -1,7 +1,7 @@
 //! Short cuts 2 and 3 (flat; same plane as before), and Figure 6.
 
 use crate::chain::{Config, SIDE, direction, draw, feed, frame, lighting, polygon, shade, sun, triangle};
-use basrelief_figure_shading::{Clamp, Microcomputer, Mode, Process, Route};
+use basrelief_figure_shading::{Clamp, Microcomputer, Process, Route, ShadingMode};
 use basrelief_shading::saturated;
 use basrelief_signals::{Camera, Control, Frame, Light, Lighting, Material, Polygon};
 use glam::Vec3;
@@ -172,7 +172,7 @@ fn figure_7_the_stored_brightness_is_void_after_any_new_mode_ia_is_l_v_ka_kd_ks_
         assert_eq!(second(&scene, &changed, &same), Route::Flat, "{name}");
     }
     let settings: [Change<Config>; 4] = [
-        ("mode", |c| (c.shading.mode, c.shading.flat_in_brightness_mode) = (Mode::Brightness, true)),
+        ("mode", |c| (c.shading.mode, c.shading.flat_in_brightness_mode) = (ShadingMode::Brightness, true)),
         ("Ia", |c| c.shading.ia = 0.5),
         ("Is", |c| c.shading.is = 0.5),
         ("switch", |c| c.short_cuts.same_plane.enabled = false),
@@ -202,7 +202,7 @@ fn figure_7_what_is_reused_is_not_calculated() {
 
 /// Brightness at the sample points of a polygon in these circumstances: ambient 0.1, diffuse 0.5, specular 0.3, all at
 /// their full value, less what process 22 leaves out.
-fn at_sample_points(mode: Mode, flat: bool, negligible: bool) -> f32 {
+fn at_sample_points(mode: ShadingMode, flat: bool, negligible: bool) -> f32 {
     let mut config = Config::default();
     config.shading.mode = mode;
     config.shading.clamp = Clamp::None;
@@ -214,17 +214,17 @@ fn at_sample_points(mode: Mode, flat: bool, negligible: bool) -> f32 {
     let normals = [Vec3::Z, Vec3::Z, Vec3::Z, Vec3::new(1e-4, 0.0, 1.0)];
     let shaded = draw(&config, vec![sun(Vec3::Z)], polygon(&SQUARE, &normals, lighting));
     let figure = shaded.figure.expect("a figure");
-    assert_eq!(figure.registers.flat, flat && mode != Mode::Polyhedron);
+    assert_eq!(figure.registers.flat, flat && mode != ShadingMode::Polyhedron);
     let dots = if figure.brightness.is_empty() { &shaded.mean } else { &shaded.linear };
     dots[0].brightness[0]
 }
 
 #[test]
 fn figure_6_steps_80_to_83_when_the_specular_term_enters_process_22() {
-    for mode in [Mode::Normal, Mode::Brightness, Mode::Polyhedron] {
+    for mode in [ShadingMode::Normal, ShadingMode::Brightness, ShadingMode::Polyhedron] {
         for flat in [false, true] {
             for negligible in [false, true] {
-                let circuit_50_has_it = mode == Mode::Normal && !flat;
+                let circuit_50_has_it = mode == ShadingMode::Normal && !flat;
                 let enters = !negligible && !circuit_50_has_it;
                 let expected = if enters { 0.9 } else { 0.6 };
                 let brightness = at_sample_points(mode, flat, negligible);
@@ -237,7 +237,7 @@ fn figure_6_steps_80_to_83_when_the_specular_term_enters_process_22() {
 #[test]
 fn section_2_constant_shading_is_the_mean_of_the_sample_points() {
     let mut config = Config::default();
-    config.shading.mode = Mode::Polyhedron;
+    config.shading.mode = ShadingMode::Polyhedron;
     let normals = [Vec3::Z, Vec3::X, Vec3::new(0.6, 0.0, 0.8)];
     let lighting = Lighting { ka: 0.1, kd: 0.6, ks: 0.0, n: 1.0 };
     let shaded = draw(&config, vec![sun(Vec3::Z)], polygon(&SQUARE[..3], &normals, lighting));

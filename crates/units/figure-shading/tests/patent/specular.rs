@@ -1,7 +1,7 @@
 //! Short cut 1: the specular term is negligible.
 
 use crate::chain::{Config, direction, draw, lighting, polygon, sun, triangle};
-use basrelief_figure_shading::{Mode, NormalInterpolationConfig, PowerMethod, Route, SpecularSkip};
+use basrelief_figure_shading::{NormalInterpolationConfig, PowerMethod, Route, ShadingMode, SpecularSkip};
 use basrelief_shading::saturated;
 use basrelief_signals::Lighting;
 use glam::Vec3;
@@ -81,7 +81,7 @@ proptest! {
     fn specular_negligible_is_conservative_no_output_changes_by_more_than_1(
         t in triangle(), middle in direction(), spread in 0f32..2.5, off in prop::array::uniform3(direction()),
         lights in prop::collection::vec(direction(), 1..3), lighting in lighting(), renormalise in any::<bool>(),
-        mode in prop::sample::select(vec![Mode::Normal, Mode::Normal, Mode::Brightness, Mode::Polyhedron]),
+        mode in prop::sample::select(vec![ShadingMode::Normal, ShadingMode::Normal, ShadingMode::Brightness, ShadingMode::Polyhedron]),
         table in any::<bool>(), flatness in any::<bool>(),
     ) {
         let normals = off.map(|o| (middle + spread * o).normalize_or_zero());

@@ -2,7 +2,7 @@ use super::*;
 use crate::config::{Arrival, DisplayListConfig};
 use crate::{DisplayListSource, PolygonLink};
 use basrelief_kernel::OperatorConfig;
-use basrelief_signals::{Camera, Image, Light, LightKind, Lighting, Lit, Material, Mesh, Sampler, Texture};
+use basrelief_signals::{Camera, Image, Light, LightKind, Lighting, LightingStage, Material, Mesh, Sampler, Texture};
 use proptest::prelude::*;
 
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -57,7 +57,7 @@ fn object(mesh: Mesh, world: [f64; 16], material: Material, bump: Option<bool>) 
 }
 
 /// What the bump-mapping processor takes.
-const TAKEN: Taken = Taken { lit: Lit::Targets, normal_maps: true, textures: true };
+const TAKEN: VertexAttributes = VertexAttributes { lit: LightingStage::Targets, normal_maps: true, textures: true };
 
 /// A unit whose operators take a cycle, but for division, root and power.
 fn unit(config: GeometryConfig, bump: BumpConfig) -> GeometryProcessor {
@@ -241,7 +241,7 @@ fn strip() -> Mesh {
 }
 
 /// Cycles that both triangles of the strip keep the unit.
-fn kept(config: GeometryConfig, taken: Taken, material: &Material) -> [u64; 2] {
+fn kept(config: GeometryConfig, taken: VertexAttributes, material: &Material) -> [u64; 2] {
     let mut unit = GeometryProcessor { taken, ..unit(config, BumpConfig::default()) };
     step(&mut unit, frame(IDENTITY));
     step(&mut unit, object(strip(), IDENTITY, material.clone(), None));
@@ -272,9 +272,9 @@ fn a_vertex_takes_three_divisions_and_two_roots_with_a_tangent_and_fewer_without
     assert_eq!(kept(one(1, 256), TAKEN, &mapped()), [7 * 10, 7 * 4]);
     assert_eq!(kept(one(2, 256), TAKEN, &mapped()), [7 * 5, 7 * 2]);
     assert_eq!(kept(one(256, 1), TAKEN, &mapped()), [7 * 6, 7 * 2]);
-    let unlit = Taken { lit: Lit::Nowhere, ..TAKEN };
+    let unlit = VertexAttributes { lit: LightingStage::Nowhere, ..TAKEN };
     assert_eq!(kept(one(1, 256), unlit, &Material::default()), [7 * 3, 7], "neither normal nor tangent nor LOD");
-    let lit = Taken { lit: Lit::InMachine, normal_maps: false, ..TAKEN };
+    let lit = VertexAttributes { lit: LightingStage::InMachine, normal_maps: false, ..TAKEN };
     assert_eq!(kept(one(1, 256), lit, &mapped()), [7 * 6, 7 * 2], "a machine without normal maps takes no tangent");
 }
 
@@ -286,7 +286,7 @@ fn a_vertex_that_is_no_bump_targets_is_lit_once_with_a_power_per_light() {
     let without_highlight = Material { lighting: dull, ..Material::default() };
     assert!(kept(one(), TAKEN, &without_highlight)[0] < 40);
     assert!(kept(one(), TAKEN, &mapped())[0] < 40, "bump targets are lit behind their search");
-    let by_machine = Taken { lit: Lit::InMachine, ..TAKEN };
+    let by_machine = VertexAttributes { lit: LightingStage::InMachine, ..TAKEN };
     assert!(kept(one(), by_machine, &Material::default())[0] < 40);
 }
 
@@ -312,7 +312,7 @@ fn a_vertex_in_the_cache_fetches_its_index_only() {
         assert_eq!(unit.state.counters.vertex_bytes, cycles[0] + cycles[1]);
         cycles
     };
-    let geometry_only = Taken { lit: Lit::Nowhere, ..TAKEN };
+    let geometry_only = VertexAttributes { lit: LightingStage::Nowhere, ..TAKEN };
     let dull = || Material { lighting: Lighting { ks: 0.0, ..Lighting::default() }, ..Material::default() };
     // Indices of 2 bytes, positions of 12.
     assert_eq!(fetched(16, geometry_only, dull()), [6 + 3 * 12, 6 + 12]);
@@ -328,7 +328,7 @@ fn a_vertex_in_the_cache_fetches_its_index_only() {
 fn a_polygon_keeps_the_link_for_its_bytes() {
     let config = || GeometryConfig { link_bytes: 1, ..ample() };
     assert_eq!(kept(config(), TAKEN, &mapped()), [12 + 3 * (16 + 36); 2]);
-    assert_eq!(kept(config(), Taken::default(), &mapped()), [12 + 3 * 16; 2]);
+    assert_eq!(kept(config(), VertexAttributes::default(), &mapped()), [12 + 3 * 16; 2]);
     let mut unit = unit(config(), BumpConfig::default());
     polygon(&mut unit, [frame(IDENTITY), object(mesh(), IDENTITY, mapped(), None)]);
     assert_eq!(unit.state.counters.polygon_bytes, 12 + 3 * (16 + 36));

@@ -26,8 +26,8 @@ fn polygon(bump: bool, material: Material) -> Control {
     Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump, arrival: 0 }))
 }
 
-fn shaded(x: u16, brightness: f32, highlight: f32) -> Flow<Stamp<Shaded>> {
-    Flow::Item(Stamp::from_iter([Shaded { fragment: fragment(x), brightness, highlight }]))
+fn shaded(x: u16, brightness: f32, highlight: f32) -> Flow<Stamp<ShadedFragment>> {
+    Flow::Item(Stamp::from_iter([ShadedFragment { fragment: fragment(x), brightness, highlight }]))
 }
 
 fn fragment(x: u16) -> Fragment {
@@ -39,7 +39,7 @@ type Token<T> = Flow<Stamp<T>>;
 /// Feeds both inputs as the unit demands, until they are empty; the tokens out, and the traffic of each step.
 struct Bench {
     unit: GraphicsProcessor,
-    inputs: (Vec<Token<Shaded>>, Vec<Token<Fragment>>),
+    inputs: (Vec<Token<ShadedFragment>>, Vec<Token<Fragment>>),
     /// The polygon that was fed last is no bump target.
     plain: bool,
     out: Vec<Flow<Stamp<Pixel>>>,
@@ -66,7 +66,7 @@ impl Bench {
         self
     }
 
-    fn bump(mut self, token: Flow<Stamp<Shaded>>) -> Self {
+    fn bump(mut self, token: Flow<Stamp<ShadedFragment>>) -> Self {
         self.inputs.0.push(token);
         self
     }
@@ -179,14 +179,14 @@ fn the_texture_level_is_chosen_by_the_polygons_own_texel_to_pixel_ratio() {
     // uv (0.5, 0.25) of 4 x 4 texels: columns 1 and 2, rows 0 and 1.
     assert_eq!(addresses, [4, 8, 20, 24]);
     assert_eq!(nearest.unit.state.counters.textured, 1);
-    let off = run(GraphicsConfig { mip: Mip::Off, filter: Filter::Nearest, ..GraphicsConfig::default() });
+    let off = run(GraphicsConfig { mip: Mip::Off, filter: TexelFilter::Nearest, ..GraphicsConfig::default() });
     assert_eq!(off.pixels()[0].rgb, [255, 0, 0]);
     assert_eq!(off.traffic[1].look_ups().len(), 1);
 }
 
 const AFTER_LIST: GraphicsConfig = GraphicsConfig {
     draw: DrawOrder::AfterList,
-    filter: Filter::Bilinear,
+    filter: TexelFilter::Bilinear,
     mip: Mip::Nearest,
     texel_bytes: 4,
     multipliers: 41,
@@ -217,7 +217,7 @@ fn entries_of_bump_targets_are_written_and_read_back_by_lines() {
 fn what_waits_of_a_fragment_is_as_wide_as_its_entry() {
     let bytes = |entry_bits| {
         let Flow::Item(mut stamp) = shaded(1, 1.0, 0.0) else { panic!() };
-        stamp.push(Shaded { fragment: fragment(2), brightness: 0.5, highlight: 0.0 });
+        stamp.push(ShadedFragment { fragment: fragment(2), brightness: 0.5, highlight: 0.0 });
         let bench = Bench::holding(AFTER_LIST, false, entry_bits)
             .control(&polygon(true, Material::default()))
             .bump(Flow::Item(stamp))

@@ -2,7 +2,7 @@
 
 use super::*;
 use basrelief_kernel::OperatorConfig;
-use basrelief_signals::{Filter, Lanes, Material, Sampler, Texture, Vertex};
+use basrelief_signals::{Material, Sampler, StampLanes, TexelFilter, Texture, Vertex};
 use proptest::prelude::*;
 
 /// A map whose level k has `side >> k` texels per side, filled by `texel(level, x, y)`.
@@ -102,7 +102,7 @@ fn four_searches_when_brightness_is_filtered() {
     let ramp = map(8, 4, |_, x, y| [(16 * x) as u8, (16 * y) as u8, 255]);
     let mut unit = unit(config, 2, square(3, Some(ramp)));
     let p = mapped(&mut unit, fragment(0.5, 0.3), &mut Traffic::default());
-    let sum = |samples: &[Sample<Normals>]| samples.iter().map(|s| s.weight[0]).sum::<f32>();
+    let sum = |samples: &[StampSample<StampNormals>]| samples.iter().map(|s| s.weight[0]).sum::<f32>();
     assert!((sum(&p.samples) - 1.0).abs() < 1e-6 && (sum(&p.samples[..4]) - 5.0 / 8.0).abs() < 1e-6);
     assert_eq!(p.samples.iter().map(|s| s.level).collect::<Vec<_>>(), [0, 0, 0, 0, 1, 1, 1, 1]);
     assert_ne!(p.samples[0].value.lane(0), p.samples[3].value.lane(0));
@@ -137,7 +137,7 @@ fn a_fragment_without_a_triangle_has_no_direction() {
     let mut unit = unit(NormalMappingConfig::default(), 2, square(0, None));
     let stray = Fragment { triangle: 77, ..Fragment::default() };
     let p = mapped(&mut unit, stray, &mut Traffic::default());
-    assert_eq!(p.samples[..], [Sample::all(0, 1.0, [0; 3])]);
+    assert_eq!(p.samples[..], [StampSample::all(0, 1.0, [0; 3])]);
 }
 
 #[test]
@@ -219,7 +219,7 @@ proptest! {
         u in any::<f32>(), v in any::<f32>(), lod in 0u8..64, levels in 1u8..=8, line in 2u32..=8, texel_bytes in 1u32..=8,
         brightness in any::<bool>(), nearest in any::<bool>(), side in 0u32..6, triangle in 0u16..4, fragments in 1usize..=4,
     ) {
-        let filter = if nearest { Filter::Nearest } else { Filter::Bilinear };
+        let filter = if nearest { TexelFilter::Nearest } else { TexelFilter::Bilinear };
         let filter_at = if brightness { FilterAt::Brightness } else { FilterAt::Normal };
         let config = NormalMappingConfig { filter, filter_at, texel_bytes, ..NormalMappingConfig::default() };
         let mut unit = NormalMapping::new(config, &operators(), levels, fragments as u32, 1 << line);

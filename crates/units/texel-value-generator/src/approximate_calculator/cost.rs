@@ -6,7 +6,7 @@ use crate::fixed::iterations;
 use crate::signals::Segment;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{HardwareKind, Work};
-use basrelief_signals::{Signal, Widths};
+use basrelief_signals::{BitWidth, SignalWidths};
 
 /// From the ends of a segment to a pixel: their difference, times a reciprocal from the table, times the place or step by step,
 /// and the start.
@@ -28,7 +28,7 @@ impl ApproximateCalculator {
     }
 
     pub(super) fn tell_hardware(&self, facts: &mut Facts) {
-        let (bits, words) = (self.bits, Widths { texture: self.bits, ..Widths::default() });
+        let (bits, words) = (self.bits, SignalWidths { texture: self.bits, ..SignalWidths::default() });
         facts.hardware(HardwareKind::Table, "reciprocals of lengths", self.longest, bits);
         facts.hardware(HardwareKind::Multiplier, "u, v per pixel", 2_u32, bits);
         facts.hardware(HardwareKind::Adder, "difference of the ends", 2_u32, bits);

@@ -7,7 +7,7 @@ use crate::signals::{Coordinates, GradientPacket, Quotients, Segment, TexelPacke
 use crate::twins::{Pair, pair};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Operators, Step, Traffic, Unit};
-use basrelief_signals::{Control, Flow, PACKET_PIXELS, Packet, Wrap};
+use basrelief_signals::{Control, Flow, PACKET_PIXELS, Packet, WrapMode};
 
 /// Approximate calculator (310a): takes segments and the exact u, v at their ends, interpolates between them, one pixel after
 /// the other, and sends u, v to the texture look-up table (330) and du, dv to the MIP-map selector (320).
@@ -78,7 +78,7 @@ impl ApproximateCalculator {
     fn take(&mut self, control: &Control) {
         let Control::Polygon(polygon) = control else { return };
         if let Some(texture) = &polygon.material.color_texture {
-            self.state.repeats = texture.sampler.wrap.map(|wrap| wrap != Wrap::Clamp);
+            self.state.repeats = texture.sampler.wrap.map(|wrap| wrap != WrapMode::Clamp);
         }
     }
 

@@ -7,7 +7,7 @@ use crate::signals::Span;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{HardwareKind, Work};
 use basrelief_signals::width::NUMBER;
-use basrelief_signals::{Signal, Widths};
+use basrelief_signals::{BitWidth, SignalWidths};
 
 /// Adders of the step calculator, beside those of its points.
 const ADDERS: u32 = 3;
@@ -46,7 +46,7 @@ impl StepCalculator {
 
     pub(super) fn tell_hardware(&self, facts: &mut Facts) {
         let TexelConfig { method, step_bits, coordinate_bits, multipliers, step_table, .. } = self.config;
-        let widths = Widths { texture: coordinate_bits, ..Widths::default() };
+        let widths = SignalWidths { texture: coordinate_bits, ..SignalWidths::default() };
         facts.hardware(HardwareKind::Multiplier, "U, V, W of a point", 3_u32, coordinate_bits);
         facts.hardware(HardwareKind::Adder, "U, V, W of a point", 3_u32, coordinate_bits);
         facts.hardware(HardwareKind::Registers, "the span", 1_u32, Span::bits(&widths));

@@ -1,7 +1,7 @@
 //! Spans on their way through step calculator, dividers and approximate calculator (310a), and random spans.
 
 use basrelief_kernel::{Demand, OperatorConfig, Operators, Traffic, Unit};
-use basrelief_signals::{Control, Flow, Image, Material, Polygon, Sampler, Texture, Vertex, Wrap};
+use basrelief_signals::{Control, Flow, Image, Material, Polygon, Sampler, Texture, Vertex, WrapMode};
 use basrelief_texel_value_generator::signals::{GradientPacket, Segment, Span, TexelPacket, scale_of};
 use basrelief_texel_value_generator::{
     ApproximateCalculator, ApproximationConfig, Divider, DividerConfig, MipPer, StepCalculator, StepCalculatorCounters,
@@ -63,7 +63,7 @@ impl Walked {
 }
 
 /// A polygon with a texture of these wrap modes, for what is constant over it.
-pub fn textured(wrap: Wrap) -> Arc<Polygon> {
+pub fn textured(wrap: WrapMode) -> Arc<Polygon> {
     let side = |side: u32| Image { width: side, height: side, texels: vec![[200; 4]; (side * side) as usize] };
     let levels = [64, 32, 16, 8, 4, 2, 1].map(side).to_vec();
     let sampler = Sampler { wrap: [wrap; 2], ..Sampler::default() };
@@ -75,7 +75,7 @@ pub fn textured(wrap: Wrap) -> Arc<Polygon> {
 
 /// Takes a span through the three units.
 pub fn walk(config: &TexelConfig, span: Span) -> Walked {
-    walk_on(config, span, &textured(Wrap::Repeat), Some(MipPer::Segment))
+    walk_on(config, span, &textured(WrapMode::Repeat), Some(MipPer::Segment))
 }
 
 pub fn walk_on(config: &TexelConfig, span: Span, polygon: &Arc<Polygon>, gradients: Option<MipPer>) -> Walked {

@@ -3,7 +3,7 @@
 use crate::chain::{operators, textured};
 use crate::figures::{frame, polygon};
 use basrelief_kernel::{Demand, Traffic, Unit, unit_contract};
-use basrelief_signals::{Control, Flow, ObjectInfo, Polygon, Wrap};
+use basrelief_signals::{Control, Flow, ObjectInfo, Polygon, WrapMode};
 use basrelief_texel_value_generator::signals::{
     GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Points, Quotients, Segment, Span, TexelPacket, TexturePacket,
 };
@@ -21,7 +21,7 @@ fn display_list() -> Vec<Control> {
         shading: Default::default(),
         mesh: None,
     };
-    let plain = Polygon { material: Arc::default(), ..Polygon::clone(&textured(Wrap::Repeat)) };
+    let plain = Polygon { material: Arc::default(), ..Polygon::clone(&textured(WrapMode::Repeat)) };
     let Control::Polygon(shape) = polygon(&[[30.0, 2.0, 1.0], [50.0, 9.0, 1.0], [33.0, 20.0, 1.0]]) else { unreachable!() };
     let plain = Control::Polygon(Arc::new(Polygon { vertices: shape.vertices.clone(), ..plain }));
     let one = [

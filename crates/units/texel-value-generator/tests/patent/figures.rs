@@ -2,7 +2,7 @@
 
 use crate::chain::{Walked, config, operators, span, textured, walk};
 use basrelief_kernel::{Demand, Traffic, Unit};
-use basrelief_signals::{Camera, Control, Flow, Frame, Polygon, Vertex, Wrap};
+use basrelief_signals::{Camera, Control, Flow, Frame, Polygon, Vertex, WrapMode};
 use basrelief_texel_value_generator::signals::{Coordinates, Point, Points, Span};
 use basrelief_texel_value_generator::{
     Divider, DividerConfig, DividerCounters, Division, March, Method, ScanConverter, ScanConverterConfig, Snap, StorageElement,
@@ -27,7 +27,7 @@ pub fn frame(width: u32, height: u32) -> Control {
 /// A textured polygon of corners (x, y, 1 / w), u and v as x and y over the size of a picture of 64 x 64.
 pub fn polygon(corners: &[[f32; 3]]) -> Control {
     let vertex = |&[x, y, w]: &[f32; 3]| Vertex { position: [x, y, 0.5, w], uv: [x / 64.0, y / 64.0], ..Vertex::default() };
-    let polygon = Polygon { vertices: corners.iter().map(vertex).collect(), ..Polygon::clone(&textured(Wrap::Repeat)) };
+    let polygon = Polygon { vertices: corners.iter().map(vertex).collect(), ..Polygon::clone(&textured(WrapMode::Repeat)) };
     Control::Polygon(Arc::new(polygon))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::chain::{config, textured, walk_on};
 use crate::figures::scanned;
-use basrelief_signals::Wrap;
+use basrelief_signals::WrapMode;
 use basrelief_texel_value_generator::signals::Span;
 use basrelief_texel_value_generator::{March, Method, Snap, TexelConfig};
 
@@ -40,7 +40,7 @@ fn plane(random: &mut Random) -> Vec<Span> {
 
 /// How often an edge between texels turns back between scan lines; the exact ones are straight lines, and never do.
 fn reversals(spans: &[Span], config: &TexelConfig) -> usize {
-    let polygon = textured(Wrap::Clamp);
+    let polygon = textured(WrapMode::Clamp);
     let rows: Vec<Vec<f32>> =
         spans.iter().map(|s| walk_on(config, *s, &polygon, None).uv().iter().map(|uv| uv[0]).collect()).collect();
     let all = || rows.iter().flatten().copied();

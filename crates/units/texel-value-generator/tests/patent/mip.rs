@@ -2,7 +2,7 @@
 
 use crate::chain::{Walked, bounds, config, spans, textured, walk_on};
 use basrelief_kernel::{Traffic, Unit};
-use basrelief_signals::{Control, Flow, Wrap};
+use basrelief_signals::{Control, Flow, WrapMode};
 use basrelief_texel_value_generator::signals::GradientPacket;
 use basrelief_texel_value_generator::{MipConfig, MipMapSelector, MipMode, MipPer};
 use proptest::prelude::*;
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 fn levels(mode: MipMode, gradients: &[GradientPacket]) -> Vec<(u16, f32)> {
     let mut unit = MipMapSelector::new(MipConfig { mode, ..MipConfig::default() });
-    unit.step(Some(Flow::Control(Control::Polygon(textured(Wrap::Repeat)))), &mut Traffic::default());
+    unit.step(Some(Flow::Control(Control::Polygon(textured(WrapMode::Repeat)))), &mut Traffic::default());
     let mut all = Vec::new();
     for packet in gradients {
         let Some(Flow::Item(levels)) = unit.step(Some(Flow::Item(*packet)), &mut Traffic::default()).out else { panic!() };
@@ -22,7 +22,7 @@ fn levels(mode: MipMode, gradients: &[GradientPacket]) -> Vec<(u16, f32)> {
 proptest! {
     #[test]
     fn claim_9_the_level_is_constant_per_segment_and_follows_from_its_ends(span in spans(), e in bounds()) {
-        let walked = walk_on(&config(e), span, &textured(Wrap::Repeat), Some(MipPer::Segment));
+        let walked = walk_on(&config(e), span, &textured(WrapMode::Repeat), Some(MipPer::Segment));
         let levels: BTreeMap<u16, f32> = levels(MipMode::Trilinear, &walked.gradients).into_iter().collect();
         for segment in &walked.segments {
             let [a, b] = [segment.from, segment.to].map(|k| Walked::exact(&span, k));
@@ -37,7 +37,7 @@ proptest! {
 
     #[test]
     fn a_level_per_pixel_follows_from_the_derivative_there(span in spans(), e in bounds()) {
-        let walked = walk_on(&config(e), span, &textured(Wrap::Repeat), Some(MipPer::Pixel));
+        let walked = walk_on(&config(e), span, &textured(WrapMode::Repeat), Some(MipPer::Pixel));
         for (texels, packet) in walked.packets.iter().zip(&walked.gradients) {
             // Between division points it is that of the interpolated u.
             for i in packet.packet.positions().filter(|i| texels.points & 1 << i != 0) {

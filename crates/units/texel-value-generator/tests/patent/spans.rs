@@ -1,7 +1,7 @@
 //! Section 3: the step. Properties of division points along random scan lines.
 
 use crate::chain::{Walked, bounds, config, rounding, span, spans, textured, walk, walk_on};
-use basrelief_signals::Wrap;
+use basrelief_signals::WrapMode;
 use basrelief_texel_value_generator::signals::Span;
 use basrelief_texel_value_generator::{Method, RootTable, StepForm, TexelConfig, largest_displacement};
 use proptest::prelude::*;
@@ -77,7 +77,7 @@ proptest! {
 
     #[test]
     fn texels_along_a_span_are_monotone(span in spans(), e in bounds()) {
-        let uv = walk_on(&config(e), span, &textured(Wrap::Clamp), None).uv();
+        let uv = walk_on(&config(e), span, &textured(WrapMode::Clamp), None).uv();
         for i in 0..2 {
             let rising = span.ends[1][i] / span.ends[1][2] >= span.ends[0][i] / span.ends[0][2];
             let monotone = uv.windows(2).all(|p| if rising { p[0][i] <= p[1][i] } else { p[0][i] >= p[1][i] });

@@ -1,7 +1,7 @@
 //! Section 5: how long a step keeps its unit.
 
 use crate::chain::{config, span, textured, walk, walk_on};
-use basrelief_signals::Wrap;
+use basrelief_signals::WrapMode;
 use basrelief_texel_value_generator::{Method, MipPer, TexelConfig, keeps_bound, largest_displacement};
 use proptest::prelude::*;
 
@@ -59,7 +59,7 @@ proptest! {
 fn section_5_the_interpolator_takes_a_pixel_per_cycle_and_a_reciprocal_for_each_where_gradients_are_per_pixel() {
     let span = span(200, [0.1, 1.0], UV);
     // Behind the control token, which takes one.
-    let kept = |config: &TexelConfig, gradients| walk_on(config, span, &textured(Wrap::Repeat), gradients).kept.1 - 1;
+    let kept = |config: &TexelConfig, gradients| walk_on(config, span, &textured(WrapMode::Repeat), gradients).kept.1 - 1;
     // Reciprocals of 12 bits take 6 cycles.
     for (gradients, cycles) in [(None, 200), (Some(MipPer::Segment), 200), (Some(MipPer::Pixel), 200 * 6)] {
         assert_eq!(kept(&config(0.5), gradients), cycles, "{gradients:?}");
