@@ -1,41 +1,42 @@
-//! What making a code book costs: passes over the gathered pseudo-normals in memory (120), with the arithmetic of each.
+//! Costs of a code book: passes over the gathered pseudo-normals in memory (120), with the arithmetic of each.
 //!
-//! The host finds the book at once ([`build_code_book`](crate::build_code_book)); the device reads all gathered N' once per pass:
+//! The host computes the whole book at once ([`build_code_book`](crate::build_code_book)). The device reads all gathered N' once
+//! per pass:
 //!
-//! 1. *Directions*: each N' is brought to unit length, written back in its place, and looked for among those kept so far, as
-//!    in any search. Where no more are distinct than there are entries, these are the book, and this is the only pass.
-//! 2. *Seeds*: one pass per entry, which finds the direction farthest from all seeds so far: an inner product per N', and the
-//!    largest so far of each, read and written beside it.
-//! 3. *Means*: each direction is searched and added to the sum of its entry; then every entry is brought to unit length.
+//! 1. *Directions*: each N' is brought to unit length, written back in its place, and searched among the directions kept so far.
+//!    If no more directions are distinct than there are entries, they are the book, and this is the only pass.
+//! 2. *Seeds*: one pass per entry, which finds the direction farthest from all seeds so far. It takes an inner product per N' and
+//!    reads and writes the largest so far beside each N'.
+//! 3. *Means*: each direction is searched and added to the sum of its entry. Then every entry is brought to unit length.
 //!
-//! At last the book is written to where the level's VQ table (121) lies: the brightness fetch unit (112) reads it there.
+//! Finally the book is written into the space of the level's VQ table (121), where the brightness fetch unit (112) reads it.
 
 use crate::ReplacementConfig;
 use basrelief_kernel::{Operators, Work};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
-/// The largest inner product of an N' with a seed so far, kept beside it in memory \[bytes\].
+/// Size of the largest inner product of an N' with a seed so far, kept beside it in memory \[bytes\].
 const BEST_BYTES: u64 = 4;
 
-/// What the batch of a code book consists of.
+/// Size of the batch of a code book.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Batch {
-    /// Pseudo-normals, of all levels.
+    /// Pseudo-normals of all levels.
     pub(crate) normals: u64,
-    /// Bytes that they take in memory.
+    /// Size of the pseudo-normals in memory \[bytes\].
     pub(crate) bytes: u64,
-    /// Entries of the book, of all levels.
+    /// Entries of the book over all levels.
     pub(crate) entries: u64,
-    /// Seed passes: entries of the level that has most, of those that do not hold all their directions.
+    /// Seed passes: entries of the largest level among those that do not hold all their directions.
     pub(crate) seeds: u64,
-    /// Passes that moved entries, or found that none moved any more.
+    /// Passes that moved entries, or found that none moved.
     pub(crate) means: u64,
-    /// Cycles in which every N' is searched once in the book of its level.
+    /// Cycles to search every N' once in the book of its level.
     pub(crate) search_cycles: u64,
 }
 
-/// One pass: so much is read, so much written meanwhile, and it takes so long beside that.
+/// One pass: bytes read, bytes written at the same time, and cycles of arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Pass {
     read: u64,
@@ -43,7 +44,7 @@ pub(crate) struct Pass {
     cycles: u64,
 }
 
-/// A clustering under way: the passes to come, and how far the first of them is.
+/// A clustering in progress: the remaining passes, and the progress of the first of them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Clustering {
     passes: VecDeque<Pass>,
@@ -52,7 +53,7 @@ pub(crate) struct Clustering {
     spent: u64,
 }
 
-/// What a step of a clustering does: moves these bytes, each from its offset in the gathered N' on, and takes these cycles.
+/// Work of one step of a clustering: bytes moved, each from an offset in the gathered N' on, and cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
     pub(crate) at: u64,
@@ -62,7 +63,7 @@ pub(crate) struct Part {
 }
 
 impl Clustering {
-    /// All passes over a batch.
+    /// Returns all passes over a batch.
     pub(crate) fn new(batch: &Batch, config: &ReplacementConfig, operators: &Operators) -> Self {
         let lanes = config.lanes.max(1);
         let have = config.arithmetic();
@@ -70,7 +71,7 @@ impl Clustering {
         let directions = Pass {
             read: batch.bytes,
             write: batch.bytes,
-            // Searched while the next one is brought to unit length.
+            // The search overlaps with bringing the next N' to unit length.
             cycles: batch.search_cycles.max(batch.normals * unit_length),
         };
         let best = batch.normals * BEST_BYTES;
@@ -81,13 +82,13 @@ impl Clustering {
         Self { passes: std::iter::once(directions).chain(seeds).chain(means).collect(), ..Self::default() }
     }
 
-    /// The next part, of at most `most` bytes read; nothing when all passes are over.
+    /// Returns the next part, with at most `most` bytes read. Returns `None` if all passes are over.
     pub(crate) fn next(&mut self, most: u64) -> Option<Part> {
         let pass = self.passes.front()?;
         let at = self.read;
         let read = (pass.read - at).min(most.max(1));
         self.read += read;
-        // What goes along with the bytes read so far, rounded down; all of it with the last of them.
+        // Share that goes with the bytes read so far, rounded down. The last bytes get all of it.
         let share = |whole: u64| (u128::from(whole) * u128::from(self.read) / u128::from(pass.read.max(1))) as u64;
         let (written, spent) = (share(pass.write), share(pass.cycles));
         let part = Part { at, read: read as u32, write: (written - self.written) as u32, cycles: spent - self.spent };
@@ -118,13 +119,13 @@ mod tests {
         let written: u64 = parts.iter().map(|p| u64::from(p.write)).sum();
         assert_eq!(written, 6_000 + 16 * 4_000, "directions once, the best product with each seed");
         let cycles: u64 = parts.iter().map(|p| p.cycles).sum();
-        // One divider and one root, each busy one cycle; seeds 64 at a time.
+        // One divider and one square-root unit, each busy for one cycle. Seeds go 64 at a time.
         assert_eq!(cycles, 1_000 + 16 * 16 + 3 * (1_000 + 16));
         assert!(parts.iter().all(|p| p.read <= 64 && p.write <= 64 + 4));
     }
 
     #[test]
-    fn a_small_book_takes_one_pass() {
+    fn small_book_takes_one_pass() {
         let batch = Batch { normals: 10, bytes: 60, entries: 4, search_cycles: 10, ..Batch::default() };
         assert_eq!(parts(&batch), [Part { at: 0, read: 60, write: 60, cycles: 10 }]);
     }

@@ -1,29 +1,29 @@
-//! Code books: reference normals from the surface's own N' (spec variants (b) and (e)).
+//! Code books: reference normals computed from the surface's own N' (spec variants (b) and (e)).
 
 use crate::NearestSearch;
 use basrelief_shading::quantize_unit;
 
-/// A direction and how often it occurs.
+/// A direction and its number of occurrences.
 type Weighted = ([i16; 3], i64);
 
-/// A code book, and how it was found.
+/// A code book, and the effort of its clustering.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CodeBook {
     /// The reference normals.
     pub normals: Vec<[i16; 3]>,
-    /// Seeds that had to be found; 0 where no more directions are distinct than there are entries.
+    /// Number of seeds that had to be found. It is 0 if no more directions are distinct than there are entries.
     pub seeds: u32,
-    /// Passes over all directions that moved entries, or found that none moved any more.
+    /// Passes over all directions that moved entries, or found that none moved.
     pub passes: u32,
 }
 
-/// At most `entries` reference normals for `normals`, by k-means: seeds as far from each other as can be, then `passes`
-/// times every direction goes to its nearest reference normal and each of those to the mean of its directions.
+/// Computes at most `entries` reference normals for `normals` by k-means. Seeds are as far from each other as possible. Then
+/// `passes` times, every direction joins its nearest reference normal, which moves to the mean of its directions.
 ///
-/// Directions are unit vectors of `entry_bits` bits before they are clustered; where no more than `entries` of them are
-/// distinct, they are the code book. The zero vector has no direction and is left out; a book of nothing else holds the
-/// zero vector. Everything is counted in whole numbers but the length of a mean, in a fixed order: the same bits
-/// everywhere. Ascending order in the first case, order of the seeds in the second.
+/// Directions are unit vectors of `entry_bits` bits before they are clustered. If no more than `entries` of them are distinct,
+/// they are the code book, in ascending order. Otherwise the book has the order of the seeds. The zero vector has no direction
+/// and is left out, except from a book of nothing else. All arithmetic except the length of a mean is in whole numbers and in a
+/// fixed order, so every platform computes the same bits.
 pub fn build_code_book(normals: impl Iterator<Item = [i16; 3]>, entries: u32, passes: u32, entry_bits: u32) -> CodeBook {
     let directions = count_directions(normals, entry_bits);
     let entries = entries.max(1) as usize;
@@ -58,14 +58,15 @@ fn count_directions(normals: impl Iterator<Item = [i16; 3]>, bits: u32) -> Vec<W
     counted
 }
 
-/// The vector at unit length in steps of 1/32767; zero stays zero.
+/// Returns the vector at unit length in steps of 1/32767. Zero stays zero.
 fn unit(v: [i64; 3], bits: u32) -> [i16; 3] {
     let v = v.map(|c| c as f64);
     let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     if length > 0.0 { v.map(|c| quantize_unit(c / length, bits)) } else { [0; 3] }
 }
 
-/// Each next seed is the direction farthest from all before it (the lowest of several); the first is the most frequent.
+/// Returns the seeds. The first is the most frequent direction. Each further seed is the direction farthest from all before it
+/// (the lowest of several).
 fn seeds(directions: &[Weighted], entries: usize) -> Vec<[i16; 3]> {
     let mut book = Vec::with_capacity(entries);
     let mut next = directions.iter().rev().max_by_key(|(_, count)| *count).map(|(d, _)| *d);
@@ -84,7 +85,7 @@ fn dot(a: [i16; 3], b: [i16; 3]) -> i64 {
     (0..3).map(|i| i64::from(a[i]) * i64::from(b[i])).sum()
 }
 
-/// One pass; a reference normal that no direction goes to stays where it is.
+/// Computes one pass. A reference normal without directions does not move.
 fn means(directions: &[Weighted], book: &[[i16; 3]], bits: u32) -> Vec<[i16; 3]> {
     let mut search = NearestSearch::new(book, directions.len());
     let mut sums = vec![[0_i64; 3]; book.len()];
@@ -106,7 +107,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn few_distinct_normals_are_the_book() {
+    fn few_distinct_normals_become_the_book() {
         let normals = [[0, 0, 5], [0, 7, 0], [0, 0, 9], [0; 3], [0, 7, 0]];
         let book = build_code_book(normals.into_iter(), 2, 8, 16);
         assert_eq!((book.normals, book.seeds, book.passes), (vec![[0, 0, 32_767], [0, 32_767, 0]], 0, 0));
@@ -114,8 +115,8 @@ mod tests {
     }
 
     #[test]
-    fn clusters_are_found() {
-        // Three tight bunches; three entries must end in their middles.
+    fn k_means_finds_clusters() {
+        // Three tight bunches, in whose middles three entries must end.
         let bunch = |x: i16, y: i16, z: i16| (-5..=5).map(move |d| [x + 10 * d, y - 10 * d, z + 5 * d]);
         let normals = bunch(30_000, 300, 200).chain(bunch(-200, 30_000, 0)).chain(bunch(100, 200, -30_000));
         let mut book = build_code_book(normals, 3, 8, 16).normals;
@@ -125,7 +126,7 @@ mod tests {
         }
     }
 
-    /// Mean squared distance between unit normals and their entries, in units of the unit vector.
+    /// Returns the mean squared distance between unit normals and their entries, in units of the unit vector.
     fn error(normals: &[[i16; 3]], book: &[[i16; 3]]) -> f64 {
         let mut search = NearestSearch::new(book, normals.len());
         let one = |n: &[i16; 3]| {
@@ -136,8 +137,8 @@ mod tests {
     }
 
     #[test]
-    fn a_book_of_its_own_beats_the_fixed_table_of_the_same_size() {
-        // A cap of the sphere, as a polygon's normals are.
+    fn code_book_beats_fixed_table_of_same_size() {
+        // A cap of the sphere, similar to the normals of a polygon.
         let sphere = reference_normals(0, 20_000, Table::Fibonacci, true, 16).unwrap();
         let cap: Vec<[i16; 3]> = sphere.into_iter().filter(|n| n[2] > 26_000).collect();
         let fixed = reference_normals(1, 64, Table::Fibonacci, true, 16).unwrap();
@@ -150,7 +151,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn never_more_than_asked_for(
+        fn book_never_exceeds_requested_entries(
             normals in prop::collection::vec(prop::array::uniform3(-99i16..99), 1..300), entries in 1u32..40,
         ) {
             let book = build_code_book(normals.iter().copied(), entries, 3, 10);

@@ -1,4 +1,4 @@
-//! Code books: the unit gathers, clusters, and sends what it held.
+//! Code books: the unit gathers N', clusters them, and sends the held tokens.
 
 use crate::clustering::{Batch, Clustering};
 use crate::unit::{GATHERED, Out};
@@ -12,7 +12,7 @@ impl Replacement {
         (3 * self.normal_bits).div_ceil(8) * (normals.stamp.len() * normals.samples.len()).max(1) as u32
     }
 
-    /// Writes N' to the lower end of the room in memory (120), what is held beside them to the upper end.
+    /// Writes N' to the lower end of the room in memory (120), and the data held beside them to the upper end.
     pub(crate) fn gather(&mut self, normals: PseudoNormals, traffic: &mut Traffic) -> Out {
         let (bytes, beside) = (self.normals_bytes(&normals), crate::gather::fragments_bytes(&normals));
         if !self.has_room(u64::from(bytes) + u64::from(beside), traffic) {
@@ -26,7 +26,7 @@ impl Replacement {
         self.quiet()
     }
 
-    /// Control between gathered fragments is held among them.
+    /// Holds a control token that arrives between gathered fragments.
     pub(crate) fn hold(&mut self, control: Control, traffic: &mut Traffic) -> Out {
         let bytes = crate::gather::control_bytes(&control);
         if self.has_room(u64::from(bytes), traffic) {
@@ -36,7 +36,7 @@ impl Replacement {
         self.quiet()
     }
 
-    /// The control token that ends a batch waits for all of it.
+    /// Takes the control token that ends a batch. It leaves after all of the batch.
     pub(crate) fn end_batch(&mut self, control: Control) -> Out {
         self.state.gather.ending = Some(control);
         self.quiet()
@@ -71,7 +71,7 @@ impl Replacement {
         )
     }
 
-    /// A step that takes no input while a batch is flushed: of the clustering, of writing the book, or of sending.
+    /// Makes a step without input while a batch is flushed: of the clustering, of writing the book, or of sending.
     pub(crate) fn flush(&mut self, traffic: &mut Traffic) -> Out {
         if self.state.gather.is_sending {
             return self.send(traffic);
@@ -82,7 +82,7 @@ impl Replacement {
         }
     }
 
-    /// Finds the code book of the batch, one list per table level in use, and makes the first step of what that costs.
+    /// Computes the code book of the batch, one list per table level in use, and makes the first step of its cost.
     fn cluster(&mut self, traffic: &mut Traffic) -> Out {
         let object = self.fixed_by_object();
         let mut lists = vec![Vec::new(); LEVELS];
@@ -126,7 +126,7 @@ impl Replacement {
         self.quiet().busy(cycles)
     }
 
-    /// Writes the next of the code book to where the VQ tables (121) lie; with the last of it, the book itself goes on.
+    /// Writes the next part of the code book to the VQ tables (121). With the last part, the book itself is sent.
     fn write_book(&mut self, traffic: &mut Traffic) -> Out {
         let most = u64::from(self.config.load_bytes);
         if let Some(load) = self.state.gather.unwritten.front_mut() {
@@ -147,7 +147,7 @@ impl Replacement {
         step
     }
 
-    /// Sends the next of what was gathered; at last the control token that ended the batch.
+    /// Sends the next gathered token. The control token that ended the batch is last.
     fn send(&mut self, traffic: &mut Traffic) -> Out {
         match self.state.gather.held.pop_front() {
             Some(Flow::Item(mut normals)) => {

@@ -6,18 +6,18 @@ use basrelief_parameters::parameters;
 use basrelief_shading::{LEVELS, MAX_ENTRIES, Table, TableSet};
 use serde::{Deserialize, Serialize};
 
-/// One number for all MIP levels, or one per level; a list shorter than 8 goes on with its last number.
+/// One number for all MIP levels, or one per level. A list shorter than 8 continues with its last number.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(untagged)]
 pub enum PerLevel {
-    /// The same at every level.
+    /// The same number at every level.
     One(u32),
-    /// From level 0 (finest) on.
+    /// Numbers from level 0 (finest) on.
     Levels(Vec<u32>),
 }
 
 impl PerLevel {
-    /// The number of each level.
+    /// Returns the number of each level.
     pub fn levels(&self) -> [u32; LEVELS] {
         match self {
             Self::One(n) => [*n; LEVELS],
@@ -29,7 +29,7 @@ impl PerLevel {
     }
 }
 
-/// Range of a [`PerLevel`]: every number lies in it, and a list has 1 to 8.
+/// Range of a [`PerLevel`]: each number lies in the range, and a list has 1 to 8 numbers.
 #[derive(Clone)]
 struct EachWithin(std::ops::RangeInclusive<u32>);
 
@@ -48,27 +48,27 @@ impl std::fmt::Debug for EachWithin {
     }
 }
 
-/// Whether the tables of two levels differ.
+/// Selects whether the tables of two levels differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Tables {
-    /// Each level has reference normals of its own: quantization errors differ, interpolation absorbs them.
+    /// Each level has reference normals of its own, so that quantization errors differ and interpolation averages them.
     #[default]
     Different,
-    /// Every level has those of level 0: the ablation.
+    /// Every level has the reference normals of level 0, for the ablation.
     Identical,
 }
 
-/// Where the reference normals come from.
+/// Source of the reference normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CodeBookMode {
     /// Tables fixed in advance.
     #[default]
     Fixed,
-    /// From each polygon's own N'.
+    /// Code books computed from each polygon's own N'.
     PerPolygon,
-    /// From all N' of an object.
+    /// Code books computed from all N' of an object.
     PerObject,
 }
 
@@ -77,40 +77,39 @@ parameters! {
     pub struct ReplacementConfig {
         /// Reference normals per VQ table (121): one number, or one per MIP level.
         entries: PerLevel = PerLevel::One(256), unit: "reference normals", Stated("256 by default at level 0; the count may fall per level"), range: EachWithin(1..=MAX_ENTRIES as u32);
-        /// How the reference normals are spread: fibonacci or tetrahedron (4 k^2 entries).
+        /// Distribution of the reference normals: fibonacci or tetrahedron (4 k^2 entries).
         table: Table = Table::Fibonacci, unit: "", Assumed("even for every number of entries; the stated tetrahedron divided 8 x 8 is not");
-        /// Whether each level has reference normals of its own: different or identical.
+        /// Selects whether each level has reference normals of its own: different or identical.
         tables: Tables = Tables::Different, unit: "", Stated("each level has a different set of vectors, even where counts are equal");
         /// Width of each component of a table entry.
         entry_bits: u32 = 16, unit: "bits", Assumed("no coarser than N'"), range: 8..=16;
-        /// Inner-product units that work side by side on one search, which keeps them for ceil(entries / lanes) cycles.
+        /// Dot-product units that work in parallel on one search, which takes ceil(entries / lanes) cycles.
         lanes: u32 = 64, unit: "inner products", Assumed("a search of 256 in 4 cycles"), range: 1..=65536;
-        /// A new search may start every cycle: the lanes are there ceil(entries / lanes) times.
+        /// True if a new search can start every cycle: the lanes exist ceil(entries / lanes) times.
         pipelined: bool = false, unit: "", Assumed("off: 64 inner-product units are 192 multipliers already");
-        /// Added to the MIP level to choose table and CLUT: an object of less importance takes coarser ones.
+        /// Offset of the MIP level that selects table and CLUT: a less important object uses coarser ones.
         vq_bias: u8 = 0, unit: "levels", Stated("a far or unimportant object may take a coarser table"), range: 0..=7;
-        /// Where the reference normals come from: fixed, per_polygon or per_object.
+        /// Source of the reference normals: fixed, per_polygon or per_object.
         codebook: CodeBookMode = CodeBookMode::Fixed, unit: "", Stated("tables fixed in advance; dynamic ones are the variants");
-        /// VQ tables that the unit holds; the least recently used goes first.
+        /// VQ tables that the unit holds. The least recently used one is replaced.
         resident_tables: u32 = 2, unit: "tables", Assumed("the two adjacent levels of a polygon"), range: 1..=64;
-        /// Bytes of one read while a VQ table is loaded.
+        /// Size of one read while a VQ table is loaded.
         load_bytes: u32 = 64, unit: "bytes", Assumed("one burst"), range: 1..=4096;
-        /// Passes of the clustering of a code book.
+        /// Most k-means passes of a code book.
         kmeans_iterations: u32 = 8, unit: "passes", Assumed("the error hardly falls after that"), range: 1..=64;
-        /// Room in memory (120) for gathered pseudo-normals and what is held beside them: fragments and control.
+        /// Memory (120) for gathered pseudo-normals and for the fragments and control held beside them.
         gather_bytes: u64 = 64 << 20, unit: "bytes", Assumed("2.2 M fragments of two levels"), range: 1..=1_u64 << 32;
-        /// How the number of reference normals changes from frame to frame, where an object does not fix it: fixed, by_lod or
-        /// by_fragments.
+        /// Rule that changes the number of reference normals per frame, unless an object fixes it: fixed, by_lod or by_fragments.
         policy: Policy = Policy::Fixed, unit: "", Stated("the number may be changed dynamically; by which rule is ours");
-        /// Fewest reference normals that a policy goes down to.
+        /// Fewest reference normals that a policy selects.
         least_entries: u32 = 16, unit: "reference normals", Assumed("below that the steps of brightness are seen on any surface"), range: 1..=MAX_ENTRIES as u32;
-        /// With by_fragments: fragments that an object drew in the last frame, per reference normal that it gets.
+        /// For by_fragments: fragments of an object in the last frame per reference normal.
         fragments_per_entry: u32 = 64, unit: "fragments", Assumed("an object of 128 x 128 pixels gets 256"), range: 1..=1048576;
     }
 }
 
 impl ReplacementConfig {
-    /// The VQ tables (121) that follow from entries, spread and width.
+    /// Returns the VQ tables (121) defined by entries, distribution and width.
     pub fn table_set(&self) -> TableSet {
         TableSet {
             entries: self.entries.levels(),
@@ -120,27 +119,27 @@ impl ReplacementConfig {
         }
     }
 
-    /// Inner-product units: the lanes, or where a search may start every cycle enough for the largest table.
+    /// Returns the number of inner-product units: the lanes, or if a search can start every cycle enough for the largest table.
     pub fn inner_products(&self) -> u32 {
         let most = self.entries.levels().into_iter().max().unwrap_or(1);
         let times = if self.pipelined { most.div_ceil(self.lanes.max(1)) } else { 1 };
         self.lanes.saturating_mul(times)
     }
 
-    /// The operators that directions of code books are brought to unit length with: those of the inner products, and one
-    /// divider and one root.
+    /// Returns the operators that bring directions of code books to unit length: those of the inner products, one divider and one
+    /// square-root unit.
     pub(crate) fn arithmetic(&self) -> Work {
         Work { divide: 1, square_root: 1, ..Work::INNER_PRODUCT.times(self.lanes) }
     }
 
-    /// Cycles from N' to its index beside the inner products of a search: a product, two sums, and the tree of comparisons that
-    /// finds the largest of all lanes and of what was found before.
+    /// Returns the cycles from N' to its index without the inner products of a search: a product, two sums, and a tree of
+    /// comparisons. The tree finds the largest of all lanes and of the earlier results.
     pub fn latency(&self, operators: &Operators) -> u64 {
         let comparisons = u32::BITS - (self.lanes.max(1) - 1).leading_zeros() + 1;
         operators.latency(Work { multiply: 1, add: 2 + comparisons, ..Work::NONE })
     }
 
-    /// Cycles of one search of `entries` reference normals, beside the latency.
+    /// Returns the cycles of one search of `entries` reference normals, without the latency.
     pub fn search_cycles(&self, entries: u32) -> u64 {
         u64::from(entries.div_ceil(self.lanes.max(1)).max(1))
     }
@@ -151,7 +150,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn entries_are_one_number_or_one_per_level() {
+    fn entries_accept_one_number_or_one_per_level() {
         let load = |set: &[(&str, &str)]| basrelief_parameters::load::<ReplacementConfig>("", set);
         assert_eq!(load(&[("entries", "64")]).unwrap().entries.levels(), [64; 8]);
         let falling = load(&[("entries", "[256, 128, 64]")]).unwrap();
@@ -163,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn a_search_takes_entries_over_lanes() {
+    fn search_takes_entries_over_lanes() {
         let config = ReplacementConfig { lanes: 64, ..ReplacementConfig::default() };
         assert_eq!([1, 64, 65, 256].map(|n| config.search_cycles(n)), [1, 1, 2, 4]);
     }

@@ -1,14 +1,14 @@
-//! Normal-vector replacement unit (110): replaces each pseudo-normal N' by the nearest reference normal of its level's
-//! VQ table (121) and hands on only the index.
+//! Normal-vector replacement unit (110): replaces each pseudo-normal N' by the nearest reference normal of its level's VQ table
+//! (121) and sends only the index.
 //!
 //! ```text
-//! Flow<PseudoNormals> -> [ table resident? | gather, cluster | search ] -> Flow<Indexes>
+//! Flow<PseudoNormals> -> [ table resident? | gather, cluster | search ] -> Flow<NormalIndexes>
 //!                             |                  |
 //!              client 0: VQ tables (121)   client 1: gathered N'      both in memory (120)
 //! ```
 //!
-//! Erratum of the patent: it says to take the *smallest* normalized inner product, which would be the opposite vector.
-//! The nearest has the *largest*; ties go to the lowest index.
+//! Erratum of the patent: it takes the *smallest* normalized inner product, which selects the opposite vector. The nearest has
+//! the *largest*, and ties go to the lowest index.
 
 mod clustering;
 mod code_book;

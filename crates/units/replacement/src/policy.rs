@@ -1,37 +1,38 @@
-//! How the number of reference normals changes while the machine runs (stated: "dynamically").
+//! Policies that change the number of reference normals while the machine runs (stated: "dynamically").
 //!
-//! A policy looks at what an object drew in the last frame, never at cycles: what is drawn may not depend on when (law 6).
+//! A policy depends on the fragments that an object drew in the last frame, never on cycles, because the picture must not depend
+//! on time (law 6).
 
 use crate::ReplacementConfig;
 use basrelief_shading::Table;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// By which rule.
+/// Rule that changes the number of reference normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Policy {
-    /// Not at all.
+    /// The number does not change.
     #[default]
     Fixed,
-    /// Half as many per MIP level at which the object was drawn in the last frame, on average over its fragments.
+    /// The number halves per MIP level at which the object was drawn in the last frame, on average over its fragments.
     ByLod,
-    /// In proportion to the fragments that the object drew in the last frame.
+    /// The number is proportional to the fragments that the object drew in the last frame.
     ByFragments,
 }
 
-/// Objects that are remembered; those beyond have the configured number.
+/// Most objects that are remembered. Further objects have the configured number.
 pub(crate) const MOST_OBJECTS: usize = 256;
 
-/// What an object drew.
+/// Fragments of an object in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Seen {
     fragments: u64,
-    /// Sum of the level of detail over them.
+    /// Sum of the level of detail over the fragments.
     lod: u64,
 }
 
-/// What each object drew in the last frame, and has drawn in this one.
+/// Fragments of each object in the last frame and in the current one.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct History {
     last: BTreeMap<u32, Seen>,
@@ -39,12 +40,12 @@ pub(crate) struct History {
 }
 
 impl History {
-    /// A frame begins.
+    /// Begins a frame.
     pub(crate) fn begin_frame(&mut self) {
         self.last = std::mem::take(&mut self.now);
     }
 
-    /// Fragments of an object were drawn at this level of detail.
+    /// Counts fragments of an object at this level of detail.
     pub(crate) fn count(&mut self, object: u32, fragments: u64, lod: u8) {
         if self.now.len() < MOST_OBJECTS || self.now.contains_key(&object) {
             let seen = self.now.entry(object).or_default();
@@ -53,7 +54,7 @@ impl History {
         }
     }
 
-    /// Reference normals that the policy gives an object; `None` leaves it as configured.
+    /// Returns the number of reference normals that the policy gives an object. `None` leaves it as configured.
     pub(crate) fn entries(&self, object: u32, config: &ReplacementConfig) -> Option<u32> {
         let seen = self.last.get(&object).filter(|seen| seen.fragments > 0)?;
         let most = config.entries.levels()[0];
@@ -68,11 +69,11 @@ impl History {
     }
 }
 
-/// The largest table of at most `entries` entries.
+/// Returns the size of the largest table of at most `entries` entries.
 fn there_is(entries: u32, table: Table) -> u32 {
     match table {
         Table::Fibonacci => entries.max(1),
-        // 4 k^2 faces; the smallest has 4.
+        // 4 k^2 faces, at least 4.
         Table::Tetrahedron => 4 * (entries / 4).isqrt().max(1).pow(2),
     }
 }
@@ -89,27 +90,27 @@ mod tests {
     }
 
     #[test]
-    fn by_fragments_small_objects_get_small_tables() {
+    fn by_fragments_gives_small_objects_small_tables() {
         let of = |fragments| entries(Policy::ByFragments, Table::Fibonacci, fragments, 0);
         assert_eq!([1, 64 * 16, 64 * 100, 1 << 30].map(of), [Some(16), Some(16), Some(128), Some(256)]);
         assert_eq!(of(0), None, "it was not there in the last frame");
     }
 
     #[test]
-    fn by_lod_a_level_halves_the_table() {
+    fn by_lod_halves_table_per_level() {
         let of = |lod| entries(Policy::ByLod, Table::Fibonacci, 10, lod);
         assert_eq!([0, 7, 8, 16, 63].map(of), [Some(256), Some(256), Some(128), Some(64), Some(16)]);
         assert_eq!(entries(Policy::Fixed, Table::Fibonacci, 10, 8), None);
     }
 
     #[test]
-    fn a_tetrahedron_gets_a_division_that_it_has() {
+    fn policy_selects_existing_tetrahedron_division() {
         let of = |lod| entries(Policy::ByLod, Table::Tetrahedron, 10, lod);
         assert_eq!([0, 8, 16].map(of), [Some(256), Some(100), Some(64)]);
     }
 
     #[test]
-    fn memory_does_not_grow_with_the_number_of_objects() {
+    fn history_size_is_bounded() {
         let mut history = History::default();
         (0..10_000).for_each(|object| history.count(object, 1, 0));
         assert_eq!(history.now.len(), MOST_OBJECTS);

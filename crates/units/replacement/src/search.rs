@@ -1,45 +1,43 @@
-//! The nearest reference normal, exactly, without trying them all.
+//! Exact search for the nearest reference normal, without testing them all.
 //!
-//! Nearest means the largest inner product with N' in whole numbers; ties go to the lowest index; everything ties for the
-//! zero vector. The modelled cycles are those of the configuration, whatever the host does.
+//! The nearest reference normal has the largest inner product with N' in whole numbers. Ties go to the lowest index, and all
+//! entries tie for the zero vector. The modelled cycles follow from the configuration alone, not from the host's method.
 //!
-//! The directions are divided into cells: six faces of a cube, each with a grid of square cells. A cell is the cone over
-//! its square. Reference normal i *beats* j on a cone if `<n, q_i> >= <n, q_j>` for all n of the cone, strictly or with
-//! i < j. As `<n, q_i - q_j>` is linear in n and a cone over a square is spanned by its four corners, it beats j if the
-//! sign holds at the four corners: then `<n, q_i - q_j>` is a sum of them with shares >= 0, not all of which are zero
-//! unless n is. Whoever is beaten on a cell is never the answer for a direction in it, so the cell's list leaves it out.
-//! Beating is transitive and never mutual, so who is left includes, for each n, the answer; scanning the list in
-//! ascending order finds it. All of this is in whole numbers.
+//! The directions are divided into cells: six faces of a cube, each with a grid of square cells. A cell is the cone over its
+//! square. Reference normal i *beats* j on a cone if `<n, q_i> >= <n, q_j>` for all n of the cone, strictly or with i < j. The
+//! function `<n, q_i - q_j>` is linear in n, and a cone over a square is spanned by its four corners. So i beats j if the sign
+//! holds at the four corners: `<n, q_i - q_j>` is then a sum of the corner values with shares >= 0, not all zero unless n is
+//! zero. A normal that is beaten on a cell is never the answer for a direction in it, so the cell's list leaves it out. Beating
+//! is transitive and never mutual, so the remaining list includes the answer for each n, and a scan in ascending order finds it.
+//! All of this is in whole numbers.
 //!
-//! Rounding enters only where the cell of an N' is found: `(a / m + 1) * cells / 2` in single precision, for a component
-//! a and the largest m, rounded to the cell whose middle is nearest. Quotient, sum and product round by at most 2^-24 each,
-//! relatively, of values up to 256: an absolute error below 2^-14 cells. What is divided is less by 1/128 of a cell, so that none
-//! of it falls past the first or the last. The corners lie 1/32 of a cell outside, so N' is within the cone of the cell that it is
-//! found in.
+//! Rounding enters only in the choice of the cell of an N': `(a / m + 1) * cells / 2` in single precision, for a component a and
+//! the largest m, rounded to the cell with the nearest middle. Quotient, sum and product each round values up to 256 by at most
+//! 2^-24 relatively: an absolute error below 2^-14 cells. The quotient is reduced by 1/128 of a cell, so that no direction falls
+//! past the first or the last cell. The corners lie 1/32 of a cell outside, so N' is within the cone of its chosen cell.
 //!
 //! Rejected: a scan (256 entries cost 200 ns and more), and a k-d tree, whose descent mispredicts at every branch.
 
-use basrelief_signals::{Lanes, MAX_STAMP, Normals};
+use basrelief_signals::{MAX_STAMP, StampLanes, StampNormals};
 use wide::{f32x4, f64x4, i16x8, i32x4, u32x4};
 
-/// Units per half cell; corners stand `MARGIN` of them outside.
+/// Units per half cell. Corners lie `MARGIN` units outside.
 const HALF_CELL: i64 = 32;
 const MARGIN: i64 = 2;
 
-/// Largest sum of the components of a reference normal, whatever their signs: 32,768 times that has 32 bits.
+/// Largest sum of the absolute components of a reference normal. Its product with 32,768 has 32 bits.
 const MOST_LENGTH: u32 = 65_535;
 
-/// So much nearer to the middle of its face is a direction taken for when its cell is sought \[cells\].
+/// Shift of a direction towards the middle of its face for the choice of its cell \[cells\].
 const INSET: f32 = 1.0 / 128.0;
 
-/// Adding it rounds |x| <= 2^22 to a whole number, which then stands in the low 22 bits: around it, single precision has
-/// steps of 1.
+/// Adding this number rounds |x| <= 2^22 to a whole number in the low 22 bits, because single precision has steps of 1 around it.
 const WHOLE: f32 = 12_582_912.0;
 
-/// The same in double precision, for |x| <= 2^51.
+/// The same number for double precision, for |x| <= 2^51.
 const WHOLE_DOUBLE: f64 = 6_755_399_441_055_744.0;
 
-/// Finest grid: cells per edge of a cube face. The proof above needs at most this.
+/// Finest grid: cells per edge of a cube face. The proof above needs at most this many.
 const MOST_CELLS: u32 = 256;
 
 /// A reference normal and its index in the table.
@@ -57,22 +55,22 @@ impl Candidate {
     }
 }
 
-/// Candidates whose inner products are taken side by side.
+/// Candidates whose inner products are computed side by side.
 const SIDE_BY_SIDE: usize = 4;
 
-/// Four candidates, ascending; the last stands there again where there are fewer.
+/// Four candidates in ascending order. If there are fewer, the last is repeated.
 #[derive(Clone, Copy, Debug)]
 struct Four {
     /// x and y of each.
     xy: i16x8,
     /// z of each, and 0.
     z: i16x8,
-    /// Complements of their indexes.
+    /// Complements of the indexes.
     ranks: i32x4,
 }
 
 impl Four {
-    /// Of 1..=4 candidates.
+    /// Packs 1..=4 candidates.
     fn new(candidates: &[Candidate]) -> Self {
         let [a, b, c, d]: [Candidate; SIDE_BY_SIDE] = std::array::from_fn(|i| candidates[i.min(candidates.len() - 1)]);
         let [[ax, ay, az], [bx, by, bz], [cx, cy, cz], [dx, dy, dz]] = [a, b, c, d].map(|c| c.normal);
@@ -80,8 +78,9 @@ impl Four {
         Self { xy: i16x8::new([ax, ay, bx, by, cx, cy, dx, dy]), z: i16x8::new([az, 0, bz, 0, cz, 0, dz, 0]), ranks }
     }
 
-    /// Inner product and complement of the index of each in one number, of which the largest is sought: a branch on which is larger
-    /// could not be predicted, and ties go to the lowest index. Together they have 48 bits, which double precision holds.
+    /// Packs inner product and complement of the index of each candidate into one number whose maximum is the answer. A branch on
+    /// the larger product could not be predicted, and the complement gives ties to the lowest index. Together they have 48 bits,
+    /// which fit in double precision.
     #[inline(always)]
     fn keys(&self, [xy, z]: [i16x8; 2]) -> f64x4 {
         let dots = self.xy.dot(xy) + self.z.dot(z);
@@ -89,7 +88,7 @@ impl Four {
     }
 }
 
-/// The nearest of all these candidates.
+/// Returns the nearest of all these candidates.
 #[inline(always)]
 fn nearest_among(fours: &[Four], [x, y, z]: [i16; 3]) -> u16 {
     let Some((first, others)) = fours.split_first() else { return 0 };
@@ -102,28 +101,27 @@ fn nearest_among(fours: &[Four], [x, y, z]: [i16; 3]) -> u16 {
 
 /// Search structure over one VQ table (121) or code book.
 ///
-/// A quadtree of squares over each face: a square is divided when a direction falls into one of its quarters for the first
-/// time: what no direction falls into is never divided.
+/// It is a quadtree of squares over each face. A square is divided when a direction falls into one of its quarters for the first
+/// time. Squares without directions are never divided.
 #[derive(Clone, Debug)]
 pub struct NearestSearch {
     /// Cells per edge of a face in the finest grid, a power of two.
     cells: u32,
     all: Vec<Candidate>,
-    /// Candidates left on each square of the coarser grids: grid after grid, from the whole faces. `None`: not asked for yet.
+    /// Remaining candidates on each square of the coarser grids, grid by grid from the whole faces. `None` if not computed yet.
     squares: Vec<Option<Box<[Candidate]>>>,
-    /// Where those left on each cell, the squares of the finest grid, stand in `fours`: from here to
-    /// there. Nowhere: not asked for yet.
+    /// Range in `fours` of the candidates on each cell, the squares of the finest grid. Empty if not computed yet.
     finest: Vec<[u32; 2]>,
     fours: Vec<Four>,
 }
 
 impl NearestSearch {
-    /// For a table of at most 65,536 unit vectors in steps of 1/32767 (more are ignored) that will be searched about `searches`
-    /// times: the grid is as fine as pays.
+    /// Builds the structure for a table of at most 65,536 unit vectors in steps of 1/32767 (further ones are ignored). The grid
+    /// is as fine as pays off for about `searches` searches.
     ///
     /// # Panics
-    /// Where a vector is so long that inner products with it may have more than 32 bits. A unit vector is not, however coarsely
-    /// its components are rounded (to 8 bits or more).
+    /// Panics if a vector is so long that inner products with it may have more than 32 bits. Unit vectors are short enough,
+    /// however coarsely their components are rounded (to 8 bits or more).
     pub fn new(normals: &[[i16; 3]], searches: usize) -> Self {
         let length = |normal: &[i16; 3]| normal.iter().map(|c| u32::from(c.unsigned_abs())).sum::<u32>();
         assert!(normals.iter().all(|normal| length(normal) <= MOST_LENGTH), "reference normals are unit vectors");
@@ -134,25 +132,25 @@ impl NearestSearch {
         Self { cells, all, squares, finest, fours: Vec::new() }
     }
 
-    /// Entries of the table.
+    /// Returns the number of entries of the table.
     pub fn entries(&self) -> u32 {
         self.all.len() as u32
     }
 
-    /// Index of the nearest reference normal; 0 in an empty table.
+    /// Returns the index of the nearest reference normal, or 0 in an empty table.
     #[inline]
     pub fn nearest(&mut self, normal: [i16; 3]) -> u16 {
-        self.nearest_of(&Normals::all(normal), 1)[0]
+        self.nearest_of(&StampNormals::all(normal), 1)[0]
     }
 
-    /// Those of the first `count` of these.
+    /// Returns the indexes for the first `count` normals.
     #[inline]
-    pub fn nearest_of(&mut self, normals: &Normals, count: usize) -> [u16; MAX_STAMP] {
+    pub fn nearest_of(&mut self, normals: &StampNormals, count: usize) -> [u16; MAX_STAMP] {
         let cells = self.cells_of(normals);
         let mut indexes = [0; MAX_STAMP];
         for (lane, index) in indexes.iter_mut().enumerate().take(count) {
             let normal = normals.lane(lane);
-            // Everything ties for the zero vector, not only what is left on the cell.
+            // All entries tie for the zero vector, not only those left on the cell.
             if normal != [0; 3] {
                 *index = nearest_among(self.candidates(cells[lane]), normal);
             }
@@ -160,9 +158,9 @@ impl NearestSearch {
         indexes
     }
 
-    /// Numbers of the cells that directions fall into; of the zero vector's, any.
+    /// Returns the numbers of the cells of the directions. For the zero vector it is any cell.
     #[inline(always)]
-    fn cells_of(&self, normals: &Normals) -> [u32; MAX_STAMP] {
+    fn cells_of(&self, normals: &StampNormals) -> [u32; MAX_STAMP] {
         let [x, y, z] = normals.0.map(|c| f32x4::from_i32x4(i32x4::new(c.map(i32::from))));
         let [ax, ay, az] = [x, y, z].map(f32x4::abs);
         let (by_x, by_y) = (ax.simd_ge(ay) & ax.simd_ge(az), ay.simd_ge(az));
@@ -176,7 +174,7 @@ impl NearestSearch {
         ((number + WHOLE).to_bits() - u32x4::splat(WHOLE.to_bits())).to_array()
     }
 
-    /// Who is left on a cell.
+    /// Returns the candidates left on a cell.
     #[inline(always)]
     fn candidates(&mut self, cell: u32) -> &[Four] {
         let [first, end] = self.finest[cell as usize];
@@ -184,7 +182,7 @@ impl NearestSearch {
         &self.fours[first as usize..end as usize]
     }
 
-    /// Finds who that is, the first time that it is asked for.
+    /// Computes the candidates of a cell at its first use.
     #[cold]
     fn divide(&mut self, cell: u32) -> [u32; 2] {
         let left = self.left_on(&Square::new(cell, self.cells), true);
@@ -195,8 +193,8 @@ impl NearestSearch {
         place
     }
 
-    /// Who is left on a square, of those left on the square around it: it lies within that one, so whoever is beaten there is
-    /// beaten here. (The margin is half as wide: also within.)
+    /// Returns the candidates left on a square, out of those left on the surrounding square. The square lies within that one, so
+    /// a candidate beaten there is beaten here. (The margin is half as wide, so it also lies within.)
     fn left_on(&mut self, square: &Square, thorough: bool) -> Vec<Candidate> {
         let Some(around) = square.around() else { return unbeaten(square, &self.all, thorough) };
         let number = first_of_grid(around.cells) + around.number_in_grid();
@@ -207,13 +205,13 @@ impl NearestSearch {
     }
 }
 
-/// Squares of all coarser grids: where the grid of `cells` cells per edge begins. 6 (1 + 4 + 16 + ...).
+/// Returns the number of squares of all coarser grids, at which the grid of `cells` cells per edge begins: 6 (1 + 4 + 16 + ...).
 #[inline]
 fn first_of_grid(cells: u32) -> usize {
     (2 * (cells * cells - 1)) as usize
 }
 
-/// A square of a cube face at some fineness.
+/// A square of a cube face in one of the grids.
 struct Square {
     face: u32,
     /// Squares per edge of the face.
@@ -223,24 +221,24 @@ struct Square {
 }
 
 impl Square {
-    /// Number `number` of the grid with `cells` squares per edge of a face.
+    /// Creates square `number` of the grid with `cells` squares per edge of a face.
     fn new(number: u32, cells: u32) -> Self {
         Self { face: number / (cells * cells), cells, column: number % cells, row: number / cells % cells }
     }
 
-    /// Its number among the squares of its grid.
+    /// Returns the number of the square in its grid.
     #[inline]
     fn number_in_grid(&self) -> usize {
         ((self.face * self.cells + self.row) * self.cells + self.column) as usize
     }
 
-    /// The square of the next coarser grid that it is a quarter of.
+    /// Returns the square of the next coarser grid that contains this square as a quarter.
     fn around(&self) -> Option<Self> {
         let cells = self.cells / 2;
         (cells > 0).then_some(Self { face: self.face, cells, column: self.column / 2, row: self.row / 2 })
     }
 
-    /// The point at `(a, b)` of the face, where the face reaches from `-m` to `m`.
+    /// Returns the point at `(a, b)` of the face, which extends from `-m` to `m`.
     fn point(&self, m: i64, a: i64, b: i64) -> [i64; 3] {
         let m = if self.face % 2 == 1 { -m } else { m };
         match self.face / 2 {
@@ -250,7 +248,7 @@ impl Square {
         }
     }
 
-    /// Its corners, in units that make them whole numbers; their sum is four times its centre.
+    /// Returns the corners, in units that make them whole numbers. Their sum is four times the centre.
     fn corners(&self) -> [[i64; 3]; 4] {
         let m = i64::from(self.cells) * HALF_CELL;
         let middle = |i: u32| (2 * i64::from(i) + 1) * HALF_CELL - m;
@@ -261,7 +259,8 @@ impl Square {
     }
 }
 
-/// Candidates that the one nearest to the centre does not beat, in the finest cells also none of the others, ascending.
+/// Returns in ascending order the candidates that the one nearest to the centre does not beat. In the finest cells no other
+/// candidate beats them either.
 fn unbeaten(square: &Square, candidates: &[Candidate], thorough: bool) -> Vec<Candidate> {
     let corners = square.corners();
     let mut left: Vec<(Candidate, [i64; 4])> = candidates.iter().map(|c| (*c, corners.map(|n| c.dot(n)))).collect();

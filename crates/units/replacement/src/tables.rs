@@ -1,10 +1,10 @@
-//! The host's search structures: built when first needed, never part of the state, as they follow from it.
+//! The host's search structures. They are built at first use and never part of the state, because they follow from it.
 
 use crate::NearestSearch;
 use crate::state::TableKey;
 use basrelief_shading::{LEVELS, TableError, TableSet};
 
-/// Entries of all tables kept; beyond that the host starts anew (objects may each fix another number).
+/// Most entries of all stored tables. Beyond this number the host discards all tables, as each object may fix another number.
 const MOST_ENTRIES: u64 = 1 << 20;
 
 /// Search structures of the VQ tables (121).
@@ -12,7 +12,7 @@ const MOST_ENTRIES: u64 = 1 << 20;
 pub(crate) struct HostTables {
     set: TableSet,
     built: Vec<(TableKey, NearestSearch)>,
-    /// Short cut: places in `built` of those of the object that fixes `object` entries, by level.
+    /// Short cut: positions in `built` of the tables of the object that fixes `object` entries, by level.
     current: [Option<usize>; LEVELS],
     object: Option<u32>,
 }
@@ -26,7 +26,7 @@ impl HostTables {
         &self.set
     }
 
-    /// The table of a level for an object that fixes this number of entries, or none.
+    /// Returns the table of a level for an object that fixes this number of entries, if any.
     #[inline]
     pub(crate) fn table(&mut self, level: u8, object: Option<u32>) -> Result<&mut NearestSearch, TableError> {
         if self.object != object {

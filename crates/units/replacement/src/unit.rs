@@ -7,44 +7,45 @@ use crate::{CodeBookMode, Policy, ReplacementConfig, ReplacementState};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_shading::{LEVELS, TableError};
-use basrelief_signals::{Control, Flow, Indexes, MAX_STAMP, ObjectInfo, PseudoNormals, Sample, Samples, quantization_memory};
+use basrelief_signals::{
+    Control, Flow, MAX_STAMP, NormalIndexes, ObjectInfo, PseudoNormals, StampSample, StampSamples, quantization_memory,
+};
 use std::sync::Arc;
 
-/// VQ tables (121) are read through this client.
+/// Client that reads VQ tables (121).
 const TABLES: u32 = 0;
-/// Gathered pseudo-normals and what is held beside them are written and read through this one, code books written.
+/// Client that writes and reads gathered pseudo-normals and the data held beside them, and writes code books.
 pub(crate) const GATHERED: u32 = 1;
 
-/// Width of what is remembered of an object: its number, fragments, and the sum of their level of detail \[bits\].
+/// Width of the record of an object: its number, fragments, and the sum of their level of detail \[bits\].
 const OBJECT_BITS: u32 = 16 + 32 + 38;
 
 /// Normal-vector replacement unit (110).
 ///
-/// A fragment whose VQ table is not resident starts loading it, one read per step; the step that issues the last read
-/// also searches, since its answer is the last to come. With code books, fragments are gathered in memory (120) up to
-/// the end of the polygon or object; then the unit clusters, pass by pass, writes and sends the code book, and sends what it
-/// held.
+/// A fragment whose VQ table is not resident starts loading it, one read per step. The step that issues the last read also
+/// searches, because its data are the last to arrive. With code books, fragments are gathered in memory (120) up to the end of
+/// the polygon or object. Then the unit clusters pass by pass, writes and sends the code book, and sends the held tokens.
 #[derive(Clone, Debug)]
 pub struct Replacement {
     /// Parameters.
     pub config: ReplacementConfig,
     pub(crate) normal_bits: u32,
     pub(crate) operators: Operators,
-    /// Cycles from N' to its index beside the inner products.
+    /// Cycles from N' to its index without the inner products.
     latency: u64,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: ReplacementState,
-    /// What the VQ tables (121) hold; follows from their parameters.
+    /// Contents of the VQ tables (121), computed from their parameters.
     pub(crate) tables: HostTables,
 }
 
-pub(crate) type Out = Step<Option<Flow<Indexes>>>;
+pub(crate) type Out = Step<Option<Flow<NormalIndexes>>>;
 
 impl Replacement {
-    /// A unit for pseudo-normals of `normal_bits` bits per component, in a machine of these operators.
+    /// Creates a unit for pseudo-normals of `normal_bits` bits per component, in a machine of these operators.
     ///
     /// # Errors
-    /// Where a level's table does not exist (a tetrahedron has 4 k^2 faces).
+    /// Returns an error if a level's table does not exist (a tetrahedron has 4 k^2 faces).
     pub fn new(config: ReplacementConfig, normal_bits: u32, operators: &Operators) -> Result<Self, TableError> {
         let set = config.table_set();
         set.check()?;
@@ -53,7 +54,7 @@ impl Replacement {
         Ok(Self { config, normal_bits, operators, latency, state, tables: HostTables::new(set) })
     }
 
-    /// Level of table and CLUT for a sample's MIP level.
+    /// Returns the level of table and CLUT for a sample's MIP level.
     #[inline]
     pub(crate) fn table_level(&self, level: u8) -> u8 {
         let bias = self.state.object.as_ref().and_then(|o| o.bias).unwrap_or(self.config.vq_bias);
@@ -90,7 +91,8 @@ impl Replacement {
             return self.pass(control);
         }
         let ends = match control {
-            // A polygon that is no bump target waits beside this unit for what is ahead of it: a batch never stamps one.
+            // A polygon that is not a bump target waits beside this unit for the fragments ahead of it, because a batch never
+            // stamps one.
             Control::Polygon(ref polygon) => !polygon.bump || self.config.codebook == CodeBookMode::PerPolygon,
             Control::Frame(_) | Control::Object(_) | Control::FrameEnd => true,
             Control::CodeBook(_) | Control::Criterion(_) => false,
@@ -98,7 +100,7 @@ impl Replacement {
         if ends { self.end_batch(control) } else { self.hold(control, traffic) }
     }
 
-    /// A control token takes effect and travels on.
+    /// Applies a control token and sends it on.
     pub(crate) fn pass(&mut self, control: Control) -> Out {
         let control = match control {
             Control::Object(object) => Control::Object(self.begin_object(object)),
@@ -116,7 +118,7 @@ impl Replacement {
         Step::after(self.latency, Some(Flow::Control(control)))
     }
 
-    /// An object begins: it travels on with the number of reference normals that the policy gives it.
+    /// Begins an object, which travels on with the number of reference normals that the policy gives it.
     fn begin_object(&mut self, object: Arc<ObjectInfo>) -> Arc<ObjectInfo> {
         let by_policy = || self.state.history.entries(object.id, &self.config);
         let object = match object.entries.is_none().then(by_policy).flatten() {
@@ -129,7 +131,7 @@ impl Replacement {
         object
     }
 
-    /// A step that takes no input: it loads, clusters, or sends what was gathered.
+    /// Makes a step without input: it loads, clusters, or sends gathered tokens.
     fn resume(&mut self, traffic: &mut Traffic) -> Out {
         if self.state.pending.is_some() {
             self.load(traffic)
@@ -141,10 +143,10 @@ impl Replacement {
     }
 }
 
-/// VQ tables fixed in advance.
+/// Tables fixed in advance.
 impl Replacement {
-    /// Marks the tables of a stamp as used, and queues those that are not resident: once for all its fragments where the unit
-    /// holds them all, else fragment by fragment, so that loads do not depend on the size of a stamp.
+    /// Marks the tables of a stamp as used, and queues those that are not resident. If the unit holds them all, it does so once
+    /// for all fragments. Otherwise it does so per fragment, so that loads do not depend on the size of a stamp.
     #[inline]
     fn request_tables(&mut self, normals: &PseudoNormals) {
         let levels = || normals.samples.iter().map(|s| s.level);
@@ -176,7 +178,7 @@ impl Replacement {
         self.state.counters.table_load_bytes += bytes;
     }
 
-    /// Issues one read; after the last one the waiting fragment is searched.
+    /// Issues one read. After the last one the waiting fragment is searched.
     fn load(&mut self, traffic: &mut Traffic) -> Out {
         if let Some(load) = self.state.loads.front_mut() {
             let (address, bytes) = load.next(u64::from(self.config.load_bytes));
@@ -194,15 +196,15 @@ impl Replacement {
         }
     }
 
-    /// Searches every sample of a stamp in the table or code book of its level: those of the first fragment, then those of the
-    /// second ... The stamp travels on.
+    /// Searches every sample of a stamp in the table or code book of its level: first all samples of the first fragment, then
+    /// those of the second. The stamp travels on.
     #[inline(always)]
     pub(crate) fn replace(&mut self, normals: &mut PseudoNormals, traffic: &mut Traffic) -> Out {
         let object = self.fixed_by_object();
         let fragments = normals.stamp.len();
-        let mut samples = Samples::new();
+        let mut samples = StampSamples::new();
         let (mut of_fragment, mut pipelined) = (0, 0);
-        for (i, Sample { level, weight, value }) in normals.samples.iter().enumerate() {
+        for (i, StampSample { level, weight, value }) in normals.samples.iter().enumerate() {
             let level = self.table_level(*level);
             let search = match &mut *self.state.book {
                 Some(book) => book.get_mut(usize::from(level)).ok_or(TableError::Entries(0)),
@@ -223,16 +225,16 @@ impl Replacement {
             }
             of_fragment += cycles;
             pipelined = pipelined.max(i as u64 + cycles);
-            samples.push(Sample { level, weight: *weight, value: indexes });
+            samples.push(StampSample { level, weight: *weight, value: indexes });
         }
         let searches = (fragments * samples.len()) as u64;
         let (occupancy, cycles) = if self.config.pipelined {
-            // One search starts per cycle; the last fragment is the last to be through.
+            // One search starts per cycle, and the last fragment finishes last.
             (searches, searches - samples.len() as u64 + pipelined)
         } else {
             (fragments as u64 * of_fragment, fragments as u64 * of_fragment)
         };
-        let out = Some(Flow::Item(Indexes { stamp: std::mem::take(&mut normals.stamp), samples }));
+        let out = Some(Flow::Item(NormalIndexes { stamp: std::mem::take(&mut normals.stamp), samples }));
         Step { out, occupancy: occupancy.max(1), latency: self.latency + cycles, marked: false }
     }
 }
@@ -261,7 +263,7 @@ impl Replacement {
 impl Unit for Replacement {
     basrelief_kernel::role!("replaces N' by the index of the nearest reference normal");
     type In = Option<Flow<PseudoNormals>>;
-    type Out = Option<Flow<Indexes>>;
+    type Out = Option<Flow<NormalIndexes>>;
 
     #[inline]
     fn demand(&self) -> Demand {
@@ -271,7 +273,7 @@ impl Unit for Replacement {
     #[inline(always)]
     fn step(&mut self, mut input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         match input {
-            // By reference: moved on its way, the token is copied.
+            // By reference, because a move would copy the token.
             Some(Flow::Item(ref mut normals)) => self.item(normals, traffic),
             Some(Flow::Control(control)) => self.control(control, traffic),
             None => self.resume(traffic),

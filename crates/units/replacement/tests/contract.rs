@@ -2,7 +2,7 @@
 
 use basrelief_kernel::{Operators, unit_contract};
 use basrelief_replacement::{CodeBookMode, PerLevel, Replacement, ReplacementConfig};
-use basrelief_signals::{Control, Flow, Fragment, ObjectInfo, Polygon, PseudoNormals, Sample, Stamp, Vertex};
+use basrelief_signals::{Control, Flow, Fragment, ObjectInfo, Polygon, PseudoNormals, Stamp, StampSample, Vertex};
 use std::sync::Arc;
 
 fn object(id: u32) -> Control {
@@ -24,11 +24,11 @@ fn polygon() -> Control {
 
 fn normals(i: i16) -> Flow<PseudoNormals> {
     let samples = [(0, [i * 300, 100, 7]), (1, [100, -i, 90])];
-    let samples = samples.map(|(level, normal)| Sample::all(level, 0.5, normal)).into_iter().collect();
+    let samples = samples.map(|(level, normal)| StampSample::all(level, 0.5, normal)).into_iter().collect();
     Flow::Item(PseudoNormals { stamp: Stamp::from_iter([Fragment { x: i as u16, ..Fragment::default() }]), samples })
 }
 
-/// Two objects with three polygons each, one of them empty.
+/// Returns two objects with three polygons each, one of them empty.
 fn two_objects() -> Vec<Flow<PseudoNormals>> {
     let mut run = Vec::new();
     for id in 0..2 {

@@ -1,10 +1,10 @@
-//! The grid against the scan that it replaces.
+//! Tests of the grid against the scan that it replaces.
 
 use super::*;
 use basrelief_shading::{Table, reference_normals};
 use proptest::prelude::*;
 
-/// The definition.
+/// Computes the nearest by its definition.
 fn scan(normals: &[[i16; 3]], n: [i16; 3]) -> u16 {
     let mut best = (i64::MIN, 0);
     for (i, q) in normals.iter().enumerate() {
@@ -16,7 +16,7 @@ fn scan(normals: &[[i16; 3]], n: [i16; 3]) -> u16 {
     best.1
 }
 
-/// A generator of its own: `proptest` would take minutes for as many.
+/// A random generator, because `proptest` would take minutes for this many cases.
 struct Random(u64);
 
 impl Random {
@@ -29,14 +29,14 @@ impl Random {
 
     fn normal(&mut self) -> [i16; 3] {
         let [a, b, c] = [self.next(), self.next(), self.next()];
-        // Every fourth is short, where ties are common.
+        // Every fourth vector is short, because ties are common there.
         let shift = if a % 4 == 0 { 12 } else { 0 };
         [a, b, c].map(|v| ((v >> 20) as i16) >> shift)
     }
 }
 
 #[test]
-fn equals_the_scan_for_a_million_directions_per_table() {
+fn search_equals_scan_for_a_million_directions() {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     for (table, entries, bits, searches) in [
         (Table::Fibonacci, 256, 16, 150_000),
@@ -56,7 +56,7 @@ fn equals_the_scan_for_a_million_directions_per_table() {
 }
 
 #[test]
-fn equals_the_scan_on_the_edges_of_all_cells() {
+fn search_equals_scan_on_cell_edges() {
     let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
     let mut search = NearestSearch::new(&normals, usize::MAX);
     let edges: Vec<i16> = (-16..=16).flat_map(|i| [-1, 0, 1].map(|d| (i * 2_048 + d).clamp(-32_768, 32_767) as i16)).collect();
@@ -70,20 +70,20 @@ fn equals_the_scan_on_the_edges_of_all_cells() {
 }
 
 #[test]
-fn the_zero_vector_ties_and_takes_the_lowest_index() {
+fn zero_vector_takes_lowest_index() {
     let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
     assert_eq!(NearestSearch::new(&normals, 1_000_000).nearest([0; 3]), 0);
     assert_eq!(NearestSearch::new(&[], 10).nearest([1, 2, 3]), 0);
 }
 
 #[test]
-fn erratum_the_nearest_has_the_largest_inner_product() {
+fn erratum_nearest_has_largest_inner_product() {
     let normals = [[0, 0, -32_767], [0, 0, 32_767], [0, 0, 32_767]];
     assert_eq!(NearestSearch::new(&normals, 1_000_000).nearest([0, 0, 9]), 1);
 }
 
 #[test]
-fn a_cell_of_a_full_table_has_few_candidates() {
+fn cell_of_full_table_has_few_candidates() {
     let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
     let mut search = NearestSearch::new(&normals, usize::MAX);
     let mut random = Random(1);
@@ -98,7 +98,7 @@ fn a_cell_of_a_full_table_has_few_candidates() {
 }
 
 #[test]
-fn squares_are_divided_when_a_direction_falls_into_them() {
+fn squares_divide_on_first_direction() {
     let normals = reference_normals(0, 256, Table::Fibonacci, true, 16).unwrap();
     let mut search = NearestSearch::new(&normals, usize::MAX);
     let divided = |search: &NearestSearch| {
@@ -112,7 +112,7 @@ fn squares_are_divided_when_a_direction_falls_into_them() {
     assert_eq!(divided(&search), 5);
 }
 
-/// Reference normals as long as any may be.
+/// Returns reference normals of the largest allowed length.
 fn longest() -> impl Strategy<Value = [i16; 3]> {
     (0..=32_767_i16, 0..=32_767_i16, any::<[bool; 3]>(), 0..3_usize).prop_map(|(a, b, negative, turn)| {
         let c = (i32::from(i16::MAX) * 2 + 1 - i32::from(a) - i32::from(b)).min(i16::MAX.into()) as i16;
@@ -123,9 +123,9 @@ fn longest() -> impl Strategy<Value = [i16; 3]> {
 }
 
 proptest! {
-    /// Clustered tables with duplicates, as code books are, and any effort.
+    /// Clustered tables with duplicates, like code books, and any number of searches.
     #[test]
-    fn equals_the_scan_for_any_table(
+    fn search_equals_scan_for_any_table(
         normals in prop::collection::vec(prop::array::uniform3(-40i16..40), 1..60),
         directions in prop::collection::vec(prop::array::uniform3(-50i16..50), 200),
         effort in prop_oneof![Just(0usize), Just(2_000), Just(usize::MAX)],
@@ -137,7 +137,7 @@ proptest! {
     }
 
     #[test]
-    fn equals_the_scan_for_extreme_components(
+    fn search_equals_scan_for_extreme_components(
         normals in prop::collection::vec(longest(), 1..40),
         directions in prop::collection::vec(prop::array::uniform3(any::<i16>()), 100),
     ) {

@@ -1,4 +1,4 @@
-//! The unit at step level.
+//! Tests of the unit's steps.
 
 use super::*;
 use crate::{NearestSearch, PerLevel, Tables};
@@ -15,7 +15,7 @@ fn sample(x: u16, samples: &[(u8, [i16; 3])]) -> PseudoNormals {
     let weight = 1.0 / samples.len() as f32;
     PseudoNormals {
         stamp: Stamp::from_iter([Fragment { x, ..Fragment::default() }]),
-        samples: samples.iter().map(|&(level, normal)| Sample::all(level, weight, normal)).collect(),
+        samples: samples.iter().map(|&(level, normal)| StampSample::all(level, weight, normal)).collect(),
     }
 }
 
@@ -42,7 +42,7 @@ fn polygon() -> Control {
     }))
 }
 
-/// Runs a list of tokens through the unit; what came out, and all requests.
+/// Runs a list of tokens through the unit. Returns its outputs and all requests.
 fn run(unit: &mut Replacement, input: Vec<Flow<PseudoNormals>>) -> (Vec<Out>, Vec<Request>) {
     let (mut steps, mut requests) = (Vec::new(), Vec::new());
     let mut input = input.into_iter();
@@ -62,12 +62,12 @@ fn run(unit: &mut Replacement, input: Vec<Flow<PseudoNormals>>) -> (Vec<Out>, Ve
     (steps, requests)
 }
 
-fn out(steps: &[Out]) -> Vec<&Flow<Indexes>> {
+fn out(steps: &[Out]) -> Vec<&Flow<NormalIndexes>> {
     steps.iter().filter_map(|s| s.out.as_ref()).collect()
 }
 
-fn indexes(steps: &[Out]) -> Vec<Indexes> {
-    let item = |f: &&Flow<Indexes>| match f {
+fn indexes(steps: &[Out]) -> Vec<NormalIndexes> {
+    let item = |f: &&Flow<NormalIndexes>| match f {
         Flow::Item(i) => Some(i.clone()),
         Flow::Control(_) => None,
     };
@@ -75,7 +75,7 @@ fn indexes(steps: &[Out]) -> Vec<Indexes> {
 }
 
 #[test]
-fn claims_1_and_7_each_level_is_replaced_by_a_member_of_its_own_table() {
+fn claims_1_and_7_each_level_uses_its_own_table() {
     let n = [12_000, -30_000, 5_000];
     let mut unit = Replacement::new(config(), 16, &Operators::default()).unwrap();
     let (steps, _) = run(&mut unit, vec![Flow::Item(sample(1, &[(0, n), (1, n)]))]);
@@ -91,7 +91,7 @@ fn claims_1_and_7_each_level_is_replaced_by_a_member_of_its_own_table() {
 }
 
 #[test]
-fn identical_tables_give_the_same_index_at_every_level() {
+fn identical_tables_give_same_index_at_every_level() {
     let n = [12_000, -30_000, 5_000];
     let mut unit =
         Replacement::new(ReplacementConfig { tables: Tables::Identical, ..config() }, 16, &Operators::default()).unwrap();
@@ -101,7 +101,7 @@ fn identical_tables_give_the_same_index_at_every_level() {
 }
 
 #[test]
-fn claims_2_and_6_the_table_size_depends_on_the_level() {
+fn claims_2_and_6_table_size_depends_on_level() {
     let entries = PerLevel::Levels(vec![256, 128, 64, 32]);
     let mut unit =
         Replacement::new(ReplacementConfig { entries, resident_tables: 8, ..config() }, 16, &Operators::default()).unwrap();
@@ -116,7 +116,7 @@ fn claims_2_and_6_the_table_size_depends_on_the_level() {
 }
 
 #[test]
-fn a_missing_table_is_loaded_burst_by_burst_before_the_fragment_leaves() {
+fn missing_table_is_loaded_in_bursts_first() {
     let mut unit = Replacement::new(config(), 16, &Operators::default()).unwrap();
     let (steps, requests) =
         run(&mut unit, vec![Flow::Item(sample(1, &[(2, [1, 2, 3])])), Flow::Item(sample(2, &[(2, [3, 2, 1])]))]);
@@ -127,7 +127,7 @@ fn a_missing_table_is_loaded_burst_by_burst_before_the_fragment_leaves() {
 }
 
 #[test]
-fn the_least_recently_used_table_goes_first() {
+fn least_recently_used_table_is_replaced() {
     let mut unit = Replacement::new(ReplacementConfig { resident_tables: 2, ..config() }, 16, &Operators::default()).unwrap();
     let at = |level| Flow::Item(sample(0, &[(level, [1, 2, 3])]));
     run(&mut unit, [0, 1, 0, 2, 0, 1].map(at).to_vec());
@@ -135,7 +135,7 @@ fn the_least_recently_used_table_goes_first() {
 }
 
 #[test]
-fn an_object_may_fix_the_number_of_entries_and_the_bias_coarsens_the_table() {
+fn object_fixes_entries_and_bias_coarsens_table() {
     let mut unit = Replacement::new(ReplacementConfig { vq_bias: 3, ..config() }, 16, &Operators::default()).unwrap();
     let n = [0, 0, -32_767];
     let input = vec![Flow::Control(object(0, Some(16))), Flow::Item(sample(0, &[(1, n), (6, n)]))];
@@ -148,7 +148,7 @@ fn an_object_may_fix_the_number_of_entries_and_the_bias_coarsens_the_table() {
 }
 
 #[test]
-fn impossible_tables_are_refused_with_a_reason() {
+fn impossible_table_is_an_error() {
     let tetrahedron = ReplacementConfig { table: Table::Tetrahedron, ..config() };
     assert!(
         Replacement::new(ReplacementConfig { entries: PerLevel::One(200), ..tetrahedron.clone() }, 16, &Operators::default())
@@ -170,7 +170,7 @@ fn cycles_follow_lanes_and_pipelining() {
         let last = steps.last().unwrap();
         (last.occupancy, last.latency)
     };
-    // Product, two sums, and a tree of comparisons over all lanes and what was found before.
+    // Product, two sums, and a tree of comparisons over all lanes and the earlier result.
     assert_eq!(timing(64, true), (2, 3 + 7 + 5));
     assert_eq!(timing(64, false), (8, 3 + 7 + 8));
     assert_eq!(timing(1, false), (512, 3 + 1 + 512));
@@ -178,7 +178,7 @@ fn cycles_follow_lanes_and_pipelining() {
 }
 
 #[test]
-fn a_stamp_takes_as_long_as_its_samples_and_leaves_with_the_last() {
+fn stamp_occupancy_follows_its_samples() {
     let timing = |pipelined| {
         let mut unit =
             Replacement::new(ReplacementConfig { lanes: 64, pipelined, ..config() }, 16, &Operators::default()).unwrap();
@@ -214,7 +214,7 @@ fn gathered(mode: CodeBookMode) -> (Replacement, Vec<Out>, Vec<Request>) {
 }
 
 fn shape(steps: &[Out]) -> String {
-    let letter = |f: &&Flow<Indexes>| match f {
+    let letter = |f: &&Flow<NormalIndexes>| match f {
         Flow::Item(i) => char::from(b'0' + i.stamp[0].x as u8),
         Flow::Control(Control::Object(_)) => 'O',
         Flow::Control(Control::Polygon(_)) => 'P',
@@ -227,13 +227,13 @@ fn shape(steps: &[Out]) -> String {
 }
 
 #[test]
-fn code_books_lead_their_fragments_and_order_is_kept() {
+fn code_book_precedes_fragments_in_order() {
     let (unit, steps, requests) = gathered(CodeBookMode::PerPolygon);
     assert_eq!(shape(&steps), "OPB12PPB3OPE");
     assert!(unit.is_empty());
     assert_eq!(unit.state.counters.code_books, 2);
     assert!(requests.iter().all(|r| r.client == 1));
-    // Two samples of 6 bytes each; beside them place, depth, weights, triangle and two shares: 158 bits.
+    // Two samples of 6 bytes each. Beside them lie position, depth, weights, triangle and two shares: 158 bits.
     let c = &unit.state.counters;
     assert_eq!((c.gathered_bytes, c.held_beside_bytes), (3 * 12, 3 * 20), "control ends both batches");
     let (_, steps, _) = gathered(CodeBookMode::PerObject);
@@ -241,7 +241,7 @@ fn code_books_lead_their_fragments_and_order_is_kept() {
 }
 
 #[test]
-fn variant_b_and_e_indexes_point_into_the_code_book() {
+fn variants_b_and_e_index_into_the_code_book() {
     for mode in [CodeBookMode::PerPolygon, CodeBookMode::PerObject] {
         let (_, steps, _) = gathered(mode);
         let mut book = Arc::new(Vec::new());
@@ -262,7 +262,7 @@ fn variant_b_and_e_indexes_point_into_the_code_book() {
     }
 }
 
-/// 100 directions all over the sphere, one per fragment, as one batch of a code book of `entries`.
+/// Runs 100 directions all over the sphere, one per fragment, as one batch of a code book of `entries` entries.
 fn clustered(codebook: CodeBookMode, entries: u32) -> (Replacement, Vec<Out>, Vec<Request>) {
     let config = ReplacementConfig { codebook, entries: PerLevel::One(entries), lanes: 8, ..config() };
     let mut unit = Replacement::new(config, 16, &Operators::default()).unwrap();
@@ -274,7 +274,7 @@ fn clustered(codebook: CodeBookMode, entries: u32) -> (Replacement, Vec<Out>, Ve
 }
 
 #[test]
-fn each_pass_of_a_clustering_reads_all_gathered_normals_from_memory() {
+fn clustering_pass_reads_all_gathered_normals() {
     let (unit, _, requests) = clustered(CodeBookMode::PerPolygon, 4);
     let c = &unit.state.counters;
     let means = c.clustering_passes - 1 - 4;
@@ -289,8 +289,8 @@ fn each_pass_of_a_clustering_reads_all_gathered_normals_from_memory() {
 }
 
 #[test]
-fn directions_seeds_and_small_books_take_their_arithmetic() {
-    // One divider and one root per direction; a seed costs an inner product per direction, eight at a time.
+fn directions_seeds_and_small_books_take_arithmetic() {
+    // One divider and one square-root unit per direction. A seed costs an inner product per direction, eight at a time.
     let cycles = |entries| clustered(CodeBookMode::PerPolygon, entries).0.state.counters;
     let small = cycles(100);
     assert_eq!(
@@ -304,7 +304,7 @@ fn directions_seeds_and_small_books_take_their_arithmetic() {
 }
 
 #[test]
-fn variants_b_and_e_cluster_where_there_are_more_normals_than_entries() {
+fn variants_b_and_e_cluster_surplus_normals() {
     for mode in [CodeBookMode::PerPolygon, CodeBookMode::PerObject] {
         let (unit, steps, _) = clustered(mode, 4);
         assert_eq!(unit.state.counters.code_books, 1);
@@ -318,7 +318,7 @@ fn variants_b_and_e_cluster_where_there_are_more_normals_than_entries() {
 }
 
 #[test]
-fn table_loads_do_not_depend_on_the_size_of_a_stamp() {
+fn table_loads_do_not_depend_on_stamp_size() {
     let loads = |resident_tables, stamp: u16| {
         let mut unit = Replacement::new(ReplacementConfig { resident_tables, ..config() }, 16, &Operators::default()).unwrap();
         let fragments = (0..12).collect::<Vec<u16>>();
@@ -335,7 +335,7 @@ fn table_loads_do_not_depend_on_the_size_of_a_stamp() {
 }
 
 #[test]
-fn an_object_may_be_less_important_than_others() {
+fn object_importance_coarsens_its_table() {
     let level = |bias| {
         let mut unit = Replacement::new(ReplacementConfig { vq_bias: 1, ..config() }, 16, &Operators::default()).unwrap();
         let object = ObjectInfo {
@@ -354,7 +354,7 @@ fn an_object_may_be_less_important_than_others() {
 }
 
 #[test]
-fn a_policy_gives_an_object_as_many_entries_as_it_drew_fragments_in_the_last_frame() {
+fn policy_follows_fragments_of_last_frame() {
     let config = ReplacementConfig { policy: Policy::ByFragments, fragments_per_entry: 1, ..config() };
     let mut unit = Replacement::new(config, 16, &Operators::default()).unwrap();
     let frame = || {
@@ -380,7 +380,7 @@ fn a_policy_gives_an_object_as_many_entries_as_it_drew_fragments_in_the_last_fra
 }
 
 #[test]
-fn too_little_room_is_a_fault_that_names_culprit_and_cure() {
+fn too_little_gather_room_fault_names_culprit_and_cure() {
     let config = ReplacementConfig { codebook: CodeBookMode::PerObject, gather_bytes: 75, ..config() };
     let mut unit = Replacement::new(config, 16, &Operators::default()).unwrap();
     unit.step(Some(Flow::Control(object(5, None))), &mut Traffic::default());
@@ -396,7 +396,7 @@ fn too_little_room_is_a_fault_that_names_culprit_and_cure() {
 }
 
 #[test]
-fn the_state_survives_a_checkpoint_in_the_middle_of_a_batch() {
+fn state_survives_checkpoint_within_batch() {
     let config = ReplacementConfig { codebook: CodeBookMode::PerPolygon, ..config() };
     let mut a = Replacement::new(config.clone(), 16, &Operators::default()).unwrap();
     let item = |x: u16| Some(Flow::Item(sample(x, &[(0, [x as i16, 100, 7])])));
@@ -417,7 +417,7 @@ fn the_state_survives_a_checkpoint_in_the_middle_of_a_batch() {
 
 proptest! {
     #[test]
-    fn nothing_is_lost_or_reordered(
+    fn no_token_is_lost_or_reordered(
         tokens in prop::collection::vec(0u8..8, 0..60), mode in 0u8..3, resident in 1u32..4,
     ) {
         let codebook = [CodeBookMode::Fixed, CodeBookMode::PerPolygon, CodeBookMode::PerObject][usize::from(mode)];
@@ -444,7 +444,7 @@ proptest! {
         prop_assert_eq!(passed, expected);
         let bytes = |write| requests.iter().filter(|r| r.write == write).map(|r| u64::from(r.bytes)).sum::<u64>();
         let c = &unit.state.counters;
-        let book = |f: &&Flow<Indexes>| match f {
+        let book = |f: &&Flow<NormalIndexes>| match f {
             Flow::Control(Control::CodeBook(lists)) => lists.iter().map(|list| 6 * list.len() as u64).sum(),
             _ => 0,
         };
