@@ -9,7 +9,7 @@ use basrelief_scene::ViewOptions;
 use basrelief_signals::{Material, Mesh, Object, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tool::{Mesa, agreement, double_sided, foreign_models, load, mode, own_model};
+use tool::{Mesa, agreement, double_sided, foreign_models, load, mode, models, name_of};
 
 /// The same scene, white: without its textures the tool leaves out the factors of materials, too.
 fn white(scene: &Scene) -> Scene {
@@ -104,17 +104,6 @@ fn assert_agreement_to(least: f64, mesa: &Mesa, name: &str, scene: &Scene, model
     let what = format!("{name}, {mode}, texture filter: {filter:?}, culled: {cull}");
     println!("{what}: {db:.2} dB, {:.4} % of coverage differs", 100.0 * differing);
     assert!(db >= least && differing <= 0.001, "{what}: {db:.2} dB, {differing}");
-}
-
-/// Returns the models of this repository, then those of `foreign` that exist.
-fn models(foreign: &[&str]) -> Vec<PathBuf> {
-    let own = ["patch.gltf", "alcove.gltf"].map(own_model);
-    let foreign = foreign_models().into_iter().flat_map(|folder| foreign.iter().map(move |name| folder.join(name)));
-    own.into_iter().chain(foreign).collect()
-}
-
-fn name_of(model: &Path) -> String {
-    model.file_name().expect("a model file").to_string_lossy().into_owned()
 }
 
 /// Returns meshes to be written as glTF: a demo of this repository, then the OBJ files of others that exist.

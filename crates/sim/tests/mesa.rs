@@ -6,8 +6,9 @@ mod tool;
 use basrelief_reference::{Options, Picture, Shading, Style, TextureFilter};
 use basrelief_signals::Scene;
 use basrelief_sim::{MachineInfo, Observer, Pictures, RunInput, RunOptions, run};
+use std::path::Path;
 use std::sync::Arc;
-use tool::{Mesa, agreement, double_sided, load};
+use tool::{Mesa, agreement, double_sided, foreign_models, load, models, name_of};
 
 /// Keeps the machine's picture.
 #[derive(Default)]
@@ -38,11 +39,11 @@ const MODELS: [&str; 4] = [
 ];
 
 /// Draws a model with the machine and with Mesa; PSNR inside the common coverage \[dB\].
-fn decibels(mesa: &Mesa, model: &str, (machine, settings): (&str, &[(&str, &str)]), filter: TextureFilter) -> f64 {
-    let path = mesa.models.join(model);
-    let scene = Arc::new(double_sided(&load(&path)));
+fn decibels(mesa: &Mesa, path: &Path, (machine, settings): (&str, &[(&str, &str)]), filter: TextureFilter) -> f64 {
+    let model = name_of(path);
+    let scene = Arc::new(double_sided(&load(path)));
     let style = Style { shading: Shading::Texture, options: Options { filter, ..Options::default() } };
-    let (db, differing) = agreement(&draw(machine, settings, &scene), &mesa.draw(&path, style, false));
+    let (db, differing) = agreement(&draw(machine, settings, &scene), &mesa.draw(path, style, false));
     println!("{machine} {settings:?}, {model}: {db:.2} dB, {:.4} % of coverage differs", 100.0 * differing);
     assert!(differing <= 0.001, "{machine}, {model}: {differing} of the coverage differs");
     db
@@ -54,9 +55,9 @@ fn decibels(mesa: &Mesa, model: &str, (machine, settings): (&str, &[(&str, &str)
 fn pictures_of_the_texture_mapping_system_with_exact_mapping_agree_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };
     let exact = ("texel", &[("texel.method", "exact"), ("illuminance.mode", "off"), ("look_up.filter", "bilinear")][..]);
-    for model in MODELS {
-        let db = decibels(&mesa, model, exact, TextureFilter::Bilinear);
-        assert!(db >= 45.0, "{model}: {db:.2} dB");
+    for model in models(&MODELS) {
+        let db = decibels(&mesa, &model, exact, TextureFilter::Bilinear);
+        assert!(db >= 45.0, "{}: {db:.2} dB", model.display());
     }
 }
 
@@ -67,11 +68,12 @@ fn pictures_of_the_texture_mapping_system_with_exact_mapping_agree_with_mesa() {
 #[test]
 fn pictures_of_the_rate_limited_renderer_agree_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };
-    for model in MODELS {
-        let db = decibels(&mesa, model, ("defer", &[]), TextureFilter::Trilinear);
-        assert!(db >= 45.0, "{model}: {db:.2} dB");
+    for model in models(&MODELS) {
+        let db = decibels(&mesa, &model, ("defer", &[]), TextureFilter::Trilinear);
+        assert!(db >= 45.0, "{}: {db:.2} dB", model.display());
     }
     let small = ("defer", &[("tile.width", "4"), ("tile.height", "4")][..]);
-    let db = decibels(&mesa, "ClearcoatWicker.glb", small, TextureFilter::Trilinear);
+    let Some(folder) = foreign_models() else { return };
+    let db = decibels(&mesa, &folder.join("ClearcoatWicker.glb"), small, TextureFilter::Trilinear);
     assert!(db >= 54.0, "tiles of 4 x 4: {db:.2} dB");
 }

@@ -41,9 +41,15 @@ pub fn foreign_models() -> Option<PathBuf> {
     None
 }
 
-/// Returns a model of this repository.
-pub fn own_model(name: &str) -> PathBuf {
-    workspace().join("tests/models").join(name)
+/// Returns the models of this repository, then those of `foreign` that exist.
+pub fn models(foreign: &[&str]) -> Vec<PathBuf> {
+    let own = ["patch.gltf", "alcove.gltf"].map(|name| workspace().join("tests/models").join(name));
+    let foreign = foreign_models().into_iter().flat_map(|folder| foreign.iter().map(move |name| folder.join(name)));
+    own.into_iter().chain(foreign).collect()
+}
+
+pub fn name_of(model: &Path) -> String {
+    model.file_name().expect("a model file").to_string_lossy().into_owned()
 }
 
 fn workspace() -> PathBuf {
