@@ -1,0 +1,14 @@
+"""A machine in Python: how many search lanes does the replacement unit need?
+
+    pip install ./crates/python
+    python examples/machine.py
+"""
+import basrelief
+
+scene = basrelief.demo("golf-ball", size=(160, 120))
+print("lanes   cycles  replacement busy")
+for lanes in (16, 64, 256):
+    machine = basrelief.Machine("bump", **{"replacement.lanes": lanes})
+    result = machine.run(scene)
+    busy = result.units["replacement"]["busy"] / result.cycles
+    print(f"{lanes:5} {result.cycles:8,} {busy:17.0%}")
