@@ -1,7 +1,7 @@
 //! Cost of the kernel itself, per token and stage, on statically wired machines whose units do next to nothing.
 
 use crate::workload::{Counted, Sample, Size, Workload, measured};
-use basrelief_kernel::contract::Source;
+use basrelief_kernel::Source;
 use basrelief_kernel::{
     CacheConfig, Demand, Engine, Fifo, Limits, Machine, MemoryConfig, MemorySystem, NoProbe, Outcome, Probe, Recorder, Stage,
     Step, Traffic, Unit, Visitor, run_functional, run_with,

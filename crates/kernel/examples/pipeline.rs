@@ -6,8 +6,8 @@
 //!
 //! Square keeps each number for 3 cycles, so the source waits for slots and the sink for tokens.
 
-use basrelief_kernel::contract::{Sink, Source};
 use basrelief_kernel::{Demand, Engine, Fifo, Machine, MemorySystem, Stage, Step, Traffic, Unit, Visitor, run};
+use basrelief_kernel::{Sink, Source};
 
 /// Squares a number in 3 cycles, one number at a time.
 struct Square;

@@ -10,7 +10,7 @@
 //! The reader asks for one line eight times: one miss, and the others wait for the same fill. The writer sends 16 bytes for
 //! each of its numbers.
 
-use basrelief_kernel::contract::Source;
+use basrelief_kernel::Source;
 use basrelief_kernel::*;
 
 /// Looks a number up in a table, or logs it.

@@ -7,8 +7,8 @@
 //!
 //! A machine shows itself to a visitor; the engines are visitors like this one.
 
-use basrelief_kernel::contract::{Sink, Source};
 use basrelief_kernel::{Demand, Fifo, Machine, MemorySystem, Place, Stage, Step, Traffic, Unit, Visitor, Wires};
+use basrelief_kernel::{Sink, Source};
 
 /// Hands even numbers to the left and odd ones to the right.
 struct Fork;

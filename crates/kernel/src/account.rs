@@ -1,6 +1,6 @@
 //! Conserved cycle accounting (law 9).
 
-use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
+use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 
 /// Why a unit did not work in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -2,8 +2,7 @@
 //! time, so that this is work: found as it is done, or once for a tape.
 
 use crate::cache::Tags;
-use crate::wiring::MAX_CLIENTS;
-use crate::{MemorySystem, Request};
+use crate::{MAX_CLIENTS, Request};
 
 /// What a step looks up in one cache, each line once.
 #[derive(Clone, Copy, Debug)]
@@ -63,17 +62,6 @@ pub(crate) trait Caches {
     fn clients(&self) -> usize;
     /// Of a client, as the unit numbers it; none where it has no cache.
     fn tags(&mut self, client: usize) -> Option<(&mut Tags, u64)>;
-}
-
-impl Caches for (&[usize], &mut MemorySystem) {
-    #[inline(always)]
-    fn clients(&self) -> usize {
-        self.0.len()
-    }
-    #[inline(always)]
-    fn tags(&mut self, client: usize) -> Option<(&mut Tags, u64)> {
-        self.1.tags(self.0[client])
-    }
 }
 
 impl Asked {

@@ -1,20 +1,9 @@
 //! Caches (law 5): tags run ahead of the data, answers come in order.
 
-use crate::memory::Divisor;
+use crate::counts::CacheCounts;
+use crate::divisor::Divisor;
 use crate::watch::CacheWatch;
 use crate::{CacheConfig, Cycle};
-use serde::{Deserialize, Serialize};
-
-/// What a cache's look-ups found. hits + misses + merged = look-ups.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct CacheCounts {
-    /// The line was there.
-    pub hits: u64,
-    /// The line was requested from memory.
-    pub misses: u64,
-    /// The line was on its way.
-    pub merged: u64,
-}
 
 /// Look-ups of a step, as far as they are settled.
 #[derive(Clone, Copy, Debug)]

@@ -12,20 +12,8 @@
 use crate::counts::{ChannelCounts, Row};
 use crate::watch::{ChannelWatch, MemoryEvent, closed_at};
 use crate::{Cycle, MemoryConfig};
+pub(crate) use burst::Burst;
 use timing::{Bank, CLOSED, Column, Timing};
-
-/// A burst that waits for its column command.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Burst {
-    pub(crate) bank: u32,
-    pub(crate) row: u64,
-    pub(crate) write: bool,
-    /// When its request arrived.
-    pub(crate) arrival: Cycle,
-    /// Client and number of its request.
-    pub(crate) client: u32,
-    pub(crate) request: u64,
-}
 
 /// A burst in the queue.
 #[derive(Clone, Copy, Debug)]
@@ -330,6 +318,7 @@ fn class(Waiting { burst, .. }: &Waiting, bank: &Bank) -> u64 {
     1_u64.unbounded_shl(burst.bank * 4 + u32::from(burst.write) * 2 + u32::from(is_open))
 }
 
+mod burst;
 #[cfg(test)]
 mod tests;
 mod timing;

@@ -1,15 +1,17 @@
 //! What the laws, and the proof of the timed engine, take for granted of a wiring: checked before the first step.
 
+use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::connections::Clients;
+use crate::machine::{Machine, Visitor};
 use crate::place::Place;
-use crate::wiring::{MAX_CLIENTS, MAX_LINKS, Machine, Visitor, Wires};
+use crate::wires::Wires;
 use crate::{Link, Unit};
+use std::fmt;
 
 /// What is wrong with a machine's wiring.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WiringError {
     /// Two units fill one FIFO.
-    #[error("FIFO `{fifo}` is filled by `{first}` and by `{second}`; give each a FIFO of its own")]
     TwoProducers {
         /// The FIFO.
         fifo: String,
@@ -19,7 +21,6 @@ pub enum WiringError {
         second: String,
     },
     /// Two units empty one FIFO.
-    #[error("FIFO `{fifo}` is emptied by `{first}` and by `{second}`; give each a FIFO of its own")]
     TwoConsumers {
         /// The FIFO.
         fifo: String,
@@ -29,7 +30,6 @@ pub enum WiringError {
         second: String,
     },
     /// A unit waits for tokens that nobody makes.
-    #[error("no unit fills FIFO `{fifo}`, from which `{unit}` pops")]
     NoProducer {
         /// The FIFO.
         fifo: String,
@@ -37,7 +37,6 @@ pub enum WiringError {
         unit: String,
     },
     /// A unit makes tokens that nobody takes.
-    #[error("no unit pops from FIFO `{fifo}`, which `{unit}` fills")]
     NoConsumer {
         /// The FIFO.
         fifo: String,
@@ -45,7 +44,6 @@ pub enum WiringError {
         unit: String,
     },
     /// More FIFOs or clients at a unit than the kernel keeps account of.
-    #[error("`{unit}` has {count} {what}, expected {most} or fewer")]
     TooMany {
         /// The unit.
         unit: String,
@@ -57,7 +55,6 @@ pub enum WiringError {
         most: usize,
     },
     /// The number of a client that was never added.
-    #[error("`{unit}` is wired to memory client number {client}, but the machine's memories have {count}")]
     NoSuchClient {
         /// The unit.
         unit: String,
@@ -67,7 +64,6 @@ pub enum WiringError {
         count: usize,
     },
     /// Two units use one client, or a unit uses it twice.
-    #[error("memory port `{port}` is used by `{first}` and by `{second}`; add a client for each")]
     SharedClient {
         /// The client's port.
         port: String,
@@ -77,7 +73,6 @@ pub enum WiringError {
         second: String,
     },
     /// A unit needs a client that is not wired.
-    #[error("`{unit}` declares a largest step for its memory client {client}, but {wired} are wired")]
     MissingClient {
         /// The unit.
         unit: String,
@@ -87,9 +82,6 @@ pub enum WiringError {
         wired: usize,
     },
     /// The largest step needs more credits than there are: the unit would never start (law 3).
-    #[error(
-        "memory `{memory}` has {outstanding} requests outstanding per port, but a step of `{unit}` needs {needed} on port `{port}`"
-    )]
     TooFewCredits {
         /// The unit.
         unit: String,
@@ -103,6 +95,37 @@ pub enum WiringError {
         outstanding: u64,
     },
 }
+
+impl fmt::Display for WiringError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TwoProducers { fifo, first, second } => {
+                write!(f, "FIFO `{fifo}` is filled by `{first}` and by `{second}`; give each a FIFO of its own")
+            }
+            Self::TwoConsumers { fifo, first, second } => {
+                write!(f, "FIFO `{fifo}` is emptied by `{first}` and by `{second}`; give each a FIFO of its own")
+            }
+            Self::NoProducer { fifo, unit } => write!(f, "no unit fills FIFO `{fifo}`, from which `{unit}` pops"),
+            Self::NoConsumer { fifo, unit } => write!(f, "no unit pops from FIFO `{fifo}`, which `{unit}` fills"),
+            Self::TooMany { unit, what, count, most } => write!(f, "`{unit}` has {count} {what}, expected {most} or fewer"),
+            Self::NoSuchClient { unit, client, count } => {
+                write!(f, "`{unit}` is wired to memory client number {client}, but the machine's memories have {count}")
+            }
+            Self::SharedClient { port, first, second } => {
+                write!(f, "memory port `{port}` is used by `{first}` and by `{second}`; add a client for each")
+            }
+            Self::MissingClient { unit, client, wired } => {
+                write!(f, "`{unit}` declares a largest step for its memory client {client}, but {wired} are wired")
+            }
+            Self::TooFewCredits { unit, memory, port, needed, outstanding } => write!(
+                f,
+                "memory `{memory}` has {outstanding} requests outstanding per port, but a step of `{unit}` needs {needed} on port `{port}`"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for WiringError {}
 
 /// Checks that every FIFO has one producer and one consumer, that every memory client belongs to one stage, that the clients
 /// a unit uses are wired, and that they have the credits of its largest step.

@@ -1,6 +1,9 @@
 //! Parameters of FIFOs, memories and caches.
 
 use crate::Part;
+#[cfg(not(feature = "config"))]
+use crate::plain_parameters::parameters;
+#[cfg(feature = "config")]
 use basrelief_parameters::parameters;
 
 parameters! {

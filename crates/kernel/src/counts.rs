@@ -1,13 +1,13 @@
 //! What memories count: by port, and by channel.
 
 use crate::Cycle;
-use serde::{Deserialize, Serialize};
 
 /// Classes of a [`Latencies`] histogram: enough for any answer within 2^31 cycles; longer ones count as the last.
 const CLASSES: usize = 32;
 
 /// How long answers took: `at_least[k]` of them took 2^k cycles or more, and less than twice that.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Latencies {
     /// Number of answers, by class.
     pub at_least: [u64; CLASSES],
@@ -43,7 +43,8 @@ pub(crate) enum Row {
 }
 
 /// How many bursts found their rows how.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RowCounts {
     /// Their row was open.
     pub hits: u64,
@@ -70,7 +71,8 @@ impl RowCounts {
 }
 
 /// What a port moved and how it was served.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PortCounts {
     /// Read requests.
     pub reads: u64,
@@ -109,8 +111,22 @@ impl PortCounts {
     }
 }
 
+/// What a cache's look-ups found. hits + misses + merged = look-ups.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "config", derive(schemars::JsonSchema))]
+pub struct CacheCounts {
+    /// The line was there.
+    pub hits: u64,
+    /// The line was requested from memory.
+    pub misses: u64,
+    /// The line was on its way.
+    pub merged: u64,
+}
+
 /// What a channel moved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChannelCounts {
     /// Its bursts.
     pub rows: RowCounts,

@@ -1,11 +1,11 @@
 //! Time, counted in cycles from 0.
 
-use serde::{Deserialize, Serialize};
 use std::{fmt, ops};
 
 /// A point in time \[cycles\].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(transparent))]
 pub struct Cycle(pub u64);
 
 impl Cycle {

@@ -1,9 +1,7 @@
 //! What units tell of themselves: what they counted, and how fast they are.
 
 use crate::hardware::{Hardware, HardwareKind};
-use crate::wiring::{Machine, Outputs, Visitor, Wires};
-use crate::{Link, Place, Unit, Work};
-use serde::{Deserialize, Serialize};
+use crate::{Link, Work};
 
 /// What the units of a machine tell, each in [`Unit::tell`], in the order of the wiring. See [`facts`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,7 +31,8 @@ pub struct Figure {
 }
 
 /// How many, or how much.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Value {
     /// How many.
     Count(u64),
@@ -215,16 +214,6 @@ impl Facts {
     }
 }
 
-impl Facts {
-    /// Tells the FIFOs that a unit fills, those that say how wide they are.
-    fn tell_fifos(&mut self, outputs: &impl Outputs) {
-        for link in (0..outputs.count()).map(|i| outputs.link(i)).filter(|link| link.bits() > 0) {
-            let (place, count, width) = (link.name().to_owned(), link.depth() as u64, link.bits());
-            self.hardware.push(Hardware { place, kind: HardwareKind::Fifo, about: "slots", count, width });
-        }
-    }
-}
-
 impl Figure {
     /// Makes it a part.
     pub fn part(&mut self, part: Part) {
@@ -232,28 +221,9 @@ impl Figure {
     }
 }
 
-/// Asks every unit of a machine what it has to tell. To be called after a run, not during one: some answers take a while.
-pub fn facts(machine: &mut impl Machine) -> Facts {
-    struct Gather(Facts);
-    impl Visitor for Gather {
-        fn stage<P: Place>(&mut self, mut place: P) {
-            let (stage, connections) = place.open();
-            self.0.place = stage.name().into();
-            stage.unit.tell(&mut self.0);
-            let outputs = &connections.outputs;
-            self.0.tell_fifos(outputs);
-            for rate in std::mem::take(&mut self.0.rates) {
-                assert!(rate.output < outputs.count(), "{} tells the rate of output {}", stage.name(), rate.output);
-                self.0.slow_fifos.extend(SlowFifo::of(outputs.link(rate.output), rate));
-            }
-        }
-    }
-    let mut gather = Gather(Facts::default());
-    machine.wire(&mut gather);
-    let caches = machine.memories().clients().iter().filter_map(|client| client.cache.as_ref());
-    gather.0.hardware.extend(caches.flat_map(|cache| Hardware::of_cache(&cache.name, &cache.config)));
-    gather.0
-}
+mod gather;
+
+pub use gather::facts;
 
 #[cfg(test)]
 mod tests {

@@ -7,8 +7,10 @@ use std::fmt;
 const ADDRESS_BITS: u32 = 32;
 
 /// A kind of hardware.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(schemars::JsonSchema))]
 pub enum HardwareKind {
     /// Inner product of two vectors of three: three multipliers and two adders, which are not counted beside it.
     InnerProduct,

@@ -43,7 +43,7 @@
 //! ```
 //!
 //! ```
-//! use basrelief_kernel::contract::{Sink, Source};
+//! use basrelief_kernel::{Sink, Source};
 //! use basrelief_kernel::{Demand, Engine, Fifo, Machine, MemorySystem, Outcome};
 //! use basrelief_kernel::{Stage, Step, Traffic, Unit, Visitor, run};
 //!
@@ -225,21 +225,25 @@
 mod account;
 mod asked;
 mod cache;
+mod capacity;
 mod channel;
 mod check;
+mod client;
 mod config;
 mod connections;
-#[cfg(feature = "contract")]
-pub mod contract;
 mod counts;
 mod cycle;
 mod derived;
+mod diagram;
+mod divisor;
+mod endpoints;
 mod engine;
 pub mod facts;
 mod fifo;
 mod hardware;
 mod label;
 mod link;
+mod machine;
 mod memory;
 mod memory_system;
 mod operators;
@@ -247,11 +251,13 @@ mod outcome;
 pub mod parts;
 mod path;
 mod place;
-#[cfg(feature = "plan")]
-pub mod plan;
+#[cfg(not(feature = "config"))]
+mod plain_parameters;
 mod port;
 mod probe;
 mod report;
+mod request;
+mod role;
 mod shape;
 mod stage;
 pub mod tape;
@@ -260,16 +266,18 @@ mod topology;
 pub mod traffic;
 pub mod unit;
 mod watch;
-mod wiring;
+mod wires;
 
 pub use account::{Account, Cause};
-pub use cache::CacheCounts;
+pub use capacity::{MAX_CLIENTS, MAX_LINKS};
 pub use check::{WiringError, check_wiring};
 pub use config::{CacheConfig, FifoConfig, MemoryConfig};
 pub use connections::{Clients, Connections, MemoryClients};
-pub use counts::{Bus, ChannelCounts, Latencies, PortCounts, RowCounts};
+pub use counts::{Bus, CacheCounts, ChannelCounts, Latencies, PortCounts, RowCounts};
 pub use cycle::Cycle;
 pub use derived::Derived;
+pub use diagram::{ClientTopology, Diagram, FifoTopology, MemoryTopology, StageTopology};
+pub use endpoints::{Sink, Source};
 pub use engine::{
     Engine, Limits, Piece, Reels, RetimeError, Tape, critical_path, make_steps, retime, run, run_functional, run_recorded,
     run_with, time_steps,
@@ -278,6 +286,7 @@ pub use fifo::Fifo;
 pub use hardware::{Hardware, HardwareKind};
 pub use label::Label;
 pub use link::Link;
+pub use machine::{Machine, Visitor};
 pub use memory::MemoryRequest;
 pub use memory_system::MemorySystem;
 pub use operators::{OperatorConfig, Operators, Work};
@@ -287,10 +296,17 @@ pub use path::{CriticalPath, Groups, PathPart, Phase, Stretch};
 pub use place::{Between, ConnectionsOf, Place};
 pub use probe::{Interval, NoProbe, Probe, Recorder};
 pub use report::{CacheReport, FifoReport, MemoryReport, PortReport, RunReport, UnitReport};
+pub use request::Request;
+pub use role::Role;
 pub use shape::Shape;
 pub use stage::Stage;
-pub use topology::{ClientTopology, Diagram, FifoTopology, MemoryTopology, StageTopology, topology};
-pub use traffic::{Request, Traffic};
-pub use unit::{Demand, Role, Step, Unit};
+pub use topology::topology;
+pub use traffic::Traffic;
+pub use unit::{Demand, Step, Unit};
 pub use watch::MemoryEvent;
-pub use wiring::{Inputs, MAX_CLIENTS, MAX_LINKS, Machine, Outputs, Visitor, Wires};
+pub use wires::{Inputs, Outputs, Wires};
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

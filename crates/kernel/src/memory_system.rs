@@ -1,28 +1,13 @@
 //! All memories, ports and caches of a machine, and the order in which requests are served.
 
+use crate::asked::Caches;
 use crate::cache::{Cache, Tags};
+use crate::client::Client;
 use crate::memory::{Memory, MemoryRequest};
 use crate::port::{Answered, Port};
-use crate::topology::ClientTopology;
 use crate::watch::Level;
 use crate::{CacheConfig, Cycle, MemoryConfig, MemoryEvent, Probe};
 pub(crate) use look_ups::Queue;
-
-/// A client: a port, with or without a cache in front of it.
-#[derive(Clone, Debug)]
-pub(crate) struct Client {
-    pub(crate) port: Port,
-    pub(crate) cache: Option<Cache>,
-}
-
-impl Client {
-    /// What it is, for who looks on; `stages` use it.
-    pub(crate) fn topology(&self, stages: Vec<usize>) -> ClientTopology {
-        let Self { port, cache } = self;
-        let cache = cache.as_ref().map(|cache| cache.name.clone());
-        ClientTopology { name: port.name.clone(), memory: port.memory, stages, credits: port.outstanding(), cache }
-    }
-}
 
 /// The memories of a machine.
 ///
@@ -309,6 +294,17 @@ impl MemorySystem {
     /// The last answer on any port.
     pub(crate) fn last_answer(&self) -> Cycle {
         self.clients.iter().map(|c| c.port.last_answer()).max().unwrap_or(Cycle::ZERO)
+    }
+}
+
+impl Caches for (&[usize], &mut MemorySystem) {
+    #[inline(always)]
+    fn clients(&self) -> usize {
+        self.0.len()
+    }
+    #[inline(always)]
+    fn tags(&mut self, client: usize) -> Option<(&mut Tags, u64)> {
+        self.1.tags(self.0[client])
     }
 }
 

@@ -13,6 +13,9 @@
 //! assert_eq!(operators.latency(Work { divide: 1, multiply: 1, ..Work::NONE }), 11, "a quotient, then a product of it");
 //! ```
 
+#[cfg(not(feature = "config"))]
+use crate::plain_parameters::{parameter_groups, parameters};
+#[cfg(feature = "config")]
 use basrelief_parameters::{parameter_groups, parameters};
 
 parameters! {

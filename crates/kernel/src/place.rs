@@ -1,7 +1,7 @@
 //! A place in the block diagram: a stage, the FIFOs on its two sides, and the memories that it uses.
 
 use crate::connections::{Clients, Connections, MemoryClients};
-use crate::wiring::{Inputs, Outputs};
+use crate::wires::{Inputs, Outputs};
 use crate::{MemorySystem, Stage, Unit};
 
 /// What a visitor is shown: one stage in its place. Made by [`Stage::between`].

@@ -2,7 +2,7 @@
 
 use crate::Cycle;
 use crate::counts::PortCounts;
-use crate::memory::Divisor;
+use crate::divisor::Divisor;
 use crate::watch::Level;
 
 /// A request that has arrived.

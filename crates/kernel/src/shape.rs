@@ -1,11 +1,13 @@
 //! The shape of a machine: what its wiring says, as plain data. With it time can be told without the machine.
 
+use crate::capacity::MAX_CLIENTS;
 use crate::check::{WiringError, check_wiring};
 use crate::connections::Clients;
+use crate::diagram::{Diagram, FifoTopology, StageTopology};
+use crate::machine::{Machine, Visitor};
 use crate::memory::Memory;
 use crate::place::Place;
-use crate::topology::{Diagram, FifoTopology, StageTopology};
-use crate::wiring::{MAX_CLIENTS, Machine, Visitor, Wires};
+use crate::wires::Wires;
 use crate::{MemorySystem, Unit};
 
 /// Everything that time depends on beside what the units do: stages, FIFOs, and memories on which nothing has been asked yet.

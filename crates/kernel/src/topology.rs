@@ -1,24 +1,11 @@
 //! The block diagram as data: what `wire` shows, without running anything.
 
 use crate::connections::{Clients, Connections};
+use crate::diagram::StageTopology;
+use crate::machine::{Machine, Visitor};
 use crate::place::Place;
-use crate::wiring::{Inputs, Machine, Outputs, Visitor};
-use crate::{Role, Stage, Unit};
-
-/// A stage and its wires, by name.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct StageTopology {
-    /// Name of the stage.
-    pub name: String,
-    /// What its unit is for.
-    pub role: Role,
-    /// Names of its input FIFOs.
-    pub inputs: Vec<String>,
-    /// Names of its output FIFOs.
-    pub outputs: Vec<String>,
-    /// Names of its memory clients.
-    pub clients: Vec<String>,
-}
+use crate::wires::{Inputs, Outputs};
+use crate::{Stage, Unit};
 
 impl StageTopology {
     /// Of a stage as it is shown to a visitor.
@@ -36,60 +23,6 @@ impl StageTopology {
             clients: clients.ids().iter().map(client).collect(),
         }
     }
-}
-
-/// All that a probe tells of, by its numbers there.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Diagram {
-    /// In the order of the wiring.
-    pub stages: Vec<StageTopology>,
-    /// In the order of the wiring, by producer.
-    pub fifos: Vec<FifoTopology>,
-    /// In the order in which they were added.
-    pub memories: Vec<MemoryTopology>,
-    /// In the order in which they were added.
-    pub clients: Vec<ClientTopology>,
-}
-
-/// A FIFO.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FifoTopology {
-    /// Its name.
-    pub name: String,
-    /// Slots.
-    pub depth: usize,
-    /// Numbers of the stages that fill it and that empty it.
-    pub ends: [usize; 2],
-}
-
-/// A memory.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MemoryTopology {
-    /// Its name.
-    pub name: String,
-    /// Its channels.
-    pub channels: usize,
-    /// Banks of each.
-    pub banks: usize,
-    /// Bytes of a burst.
-    pub burst_bytes: u32,
-    /// Cycles that a burst keeps the bus of its channel.
-    pub burst_cycles: u64,
-}
-
-/// A memory client.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ClientTopology {
-    /// Its name.
-    pub name: String,
-    /// Number of its memory.
-    pub memory: usize,
-    /// Numbers of the stages that use it.
-    pub stages: Vec<usize>,
-    /// Requests that it may have in flight.
-    pub credits: u64,
-    /// Its cache, where it has one.
-    pub cache: Option<String>,
 }
 
 /// All stages of a machine, in the order of its wiring.

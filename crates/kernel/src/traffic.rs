@@ -1,21 +1,8 @@
 //! The port handle that a step is given: it takes requests and tells nothing.
 
-use crate::MemorySystem;
 use crate::asked::{Asked, Asks, Cursor, objection};
-use crate::wiring::MAX_CLIENTS;
-
-/// One memory request of a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Request {
-    /// Client of the unit, as numbered in the wiring.
-    pub client: u32,
-    /// Posted write rather than read.
-    pub write: bool,
-    /// Byte address.
-    pub address: u64,
-    /// Bytes, >= 1.
-    pub bytes: u32,
-}
+use crate::request::Request;
+use crate::{MAX_CLIENTS, MemorySystem};
 
 /// Requests and look-ups of one step, in order of issue. All arrive at the step's start (laws 4 and 5).
 #[derive(Clone, Debug, Default)]

@@ -1,6 +1,7 @@
 //! The unit contract: what a unit does to a token and how long it is busy. When is the kernel's business.
 
 use crate::facts::Facts;
+use crate::role::Role;
 use crate::traffic::Traffic;
 
 /// Which inputs the next step takes (law 3): declared from the unit's own state alone.
@@ -81,45 +82,6 @@ impl<O> Step<O> {
         self.marked = true;
         self
     }
-}
-
-/// What a unit is for, and where its code is; a unit states it with [`role!`](crate::role).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Role {
-    /// What it does, in a sentence without its full stop; empty where it does not say.
-    pub does: &'static str,
-    /// Path of the module that states it, as `module_path!` gives it.
-    pub module: &'static str,
-}
-
-/// States the [`Role`] of a unit: the first line of its `impl Unit`.
-///
-/// ```
-/// use basrelief_kernel::{Demand, Role, Step, Traffic, Unit};
-///
-/// struct Adder;
-///
-/// impl Unit for Adder {
-///     basrelief_kernel::role!("adds what both inputs bring");
-///     type In = (Option<u32>, Option<u32>);
-///     type Out = Option<u32>;
-///
-///     fn demand(&self) -> Demand {
-///         Demand::All
-///     }
-///
-///     fn step(&mut self, (a, b): Self::In, _: &mut Traffic) -> Step<Option<u32>> {
-///         Step::after(1, a.zip(b).map(|(a, b)| a + b))
-///     }
-/// }
-///
-/// assert_eq!(Adder::ROLE, Role { does: "adds what both inputs bring", module: module_path!() });
-/// ```
-#[macro_export]
-macro_rules! role {
-    ($does:literal) => {
-        const ROLE: $crate::Role = $crate::Role { does: $does, module: module_path!() };
-    };
 }
 
 /// A hardware unit.

@@ -1,10 +1,10 @@
 //! Labels: what a probe that asks is told of steps.
 
-use basrelief_kernel::contract::{Sink, Source};
 use basrelief_kernel::{
     Cause, Cycle, Demand, Engine, Fifo, Label, Limits, Machine, MemorySystem, Probe, Stage, Step, Traffic, Unit, Visitor,
     run_with,
 };
+use basrelief_kernel::{Sink, Source};
 
 /// Adds neighbours: every other step gives a sum.
 #[derive(Default)]

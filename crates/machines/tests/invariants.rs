@@ -12,7 +12,7 @@ mod circles;
 const FLOORS: &[&[&str]] = &[
     &["input", "parameters", "threads"],
     &["kernel", "signals"],
-    &["shading", "trace"],
+    &["kernel-conformance", "shading", "trace"],
     &[UNITS],
     &["scene", "reference"],
     &["machines", "served"],
@@ -134,9 +134,7 @@ const WITH_CIRCLES: &[&str] = &[
     "dse",
     "figure-shading",
     "geometry-processor",
-    "kernel",
     "machines",
-    "parameters",
     "reference",
     "replacement",
     "report",

@@ -29,11 +29,15 @@
 #[cfg(test)]
 extern crate self as basrelief_parameters;
 
+mod error;
+mod given;
 mod load;
 mod table;
 
-pub use load::{ConfigError, Given, Loader, load, nearest, syntax};
-pub use table::{Effect, Parameter, Parameters, Provenance, RangeError, as_option, resolved};
+pub use error::{ConfigError, RangeError};
+pub use given::Given;
+pub use load::{Loader, load, nearest, syntax};
+pub use table::{Effect, Parameter, Parameters, Provenance, as_option, resolved};
 
 /// Used by the macros; not part of the interface.
 #[doc(hidden)]
@@ -42,3 +46,8 @@ pub mod private {
     pub use serde;
     pub use serde_json;
 }
+
+/// Tests the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,58 +1,10 @@
 //! From TOML and `key=value` pairs to a checked configuration.
 
-use crate::{Parameters, RangeError};
+use crate::{ConfigError, Given, Parameters};
 use serde::de::Unexpected;
 use serde_json::Value as Json;
 use std::marker::PhantomData;
 use toml::{Table, Value};
-
-/// What is wrong with a configuration, where, and what to write instead.
-#[derive(Debug, thiserror::Error)]
-pub enum ConfigError {
-    /// The text is no TOML.
-    #[error("not valid TOML: {0}")]
-    Syntax(String),
-    /// No parameter has this name.
-    #[error("unknown parameter `{key}`{} (`basrelief describe` lists all)", hint(nearest))]
-    Unknown {
-        /// As given.
-        key: String,
-        /// The nearest known name, if any is near.
-        nearest: Option<String>,
-    },
-    /// The value has the wrong type.
-    #[error("`{key}`: {message}")]
-    Type {
-        /// Dotted name.
-        key: String,
-        /// What was expected.
-        message: String,
-    },
-    /// The value is out of range.
-    #[error(transparent)]
-    Range(#[from] RangeError),
-    /// Other parameters do not follow from this one as the rest stands.
-    #[error("`{key}`: {message}")]
-    Unfit {
-        /// Dotted name.
-        key: String,
-        /// What is wrong, what was expected, what to do.
-        message: String,
-    },
-}
-
-/// What the user has given, in whatever way: the rest are defaults.
-#[derive(Clone, Copy, Debug)]
-pub struct Given<'a>(&'a Table);
-
-impl Given<'_> {
-    /// Whether this parameter was given.
-    pub fn has(&self, key: &str) -> bool {
-        let (path, leaf) = key.rsplit_once('.').unwrap_or(("", key));
-        let group = path.split('.').filter(|p| !p.is_empty()).try_fold(self.0, |at, part| at.get(part)?.as_table());
-        group.is_some_and(|group| group.contains_key(leaf))
-    }
-}
 
 /// Reads a configuration: defaults, then the TOML text, then single settings in order. What follows from other parameters
 /// ([`Parameters::complete`]) and was not given takes the place of its default, so it does not matter which was given first.
@@ -146,10 +98,6 @@ pub fn syntax(text: &str, error: &toml::de::Error) -> String {
     // Its own words are short, but for names that it quotes.
     let words: String = error.message().chars().take(LONGEST).collect();
     format!("line {line}, column {column}: {words}")
-}
-
-fn hint(nearest: &Option<String>) -> String {
-    nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }
 
 /// Dotted names and values of what is given, groups opened.

@@ -1,6 +1,6 @@
 //! The table of parameters and the macros that fill it.
 
-use crate::{ConfigError, Given};
+use crate::{ConfigError, Given, RangeError};
 use serde::{Serialize, de::DeserializeOwned};
 use std::borrow::Cow;
 
@@ -81,18 +81,6 @@ impl Parameter {
 /// A value as `--set` takes it.
 pub fn as_option(value: &serde_json::Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
-}
-
-/// A value outside its range.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`{key}` is {value}, expected {expected}")]
-pub struct RangeError {
-    /// Dotted name.
-    pub key: String,
-    /// What was given.
-    pub value: String,
-    /// What is allowed.
-    pub expected: String,
 }
 
 /// A configuration declared with [`parameters!`](crate::parameters) or [`parameter_groups!`](crate::parameter_groups).

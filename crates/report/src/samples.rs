@@ -7,8 +7,8 @@ use crate::model::{
     Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, Input, Legend, Memory, OutcomeKind, Part, Picture,
     PictureQuality, Report, Size, Unit,
 };
-use basrelief_kernel::plan::{Plan, PlanMachine};
 use basrelief_kernel::{Engine, Outcome, RunReport};
+use basrelief_kernel_conformance::plan::{Plan, PlanMachine};
 use basrelief_reference::Quality;
 use basrelief_signals::Camera;
 use serde_json::json;

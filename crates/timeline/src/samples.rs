@@ -1,8 +1,8 @@
 //! The machine and the run that the tests of this crate draw.
 
 use crate::Board;
-use basrelief_kernel::plan::{Plan, PlanMachine};
 use basrelief_kernel::{Engine, RunReport, Shape};
+use basrelief_kernel_conformance::plan::{Plan, PlanMachine};
 
 /// Source, unit with a memory client, sink.
 pub fn plan() -> Plan {

@@ -2,10 +2,10 @@ use crate::perfetto::{CHUNK, SEQUENCE};
 use crate::proto::{self, TracePacket};
 use crate::samples;
 use crate::*;
-use basrelief_kernel::plan::PlanMachine;
 use basrelief_kernel::{
     CacheCounts, Cause, Cycle, Engine, Interval, Limits, MemoryEvent, Outcome, Probe, Recorder, RunReport, run_with,
 };
+use basrelief_kernel_conformance::plan::PlanMachine;
 use prost::Message;
 use std::collections::BTreeMap;
 use std::io::{self, Write};

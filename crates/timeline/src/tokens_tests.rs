@@ -3,7 +3,8 @@
 use crate::samples;
 use crate::*;
 use basrelief_input::{Budget, OverBudget};
-use basrelief_kernel::{Cause, Cycle, Engine, Interval, Limits, NoProbe, RunReport, plan::PlanMachine, run_with};
+use basrelief_kernel::{Cause, Cycle, Engine, Interval, Limits, NoProbe, RunReport, run_with};
+use basrelief_kernel_conformance::plan::PlanMachine;
 use std::collections::BTreeMap;
 
 /// A token as a reader sees it.

@@ -1,8 +1,8 @@
 use crate::samples;
 use crate::*;
 use basrelief_input::Budget;
-use basrelief_kernel::plan::PlanMachine;
 use basrelief_kernel::{Cause, Cycle, Engine, Limits, MemoryEvent, Probe, Recorder, RunReport, run_with};
+use basrelief_kernel_conformance::plan::PlanMachine;
 use fst_reader::{FstFilter, FstHierarchyEntry, FstReader, FstSignalValue};
 use std::collections::BTreeMap;
 use std::convert::Infallible;

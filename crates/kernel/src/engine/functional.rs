@@ -1,11 +1,12 @@
 //! The functional model: the same steps, without time; memories answer at once (law 6). What it does can be handed on to who tells the
 //! times meanwhile.
 
-use super::apart::{Piece, Steps};
+use super::batch::{Piece, Steps};
+use super::context::{fault_of, rests};
 use super::work::{Live, Work};
-use super::{fault_of, rests};
+use crate::machine::{Machine, Visitor};
 use crate::place::Place;
-use crate::wiring::{Inputs, Machine, Outputs, Visitor};
+use crate::wires::{Inputs, Outputs};
 use crate::{Connections, Demand, Traffic, Unit};
 
 struct Walk {

@@ -1,6 +1,8 @@
 //! The engines: three ways to run the same unit code.
 
 mod apart;
+mod batch;
+mod context;
 mod ends;
 mod functional;
 mod retime;
@@ -9,15 +11,17 @@ mod timed;
 mod work;
 
 use crate::check::check_wiring;
+use crate::machine::Machine;
 use crate::report::RunReport;
 use crate::shape::Shape;
 use crate::tape::{Reel, Writer};
-use crate::time::{Halt, Rest, Time};
-use crate::wiring::Machine;
-use crate::{Cycle, Probe, Traffic};
-pub use apart::{Piece, make_steps, time_steps};
+use crate::time::{Halt, Time};
+use crate::{Cycle, Probe};
+pub use apart::{make_steps, time_steps};
+pub use batch::Piece;
+pub use context::Limits;
+use context::{Recording, rests};
 pub use retime::{Reels, RetimeError, Tape, critical_path, retime};
-use work::Survey;
 
 /// How to run a machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,15 +31,6 @@ pub enum Engine {
     Timed,
     /// Visits every unit in every cycle: slow, obviously right; the oracle.
     Ticked,
-}
-
-/// Bounds of a run and what to do as it goes.
-pub struct Limits<'a, M> {
-    /// No step starts in this cycle or later; the run then ends as [`Outcome::Limit`](crate::Outcome::Limit).
-    pub max_cycles: u64,
-    /// Called every now and then with the machine, and where it has news, to show progress and to take finished results away; `false` stops
-    /// the run as [`Outcome::Stopped`](crate::Outcome::Stopped).
-    pub progress: &'a mut dyn FnMut(&mut M) -> bool,
 }
 
 /// Runs `machine` to its end.
@@ -101,47 +96,9 @@ fn run_on<M: Machine, P: Probe>(
     report
 }
 
-/// What is left of each unit.
-fn rests(machine: &mut impl Machine) -> Vec<Rest> {
-    let mut survey = Survey::default();
-    machine.wire(&mut survey);
-    survey.0
-}
-
-/// A tape under way.
-struct Recording<'a> {
-    writer: &'a mut Writer,
-    keep: &'a mut dyn FnMut(Reel),
-}
-
 /// Runs the same steps without time, with memories that answer at once: the functional model (law 6). Returns the
 /// fault, if a unit raised one or the wiring is wrong.
 pub fn run_functional<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) -> bool) -> Result<(), String> {
     check_wiring(machine).map_err(|error| error.to_string())?;
     functional::run(machine, progress)
-}
-
-/// Between rounds: hands on what is written of a tape, where it is worth a reel, and shows the machine to who looks on, with its
-/// memories as they are by now: they are the engine's while it runs.
-fn look<M: Machine>(
-    machine: &mut M,
-    time: &mut Time,
-    (tape, keep): (&mut Option<&mut Writer>, &mut Option<&mut dyn FnMut(Reel)>),
-    progress: &mut dyn FnMut(&mut M) -> bool,
-) -> bool {
-    if let (Some(writer), Some(keep)) = (tape, keep)
-        && writer.is_full()
-    {
-        keep(writer.reel(rests(machine), false));
-    }
-    std::mem::swap(machine.memories(), &mut time.memories);
-    let goes_on = progress(machine);
-    std::mem::swap(machine.memories(), &mut time.memories);
-    goes_on
-}
-
-/// A fault, prefixed with the unit that raised it and, where there is time, the cycle in which its step started.
-fn fault_of(traffic: &mut Traffic, name: &str, start: Option<Cycle>) -> Option<String> {
-    let cycle = start.map_or_else(String::new, |start| format!(", {start}"));
-    traffic.fault.take().map(|f| format!("{name}{cycle}: {f}"))
 }

@@ -10,15 +10,14 @@ use crate::tape::{Reader, Reel, TapeError};
 use crate::time::{Halt, Made, Path, Rest, Takes, Time, Visit};
 use crate::{CriticalPath, Cycle, Demand, Groups, NoProbe, Outcome, Probe, Traffic};
 use std::borrow::Cow;
+use std::fmt;
 
 /// Why a tape cannot be timed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RetimeError {
     /// What is on the tape is no work.
-    #[error(transparent)]
-    Tape(#[from] TapeError),
+    Tape(TapeError),
     /// It is the work of another machine.
-    #[error("the tape has {found} stages, but the machine has {expected}")]
     Stages {
         /// Stages of the tape.
         found: usize,
@@ -26,14 +25,33 @@ pub enum RetimeError {
         expected: usize,
     },
     /// A stage can go on, but the run that was recorded did not go so far.
-    #[error("under these parameters `{0}` goes on beyond what was recorded: record a run that is complete, or that goes as far")]
     EndsEarly(String),
     /// A step does what its stage cannot.
-    #[error("{0}")]
     Fault(String),
     /// The tape could not be read.
-    #[error("{0}")]
     Read(String),
+}
+
+impl fmt::Display for RetimeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Tape(error) => error.fmt(f),
+            Self::Stages { found, expected } => write!(f, "the tape has {found} stages, but the machine has {expected}"),
+            Self::EndsEarly(stage) => write!(
+                f,
+                "under these parameters `{stage}` goes on beyond what was recorded: record a run that is complete, or that goes as far"
+            ),
+            Self::Fault(text) | Self::Read(text) => f.write_str(text),
+        }
+    }
+}
+
+impl std::error::Error for RetimeError {}
+
+impl From<TapeError> for RetimeError {
+    fn from(error: TapeError) -> Self {
+        Self::Tape(error)
+    }
 }
 
 /// Gives the reels of a tape in order, and none after the last; or says why it cannot be read. It is told how many bytes of those

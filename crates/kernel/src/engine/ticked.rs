@@ -9,12 +9,12 @@
 //! repeat it with another reading: give it the `plan` of each line, and compare; `examples/plan.rs` runs one plan, or a
 //! folder of such vectors, from the command line.
 
+use super::context::{Limits, Recording, fault_of, look};
 use super::work::{Live, Work};
-use super::{Limits, Recording, fault_of, look};
+use crate::machine::{Machine, Visitor};
 use crate::place::Place;
 use crate::tape::Writer;
 use crate::time::{Halt, Slots, Time, Unknown, Wait, charge};
-use crate::wiring::{Machine, Visitor};
 use crate::{Cycle, Demand, Probe, Traffic, Unit};
 
 /// One cycle of all stages.

@@ -47,12 +47,12 @@
 //! By 1 both engines make the same steps; by 2, 3 and 5 to 7 at the same times, in which all requests are served in the order
 //! of law 4; by 8 both come to rest, where nothing can start: so their reports are equal.
 
+use super::context::{Limits, Recording, fault_of, look};
 use super::work::{Live, Work};
-use super::{Limits, Recording, fault_of, look};
+use crate::machine::{Machine, Visitor};
 use crate::place::Place;
 use crate::tape::Writer;
 use crate::time::{Halt, Known, Path, Takes, Time};
-use crate::wiring::{Machine, Visitor};
 use crate::{Cycle, Probe, Traffic};
 
 /// One walk over all stages.

@@ -2,10 +2,11 @@
 
 use crate::asked::Asks;
 use crate::connections::Clients;
+use crate::machine::Visitor;
 use crate::place::Place;
 use crate::tape::Writer;
 use crate::time::{Known, Made, Rest, Takes, Visit};
-use crate::wiring::{Inputs, Outputs, Visitor};
+use crate::wires::{Inputs, Outputs};
 use crate::{Connections, Demand, Probe, Stage, Traffic, Unit};
 
 /// The steps of one stage, in order.

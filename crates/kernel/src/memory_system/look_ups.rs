@@ -1,9 +1,11 @@
 //! When look-ups are answered (law 5).
 
-use super::{Client, MemorySystem};
+use super::MemorySystem;
 use crate::Cycle;
 use crate::asked::LookUps;
-use crate::cache::{CacheCounts, Pending};
+use crate::cache::Pending;
+use crate::client::Client;
+use crate::counts::CacheCounts;
 use std::collections::VecDeque;
 
 /// Look-ups of a client that have no answer yet.

@@ -1,6 +1,6 @@
 //! The burst of a part in whole cycles of a clock.
 
-use super::{Hertz, Sheet, rounded};
+use super::sheet::{Hertz, Sheet, rounded};
 
 /// Largest burst that is looked for \[bytes\]: the consecutive bytes that lie in one channel, where nothing else is set.
 pub const MOST_BURST_BYTES: u32 = 256;

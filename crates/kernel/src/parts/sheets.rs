@@ -6,8 +6,8 @@
 //! What is *assumed* was not read in the sheet cited, nor does arithmetic from what was read give it: it is what parts of the
 //! class have.
 
-use super::Rate::{Device, Own};
-use super::{Sheet, Time, clocks, cycles, ns, ps};
+use super::sheet::Rate::{Device, Own};
+use super::sheet::{Sheet, Time, clocks, cycles, ns, ps};
 
 const NONE: Time = cycles(0, "none");
 

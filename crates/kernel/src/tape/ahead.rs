@@ -3,9 +3,9 @@
 use super::class::Class;
 use crate::asked::{Asked, Caches, Count, LookUps};
 use crate::cache::Tags;
+use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::shape::StageShape;
 use crate::time::{Made, Takes};
-use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
 use crate::{MemorySystem, Request};
 
 /// Steps that are read: several replays may share them, as no times are in them.

@@ -1,13 +1,13 @@
 //! Numbers as bytes.
 
+use std::fmt;
+
 /// What is wrong with a tape.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TapeError {
     /// It ends within a step or a reel.
-    #[error("the tape breaks off: {0} is missing")]
     BreaksOff(&'static str),
     /// A value that no step can have.
-    #[error("{what} is {value} on the tape, expected {expected}")]
     Value {
         /// What the value is.
         what: &'static str,
@@ -17,6 +17,17 @@ pub enum TapeError {
         expected: &'static str,
     },
 }
+
+impl fmt::Display for TapeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BreaksOff(missing) => write!(f, "the tape breaks off: {missing} is missing"),
+            Self::Value { what, value, expected } => write!(f, "{what} is {value} on the tape, expected {expected}"),
+        }
+    }
+}
+
+impl std::error::Error for TapeError {}
 
 /// Appends a number, seven bits per byte, lowest first; the last byte is below 128.
 #[inline]

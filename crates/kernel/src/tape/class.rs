@@ -2,8 +2,8 @@
 
 use super::bytes::{TapeError, get_up_to, put};
 use crate::asked::Count;
+use crate::capacity::MAX_LINKS;
 use crate::time::Made;
-use crate::wiring::MAX_LINKS;
 use crate::{Demand, Request};
 
 /// Places for classes.

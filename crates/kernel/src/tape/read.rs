@@ -5,9 +5,9 @@ use super::bytes::{TapeError, get, unzigzag};
 use super::class::{CLASSES, Class, NEW};
 use super::reel::Reel;
 use crate::asked::{Asks, Count, Cursor, objection};
+use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::shape::StageShape;
 use crate::time::{Made, Rest, Takes};
-use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
 use crate::{Demand, MemorySystem, Request, Traffic};
 use std::sync::Arc;
 

@@ -2,8 +2,8 @@
 
 use super::bytes::{TapeError, get, get_up_to, put};
 use super::class::{code, demand_of};
+use crate::capacity::MAX_LINKS;
 use crate::time::Rest;
-use crate::wiring::MAX_LINKS;
 
 /// A piece of each stage's stream, whole steps; and what the step after it takes.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -3,9 +3,9 @@
 use super::bytes::{put, zigzag};
 use super::class::{CLASSES, Class, NEW, place};
 use super::reel::Reel;
+use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::shape::Shape;
 use crate::time::{Made, Rest};
-use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
 use crate::{Demand, MemorySystem, Request, Traffic};
 
 /// Writes down what the stages of a run do.

@@ -4,9 +4,9 @@ use super::ends::Ends;
 use super::flight::Flights;
 use super::{Made, Slots, Takes};
 use crate::account::{Account, Cause};
+use crate::capacity::MAX_CLIENTS;
 use crate::probe::Probe;
 use crate::shape::StageShape;
-use crate::wiring::MAX_CLIENTS;
 use crate::{Cycle, Demand, MemorySystem};
 
 /// A wait: why, its first cycle, and the cycle after its last.

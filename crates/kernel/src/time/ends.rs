@@ -1,7 +1,7 @@
 //! The FIFOs or clients of a stage, by number.
 
 use super::Slots;
-use crate::wiring::MAX_LINKS;
+use crate::capacity::MAX_LINKS;
 
 /// Up to eight numbers, in one piece with what they belong to: a vector of each stage's would lie elsewhere, and be asked for in
 /// every step.

@@ -1,8 +1,8 @@
 //! What a stage has in flight: steps that wait for memory answers, or behind such a step (laws 4 and 5).
 
 use crate::asked::{Asks, LookUps};
+use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::memory_system::Queue;
-use crate::wiring::{MAX_CLIENTS, MAX_LINKS};
 use crate::{Cycle, MemorySystem, Request};
 use std::collections::VecDeque;
 

@@ -1,6 +1,6 @@
 //! Occupancy of a FIFO (law 10): slots reserved or filled, from reservation through pop.
 
-use super::slots::Token;
+use super::token::Token;
 use crate::Cycle;
 
 /// The histogram of one FIFO's occupancy.

@@ -7,9 +7,9 @@
 
 use super::visit::Sight;
 use super::{Made, Takes, Time};
+use crate::capacity::MAX_CLIENTS;
 use crate::path::{CriticalPath, Groups, PathPart, Phase, Stretch};
 use crate::shape::Shape;
-use crate::wiring::MAX_CLIENTS;
 use crate::{Cycle, MemorySystem};
 use std::collections::{BTreeMap, VecDeque};
 

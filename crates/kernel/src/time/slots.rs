@@ -1,8 +1,9 @@
 //! The times of a FIFO: laws 1, 2 and 10.
 
 use super::occupancy::Occupancy;
+use super::token::Token;
 use crate::Cycle;
-use crate::wiring::MAX_CLIENTS;
+use crate::capacity::MAX_CLIENTS;
 use std::cell::{Cell, RefCell};
 
 /// Tokens after which occupancy is settled: settling each as it came cost 100 instructions, a sweep costs 20. With more of them the
@@ -12,17 +13,6 @@ const SWEEP: usize = 64;
 /// Places of what is news for whom.
 const CONSUMER: usize = 0;
 const PRODUCER: usize = 1;
-
-/// Times of one token.
-#[derive(Clone, Debug)]
-pub(super) struct Token {
-    /// Start of the step that reserved a slot for it.
-    pub(super) reserved: Cell<Cycle>,
-    /// When it can be popped; unknown until that is, and while there is none.
-    visible: Cell<Cycle>,
-    /// From when on its slot is free: the cycle after its pop; unknown until that is.
-    pub(super) free: Cell<Cycle>,
-}
 
 /// The times of one FIFO.
 ///

@@ -1,7 +1,7 @@
 //! What steps take.
 
 use crate::Demand;
-use crate::wiring::MAX_LINKS;
+use crate::capacity::MAX_LINKS;
 
 /// The inputs that a step takes, one bit each; or that there will be no further step. A [`Demand`] as time looks at it: asked for in
 /// every step, and for each FIFO of one.

@@ -1,7 +1,8 @@
 //! The brightness fetch unit (112) keeps the unit contract, with CLUTs and without.
 
 use basrelief_brightness::{BrightnessConfig, BrightnessFetch, BrightnessSource};
-use basrelief_kernel::{Operators, unit_contract};
+use basrelief_kernel::Operators;
+use basrelief_kernel_conformance::unit_contract;
 use basrelief_shading::{LEVELS, Table, TableSet};
 use basrelief_signals::{
     Camera, Control, Flow, Fragment, Frame, Light, LightKind, NormalIndexes, ObjectInfo, Polygon, Stamp, StampSample, Vertex,

@@ -3,7 +3,7 @@
 use basrelief_frame_buffer::{
     FrameBuffer, FrameBufferConfig, FrameDone, PixelBuffer, PixelBufferConfig, VideoOut, VideoOutConfig,
 };
-use basrelief_kernel::unit_contract;
+use basrelief_kernel_conformance::unit_contract;
 use basrelief_signals::{Camera, Control, Flow, Frame, PictureFlow, Pixel, PixelBlock, Stamp, layout};
 use std::sync::Arc;
 

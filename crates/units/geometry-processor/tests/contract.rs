@@ -4,7 +4,8 @@ use basrelief_geometry_processor::{
     Arrival, BumpConfig, DisplayListConfig, DisplayListSource, DisplayListSourceState, GeometryConfig, GeometryProcessor,
     PolygonLink, SceneDraws, SceneSource, Targets,
 };
-use basrelief_kernel::{OperatorConfig, Operators, unit_contract};
+use basrelief_kernel::{OperatorConfig, Operators};
+use basrelief_kernel_conformance::unit_contract;
 use basrelief_signals::{
     Camera, Control, Draw, Frame, Light, LightKind, LightingStage, Material, Mesh, Object, ObjectInfo, Polygon, Scene, Vertex,
     VertexAttributes,

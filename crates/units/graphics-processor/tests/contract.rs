@@ -1,7 +1,8 @@
 //! Graphics processor (104) and z-test keep the unit contract, in every place and order they can have.
 
 use basrelief_graphics_processor::{DepthConfig, DepthTest, DrawOrder, GraphicsConfig, GraphicsProcessor};
-use basrelief_kernel::{Operators, unit_contract};
+use basrelief_kernel::Operators;
+use basrelief_kernel_conformance::unit_contract;
 use basrelief_signals::{
     Camera, Control, Flow, Fragment, Frame, Image, Material, ObjectInfo, Pixel, Polygon, Sampler, ShadedFragment, Stamp, Texture,
     Vertex,

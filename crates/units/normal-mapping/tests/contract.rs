@@ -1,6 +1,7 @@
 //! The mapping unit (108) keeps the unit contract, whichever way it filters.
 
-use basrelief_kernel::{Operators, unit_contract};
+use basrelief_kernel::Operators;
+use basrelief_kernel_conformance::unit_contract;
 use basrelief_normal_mapping::{FilterAt, NormalMapping, NormalMappingConfig};
 use basrelief_signals::{Control, Flow, Fragment, Image, Material, Polygon, Sampler, Stamp, Texture, Vertex};
 use std::sync::Arc;

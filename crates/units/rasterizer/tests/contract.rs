@@ -1,6 +1,7 @@
 //! Rasterizer and distributor keep the unit contract.
 
-use basrelief_kernel::{Demand, Operators, Traffic, Unit, unit_contract};
+use basrelief_kernel::{Demand, Operators, Traffic, Unit};
+use basrelief_kernel_conformance::unit_contract;
 use basrelief_rasterizer::{Distributor, Rasterizer, RasterizerConfig};
 use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, ObjectInfo, Polygon, Stamp, Vertex};
 use std::sync::Arc;

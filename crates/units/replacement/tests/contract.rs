@@ -1,6 +1,7 @@
 //! The replacement unit (110) keeps the unit contract, with fixed tables and with code books.
 
-use basrelief_kernel::{Operators, unit_contract};
+use basrelief_kernel::Operators;
+use basrelief_kernel_conformance::unit_contract;
 use basrelief_replacement::{CodeBookMode, PerLevel, Replacement, ReplacementConfig};
 use basrelief_signals::{Control, Flow, Fragment, ObjectInfo, Polygon, PseudoNormals, Stamp, StampSample, Vertex};
 use std::sync::Arc;

@@ -10,7 +10,8 @@ use basrelief_deferred_renderer::{
     Cell, CellConfig, CellFormat, Cells, Cut, EngineConfig, Expander, Identification, Leaving, Lighting, Path, PathConfig,
     Rasterization, ReferenceBuffer, RenderMode, Sizes, TileConfig, TileLists, TileOrder, WrapOverride,
 };
-use basrelief_kernel::{Demand, Operators, Traffic, Unit, unit_contract};
+use basrelief_kernel::{Demand, Operators, Traffic, Unit};
+use basrelief_kernel_conformance::unit_contract;
 use basrelief_signals::{Camera, Control, Flow, Fragment, Frame, Material, Polygon, Stamp, Vertex};
 use std::sync::Arc;
 

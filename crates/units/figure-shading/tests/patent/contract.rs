@@ -6,7 +6,8 @@ use basrelief_figure_shading::{
     HostInterface, InterpolationConfig, Microcomputer, NormalInterpolationConfig, NormalLoad, Order, PowerMethod, RegisterBank,
     Selector28, Selector53, ShadingMode, SpecularSkip,
 };
-use basrelief_kernel::{Demand, Step, Traffic, Unit, unit_contract};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel_conformance::unit_contract;
 use basrelief_signals::{Control, Flow, Lighting, ObjectInfo, Pixel, Stamp};
 use glam::Vec3;
 use std::sync::Arc;

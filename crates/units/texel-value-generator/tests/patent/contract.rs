@@ -2,7 +2,8 @@
 
 use crate::chain::{operators, textured};
 use crate::figures::{frame, polygon};
-use basrelief_kernel::{Demand, Traffic, Unit, unit_contract};
+use basrelief_kernel::{Demand, Traffic, Unit};
+use basrelief_kernel_conformance::unit_contract;
 use basrelief_signals::{Control, Flow, ObjectInfo, Polygon, WrapMode};
 use basrelief_texel_value_generator::signals::{
     GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Points, Quotients, Segment, Span, TexelPacket, TexturePacket,

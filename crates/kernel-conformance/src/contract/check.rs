@@ -1,0 +1,297 @@
+//! The unit contract.
+
+use super::subject::AfterStep;
+use super::{Bench, ClientKind, Emitted, Popped, Surroundings};
+use basrelief_kernel::{Engine, Outcome, RunReport, Unit, run, run_functional};
+use serde::{Serialize, de::DeserializeOwned};
+use std::fmt::Display;
+use std::rc::Rc;
+
+/// A promise that a unit broke.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{place}: {what}")]
+pub struct Broken {
+    /// Which run broke it.
+    pub place: String,
+    /// What was seen, and what was expected.
+    pub what: String,
+}
+
+type Write<U> = Rc<dyn Fn(&U) -> Result<String, String>>;
+type Read<U> = Rc<dyn Fn(&mut U, &str) -> Result<(), String>>;
+
+/// How a unit's state is copied out, and put into another unit of the same configuration.
+#[derive(Clone)]
+struct StateOf<U> {
+    write: Write<U>,
+    read: Read<U>,
+}
+
+impl<U: 'static> StateOf<U> {
+    fn new<S: Serialize + DeserializeOwned>(get: impl Fn(&U) -> S + 'static, set: impl Fn(&mut U, S) + 'static) -> Self {
+        Self {
+            write: Rc::new(move |unit| serde_json::to_string(&get(unit)).map_err(|e| format!("state to JSON: {e}"))),
+            read: Rc::new(move |unit, json| {
+                set(unit, serde_json::from_str(json).map_err(|e| format!("state from JSON: {e}"))?);
+                Ok(())
+            }),
+        }
+    }
+}
+
+/// What every unit promises, for one configuration and one sequence of tokens: each method checks one promise.
+///
+/// They are tried in twelve settings: FIFOs of 1, 2 and 16 slots, each at full rate, with slow sinks, with slow
+/// sources, and with a slow memory behind the smallest caches and credits.
+#[derive(Clone)]
+pub struct Contract<U: Unit<In: Popped>> {
+    fresh: U,
+    tokens: <U::In as Popped>::Tokens,
+    clients: Vec<ClientKind>,
+    state: StateOf<U>,
+}
+
+/// The settings that a unit is tried in.
+fn settings() -> Vec<Surroundings> {
+    let mut all = Vec::new();
+    for depth in [1, 2, 16] {
+        let plain = Surroundings { depth, latency: 1, ..Surroundings::default() };
+        all.push(plain.clone());
+        all.push(Surroundings { latency: 3, sink_occupancy: vec![1, 1, 23, 1, 4], ..plain.clone() });
+        all.push(Surroundings { latency: 2, source_gaps: vec![0, 31, 0, 5], ..plain.clone() });
+        all.push(Surroundings { slow_memory: true, ..plain });
+    }
+    all
+}
+
+/// One that shows most and costs least: nothing but the unit limits the run.
+fn plain() -> Surroundings {
+    Surroundings { depth: 16, latency: 1, ..Surroundings::default() }
+}
+
+impl<U: Unit<In: Popped, Out: Emitted> + Clone + 'static> Contract<U> {
+    /// The contract of `unit`, fresh from its constructor, fed with `tokens`. Its state is plain data, which `get` copies out and
+    /// `set` puts into another unit of the same configuration.
+    pub fn new<S: Serialize + DeserializeOwned>(
+        unit: U,
+        tokens: <U::In as Popped>::Tokens,
+        get: impl Fn(&U) -> S + 'static,
+        set: impl Fn(&mut U, S) + 'static,
+    ) -> Self {
+        Self { fresh: unit, tokens, clients: Vec::new(), state: StateOf::new(get, set) }
+    }
+
+    /// The contract of a unit without state: after every step it is as it was before.
+    pub fn stateless(unit: U, tokens: <U::In as Popped>::Tokens) -> Self {
+        Self::new(unit, tokens, |_| (), |_, ()| ())
+    }
+
+    /// What stands behind each memory client of the unit, in the unit's numbering.
+    #[must_use]
+    pub fn clients(mut self, clients: &[ClientKind]) -> Self {
+        self.clients = clients.to_vec();
+        self
+    }
+
+    /// Every promise.
+    ///
+    /// # Errors
+    /// The first that is broken.
+    pub fn check_all(&self) -> Result<(), Broken> {
+        self.reset_is_idempotent()?;
+        self.runs_are_deterministic()?;
+        self.no_token_is_lost_or_doubled()?;
+        self.back_pressure_changes_no_token()?;
+        self.steps_keep_within_largest_step()?;
+        self.state_round_trips()?;
+        self.accounting_sums_to_the_total()?;
+        self.engines_report_the_same()?;
+        self.nothing_is_left_at_the_end()
+    }
+
+    /// A unit that has run and was given the state of a fresh one runs as the fresh one did; one without state does so as it is.
+    ///
+    /// # Errors
+    /// Names the first difference.
+    pub fn reset_is_idempotent(&self) -> Result<(), Broken> {
+        let setting = plain();
+        let (first, used) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
+        let mut again = used.unit().clone();
+        let fresh = place("fresh unit", (self.state.write)(&self.fresh))?;
+        place("reset", (self.state.read)(&mut again, &fresh))?;
+        let (second, _) = self.run(again, Engine::Timed, &setting)?;
+        place("run after reset", same_reports(("before", &first), ("after", &second)))
+    }
+
+    /// Two runs of the same are equal: no clock, no randomness, no state shared between clones.
+    ///
+    /// # Errors
+    /// Names the first difference.
+    pub fn runs_are_deterministic(&self) -> Result<(), Broken> {
+        for setting in settings() {
+            let (first, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
+            let (second, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
+            place(&setting, same_reports(("first run", &first), ("second run", &second)))?;
+        }
+        Ok(())
+    }
+
+    /// Both engines and the functional model let out the same tokens, in the same order.
+    ///
+    /// # Errors
+    /// Names the first token that differs and the cycle in which it came.
+    pub fn no_token_is_lost_or_doubled(&self) -> Result<(), Broken> {
+        for engine in [Engine::Timed, Engine::Ticked] {
+            self.run(self.fresh.clone(), engine, &plain())?;
+        }
+        Ok(())
+    }
+
+    /// Neither shallow FIFOs nor slow neighbours nor slow memories change a token, or what the unit ends up with.
+    ///
+    /// # Errors
+    /// Names the first token that differs and the cycle in which it came.
+    pub fn back_pressure_changes_no_token(&self) -> Result<(), Broken> {
+        let expected = self.final_state(self.functional()?.unit())?;
+        for setting in settings() {
+            let (_, bench) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
+            if self.final_state(bench.unit())? != expected {
+                return place(&setting, Err("the unit ends in another state than in the functional model (law 6)".into()));
+            }
+        }
+        Ok(())
+    }
+
+    /// No step asks for more credits of a client than [`Unit::largest_step`] said, nor for a client that the contract does not
+    /// list. (The kernel watches this in every run; here, nothing else can fail.)
+    ///
+    /// # Errors
+    /// Names the client, what was needed and what was declared.
+    pub fn steps_keep_within_largest_step(&self) -> Result<(), Broken> {
+        for setting in settings() {
+            let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &setting);
+            if let Outcome::Fault(text) = run(&mut bench, Engine::Timed).outcome {
+                return place(&setting, Err(text));
+            }
+        }
+        Ok(())
+    }
+
+    /// The state survives a trip through JSON, into a fresh unit, after every step: a checkpoint is a serialization, and nothing
+    /// else need be saved.
+    ///
+    /// # Errors
+    /// Says what was lost, or which token came out differently.
+    pub fn state_round_trips(&self) -> Result<(), Broken> {
+        let StateOf { write, read } = self.state.clone();
+        let fresh = self.fresh.clone();
+        let trip: AfterStep<U> = Rc::new(move |unit: &mut U| {
+            let before = write(unit)?;
+            *unit = fresh.clone();
+            read(unit, &before)?;
+            let after = write(unit)?;
+            if after == before { Ok(()) } else { Err(format!("the state was {before}, and is {after} after a round trip")) }
+        });
+        let unit = (self.fresh.clone(), Some(trip));
+        let setting = Surroundings { depth: 2, ..plain() };
+        let expected = self.functional()?.tokens();
+        let mut bench = Bench::with_hook(unit, self.tokens.clone(), Some(expected), &self.clients, &setting);
+        place("state through JSON after every step", completed(&run(&mut bench, Engine::Timed)))
+    }
+
+    /// The cycles of every unit sum to the total (law 9), and so do those of every FIFO's histogram (law 10).
+    ///
+    /// # Errors
+    /// Names the unit or FIFO and both sums.
+    pub fn accounting_sums_to_the_total(&self) -> Result<(), Broken> {
+        for setting in settings() {
+            let (report, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
+            let units = report.units.iter().map(|u| (&u.name, u.account.total()));
+            let fifos = report.fifos.iter().map(|f| (&f.name, f.histogram.iter().sum()));
+            if let Some((name, sum)) = units.chain(fifos).find(|&(_, sum)| sum != report.total) {
+                return place(&setting, Err(format!("the cycles of {name} sum to {sum}, expected {}", report.total)));
+            }
+        }
+        Ok(())
+    }
+
+    /// `timed` and `ticked` give equal reports.
+    ///
+    /// # Errors
+    /// Names the first part that differs.
+    pub fn engines_report_the_same(&self) -> Result<(), Broken> {
+        for setting in settings() {
+            let (timed, _) = self.run(self.fresh.clone(), Engine::Timed, &setting)?;
+            let (ticked, _) = self.run(self.fresh.clone(), Engine::Ticked, &setting)?;
+            place(&setting, same_reports(("timed", &timed), ("ticked", &ticked)))?;
+        }
+        Ok(())
+    }
+
+    /// The unit works, takes every token, and holds none back at the end.
+    ///
+    /// # Errors
+    /// Says what is left.
+    pub fn nothing_is_left_at_the_end(&self) -> Result<(), Broken> {
+        for setting in settings() {
+            let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &setting);
+            let report = run(&mut bench, Engine::Timed);
+            place(&setting, completed(&report))?;
+            if !report.units.iter().any(|u| u.name == "unit" && u.steps > 0) {
+                return place(&setting, Err("the unit made no step: the contract needs at least one token".into()));
+            }
+        }
+        Ok(())
+    }
+
+    /// A functional run of the fresh unit.
+    fn functional(&self) -> Result<Bench<U>, Broken> {
+        let mut bench = Bench::new(self.fresh.clone(), self.tokens.clone(), None, &self.clients, &plain());
+        place("functional model", run_functional(&mut bench, &mut |_| true))?;
+        Ok(bench)
+    }
+
+    /// A complete run, with sinks that expect the tokens of the functional model.
+    fn run(&self, unit: U, engine: Engine, setting: &Surroundings) -> Result<(RunReport, Bench<U>), Broken> {
+        let expected = self.functional()?.tokens();
+        let mut bench = Bench::new(unit, self.tokens.clone(), Some(expected), &self.clients, setting);
+        let report = run(&mut bench, engine);
+        place(format_args!("{engine:?}, {setting}"), completed(&report))?;
+        Ok((report, bench))
+    }
+
+    /// The unit's state as JSON; nothing where the contract knows none.
+    fn final_state(&self, unit: &U) -> Result<String, Broken> {
+        place("final state", (self.state.write)(unit))
+    }
+}
+
+/// Says where an error was seen.
+fn place<T>(place: impl Display, result: Result<T, String>) -> Result<T, Broken> {
+    result.map_err(|what| Broken { place: place.to_string(), what })
+}
+
+fn completed(report: &RunReport) -> Result<(), String> {
+    match &report.outcome {
+        Outcome::Complete => Ok(()),
+        Outcome::Deadlock(deadlock) => Err(deadlock.to_string()),
+        Outcome::Fault(text) => Err(text.clone()),
+        other @ (Outcome::Limit | Outcome::Stopped) => Err(format!("the run ended with {other:?}, expected Complete")),
+    }
+}
+
+/// Names the first part in which two reports differ.
+fn same_reports((a_name, a): (&str, &RunReport), (b_name, b): (&str, &RunReport)) -> Result<(), String> {
+    fn first<T: PartialEq + std::fmt::Debug>(a: &[T], b: &[T]) -> Option<(String, String)> {
+        a.iter().zip(b).find(|(a, b)| a != b).map(|(a, b)| (format!("{a:?}"), format!("{b:?}")))
+    }
+    if a == b {
+        return Ok(());
+    }
+    let (of_a, of_b) = first(&a.units, &b.units)
+        .or_else(|| first(&a.fifos, &b.fifos))
+        .or_else(|| first(&a.memories, &b.memories))
+        .or_else(|| first(&a.caches, &b.caches))
+        .unwrap_or_else(|| (format!("{:?}", (a.total, &a.marks)), format!("{:?}", (b.total, &b.marks))));
+    Err(format!("{a_name}: {of_a}; {b_name}: {of_b}"))
+}

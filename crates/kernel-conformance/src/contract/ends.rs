@@ -1,0 +1,216 @@
+//! The two sides of a bench: what feeds each shape of input, and what collects each shape of output.
+
+use super::environment::Surroundings;
+use basrelief_kernel::{Fifo, Inputs, Outputs, Sink, Source, Stage, Visitor};
+use std::fmt::Debug;
+
+/// What a unit takes, and what feeds it: implemented for `()`, `Option<A>` and `(Option<A>, Option<B>)`.
+pub trait Popped: Sized {
+    /// The tokens of each input: `()`, `Vec<A>` or `(Vec<A>, Vec<B>)`.
+    type Tokens: Clone;
+    /// The sources with their FIFOs.
+    type Front: Front<Item = Self>;
+    /// Sources of `tokens`.
+    fn front(tokens: Self::Tokens, setting: &Surroundings) -> Self::Front;
+}
+
+/// Sources with their FIFOs.
+pub trait Front {
+    /// What the unit behind them pops.
+    type Item;
+    /// The FIFOs.
+    type Wires<'a>: Inputs<Item = Self::Item>
+    where
+        Self: 'a;
+    /// Shows every source.
+    fn wire<V: Visitor>(&mut self, v: &mut V);
+    /// The FIFOs' ends at the unit.
+    fn ends(&mut self) -> Self::Wires<'_>;
+}
+
+/// What a unit emits, and what collects it: implemented for `()`, `Option<A>` and `(Option<A>, Option<B>)`.
+pub trait Emitted: Sized {
+    /// The tokens of each output: `()`, `Vec<A>` or `(Vec<A>, Vec<B>)`.
+    type Tokens: Clone + Debug + PartialEq;
+    /// The sinks with their FIFOs.
+    type Back: Back<Item = Self, Tokens = Self::Tokens>;
+    /// Sinks that expect `tokens`, if given.
+    fn back(tokens: Option<Self::Tokens>, setting: &Surroundings) -> Self::Back;
+}
+
+/// Sinks with their FIFOs.
+pub trait Back {
+    /// What the unit before them emits.
+    type Item;
+    /// The tokens of each output.
+    type Tokens;
+    /// The FIFOs.
+    type Wires<'a>: Outputs<Item = Self::Item>
+    where
+        Self: 'a;
+    /// Shows every sink.
+    fn wire<V: Visitor>(&mut self, v: &mut V);
+    /// The FIFOs' ends at the unit.
+    fn ends(&mut self) -> Self::Wires<'_>;
+    /// What came.
+    fn tokens(&self) -> Self::Tokens;
+}
+
+/// A source and its FIFO.
+#[derive(Clone, Debug)]
+pub struct Inlet<T> {
+    stage: Stage<Source<std::vec::IntoIter<T>>>,
+    fifo: Fifo<T>,
+}
+
+impl<T> Inlet<T> {
+    fn new(n: usize, tokens: Vec<T>, setting: &Surroundings) -> Self {
+        let source = Source::new(tokens).with_gaps(&setting.source_gaps);
+        let fifo = Fifo::new(&format!("input_{n}"), setting.depth, setting.latency);
+        Self { stage: Stage::new(&format!("source_{n}"), source), fifo }
+    }
+}
+
+/// A sink and its FIFO.
+#[derive(Clone, Debug)]
+pub struct Outlet<T> {
+    stage: Stage<Sink<T>>,
+    fifo: Fifo<T>,
+}
+
+impl<T: Debug + PartialEq> Outlet<T> {
+    fn new(n: usize, tokens: Option<Vec<T>>, setting: &Surroundings) -> Self {
+        let sink = tokens.map_or_else(Sink::new, Sink::expect).with_occupancy(&setting.sink_occupancy);
+        let fifo = Fifo::new(&format!("output_{n}"), setting.depth, setting.latency);
+        Self { stage: Stage::new(&format!("sink_{n}"), sink), fifo }
+    }
+}
+
+impl Popped for () {
+    type Tokens = ();
+    type Front = ();
+    fn front((): (), _: &Surroundings) {}
+}
+
+impl Front for () {
+    type Item = ();
+    type Wires<'a> = ();
+    fn wire<V: Visitor>(&mut self, _: &mut V) {}
+    fn ends(&mut self) {}
+}
+
+impl<A: Clone> Popped for Option<A> {
+    type Tokens = Vec<A>;
+    type Front = Inlet<A>;
+    fn front(tokens: Vec<A>, setting: &Surroundings) -> Inlet<A> {
+        Inlet::new(0, tokens, setting)
+    }
+}
+
+impl<A> Front for Inlet<A> {
+    type Item = Option<A>;
+    type Wires<'a>
+        = &'a mut Fifo<A>
+    where
+        A: 'a;
+    fn wire<V: Visitor>(&mut self, v: &mut V) {
+        v.stage(self.stage.between((), &mut self.fifo));
+    }
+    fn ends(&mut self) -> &mut Fifo<A> {
+        &mut self.fifo
+    }
+}
+
+impl<A: Clone, B: Clone> Popped for (Option<A>, Option<B>) {
+    type Tokens = (Vec<A>, Vec<B>);
+    type Front = (Inlet<A>, Inlet<B>);
+    fn front((a, b): (Vec<A>, Vec<B>), setting: &Surroundings) -> Self::Front {
+        (Inlet::new(0, a, setting), Inlet::new(1, b, setting))
+    }
+}
+
+impl<A, B> Front for (Inlet<A>, Inlet<B>) {
+    type Item = (Option<A>, Option<B>);
+    type Wires<'a>
+        = (&'a mut Fifo<A>, &'a mut Fifo<B>)
+    where
+        A: 'a,
+        B: 'a;
+    fn wire<V: Visitor>(&mut self, v: &mut V) {
+        self.0.wire(v);
+        self.1.wire(v);
+    }
+    fn ends(&mut self) -> Self::Wires<'_> {
+        (&mut self.0.fifo, &mut self.1.fifo)
+    }
+}
+
+impl Emitted for () {
+    type Tokens = ();
+    type Back = ();
+    fn back(_: Option<()>, _: &Surroundings) {}
+}
+
+impl Back for () {
+    type Item = ();
+    type Tokens = ();
+    type Wires<'a> = ();
+    fn wire<V: Visitor>(&mut self, _: &mut V) {}
+    fn ends(&mut self) {}
+    fn tokens(&self) {}
+}
+
+impl<A: Clone + Debug + PartialEq> Emitted for Option<A> {
+    type Tokens = Vec<A>;
+    type Back = Outlet<A>;
+    fn back(tokens: Option<Vec<A>>, setting: &Surroundings) -> Outlet<A> {
+        Outlet::new(0, tokens, setting)
+    }
+}
+
+impl<A: Clone + Debug + PartialEq> Back for Outlet<A> {
+    type Item = Option<A>;
+    type Tokens = Vec<A>;
+    type Wires<'a>
+        = &'a mut Fifo<A>
+    where
+        A: 'a;
+    fn wire<V: Visitor>(&mut self, v: &mut V) {
+        v.stage(self.stage.between(&mut self.fifo, ()));
+    }
+    fn ends(&mut self) -> &mut Fifo<A> {
+        &mut self.fifo
+    }
+    fn tokens(&self) -> Vec<A> {
+        self.stage.unit.tokens().to_vec()
+    }
+}
+
+impl<A: Clone + Debug + PartialEq, B: Clone + Debug + PartialEq> Emitted for (Option<A>, Option<B>) {
+    type Tokens = (Vec<A>, Vec<B>);
+    type Back = (Outlet<A>, Outlet<B>);
+    fn back(tokens: Option<(Vec<A>, Vec<B>)>, setting: &Surroundings) -> Self::Back {
+        let (a, b) = tokens.unzip();
+        (Outlet::new(0, a, setting), Outlet::new(1, b, setting))
+    }
+}
+
+impl<A: Clone + Debug + PartialEq, B: Clone + Debug + PartialEq> Back for (Outlet<A>, Outlet<B>) {
+    type Item = (Option<A>, Option<B>);
+    type Tokens = (Vec<A>, Vec<B>);
+    type Wires<'a>
+        = (&'a mut Fifo<A>, &'a mut Fifo<B>)
+    where
+        A: 'a,
+        B: 'a;
+    fn wire<V: Visitor>(&mut self, v: &mut V) {
+        self.0.wire(v);
+        self.1.wire(v);
+    }
+    fn ends(&mut self) -> Self::Wires<'_> {
+        (&mut self.0.fifo, &mut self.1.fifo)
+    }
+    fn tokens(&self) -> Self::Tokens {
+        (self.0.tokens(), self.1.tokens())
+    }
+}

@@ -1,0 +1,128 @@
+//! What every unit must keep, as tests: a source, a sink, a bench around one unit, and the unit contract.
+//!
+//! A unit crate states its contract once per configuration worth testing. The macro makes a module of tests of it:
+//!
+//! ```
+//! use basrelief_kernel::{Demand, Step, Traffic, Unit};
+//! use basrelief_kernel_conformance::unit_contract;
+//!
+//! /// Sums what it reads about each token; keeps a read of 8 bytes and a cached table look-up per step.
+//! #[derive(Clone, Default)]
+//! struct Sum {
+//!     state: u64,
+//! }
+//!
+//! impl Unit for Sum {
+//!     type In = Option<u64>;
+//!     type Out = Option<u64>;
+//!     fn demand(&self) -> Demand {
+//!         Demand::All
+//!     }
+//!     fn step(&mut self, input: Option<u64>, traffic: &mut Traffic) -> Step<Option<u64>> {
+//!         let token = input.unwrap_or(0);
+//!         traffic.read(0, 8 * token, 8);
+//!         traffic.look_up(1, 4 * token, 4);
+//!         self.state += token;
+//!         Step::after(2, Some(self.state)).busy(1 + token % 3)
+//!     }
+//!     fn largest_step(&self, client: usize) -> u32 {
+//!         u32::from(client < 2)
+//!     }
+//! }
+//!
+//! unit_contract! {
+//!     name: sum,
+//!     unit: Sum::default(),
+//!     inputs: (0..100).collect(),
+//!     // One per memory client of the unit, in its numbering; leave the line out where it has none.
+//!     clients: [ClientKind::Port, ClientKind::Cache { line_bytes: 64 }],
+//!     // Its state is its field `state`; `stateless` where it has none.
+//!     state,
+//! }
+//!
+//! // The same, as one call: for units that are built at run time.
+//! # use basrelief_kernel_conformance::contract::{ClientKind, Contract};
+//! Contract::new(Sum::default(), (0..100).collect(), |unit| unit.state, |unit, state| unit.state = state)
+//!     .clients(&[ClientKind::Port, ClientKind::Cache { line_bytes: 64 }])
+//!     .check_all()?;
+//! # Ok::<(), basrelief_kernel_conformance::contract::Broken>(())
+//! ```
+//!
+//! The state is plain data: it goes through JSON after every step, and a fresh unit goes on with it. A unit of another shape
+//! says how it is copied out and put back: `state: |unit| unit.0.state => |unit, state| unit.0.state = state`.
+//!
+//! `inputs` is a `Vec` for a unit of one input, `(Vec, Vec)` for two, `()` for a source. It must be a whole run: every
+//! token is taken, and whatever gathers is flushed by its last one. Tokens need `Clone` (and `Debug + PartialEq` where
+//! they come out). What is checked stands at the methods of [`Contract`].
+
+mod bench;
+mod check;
+mod client_kind;
+mod ends;
+mod environment;
+mod subject;
+
+#[doc(hidden)]
+pub use basrelief_kernel::Unit;
+pub use bench::Bench;
+pub use check::{Broken, Contract};
+pub use client_kind::ClientKind;
+pub use ends::{Back, Emitted, Front, Inlet, Outlet, Popped};
+pub use environment::Surroundings;
+
+/// The unit contract as a module of tests, one per promise of [`Contract`](crate::contract::Contract). It demands the unit's
+/// state, or the word `stateless`. See the [module](crate::contract) for an example.
+#[macro_export]
+macro_rules! unit_contract {
+    (name: $name:ident, unit: $unit:expr, inputs: $inputs:expr
+     $(, clients: [$($client:expr),* $(,)?])?, state $(,)?) => {
+        $crate::unit_contract! {
+            name: $name, unit: $unit, inputs: $inputs $(, clients: [$($client),*])?,
+            state: |unit| unit.state.clone() => |unit, state| unit.state = state
+        }
+    };
+    (name: $name:ident, unit: $unit:expr, inputs: $inputs:expr
+     $(, clients: [$($client:expr),* $(,)?])?, stateless $(,)?) => {
+        $crate::unit_contract! {
+            name: $name, unit: $unit, inputs: $inputs $(, clients: [$($client),*])?,
+            state: |_| () => |_, ()| ()
+        }
+    };
+    (name: $name:ident, unit: $unit:expr, inputs: $inputs:expr
+     $(, clients: [$($client:expr),* $(,)?])?, state: $get:expr => $set:expr $(,)?) => {
+        #[cfg(test)]
+        mod $name {
+            #[allow(unused_imports, reason = "a contract may need nothing from around it")]
+            use super::*;
+            #[allow(unused_imports, reason = "a unit may have no memory client")]
+            use $crate::contract::ClientKind;
+
+            fn contract() -> $crate::contract::Contract<
+                impl $crate::contract::Unit<In: $crate::contract::Popped, Out: $crate::contract::Emitted> + Clone + 'static,
+            > {
+                $crate::contract::Contract::new($unit, $inputs, $get, $set)
+                    $(.clients(&[$($client),*]))?
+            }
+
+            $crate::unit_contract! { @tests
+                reset_is_idempotent
+                runs_are_deterministic
+                no_token_is_lost_or_doubled
+                back_pressure_changes_no_token
+                steps_keep_within_largest_step
+                state_round_trips
+                accounting_sums_to_the_total
+                engines_report_the_same
+                nothing_is_left_at_the_end
+            }
+        }
+    };
+    (@tests $($check:ident)*) => {
+        $(#[test]
+        fn $check() {
+            if let Err(broken) = contract().$check() {
+                panic!("{broken}");
+            }
+        })*
+    };
+}

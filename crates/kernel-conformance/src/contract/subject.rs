@@ -1,0 +1,40 @@
+//! The unit under test. What its steps ask of memories is the kernel's to watch, here as in any machine.
+
+use basrelief_kernel::{Demand, Role, Step, Traffic, Unit};
+use std::rc::Rc;
+
+/// What is done to the unit after each step; an error is a fault.
+pub(super) type AfterStep<U> = Rc<dyn Fn(&mut U) -> Result<(), String>>;
+
+/// Passes everything on to the unit; something may be done to it after each step.
+#[derive(Clone)]
+pub(super) struct Subject<U> {
+    pub(super) unit: U,
+    pub(super) after_step: Option<AfterStep<U>>,
+}
+
+impl<U: Unit> Unit for Subject<U> {
+    const ROLE: Role = U::ROLE;
+    type In = U::In;
+    type Out = U::Out;
+
+    fn demand(&self) -> Demand {
+        self.unit.demand()
+    }
+
+    fn step(&mut self, input: U::In, traffic: &mut Traffic) -> Step<U::Out> {
+        let step = self.unit.step(input, traffic);
+        if let Some(Err(text)) = self.after_step.clone().map(|hook| hook(&mut self.unit)) {
+            traffic.fault(text);
+        }
+        step
+    }
+
+    fn largest_step(&self, client: usize) -> u32 {
+        self.unit.largest_step(client)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.unit.is_empty()
+    }
+}

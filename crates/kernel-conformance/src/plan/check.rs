@@ -1,0 +1,195 @@
+//! What must hold of a plan before a machine can be built from it.
+
+use super::format::{Kind, Plan, PlannedUnit};
+use basrelief_kernel::{MAX_CLIENTS, MAX_LINKS};
+use basrelief_parameters::Parameters;
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+
+/// A plan that is no machine.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {what}")]
+pub struct PlanError {
+    /// The FIFO, memory, cache or unit.
+    pub place: String,
+    /// What is wrong with it, and what was expected.
+    pub what: String,
+}
+
+/// Most slots, banks, credits, tags: keeps a number in a file from asking for all memory there is.
+const MOST: u64 = 1 << 20;
+/// Longest time \[cycles\]: long enough for any idle stretch, far from the end of a 64-bit count.
+const LONGEST: u64 = 1 << 40;
+
+fn fail<T>(place: &str, what: impl Into<String>) -> Result<T, PlanError> {
+    Err(PlanError { place: place.into(), what: what.into() })
+}
+
+fn within(place: &str, field: &str, value: u64, range: RangeInclusive<u64>) -> Result<(), PlanError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    fail(place, format!("`{field}` is {value}, expected {}..={}", range.start(), range.end()))
+}
+
+fn distinct<'p>(kind: &str, names: impl Iterator<Item = &'p String>) -> Result<(), PlanError> {
+    let mut all: Vec<_> = names.collect();
+    all.sort();
+    match all.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => fail(&format!("{kind} `{}`", pair[0]), "there are two of this name, expected one"),
+        None => Ok(()),
+    }
+}
+
+/// Checks everything that the machine and its units rely on.
+pub(super) fn check(plan: &Plan) -> Result<(), PlanError> {
+    distinct("FIFO", plan.fifos.iter().map(|f| &f.name))?;
+    distinct("memory", plan.memories.iter().map(|m| &m.name))?;
+    distinct("port", plan.memories.iter().flat_map(|m| &m.ports).map(|p| &p.name))?;
+    distinct("cache", plan.caches.iter().map(|c| &c.name))?;
+    distinct("unit", plan.units.iter().map(|u| &u.name))?;
+    for f in &plan.fifos {
+        let place = format!("FIFO `{}`", f.name);
+        within(&place, "depth", f.depth as u64, 1..=MOST)?;
+        within(&place, "latency", f.latency, 1..=LONGEST)?;
+    }
+    memories(plan)?;
+    caches(plan)?;
+    plan.units.iter().try_for_each(unit)?;
+    ends(plan)?;
+    ports(plan)
+}
+
+fn memories(plan: &Plan) -> Result<(), PlanError> {
+    for m in &plan.memories {
+        let place = format!("memory `{}`", m.name);
+        m.config.check("").or_else(|error| fail(&place, error.to_string()))?;
+        let (refi, rest) = (m.config.refi, u64::from(m.config.rfc) + u64::from(m.config.rcd));
+        if refi > 0 && u64::from(refi) <= rest {
+            return fail(&place, format!("`refi` is {refi}, expected 0 or more than `rfc` and `rcd` together, {rest}"));
+        }
+        for p in &m.ports {
+            within(&format!("port `{}`", p.name), "outstanding", p.outstanding.into(), 1..=MOST)?;
+        }
+    }
+    Ok(())
+}
+
+fn caches(plan: &Plan) -> Result<(), PlanError> {
+    for c in &plan.caches {
+        let place = format!("cache `{}`", c.name);
+        for (field, value) in
+            [("line_bytes", c.line_bytes), ("sets", c.sets), ("ways", c.ways), ("lookups_per_cycle", c.lookups_per_cycle)]
+        {
+            within(&place, field, value.into(), 1..=MOST)?;
+        }
+        within(&place, "sets times ways", u64::from(c.sets) * u64::from(c.ways), 1..=MOST)?;
+        within(&place, "hit_latency", c.hit_latency.into(), 0..=MOST)?;
+    }
+    Ok(())
+}
+
+/// One unit by itself.
+fn unit(unit: &PlannedUnit) -> Result<(), PlanError> {
+    let place = format!("unit `{}`", unit.name);
+    let most = MAX_LINKS as u64;
+    let (ins, outs) = match unit.kind {
+        Kind::Source { .. } => (0..=0, 1..=1),
+        Kind::Work | Kind::Fork | Kind::Access { .. } | Kind::Cached { .. } => (1..=1, 0..=most),
+        Kind::Join | Kind::Merge { .. } => (1..=most, 1..=1),
+        Kind::Route => (1..=1, 1..=most),
+        Kind::Expand { .. } | Kind::Gather { .. } => (1..=1, 1..=1),
+        Kind::Sink => (1..=most, 0..=0),
+    };
+    within(&place, "length of in", unit.inputs.len() as u64, ins)?;
+    within(&place, "length of out", unit.outputs.len() as u64, outs)?;
+    within(&place, "length of occupancy", unit.occupancy.len() as u64, 1..=MOST)?;
+    within(&place, "length of latency", unit.latency.len() as u64, 1..=MOST)?;
+    unit.occupancy.iter().try_for_each(|&o| within(&place, "occupancy", o, 1..=LONGEST))?;
+    unit.latency.iter().try_for_each(|&l| within(&place, "latency", l, 0..=LONGEST))?;
+    match &unit.kind {
+        Kind::Expand { factor } => within(&place, "factor", *factor, 1..=LONGEST),
+        Kind::Gather { size } => within(&place, "size", *size, 1..=LONGEST),
+        Kind::Access { requests } => requests.iter().try_for_each(|r| {
+            within(&place, "bytes", r.bytes.into(), 1..=MOST)?;
+            within(&place, "span", r.span, 1..=LONGEST)
+        }),
+        Kind::Cached { lookups, .. } => {
+            within(&place, "length of lookups", lookups.len() as u64, 1..=u16::MAX.into())?;
+            lookups.iter().try_for_each(|l| within(&place, "span", l.span, 1..=LONGEST))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Every FIFO has one unit at each end, and not the same one.
+fn ends(plan: &Plan) -> Result<(), PlanError> {
+    let mut ends: BTreeMap<&str, [Vec<&str>; 2]> = plan.fifos.iter().map(|f| (f.name.as_str(), Default::default())).collect();
+    for u in &plan.units {
+        for (end, names) in [&u.inputs, &u.outputs].into_iter().enumerate() {
+            for name in names {
+                match ends.get_mut(name.as_str()) {
+                    Some(users) => users[end].push(&u.name),
+                    None => return fail(&format!("unit `{}`", u.name), format!("there is no FIFO `{name}` in \"fifos\"")),
+                }
+            }
+        }
+    }
+    for (name, [poppers, pushers]) in &ends {
+        match (poppers.as_slice(), pushers.as_slice()) {
+            ([popper], [pusher]) if popper != pusher => {}
+            _ => {
+                let what = format!("is pushed to by {pushers:?} and popped by {poppers:?}, expected one unit each, not the same");
+                return fail(&format!("FIFO `{name}`"), what);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Every port belongs to one unit or to one cache, and has the credits that its largest step needs.
+fn ports(plan: &Plan) -> Result<(), PlanError> {
+    let credits: BTreeMap<&str, u64> =
+        plan.memories.iter().flat_map(|m| &m.ports).map(|p| (p.name.as_str(), p.outstanding.into())).collect();
+    let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
+    for u in &plan.units {
+        let place = format!("unit `{}`", u.name);
+        for (port, needs) in needs(plan, u)? {
+            let Some(&credits) = credits.get(port) else {
+                return fail(&place, format!("there is no port `{port}` in \"memories\""));
+            };
+            if needs > credits {
+                return fail(&place, format!("needs {needs} credits of port `{port}`, whose `outstanding` is {credits}"));
+            }
+            if let Some(owner) = owners.insert(port, &u.name) {
+                return fail(&place, format!("uses port `{port}`, which belongs to `{owner}`; give it one of its own"));
+            }
+        }
+    }
+    for c in &plan.caches {
+        let place = format!("cache `{}`", c.name);
+        let shared = plan.caches.iter().filter(|other| other.port == c.port).count();
+        within(&place, "number of caches on its port", shared as u64, 1..=1)?;
+    }
+    Ok(())
+}
+
+/// Credits that a unit's largest step needs, by port.
+fn needs<'p>(plan: &'p Plan, unit: &'p PlannedUnit) -> Result<BTreeMap<&'p str, u64>, PlanError> {
+    let place = format!("unit `{}`", unit.name);
+    let mut needs: BTreeMap<&str, u64> = BTreeMap::new();
+    match &unit.kind {
+        Kind::Access { requests } => {
+            requests.iter().for_each(|r| *needs.entry(&r.port).or_default() += 1);
+            within(&place, "number of ports", needs.len() as u64, 0..=MAX_CLIENTS as u64)?;
+        }
+        Kind::Cached { cache, lookups } => match plan.caches.iter().find(|c| c.name == *cache) {
+            Some(c) => {
+                needs.insert(&c.port, lookups.len() as u64);
+            }
+            None => return fail(&place, format!("there is no cache `{cache}` in \"caches\"")),
+        },
+        _ => {}
+    }
+    Ok(needs)
+}

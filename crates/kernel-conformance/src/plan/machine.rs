@@ -1,0 +1,117 @@
+//! A machine whose wiring walks a plan.
+
+use super::check::{PlanError, check};
+use super::format::{Kind, Plan, PlannedUnit};
+use super::unit::{PlanUnit, Token};
+use basrelief_kernel::{CacheConfig, Fifo, Machine, MemorySystem, Stage, Visitor};
+use std::collections::BTreeMap;
+
+/// A stage and the numbers of its FIFOs and clients.
+#[derive(Clone, Debug)]
+struct Placed {
+    stage: Stage<PlanUnit>,
+    inputs: Vec<usize>,
+    outputs: Vec<usize>,
+    clients: Vec<usize>,
+}
+
+/// A machine built from a plan.
+#[derive(Clone, Debug)]
+pub struct PlanMachine {
+    fifos: Vec<Fifo<Token>>,
+    stages: Vec<Placed>,
+    memories: MemorySystem,
+}
+
+impl PlanMachine {
+    /// Builds the machine.
+    ///
+    /// # Errors
+    /// If the plan is no machine: names the place, the field, and what was expected.
+    pub fn new(plan: &Plan) -> Result<Self, PlanError> {
+        check(plan)?;
+        let fifos: Vec<_> = plan.fifos.iter().map(|f| Fifo::new(&f.name, f.depth, f.latency)).collect();
+        let numbers: BTreeMap<&str, usize> = plan.fifos.iter().enumerate().map(|(i, f)| (f.name.as_str(), i)).collect();
+        let find = |names: &[String]| names.iter().filter_map(|n| numbers.get(n.as_str()).copied()).collect();
+        let mut memories = MemorySystem::default();
+        let ports = add_memories(plan, &mut memories);
+        let place = |unit: &PlannedUnit| {
+            let (clients, of_request) = clients_of(plan, unit, &ports);
+            let stage = Stage::new(&unit.name, PlanUnit::new(unit, of_request));
+            Placed { stage, inputs: find(&unit.inputs), outputs: find(&unit.outputs), clients }
+        };
+        let stages = plan.units.iter().map(place).collect();
+        Ok(Self { fifos, stages, memories })
+    }
+
+    /// Every sink's name and the tokens that it swallowed, in order.
+    pub fn swallowed(&self) -> impl Iterator<Item = (&str, &[Token])> {
+        let sinks = self.stages.iter().filter(|p| p.outputs.is_empty());
+        sinks.map(|p| (p.stage.name(), p.stage.unit.swallowed()))
+    }
+}
+
+/// Adds every memory and port; a port that a cache stands on gets that cache. Returns client numbers by port name.
+fn add_memories<'p>(plan: &'p Plan, memories: &mut MemorySystem) -> BTreeMap<&'p str, usize> {
+    let mut ports = BTreeMap::new();
+    for m in &plan.memories {
+        let memory = memories.add_memory(&m.name, &m.config);
+        for p in &m.ports {
+            let client = match plan.caches.iter().find(|c| c.port == p.name) {
+                None => memories.add_client(&p.name, memory, p.outstanding),
+                Some(c) => {
+                    let cache = CacheConfig {
+                        line_bytes: c.line_bytes,
+                        sets: c.sets,
+                        ways: c.ways,
+                        hit_latency: c.hit_latency,
+                        lookups_per_cycle: c.lookups_per_cycle,
+                        always_hits: false,
+                    };
+                    memories.add_cached_client(&p.name, memory, p.outstanding, &c.name, &cache)
+                }
+            };
+            ports.insert(p.name.as_str(), client);
+        }
+    }
+    ports
+}
+
+/// A unit's clients in order of first mention, and which of them each of its requests uses.
+fn clients_of(plan: &Plan, unit: &PlannedUnit, ports: &BTreeMap<&str, usize>) -> (Vec<usize>, Vec<u32>) {
+    let find = |port: &str| ports.get(port).copied();
+    let mut clients = Vec::new();
+    let mut of_request = Vec::new();
+    match &unit.kind {
+        Kind::Access { requests } => {
+            for client in requests.iter().filter_map(|r| find(&r.port)) {
+                let at = clients.iter().position(|&c| c == client).unwrap_or(clients.len());
+                if at == clients.len() {
+                    clients.push(client);
+                }
+                of_request.push(at as u32);
+            }
+        }
+        Kind::Cached { cache, .. } => {
+            clients.extend(plan.caches.iter().find(|c| c.name == *cache).and_then(|c| find(&c.port)));
+        }
+        _ => {}
+    }
+    (clients, of_request)
+}
+
+impl Machine for PlanMachine {
+    fn wire<V: Visitor>(&mut self, v: &mut V) {
+        for placed in &mut self.stages {
+            let mut fifos: Vec<Option<&mut Fifo<Token>>> = self.fifos.iter_mut().map(Some).collect();
+            let mut pick =
+                |numbers: &[usize]| -> Vec<&mut Fifo<Token>> { numbers.iter().filter_map(|&i| fifos[i].take()).collect() };
+            let (inputs, outputs) = (pick(&placed.inputs), pick(&placed.outputs));
+            v.stage(placed.stage.between(inputs, outputs).using(&mut self.memories, &placed.clients));
+        }
+    }
+
+    fn memories(&mut self) -> &mut MemorySystem {
+        &mut self.memories
+    }
+}

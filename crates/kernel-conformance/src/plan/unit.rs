@@ -1,0 +1,154 @@
+//! The units of a plan.
+
+use super::format::{Kind, PlannedUnit};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+
+/// A token of a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Token {
+    /// Its number.
+    pub id: u64,
+    /// No token follows.
+    pub last: bool,
+}
+
+/// A unit built from its plan.
+#[derive(Clone, Debug)]
+pub struct PlanUnit {
+    plan: PlannedUnit,
+    /// Client of each request, in order.
+    clients: Vec<u32>,
+    steps: u64,
+    /// A token being expanded, and the number of its next child.
+    expanding: Option<(Token, u64)>,
+    /// What came to an end here: the tokens of a unit without outputs.
+    swallowed: Vec<Token>,
+}
+
+impl PlanUnit {
+    /// The unit, given the client number of each of its requests.
+    pub fn new(plan: &PlannedUnit, clients: Vec<u32>) -> Self {
+        Self { plan: plan.clone(), clients, steps: 0, expanding: None, swallowed: Vec::new() }
+    }
+
+    /// The tokens that ended here; none if the unit has outputs.
+    pub(super) fn swallowed(&self) -> &[Token] {
+        &self.swallowed
+    }
+
+    /// Whether a source or merge has passed all its tokens; `None` for other kinds.
+    fn exhausted(&self) -> Option<bool> {
+        match self.plan.kind {
+            Kind::Source { tokens } | Kind::Merge { tokens } => Some(self.steps >= tokens),
+            _ => None,
+        }
+    }
+
+    fn everywhere(&self, token: Token) -> Vec<Option<Token>> {
+        vec![Some(token); self.plan.outputs.len()]
+    }
+
+    /// What the step emits, and the id that its times go by.
+    fn emit(&mut self, taken: &[Option<Token>]) -> (Vec<Option<Token>>, u64) {
+        let none = || vec![None; self.plan.outputs.len()];
+        let first = taken.iter().flatten().next().copied().unwrap_or(Token { id: 0, last: false });
+        match self.plan.kind {
+            Kind::Source { tokens } | Kind::Merge { tokens } => {
+                let token = Token { id: self.steps, last: self.steps + 1 == tokens };
+                (self.everywhere(token), token.id)
+            }
+            Kind::Work | Kind::Fork | Kind::Access { .. } | Kind::Cached { .. } => (self.everywhere(first), first.id),
+            Kind::Join => {
+                let token = Token { last: taken.iter().flatten().any(|t| t.last), ..first };
+                (self.everywhere(token), token.id)
+            }
+            Kind::Route => {
+                let mut out = none();
+                let to = first.id as usize % out.len();
+                out[to] = Some(first);
+                (out, first.id)
+            }
+            Kind::Expand { factor } => {
+                let (token, child) = self.expanding.unwrap_or((first, 0));
+                self.expanding = (child + 1 < factor).then_some((token, child + 1));
+                let token = Token { id: token.id * factor + child, last: token.last && child + 1 == factor };
+                (self.everywhere(token), token.id)
+            }
+            Kind::Gather { size } => {
+                let full = first.id % size == size - 1 || first.last;
+                let token = Token { id: first.id / size, ..first };
+                (if full { self.everywhere(token) } else { none() }, first.id)
+            }
+            Kind::Sink => (none(), first.id),
+        }
+    }
+
+    fn issue(&self, id: u64, traffic: &mut Traffic) {
+        match &self.plan.kind {
+            Kind::Access { requests } => {
+                for (r, &client) in requests.iter().zip(&self.clients) {
+                    let address = address(id, r.stride, r.offset, r.span);
+                    if r.write {
+                        traffic.write(client, address, r.bytes);
+                    } else {
+                        traffic.read(client, address, r.bytes);
+                    }
+                }
+            }
+            Kind::Cached { lookups, .. } => {
+                for l in lookups {
+                    traffic.look_up(0, address(id, l.stride, l.offset, l.span), 1);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// (id * stride + offset) mod span, in 128 bits: none of them is bounded.
+fn address(id: u64, stride: u64, offset: u64, span: u64) -> u64 {
+    let address = u128::from(id) * u128::from(stride) + u128::from(offset);
+    u64::try_from(address % u128::from(span.max(1))).unwrap_or_default()
+}
+
+/// Times go by id modulo the length of the list.
+fn pick(list: &[u64], id: u64) -> u64 {
+    list[id as usize % list.len()]
+}
+
+impl Unit for PlanUnit {
+    type In = Vec<Option<Token>>;
+    type Out = Vec<Option<Token>>;
+
+    fn demand(&self) -> Demand {
+        match (&self.plan.kind, self.exhausted()) {
+            (_, Some(true)) => Demand::Finished,
+            (Kind::Source { .. }, _) => Demand::Nothing,
+            (Kind::Merge { .. }, _) => Demand::Only(self.steps as usize % self.plan.inputs.len()),
+            _ if self.expanding.is_some() => Demand::Nothing,
+            _ => Demand::All,
+        }
+    }
+
+    fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
+        let (out, id) = self.emit(&input);
+        self.issue(id, traffic);
+        if self.plan.outputs.is_empty() {
+            self.swallowed.extend(input.first().copied().flatten());
+        }
+        self.steps += 1;
+        Step::after(pick(&self.plan.latency, id), out).busy(pick(&self.plan.occupancy, id))
+    }
+
+    fn largest_step(&self, client: usize) -> u32 {
+        match &self.plan.kind {
+            Kind::Access { .. } => self.clients.iter().filter(|&&c| c as usize == client).count() as u32,
+            Kind::Cached { lookups, .. } if client == 0 => lookups.len() as u32,
+            _ => 0,
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.expanding.is_none() && self.exhausted() != Some(false)
+    }
+}

@@ -1,0 +1,212 @@
+//! Plans, written down in few words, and what is learned from running them.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+pub mod random;
+
+use basrelief_kernel::{
+    Cause, Cycle, Engine, Limits, Machine, MemoryConfig, NoProbe, Outcome, Part, Probe, Recorder, RunReport, Shape, UnitReport,
+    make_steps, retime, run, run_functional, run_recorded, run_with, tape::Reel, time_steps,
+};
+use basrelief_kernel_conformance::plan::{
+    Kind, Plan, PlanCache, PlanFifo, PlanMachine, PlanMemory, PlanPort, PlannedUnit, Token,
+};
+use std::borrow::Cow;
+
+/// Adds to a plan, one line per box or wire.
+#[derive(Clone, Debug, Default)]
+pub struct Draw(pub Plan);
+
+impl Draw {
+    /// Four tokens through a unit that takes three cycles for each; computed by hand in `hand::chain`.
+    pub fn chain() -> Self {
+        let mut draw = Self::default();
+        draw.fifo("a", 1, 1)
+            .fifo("b", 2, 1)
+            .unit("source", Kind::Source { tokens: 4 }, ["", "a"], &[1], &[0])
+            .unit("work", Kind::Work, ["a", "b"], &[3], &[2])
+            .unit("sink", Kind::Sink, ["b", ""], &[1], &[0]);
+        draw
+    }
+
+    pub fn fifo(&mut self, name: &str, depth: usize, latency: u64) -> &mut Self {
+        self.0.fifos.push(PlanFifo { name: name.into(), depth, latency });
+        self
+    }
+
+    /// Wires are named, separated by spaces; occupancy and latency go by token.
+    pub fn unit(&mut self, name: &str, kind: Kind, wires: [&str; 2], occupancy: &[u64], latency: &[u64]) -> &mut Self {
+        let [inputs, outputs] = wires.map(|names| names.split_whitespace().map(str::to_owned).collect());
+        let (occupancy, latency) = (occupancy.to_vec(), latency.to_vec());
+        self.0.units.push(PlannedUnit { name: name.into(), kind, inputs, outputs, occupancy, latency });
+        self
+    }
+
+    pub fn memory(&mut self, memory: PlanMemory, ports: &[(&str, u32)]) -> &mut Self {
+        let ports = ports.iter().map(|&(name, outstanding)| PlanPort { name: name.into(), outstanding }).collect();
+        self.0.memories.push(PlanMemory { ports, ..memory });
+        self
+    }
+
+    pub fn cache(&mut self, cache: PlanCache) -> &mut Self {
+        self.0.caches.push(cache);
+        self
+    }
+}
+
+/// A memory of one bank with rows of 64 bytes and bursts of 32 bytes that keep the bus for 2 cycles, first of four come; from
+/// view to column: hit 0, closed 2, conflict 4 + 2 cycles; 3 more to the data. All differ, so that a mix-up shows.
+pub fn small_memory() -> PlanMemory {
+    let config = MemoryConfig {
+        part: Part::Custom,
+        channels: 1,
+        channel_bytes: 64,
+        window: 4,
+        cap: 4,
+        cl: 3,
+        cwl: 3,
+        rcd: 2,
+        rp: 4,
+        ras: 0,
+        rtp: 0,
+        wr: 0,
+        wtr: 0,
+        rrd: 0,
+        faw: 0,
+        refi: 0,
+        rfc: 0,
+        burst_bytes: 32,
+        burst_cycles: 2,
+        banks: 1,
+        row_bytes: 64,
+        outstanding: 1,
+    };
+    PlanMemory { name: "memory".into(), config, ports: vec![] }
+}
+
+pub fn machine(plan: &Plan) -> PlanMachine {
+    PlanMachine::new(plan).unwrap()
+}
+
+/// Runs with both engines, which must agree, also on what every unit did when; the report and those intervals.
+pub fn run_both(plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
+    let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| {
+        let mut intervals = Recorder::default();
+        let limits = Limits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
+        (run_with(&mut machine(plan), engine, &mut intervals, limits), intervals)
+    });
+    assert_eq!(timed, ticked, "timed, left, and ticked, right, of\n{}", serde_json::to_string(plan).unwrap());
+    let again = retimed(&tape(plan, max_cycles), plan, max_cycles);
+    assert_eq!(timed, again, "timed, left, and from its tape, right, of\n{}", serde_json::to_string(plan).unwrap());
+    if max_cycles == u64::MAX {
+        let (apart, reels) = apart(|| machine(plan));
+        assert_eq!(timed.0, apart, "timed, left, and work apart from time, right, of\n{}", serde_json::to_string(plan).unwrap());
+        assert_eq!(streams(&tape(plan, max_cycles)), streams(&reels), "tapes of\n{}", serde_json::to_string(plan).unwrap());
+    }
+    timed
+}
+
+/// Report and tape of a run whose steps are made first, and timed then.
+pub fn apart<M: Machine>(mut machine: impl FnMut() -> M) -> (RunReport, Vec<Reel>) {
+    let mut pieces = Vec::new();
+    make_steps(&mut machine(), &mut |_| true, (40, &mut |piece| pieces.push(piece))).unwrap();
+    let (mut pieces, mut reels) = (pieces.into_iter(), Vec::new());
+    let shape = Shape::of(&mut machine()).unwrap();
+    (time_steps(shape, &mut || pieces.next(), Some((64, &mut |reel| reels.push(reel)))), reels)
+}
+
+/// The stream of each stage, in one piece.
+pub fn streams(tape: &[Reel]) -> Vec<Vec<u8>> {
+    let stages = tape[0].streams().count();
+    let whole = |stage| tape.iter().flat_map(|reel| reel.streams().nth(stage).unwrap().iter().copied()).collect();
+    (0..stages).map(whole).collect()
+}
+
+/// The fault of a run, the same with both engines and with its work apart.
+pub fn fault<M: Machine>(machine: impl Fn() -> M) -> String {
+    let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| run(&mut machine(), engine).outcome);
+    assert_eq!(timed, ticked);
+    let Outcome::Fault(text) = timed else { panic!("{timed:?}") };
+    assert_eq!(apart(machine).0.outcome, Outcome::Fault(text.clone()));
+    text
+}
+
+/// The tape of a run.
+pub fn tape(plan: &Plan, max_cycles: u64) -> Vec<Reel> {
+    let mut reels = Vec::new();
+    let limits = Limits { max_cycles, progress: &mut |_: &mut PlanMachine| true };
+    run_recorded(&mut machine(plan), Engine::Timed, &mut NoProbe, limits, (64, &mut |reel| reels.push(reel)));
+    reels
+}
+
+/// The same work on a machine by `plan`: the report and what every unit did when.
+pub fn retimed(tape: &[Reel], plan: &Plan, max_cycles: u64) -> (RunReport, Recorder) {
+    let mut intervals = Recorder::default();
+    let mut reels = tape.iter().map(Cow::Borrowed);
+    let shape = Shape::of(&mut machine(plan)).unwrap();
+    let report = retime(shape, &mut |_| Ok(reels.next()), &mut intervals, max_cycles);
+    (report.unwrap_or_else(|error| panic!("{error}: {}", serde_json::to_string(plan).unwrap())), intervals)
+}
+
+/// The report of both engines.
+pub fn report(plan: &Plan) -> RunReport {
+    run_both(plan, u64::MAX).0
+}
+
+/// The part of one unit.
+pub fn unit<'r>(report: &'r RunReport, name: &str) -> &'r UnitReport {
+    report.units.iter().find(|u| u.name == name).unwrap()
+}
+
+/// Where a unit's cycles went, in words: `busy 3, done 1, starved a 2`.
+pub fn account(report: &RunReport, name: &str) -> String {
+    let u = unit(report, name);
+    let mut parts = vec![format!("busy {}", u.account.busy), format!("done {}", u.account.done)];
+    let mut list = |word: &str, names: &[String], cycles: &[u64]| {
+        let charged = names.iter().zip(cycles).filter(|&(_, &n)| n > 0);
+        parts.extend(charged.map(|(name, n)| format!("{word} {name} {n}")));
+    };
+    list("starved", &u.inputs, &u.account.starved);
+    list("memory", &u.clients, &u.account.memory);
+    list("blocked", &u.outputs, &u.account.blocked);
+    parts.retain(|part| part != "done 0");
+    parts.join(", ")
+}
+
+/// The histogram of one FIFO.
+pub fn histogram(report: &RunReport, name: &str) -> Vec<u64> {
+    report.fifos.iter().find(|f| f.name == name).unwrap().histogram.clone()
+}
+
+/// Start of every step, by stage.
+#[derive(Default)]
+struct Starts(Vec<Vec<u64>>);
+
+impl Probe for Starts {
+    fn worked(&mut self, stage: usize, from: Cycle, _: Cycle) {
+        self.0.resize(self.0.len().max(stage + 1), Vec::new());
+        self.0[stage].push(from.0);
+    }
+    fn waited(&mut self, _: usize, _: Cause, _: Cycle, _: Cycle) {}
+}
+
+/// The cycles in which the steps of one unit start, with either engine.
+pub fn starts(plan: &Plan, name: &str) -> Vec<u64> {
+    let stage = plan.units.iter().position(|u| u.name == name).unwrap();
+    let [timed, ticked] = [Engine::Timed, Engine::Ticked].map(|engine| {
+        let mut starts = Starts::default();
+        let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut PlanMachine| true };
+        run_with(&mut machine(plan), engine, &mut starts, limits);
+        starts.0.get(stage).cloned().unwrap_or_default()
+    });
+    assert_eq!(timed, ticked);
+    timed
+}
+
+/// The tokens that came to an end, by sink: of a timed run and of the functional model.
+pub fn swallowed(plan: &Plan) -> [Vec<(String, Vec<Token>)>; 2] {
+    let list = |m: &PlanMachine| m.swallowed().map(|(name, tokens)| (name.to_owned(), tokens.to_vec())).collect();
+    let (mut timed, mut functional) = (machine(plan), machine(plan));
+    run(&mut timed, Engine::Timed);
+    run_functional(&mut functional, &mut |_| true).unwrap();
+    [list(&timed), list(&functional)]
+}

@@ -1,0 +1,276 @@
+//! Random plans, from recipes that shrink well.
+
+use super::Draw;
+use basrelief_kernel::MemoryConfig;
+use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanMemory, PlanRequest};
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::sample::select;
+
+/// What follows what between source and sink.
+#[derive(Clone, Debug)]
+pub enum Part {
+    Work,
+    Expand {
+        factor: u64,
+    },
+    Gather {
+        size: u64,
+    },
+    /// Reads and writes on ports of one or two memories; the second has credits to spare.
+    Access {
+        requests: Vec<(usize, bool, u32, u64)>,
+        spare: u32,
+    },
+    /// Look-ups through a cache of its own.
+    Cached {
+        memory: usize,
+        strides: Vec<u64>,
+        sets: u32,
+        ways: u32,
+        hit_latency: u32,
+        per_cycle: u32,
+        spare: u32,
+    },
+    /// Fork, work on each branch, join; the first branch may gather and expand, which deadlocks where the others
+    /// have too little room.
+    ForkJoin {
+        width: usize,
+        batch: Option<u64>,
+    },
+    /// Router, work on each branch, in-order merge.
+    RouteMerge {
+        width: usize,
+    },
+    /// Every token goes round once: a merge, a router, and a FIFO back.
+    Feedback,
+}
+
+/// A plan before its names: times and FIFOs are drawn in turn, repeating.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    pub tokens: u64,
+    pub parts: Vec<Part>,
+    pub fifos: Vec<(usize, u64)>,
+    pub times: Vec<(Vec<u64>, Vec<u64>)>,
+    pub memories: [PlanMemory; 2],
+    /// Keys by which the units are put in order.
+    pub order: Vec<u32>,
+}
+
+fn memory() -> impl Strategy<Value = PlanMemory> {
+    let shape =
+        (select(vec![1_u32, 2, 3]), select(vec![32_u32, 64, 256]), select(vec![1_u32, 2, 3, 4]), select(vec![64_u32, 256]));
+    let choice = (1..=16_u32, 0..=16_u32);
+    let times = (vec(0..=4_u32, 8), 1..=4_u32, 0..=9_u32, 0..=12_u32);
+    let refresh = prop_oneof![Just((0, 0)), (40..=100_u32, 0..=20_u32)];
+    (shape, choice, times, refresh).prop_map(|(shape, (window, cap), (times, burst_cycles, ras, faw), (refi, rfc))| {
+        let (channels, channel_bytes, banks, row_bytes) = shape;
+        let [cl, cwl, rcd, rp, rtp, wr, wtr, rrd] = std::array::from_fn(|i| times[i]);
+        let (burst_bytes, outstanding) = (32, 1);
+        let config = MemoryConfig {
+            part: basrelief_kernel::Part::Custom,
+            channels,
+            channel_bytes,
+            window,
+            cap,
+            cl,
+            cwl,
+            rcd,
+            rp,
+            ras,
+            rtp,
+            wr,
+            wtr,
+            rrd,
+            faw,
+            refi,
+            rfc,
+            burst_bytes,
+            burst_cycles,
+            banks,
+            row_bytes,
+            outstanding,
+        };
+        PlanMemory { name: String::new(), config, ports: vec![] }
+    })
+}
+
+fn part() -> impl Strategy<Value = Part> {
+    let request = (0..2_usize, any::<bool>(), select(vec![1_u32, 4, 32, 70]), select(vec![4_u64, 32, 96, 260]));
+    let cache = (0..2_usize, vec(select(vec![0_u64, 4, 16, 40]), 1..=3), select(vec![1_u32, 2, 3]), 1..=2_u32);
+    prop_oneof![
+        2 => Just(Part::Work),
+        1 => (2..=3_u64).prop_map(|factor| Part::Expand { factor }),
+        1 => (2..=4_u64).prop_map(|size| Part::Gather { size }),
+        2 => (vec(request, 1..=3), 0..=4_u32).prop_map(|(requests, spare)| Part::Access { requests, spare }),
+        2 => (cache, 0..=3_u32, 1..=2_u32, 0..=3_u32).prop_map(
+            |((memory, strides, sets, ways), hit_latency, per_cycle, spare)| Part::Cached {
+                memory, strides, sets, ways, hit_latency, per_cycle, spare
+            }
+        ),
+        2 => (2..=3_usize, proptest::option::of(2..=4_u64)).prop_map(|(width, batch)| Part::ForkJoin { width, batch }),
+        1 => (2..=3_usize).prop_map(|width| Part::RouteMerge { width }),
+        1 => Just(Part::Feedback),
+    ]
+}
+
+/// Any recipe.
+pub fn recipe() -> impl Strategy<Value = Recipe> {
+    let fifo = (select(vec![1_usize, 1, 2, 3, 4, 8]), select(vec![1_u64, 1, 1, 2, 3]));
+    let time = (vec(1..=4_u64, 1..=3), vec(0..=6_u64, 1..=3));
+    let order = vec(any::<u32>(), 64);
+    (1..=24_u64, vec(part(), 0..=5), vec(fifo, 1..=12), vec(time, 1..=12), [memory(), memory()], order)
+        .prop_map(|(tokens, parts, fifos, times, memories, order)| Recipe { tokens, parts, fifos, times, memories, order })
+}
+
+/// Most tokens on one wire, so that a case stays quick.
+const MOST: u64 = 120;
+
+/// Builds a plan part by part.
+struct Builder<'r> {
+    recipe: &'r Recipe,
+    draw: Draw,
+    /// Tokens on the open end.
+    tokens: u64,
+    end: String,
+}
+
+impl Builder<'_> {
+    fn fifo(&mut self) -> String {
+        let n = self.draw.0.fifos.len();
+        let (depth, latency) = self.recipe.fifos[n % self.recipe.fifos.len()];
+        let name = format!("f{n}");
+        self.draw.fifo(&name, depth, latency);
+        name
+    }
+
+    fn unit(&mut self, kind: Kind, inputs: &str, outputs: &str) {
+        let n = self.draw.0.units.len();
+        let (occupancy, latency) = &self.recipe.times[n % self.recipe.times.len()];
+        self.draw.unit(&format!("u{n}"), kind, [inputs, outputs], occupancy, latency);
+    }
+
+    /// A unit of one input and one output at the open end.
+    fn then(&mut self, kind: Kind) {
+        let (from, to) = (self.end.clone(), self.fifo());
+        self.unit(kind, &from, &to);
+        self.end = to;
+    }
+
+    fn port(&mut self, memory: usize, outstanding: u32) -> String {
+        let memory = &mut self.draw.0.memories[memory];
+        let name = format!("{}p{}", memory.name, memory.ports.len());
+        memory.ports.push(basrelief_kernel_conformance::plan::PlanPort { name: name.clone(), outstanding });
+        name
+    }
+
+    fn access(&mut self, requests: &[(usize, bool, u32, u64)], spare: u32) {
+        let needs = |m: usize| requests.iter().filter(|r| r.0 == m).count() as u32;
+        let ports: Vec<String> =
+            (0..2).map(|m| if needs(m) > 0 { self.port(m, needs(m) + m as u32 * spare) } else { String::new() }).collect();
+        let place = |(n, &(m, write, bytes, stride)): (usize, &(usize, bool, u32, u64))| {
+            let offset = 17 * n as u64;
+            PlanRequest { port: ports[m].clone(), write, bytes, stride, offset, span: 1024 }
+        };
+        self.then(Kind::Access { requests: requests.iter().enumerate().map(place).collect() });
+    }
+
+    fn branches(&mut self, width: usize, split: Kind, join: Kind, batch: Option<u64>) {
+        let (from, to) = (self.end.clone(), self.fifo());
+        let starts: Vec<String> = (0..width).map(|_| self.fifo()).collect();
+        let ends: Vec<String> = (0..width).map(|_| self.fifo()).collect();
+        self.unit(split, &from, &starts.join(" "));
+        for (n, (start, end)) in starts.iter().zip(&ends).enumerate() {
+            match batch.filter(|_| n == 0) {
+                Some(size) => {
+                    let middle = self.fifo();
+                    self.unit(Kind::Gather { size }, start, &middle);
+                    self.unit(Kind::Expand { factor: size }, &middle, end);
+                }
+                None => self.unit(Kind::Work, start, end),
+            }
+        }
+        self.unit(join, &ends.join(" "), &to);
+        self.end = to;
+    }
+
+    fn feedback(&mut self) {
+        let (from, round, back, out) = (self.end.clone(), self.fifo(), self.fifo(), self.fifo());
+        self.unit(Kind::Merge { tokens: 2 * self.tokens }, &format!("{from} {back}"), &round);
+        self.unit(Kind::Route, &round, &format!("{back} {out}"));
+        self.end = out;
+        // The odd half came out: number it anew.
+        self.then(Kind::Merge { tokens: self.tokens });
+    }
+
+    fn add(&mut self, part: &Part) {
+        match part {
+            Part::Work => self.then(Kind::Work),
+            Part::Expand { factor } if self.tokens * factor > MOST => self.then(Kind::Work),
+            &Part::Expand { factor } => {
+                self.tokens *= factor;
+                self.then(Kind::Expand { factor });
+            }
+            &Part::Gather { size } => {
+                self.tokens = self.tokens.div_ceil(size);
+                self.then(Kind::Gather { size });
+            }
+            Part::Access { requests, spare } => self.access(requests, *spare),
+            Part::Cached { memory, strides, sets, ways, hit_latency, per_cycle, spare } => {
+                let port = self.port(*memory, strides.len() as u32 + spare);
+                let name = format!("c{}", self.draw.0.caches.len());
+                let (sets, ways, hit_latency) = (*sets, *ways, *hit_latency);
+                let cache = PlanCache { name, port, line_bytes: 32, sets, ways, hit_latency, lookups_per_cycle: *per_cycle };
+                let look_up = |(n, &stride): (usize, &u64)| PlanLookUp { stride, offset: 50 * n as u64, span: 512 };
+                let kind = Kind::Cached { cache: cache.name.clone(), lookups: strides.iter().enumerate().map(look_up).collect() };
+                self.draw.cache(cache);
+                self.then(kind);
+            }
+            Part::ForkJoin { width, batch } => {
+                // What it gathers it must expand to as much again.
+                let batch = batch.and_then(|size| [size, 4, 3, 2].into_iter().find(|&size| self.tokens.is_multiple_of(size)));
+                self.branches(*width, Kind::Fork, Kind::Join, batch);
+            }
+            Part::RouteMerge { width } => self.branches(*width, Kind::Route, Kind::Merge { tokens: self.tokens }, None),
+            Part::Feedback => self.feedback(),
+        }
+    }
+}
+
+/// Recipes that mostly deadlock: a branch that gathers three or four beside one with few slots.
+pub fn tight_recipe() -> impl Strategy<Value = Recipe> {
+    (recipe(), 1..=2_u64, 0..=5_usize, 3..=4_u64, vec((1..=2_usize, 1..=2_u64), 1..=3)).prop_map(
+        |(mut recipe, n, at, size, fifos)| {
+            let at = at.min(recipe.parts.len());
+            recipe.parts.retain(|part| !matches!(part, Part::Gather { .. }));
+            recipe.parts.insert(at.min(recipe.parts.len()), Part::ForkJoin { width: 2, batch: Some(size) });
+            Recipe { tokens: 12 * n, fifos, ..recipe }
+        },
+    )
+}
+
+impl Recipe {
+    /// The plan, and how many tokens its sink must see.
+    pub fn plan(&self) -> (Plan, u64) {
+        let memory = |n: usize| PlanMemory { name: format!("m{n}"), ..self.memories[n].clone() };
+        let draw = Draw(Plan { memories: vec![memory(0), memory(1)], ..Plan::default() });
+        let mut builder = Builder { recipe: self, draw, tokens: self.tokens, end: String::new() };
+        builder.end = builder.fifo();
+        builder.unit(Kind::Source { tokens: self.tokens }, "", "f0");
+        self.parts.iter().for_each(|part| builder.add(part));
+        let end = builder.end.clone();
+        builder.unit(Kind::Sink, &end, "");
+        (builder.draw.0, builder.tokens)
+    }
+
+    /// The same plan with its units in another order.
+    pub fn reordered(&self) -> Plan {
+        let (mut plan, _) = self.plan();
+        let keys = self.order.iter().copied().chain(std::iter::repeat(0));
+        let mut keyed: Vec<_> = keys.zip(plan.units).collect();
+        keyed.sort_by_key(|&(key, _)| key);
+        plan.units = keyed.into_iter().map(|(_, unit)| unit).collect();
+        plan
+    }
+}

@@ -1,0 +1,216 @@
+//! The unit contract: units that keep it pass, and each way to break it is caught and named.
+
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel::{Sink, Source};
+use basrelief_kernel_conformance::contract::{ClientKind, Contract};
+use basrelief_kernel_conformance::unit_contract;
+use std::cell::Cell;
+use std::rc::Rc;
+
+/// A source on trial.
+fn counter() -> Source<std::ops::Range<u32>> {
+    Source::new(0..40).with_gaps(&[0, 2])
+}
+
+/// One that has emitted so many items.
+fn counter_at(emitted: usize) -> Source<std::ops::Range<u32>> {
+    let mut source = counter();
+    for _ in 0..emitted {
+        source.step((), &mut Traffic::default());
+    }
+    source
+}
+
+fn sink() -> Sink<u8> {
+    Sink::new().with_occupancy(&[1, 3])
+}
+
+/// One that has taken these tokens.
+fn sink_of(tokens: Vec<u8>) -> Sink<u8> {
+    let mut sink = sink();
+    for token in tokens {
+        sink.step(Some(token), &mut Traffic::default());
+    }
+    sink
+}
+
+unit_contract! {
+    name: source,
+    unit: counter(),
+    inputs: (),
+    state: |unit| unit.emitted() => |unit, emitted| *unit = counter_at(emitted),
+}
+
+unit_contract! {
+    name: sink_of_bytes,
+    unit: sink(),
+    inputs: (0..40).collect(),
+    state: |unit| unit.tokens().to_vec() => |unit, tokens| *unit = sink_of(tokens),
+}
+
+/// Doubles what it is given, and remembers nothing.
+#[derive(Clone)]
+struct Double;
+
+impl Unit for Double {
+    type In = Option<u64>;
+    type Out = Option<u64>;
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+    fn step(&mut self, input: Option<u64>, _: &mut Traffic) -> Step<Option<u64>> {
+        Step::after(1, input.map(|n| 2 * n))
+    }
+}
+
+unit_contract! { name: double, unit: Double, inputs: (0..40).collect(), stateless }
+
+/// Pairs two inputs; two tokens of the first to one of the second, and emits sum and difference on two outputs.
+#[derive(Clone, Default)]
+struct Butterfly {
+    held: Option<i64>,
+}
+
+impl Unit for Butterfly {
+    type In = (Option<i64>, Option<i64>);
+    type Out = (Option<i64>, Option<i64>);
+    fn demand(&self) -> Demand {
+        if self.held.is_some() { Demand::All } else { Demand::Only(0) }
+    }
+    fn step(&mut self, (a, b): Self::In, _: &mut Traffic) -> Step<Self::Out> {
+        match (self.held.take(), a, b) {
+            (Some(h), Some(a), Some(b)) => Step::after(3, (Some(h + a + b), Some(h + a - b))).busy(2),
+            (None, Some(a), None) => {
+                self.held = Some(a);
+                Step::after(0, (None, None))
+            }
+            _ => unreachable!("a step is given what demand declared"),
+        }
+    }
+    fn is_empty(&self) -> bool {
+        self.held.is_none()
+    }
+}
+
+unit_contract! {
+    name: butterfly,
+    unit: Butterfly::default(),
+    inputs: ((0..60).collect(), (100..130).collect()),
+    state: |unit| unit.held => |unit, held| unit.held = held,
+}
+
+/// Emits each token three times; reads, writes and looks up as it does so. Its switches break one promise each.
+#[derive(Clone, Default)]
+struct Triple {
+    held: (u64, u32),
+    /// Not part of the state.
+    unsaved: u64,
+    steps: Rc<Cell<u64>>,
+    greedy: bool,
+    forgetful: bool,
+    shared: bool,
+    hoards: bool,
+}
+
+impl Unit for Triple {
+    type In = Option<u64>;
+    type Out = Option<u64>;
+    fn demand(&self) -> Demand {
+        if self.held.1 > 0 { Demand::Nothing } else { Demand::All }
+    }
+    fn step(&mut self, input: Option<u64>, traffic: &mut Traffic) -> Step<Option<u64>> {
+        if let Some(token) = input {
+            self.held = (token, 3);
+        }
+        let token = self.held.0;
+        self.held.1 -= 1;
+        self.unsaved += 1;
+        self.steps.set(self.steps.get() + 1);
+        traffic.look_up(0, 96 * token, 64);
+        traffic.look_up(0, 96 * token + 4, 4);
+        traffic.read(1, 8 * token, 8);
+        traffic.write(1, 8 * token, 8);
+        if self.greedy && token == 7 {
+            traffic.read(1, 0, 8);
+        }
+        let out = match () {
+            () if self.forgetful => self.unsaved,
+            () if self.shared => self.steps.get(),
+            () => token,
+        };
+        Step::after(1, Some(out)).busy(1 + token % 2)
+    }
+    fn largest_step(&self, client: usize) -> u32 {
+        if client < 2 { 2 } else { 0 }
+    }
+    fn is_empty(&self) -> bool {
+        self.held.1 == 0 && !self.hoards
+    }
+}
+
+const CLIENTS: [ClientKind; 2] = [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port];
+
+unit_contract! {
+    name: triple,
+    unit: Triple::default(),
+    inputs: (0..30).collect(),
+    clients: [ClientKind::Cache { line_bytes: 64 }, ClientKind::Port],
+    state: |unit| unit.held => |unit, held| unit.held = held,
+}
+
+fn contract(unit: Triple) -> Contract<Triple> {
+    contract_of(unit, (0..30).collect())
+}
+
+fn contract_of(unit: Triple, tokens: Vec<u64>) -> Contract<Triple> {
+    Contract::new(unit, tokens, |unit| unit.held, |unit, held| unit.held = held).clients(&CLIENTS)
+}
+
+#[test]
+fn a_step_beyond_the_largest_is_named() {
+    let broken = contract(Triple { greedy: true, ..Triple::default() }).steps_keep_within_largest_step().unwrap_err();
+    assert!(broken.what.starts_with("unit, cycle "), "{broken}");
+    assert!(broken.what.ends_with("a step needs 3 credits of memory client 1, but largest_step(1) declares 2"), "{broken}");
+}
+
+#[test]
+fn a_client_that_is_not_listed_is_named() {
+    let broken = contract(Triple::default()).clients(&[ClientKind::Cache { line_bytes: 64 }]).check_all().unwrap_err();
+    assert!(broken.what.ends_with("`unit` declares a largest step for its memory client 1, but 1 are wired"), "{broken}");
+    let broken = contract(Triple::default()).clients(&[ClientKind::Port, ClientKind::Port]).check_all().unwrap_err();
+    assert!(broken.what.ends_with("a step looks up a line in memory client 0, which has no cache"), "{broken}");
+}
+
+#[test]
+fn state_that_is_not_saved_is_found() {
+    let contract = contract(Triple { forgetful: true, ..Triple::default() });
+    let broken = contract.state_round_trips().unwrap_err();
+    assert!(broken.what.ends_with("token 1: got 1, expected 2"), "{broken}");
+    let broken = contract.reset_is_idempotent().unwrap_err();
+    assert!(broken.what.ends_with("token 0: got 91, expected 1"), "{broken}");
+}
+
+#[test]
+fn a_unit_that_is_called_stateless_and_is_not_is_found() {
+    let contract = Contract::stateless(Triple::default(), (0..30).collect()).clients(&CLIENTS);
+    let broken = contract.state_round_trips().unwrap_err();
+    assert!(broken.what.ends_with("token 1: got 1, expected 0"), "{broken}");
+}
+
+#[test]
+fn state_shared_between_clones_is_found() {
+    let broken = contract(Triple { shared: true, ..Triple::default() }).runs_are_deterministic().unwrap_err();
+    assert!(broken.what.contains("token 0: got 91, expected 1"), "{broken}");
+}
+
+#[test]
+fn a_token_held_back_is_a_deadlock_that_names_the_unit() {
+    let broken = contract(Triple { hoards: true, ..Triple::default() }).nothing_is_left_at_the_end().unwrap_err();
+    assert!(broken.what.contains("`unit` waits for a token from `input_0` (0 of 1 slots)"), "{broken}");
+}
+
+#[test]
+fn a_unit_that_never_works_is_no_proof() {
+    let broken = contract_of(Triple::default(), vec![]).check_all().unwrap_err();
+    assert!(broken.what.contains("made no step"), "{broken}");
+}

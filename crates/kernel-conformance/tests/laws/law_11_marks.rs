@@ -1,0 +1,64 @@
+//! Mark k is passed in the cycle in which the marked step delivers; marks[k] = end(k) - end(k-1); the rest is drain.
+
+use basrelief_kernel::{Demand, Engine, RunReport, Step, Traffic, Unit, run};
+use basrelief_kernel_conformance::contract::{Bench, ClientKind, Surroundings};
+
+/// Marks every third step; looks up the same line in each.
+#[derive(Clone)]
+struct Marker {
+    clients: bool,
+}
+
+impl Unit for Marker {
+    type In = Option<u32>;
+    type Out = Option<u32>;
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+    fn step(&mut self, input: Option<u32>, traffic: &mut Traffic) -> Step<Option<u32>> {
+        if self.clients {
+            traffic.look_up(0, 0, 4);
+        }
+        let step = Step::after(2, input);
+        if input.is_some_and(|n| n % 3 == 2) { step.marked() } else { step }
+    }
+    fn largest_step(&self, client: usize) -> u32 {
+        u32::from(self.clients && client == 0)
+    }
+}
+
+fn both(clients: bool, gaps: &[u64]) -> RunReport {
+    let setting = Surroundings { depth: 16, latency: 1, source_gaps: gaps.to_vec(), ..Surroundings::default() };
+    let clients: &[ClientKind] = if clients { &[ClientKind::Cache { line_bytes: 64 }] } else { &[] };
+    let unit = Marker { clients: !clients.is_empty() };
+    let [timed, ticked] = [Engine::Timed, Engine::Ticked]
+        .map(|engine| run(&mut Bench::new(unit.clone(), (0..7).collect(), None, clients, &setting), engine));
+    assert_eq!(timed, ticked);
+    timed
+}
+
+#[test]
+fn a_mark_is_passed_when_its_step_delivers() {
+    // Steps at 1 .. 7, each delivered 2 later. Marked tokens 2 and 5: at 3 and 6, delivered 5 and 8. Token 6: at 7,
+    // delivered 9, visible and popped 10: 11 cycles, 3 of them drain.
+    let report = both(false, &[]);
+    assert_eq!((report.marks.as_slice(), report.total), ([5, 3].as_slice(), 11));
+}
+
+#[test]
+fn waiting_for_memory_comes_before_the_mark() {
+    // The first look-up misses: step at 1, in view 2, closed 3, data from 5 + 3 to 12, hit latency 2: 14. The others are
+    // merged and come with it: marked tokens leave at 14. Visible one after the other: the seventh at 21.
+    let report = both(true, &[]);
+    assert_eq!((report.marks.as_slice(), report.total), ([14, 0].as_slice(), 22));
+    assert_eq!(report.caches[0].counts.merged, 6);
+}
+
+#[test]
+fn caches_stay_warm_from_mark_to_mark() {
+    // One token every 40 cycles: the line is there for all but the first, also after the marks.
+    let report = both(true, &[39]);
+    assert_eq!((report.caches[0].counts.misses, report.caches[0].counts.hits), (1, 6));
+    // Steps at 1 + 40 n, hits delivered 2 later: 83 and 203.
+    assert_eq!(report.marks, [83, 120]);
+}

@@ -1,0 +1,56 @@
+//! Depth >= 1, latency f >= 1. A token delivered at d is visible from max(d + f, visible time of the token before it
+//! + 1). Tokens never overtake.
+
+use super::common::{Draw, starts, swallowed};
+use basrelief_kernel::Fifo;
+use basrelief_kernel_conformance::plan::{Kind, Plan, PlanMachine};
+
+/// Source, one FIFO, sink; the source delivers token n `latency[n]` cycles after its start.
+fn wire(depth: usize, fifo_latency: u64, latency: &[u64]) -> Plan {
+    let mut draw = Draw::default();
+    draw.fifo("f", depth, fifo_latency)
+        .unit("source", Kind::Source { tokens: latency.len() as u64 }, ["", "f"], &[1], latency)
+        .unit("sink", Kind::Sink, ["f", ""], &[1], &[0]);
+    draw.0
+}
+
+#[test]
+fn a_token_is_visible_f_cycles_after_its_delivery() {
+    // Starts 0, 1, 2; delivered 0, 1, 2; visible 5, 6, 7.
+    assert_eq!(starts(&wire(8, 5, &[0, 0, 0]), "sink"), [5, 6, 7]);
+}
+
+#[test]
+fn tokens_never_overtake() {
+    // Starts 0, 1, 2, 3; delivered 9, 1, 2, 10; d + f = 11, 3, 4, 12. Token 1 waits for token 0: 11 + 1, token 2 for
+    // token 1: 12 + 1, token 3 for token 2: 13 + 1.
+    let plan = wire(8, 2, &[9, 0, 0, 7]);
+    assert_eq!(starts(&plan, "sink"), [11, 12, 13, 14]);
+    let [timed, _] = swallowed(&plan);
+    assert!(timed[0].1.iter().map(|t| t.id).eq(0..4));
+}
+
+#[test]
+fn one_token_becomes_visible_per_cycle() {
+    // Delivered 6, 6, 6, 6: visible 7, 8, 9, 10.
+    assert_eq!(starts(&wire(8, 1, &[6, 5, 4, 3]), "sink"), [7, 8, 9, 10]);
+}
+
+#[test]
+#[should_panic(expected = "FIFO f: depth 0, expected at least 1 (law 1)")]
+fn depth_0_is_refused() {
+    Fifo::<u8>::new("f", 0, 1);
+}
+
+#[test]
+#[should_panic(expected = "FIFO f: latency 0, expected at least 1 (law 1)")]
+fn latency_0_is_refused() {
+    Fifo::<u8>::new("f", 1, 0);
+}
+
+#[test]
+fn a_plan_with_either_is_refused_by_name() {
+    let error = |depth, latency| PlanMachine::new(&wire(depth, latency, &[0])).unwrap_err().to_string();
+    assert_eq!(error(0, 1), "FIFO `f`: `depth` is 0, expected 1..=1048576");
+    assert_eq!(error(1, 0), "FIFO `f`: `latency` is 0, expected 1..=1099511627776");
+}

@@ -1,0 +1,36 @@
+//! A slot is reserved at the start of the step that fills it and is free again the cycle after the pop. Full rate needs
+//! depth >= ceil((latency + f + 1) / occupancy).
+
+use super::common::{Draw, starts};
+use basrelief_kernel_conformance::plan::{Kind, Plan};
+
+fn wire(depth: usize, f: u64, occupancy: u64, latency: u64, tokens: u64) -> Plan {
+    let mut draw = Draw::default();
+    draw.fifo("f", depth, f).unit("source", Kind::Source { tokens }, ["", "f"], &[occupancy], &[latency]).unit(
+        "sink",
+        Kind::Sink,
+        ["f", ""],
+        &[1],
+        &[0],
+    );
+    draw.0
+}
+
+#[test]
+fn a_slot_is_held_from_the_start_through_the_pop() {
+    // Latency 5, f = 1: a token that starts at s is visible and popped at s + 6, its slot is free at s + 7. With two
+    // slots: 0 and 1, then 7 and 8 in their slots, and so on.
+    assert_eq!(starts(&wire(2, 1, 1, 5, 6), "source"), [0, 1, 7, 8, 14, 15]);
+}
+
+#[test]
+fn full_rate_needs_the_depth_of_the_law_and_no_more() {
+    for (f, occupancy, latency) in [(1, 1, 0), (1, 1, 5), (3, 1, 0), (2, 2, 5), (1, 3, 10), (1, 4, 0)] {
+        let depth = (latency + f + 1_u64).div_ceil(occupancy) as usize;
+        let full_rate: Vec<u64> = (0..40).map(|n| n * occupancy).collect();
+        assert_eq!(starts(&wire(depth, f, occupancy, latency, 40), "source"), full_rate, "depth {depth}");
+        if depth > 1 {
+            assert_ne!(starts(&wire(depth - 1, f, occupancy, latency, 40), "source"), full_rate, "depth {}", depth - 1);
+        }
+    }
+}

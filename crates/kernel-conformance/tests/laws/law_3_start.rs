@@ -1,0 +1,104 @@
+//! A step starts at the first cycle at which the unit is free, every declared input has a visible token, every output
+//! has a slot - also when the step turns out to emit nothing there - and every port has credits for the largest step.
+
+use super::common::{Draw, fault, small_memory, starts};
+use basrelief_kernel::{Demand, Step, Traffic, Unit};
+use basrelief_kernel_conformance::contract::{Bench, Surroundings};
+use basrelief_kernel_conformance::plan::{Kind, PlanRequest};
+
+#[test]
+fn a_join_waits_for_the_last_of_its_inputs() {
+    let mut draw = Draw::default();
+    draw.fifo("a", 4, 1)
+        .fifo("b", 4, 1)
+        .fifo("c", 4, 1)
+        .unit("quick", Kind::Source { tokens: 3 }, ["", "a"], &[1], &[0])
+        .unit("slow", Kind::Source { tokens: 3 }, ["", "b"], &[5], &[2])
+        .unit("join", Kind::Join, ["a b", "c"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["c", ""], &[1], &[0]);
+    // slow starts 0, 5, 10; delivered 2, 7, 12; visible 3, 8, 13.
+    assert_eq!(starts(&draw.0, "join"), [3, 8, 13]);
+}
+
+#[test]
+fn exactly_the_declared_inputs_are_popped() {
+    let mut draw = Draw::default();
+    draw.fifo("a", 4, 1)
+        .fifo("b", 4, 1)
+        .fifo("c", 8, 1)
+        .unit("even", Kind::Source { tokens: 3 }, ["", "a"], &[1], &[0])
+        .unit("odd", Kind::Source { tokens: 3 }, ["", "b"], &[10], &[0])
+        .unit("merge", Kind::Merge { tokens: 6 }, ["a b", "c"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["c", ""], &[1], &[0]);
+    // a is visible at 1, 2, 3 and b at 1, 11, 21; they are taken in turn: a 1, b 2, a 3, b 11, a 12, b 21. The tokens of
+    // a that came first do not hurry past those of b.
+    assert_eq!(starts(&draw.0, "merge"), [1, 2, 3, 11, 12, 21]);
+}
+
+#[test]
+fn every_output_needs_a_slot_even_where_nothing_is_emitted() {
+    let mut draw = Draw::default();
+    draw.fifo("in", 8, 1)
+        .fifo("out", 1, 1)
+        .unit("source", Kind::Source { tokens: 6 }, ["", "in"], &[1], &[0])
+        .unit("gather", Kind::Gather { size: 2 }, ["in", "out"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["out", ""], &[10], &[0]);
+    // Tokens are visible at 1, 2, .. 6. Step 1 emits nothing; step 2 emits: visible 3, popped 3, slot free at 4. The
+    // third step emits nothing and yet waits until 4. The fourth, at 5: visible 6, popped when the sink is free, at
+    // 3 + 10 = 13, slot free at 14. So 14 and 15.
+    assert_eq!(starts(&draw.0, "gather"), [1, 2, 4, 5, 14, 15]);
+    assert_eq!(starts(&draw.0, "sink"), [3, 13, 23]);
+}
+
+#[test]
+fn where_a_step_emits_nothing_it_reserves_no_slot() {
+    let mut draw = Draw::default();
+    draw.fifo("in", 8, 1)
+        .fifo("left", 1, 1)
+        .fifo("right", 1, 1)
+        .unit("source", Kind::Source { tokens: 4 }, ["", "in"], &[1], &[0])
+        .unit("route", Kind::Route, ["in", "left right"], &[1], &[0])
+        .unit("a", Kind::Sink, ["left", ""], &[1], &[0])
+        .unit("b", Kind::Sink, ["right", ""], &[1], &[0]);
+    // Token 0 goes left at 1: visible 2, popped 2, free at 3. Token 1 could go right at 2, but left has no slot until
+    // 3. It goes at 3: right is free again at 5. Had it reserved a slot on the left as well, left would never be free.
+    assert_eq!(starts(&draw.0, "route"), [1, 3, 5, 7]);
+}
+
+#[test]
+fn a_step_starts_only_with_credits_for_the_largest_step() {
+    // Two reads of 32 bytes per step, 3 credits. Memory: closed 2, and 3 to the data, of 2 cycles per burst.
+    let mut draw = Draw::default();
+    let read = |offset| PlanRequest { port: "p".into(), write: false, bytes: 32, stride: 0, offset, span: 64 };
+    draw.fifo("in", 8, 1)
+        .fifo("out", 8, 1)
+        .memory(small_memory(), &[("p", 3)])
+        .unit("source", Kind::Source { tokens: 2 }, ["", "in"], &[1], &[0])
+        .unit("reader", Kind::Access { requests: vec![read(0), read(32)] }, ["in", "out"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+    // Step 1 at 1: column 4, data 7 .. 9; column 6, a hit, data 9 .. 11. One credit is left, two are
+    // needed: the next step waits for the first answer, at 9.
+    assert_eq!(starts(&draw.0, "reader"), [1, 9]);
+}
+
+/// Keeps its unit for no time at all.
+#[derive(Clone)]
+struct Timeless;
+
+impl Unit for Timeless {
+    type In = Option<u8>;
+    type Out = Option<u8>;
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+    fn step(&mut self, input: Option<u8>, _: &mut Traffic) -> Step<Option<u8>> {
+        Step::after(0, input).busy(0)
+    }
+}
+
+#[test]
+fn an_occupancy_of_0_is_a_fault() {
+    let setting = Surroundings { depth: 1, latency: 1, ..Surroundings::default() };
+    let text = "unit, cycle 1: a step kept its unit for 0 cycles, expected at least 1 (law 3)";
+    assert_eq!(fault(|| Bench::new(Timeless, vec![1], None, &[], &setting)), text);
+}

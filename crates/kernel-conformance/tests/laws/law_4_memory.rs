@@ -1,0 +1,179 @@
+//! Requests arrive at the start of their step, are split into bursts, and are answered in order on each port. (What a channel
+//! does with bursts: `src/channel/tests.rs`.)
+//!
+//! The memory: one bank, rows of 64 bytes, bursts of 32 bytes and 2 cycles; from view to column: hit 0, closed 2, conflict
+//! 4 + 2; from column to data 3.
+
+use super::common::{Draw, account, machine, report, small_memory, starts, unit};
+use basrelief_kernel::{Cycle, Engine, Machine, MemoryConfig, MemoryRequest, PortCounts, RunReport, run};
+use basrelief_kernel_conformance::plan::{Kind, Plan, PlanMemory, PlanRequest};
+
+fn request(port: &str, write: bool, bytes: u32, offset: u64) -> PlanRequest {
+    PlanRequest { port: port.into(), write, bytes, stride: 0, offset, span: 1 << 20 }
+}
+
+/// One unit with these requests on port p per step; how long its sink waits shows the answers.
+fn client(tokens: u64, outstanding: u32, requests: Vec<PlanRequest>) -> Plan {
+    let mut draw = Draw::default();
+    draw.fifo("in", 8, 1)
+        .fifo("out", 8, 1)
+        .memory(small_memory(), &[("p", outstanding)])
+        .unit("source", Kind::Source { tokens }, ["", "in"], &[1], &[0])
+        .unit("client", Kind::Access { requests }, ["in", "out"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+    draw.0
+}
+
+/// The same with another memory.
+fn with(mut plan: Plan, change: impl FnOnce(&mut MemoryConfig)) -> Plan {
+    change(&mut plan.memories[0].config);
+    plan
+}
+
+fn counts(report: &RunReport, port: &str) -> PortCounts {
+    report.memories[0].ports.iter().find(|p| p.client == port).unwrap().counts
+}
+
+#[test]
+fn hit_closed_and_conflict_take_their_times() {
+    // Step at 1, three reads, rows 0, 0, 1, in view at 2. Activated 2, column 4, data 7 .. 9. Hit: column 6, data 9 .. 11.
+    // Conflict: precharged at 6, activated 10, column 12, data 15 .. 17. Delivered 17, visible 18.
+    let plan = client(1, 8, vec![request("p", false, 4, 0), request("p", false, 4, 32), request("p", false, 4, 64)]);
+    assert_eq!(starts(&plan, "sink"), [18]);
+    let report = report(&plan);
+    let counts = counts(&report, "p");
+    assert_eq!((counts.rows.closed, counts.rows.hits, counts.rows.conflicts), (1, 1, 1));
+    assert_eq!((counts.reads, counts.read_bytes, counts.rows.bursts()), (3, 12, 3));
+    // Beyond the one cycle that each needs: 4 - 2, 6 - 2, 12 - 2.
+    assert_eq!(counts.queue_wait, 16);
+    // Answers 9 - 1, 11 - 1 and 17 - 1 cycles after the requests: two below 16.
+    assert_eq!(counts.latencies.used(), [0, 0, 0, 2, 1]);
+    let channel = report.memories[0].channels[0];
+    assert_eq!((channel.rows, channel.bus_busy, channel.queued), (counts.rows, 6, 16 + 3));
+}
+
+#[test]
+fn a_request_is_split_into_aligned_bursts() {
+    // 60 bytes from 20 touch the bursts at 0, 32 and 64: as the three requests before, in one.
+    let plan = client(1, 1, vec![request("p", false, 60, 20)]);
+    assert_eq!(starts(&plan, "sink"), [18]);
+    let counts = counts(&report(&plan), "p");
+    assert_eq!((counts.reads, counts.rows.bursts(), counts.read_bytes), (1, 3, 60));
+}
+
+#[test]
+fn channels_share_nothing_and_take_turns_by_their_bytes() {
+    // 0 and 32 are in channel 0, 64 in channel 1, where row 0 is closed too: 7 .. 9 on both. The second of channel 0 is a hit
+    // at 6: 9 .. 11, visible 12.
+    let requests = [0, 32, 64].map(|offset| request("p", false, 32, offset));
+    let plan = with(client(1, 8, requests.into()), |m| (m.channels, m.channel_bytes) = (2, 64));
+    assert_eq!(starts(&plan, "sink"), [12]);
+    let report = report(&plan);
+    let [first, second] = [0, 1].map(|channel| report.memories[0].channels[channel].rows);
+    assert_eq!((first.closed, first.hits, second.closed, second.bursts()), (1, 1, 1, 1));
+    // 128 is in channel 0 again, right behind 32: of the same row where rows have 128 bytes.
+    let requests = [32, 128].map(|offset| request("p", false, 32, offset));
+    let plan = with(client(1, 8, requests.into()), |m| (m.channels, m.channel_bytes, m.row_bytes) = (2, 64, 128));
+    assert_eq!(counts(&self::report(&plan), "p").rows.hits, 1);
+}
+
+#[test]
+fn writes_are_posted_but_hold_a_credit() {
+    // Steps at 1 and, with one credit, when the first write is done: column 4, data 7 .. 9.
+    let plan = client(2, 1, vec![request("p", true, 32, 0)]);
+    assert_eq!(starts(&plan, "client"), [1, 9]);
+    // Nothing waits for a write: delivered at the start, visible one cycle later.
+    assert_eq!(starts(&plan, "sink"), [2, 10]);
+    // The second: column 10, hit: data 13 .. 15. The run lasts until the memory is done.
+    assert_eq!(report(&plan).total, 15);
+}
+
+#[test]
+fn an_answer_is_not_before_the_one_ahead_of_it() {
+    // Row 0, row 1, row 0: the third is served before the second, at 6, and answered with it.
+    let requests = [0, 64, 32].map(|offset| request("p", false, 32, offset));
+    let report = report(&client(1, 8, requests.into()));
+    assert_eq!(counts(&report, "p").rows.hits, 1);
+    // 8, then 16 and 16 cycles after the request.
+    assert_eq!(counts(&report, "p").latencies.used(), [0, 0, 0, 1, 2]);
+}
+
+/// Two sources, each with a client of the one memory; `order` says which client is wired first.
+fn two_clients(order: [usize; 2]) -> Plan {
+    let mut draw = Draw::default();
+    draw.memory(small_memory(), &[("p0", 8), ("p1", 8)]);
+    for n in order {
+        let [input, output] = [format!("in{n}"), format!("out{n}")];
+        let read = Kind::Access { requests: vec![request(&format!("p{n}"), false, 32, 64 * n as u64)] };
+        draw.fifo(&input, 8, 1)
+            .fifo(&output, 8, 1)
+            .unit(&format!("source{n}"), Kind::Source { tokens: 1 }, ["", &input], &[1], &[0])
+            .unit(&format!("client{n}"), read, [&input, &output], &[1], &[0])
+            .unit(&format!("sink{n}"), Kind::Sink, [&output, ""], &[1], &[0]);
+    }
+    draw.0
+}
+
+#[test]
+fn of_requests_in_one_cycle_the_lower_port_goes_first_however_they_are_wired() {
+    for order in [[0, 1], [1, 0]] {
+        let plan = two_clients(order);
+        // Both arrive at 1. Port 0: column 4, data 7 .. 9, visible 10. Port 1: precharged at 4, column 10, data 13 .. 15,
+        // visible 16.
+        assert_eq!(starts(&plan, "sink0"), [10]);
+        assert_eq!(starts(&plan, "sink1"), [16]);
+    }
+}
+
+#[test]
+fn who_comes_first_is_served_first() {
+    let mut plan = two_clients([0, 1]);
+    plan.units[0].latency = vec![1];
+    // Client 0 starts one cycle later. Port 1: data 7 .. 9, visible 10; port 0 as the other before.
+    assert_eq!(starts(&plan, "client0"), [2]);
+    assert_eq!(starts(&plan, "sink1"), [10]);
+    assert_eq!(starts(&plan, "sink0"), [16]);
+}
+
+#[test]
+fn a_step_waits_for_the_last_of_its_answers_whichever_is_known_first() {
+    // Every step reads a slow memory of its own, with one credit, and a quick one that another unit shares: when the
+    // quick answers are settled, the slow ones have long been known - once so long that they were forgotten.
+    let slow = MemoryConfig { cl: 90, ..small_memory().config };
+    let requests = vec![request("s", false, 4, 0), request("q", false, 4, 0)];
+    let mut draw = Draw::default();
+    draw.memory(PlanMemory { name: "slow".into(), config: slow, ..small_memory() }, &[("s", 1)])
+        .memory(PlanMemory { name: "quick".into(), ..small_memory() }, &[("q", 8), ("other", 1)])
+        .fifo("in", 8, 1)
+        .fifo("out", 8, 1)
+        .fifo("in2", 8, 1)
+        .unit("source", Kind::Source { tokens: 4 }, ["", "in"], &[1], &[0])
+        .unit("client", Kind::Access { requests }, ["in", "out"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0])
+        .unit("source2", Kind::Source { tokens: 1 }, ["", "in2"], &[1], &[0])
+        .unit("client2", Kind::Access { requests: vec![request("other", false, 4, 0)] }, ["in2", ""], &[1], &[0]);
+    // Slow: step 0 at 1, closed, column 4, data 94 .. 96; then a hit 1 + 90 + 2 after each step.
+    assert_eq!(starts(&draw.0, "client"), [1, 96, 189, 282]);
+    assert_eq!(starts(&draw.0, "sink"), [97, 190, 283, 376]);
+}
+
+#[test]
+fn waiting_for_memory_is_charged_to_the_port() {
+    let report = report(&client(2, 1, vec![request("p", false, 32, 0)]));
+    // Steps at 1 and at 9; the second answer, a hit: 9 + 1 + 3 + 2 = 15, visible 16. 17 cycles.
+    assert_eq!(unit(&report, "client").steps, 2);
+    assert_eq!(account(&report, "client"), "busy 2, done 7, starved in 1, memory p 7");
+}
+
+#[test]
+fn requests_can_be_kept_in_the_order_in_which_the_memory_took_them_in() {
+    for engine in [Engine::Timed, Engine::Ticked] {
+        let mut machine = machine(&two_clients([1, 0]));
+        machine.memories().keep_requests();
+        run(&mut machine, engine);
+        let kept: Vec<_> = machine.memories().take_requests().map(|(name, all)| (name.to_owned(), all)).collect();
+        let request = |client| MemoryRequest { arrival: Cycle(1), client, write: false, address: 64 * client as u64, bytes: 32 };
+        assert_eq!(kept, [("memory".to_owned(), vec![request(0), request(1)])]);
+        assert!(machine.memories().take_requests().all(|(_, all)| all.is_empty()));
+    }
+}

@@ -1,0 +1,124 @@
+//! Control travels in the same FIFOs; who gathers flushes on the end token, and holds no more than its memory; feedback
+//! is an ordinary FIFO.
+
+use super::common::{Draw, apart, fault, report, swallowed};
+use basrelief_kernel::{Demand, Engine, Outcome, Step, Traffic, Unit, run, run_functional};
+use basrelief_kernel_conformance::contract::{Bench, Surroundings};
+use basrelief_kernel_conformance::plan::Kind;
+
+#[test]
+fn who_gathers_flushes_on_the_last_token() {
+    let mut draw = Draw::default();
+    draw.fifo("in", 2, 1)
+        .fifo("out", 2, 1)
+        .unit("source", Kind::Source { tokens: 6 }, ["", "in"], &[1], &[0])
+        .unit("gather", Kind::Gather { size: 4 }, ["in", "out"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+    assert_eq!(report(&draw.0).outcome, Outcome::Complete);
+    let [timed, _] = swallowed(&draw.0);
+    assert!(timed[0].1.iter().map(|t| (t.id, t.last)).eq([(0, false), (1, true)]));
+}
+
+#[test]
+fn feedback_is_an_ordinary_fifo() {
+    // Every token goes round once: even numbers back, odd ones out.
+    let mut draw = Draw::default();
+    draw.fifo("in", 1, 1)
+        .fifo("loop", 1, 1)
+        .fifo("back", 1, 1)
+        .fifo("out", 1, 1)
+        .unit("source", Kind::Source { tokens: 5 }, ["", "in"], &[1], &[0])
+        .unit("merge", Kind::Merge { tokens: 10 }, ["in back", "loop"], &[1], &[0])
+        .unit("route", Kind::Route, ["loop", "back out"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+    assert_eq!(report(&draw.0).outcome, Outcome::Complete);
+    let [timed, functional] = swallowed(&draw.0);
+    assert!(timed[0].1.iter().map(|t| t.id).eq([1, 3, 5, 7, 9]));
+    assert_eq!(timed, functional);
+}
+
+/// Items, a setting that applies to those behind it, and the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Flow {
+    Item(u32),
+    Scale(u32),
+    End,
+}
+
+/// Scales items by the setting in force and lets them out in batches of at most `room`, upon the end token.
+#[derive(Clone)]
+struct Batch {
+    room: usize,
+    scale: u32,
+    held: Vec<u32>,
+    flushing: bool,
+}
+
+impl Unit for Batch {
+    type In = Option<Flow>;
+    type Out = Option<Flow>;
+
+    fn demand(&self) -> Demand {
+        if self.flushing { Demand::Nothing } else { Demand::All }
+    }
+
+    fn step(&mut self, input: Option<Flow>, traffic: &mut Traffic) -> Step<Option<Flow>> {
+        match input {
+            Some(Flow::Item(_)) if self.held.len() == self.room => {
+                traffic.fault(format!("more than {} items in a batch; give `batch.room` more", self.room));
+            }
+            Some(Flow::Item(x)) => self.held.push(x * self.scale),
+            Some(Flow::Scale(scale)) => self.scale = scale,
+            Some(Flow::End) => self.flushing = true,
+            None if self.held.is_empty() => {
+                self.flushing = false;
+                return Step::after(0, Some(Flow::End));
+            }
+            None => return Step::after(0, Some(Flow::Item(self.held.remove(0)))),
+        }
+        Step::after(0, None)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.held.is_empty() && !self.flushing
+    }
+}
+
+fn bench(room: usize, tokens: Vec<Flow>) -> Bench<Batch> {
+    let setting = Surroundings { depth: 2, latency: 1, ..Surroundings::default() };
+    Bench::new(Batch { room, scale: 1, held: vec![], flushing: false }, tokens, None, &[], &setting)
+}
+
+#[test]
+fn control_takes_effect_when_it_is_popped() {
+    use Flow::{End, Item, Scale};
+    let tokens = vec![Item(1), Scale(10), Item(2), Item(3), End, Item(4), Scale(1), Item(5), End];
+    for engine in [Engine::Timed, Engine::Ticked] {
+        let mut bench = bench(3, tokens.clone());
+        assert_eq!(run(&mut bench, engine).outcome, Outcome::Complete);
+        assert_eq!(bench.tokens(), [Item(1), Item(20), Item(30), End, Item(40), Item(5), End]);
+    }
+}
+
+#[test]
+fn without_its_end_token_a_gathering_unit_does_not_end_normally() {
+    let unended = || bench(3, vec![Flow::Item(1), Flow::Item(2)]);
+    let report = run(&mut unended(), Engine::Timed);
+    assert_eq!(apart(unended).0, report, "work apart from time, left");
+    let Outcome::Deadlock(deadlock) = report.outcome else { panic!("{:?}", report.outcome) };
+    assert!(deadlock.circle.is_empty(), "the unit waits for a source that has finished");
+    assert_eq!(
+        deadlock.to_string(),
+        "deadlock after 3 cycles: `unit` waits for a token from `input_0` (0 of 2 slots); \
+         `sink_0` waits for a token from `output_0` (0 of 2 slots). \
+         No FIFO is full: a unit holds tokens back for others that never came"
+    );
+}
+
+#[test]
+fn holding_more_than_its_memory_is_an_error_and_no_deadlock() {
+    let tokens = || vec![Flow::Item(1), Flow::Item(2), Flow::Item(3), Flow::End];
+    let what = "more than 2 items in a batch; give `batch.room` more";
+    assert_eq!(fault(|| bench(2, tokens())), format!("unit, cycle 3: {what}"));
+    assert_eq!(run_functional(&mut bench(2, tokens()), &mut |_| true), Err(format!("unit: {what}")));
+}

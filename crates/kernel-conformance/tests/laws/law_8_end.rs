@@ -1,0 +1,110 @@
+//! The run ends when every unit's next start is unknown, never after some idle cycles. Complete, or a deadlock with one
+//! text. Total = 1 + the last cycle in which a unit was busy, a token became visible, or a memory moved data.
+
+use super::common::{Draw, account, report, run_both};
+use basrelief_kernel::{Engine, Fill, Limits, Outcome, Stuck, WaitsFor, run_with};
+use basrelief_kernel_conformance::plan::{Kind, Plan};
+
+fn wire(tokens: u64, source: (u64, u64), sink: u64) -> Plan {
+    let mut draw = Draw::default();
+    draw.fifo("f", 1, 1).unit("source", Kind::Source { tokens }, ["", "f"], &[source.0], &[source.1]).unit(
+        "sink",
+        Kind::Sink,
+        ["f", ""],
+        &[sink],
+        &[0],
+    );
+    draw.0
+}
+
+/// A fork whose branches meet again; one of them works in batches of four, the other has `depth` slots.
+fn batch_beside(depth: usize) -> Plan {
+    let mut draw = Draw::default();
+    for fifo in ["in", "a", "middle", "a2", "out"] {
+        draw.fifo(fifo, 1, 1);
+    }
+    draw.fifo("b", depth, 1)
+        .unit("source", Kind::Source { tokens: 8 }, ["", "in"], &[1], &[0])
+        .unit("fork", Kind::Fork, ["in", "a b"], &[1], &[0])
+        .unit("gather", Kind::Gather { size: 4 }, ["a", "middle"], &[1], &[0])
+        .unit("expand", Kind::Expand { factor: 4 }, ["middle", "a2"], &[1], &[0])
+        .unit("join", Kind::Join, ["a2 b", "out"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+    draw.0
+}
+
+#[test]
+fn idle_stretches_do_not_end_a_run() {
+    // One slot: starts 0, 50,002 and 100,004, each visible and popped 50,001 later, where the sink is kept for 7.
+    let report = report(&wire(3, (1, 50_000), 7));
+    assert_eq!((&report.outcome, report.total), (&Outcome::Complete, 150_005 + 7));
+}
+
+#[test]
+fn however_long_they_are() {
+    // As before, with 2^40 for 50,000.
+    let mut machine = super::common::machine(&wire(3, (1, 1 << 40), 7));
+    let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut _| true };
+    let report = run_with(&mut machine, Engine::Timed, &mut basrelief_kernel::NoProbe, limits);
+    assert_eq!((report.outcome, report.total), (Outcome::Complete, 3 * (1 << 40) + 5 + 7));
+}
+
+#[test]
+fn an_empty_run_takes_one_cycle() {
+    let report = report(&wire(0, (1, 0), 1));
+    assert_eq!((&report.outcome, report.total), (&Outcome::Complete, 1));
+    assert_eq!(account(&report, "source"), "busy 0, done 1");
+}
+
+#[test]
+fn the_last_busy_cycle_counts() {
+    // One token at 0, visible and popped at 1; the source is kept for 9 cycles, 0 .. 8.
+    assert_eq!(report(&wire(1, (9, 0), 1)).total, 9);
+    assert_eq!(report(&wire(1, (1, 0), 9)).total, 10);
+}
+
+#[test]
+fn too_little_room_is_a_deadlock_that_names_units_fifos_and_fill() {
+    // fork: steps at 1 and 3, when b is full. in gets its third token at 4, visible 5: 6 cycles. gather holds two
+    // tokens of four, the other two will never come.
+    let report = report(&batch_beside(2));
+    let Outcome::Deadlock(deadlock) = &report.outcome else { panic!("{:?}", report.outcome) };
+    assert_eq!(
+        deadlock.to_string(),
+        "deadlock after 6 cycles: `source` waits for a slot in `in` (1 of 1 slots); \
+         `fork` waits for a slot in `b` (2 of 2 slots); `gather` waits for a token from `a` (0 of 1 slots); \
+         `expand` waits for a token from `middle` (0 of 1 slots); `join` waits for a token from `a2` (0 of 1 slots); \
+         `sink` waits for a token from `out` (0 of 1 slots). \
+         Give the FIFO that is full more slots (fifo.<name>.depth)"
+    );
+    assert_eq!(report.outcome, run_both(&batch_beside(2), 1000).0.outcome);
+    // As data: the slots that are missing, and who waits for whom in a circle.
+    let full = Fill { fifo: "b".into(), held: 2, depth: 2 };
+    assert_eq!(deadlock.stuck[1], Stuck { unit: "fork".into(), waits_for: WaitsFor::Slot(full) });
+    assert_eq!(deadlock.circle, ["fork", "join", "expand", "gather"]);
+}
+
+#[test]
+fn enough_room_resolves_it() {
+    assert_eq!(report(&batch_beside(4)).outcome, Outcome::Complete);
+}
+
+#[test]
+fn a_limit_ends_the_run_with_the_state_so_far() {
+    let plan = wire(100, (1, 0), 1);
+    let whole = report(&plan).total;
+    let (cut, _) = run_both(&plan, 20);
+    assert_eq!((&cut.outcome, cut.total), (&Outcome::Limit, 20));
+    let (uncut, _) = run_both(&plan, whole);
+    assert_eq!(uncut.outcome, Outcome::Complete);
+}
+
+#[test]
+fn the_caller_may_stop_a_run() {
+    let plan = wire(100_000, (1, 0), 1);
+    for engine in [Engine::Timed, Engine::Ticked] {
+        let limits = Limits { max_cycles: u64::MAX, progress: &mut |_: &mut _| false };
+        let report = run_with(&mut super::common::machine(&plan), engine, &mut basrelief_kernel::NoProbe, limits);
+        assert_eq!(report.outcome, Outcome::Stopped);
+    }
+}

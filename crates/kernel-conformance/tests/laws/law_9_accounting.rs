@@ -1,0 +1,109 @@
+//! Of every unit, every cycle: busy, done, or the first cause that applies; they sum to the total.
+
+use super::common::{Draw, account, report, small_memory};
+use basrelief_kernel_conformance::plan::{Kind, Plan, PlanCache, PlanLookUp, PlanRequest};
+
+/// Source, a unit of that kind with a port and a cache at hand, sink.
+fn around(kind: Kind, tokens: u64, outstanding: u32, depth: usize, sink: u64) -> Plan {
+    let mut draw = Draw::default();
+    draw.fifo("in", 8, 1)
+        .fifo("out", depth, 1)
+        .memory(small_memory(), &[("p", outstanding)])
+        .unit("source", Kind::Source { tokens }, ["", "in"], &[1], &[0])
+        .unit("unit", kind, ["in", "out"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["out", ""], &[sink], &[0]);
+    draw.0
+}
+
+fn request(write: bool) -> Kind {
+    let request = PlanRequest { port: "p".into(), write, bytes: 32, stride: 0, offset: 0, span: 64 };
+    Kind::Access { requests: vec![request] }
+}
+
+#[test]
+fn busy_starved_blocked_done() {
+    // Two tokens, one slot behind, a sink kept 5 cycles. Step 0 at 1, visible and popped 2, slot free 3. Step 1 at 3,
+    // visible 4, popped when the sink is free, at 7; that ends at 12.
+    let report = report(&around(Kind::Work, 2, 1, 1, 5));
+    assert_eq!(report.total, 12);
+    // 0 starved, 1 busy, 2 blocked, 3 busy, 4 .. 11 done.
+    assert_eq!(account(&report, "unit"), "busy 2, done 8, starved in 1, blocked out 1");
+    assert_eq!(account(&report, "source"), "busy 2, done 10");
+    assert_eq!(account(&report, "sink"), "busy 10, starved out 2");
+}
+
+#[test]
+fn too_few_credits_is_memory() {
+    // One credit. Step 0 at 1: closed, column 4, data 7 .. 9. The credit is back at 9: step 1. 2 .. 8 memory.
+    // Hit, column 10, data 13 .. 15, visible and popped 16: 17 cycles.
+    let report = report(&around(request(false), 2, 1, 8, 1));
+    assert_eq!(report.total, 17);
+    assert_eq!(account(&report, "unit"), "busy 2, done 7, starved in 1, memory p 7");
+}
+
+#[test]
+fn a_full_output_whose_oldest_token_awaits_an_answer_is_memory_until_then() {
+    // Credits enough, one slot. Step 0 at 1, data 7 .. 9, visible and popped 10, slot free 11: step 1. Of 2 .. 10, up to
+    // the answer at 9 it is the memory that holds it; 9 and 10 are the FIFO's. Hit, column 12, data 15 .. 17, popped 18.
+    let report = report(&around(request(false), 2, 8, 1, 1));
+    assert_eq!(report.total, 19);
+    assert_eq!(account(&report, "unit"), "busy 2, done 7, starved in 1, memory p 7, blocked out 2");
+}
+
+#[test]
+fn a_posted_write_holds_no_token() {
+    // As before with a write: visible and popped 2, slot free 3, step 1 there. 2 is the FIFO's. Popped 4. The memory
+    // moves data 7 .. 9 and, a hit with its column command at 6, 9 .. 11.
+    let report = report(&around(request(true), 2, 8, 1, 1));
+    assert_eq!(report.total, 11);
+    assert_eq!(account(&report, "unit"), "busy 2, done 7, starved in 1, blocked out 1");
+}
+
+#[test]
+fn a_hit_counts_as_memory_with_its_latency() {
+    // Line 0 twice, the second long after the first; then a third right behind, into one slot.
+    let lookups = vec![PlanLookUp { stride: 0, offset: 0, span: 64 }];
+    let mut plan = around(Kind::Cached { cache: "cache".into(), lookups }, 3, 8, 1, 1);
+    let (name, port) = ("cache".into(), "p".into());
+    plan.caches.push(PlanCache { name, port, line_bytes: 32, sets: 1, ways: 1, hit_latency: 4, lookups_per_cycle: 1 });
+    plan.units[0].occupancy = vec![20, 1, 1];
+    // Step 0 at 1: answer 9 + 4 = 13, popped 14. Step 1 at 21: hit, answer 25, visible and popped 26, slot free 27:
+    // step 2. Of 22 .. 26: 22, 23, 24 memory, 25 and 26 the FIFO's. Answer 31, popped 32: 33 cycles.
+    let report = report(&plan);
+    assert_eq!(report.total, 33);
+    // Starved 0 and 2 .. 20; done 28 .. 32.
+    assert_eq!(account(&report, "unit"), "busy 3, done 5, starved in 20, memory p 3, blocked out 2");
+}
+
+#[test]
+fn the_first_starved_input_counts() {
+    let mut draw = Draw::default();
+    draw.fifo("a", 4, 1)
+        .fifo("b", 4, 1)
+        .fifo("out", 4, 1)
+        .unit("slow", Kind::Source { tokens: 1 }, ["", "a"], &[1], &[3])
+        .unit("slower", Kind::Source { tokens: 1 }, ["", "b"], &[1], &[7])
+        .unit("join", Kind::Join, ["a b", "out"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+    // a is visible at 4, b at 8: 0 .. 3 for a, 4 .. 7 for b; popped 9: 10 cycles.
+    assert_eq!(account(&report(&draw.0), "join"), "busy 1, done 1, starved a 4, starved b 4");
+}
+
+#[test]
+fn in_a_deadlock_units_keep_the_cause_that_holds_them() {
+    let mut draw = Draw::default();
+    draw.fifo("a", 2, 1)
+        .fifo("b", 2, 1)
+        .fifo("out", 4, 1)
+        .unit("many", Kind::Source { tokens: 9 }, ["", "a"], &[1], &[0])
+        .unit("one", Kind::Source { tokens: 1 }, ["", "b"], &[1], &[0])
+        .unit("join", Kind::Join, ["a b", "out"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["out", ""], &[1], &[0]);
+    // many: 0, 1, then token 0 popped at 1, slot free at 2: 2; visible 3, the last event: 4 cycles. It waits in 3.
+    let report = report(&draw.0);
+    assert_eq!(report.total, 4);
+    assert_eq!(account(&report, "many"), "busy 3, blocked a 1");
+    assert_eq!(account(&report, "one"), "busy 1, done 3");
+    // 0 starved for a; 1 busy; a is visible again at 2, b never: 2 and 3.
+    assert_eq!(account(&report, "join"), "busy 1, starved a 1, starved b 2");
+}

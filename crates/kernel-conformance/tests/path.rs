@@ -1,0 +1,165 @@
+//! The critical path: chains computed by hand; and what is not on it, and behind no memory, limits nothing.
+
+mod common;
+
+use basrelief_kernel::{CriticalPath, Groups, Outcome, Shape, Stretch, critical_path};
+use basrelief_kernel_conformance::plan::{Kind, Plan, PlanRequest};
+use common::random::recipe;
+use common::{Draw, machine, run_both, small_memory, tape};
+use proptest::prelude::*;
+use std::borrow::Cow;
+
+fn path_of(plan: &Plan, most_events: usize) -> Option<CriticalPath> {
+    path_by(plan, most_events, &[])
+}
+
+fn path_by(plan: &Plan, most_events: usize, groups: &[Groups]) -> Option<CriticalPath> {
+    let tape = tape(plan, u64::MAX);
+    let mut reels = tape.iter().map(Cow::Borrowed);
+    critical_path(Shape::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), most_events, groups).unwrap()
+}
+
+/// The parts of a path, in words.
+fn parts(draw: &Draw) -> Vec<(String, u64)> {
+    let word = |stretch: &Stretch| match stretch {
+        Stretch::Occupancy(unit) => format!("occupancy {unit}"),
+        Stretch::Latency(unit) => format!("latency {unit}"),
+        Stretch::Fifo(fifo) => format!("fifo {fifo}"),
+        Stretch::Slot(fifo) => format!("slot {fifo}"),
+        Stretch::Memory(client, phase) => format!("{phase:?} {client}"),
+        Stretch::Rest => "rest".into(),
+    };
+    path_of(&draw.0, usize::MAX).unwrap().parts.iter().map(|part| (word(&part.stretch), part.cycles)).collect()
+}
+
+fn expect(draw: &Draw, expected: &[(&str, u64)]) {
+    let mut found = parts(draw);
+    let mut expected: Vec<(String, u64)> = expected.iter().map(|&(what, cycles)| (what.to_owned(), cycles)).collect();
+    found.sort();
+    expected.sort();
+    assert_eq!(found, expected);
+}
+
+/// The work of the middle unit back to back, once the first token has come and until the last has gone.
+#[test]
+fn the_unit_that_is_always_busy_is_the_path() {
+    let draw = Draw::chain();
+    expect(&draw, &[("fifo a", 1), ("occupancy work", 9), ("latency work", 2), ("fifo b", 1), ("occupancy sink", 1)]);
+}
+
+/// The same; steps of each stage are for the tokens 0 to 3, one after the other.
+#[test]
+fn a_stretch_is_of_the_step_that_it_begins_with() {
+    let draw = Draw::chain();
+    let by_group = |groups: &[Groups]| path_by(&draw.0, usize::MAX, groups).unwrap().by_group;
+    let tokens = vec![groups(0..4); 3];
+    // Token 0 through `a`, then three of `work`; the last through `work`, `b` and `sink`.
+    assert_eq!(by_group(&tokens), [(0, 1 + 3), (1, 3), (2, 3), (3, 2 + 1 + 1)]);
+    let whole = vec![groups([7; 4]); 3];
+    assert_eq!(by_group(&whole), [(7, 14)]);
+    assert_eq!(by_group(&[]), []);
+    // Of a stage without groups no step is told: what begins there is of the step before.
+    assert_eq!(by_group(&[groups(0..4), Groups::default(), groups(0..4)]), [(0, 13), (3, 1)]);
+}
+
+fn groups(of: impl IntoIterator<Item = u32>) -> Groups {
+    let mut groups = Groups::default();
+    of.into_iter().for_each(|group| {
+        groups.push(group);
+    });
+    groups
+}
+
+/// One slot: source at 0, 2, 4, sink at 1, 3, 5.
+#[test]
+fn a_single_slot_goes_to_and_fro() {
+    let mut draw = Draw::default();
+    draw.fifo("a", 1, 1).unit("source", Kind::Source { tokens: 3 }, ["", "a"], &[1], &[0]).unit(
+        "sink",
+        Kind::Sink,
+        ["a", ""],
+        &[1],
+        &[0],
+    );
+    expect(&draw, &[("fifo a", 3), ("slot a", 2), ("occupancy sink", 1)]);
+}
+
+/// Asked for at 1, in view at 2, its row open at 4, its data there at 9. The second asks at 9 with the credit that the first gives
+/// back: its row is open, so that it has its data at 15.
+#[test]
+fn a_request_is_told_phase_by_phase() {
+    let request = |write| PlanRequest { port: "p".into(), write, bytes: 32, stride: 0, offset: 0, span: 64 };
+    let mut draw = Draw::default();
+    draw.fifo("a", 2, 1)
+        .fifo("b", 2, 1)
+        .unit("source", Kind::Source { tokens: 2 }, ["", "a"], &[1], &[0])
+        .unit("reader", Kind::Access { requests: vec![request(false)] }, ["a", "b"], &[1], &[0])
+        .unit("sink", Kind::Sink, ["b", ""], &[1], &[0])
+        .memory(small_memory(), &[("p", 1)]);
+    let phases = [("Arrival p", 2), ("Bank p", 2), ("Data p", 10)];
+    expect(&draw, &[&[("fifo a", 1), ("fifo b", 1), ("occupancy sink", 1)][..], &phases].concat());
+    assert_eq!(run_both(&draw.0, u64::MAX).0.total, 17);
+}
+
+#[test]
+fn there_is_no_path_through_more_than_is_kept() {
+    let mut draw = Draw::default();
+    draw.fifo("a", 1, 1).unit("source", Kind::Source { tokens: 30 }, ["", "a"], &[1], &[0]).unit(
+        "sink",
+        Kind::Sink,
+        ["a", ""],
+        &[1],
+        &[0],
+    );
+    assert_eq!(path_of(&draw.0, 20), None);
+}
+
+/// Units and FIFOs of a plan of which no stretch is on its path are made ideal.
+fn rest_made_ideal(plan: &Plan, path: &CriticalPath) -> Plan {
+    let is_on = |stretch: Stretch| path.parts.iter().any(|part| part.stretch == stretch);
+    let mut plan = plan.clone();
+    for unit in &mut plan.units {
+        if !is_on(Stretch::Occupancy(unit.name.clone())) && !is_on(Stretch::Latency(unit.name.clone())) {
+            (unit.occupancy, unit.latency) = (vec![1], vec![0]);
+        }
+    }
+    for fifo in &mut plan.fifos {
+        if !is_on(Stretch::Slot(fifo.name.clone())) {
+            fifo.depth += 7;
+        }
+    }
+    plan
+}
+
+proptest! {
+    #[test]
+    fn a_path_is_as_long_as_the_run(recipe in recipe()) {
+        let (plan, _) = recipe.plan();
+        let report = run_both(&plan, u64::MAX).0;
+        let path = path_of(&plan, usize::MAX);
+        prop_assert_eq!(path.is_some(), report.outcome == Outcome::Complete);
+        if let Some(path) = path {
+            prop_assert_eq!(path.cycles, report.total);
+            prop_assert_eq!(path.parts.iter().map(|part| part.cycles).sum::<u64>(), report.total);
+            prop_assert!(path.parts.iter().all(|part| part.by_mark.iter().sum::<u64>() == part.cycles));
+            prop_assert!(path.parts.is_sorted_by_key(|part| std::cmp::Reverse(part.cycles)));
+            let steps: Vec<Groups> = report.units.iter().map(|unit| groups((0..unit.steps).map(|n| n as u32 / 3))).collect();
+            let by_group = path_by(&plan, usize::MAX, &steps).unwrap().by_group;
+            prop_assert_eq!(by_group.iter().map(|(_, cycles)| cycles).sum::<u64>(), report.total);
+        }
+    }
+
+    /// A path binds from below: as long as nothing on it gets shorter, nor does the run. (Where memories are shared what is faster
+    /// may come first.)
+    #[test]
+    fn what_is_not_on_the_path_limits_nothing(recipe in recipe()) {
+        let mut recipe = recipe;
+        recipe.parts.retain(|part| !matches!(part, common::random::Part::Access { .. } | common::random::Part::Cached { .. }));
+        let (plan, _) = recipe.plan();
+        let report = run_both(&plan, u64::MAX).0;
+        if let Some(path) = path_of(&plan, usize::MAX) {
+            let ideal = rest_made_ideal(&plan, &path);
+            prop_assert_eq!(run_both(&ideal, u64::MAX).0.total, report.total);
+        }
+    }
+}

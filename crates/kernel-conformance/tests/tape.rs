@@ -1,0 +1,153 @@
+//! The tape: work does not depend on time, and time follows from work.
+
+mod common;
+
+use basrelief_kernel::tape::Reel;
+use basrelief_kernel::{NoProbe, Outcome, RetimeError, RunReport, Shape, Tape, make_steps, retime, time_steps};
+use basrelief_kernel_conformance::plan::{Kind, Plan};
+use common::random::{Recipe, recipe};
+use common::{Draw, machine, run_both, streams, tape};
+use proptest::collection::vec;
+use proptest::prelude::*;
+use std::borrow::Cow;
+
+/// The same units with the FIFOs, memories and caches of another recipe.
+fn other_times(plan: &Plan, other: &Recipe) -> Plan {
+    let mut plan = plan.clone();
+    for (fifo, &(depth, latency)) in plan.fifos.iter_mut().zip(other.fifos.iter().cycle()) {
+        (fifo.depth, fifo.latency) = (depth, latency);
+    }
+    for (memory, from) in plan.memories.iter_mut().zip(&other.memories) {
+        memory.config = from.config.clone();
+    }
+    for (cache, &(depth, latency)) in plan.caches.iter_mut().zip(other.fifos.iter().cycle()) {
+        (cache.sets, cache.ways) = (depth as u32, latency as u32);
+        (cache.hit_latency, cache.lookups_per_cycle) = (latency as u32, depth as u32);
+    }
+    plan
+}
+
+fn timed_again(tape: &[Reel], plan: &Plan) -> Result<RunReport, RetimeError> {
+    let mut reels = tape.iter().map(Cow::Borrowed);
+    retime(Shape::of(&mut machine(plan)).unwrap(), &mut |_| Ok(reels.next()), &mut NoProbe, u64::MAX)
+}
+
+proptest! {
+    /// Law 6, of the units of plans: what they do is the same under any times.
+    #[test]
+    fn the_tape_is_the_same_under_any_times(recipe in recipe(), other in recipe()) {
+        let (plan, _) = recipe.plan();
+        let slower = other_times(&plan, &other);
+        let [here, there] = [&plan, &slower].map(|plan| run_both(plan, u64::MAX).0.outcome);
+        if [here, there] == [Outcome::Complete, Outcome::Complete] {
+            prop_assert_eq!(streams(&tape(&plan, u64::MAX)), streams(&tape(&slower, u64::MAX)));
+        }
+    }
+
+    #[test]
+    fn timing_a_tape_again_gives_what_a_run_gives(recipe in recipe(), other in recipe()) {
+        let (plan, _) = recipe.plan();
+        let slower = other_times(&plan, &other);
+        let (recorded, ran) = (run_both(&plan, u64::MAX).0, run_both(&slower, u64::MAX).0);
+        match timed_again(&tape(&plan, u64::MAX), &slower) {
+            Ok(again) => prop_assert_eq!(again, ran),
+            // The one that was recorded stood still, and this one goes on.
+            Err(error) => prop_assert!(
+                matches!(error, RetimeError::EndsEarly(_)) && recorded.outcome != Outcome::Complete, "{}", error
+            ),
+        }
+    }
+
+    /// Held and read once, with all of a report or with its cycles alone.
+    #[test]
+    fn a_tape_that_is_held_gives_the_same_each_time(recipe in recipe(), other in recipe()) {
+        let (plan, _) = recipe.plan();
+        let recorded = tape(&plan, u64::MAX);
+        let shape = |plan: &Plan| Shape::of(&mut machine(plan)).unwrap();
+        let held = Tape::new(&recorded[..], &shape(&plan), u64::MAX);
+        for plan in [&plan, &other_times(&plan, &other)] {
+            let report = timed_again(&recorded, plan);
+            let complete = |report: &RunReport| (report.outcome == Outcome::Complete).then(|| report.marked_cycles());
+            prop_assert_eq!(held.cycles(shape(plan)), report.as_ref().map(complete).map_err(Clone::clone));
+            prop_assert_eq!(held.retime(shape(plan)), report);
+        }
+    }
+
+    #[test]
+    fn frames_come_back_from_their_bytes(recipe in recipe()) {
+        for reel in tape(&recipe.plan().0, u64::MAX) {
+            prop_assert_eq!(Reel::from_bytes(&reel.to_bytes()), Ok(reel));
+        }
+    }
+
+    /// Whatever a tape says, timing it ends, in a report or an error.
+    #[test]
+    fn a_spoiled_tape_hurts_nobody(recipe in recipe(), changes in vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), cut: bool) {
+        let (plan, _) = recipe.plan();
+        let mut spoiled = Vec::new();
+        for reel in tape(&plan, u64::MAX) {
+            let mut bytes = reel.to_bytes();
+            for (index, byte) in &changes {
+                let at = index.index(bytes.len());
+                bytes[at] = *byte;
+            }
+            if cut {
+                bytes.truncate(changes[0].0.index(bytes.len()));
+            }
+            spoiled.extend(Reel::from_bytes(&bytes));
+        }
+        let mut reels = spoiled.into_iter().map(Cow::Owned);
+        let shape = Shape::of(&mut machine(&plan)).unwrap();
+        // A limit, since a spoiled step may keep its unit for 2^32 cycles; what a report says of it is nobody's business.
+        let _ = retime(shape, &mut |_| Ok(reels.next()), &mut NoProbe, 1 << 20);
+    }
+}
+
+#[test]
+fn work_that_is_stopped_is_timed_as_far_as_it_went() {
+    let mut plan = Draw::chain().0;
+    plan.units[0].kind = Kind::Source { tokens: 400 };
+    let whole = run_both(&plan, u64::MAX).0;
+    let mut pieces = Vec::new();
+    make_steps(&mut machine(&plan), &mut |_| false, (40, &mut |piece| pieces.push(piece))).unwrap();
+    let mut pieces = pieces.into_iter();
+    let stopped = time_steps(Shape::of(&mut machine(&plan)).unwrap(), &mut || pieces.next(), None);
+    assert_eq!(stopped.outcome, Outcome::Stopped);
+    let steps = |report: &RunReport| report.units.iter().map(|unit| unit.steps).sum::<u64>();
+    assert!(0 < steps(&stopped) && steps(&stopped) < steps(&whole), "{stopped:?}");
+}
+
+/// However long the FIFOs are, and however much could be done before anybody takes it.
+#[test]
+fn pieces_of_work_are_small() {
+    let mut plan = Draw::chain().0;
+    plan.units[0].kind = Kind::Source { tokens: 5_000 };
+    plan.fifos.iter_mut().for_each(|fifo| fifo.depth = 10_000);
+    let mut pieces = Vec::new();
+    make_steps(&mut machine(&plan), &mut |_| true, (40, &mut |piece| pieces.push(piece.steps()))).unwrap();
+    assert_eq!(pieces.iter().sum::<usize>(), 3 * 5_000);
+    assert!(pieces.iter().all(|steps| *steps <= 40 + 3 * 10), "{pieces:?}");
+}
+
+#[test]
+fn a_tape_that_ends_early_names_the_unit_that_could_go_on() {
+    let plan: Plan = serde_json::from_str(include_str!("laws/merged_late.json")).unwrap();
+    let whole = tape(&plan, u64::MAX);
+    let cut = tape(&plan, run_both(&plan, u64::MAX).0.total / 2);
+    assert!(timed_again(&whole, &plan).is_ok());
+    let Err(RetimeError::EndsEarly(unit)) = timed_again(&cut, &plan) else { panic!("expected an early end") };
+    assert!(plan.units.iter().any(|u| u.name == unit), "{unit}");
+}
+
+#[test]
+fn a_shape_tells_other_work() {
+    let plan: Plan = serde_json::from_str(include_str!("laws/merged_late.json")).unwrap();
+    let shape = |plan: &Plan| Shape::of(&mut machine(plan)).unwrap();
+    let mut longer = plan.clone();
+    longer.caches[0].line_bytes *= 2;
+    assert_eq!(shape(&plan).same_work(&shape(&plan)), Ok(()));
+    assert_eq!(shape(&plan).same_work(&shape(&longer)), Err("the lines of its caches are others".into()));
+    let mut renamed = plan.clone();
+    renamed.units[0].name = "other".into();
+    assert!(shape(&plan).same_work(&shape(&renamed)).unwrap_err().contains("there is `other`"));
+}

@@ -1,0 +1,19 @@
+//! The eleven laws of time, against 320 vectors of an executable reading of them that shares no code with the kernel.
+
+use basrelief_kernel::{Engine, run};
+use basrelief_kernel_conformance::plan::{Plan, PlanMachine, result};
+use serde_json::Value;
+
+#[test]
+fn both_engines_agree_with_the_literal_reading_of_the_laws() {
+    let vectors = include_str!("vectors/laws.jsonl");
+    assert_eq!(vectors.lines().count(), 320);
+    for line in vectors.lines() {
+        let vector: Value = serde_json::from_str(line).unwrap();
+        let plan: Plan = serde_json::from_value(vector["plan"].clone()).unwrap();
+        for engine in [Engine::Timed, Engine::Ticked] {
+            let mut machine = PlanMachine::new(&plan).unwrap();
+            assert_eq!(result(&run(&mut machine, engine)), vector["result"], "seed {}, {engine:?}", vector["seed"]);
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! A machine that is wired wrongly fails before its first step, or in the step that breaks its word: with either engine, by
+//! name. Without these checks the timed engine's proof would not hold, and traffic that no client takes would be issued by
+//! whichever stage comes next.
+
+mod common;
+
+use basrelief_kernel::{
+    CacheConfig, Demand, Engine, Fifo, Machine, MemoryConfig, MemorySystem, Outcome, Stage, Step, Traffic, Unit, Visitor,
+    WiringError, check_wiring, run, run_functional,
+};
+use basrelief_kernel::{Sink, Source};
+
+/// Hands numbers on; does with each what it is told, and declares what it is told.
+#[derive(Clone, Copy, Default)]
+struct Talker {
+    /// Client and number of reads.
+    reads: Option<(u32, u32)>,
+    /// Client and number of lines looked up.
+    lines: Option<(u32, u64)>,
+    largest: [u32; 4],
+}
+
+impl Unit for Talker {
+    type In = Option<u64>;
+    type Out = Option<u64>;
+    fn demand(&self) -> Demand {
+        Demand::All
+    }
+    fn step(&mut self, token: Option<u64>, traffic: &mut Traffic) -> Step<Option<u64>> {
+        if let Some((client, reads)) = self.reads {
+            (0..reads).for_each(|n| traffic.read(client, 64 * u64::from(n), 8));
+        }
+        if let Some((client, lines)) = self.lines {
+            (0..lines).for_each(|n| traffic.look_up(client, 64 * n, 8));
+        }
+        Step::after(1, token)
+    }
+    fn largest_step(&self, client: usize) -> u32 {
+        self.largest.get(client).copied().unwrap_or(0)
+    }
+}
+
+/// Which wires are drawn.
+#[derive(Clone, Copy, PartialEq)]
+enum Drawn {
+    Right,
+    /// A second source into `numbers`.
+    Source,
+    /// A second sink at `talked`.
+    Sink,
+    NoSource,
+    NoSink,
+}
+
+/// ```text
+///   source --numbers--> talker --talked--> sink
+///                         |                   second: a source or sink too many
+///                 port, cache | memory
+/// ```
+struct Line {
+    source: Stage<Source<std::ops::Range<u64>>>,
+    second_source: Stage<Source<std::ops::Range<u64>>>,
+    numbers: Fifo<u64>,
+    talker: Stage<Talker>,
+    talked: Fifo<u64>,
+    sink: Stage<Sink<u64>>,
+    second_sink: Stage<Sink<u64>>,
+    memories: MemorySystem,
+    clients: Option<Vec<usize>>,
+    /// Clients of a second talker, between `talked` and the sink.
+    others: Option<(Stage<Talker>, Fifo<u64>, Vec<usize>)>,
+    drawn: Drawn,
+}
+
+impl Machine for Line {
+    fn wire<V: Visitor>(&mut self, v: &mut V) {
+        let m = &mut self.memories;
+        if self.drawn != Drawn::NoSource {
+            v.stage(self.source.between((), &mut self.numbers));
+        }
+        if self.drawn == Drawn::Source {
+            v.stage(self.second_source.between((), &mut self.numbers));
+        }
+        let talker = self.talker.between(&mut self.numbers, &mut self.talked);
+        match &self.clients {
+            Some(ids) => v.stage(talker.using(m, ids)),
+            None => v.stage(talker),
+        }
+        let mut last = &mut self.talked;
+        if let Some((other, fifo, ids)) = &mut self.others {
+            v.stage(other.between(last, &mut *fifo).using(m, ids));
+            last = fifo;
+        }
+        if self.drawn != Drawn::NoSink {
+            v.stage(self.sink.between(&mut *last, ()));
+        }
+        if self.drawn == Drawn::Sink {
+            v.stage(self.second_sink.between(last, ()));
+        }
+    }
+
+    fn memories(&mut self) -> &mut MemorySystem {
+        &mut self.memories
+    }
+}
+
+/// Client 0 is a port, client 1 has a cache; 4 credits each.
+fn line(talker: Talker, clients: Option<&[usize]>) -> Line {
+    let mut memories = MemorySystem::default();
+    let memory = memories.add_memory("store", &MemoryConfig::default());
+    memories.add_client("port", memory, 4);
+    memories.add_cached_client("lines", memory, 4, "cache", &CacheConfig::default());
+    Line {
+        source: Stage::new("source", Source::new(0..3)),
+        second_source: Stage::new("second source", Source::new(0..3)),
+        numbers: Fifo::new("numbers", 2, 1),
+        talker: Stage::new("talker", talker),
+        talked: Fifo::new("talked", 2, 1),
+        sink: Stage::new("sink", Sink::new()),
+        second_sink: Stage::new("second sink", Sink::new()),
+        memories,
+        clients: clients.map(<[usize]>::to_vec),
+        others: None,
+        drawn: Drawn::Right,
+    }
+}
+
+fn drawn(drawn: Drawn) -> Line {
+    Line { drawn, ..line(Talker::default(), None) }
+}
+
+/// What is wrong, which every way to run the machine must say.
+fn error(machine: impl Fn() -> Line) -> WiringError {
+    let error = check_wiring(&mut machine()).unwrap_err();
+    for engine in [Engine::Timed, Engine::Ticked] {
+        assert_eq!(run(&mut machine(), engine).outcome, Outcome::Fault(error.to_string()));
+    }
+    assert_eq!(run_functional(&mut machine(), &mut |_| true), Err(error.to_string()));
+    error
+}
+
+#[test]
+fn a_machine_wired_rightly_runs() {
+    let talker = Talker { reads: Some((0, 4)), lines: Some((1, 4)), largest: [4, 4, 0, 0] };
+    for engine in [Engine::Timed, Engine::Ticked] {
+        assert_eq!(run(&mut line(talker, Some(&[0, 1])), engine).outcome, Outcome::Complete);
+        assert_eq!(run(&mut line(Talker::default(), None), engine).outcome, Outcome::Complete);
+    }
+}
+
+#[test]
+fn a_fifo_has_one_producer_and_one_consumer() {
+    let two = error(|| drawn(Drawn::Source)).to_string();
+    assert_eq!(two, "FIFO `numbers` is filled by `source` and by `second source`; give each a FIFO of its own");
+    let two = error(|| drawn(Drawn::Sink)).to_string();
+    assert_eq!(two, "FIFO `talked` is emptied by `sink` and by `second sink`; give each a FIFO of its own");
+    let none = error(|| drawn(Drawn::NoSource)).to_string();
+    assert_eq!(none, "no unit fills FIFO `numbers`, from which `talker` pops");
+    let none = error(|| drawn(Drawn::NoSink)).to_string();
+    assert_eq!(none, "no unit pops from FIFO `talked`, which `talker` fills");
+}
+
+#[test]
+fn a_memory_client_belongs_to_one_stage_and_exists() {
+    let reads = Talker { largest: [1, 0, 0, 0], ..Talker::default() };
+    let shared = error(|| {
+        let other = (Stage::new("other", reads), Fifo::new("out", 1, 1), vec![0]);
+        Line { others: Some(other), ..line(reads, Some(&[0])) }
+    });
+    assert_eq!(shared.to_string(), "memory port `port` is used by `talker` and by `other`; add a client for each");
+    let twice = error(|| line(Talker::default(), Some(&[1, 1])));
+    assert_eq!(twice.to_string(), "memory port `lines` is used by `talker` and by `talker`; add a client for each");
+    let unknown = error(|| line(Talker::default(), Some(&[2])));
+    assert_eq!(unknown, WiringError::NoSuchClient { unit: "talker".into(), client: 2, count: 2 });
+    let many = error(|| line(Talker::default(), Some(&[0, 1, 0, 1, 0])));
+    assert_eq!(many, WiringError::TooMany { unit: "talker".into(), what: "memory clients", count: 5, most: 4 });
+}
+
+#[test]
+fn the_clients_that_a_unit_uses_are_wired() {
+    let missing = |client, wired| WiringError::MissingClient { unit: "talker".into(), client, wired };
+    let one = Talker { largest: [1, 0, 0, 0], ..Talker::default() };
+    assert_eq!(error(|| line(one, None)), missing(0, 0));
+    let two = Talker { largest: [1, 1, 0, 0], ..Talker::default() };
+    assert_eq!(error(|| line(two, Some(&[0]))), missing(1, 1));
+}
+
+#[test]
+fn the_largest_step_finds_credits() {
+    let talker = Talker { largest: [4, 5, 0, 0], ..Talker::default() };
+    let few = error(|| line(talker, Some(&[0, 1])));
+    let (unit, memory, port) = ("talker".into(), "store".into(), "lines".into());
+    assert_eq!(few, WiringError::TooFewCredits { unit, memory, port, needed: 5, outstanding: 4 });
+}
+
+/// The fault of a step.
+fn fault(talker: Talker, clients: Option<&[usize]>) -> String {
+    common::fault(|| line(talker, clients))
+}
+
+#[test]
+fn traffic_to_no_client_is_a_fault() {
+    let reads = Talker { reads: Some((0, 1)), ..Talker::default() };
+    assert_eq!(fault(reads, None), "talker, cycle 1: a step uses memory client 0, but the wiring gives it 0");
+    let looks_up = Talker { lines: Some((0, 1)), ..Talker::default() };
+    assert_eq!(fault(looks_up, None), "talker, cycle 1: a step uses memory client 0, but the wiring gives it 0");
+    let reads = Talker { reads: Some((2, 1)), ..Talker::default() };
+    assert_eq!(fault(reads, Some(&[0, 1])), "talker, cycle 1: a step uses memory client 2, but the wiring gives it 2");
+    let looks_up = Talker { lines: Some((2, 1)), ..Talker::default() };
+    assert_eq!(fault(looks_up, Some(&[0, 1])), "talker, cycle 1: a step uses memory client 2, but the wiring gives it 2");
+}
+
+#[test]
+fn a_look_up_without_a_cache_is_a_fault() {
+    let talker = Talker { lines: Some((0, 1)), largest: [1, 1, 0, 0], ..Talker::default() };
+    assert_eq!(fault(talker, Some(&[0, 1])), "talker, cycle 1: a step looks up a line in memory client 0, which has no cache");
+}
+
+#[test]
+fn a_step_beyond_the_largest_is_a_fault() {
+    let beyond = |client| {
+        format!("talker, cycle 1: a step needs 3 credits of memory client {client}, but largest_step({client}) declares 2")
+    };
+    let talker = Talker { largest: [2, 2, 0, 0], ..Talker::default() };
+    assert_eq!(fault(Talker { reads: Some((0, 3)), ..talker }, Some(&[0, 1])), beyond(0));
+    assert_eq!(fault(Talker { lines: Some((1, 3)), ..talker }, Some(&[0, 1])), beyond(1));
+    // Lines and requests of one client share its credits.
+    assert_eq!(fault(Talker { reads: Some((1, 1)), lines: Some((1, 2)), ..talker }, Some(&[0, 1])), beyond(1));
+}

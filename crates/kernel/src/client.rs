@@ -1,0 +1,21 @@
+//! Clients of memories.
+
+use crate::cache::Cache;
+use crate::diagram::ClientTopology;
+use crate::port::Port;
+
+/// A client: a port, with or without a cache in front of it.
+#[derive(Clone, Debug)]
+pub(crate) struct Client {
+    pub(crate) port: Port,
+    pub(crate) cache: Option<Cache>,
+}
+
+impl Client {
+    /// What it is, for who looks on; `stages` use it.
+    pub(crate) fn topology(&self, stages: Vec<usize>) -> ClientTopology {
+        let Self { port, cache } = self;
+        let cache = cache.as_ref().map(|cache| cache.name.clone());
+        ClientTopology { name: port.name.clone(), memory: port.memory, stages, credits: port.outstanding(), cache }
+    }
+}

@@ -1,0 +1,232 @@
+//! Numbers of a memory as its part has them.
+
+use super::part::Part;
+use super::sheet::{Hertz, Length, Rate, Sheet, Time, rounded};
+use crate::MemoryConfig;
+use basrelief_parameters::{Parameters, Provenance};
+use std::fmt;
+
+/// A number of a memory as its part has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Number {
+    /// Name of the parameter.
+    pub name: &'static str,
+    /// In its unit of measure.
+    pub value: u32,
+    /// What the sheet says, and how it became this.
+    pub provenance: Provenance,
+}
+
+/// A part that there cannot be at this clock; says what would fit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unfit(String);
+
+impl fmt::Display for Unfit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Unfit {}
+
+impl Sheet {
+    fn times(&self) -> [(&'static str, Time); 12] {
+        [
+            ("cl", self.cl),
+            ("cwl", self.cwl),
+            ("rcd", self.rcd),
+            ("rp", self.rp),
+            ("ras", self.ras),
+            ("rtp", self.rtp),
+            ("wr", self.wr),
+            ("wtr", self.wtr),
+            ("rrd", self.rrd),
+            ("faw", self.faw),
+            ("refi", self.refi),
+            ("rfc", self.rfc),
+        ]
+    }
+
+    /// Bytes per second as a ratio, seen from a device with a clock of `hz`.
+    pub(super) fn bytes_per_second(&self, hz: u64) -> (u128, u128) {
+        match self.rate {
+            Rate::Own { bytes, hz: (clocks, per), .. } => (u128::from(bytes) * u128::from(clocks), u128::from(per)),
+            Rate::Device { bytes, .. } => (u128::from(bytes) * u128::from(hz), 1),
+        }
+    }
+
+    /// Cycles of a clock of `hz`, as a ratio.
+    fn cycles(&self, length: Length, hz: u64) -> (u128, u128) {
+        match (length, &self.rate) {
+            (Length::Picoseconds(ps), _) => (u128::from(ps) * u128::from(hz), 1_000_000_000_000),
+            (Length::Clocks(n), Rate::Own { hz: (clocks, per), .. }) => {
+                (u128::from(n) * u128::from(hz) * u128::from(*per), u128::from(*clocks))
+            }
+            (Length::Clocks(n) | Length::Cycles(n), _) => (n.into(), 1),
+        }
+    }
+
+    fn time(&self, name: &'static str, time: Time, hz: u64, burst_cycles: u32) -> Number {
+        let (count, per) = self.cycles(time.length, hz);
+        let (whole, rounding) = if name == "refi" { (count / per, "down") } else { (count.div_ceil(per), "up") };
+        let burst = if name == "rtp" { burst_cycles } else { 0 };
+        let value = u32::try_from(whole).unwrap_or(u32::MAX).saturating_add(burst);
+        let at = Hertz(hz);
+        let length = match (time.length, &self.rate) {
+            (Length::Picoseconds(ps), _) => format!("{} ns, rounded {rounding} at {at}", ps as f64 / 1e3),
+            (Length::Clocks(n), Rate::Own { hz: (clocks, per), .. }) => {
+                let ns = rounded(f64::from(n) * *per as f64 * 1e9 / *clocks as f64);
+                let plural = if n == 1 { "" } else { "s" };
+                format!("{n} clock{plural} of {}, {ns} ns, rounded {rounding} at {at}", Hertz(clocks / per))
+            }
+            (Length::Clocks(n) | Length::Cycles(n), _) => format!("{n} cycles"),
+        };
+        Number { name, value, provenance: self.from(format!("{}: {length}", time.of), time.assumed) }
+    }
+
+    fn from(&self, text: String, assumed: bool) -> Provenance {
+        let source = self.source;
+        if assumed {
+            Provenance::Assumed(format!("{text}; typical of the class, not in the sheet cited ({source})").into())
+        } else {
+            Provenance::Derived(format!("{text} ({source})").into())
+        }
+    }
+
+    fn of_rate(&self) -> String {
+        match self.rate {
+            Rate::Own { hz: (clocks, per), of, .. } => format!("{of}, clock of {}", Hertz(clocks / per)),
+            Rate::Device { of, .. } => of.into(),
+        }
+    }
+}
+
+impl Part {
+    /// What it is, and who says so; nothing of [`Part::Custom`].
+    pub fn about(self) -> Option<String> {
+        self.sheet().map(|sheet| format!("{} ({})", sheet.about, sheet.source))
+    }
+
+    /// Peak rate of a channel \[bytes/s\] seen from a device with a clock of `hz`; none of [`Part::Custom`].
+    pub fn bytes_per_second(self, hz: u64) -> Option<f64> {
+        self.sheet().map(|sheet| sheet.bytes_per_second(hz)).map(|(bytes, per)| bytes as f64 / per as f64)
+    }
+
+    /// All that it fills, at a clock of `hz`, if bytes and cycles of the burst are not given; what follows from these goes by
+    /// what is. Nothing of [`Part::Custom`].
+    ///
+    /// # Errors
+    /// Where its rate or its times are out of reach of cycles of this clock.
+    pub fn numbers(self, hz: u64, burst: [Option<u32>; 2]) -> Result<Vec<Number>, Unfit> {
+        self.numbers_or_why(hz, burst).map_err(|why| {
+            let fit = Self::ALL.iter().filter(|part| part.numbers_or_why(hz, [None; 2]).is_ok());
+            let fit = fit.map(|part| part.name()).collect::<Vec<_>>().join(", ");
+            Unfit(format!(
+                "{} does not fit a clock of {}: {why}; at this clock fit {fit}, and custom numbers",
+                self.name(),
+                Hertz(hz)
+            ))
+        })
+    }
+
+    fn numbers_or_why(self, hz: u64, burst: [Option<u32>; 2]) -> Result<Vec<Number>, String> {
+        let Some(sheet) = self.sheet() else { return Ok(vec![]) };
+        let [bytes, cycles] = match burst {
+            [Some(bytes), Some(cycles)] => [bytes, cycles],
+            [bytes, cycles] => {
+                let found = sheet.burst(hz, bytes)?;
+                [found[0], cycles.unwrap_or(found[1])]
+            }
+        };
+        let moved = |bytes: u32, cycles: u32| rounded(f64::from(bytes) / f64::from(cycles) * hz as f64 / 1e9);
+        let (of_part, per) = sheet.bytes_per_second(hz);
+        let of_part = rounded(of_part as f64 / per as f64 / 1e9);
+        let text = format!(
+            "{bytes} bytes in {cycles} cycles: {} GB/s; the part has {of_part}: {}",
+            moved(bytes, cycles),
+            sheet.of_rate()
+        );
+        let derived = |name, value, text: &str| Number { name, value, provenance: sheet.from(text.into(), false) };
+        let rate = [("burst_bytes", bytes), ("burst_cycles", cycles)].map(|(name, value)| derived(name, value, &text));
+        let chips = [("banks", sheet.banks), ("row_bytes", sheet.row_bytes)].map(|(name, value)| Number {
+            name,
+            value,
+            provenance: sheet.from(sheet.about.into(), sheet.chips_assumed),
+        });
+        let board = sheet.board.iter().map(|&(name, value)| derived(name, value, sheet.about));
+        let times = sheet.times().into_iter().map(|(name, time)| sheet.time(name, time, hz, cycles));
+        let numbers: Vec<Number> = times.chain(rate).chain(chips).chain(board).collect();
+        can_be(&numbers).map(|()| numbers)
+    }
+}
+
+/// Whether a memory can have these numbers.
+fn can_be(numbers: &[Number]) -> Result<(), String> {
+    let mut memory = MemoryConfig::default();
+    numbers.iter().for_each(|number| memory.set(number));
+    memory.check("").map_err(|e| e.to_string())?;
+    let MemoryConfig { refi, rfc, rcd, .. } = memory;
+    let ever = rfc > 0;
+    if ever && refi <= rfc + rcd {
+        return Err(format!("a refresh every {refi} cycles leaves no time for rfc = {rfc} and rcd = {rcd}"));
+    }
+    Ok(())
+}
+
+impl MemoryConfig {
+    /// Takes what its part fills at a clock of `hz`, but for numbers that are `given`, by name. A burst lies in one channel:
+    /// where it is larger than `channel_bytes`, these grow with it.
+    ///
+    /// # Errors
+    /// Where its part does not fit the clock; nothing is taken then.
+    pub fn take_part(&mut self, hz: u64, given: impl Fn(&str) -> bool) -> Result<(), Unfit> {
+        let burst = [("burst_bytes", self.burst_bytes), ("burst_cycles", self.burst_cycles)];
+        let numbers = self.part.numbers(hz, burst.map(|(name, value)| given(name).then_some(value)))?;
+        numbers.iter().filter(|number| !given(number.name)).for_each(|number| self.set(number));
+        if self.part != Part::Custom && !given("channel_bytes") {
+            self.channel_bytes = self.channel_bytes.max(self.burst_bytes);
+        }
+        Ok(())
+    }
+
+    /// The memory as its part has it at a clock of `hz`; as it stands, where the part does not fit that.
+    #[must_use]
+    pub fn at(mut self, hz: u64) -> Self {
+        // An unfit part takes nothing.
+        let _ = self.take_part(hz, |_| false);
+        self
+    }
+
+    fn set(&mut self, number: &Number) {
+        if let Some(value) = self.number_mut(number.name) {
+            *value = number.value;
+        }
+    }
+
+    fn number_mut(&mut self, name: &str) -> Option<&mut u32> {
+        Some(match name {
+            "channels" => &mut self.channels,
+            "channel_bytes" => &mut self.channel_bytes,
+            "window" => &mut self.window,
+            "cap" => &mut self.cap,
+            "cl" => &mut self.cl,
+            "cwl" => &mut self.cwl,
+            "rcd" => &mut self.rcd,
+            "rp" => &mut self.rp,
+            "ras" => &mut self.ras,
+            "rtp" => &mut self.rtp,
+            "wr" => &mut self.wr,
+            "wtr" => &mut self.wtr,
+            "rrd" => &mut self.rrd,
+            "faw" => &mut self.faw,
+            "refi" => &mut self.refi,
+            "rfc" => &mut self.rfc,
+            "burst_bytes" => &mut self.burst_bytes,
+            "burst_cycles" => &mut self.burst_cycles,
+            "banks" => &mut self.banks,
+            "row_bytes" => &mut self.row_bytes,
+            "outstanding" => &mut self.outstanding,
+            _ => return None,
+        })
+    }
+}

@@ -1,0 +1,95 @@
+//! The form of a data sheet.
+
+use std::fmt;
+
+/// What a data sheet says of a channel.
+pub(super) struct Sheet {
+    /// Chips, and how they stand.
+    pub(super) about: &'static str,
+    pub(super) source: &'static str,
+    pub(super) rate: Rate,
+    /// The burst that a controller of its time would use.
+    pub(super) burst_bytes: u32,
+    pub(super) cl: Time,
+    pub(super) cwl: Time,
+    pub(super) rcd: Time,
+    pub(super) rp: Time,
+    pub(super) ras: Time,
+    /// Beyond the time of the burst.
+    pub(super) rtp: Time,
+    pub(super) wr: Time,
+    pub(super) wtr: Time,
+    pub(super) rrd: Time,
+    pub(super) faw: Time,
+    pub(super) refi: Time,
+    pub(super) rfc: Time,
+    pub(super) banks: u32,
+    pub(super) row_bytes: u32,
+    /// These two are not in the sheet.
+    pub(super) chips_assumed: bool,
+    /// What it takes of the board to be what it is called.
+    pub(super) board: &'static [(&'static str, u32)],
+}
+
+/// What the data bus of a channel moves.
+pub(super) enum Rate {
+    /// So many bytes per clock of its own; the clock as a ratio \[Hz\].
+    Own { bytes: u32, hz: (u64, u64), of: &'static str },
+    /// So many bytes per cycle of the device, on whose chip it is.
+    Device { bytes: u32, of: &'static str },
+}
+
+#[derive(Clone, Copy)]
+pub(super) enum Length {
+    Picoseconds(u64),
+    /// Of the part.
+    Clocks(u32),
+    /// Of the device.
+    Cycles(u32),
+}
+
+/// A time of a sheet.
+#[derive(Clone, Copy)]
+pub(super) struct Time {
+    pub(super) length: Length,
+    /// Its name in the sheet.
+    pub(super) of: &'static str,
+    pub(super) assumed: bool,
+}
+
+pub(super) const fn ps(length: u64, of: &'static str) -> Time {
+    Time { length: Length::Picoseconds(length), of, assumed: false }
+}
+
+pub(super) const fn ns(length: u64, of: &'static str) -> Time {
+    ps(1000 * length, of)
+}
+
+pub(super) const fn clocks(length: u32, of: &'static str) -> Time {
+    Time { length: Length::Clocks(length), of, assumed: false }
+}
+
+pub(super) const fn cycles(length: u32, of: &'static str) -> Time {
+    Time { length: Length::Cycles(length), of, assumed: false }
+}
+
+impl Time {
+    /// Not in the sheet.
+    pub(super) const fn assumed(self) -> Self {
+        Self { assumed: true, ..self }
+    }
+}
+
+/// A clock rate in words.
+pub(super) struct Hertz(pub(super) u64);
+
+impl fmt::Display for Hertz {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0 < 1_000_000 { write!(f, "{} Hz", self.0) } else { write!(f, "{} MHz", rounded(self.0 as f64 / 1e6)) }
+    }
+}
+
+/// To two places.
+pub(super) fn rounded(x: f64) -> f64 {
+    (100.0 * x).round() / 100.0
+}

@@ -1,0 +1,14 @@
+//! Memory requests of units.
+
+/// One memory request of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// Client of the unit, as numbered in the wiring.
+    pub client: u32,
+    /// Posted write rather than read.
+    pub write: bool,
+    /// Byte address.
+    pub address: u64,
+    /// Bytes, >= 1.
+    pub bytes: u32,
+}

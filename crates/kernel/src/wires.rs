@@ -1,0 +1,188 @@
+//! Bundles of FIFOs: the connections of one unit.
+
+use crate::{Demand, Fifo, Label, Link};
+
+/// A bundle of FIFOs at one end of a unit: `()`, `&mut Fifo<T>`, a tuple of two to six, or a vector.
+pub trait Wires {
+    /// Number of FIFOs.
+    fn count(&self) -> usize;
+    /// FIFO `i`, without its tokens.
+    fn link(&self, i: usize) -> &Link;
+    /// The same, to be changed.
+    fn link_mut(&mut self, i: usize) -> &mut Link;
+}
+
+/// What a unit pops from.
+pub trait Inputs: Wires {
+    /// What a step is given.
+    type Item;
+    /// How many FIFOs there are, where the type tells.
+    const COUNT: Option<usize>;
+    /// Pops what `demand` declares.
+    fn pop(&mut self, demand: Demand) -> Self::Item;
+}
+
+/// What a unit pushes to.
+pub trait Outputs: Wires {
+    /// What a step emits.
+    type Item;
+    /// How many FIFOs there are, where the type tells.
+    const COUNT: Option<usize>;
+    /// Pushes what is emitted; bit i of the answer: FIFO i got a token.
+    fn push(&mut self, item: Self::Item) -> u32;
+    /// What the token is about that was pushed last to FIFO `i`.
+    fn last_label(&self, i: usize) -> Label;
+}
+
+impl Wires for () {
+    fn count(&self) -> usize {
+        0
+    }
+    fn link(&self, _: usize) -> &Link {
+        unreachable!("no FIFO here")
+    }
+    fn link_mut(&mut self, _: usize) -> &mut Link {
+        unreachable!("no FIFO here")
+    }
+}
+
+impl Inputs for () {
+    type Item = ();
+    const COUNT: Option<usize> = Some(0);
+    fn pop(&mut self, _: Demand) {}
+}
+
+impl Outputs for () {
+    type Item = ();
+    const COUNT: Option<usize> = Some(0);
+    fn push(&mut self, (): ()) -> u32 {
+        0
+    }
+    fn last_label(&self, _: usize) -> Label {
+        unreachable!("no FIFO here")
+    }
+}
+
+impl<T> Wires for &mut Fifo<T> {
+    #[inline]
+    fn count(&self) -> usize {
+        1
+    }
+    #[inline]
+    fn link(&self, _: usize) -> &Link {
+        &self.link
+    }
+    #[inline]
+    fn link_mut(&mut self, _: usize) -> &mut Link {
+        &mut self.link
+    }
+}
+
+impl<T> Inputs for &mut Fifo<T> {
+    type Item = Option<T>;
+    const COUNT: Option<usize> = Some(1);
+    #[inline(always)]
+    fn pop(&mut self, demand: Demand) -> Option<T> {
+        self.take_if(demand.takes(0))
+    }
+}
+
+impl<T> Outputs for &mut Fifo<T> {
+    type Item = Option<T>;
+    const COUNT: Option<usize> = Some(1);
+    #[inline(always)]
+    fn push(&mut self, item: Option<T>) -> u32 {
+        self.put(item)
+    }
+    fn last_label(&self, _: usize) -> Label {
+        self.newest_label()
+    }
+}
+
+/// A bundle of several FIFOs, each of its own type.
+macro_rules! tuple_of_fifos {
+    ($count:literal: $($token:ident $i:tt),*) => {
+        impl<$($token),*> Wires for ($(&mut Fifo<$token>,)*) {
+            #[inline]
+            fn count(&self) -> usize {
+                $count
+            }
+            #[inline]
+            fn link(&self, i: usize) -> &Link {
+                match i {
+                    $($i => &self.$i.link,)*
+                    _ => unreachable!("no FIFO here"),
+                }
+            }
+            #[inline]
+            fn link_mut(&mut self, i: usize) -> &mut Link {
+                match i {
+                    $($i => &mut self.$i.link,)*
+                    _ => unreachable!("no FIFO here"),
+                }
+            }
+        }
+
+        impl<$($token),*> Inputs for ($(&mut Fifo<$token>,)*) {
+            type Item = ($(Option<$token>,)*);
+            const COUNT: Option<usize> = Some($count);
+            #[inline(always)]
+            fn pop(&mut self, demand: Demand) -> Self::Item {
+                ($(self.$i.take_if(demand.takes($i)),)*)
+            }
+        }
+
+        impl<$($token),*> Outputs for ($(&mut Fifo<$token>,)*) {
+            type Item = ($(Option<$token>,)*);
+            const COUNT: Option<usize> = Some($count);
+            #[inline(always)]
+            fn push(&mut self, item: Self::Item) -> u32 {
+                0 $(| self.$i.put(item.$i) << $i)*
+            }
+            fn last_label(&self, i: usize) -> Label {
+                match i {
+                    $($i => self.$i.newest_label(),)*
+                    _ => unreachable!("no FIFO here"),
+                }
+            }
+        }
+    };
+}
+
+tuple_of_fifos!(2: A 0, B 1);
+tuple_of_fifos!(3: A 0, B 1, C 2);
+tuple_of_fifos!(4: A 0, B 1, C 2, D 3);
+tuple_of_fifos!(5: A 0, B 1, C 2, D 3, E 4);
+tuple_of_fifos!(6: A 0, B 1, C 2, D 3, E 4, F 5);
+
+/// Any number of FIFOs of one type, for machines that are built from a plan.
+impl<T> Wires for Vec<&mut Fifo<T>> {
+    fn count(&self) -> usize {
+        self.len()
+    }
+    fn link(&self, i: usize) -> &Link {
+        &self[i].link
+    }
+    fn link_mut(&mut self, i: usize) -> &mut Link {
+        &mut self[i].link
+    }
+}
+
+impl<T> Inputs for Vec<&mut Fifo<T>> {
+    type Item = Vec<Option<T>>;
+    const COUNT: Option<usize> = None;
+    fn pop(&mut self, demand: Demand) -> Self::Item {
+        self.iter_mut().enumerate().map(|(i, f)| f.take_if(demand.takes(i))).collect()
+    }
+}
+
+impl<T> Outputs for Vec<&mut Fifo<T>> {
+    type Item = Vec<Option<T>>;
+    const COUNT: Option<usize> = None;
+    fn push(&mut self, item: Self::Item) -> u32 {
+        self.iter_mut().zip(item).enumerate().fold(0, |mask, (i, (f, x))| mask | f.put(x) << i)
+    }
+    fn last_label(&self, i: usize) -> Label {
+        self[i].newest_label()
+    }
+}
