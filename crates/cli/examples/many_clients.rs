@@ -12,8 +12,8 @@ mod common;
 
 use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource as _};
 use basrelief_scene::Subject;
-use basrelief_served::{hash_of, hash_of_picture, hex};
 use basrelief_signals::Texture;
+use basrelief_tile_server::protocol::{hash_of, hash_of_picture, hex};
 use common::{Server, program};
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;

@@ -10,7 +10,6 @@ mod input;
 mod interrupt;
 mod outputs;
 mod progress;
-mod remote;
 mod views;
 
 use clap::Parser;

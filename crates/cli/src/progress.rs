@@ -1,5 +1,6 @@
 //! A progress bar on standard error, if that is a terminal; silent in a pipe.
 
+use basrelief_tile_server::client::FetchProgress;
 use indicatif::{HumanBytes, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -118,8 +119,16 @@ impl TileProgress {
         self.bar.println(line);
     }
 
-    /// Another acquisition lists so many tiles.
-    pub fn listed(&self, tiles: u64) {
+    fn change(&self, change: impl FnOnce(&mut Come)) -> Come {
+        let mut come = self.come.lock().unwrap_or_else(PoisonError::into_inner);
+        change(&mut come);
+        self.bar.set_message(format!("{} tiles, {}", come.tiles, HumanBytes(come.bytes)));
+        *come
+    }
+}
+
+impl FetchProgress for TileProgress {
+    fn listed(&self, tiles: u64) {
         let acquisitions = self.change(|come| come.acquisitions += 1).acquisitions;
         set_style(&self.bar, "acquisition {prefix} {wide_bar} {pos} of {len} tiles; in all {msg}");
         self.bar.set_prefix(acquisitions.to_string());
@@ -127,8 +136,7 @@ impl TileProgress {
         self.bar.set_position(0);
     }
 
-    /// A tile has come; so many bytes of it over the path.
-    pub fn came(&self, bytes: u64) {
+    fn arrived(&self, bytes: u64) {
         self.change(|come| {
             come.tiles += 1;
             come.bytes += bytes;
@@ -136,16 +144,8 @@ impl TileProgress {
         self.bar.inc(1);
     }
 
-    /// No more will come.
-    pub fn finish(&self) {
+    fn finish(&self) {
         self.bar.finish_and_clear();
-    }
-
-    fn change(&self, change: impl FnOnce(&mut Come)) -> Come {
-        let mut come = self.come.lock().unwrap_or_else(PoisonError::into_inner);
-        change(&mut come);
-        self.bar.set_message(format!("{} tiles, {}", come.tiles, HumanBytes(come.bytes)));
-        *come
     }
 }
 
@@ -157,13 +157,13 @@ mod tests {
     fn tiles_are_counted_by_acquisition_and_in_all_and_those_of_the_cache_have_no_bytes() {
         let progress = TileProgress::new(true);
         progress.listed(3);
-        progress.came(1000);
-        progress.clone().came(1048);
-        progress.came(0);
+        progress.arrived(1000);
+        progress.clone().arrived(1048);
+        progress.arrived(0);
         let shown = || (progress.bar.prefix(), progress.bar.position(), progress.bar.length(), progress.bar.message());
         assert_eq!(shown(), ("1".into(), 3, Some(3), "3 tiles, 2.00 KiB".into()));
         progress.listed(5);
-        progress.came(2048);
+        progress.arrived(2048);
         assert_eq!(shown(), ("2".into(), 1, Some(5), "4 tiles, 4.00 KiB".into()));
     }
 }

@@ -15,10 +15,10 @@ const FLOORS: &[&[&str]] = &[
     &["kernel-conformance", "shading", "trace"],
     &[UNITS],
     &["scene", "reference"],
-    &["machines", "served"],
+    &["machines"],
     &["report", "timeline"],
     &["sim"],
-    &["dse"],
+    &["dse", "tile-server"],
     &["cli", "bench", "python", "web"],
 ];
 

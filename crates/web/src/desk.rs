@@ -8,10 +8,10 @@ use crate::path::{Come, Path, PathTiles};
 use crate::shown::{Rounds, Shown, catalogue};
 use basrelief_input::{Budget, Held};
 use basrelief_scene::{Memory, Subject};
-use basrelief_served::unpack;
 use basrelief_sim::{
     Costs, ExhibitInfo, Form, Given, MACHINES, MachineConfig, MachineInfo, Prepared, RunInput, RunOptions, When, board, run,
 };
+use basrelief_tile_server::protocol::unpack;
 use basrelief_timeline::Strips;
 use basrelief_trace::looks_like_trace;
 use serde::Deserialize as _;

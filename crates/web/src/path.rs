@@ -4,10 +4,10 @@ use crate::outside::Outside;
 use basrelief_deferred_renderer::server::place_of;
 use basrelief_deferred_renderer::{Cut, Page, TileEncoding, TileSource};
 use basrelief_input::{Budget, Held};
-use basrelief_served::{
-    LARGEST_TILE, Offered, check_hash, check_status, check_tile, hash_in, most_together, split, tiles_address,
-};
 use basrelief_signals::Texture;
+use basrelief_tile_server::protocol::{
+    MAX_TILE_BYTES, TileCatalog, check_hash, check_status, check_tile, hash_from_etag, max_tiles_per_request, split, tiles_path,
+};
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, VecDeque};
 use std::rc::Rc;
@@ -69,7 +69,7 @@ impl Path {
             self.count(|come| come.requests += 1);
             let got = self.outside.get(address, attempt > 1)?;
             check_status(got.status)?;
-            check_hash(&got.body, hash_in(&got.tag)?)?;
+            check_hash(&got.body, hash_from_etag(&got.tag)?)?;
             made(got.body)
         };
         let mut done = once(1);
@@ -112,7 +112,7 @@ fn number(body: &[u8]) -> Result<u64, String> {
 #[derive(Debug)]
 pub(crate) struct PathTiles {
     path: Rc<Path>,
-    offered: Offered,
+    offered: TileCatalog,
     /// Tiles that will be asked for, in order: of which texture, and which.
     announced: VecDeque<(u32, u32)>,
     /// Tiles that have come with others, and that nobody has taken yet, by address: a few.
@@ -121,11 +121,11 @@ pub(crate) struct PathTiles {
 
 impl PathTiles {
     pub(crate) fn new(path: Rc<Path>, encoding: (TileEncoding, u8)) -> Self {
-        Self { path, offered: Offered::new(encoding), announced: VecDeque::new(), ahead: Vec::new() }
+        Self { path, offered: TileCatalog::new(encoding), announced: VecDeque::new(), ahead: Vec::new() }
     }
 
     fn address(&self, page: &Page, tiles: &[u32]) -> String {
-        tiles_address(&self.offered.picture(page.texture), page.cut, self.offered.encoding, tiles)
+        tiles_path(&self.offered.picture(page.texture), page.cut, self.offered.encoding, tiles)
     }
 
     fn is_there(&self, address: &str) -> bool {
@@ -137,7 +137,7 @@ impl PathTiles {
         let next =
             self.announced.iter().filter(|(texture, next)| *texture == page.texture && *next != tile).map(|(_, next)| *next);
         let missing = next.filter(|next| !self.is_there(&self.address(page, &[*next])));
-        std::iter::once(tile).chain(missing).take(most_together(page)).collect()
+        std::iter::once(tile).chain(missing).take(max_tiles_per_request(page)).collect()
     }
 
     /// Fetches a tile, and others with it.
@@ -147,8 +147,8 @@ impl PathTiles {
         let checked = |body: Vec<u8>| -> Result<Vec<Arc<[u8]>>, String> {
             let tiles = if wanted.len() == 1 { vec![&body[..]] } else { split(&body, wanted.len())? };
             for (number, tile) in wanted.iter().zip(&tiles) {
-                if tile.len() as u64 > LARGEST_TILE {
-                    return Err(format!("too long: more than {LARGEST_TILE} bytes"));
+                if tile.len() as u64 > MAX_TILE_BYTES {
+                    return Err(format!("too long: more than {MAX_TILE_BYTES} bytes"));
                 }
                 check_tile(encoding, page, *number, tile)?;
             }

@@ -6,14 +6,17 @@ use crate::args::{MachineArgs, RunArgs};
 use crate::error::{Done, Failure};
 use crate::input::{self, Look};
 use crate::interrupt;
+use crate::outputs::{PartialFile, remove_remains};
 use crate::progress::{Progress, TileProgress};
-use crate::remote::{Fetcher, Patience, RemoteTiles, TileCache, TileStore, Watched, WatchedTiles};
 use basrelief_deferred_renderer::TileSource;
 use basrelief_input::Budget;
 use basrelief_scene::{Subject, ViewOptions};
-use basrelief_served::unpack;
 use basrelief_sim::{Given, MACHINES, MachineConfig, Prepared, RunInput};
-use std::path::PathBuf;
+use basrelief_tile_server::client::{Fetcher, RemoteTiles, RetryPolicy, TileCache, TileStore};
+use basrelief_tile_server::preview::{LivePreview, PreviewedTiles};
+use basrelief_tile_server::protocol::unpack;
+use std::io::{self, Write as _};
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
@@ -38,6 +41,19 @@ fn scene_of(fetcher: &Fetcher, view: &ViewOptions, shown: &TileProgress, budget:
     Ok(Arc::new(scene).into())
 }
 
+/// Opens the folder of `--tile-cache`.
+fn open_cache(folder: &Path) -> Done<TileCache> {
+    let cache = TileCache::open(folder, write_tile).map_err(Failure::file(folder, "be written"))?;
+    remove_remains(folder);
+    Ok(cache)
+}
+
+fn write_tile(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = PartialFile::beside(path)?;
+    file.write_all(bytes)?;
+    file.publish()
+}
+
 /// Renders from the server at `url`.
 pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done {
     let began = seconds();
@@ -45,12 +61,12 @@ pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done
     let (config, given) = config_of(args, &look, budget)?;
     let fetch = config.tile_fetch().ok_or_else(|| Failure::Usage("--from: this machine fetches no tiles".into()))?;
     let shown = TileProgress::new(quiet || args.simulation.json);
-    let patience =
-        args.wait.map_or_else(Patience::default, |s| Patience { starting: Duration::from_secs(s), ..Patience::default() });
-    let fetcher = Fetcher::within(url, patience, budget);
+    let retry = args
+        .wait
+        .map_or_else(RetryPolicy::default, |s| RetryPolicy { starting: Duration::from_secs(s), ..RetryPolicy::default() });
+    let fetcher = Fetcher::within(url, retry, budget);
     let scene = scene_of(&fetcher, &look.view, &shown, budget)?;
-    let open = |folder: &PathBuf| TileCache::open(folder).map_err(Failure::file(folder, "be written"));
-    let cache = args.tile_cache.as_ref().map(open).transpose()?;
+    let cache = args.tile_cache.as_deref().map(open_cache).transpose()?;
     interrupt::say(match cache {
         Some(_) => "interrupted; nothing was written but pictures shown before, and the tiles in --tile-cache",
         None => "interrupted; nothing was written but pictures shown before",
@@ -58,9 +74,9 @@ pub fn run_from(url: &str, args: &RunArgs, budget: &Budget, quiet: bool) -> Done
     let failed = Arc::new(OnceLock::new());
     let kept = cache.map(|cache| TileStore { cache, failed: Arc::clone(&failed) });
     let real = Some(RealTimes::new(fetcher.meter().clone(), shown.clone()));
-    let (tiles, watched) = (Box::new(RemoteTiles::new(fetcher, fetch, kept, shown)), Watched::default());
+    let (tiles, watched) = (Box::new(RemoteTiles::new(fetcher, fetch, kept, Arc::new(shown))), LivePreview::default());
     let tiles = match config.preview().filter(|_| args.simulation.watch.is_some()) {
-        Some(preview) => Box::new(WatchedTiles::new(tiles, watched.clone(), preview)),
+        Some(preview) => Box::new(PreviewedTiles::new(tiles, watched.clone(), preview)),
         None => tiles as Box<dyn TileSource>,
     };
     let input = RunInput::Remote { scene, tiles, name: url.into() };

@@ -9,11 +9,11 @@ use crate::args::SimulationArgs;
 use crate::error::{Done, Failure};
 use crate::outputs::{Outputs, PartialFile};
 use crate::progress::Progress;
-use crate::remote::Watched;
 use basrelief_reference::metrics;
 use basrelief_report::Report;
 use basrelief_sim::{Content, Exhibit, Form, MemoryRequests, Observer, Pictures, RunOptions, picture_name, to_png};
 use basrelief_threads as threads;
+use basrelief_tile_server::preview::LivePreview;
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -44,7 +44,7 @@ pub struct OutputFiles {
     /// When pictures of a server's scene are there.
     pub real: Option<RealTimes>,
     /// Where pictures are shown when they are there.
-    pub watched: Option<Watched>,
+    pub watched: Option<LivePreview>,
 }
 
 impl Observer for OutputFiles {

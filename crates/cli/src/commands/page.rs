@@ -4,7 +4,7 @@ use crate::args::PageArgs;
 use crate::error::{Done, Failure, print};
 use crate::interrupt;
 use crate::outputs::PartialFile;
-use crate::remote::Site;
+use basrelief_tile_server::server::StaticFiles;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -41,13 +41,13 @@ pub fn page(args: &PageArgs, quiet: bool) -> Done {
 }
 
 /// The viewer as a site, from the folder that is named, or where a build puts it; none where it is not built.
-pub fn viewer(named: Option<&Path>) -> Done<Option<Site>> {
+pub fn viewer(named: Option<&Path>) -> Done<Option<StaticFiles>> {
     folder(named, VIEWER)?.map(|folder| site(&folder, VIEWER)).transpose()
 }
 
 /// A site whose first page this is.
-fn site(folder: &Path, page: &str) -> Done<Site> {
-    let mut site = Site::default();
+fn site(folder: &Path, page: &str) -> Done<StaticFiles> {
+    let mut site = StaticFiles::default();
     for (offered, name) in std::iter::once((PAGE, page)).chain(FILES.map(|name| (name, name))) {
         site.offer(offered, &read(folder, name)?, packed(folder, name)?);
     }

@@ -1,21 +1,21 @@
 //! When the pictures of a server's scene are there, and what they took to come.
 
 use crate::progress::TileProgress;
-use crate::remote::{Meter, Moment};
 use basrelief_report::model::RealPath;
+use basrelief_tile_server::client::{Elapsed, TransferMetrics};
 
 /// When pictures are there, by the clock.
 #[derive(Debug)]
 pub struct RealTimes {
-    meter: Meter,
+    meter: TransferMetrics,
     progress: TileProgress,
     /// Number of the frame of each picture, and when it was there.
-    shown: Vec<(u32, Moment)>,
+    shown: Vec<(u32, Elapsed)>,
 }
 
 impl RealTimes {
     /// Of what this meter counts; each picture is told on this progress.
-    pub fn new(meter: Meter, progress: TileProgress) -> Self {
+    pub fn new(meter: TransferMetrics, progress: TileProgress) -> Self {
         Self { meter, progress, shown: vec![] }
     }
 
@@ -29,7 +29,7 @@ impl RealTimes {
     /// What the report says of it.
     pub fn path(&self) -> RealPath {
         let counted = self.meter.read();
-        let moment = |shown: Option<&(u32, Moment)>| shown.map_or_else(Moment::default, |(_, moment)| *moment);
+        let moment = |shown: Option<&(u32, Elapsed)>| shown.map_or_else(Elapsed::default, |(_, moment)| *moment);
         let first = moment(self.shown.first());
         let last = moment(self.shown.iter().rev().find(|(frame, _)| *frame == 0));
         RealPath {
@@ -52,7 +52,7 @@ impl RealTimes {
 }
 
 /// Times of pictures from the end of the frame before.
-fn by_frame(shown: &[(u32, Moment)]) -> Vec<f64> {
+fn by_frame(shown: &[(u32, Elapsed)]) -> Vec<f64> {
     let since = |i: usize| {
         let frame = shown[i].0;
         shown[..i].iter().rev().find(|(other, _)| *other < frame).map_or(0.0, |(_, end)| end.milliseconds)
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn pictures_are_timed_from_the_end_of_the_frame_before() {
         let shown = [(0, 10.0), (0, 30.0), (1, 31.5), (1, 40.0), (2, 41.0)];
-        let shown = shown.map(|(frame, milliseconds)| (frame, Moment { milliseconds, idle: 0.0 }));
+        let shown = shown.map(|(frame, milliseconds)| (frame, Elapsed { milliseconds, idle: 0.0 }));
         assert_eq!(by_frame(&shown), [10.0, 30.0, 1.5, 10.0, 1.0]);
     }
 }

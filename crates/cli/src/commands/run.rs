@@ -8,9 +8,9 @@ use crate::args::{DemoArgs, RunArgs, SimulationArgs};
 use crate::error::{Done, Failure};
 use crate::input::{self, Input, demo_of};
 use crate::progress::Progress;
-use crate::remote::Watched;
 use basrelief_input::Budget;
 use basrelief_sim::{MACHINES, RunInput, RunOptions};
+use basrelief_tile_server::preview::LivePreview;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -69,11 +69,11 @@ fn source_of(input: Input, quiet: bool) -> Source {
             let scene = prepared.scene();
             let per_frame: usize = 2 + scene.objects.iter().map(|o| o.mesh.indices.len() / 3 + 1).sum::<usize>();
             let progress = Progress::new(Some((per_frame * scene.frames.len()) as u64), "draw commands", quiet);
-            Source { input: RunInput::Scene(prepared), progress, read: None, real: None, watched: Watched::default() }
+            Source { input: RunInput::Scene(prepared), progress, read: None, real: None, watched: LivePreview::default() }
         }
         Input::Trace(trace) => {
             let (progress, read) = (Progress::new(trace.bytes, "bytes", quiet), Rc::clone(&trace.read));
-            Source { input: trace.into_source(), progress, read: Some(read), real: None, watched: Watched::default() }
+            Source { input: trace.into_source(), progress, read: Some(read), real: None, watched: LivePreview::default() }
         }
     }
 }

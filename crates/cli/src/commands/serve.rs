@@ -5,12 +5,12 @@ use crate::args::ServeArgs;
 use crate::error::{Done, Failure, print};
 use crate::input;
 use crate::interrupt;
-use crate::remote::{Limits, SceneService, index_page};
 use basrelief_input::Budget;
 use basrelief_scene::{Subject, ViewOptions};
-use basrelief_served::{hash_of_picture, pack};
 use basrelief_signals::Texture;
 use basrelief_sim::hold_textures;
+use basrelief_tile_server::protocol::{hash_of_picture, pack};
+use basrelief_tile_server::server::{Limits, SceneService, index_page};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -9,7 +9,6 @@ use crate::args::{EngineName, MachineArgs, SimulationArgs, TablesArgs, ViewArgs}
 use crate::error::{Done, Failure, print};
 use crate::outputs::{Outputs, REPORT, RUN_TAPE, check_distinct, check_not_read};
 use crate::progress::Progress;
-use crate::remote::Watched;
 use basrelief_dse::Around;
 use basrelief_input::Budget;
 use basrelief_kernel::{Engine, Probe};
@@ -19,6 +18,7 @@ use basrelief_sim::{
     self as sim, ExhibitInfo, Form, Given, MachineConfig, Observer, Run, RunInput, RunOptions, SessionError, Unobserved, When,
     picture_name,
 };
+use basrelief_tile_server::preview::LivePreview;
 use std::cell::Cell;
 use std::io::{IsTerminal, Write};
 use std::net::SocketAddr;
@@ -83,7 +83,7 @@ pub struct Source {
     /// When pictures of a server's scene are there.
     pub real: Option<RealTimes>,
     /// Where pictures are shown, if that is wished.
-    pub watched: Watched,
+    pub watched: LivePreview,
 }
 
 /// Simulates a source.
@@ -143,7 +143,7 @@ pub fn simulate_source(
 }
 
 /// Shows the run in a browser.
-fn listen(watched: Watched, at: SocketAddr, quiet: bool) -> Done<Watched> {
+fn listen(watched: LivePreview, at: SocketAddr, quiet: bool) -> Done<LivePreview> {
     if !at.ip().is_loopback() {
         return Err(Failure::Usage(format!("--watch={at}: expected an address of this computer, such as 127.0.0.1:8018")));
     }

@@ -3,8 +3,8 @@
 use super::*;
 use crate::outside::Got;
 use basrelief_deferred_renderer::TextureMemory;
-use basrelief_served::{hash_of_picture, hex, join, tag_of};
 use basrelief_signals::{Image, Sampler};
+use basrelief_tile_server::protocol::{etag_of, hash_of_picture, hex, join};
 
 fn texture() -> Arc<Texture> {
     let texels = (0..200 * 90).map(|i: u32| [i as u8, (i / 7) as u8, (i / 200) as u8, 255]).collect();
@@ -50,7 +50,7 @@ impl Outside for Server {
         let mut several = vec![];
         tiles.iter().for_each(|tile| join(tile, &mut several));
         let body = if let [one] = &tiles[..] { one.to_vec() } else { several };
-        let mut got = Got { status: 200, tag: tag_of(&body), body };
+        let mut got = Got { status: 200, tag: etag_of(&body), body };
         (self.spoil)(self.requests(), &mut got);
         Ok(got)
     }
@@ -108,12 +108,12 @@ fn what_comes_wrong_is_asked_for_again_and_not_kept() {
         |_, got| got.body[9] ^= 1,
         |_, got| got.body.truncate(7),
         // No tiles, with their hash.
-        |_, got| (got.tag, got.body) = (tag_of(b"other"), b"other".to_vec()),
+        |_, got| (got.tag, got.body) = (etag_of(b"other"), b"other".to_vec()),
         // Others, with their hash.
         |_, got| {
             got.body = vec![];
             expected(&[0, 1]).iter().for_each(|tile| join(tile, &mut got.body));
-            got.tag = tag_of(&got.body);
+            got.tag = etag_of(&got.body);
         },
     ];
     for (n, spoil) in spoils.into_iter().enumerate() {

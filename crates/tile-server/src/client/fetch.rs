@@ -1,0 +1,337 @@
+//! Requests that are made again where they fail.
+
+use super::metrics::{Body, CountingConnector, TransferMetrics};
+use crate::protocol::{MAX_TILE_BYTES, MIN_BYTES_PER_SECOND, check_hash, check_status, hash_from_etag, split};
+use basrelief_input::{Budget, Growing, Held, OverBudget};
+use std::io::{self, Read, Write};
+use std::thread;
+use std::time::{Duration, Instant};
+use ureq::Agent;
+use ureq::unversioned::resolver::DefaultResolver;
+use ureq::unversioned::transport::{Connector as _, TcpConnector};
+
+/// How long and how often is tried.
+#[derive(Clone, Copy, Debug)]
+pub struct RetryPolicy {
+    /// Longest that nothing may come, on any connection.
+    pub stall: Duration,
+    /// What must have come on average when a request has lasted longer than that \[bytes/s\].
+    pub slowest: u64,
+    /// Requests for the same thing before it is given up.
+    pub attempts: u32,
+    /// Pause before the second attempt; it doubles from one to the next.
+    pub pause: Duration,
+    /// No further attempt begins later than this behind the first.
+    pub whole: Duration,
+    /// Longest that is waited for a server that does not listen: not yet, or not at the moment.
+    pub starting: Duration,
+}
+
+impl Default for RetryPolicy {
+    fn default() -> Self {
+        Self {
+            stall: Duration::from_secs(10),
+            slowest: MIN_BYTES_PER_SECOND,
+            attempts: 5,
+            pause: Duration::from_millis(100),
+            whole: Duration::from_secs(20),
+            starting: Duration::from_secs(30),
+        }
+    }
+}
+
+/// Most requests in flight.
+pub const MAX_IN_FLIGHT: u32 = 32;
+
+/// Longest that the head of an answer may take to come, however much comes of it: many may share a slow path.
+const MAX_HEAD: Duration = Duration::from_secs(600);
+/// How often it is looked whether a server listens.
+const LOOK: Duration = Duration::from_millis(100);
+/// What a proxy says of a server that does not listen, is not ready, or does not answer it.
+const NOBODY_BEHIND: [u16; 3] = [502, 503, 504];
+/// Longest number that is believed \[bytes\].
+const LONGEST_NUMBER: u64 = 20;
+
+/// Gets what a server has. Clones share their connections.
+#[derive(Clone, Debug)]
+pub struct Fetcher {
+    agent: Agent,
+    base: String,
+    patience: RetryPolicy,
+    budget: Budget,
+    meter: TransferMetrics,
+}
+
+/// What a server has sent, and what that takes.
+type FetchedBody = (Vec<u8>, Held);
+
+/// Requests that were made before, for the same thing.
+#[derive(Clone, Copy, Debug)]
+pub struct Attempts {
+    /// When the first began.
+    pub began: Instant,
+    /// How many have failed.
+    pub made: u32,
+}
+
+impl Default for Attempts {
+    fn default() -> Self {
+        Self { began: Instant::now(), made: 0 }
+    }
+}
+
+/// Why a request has failed.
+struct FetchError {
+    sentence: String,
+    then: RetryAdvice,
+}
+
+/// What another attempt would come to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum RetryAdvice {
+    /// Something else, perhaps.
+    Retry,
+    /// The same.
+    GiveUp,
+    /// Nobody listens, or nobody behind a proxy: something else, once the server has started.
+    WaitForServer,
+}
+
+impl From<String> for FetchError {
+    fn from(sentence: String) -> Self {
+        Self { sentence, then: RetryAdvice::Retry }
+    }
+}
+
+impl Fetcher {
+    /// Of the server at `base`; what it sends is counted against a budget of its own.
+    #[cfg(test)]
+    pub fn new(base: &str, patience: RetryPolicy) -> Self {
+        Self::within(base, patience, &Budget::default())
+    }
+
+    /// Of the server at `base`, within a budget.
+    pub fn within(base: &str, patience: RetryPolicy, budget: &Budget) -> Self {
+        let stall = Some(patience.stall);
+        let config = Agent::config_builder()
+            .timeout_resolve(stall)
+            .timeout_connect(stall)
+            .timeout_recv_response(Some(MAX_HEAD))
+            .timeout_per_read(stall)
+            .timeout_per_write(stall)
+            .max_idle_connections(MAX_IN_FLIGHT as usize)
+            .max_idle_connections_per_host(MAX_IN_FLIGHT as usize)
+            .http_status_as_error(false)
+            // What stands elsewhere is not what the user has named.
+            .max_redirects(0)
+            .proxy(None)
+            .build();
+        let meter = TransferMetrics::default();
+        let connector = ().chain(TcpConnector::default()).chain(CountingConnector(meter.clone(), patience.stall));
+        let agent = Agent::with_parts(config, connector, DefaultResolver::default());
+        Self { agent, base: base.trim_end_matches('/').to_owned(), patience, budget: budget.clone(), meter }
+    }
+
+    /// Fetches the scene, as it travels: its address, itself, and what it takes. Waits for a server that does not listen yet.
+    /// `came` is told how many bytes have come.
+    ///
+    /// # Errors
+    /// A sentence, when all attempts have failed.
+    pub fn scene(&self, came: impl Fn(u64)) -> Result<(String, Vec<u8>, Held), String> {
+        let url = format!("{}/scene", self.base);
+        let once = || {
+            self.meter.begin();
+            self.once(&url, u64::MAX, &came)
+        };
+        match self.patiently((Attempts::default(), &sleep), once) {
+            Ok((scene, held)) => {
+                self.meter.came(Body::Scene, scene.len() as u64);
+                Ok((url, scene, held))
+            }
+            Err(FetchError { sentence, then }) => {
+                let hint = if then == RetryAdvice::GiveUp { "" } else { "; is `basrelief serve` running there?" };
+                Err(format!("{url}: {sentence}{hint}"))
+            }
+        }
+    }
+
+    /// Fetches a tile of at most `largest` bytes that passes the check. `pause` says whether it is still wanted afterwards.
+    ///
+    /// # Errors
+    /// A sentence, when all attempts have failed.
+    pub fn tile(
+        &self,
+        tile: &str,
+        largest: u64,
+        check: impl Fn(&[u8]) -> Result<(), String>,
+        (attempts, pause): (Attempts, &dyn Fn(Duration) -> bool),
+    ) -> Result<Vec<u8>, String> {
+        let body = self.checked(tile, largest, |body| check(&body).map(|()| body), (attempts, pause))?;
+        self.meter.came(Body::Tile, body.len() as u64);
+        Ok(body)
+    }
+
+    /// Makes one request for so many tiles; all of them must pass the check, by their place in it.
+    ///
+    /// # Errors
+    /// Whatever has failed: each of them may come by itself.
+    pub fn tiles(
+        &self,
+        tiles: &str,
+        count: usize,
+        check: impl Fn(usize, &[u8]) -> Result<(), String>,
+    ) -> Result<Vec<Vec<u8>>, ()> {
+        let (body, _held) = self.once(&format!("{}/{tiles}", self.base), MAX_TILE_BYTES, &|_| ()).map_err(drop)?;
+        let tiles = split(&body, count).map_err(drop)?;
+        tiles.iter().enumerate().try_for_each(|(i, tile)| check(i, tile)).map_err(drop)?;
+        tiles.iter().for_each(|tile| self.meter.came(Body::Tile, tile.len() as u64));
+        Ok(tiles.into_iter().map(<[u8]>::to_vec).collect())
+    }
+
+    /// Fetches a number.
+    ///
+    /// # Errors
+    /// A sentence, when all attempts have failed.
+    pub fn number(&self, address: &str) -> Result<u64, String> {
+        let number = |body: Vec<u8>| {
+            let text = std::str::from_utf8(&body).map_err(|e| e.to_string())?;
+            text.parse::<u64>().map(|number| (number, body.len())).map_err(|e| format!("no number: {e}"))
+        };
+        let (number, bytes) = self.checked(address, LONGEST_NUMBER, number, (Attempts::default(), &sleep))?;
+        self.meter.came(Body::Other, bytes as u64);
+        Ok(number)
+    }
+
+    /// Fetches what is at an address, and makes something of it.
+    fn checked<T>(
+        &self,
+        address: &str,
+        largest: u64,
+        check: impl Fn(Vec<u8>) -> Result<T, String>,
+        attempts: (Attempts, &dyn Fn(Duration) -> bool),
+    ) -> Result<T, String> {
+        let url = format!("{}/{address}", self.base);
+        let once = || -> Result<T, FetchError> { Ok(check(self.once(&url, largest, &|_| ())?.0)?) };
+        self.patiently(attempts, once).map_err(|fault| format!("{url}: {}", fault.sentence))
+    }
+
+    /// What connections carry.
+    pub fn meter(&self) -> &TransferMetrics {
+        &self.meter
+    }
+
+    /// What is sent is counted against it.
+    pub fn budget(&self) -> &Budget {
+        &self.budget
+    }
+
+    /// Ends what is under way, in clones too.
+    pub fn shut_down(&self) {
+        self.agent.clone().shutdown();
+    }
+
+    /// Tries again what fails; and where nobody listens, as long as a server may take to start, or to start anew.
+    fn patiently<T>(
+        &self,
+        (attempts, wait): (Attempts, &dyn Fn(Duration) -> bool),
+        once: impl Fn() -> Result<T, FetchError>,
+    ) -> Result<T, FetchError> {
+        let (began, starting) = (Instant::now(), self.patience.starting);
+        loop {
+            match self.retry((attempts, wait), &once) {
+                Err(FetchError { then: RetryAdvice::WaitForServer, .. }) if began.elapsed() < starting && wait(LOOK) => {}
+                Err(FetchError { sentence, then: RetryAdvice::WaitForServer }) => {
+                    let sentence = format!("{sentence}, for {} s", starting.as_secs_f64());
+                    return Err(FetchError { sentence, then: RetryAdvice::WaitForServer });
+                }
+                done => return done,
+            }
+        }
+    }
+
+    fn retry<T>(
+        &self,
+        (Attempts { began, made }, wait): (Attempts, &dyn Fn(Duration) -> bool),
+        once: impl Fn() -> Result<T, FetchError>,
+    ) -> Result<T, FetchError> {
+        let RetryPolicy { attempts, whole, mut pause, .. } = self.patience;
+        let mut attempt = made + 1;
+        loop {
+            let error = match once() {
+                Ok(done) => return Ok(done),
+                Err(fault) if fault.then != RetryAdvice::Retry => return Err(fault),
+                Err(FetchError { sentence, .. }) => sentence,
+            };
+            if attempt == attempts || began.elapsed() + pause > whole || !wait(pause) {
+                let whole = whole.as_secs_f64();
+                let tried = format!("attempt {attempt}; at most {attempts} are made, none {whole} s after the first");
+                return Err(format!("{error} ({tried})").into());
+            }
+            pause *= 2;
+            attempt += 1;
+        }
+    }
+
+    fn once(&self, url: &str, largest: u64, came: &dyn Fn(u64)) -> Result<FetchedBody, FetchError> {
+        let _under_way = self.meter.under_way();
+        let called = self.agent.get(url).call().map_err(|e| self.fault(&e));
+        // Where nobody listens nothing was asked.
+        if !matches!(called, Err(FetchError { then: RetryAdvice::WaitForServer, .. })) {
+            self.meter.asked();
+        }
+        let mut response = called?;
+        let status = response.status().as_u16();
+        check_status(status).map_err(|sentence| FetchError {
+            sentence,
+            then: if NOBODY_BEHIND.contains(&status) { RetryAdvice::WaitForServer } else { RetryAdvice::Retry },
+        })?;
+        let tag = response.headers().get("etag").and_then(|tag| tag.to_str().ok()).unwrap_or_default();
+        let hash = hash_from_etag(tag)?.to_owned();
+        let read = self.read(response.body_mut().as_reader(), largest, came);
+        let (body, held) = read.map_err(|e| match OverBudget::within(&e) {
+            Some(error) => FetchError { sentence: error.to_string(), then: RetryAdvice::GiveUp },
+            None => e.downcast::<ureq::Error>().map_or_else(|e| e.to_string(), |e| self.told(&e)).into(),
+        })?;
+        check_hash(&body, &hash)?;
+        Ok((body, held))
+    }
+
+    /// Why no answer has begun.
+    fn fault(&self, error: &ureq::Error) -> FetchError {
+        let refused = matches!(error, ureq::Error::Io(e) if e.kind() == io::ErrorKind::ConnectionRefused);
+        FetchError { sentence: self.told(error), then: if refused { RetryAdvice::WaitForServer } else { RetryAdvice::Retry } }
+    }
+
+    fn told(&self, error: &ureq::Error) -> String {
+        match error {
+            ureq::Error::Timeout(_) => format!("nothing has come for {} s", self.patience.stall.as_secs_f64()),
+            e => e.to_string(),
+        }
+    }
+
+    fn read(&self, mut reader: impl Read, largest: u64, came: &dyn Fn(u64)) -> io::Result<(Vec<u8>, Held)> {
+        let RetryPolicy { stall, slowest, .. } = self.patience;
+        let began = Instant::now();
+        let (mut body, mut chunk) = (Growing::new(&self.budget, "what a server sends"), vec![0; 1 << 14]);
+        loop {
+            let n = reader.read(&mut chunk)?;
+            body.write_all(&chunk[..n])?;
+            came(body.len() as u64);
+            if n == 0 {
+                return Ok(body.into_parts());
+            }
+            if body.len() as u64 > largest {
+                return Err(io::Error::other(format!("too long: more than {largest} bytes")));
+            }
+            if began.elapsed() > stall + Duration::from_secs(body.len() as u64 / slowest) {
+                return Err(io::Error::other(format!("too slow: less than {slowest} bytes/s")));
+            }
+        }
+    }
+}
+
+/// Waits; what was asked for is still wanted.
+fn sleep(pause: Duration) -> bool {
+    thread::sleep(pause);
+    true
+}

@@ -1,0 +1,261 @@
+//! What a real path carries, counted where it leaves and where it comes.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+use ureq::unversioned::transport::{Buffers, ConnectionDetails, Connector, NextTimeout, Transport};
+
+/// Counts what connections carry. Clones count together.
+#[derive(Clone, Debug, Default)]
+pub struct TransferMetrics(Arc<Counts>);
+
+#[derive(Debug, Default)]
+struct Counts {
+    clock: Mutex<Clock>,
+    connections: AtomicU64,
+    requests: AtomicU64,
+    sent: AtomicU64,
+    received: AtomicU64,
+    scene: AtomicU64,
+    tiles: AtomicU64,
+    tile_bytes: AtomicU64,
+    other: AtomicU64,
+    abandoned: AtomicU64,
+}
+
+/// When the path was at work.
+#[derive(Clone, Copy, Debug, Default)]
+struct Clock {
+    /// The scene was asked for.
+    began: Option<Instant>,
+    /// Requests under way.
+    under_way: u32,
+    /// Since when there is none.
+    idle_since: Option<Instant>,
+    /// How long there was none, before that.
+    idle: Duration,
+    /// When something came last, on whatever connection.
+    came: Option<Instant>,
+}
+
+/// When something is, since the scene was asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Elapsed {
+    /// \[ms\]
+    pub milliseconds: f64,
+    /// Of these, those in which no request was under way \[ms\].
+    pub idle: f64,
+}
+
+/// A request that is under way as long as this lives.
+#[derive(Debug)]
+pub(super) struct RequestGuard(TransferMetrics);
+
+impl Drop for RequestGuard {
+    fn drop(&mut self) {
+        let mut clock = self.0.clock();
+        clock.under_way -= 1;
+        clock.idle_since = (clock.under_way == 0).then(Instant::now);
+    }
+}
+
+/// What a body was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Body {
+    /// The scene.
+    Scene,
+    /// A tile.
+    Tile,
+    /// A number.
+    Other,
+}
+
+/// What was counted so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TransferCounts {
+    /// Connections opened.
+    pub connections: u64,
+    /// Requests made.
+    pub requests: u64,
+    /// Bytes sent: requests.
+    pub sent: u64,
+    /// Bytes received: heads and bodies.
+    pub received: u64,
+    /// Of these, of the scene.
+    pub scene: u64,
+    /// Tiles received, and good.
+    pub tiles: u64,
+    /// Of the bytes received, of these tiles.
+    pub tile_bytes: u64,
+    /// Of the bytes received, of other bodies that were good.
+    pub other: u64,
+    /// Tiles that were to be asked for and were not: their view was left.
+    pub abandoned: u64,
+}
+
+impl TransferMetrics {
+    /// The scene is asked for; the last time that it is told counts.
+    pub fn begin(&self) {
+        let mut clock = self.clock();
+        *clock = Clock { began: Some(Instant::now()), under_way: clock.under_way, ..Clock::default() };
+    }
+
+    /// When the scene was asked for; now, if it was not yet.
+    pub(super) fn began(&self) -> Instant {
+        self.clock().began.unwrap_or_else(Instant::now)
+    }
+
+    /// Now, since the scene was asked for.
+    pub fn now(&self) -> Elapsed {
+        let clock = *self.clock();
+        let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
+        let idle = clock.idle + clock.idle_since.map_or(Duration::ZERO, |since| since.elapsed());
+        Elapsed { milliseconds: clock.began.map_or(0.0, |began| milliseconds(began.elapsed())), idle: milliseconds(idle) }
+    }
+
+    /// A request begins.
+    pub(super) fn under_way(&self) -> RequestGuard {
+        let mut clock = self.clock();
+        clock.under_way += 1;
+        let idle = clock.idle_since.take().map_or(Duration::ZERO, |since| since.elapsed());
+        clock.idle += idle;
+        RequestGuard(self.clone())
+    }
+
+    /// Bytes have come.
+    fn received(&self, bytes: usize) {
+        add(&self.0.received, bytes as u64);
+        if bytes > 0 {
+            self.clock().came = Some(Instant::now());
+        }
+    }
+
+    /// Whether something came on any connection in so long a time.
+    fn came_within(&self, time: Duration) -> bool {
+        self.clock().came.is_some_and(|came| came.elapsed() < time)
+    }
+
+    fn clock(&self) -> MutexGuard<'_, Clock> {
+        self.0.clock.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A request is made.
+    pub(super) fn asked(&self) {
+        add(&self.0.requests, 1);
+    }
+
+    /// So many tiles are not asked for any more.
+    pub(super) fn abandoned(&self, tiles: u64) {
+        add(&self.0.abandoned, tiles);
+    }
+
+    /// A body has come, and is what it should be.
+    pub(super) fn came(&self, body: Body, bytes: u64) {
+        match body {
+            Body::Scene => add(&self.0.scene, bytes),
+            Body::Tile => {
+                add(&self.0.tiles, 1);
+                add(&self.0.tile_bytes, bytes);
+            }
+            Body::Other => add(&self.0.other, bytes),
+        }
+    }
+
+    /// What was counted so far.
+    pub fn read(&self) -> TransferCounts {
+        let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
+        let c = &*self.0;
+        TransferCounts {
+            connections: read(&c.connections),
+            requests: read(&c.requests),
+            sent: read(&c.sent),
+            received: read(&c.received),
+            scene: read(&c.scene),
+            tiles: read(&c.tiles),
+            tile_bytes: read(&c.tile_bytes),
+            other: read(&c.other),
+            abandoned: read(&c.abandoned),
+        }
+    }
+}
+
+fn add(count: &AtomicU64, n: u64) {
+    count.fetch_add(n, Ordering::Relaxed);
+}
+
+/// Puts a meter on every connection. Where nothing comes on one of them for so long, but something on another, it is waited for: the
+/// path is slow, and its turn has not come yet.
+#[derive(Debug)]
+pub(super) struct CountingConnector(pub(super) TransferMetrics, pub(super) Duration);
+
+impl<In: Transport> Connector<In> for CountingConnector {
+    type Out = CountingTransport<In>;
+
+    fn connect(&self, _: &ConnectionDetails<'_>, chained: Option<In>) -> Result<Option<Self::Out>, ureq::Error> {
+        Ok(chained.map(|inner| {
+            add(&self.0.0.connections, 1);
+            CountingTransport { inner, meter: self.0.clone(), stall: self.1 }
+        }))
+    }
+}
+
+/// A connection with a meter.
+#[derive(Debug)]
+pub(super) struct CountingTransport<In> {
+    inner: In,
+    meter: TransferMetrics,
+    stall: Duration,
+}
+
+impl<In: Transport> Transport for CountingTransport<In> {
+    fn buffers(&mut self) -> &mut dyn Buffers {
+        self.inner.buffers()
+    }
+
+    fn transmit_output(&mut self, amount: usize, timeout: NextTimeout) -> Result<(), ureq::Error> {
+        add(&self.meter.0.sent, amount as u64);
+        self.inner.transmit_output(amount, timeout)
+    }
+
+    fn await_input(&mut self, timeout: NextTimeout) -> Result<bool, ureq::Error> {
+        let before = self.inner.buffers().input().len();
+        let came = loop {
+            match self.inner.await_input(timeout) {
+                Err(ureq::Error::Timeout(_)) if self.meter.came_within(self.stall) => {}
+                came => break came?,
+            }
+        };
+        self.meter.received(self.inner.buffers().input().len().saturating_sub(before));
+        Ok(came)
+    }
+
+    fn is_open(&mut self) -> bool {
+        self.inner.is_open()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::thread::sleep;
+
+    #[test]
+    fn a_path_is_idle_as_long_as_no_request_is_under_way() {
+        let (meter, pause) = (TransferMetrics::default(), Duration::from_millis(40));
+        meter.begin();
+        let (first, second) = (meter.under_way(), meter.under_way());
+        sleep(pause);
+        drop(first);
+        sleep(pause);
+        assert_eq!(meter.now().idle, 0.0, "one is under way");
+        drop(second);
+        sleep(pause);
+        let third = meter.under_way();
+        let idle = meter.now().idle;
+        sleep(pause);
+        assert_eq!(meter.now().idle, idle, "another is under way");
+        drop(third);
+        let now = meter.now();
+        assert!(idle >= 40.0 && now.idle >= idle && now.milliseconds >= now.idle + 120.0, "{idle} {now:?}");
+    }
+}

@@ -1,0 +1,37 @@
+//! The client: fetches the scene and the tiles of a server, repeats failed requests, and caches tiles.
+
+mod cache;
+mod fetch;
+mod metrics;
+mod queue;
+mod schedule;
+mod tiles;
+
+pub use cache::TileCache;
+pub use fetch::{Fetcher, RetryPolicy};
+pub use metrics::{Elapsed, TransferMetrics};
+#[cfg(test)]
+pub(crate) use queue::MAX_AHEAD;
+pub use tiles::{RemoteTiles, TileStore};
+
+use std::fmt::Debug;
+
+/// Receives the progress of a download, for a progress bar.
+pub trait FetchProgress: Debug + Send + Sync {
+    /// Another acquisition needs this many tiles.
+    fn listed(&self, tiles: u64);
+    /// A tile of this many bytes has arrived; 0 bytes if it came from the cache.
+    fn arrived(&self, bytes: u64);
+    /// No more tiles follow.
+    fn finish(&self);
+}
+
+/// Shows no progress.
+#[derive(Clone, Copy, Debug)]
+pub struct NoProgress;
+
+impl FetchProgress for NoProgress {
+    fn listed(&self, _tiles: u64) {}
+    fn arrived(&self, _bytes: u64) {}
+    fn finish(&self) {}
+}

@@ -1,0 +1,206 @@
+//! `--watch`: the picture so far, for a browser.
+
+use super::partial::{PartialFrame, TileCount};
+use crate::protocol::etag_of;
+use crate::server::http::{CachePolicy, Response};
+use crate::server::listen::{Limits, RequestHandler, listen};
+use serde_json::json;
+use std::net::SocketAddr;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The page: it asks what follows the picture that it has, and shows that.
+const PAGE: &str = include_str!("page.html");
+/// Longest that a question for the next picture is left open: less than proxies and browsers wait.
+const OPEN: Duration = Duration::from_secs(5);
+/// Longest that a run which is over waits for who watches to fetch the last picture.
+const LAST: Duration = Duration::from_secs(3);
+
+/// The picture so far. Clones show the same.
+#[derive(Clone, Debug, Default)]
+pub struct LivePreview(Arc<SharedPreview>);
+
+#[derive(Debug, Default)]
+struct SharedPreview {
+    shown: Mutex<PreviewState>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct PreviewState {
+    /// Pictures so far.
+    number: u64,
+    /// The last of them, a PNG, and its name.
+    picture: Arc<[u8]>,
+    name: String,
+    /// No more follow.
+    over: bool,
+    /// When somebody asked for the next picture last.
+    asked: Option<Instant>,
+    /// Somebody has all of them, and was sent that they are all.
+    taken: bool,
+    /// Of a picture that is still growing: its tiles.
+    tiles: Option<TileCount>,
+    growing: PartialFrame,
+}
+
+impl PreviewState {
+    /// Another picture, unless it is the one before under another name.
+    fn show(&mut self, name: String, tiles: Option<TileCount>, png: &[u8]) {
+        (self.name, self.tiles) = (name, tiles);
+        if *self.picture != *png {
+            self.picture = png.into();
+            self.number += 1;
+        }
+    }
+
+    /// What who asks is told.
+    fn told(&self, over: bool) -> Vec<u8> {
+        json!({ "picture": self.number, "name": self.name, "tiles": self.tiles, "over": over }).to_string().into_bytes()
+    }
+}
+
+impl LivePreview {
+    /// Shows it at an address, from now on; port 0 takes any that is free. The address.
+    ///
+    /// # Errors
+    /// A sentence, where the address cannot be listened at.
+    pub fn listen(&self, address: SocketAddr) -> Result<SocketAddr, String> {
+        let listening = listen(self.clone(), address, Limits::default());
+        listening.map(|(address, _)| address).map_err(|e| format!("{address}: cannot be listened at: {e}"))
+    }
+
+    fn lock(&self) -> MutexGuard<'_, PreviewState> {
+        self.0.shown.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A picture is there, under this name. One that is the same as the one before only has another name.
+    pub fn show(&self, name: &str, png: &[u8]) {
+        let mut shown = self.lock();
+        shown.growing.is_shown();
+        shown.show(name.into(), None, png);
+        self.0.changed.notify_all();
+    }
+
+    /// The last picture has another name by now.
+    pub fn rename(&self, name: &str) {
+        self.lock().name = name.into();
+    }
+
+    /// Something has come of the next one.
+    pub(crate) fn grow(&self, grow: impl FnOnce(&mut PartialFrame)) {
+        grow(&mut self.lock().growing);
+        self.0.changed.notify_all();
+    }
+
+    /// Colours the next one so far, and shows it unless another is there meanwhile.
+    fn colour<'a>(&'a self, mut shown: MutexGuard<'a, PreviewState>) -> MutexGuard<'a, PreviewState> {
+        let Some(mut colouring) = shown.growing.take() else { return shown };
+        let name = shown.name.clone();
+        drop(shown);
+        let png = colouring.png();
+        let mut shown = self.lock();
+        // Names are those of the device's pictures, or count tiles: two are never the same.
+        if let (Ok(png), true) = (png, shown.name == name) {
+            shown.show(colouring.come.name(), Some(colouring.come), &png);
+        }
+        shown.growing.rest(colouring);
+        self.0.changed.notify_all();
+        shown
+    }
+
+    /// No more follow. Who watches gets the last one yet; where nobody does, nobody is waited for.
+    pub fn finish(&self) {
+        let mut shown = self.lock();
+        shown.over = true;
+        self.0.changed.notify_all();
+        if shown.asked.is_some_and(|asked| asked.elapsed() < OPEN + LAST) {
+            let waited = self.0.changed.wait_timeout_while(shown, LAST, |shown| !shown.taken);
+            drop(waited.unwrap_or_else(PoisonError::into_inner));
+        }
+    }
+
+    /// What follows a picture: waited for, some seconds.
+    fn after(&self, number: u64) -> Response {
+        let mut shown = self.lock();
+        shown.asked = Some(Instant::now());
+        let end = Instant::now() + OPEN;
+        while shown.number <= number && !shown.over {
+            let now = Instant::now();
+            let due = shown.growing.due(now);
+            if now >= end {
+                break;
+            }
+            if due.is_some_and(|due| due <= now) {
+                shown = self.colour(shown);
+                continue;
+            }
+            let next = due.map_or(end, |due| due.min(end));
+            let waited = self.0.changed.wait_timeout(shown, next - now);
+            shown = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        let over = shown.over && shown.number <= number;
+        shown.asked = Some(Instant::now());
+        let told = shown.told(over);
+        Response::found((told.clone().into(), etag_of(&told)), "application/json", CachePolicy::NoStore)
+    }
+}
+
+impl RequestHandler for LivePreview {
+    fn answer(&self, path: &str) -> Response {
+        let number = |prefix| path.strip_prefix(prefix).and_then(|number: &str| number.parse::<u64>().ok());
+        if path == "/" {
+            let page = PAGE.as_bytes();
+            return Response::found((page.into(), etag_of(page)), "text/html; charset=utf-8", CachePolicy::Revalidate);
+        }
+        if let Some(number) = number("/after/") {
+            return self.after(number);
+        }
+        let shown = self.lock();
+        match number("/picture/") {
+            // Whichever it asks for, nobody wants an older one.
+            Some(1..) if shown.number > 0 => {
+                Response::found((Arc::clone(&shown.picture), etag_of(&shown.picture)), "image/png", CachePolicy::NoStore)
+            }
+            _ => Response::refused(404, "expected /, /after/NUMBER or, once there is one, /picture/NUMBER\n".into()),
+        }
+    }
+
+    fn headers(&self) -> &str {
+        ""
+    }
+
+    /// A run ends as soon as somebody was told that it is over, and no answer outlives it: so only what is sent counts.
+    fn sent(&self, answer: &Response) {
+        let mut shown = self.lock();
+        if shown.over && *answer.body == *shown.told(true) {
+            shown.taken = true;
+            self.0.changed.notify_all();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::thread;
+
+    #[test]
+    fn a_run_ends_when_the_answer_that_it_is_over_is_sent_and_not_when_it_is_made() {
+        let watched = LivePreview::default();
+        watched.show("image.png", b"a picture");
+        let early = watched.answer("/after/0");
+        let run = thread::spawn({
+            let watched = watched.clone();
+            move || watched.finish()
+        });
+        let last = watched.answer("/after/1");
+        watched.sent(&early);
+        thread::sleep(LAST / 10);
+        assert!(!run.is_finished(), "nobody knows yet that it is over");
+        let began = Instant::now();
+        watched.sent(&last);
+        run.join().expect("ends");
+        assert!(began.elapsed() < LAST / 2, "{:?}", began.elapsed());
+    }
+}

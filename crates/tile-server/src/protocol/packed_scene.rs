@@ -1,0 +1,82 @@
+//! A scene on the path: compressed, and what is made of it counted before it is believed.
+
+use basrelief_input::{Budget, Held};
+use basrelief_scene::Subject;
+use fdeflate::{DecompressionError, Decompressor};
+use miniz_oxide::deflate;
+
+/// How hard is tried: the most that others try, too.
+const LEVEL: u8 = 9;
+/// What is unpacked at a time \[bytes\].
+const PART: usize = 1 << 15;
+
+/// A scene as it travels: in zlib's form, as every language and every browser reads it.
+pub fn pack(scene: &[u8]) -> Vec<u8> {
+    deflate::compress_to_vec_zlib(scene, LEVEL)
+}
+
+/// A scene that has come from `name`, and what it takes.
+///
+/// # Errors
+/// A sentence that begins with `name`: what is wrong, and where; what is over the budget.
+pub fn unpack(packed: &[u8], name: &str, budget: &Budget) -> Result<(Subject, Held), String> {
+    let failed = |e| format!("{name}: no scene: {e}; is `basrelief serve` running there?");
+    let (bytes, _held) = unpacked(packed, budget).map_err(failed)?;
+    Subject::from_bytes(&bytes, name, budget).map_err(|e| e.to_string())
+}
+
+/// What is packed, and what it takes.
+fn unpacked(mut packed: &[u8], budget: &Budget) -> Result<(Vec<u8>, Held), String> {
+    let (mut decompressor, mut scene, mut held) = (Decompressor::new(), Vec::new(), budget.nothing());
+    while !decompressor.is_done() {
+        let at = scene.len();
+        held.room(&mut scene, PART, "a scene").map_err(|e| e.to_string())?;
+        scene.resize(at + PART, 0);
+        let (read, written) = decompressor.read(packed, &mut scene, at, true).map_err(|e| match e {
+            DecompressionError::InsufficientInput => "it is cut short".to_owned(),
+            _ => "it cannot be unpacked".to_owned(),
+        })?;
+        packed = &packed[read..];
+        scene.truncate(at + written);
+    }
+    Ok((scene, held))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_arrives_as_it_was_sent_and_a_damaged_one_is_refused() {
+        let scene: Vec<u8> = (0..200_000_u32).flat_map(|n| (n / 5 * 7).to_le_bytes()).collect();
+        let (packed, budget) = (pack(&scene), Budget::default());
+        assert!(packed.len() < scene.len());
+        assert!(unpacked(&packed, &budget).unwrap().0 == scene);
+        for length in [0, 1, 2, packed.len() / 2, packed.len() - 5, packed.len() - 1] {
+            assert_eq!(unpacked(&packed[..length], &budget).err().unwrap(), "it is cut short", "{length}");
+        }
+        let mut damaged = packed.clone();
+        *damaged.last_mut().unwrap() ^= 1;
+        assert_eq!(unpacked(&damaged, &budget).err().unwrap(), "it cannot be unpacked", "its checksum");
+        assert!(unpacked(b"glTF and no more", &budget).is_err());
+    }
+
+    #[test]
+    fn what_a_scene_unfolds_to_is_counted_before_it_is_held() {
+        let packed = pack(&vec![0; 16 << 20]);
+        assert!(packed.len() < 1 << 15);
+        let budget = Budget::new(1 << 20);
+        assert!(unpacked(&packed, &budget).err().unwrap().contains("over the limit of 1 MiB"));
+        assert_eq!(budget.left(), 1 << 20, "nothing is kept of it");
+    }
+
+    #[test]
+    fn a_scene_that_was_packed_is_the_scene_that_is_unpacked() {
+        let subject = Subject::demo("cut-plane@1").unwrap();
+        let sent = subject.to_bytes(&mut crate::protocol::hash_of_picture).unwrap();
+        let (again, _held) = unpack(&pack(&sent), "http://a/scene", &Budget::default()).unwrap();
+        assert!(again.to_bytes(&mut |texture| texture.elsewhere.unwrap()).unwrap() == sent);
+        let error = unpack(&pack(b"other"), "http://a/scene", &Budget::default()).err().unwrap();
+        assert!(error.starts_with("http://a/scene: byte 0: no scene"), "{error}");
+    }
+}

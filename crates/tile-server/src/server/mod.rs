@@ -1,0 +1,13 @@
+//! The server: HTTP/1.1 over TCP with one thread per connection, fair to clients that compete for connections.
+
+mod files;
+pub(crate) mod http;
+mod index;
+pub(crate) mod listen;
+mod scenes;
+mod semaphore;
+
+pub use files::StaticFiles;
+pub use index::index_page;
+pub use listen::{Limits, ListeningServer};
+pub use scenes::SceneService;

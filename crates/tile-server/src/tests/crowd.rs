@@ -1,0 +1,53 @@
+//! Many clients at once.
+
+use super::*;
+use crate::server::Limits;
+use std::sync::mpsc::channel;
+
+/// Clients that look around at once; each keeps as many connections as it has requests in flight.
+const CLIENTS: usize = 20;
+const IN_FLIGHT: u32 = 8;
+/// A tenth of the connections that they would have.
+const CONNECTIONS: usize = 16;
+
+#[test]
+fn clients_with_ten_times_the_connections_that_there_may_be_get_every_tile_as_it_is() {
+    let limits = Limits { connections: CONNECTIONS, ..Limits::default() };
+    let (address, _server) = served().listen(([127, 0, 0, 1], 0).into(), limits).unwrap();
+    let page = Arc::new(Page::new(0, &texture(), Cut { tile: [16, 16], ..Cut::default() }, 0));
+    let tiles: Vec<_> = (0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect();
+    let mut model = TextureMemory::new(TileEncoding::Raw, 100);
+    model.offer(&texture());
+    let expected: Vec<_> = (0..page.tiles()).map(|tile| model.tile(&page, tile).unwrap()).collect();
+    let look_around = &|client: usize| {
+        let fetcher = Fetcher::new(&format!("http://{address}"), RetryPolicy::default());
+        let meter = fetcher.meter().clone();
+        let fetch = TileFetch { encoding: TileEncoding::Raw, jpeg_quality: 100, ..fetch(IN_FLIGHT, 1) };
+        let mut source = unkept(fetcher, fetch);
+        source.offer(&elsewhere());
+        source.announce(&tiles);
+        for (number, expected) in expected.iter().enumerate() {
+            assert_eq!(source.tile(&page, number as u32).as_ref(), Ok(expected), "client {client}, tile {number}");
+        }
+        meter.read().requests as usize - expected.len()
+    };
+    let again: usize = thread::scope(|scope| {
+        let clients: Vec<_> = (0..CLIENTS).map(|client| scope.spawn(move || look_around(client))).collect();
+        clients.into_iter().map(|client| client.join().unwrap()).sum()
+    });
+    assert!(again < CLIENTS * tiles.len() / 100, "{again} requests were lost by connections closed on them");
+}
+
+#[test]
+fn a_sum_that_many_ask_for_is_made_once() {
+    let served = Arc::new(served());
+    let asked = format!("/bytes/{}/64x64/png/2", hex(&hash_of_picture(&texture())));
+    let body = move |served: &SceneService| served.bytes(asked.trim_start_matches("/bytes/")).unwrap().0;
+    let first = body(&served);
+    let (tell, told) = channel();
+    let again = Arc::clone(&served);
+    // Whoever made it again would wait for this picture.
+    let _under_work = served.pictures[&hex(&hash_of_picture(&texture()))].pyramid.lock().unwrap();
+    thread::spawn(move || tell.send(body(&again)));
+    assert_eq!(told.recv_timeout(Duration::from_secs(20)), Ok(first));
+}

@@ -1,0 +1,192 @@
+//! Faults that pass, and faults that stay.
+
+use super::*;
+use crate::client::MAX_AHEAD;
+use crate::server::Limits;
+use std::time::Instant;
+
+#[test]
+fn tiles_come_as_they_are_whatever_the_requests_in_flight() {
+    for in_flight in [1, 4, 100] {
+        let (url, count) = faulty(u32::MAX, |_| Fault::None);
+        assert_eq!(all(&mut tiles(&url, in_flight, None)).unwrap(), expected());
+        assert_eq!(count.load(Ordering::SeqCst), page().tiles());
+    }
+}
+
+#[test]
+fn what_nobody_takes_is_not_fetched_without_end_and_what_is_asked_for_comes_all_the_same() {
+    let (url, count) = faulty(u32::MAX, |_| Fault::None);
+    let mut tiles = tiles(&url, 4, None);
+    let page = Arc::new(Page::new(0, &texture(), Cut { tile: [4, 4], ..Cut::default() }, 0));
+    let all: Vec<_> = (0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect();
+    tiles.offer(&elsewhere());
+    tiles.announce(&all);
+    let fetched = || count.load(Ordering::SeqCst) as usize;
+    while fetched() < MAX_AHEAD {
+        thread::sleep(Duration::from_millis(1));
+    }
+    // A little more than a request takes: those under way come to their end.
+    thread::sleep(Duration::from_millis(100));
+    assert!((MAX_AHEAD..MAX_AHEAD + 4).contains(&fetched()), "{} of {}", fetched(), all.len());
+    tiles.tile(&page, page.tiles() - 1).unwrap();
+    // The last is taken last; up to three before it may be under way.
+    assert!((all.len() - 3..=all.len()).contains(&fetched()), "{} of {}", fetched(), all.len());
+}
+
+#[test]
+fn a_fault_that_passes_is_tried_again_and_nothing_is_lost() {
+    for fault in PASSING.into_iter().chain([Fault::Status(404)]) {
+        let (url, count) = faulty(u32::MAX, move |n| if n == 2 { fault } else { Fault::None });
+        assert_eq!(all(&mut unkept(Fetcher::new(&url, patience(fault)), fetch(2, 1))).unwrap(), expected(), "{fault:?}");
+        assert_eq!(count.load(Ordering::SeqCst), page().tiles() + 1, "{fault:?}");
+    }
+}
+
+/// As over a modem, where the answer to the eighth request begins when the seven before have come.
+#[test]
+fn who_waits_for_others_on_a_slow_path_is_not_given_up() {
+    let path = Arc::new(std::sync::Mutex::new(()));
+    let (listener, url, count) = listening();
+    let counted = Arc::clone(&count);
+    thread::spawn(move || {
+        let served = Arc::new(served());
+        for stream in listener.incoming().flatten() {
+            counted.fetch_add(1, Ordering::SeqCst);
+            let (served, path) = (Arc::clone(&served), Arc::clone(&path));
+            thread::spawn(move || {
+                let _turn = path.lock();
+                thread::sleep(HASTY.stall / 4);
+                respond(&served, stream, Fault::None);
+            });
+        }
+    });
+    let mut tiles = unkept(Fetcher::new(&url, HASTY), fetch(8, 1));
+    assert_eq!(all(&mut tiles).unwrap(), expected());
+    assert_eq!(count.load(Ordering::SeqCst), page().tiles(), "none is asked for again");
+}
+
+#[test]
+fn a_fault_that_stays_is_an_error_that_names_texture_layer_and_tile() {
+    for (fault, says) in [
+        (Fault::Status(500), "status: 500"),
+        (Fault::Status(404), "status: 404"),
+        (Fault::Status(302), "status: 302"),
+        (Fault::Endless, "too long"),
+        (Fault::Corrupt, "hash"),
+        (Fault::Truncated, "disconnected"),
+        (Fault::Cut, "disconnected"),
+        (Fault::Silent, "nothing has come for 1 s"),
+        (Fault::Stalled, "nothing has come for 1 s"),
+        (Fault::Dripping, "less than 1000 bytes/s"),
+        (Fault::Undecodable, "corrupt: "),
+        (Fault::OtherSize, "picture of 3 x 2, expected RGB of 50 x 23"),
+    ] {
+        let (url, _) = faulty(u32::MAX, move |_| fault);
+        let (tile, error) = all(&mut unkept(Fetcher::new(&url, patience(fault)), fetch(1, 1))).unwrap_err();
+        assert_eq!(tile, 0);
+        assert!(error.starts_with("texture 4 (plane), layer 0, tile 0: http://"), "{error}");
+        assert!(error.contains(says), "{fault:?}: {error}");
+        assert!(error.ends_with("(attempt 3; at most 3 are made, none 20 s after the first)"), "{error}");
+    }
+}
+
+#[test]
+fn a_server_that_has_another_scene_by_now_is_found_out() {
+    let other =
+        Arc::new(Texture { levels: vec![Image { width: 1, height: 1, texels: vec![[1; 4]] }], ..Texture::clone(&texture()) });
+    let (address, _server) =
+        SceneService::new(vec![], String::new(), [other]).listen(([127, 0, 0, 1], 0).into(), Limits::default()).unwrap();
+    let (tile, error) = all(&mut tiles(&format!("http://{address}"), 1, None)).unwrap_err();
+    assert_eq!(tile, 0);
+    assert!(error.contains("http status: 404; the server may have another scene by now"), "{error}");
+}
+
+/// RetryPolicy with a server that starts so late.
+fn waiting(starting: Duration) -> RetryPolicy {
+    RetryPolicy { starting, ..PATIENT }
+}
+
+#[test]
+fn a_server_that_starts_late_is_waited_for_and_one_that_does_not_is_named() {
+    let address = listener_of_its_own().local_addr().unwrap();
+    let url = format!("http://{address}");
+    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene(|_| ()).unwrap_err();
+    assert!(error.starts_with(&format!("{url}/scene: ")) && error.contains("refused"), "{error}");
+    assert!(error.ends_with(", for 0 s; is `basrelief serve` running there?"), "{error}");
+    let began = Instant::now();
+    let late = Duration::from_millis(500);
+    thread::spawn(move || {
+        thread::sleep(late);
+        served().listen(address, Limits::default()).unwrap().1.join()
+    });
+    assert_eq!(Fetcher::new(&url, waiting(Duration::from_secs(20))).scene(|_| ()).unwrap().1, b"scene");
+    assert!(began.elapsed() >= late);
+}
+
+#[test]
+fn a_server_that_restarts_in_the_middle_is_waited_for_and_one_that_does_not_is_named() {
+    for (starting, comes_back) in [(Duration::from_secs(20), true), (Duration::ZERO, false)] {
+        let (url, count) = faulty(5, |_| Fault::None);
+        let address = url.trim_start_matches("http://").trim_end_matches('/').parse::<std::net::SocketAddr>().unwrap();
+        let fetcher = Fetcher::new(&url, waiting(starting));
+        let mut tiles = unkept(fetcher, fetch(2, 1));
+        if comes_back {
+            thread::spawn(move || {
+                while count.load(Ordering::SeqCst) < 5 {
+                    thread::sleep(Duration::from_millis(1));
+                }
+                // Longer than it is tried again.
+                thread::sleep(Duration::from_millis(500));
+                served().listen(address, Limits::default()).unwrap().1.join()
+            });
+            assert_eq!(all(&mut tiles).unwrap(), expected());
+        } else {
+            let (tile, error) = all(&mut tiles).unwrap_err();
+            assert!(tile >= 3 && error.contains("refused") && error.ends_with(", for 0 s"), "{tile}: {error}");
+        }
+    }
+}
+
+/// As a proxy answers in place of a server that starts anew behind it.
+#[test]
+fn a_server_behind_a_proxy_is_waited_for_as_one_that_does_not_listen() {
+    for status in [502, 503, 504] {
+        // More than there are attempts.
+        let (url, count) = faulty(u32::MAX, move |n| if n < 8 { Fault::Status(status) } else { Fault::None });
+        let mut tiles = unkept(Fetcher::new(&url, waiting(Duration::from_secs(20))), fetch(1, 1));
+        assert_eq!(all(&mut tiles).unwrap(), expected(), "{status}");
+        assert_eq!(count.load(Ordering::SeqCst), page().tiles() + 8, "{status}");
+    }
+    let (url, _count) = faulty(u32::MAX, |_| Fault::Status(502));
+    let error = Fetcher::new(&url, waiting(Duration::ZERO)).scene(|_| ()).unwrap_err();
+    assert!(error.ends_with("scene: http status: 502, for 0 s; is `basrelief serve` running there?"), "{error}");
+}
+
+#[test]
+fn attempts_end_when_their_time_is_over() {
+    let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
+    let began = Instant::now();
+    let patience = RetryPolicy { attempts: 100, whole: 19 * HASTY.stall / 10, ..HASTY };
+    let error = Fetcher::new(&url, patience).scene(|_| ()).unwrap_err();
+    assert!(error.contains("attempt 2; at most 100 are made, none 1.9 s after the first"), "{error}");
+    assert!(error.ends_with("is `basrelief serve` running there?"), "{error}");
+    assert_eq!(count.load(Ordering::SeqCst), 2);
+    assert!(began.elapsed() < Duration::from_secs(10), "{:?}", began.elapsed());
+}
+
+#[test]
+fn who_gives_up_waits_for_nobody() {
+    let (url, count) = faulty(u32::MAX, |_| Fault::Stalled);
+    let patience = RetryPolicy { stall: Duration::from_secs(100), ..PATIENT };
+    let fetcher = Fetcher::new(&url, patience);
+    let mut tiles = unkept(fetcher, fetch(4, 1));
+    announce_all(&mut tiles);
+    while count.load(Ordering::SeqCst) < 4 {
+        thread::sleep(Duration::from_millis(1));
+    }
+    let began = Instant::now();
+    drop(tiles);
+    // The server lets go before that, but not before it has slept.
+    assert!(began.elapsed() < 2 * HASTY.stall, "{:?}", began.elapsed());
+}

@@ -1,0 +1,97 @@
+//! `--tile-cache`.
+
+use super::*;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn cache(folder: &Path) -> TileCache {
+    TileCache::open(folder, write_atomically).unwrap()
+}
+
+fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap())?;
+    file.write_all(bytes)?;
+    file.persist(path).map(drop).map_err(|error| error.error)
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
+}
+
+#[test]
+fn what_has_come_from_a_server_that_is_gone_for_good_is_kept_and_the_rest_is_fetched_later() {
+    let folder = tempfile::tempdir().unwrap();
+    let kept = || Some(kept(cache(folder.path())));
+    let (url, _) = faulty(3, |_| Fault::None);
+    let (tile, error) = all(&mut tiles(&url, 1, kept())).unwrap_err();
+    assert_eq!(tile, 3);
+    assert!(error.contains("tile 3"), "{error}");
+    let (url, count) = faulty(u32::MAX, |_| Fault::None);
+    assert_eq!(all(&mut tiles(&url, 2, kept())).unwrap(), expected());
+    assert_eq!(count.load(Ordering::SeqCst), page().tiles() - 3, "only the rest");
+    let (url, count) = faulty(u32::MAX, |_| Fault::None);
+    assert_eq!(all(&mut tiles(&url, 2, kept())).unwrap(), expected());
+    assert_eq!(count.load(Ordering::SeqCst), 0, "all there");
+}
+
+#[test]
+fn what_cannot_be_decoded_is_not_kept() {
+    for fault in [Fault::Undecodable, Fault::OtherSize, Fault::Corrupt] {
+        let folder = tempfile::tempdir().unwrap();
+        let (url, _) = faulty(u32::MAX, move |_| fault);
+        all(&mut tiles(&url, 1, Some(kept(cache(folder.path()))))).unwrap_err();
+        assert_eq!(files(folder.path()), Vec::<PathBuf>::new(), "{fault:?}");
+    }
+}
+
+#[test]
+fn a_file_of_the_cache_that_proves_bad_is_removed_and_fetched_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let (url, _) = faulty(u32::MAX, |_| Fault::None);
+    all(&mut tiles(&url, 2, Some(kept(cache(folder.path()))))).unwrap();
+    let kept_files = files(folder.path());
+    let (damaged, wrong, cut) = (&kept_files[0], &kept_files[1], &kept_files[2]);
+    let mut bytes = fs::read(damaged).unwrap();
+    *bytes.last_mut().unwrap() ^= 1;
+    fs::write(damaged, bytes).unwrap();
+    fs::write(wrong, [hash_of(b"no tile").as_bytes(), b"no tile"].concat()).unwrap();
+    fs::write(cut, "short").unwrap();
+    for file in [damaged, wrong, cut] {
+        let tile = file.file_name().unwrap().to_str().unwrap().replace('-', "/");
+        assert_eq!(cache(folder.path()).get(&tile, 1 << 20, |_| Err("no tile".into())), None);
+        assert!(!file.exists(), "{tile}");
+    }
+    let (url, count) = faulty(u32::MAX, |_| Fault::None);
+    assert_eq!(all(&mut tiles(&url, 2, Some(kept(cache(folder.path()))))).unwrap(), expected());
+    assert_eq!(count.load(Ordering::SeqCst), 3, "those three");
+    assert_eq!(files(folder.path()).len(), kept_files.len());
+}
+
+#[test]
+fn two_runs_may_share_a_cache() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs: Vec<_> = (0..2)
+        .map(|_| {
+            let kept = kept(cache(folder.path()));
+            thread::spawn(move || {
+                let (url, _) = faulty(u32::MAX, |_| Fault::None);
+                all(&mut tiles(&url, 4, Some(kept))).unwrap()
+            })
+        })
+        .collect();
+    for run in runs {
+        assert_eq!(run.join().unwrap(), expected());
+    }
+    assert_eq!(files(folder.path()).len() as u32, page().tiles());
+}
+
+#[test]
+fn a_cache_that_cannot_be_written_costs_no_tile_and_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = cache(folder.path());
+    fs::remove_dir_all(folder.path()).unwrap();
+    let kept = kept(cache);
+    let (url, _) = faulty(u32::MAX, |_| Fault::None);
+    assert_eq!(all(&mut tiles(&url, 2, Some(kept.clone()))).unwrap(), expected());
+    assert!(kept.failed.get().is_some_and(|why| !why.is_empty()));
+}

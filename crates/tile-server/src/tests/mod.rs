@@ -1,0 +1,220 @@
+//! Faults of the path: slow, cut, truncated, corrupt, refused, gone; and that nothing is lost.
+
+mod crowd;
+mod faults;
+mod keeping;
+mod serving;
+mod several;
+mod turning;
+
+use crate::client::{Fetcher, NoProgress, RemoteTiles, RetryPolicy, TileCache, TileStore};
+use crate::protocol::{hash_of, hash_of_picture, hex};
+use crate::server::SceneService;
+use basrelief_deferred_renderer::{Cut, Page, TextureMemory, TileEncoding, TileSource};
+use basrelief_signals::{Image, Sampler, Texture};
+use basrelief_sim::TileFetch;
+use std::io::{BufRead, BufReader, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+use std::thread;
+use std::time::Duration;
+
+/// Listens where nobody else does, now or later: clients of other tests take ports of 127.0.0.1 as they come, and their servers those of an
+/// address that they share, and so, now and then, the one of a server that is to listen there again. (Where this computer has no other
+/// address, that stays so.)
+fn listener_of_its_own() -> TcpListener {
+    static LISTENERS: AtomicU8 = AtomicU8::new(1);
+    let number = LISTENERS.fetch_add(1, Ordering::Relaxed);
+    TcpListener::bind(SocketAddr::from(([127, 0, 1, number], 0))).or_else(|_| TcpListener::bind("127.0.0.1:0")).unwrap()
+}
+
+/// Faults of an answer that another attempt does not meet.
+const PASSING: [Fault; 9] = [
+    Fault::Status(500),
+    Fault::Corrupt,
+    Fault::Truncated,
+    Fault::Cut,
+    Fault::Silent,
+    Fault::Stalled,
+    Fault::Dripping,
+    Fault::Undecodable,
+    Fault::OtherSize,
+];
+
+/// What goes wrong with an answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Fault {
+    None,
+    Status(u16),
+    Corrupt,
+    Truncated,
+    /// The connection is closed in place of an answer.
+    Cut,
+    /// Nothing comes for longer than anybody waits.
+    Silent,
+    /// None, but it takes a while.
+    Late,
+    /// Half of it comes, and then nothing.
+    Stalled,
+    /// Byte by byte, and not many a second.
+    Dripping,
+    /// Much more than a tile, with its hash.
+    Endless,
+    /// No tile, with its hash.
+    Undecodable,
+    /// A tile of another size, with its hash.
+    OtherSize,
+}
+
+const LATE: Duration = Duration::from_millis(60);
+
+/// Who never gives up where nothing goes wrong, however busy the computer: requests can be counted.
+const PATIENT: RetryPolicy = RetryPolicy {
+    stall: Duration::from_secs(20),
+    slowest: 1000,
+    attempts: 3,
+    pause: Duration::from_millis(5),
+    whole: Duration::from_secs(20),
+    starting: Duration::from_millis(300),
+};
+
+/// Who gives up soon: where nothing comes, or little.
+const HASTY: RetryPolicy = RetryPolicy { stall: Duration::from_secs(1), ..PATIENT };
+
+/// RetryPolicy with a fault: only those that are found out by waiting are not waited for.
+fn patience(fault: Fault) -> RetryPolicy {
+    if matches!(fault, Fault::Silent | Fault::Stalled | Fault::Dripping) { HASTY } else { PATIENT }
+}
+
+fn texture() -> Arc<Texture> {
+    let texels = (0..200 * 90).map(|i: u32| [i as u8, (i / 7) as u8, (i / 200) as u8, 255]).collect();
+    let levels = vec![Image { width: 200, height: 90, texels }];
+    Arc::new(Texture { id: 4, name: "plane".into(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
+}
+
+/// The same as who asks for its tiles knows it.
+fn elsewhere() -> Arc<Texture> {
+    let levels = vec![Image { width: 200, height: 90, texels: vec![] }];
+    Arc::new(Texture { levels, elsewhere: Some(hash_of_picture(&texture())), ..Texture::clone(&texture()) })
+}
+
+/// What is served; of the scene only that it comes is of interest here.
+fn served() -> SceneService {
+    serving_scene(b"scene".to_vec())
+}
+
+fn serving_scene(scene: Vec<u8>) -> SceneService {
+    SceneService::new(scene, "<p>page".into(), [texture()])
+}
+
+/// Address of a tile of the texture, or of several.
+fn address(numbers: impl std::fmt::Display) -> String {
+    format!("/tile/{}/64x64/png/{numbers}", hex(&hash_of_picture(&texture())))
+}
+
+fn page() -> Arc<Page> {
+    Arc::new(Page::new(0, &texture(), Cut::default(), 0))
+}
+
+/// RequestHandler a request, with a fault.
+fn respond(served: &SceneService, mut stream: TcpStream, fault: Fault) {
+    let mut lines = BufReader::new(stream.try_clone().unwrap()).lines().map_while(Result::ok);
+    let Some(first) = lines.next() else { return };
+    while lines.next().is_some_and(|line| !line.is_empty()) {}
+    let mut body = match first.split(' ').nth(1).unwrap_or("/") {
+        "/scene" => b"scene".to_vec(),
+        tile => served.tiles(tile.trim_start_matches("/tile/")).unwrap_or_default().0,
+    };
+    match fault {
+        Fault::Endless => body.resize(8 << 20, 0),
+        Fault::Undecodable => body.reverse(),
+        Fault::OtherSize => body = TileEncoding::Png.encode(&[[1; 4]; 6], [3, 2], 85).unwrap(),
+        _ => {}
+    }
+    let (hash, length) = (hash_of(&body), body.len());
+    let status = if let Fault::Status(status) = fault { status } else { 200 };
+    match fault {
+        Fault::Cut => return,
+        Fault::Silent => thread::sleep(3 * HASTY.stall),
+        Fault::Late => thread::sleep(LATE),
+        Fault::Corrupt => body[0] ^= 1,
+        Fault::Truncated | Fault::Stalled => body.truncate(length / 2),
+        _ => {}
+    }
+    let head = format!("HTTP/1.1 {status} x\r\nContent-Length: {length}\r\nETag: \"{hash}\"\r\nConnection: close\r\n\r\n");
+    let parts = body.chunks(if fault == Fault::Dripping { 1 } else { body.len().max(1) });
+    // Who has given up waiting does not read it.
+    let mut sent = stream.write_all(head.as_bytes());
+    for part in parts {
+        sent = sent.and_then(|()| stream.write_all(part));
+        if fault == Fault::Dripping && sent.is_ok() {
+            thread::sleep(Duration::from_millis(10));
+        }
+    }
+    if fault == Fault::Stalled {
+        thread::sleep(3 * HASTY.stall);
+    }
+}
+
+/// Where a server listens, its address, and how many requests came.
+fn listening() -> (TcpListener, String, Arc<AtomicU32>) {
+    let listener = listener_of_its_own();
+    let url = format!("http://{}/", listener.local_addr().unwrap());
+    (listener, url, Arc::default())
+}
+
+/// A server whose answer number n has this fault; its address, and how many requests came. It stops listening behind the last
+/// of `answers`.
+fn faulty(answers: u32, fault: impl Fn(u32) -> Fault + Send + 'static) -> (String, Arc<AtomicU32>) {
+    let (listener, url, count) = listening();
+    let counted = Arc::clone(&count);
+    thread::spawn(move || {
+        let served = Arc::new(served());
+        for stream in listener.incoming().take(answers as usize).flatten() {
+            let fault = fault(counted.fetch_add(1, Ordering::SeqCst));
+            let served = Arc::clone(&served);
+            thread::spawn(move || respond(&served, stream, fault));
+        }
+    });
+    (url, count)
+}
+
+fn kept(cache: TileCache) -> TileStore {
+    TileStore { cache, failed: Arc::default() }
+}
+
+fn tiles(url: &str, in_flight: u32, kept: Option<TileStore>) -> RemoteTiles {
+    RemoteTiles::new(Fetcher::new(url, PATIENT), fetch(in_flight, 1), kept, Arc::new(NoProgress))
+}
+
+/// Tiles that are not kept.
+fn unkept(fetcher: Fetcher, fetch: TileFetch) -> RemoteTiles {
+    RemoteTiles::new(fetcher, fetch, None, Arc::new(NoProgress))
+}
+
+/// PNG, so many requests in flight, each for so many tiles.
+fn fetch(requests: u32, tiles_per_request: u32) -> TileFetch {
+    TileFetch { encoding: TileEncoding::Png, jpeg_quality: 85, requests, tiles_per_request, left_at_ms: vec![] }
+}
+
+fn announce_all(source: &mut dyn TileSource) {
+    let page = page();
+    source.offer(&elsewhere());
+    source.announce(&(0..page.tiles()).map(|tile| (Arc::clone(&page), tile)).collect::<Vec<_>>());
+}
+
+/// All tiles of the texture, announced and taken in order; the number of the first that does not come, and why.
+fn all(source: &mut dyn TileSource) -> Result<Vec<Arc<[u8]>>, (u32, String)> {
+    announce_all(source);
+    let page = page();
+    (0..page.tiles()).map(|tile| source.tile(&page, tile).map_err(|e| (tile, e))).collect()
+}
+
+/// The same of a server that has the texels at hand.
+fn expected() -> Vec<Arc<[u8]>> {
+    let mut source = TextureMemory::new(TileEncoding::Png, 85);
+    source.offer(&texture());
+    let page = page();
+    (0..page.tiles()).map(|tile| source.tile(&page, tile).unwrap()).collect()
+}

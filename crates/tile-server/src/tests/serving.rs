@@ -1,0 +1,291 @@
+//! The server, and clients that are slow, idle, wrong or many.
+
+use super::*;
+use crate::server::Limits;
+use std::io::Read;
+use std::net::SocketAddr;
+use std::time::Instant;
+
+/// A server that grants little; its address.
+fn serving(at: impl Into<SocketAddr>, limits: Limits) -> SocketAddr {
+    let (address, server) = served().listen(at.into(), limits).unwrap();
+    // It goes on to the end of the tests.
+    drop(server);
+    address
+}
+
+const LITTLE: Limits = Limits { idle: Duration::from_secs(1), slowest: 100, connections: 4 };
+const LOOPBACK: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
+
+fn scene(address: SocketAddr) -> Vec<u8> {
+    let patience = RetryPolicy { stall: Duration::from_secs(20), ..PATIENT };
+    Fetcher::new(&format!("http://{address}"), patience).scene(|_| ()).unwrap().1
+}
+
+/// Sends this; all that comes until the server closes the connection.
+fn exchange(address: SocketAddr, request: &[u8]) -> String {
+    let mut stream = TcpStream::connect(address).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    stream.write_all(request).unwrap();
+    let mut answer = Vec::new();
+    // A connection that is reset is closed too.
+    let _ = stream.read_to_end(&mut answer);
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
+/// Status of the answer to a request of tiles.
+fn status(served: &SceneService, asked: &str) -> u16 {
+    served.tiles(asked.trim_start_matches("/tile/")).map(|_| 200).unwrap_or_else(|e| e.0)
+}
+
+#[test]
+fn addresses_that_are_none_are_refused() {
+    let (served, picture) = (served(), hex(&hash_of_picture(&texture())));
+    assert_eq!(status(&served, &address(0)), 200);
+    let other = hash_of(b"other");
+    for missing in [format!("{other}/64x64/png/0"), address(99), "x/64x64/raw/0".to_owned(), address("0,99")] {
+        assert_eq!(status(&served, &missing), 404, "{missing}");
+    }
+    for wrong in
+        ["63x64/png/0", "64x64/bmp/0", "64x64/jpeg-0/0", "64x64/jpeg-085/0", "64x64/jpeg/0", "64x64/raw/-1", "64x64/raw/"]
+    {
+        assert_eq!(status(&served, &format!("{picture}/{wrong}")), 400, "{wrong}");
+    }
+    assert_eq!(status(&served, &address(vec!["0"; 65].join(","))), 400);
+    let address = serving(LOOPBACK, LITTLE);
+    for missing in ["/polygons", "/tiles", "/../etc/passwd"] {
+        let answer = exchange(address, format!("GET {missing} HTTP/1.0\r\n\r\n").as_bytes());
+        assert!(answer.starts_with("HTTP/1.1 404"), "{missing}: {answer}");
+    }
+}
+
+#[test]
+fn several_tiles_of_one_request_are_those_of_several() {
+    let served = served();
+    let one = |number: u32| served.tiles(address(number).trim_start_matches("/tile/")).unwrap().0;
+    let (mut rest, _) = served.tiles(address("3,0,5").trim_start_matches("/tile/")).unwrap();
+    for number in [3, 0, 5] {
+        let length = u32::from_le_bytes(rest[..4].try_into().unwrap()) as usize;
+        assert_eq!(rest[4..4 + length], one(number), "{number}");
+        rest.drain(..4 + length);
+    }
+    assert!(rest.is_empty());
+}
+
+#[test]
+fn bytes_of_a_layer_are_those_of_its_tiles() {
+    let served = served();
+    let (url, picture) = (format!("http://{}", serving(LOOPBACK, LITTLE)), hex(&hash_of_picture(&texture())));
+    let fetcher = Fetcher::new(&url, PATIENT);
+    let page = page();
+    for (layer, found) in page.layers.iter().enumerate() {
+        let tiles = found.base..found.base + found.pitch * found.rows;
+        let sum: usize = tiles.map(|n| served.tiles(address(n).trim_start_matches("/tile/")).unwrap().0.len()).sum();
+        assert_eq!(fetcher.number(&format!("bytes/{picture}/64x64/png/{layer}")), Ok(sum as u64), "{layer}");
+    }
+    assert!(fetcher.number(&format!("bytes/{picture}/64x64/png/9")).unwrap_err().contains("status: 404"));
+}
+
+#[test]
+fn a_tile_is_kept_for_ever_a_scene_as_long_as_it_is_the_same_and_any_page_may_read_both() {
+    let at = serving(LOOPBACK, LITTLE);
+    let get = |path: &str, more: &str| exchange(at, format!("GET {path} HTTP/1.0\r\n{more}\r\n").as_bytes());
+    let tile = get(&address(0), "");
+    let says = |answer: &str, words: &[&str]| words.iter().for_each(|word| assert!(answer.contains(word), "{word}: {answer}"));
+    says(
+        &tile,
+        &["content-type: image/png", "cache-control: public, max-age=31536000, immutable", "access-control-allow-origin: *"],
+    );
+    let scene = get("/scene", "");
+    says(
+        &scene,
+        &[
+            "HTTP/1.1 200",
+            "content-type: application/octet-stream",
+            "cache-control: no-cache",
+            "access-control-expose-headers: etag",
+        ],
+    );
+    says(&get("/", ""), &["content-type: text/html", "<p>page"]);
+    let tag = format!("\"{}\"", hash_of(b"scene"));
+    assert!(scene.contains(&format!("etag: {tag}\r\n")), "{scene}");
+    for has in [&*tag, &format!("\"x\", W/{tag}"), "*"] {
+        let unchanged = get("/scene", &format!("If-None-Match: {has}\r\n"));
+        assert!(unchanged.starts_with("HTTP/1.1 304") && unchanged.ends_with("\r\n\r\n"), "{unchanged}");
+    }
+    assert!(get("/scene", "If-None-Match: \"x\"\r\n").starts_with("HTTP/1.1 200"));
+}
+
+#[test]
+fn who_asks_for_the_head_gets_that_of_the_whole_and_the_connection_goes_on() {
+    let at = serving(LOOPBACK, LITTLE);
+    let answers = exchange(at, b"HEAD /scene HTTP/1.1\r\nHost: x\r\n\r\nGET /scene HTTP/1.0\r\n\r\n");
+    let (first, second) = answers.split_at(answers.rfind("HTTP/1.1 ").unwrap());
+    assert!(first.contains("content-length: 5\r\n") && first.ends_with("\r\n\r\n"), "{first}");
+    assert!(second.ends_with("\r\n\r\nscene"), "{second}");
+}
+
+/// A request of one tile, and of nothing more.
+fn a_tile() -> String {
+    format!("GET {} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n", address(0))
+}
+
+#[test]
+fn a_texture_under_work_holds_up_no_other() {
+    let other =
+        Texture { id: 5, levels: vec![Image { width: 1, height: 1, texels: vec![[1; 4]] }], ..Texture::clone(&texture()) };
+    let asked = format!("{}/64x64/png/0", hex(&hash_of_picture(&other)));
+    let served = SceneService::new(vec![], String::new(), [texture(), Arc::new(other)]);
+    let _under_work = served.pictures[&hex(&hash_of_picture(&texture()))].pyramid.lock().unwrap();
+    assert!(served.tiles(&asked).is_ok());
+}
+
+#[test]
+fn who_sends_nothing_or_half_a_request_is_let_go_and_others_are_answered() {
+    let address = serving(LOOPBACK, LITTLE);
+    let began = Instant::now();
+    // Ten times as many as are served at a time.
+    let idle: Vec<TcpStream> = (0..40)
+        .map(|n| {
+            let mut stream = TcpStream::connect(address).unwrap();
+            stream.write_all(if n % 2 == 0 { b"" } else { b"GET /scene HTT" }).unwrap();
+            stream
+        })
+        .collect();
+    assert_eq!(scene(address), b"scene");
+    assert!(began.elapsed() < Duration::from_secs(15), "{:?}", began.elapsed());
+    drop(idle);
+}
+
+#[test]
+fn who_takes_nothing_is_let_go_and_others_are_answered() {
+    // More than lies on the way.
+    let large = serving_scene(vec![0; 32 << 20]);
+    let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 1, ..LITTLE }).unwrap();
+    let mut stalled = TcpStream::connect(address).unwrap();
+    stalled.write_all(b"GET /scene HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+    assert!(exchange(address, a_tile().as_bytes()).starts_with("HTTP/1.1 200"));
+    drop(stalled);
+}
+
+#[test]
+fn a_connection_that_the_server_has_let_go_is_no_fault_to_the_client() {
+    let address = serving(LOOPBACK, LITTLE);
+    let patience = RetryPolicy { attempts: 1, stall: Duration::from_secs(20), ..PATIENT };
+    let fetcher = Fetcher::new(&format!("http://{address}"), patience);
+    for _ in 0..2 {
+        assert_eq!(fetcher.scene(|_| ()).unwrap().1, b"scene");
+        thread::sleep(2 * LITTLE.idle);
+    }
+}
+
+#[test]
+fn who_announces_a_body_gets_an_answer_at_once_and_takes_no_memory() {
+    let address = serving(LOOPBACK, Limits { idle: Duration::from_secs(100), ..LITTLE });
+    for announced in ["Content-Length: 99999999999999", "Transfer-Encoding: chunked"] {
+        let request = format!("GET /scene HTTP/1.1\r\nHost: x\r\n{announced}\r\n\r\n");
+        assert!(exchange(address, request.as_bytes()).starts_with("HTTP/1.1 400"), "{announced}");
+    }
+    assert_eq!(scene(address), b"scene");
+}
+
+#[test]
+fn a_wrong_request_ends_its_connection_and_nothing_else() {
+    let address = serving(LOOPBACK, LITTLE);
+    let long = format!("GET /{} HTTP/1.1\r\nHost: x\r\n\r\n", "a".repeat(100_000));
+    for wrong in [
+        "POST /scene HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n",
+        "GET /scene HTTP/9.9\r\n\r\n",
+        "\0\x01\x02\r\n\r\n",
+        "GET localhost HTTP/1.1\r\nHost: x\r\n\r\n",
+        "CONNECT x:80 HTTP/1.1\r\nHost: x\r\n\r\n",
+        "\x16\x03\x01\x02\0\x01\0\x01",
+        &long,
+    ] {
+        assert!(exchange(address, wrong.as_bytes()).starts_with("HTTP/1.1 4"), "{:.40}", wrong);
+    }
+    assert_eq!(scene(address), b"scene");
+}
+
+#[test]
+fn several_requests_on_one_connection_are_answered_in_order() {
+    let address = serving(LOOPBACK, LITTLE);
+    let [first, second] = ["/scene", "/none"].map(|path| format!("GET {path} HTTP/1.1\r\nHost: x\r\n\r\n"));
+    let answers = exchange(address, format!("{first}{second}GET / HTTP/1.0\r\n\r\n").as_bytes());
+    let statuses: Vec<&str> = answers.split("HTTP/1.1 ").skip(1).map(|a| &a[..3]).collect();
+    assert_eq!(statuses, ["200", "404", "200"], "{answers}");
+}
+
+/// Sends one byte of a head that never ends, again and again, on all of these.
+fn drip(mut clients: Vec<TcpStream>) {
+    thread::spawn(move || {
+        while !clients.is_empty() {
+            clients.retain_mut(|client| client.write_all(b"a").is_ok());
+            thread::sleep(Duration::from_millis(20));
+        }
+    });
+}
+
+/// Longest that a request may wait here; without anybody else it takes milliseconds, and who waits for others waits for 10 s.
+const SOON: Duration = Duration::from_secs(3);
+
+#[test]
+fn idle_and_dripping_clients_many_times_as_many_as_are_served_hold_up_nobody() {
+    let address = serving(LOOPBACK, Limits { connections: 32, ..Limits::default() });
+    let connect = |n: usize| -> Vec<TcpStream> { (0..n).map(|_| TcpStream::connect(address).unwrap()).collect() };
+    // With their other ends fewer than the 1024 files that a process may open by default.
+    let idle = connect(500);
+    let mut dripping = connect(256);
+    dripping.iter_mut().for_each(|client| client.write_all(b"GET /").unwrap_or_default());
+    drip(dripping);
+    // Who asks and does not look at the answer, as many as there may be.
+    let mut taking = connect(32);
+    taking.iter_mut().for_each(|client| client.write_all(b"GET /scene HTTP/1.1\r\nHost: x\r\n\r\n").unwrap_or_default());
+    for _ in 0..5 {
+        let began = Instant::now();
+        assert_eq!(scene(address), b"scene");
+        assert!(began.elapsed() < SOON, "{:?}", began.elapsed());
+    }
+    drop((idle, taking));
+}
+
+#[test]
+fn as_many_as_there_may_be_that_take_nothing_hold_up_no_other_for_long() {
+    let large = serving_scene(vec![0; 32 << 20]);
+    let (address, _server) = large.listen(LOOPBACK.into(), Limits { connections: 4, ..Limits::default() }).unwrap();
+    let stalled = [(); 4].map(|()| {
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.write_all(b"GET /scene HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+        stream
+    });
+    let began = Instant::now();
+    assert!(exchange(address, a_tile().as_bytes()).starts_with("HTTP/1.1 200"));
+    assert!(began.elapsed() < SOON, "{:?}", began.elapsed());
+    drop(stalled);
+}
+
+#[test]
+fn who_speaks_tls_is_told_at_once() {
+    let address = serving(LOOPBACK, Limits::default());
+    let began = Instant::now();
+    let answer = exchange(address, b"\x16\x03\x01\x02\0\x01\0\x01\xfc\x03\x03");
+    assert!(answer.starts_with("HTTP/1.1 400") && answer.contains("not https://"), "{answer}");
+    assert!(began.elapsed() < SOON, "{:?}", began.elapsed());
+}
+
+#[test]
+fn it_listens_at_the_loopback_of_ipv6_too() {
+    if TcpListener::bind("[::1]:0").is_err() {
+        println!("SKIPPED: there is no IPv6 here");
+        return;
+    }
+    let address = serving(([0, 0, 0, 0, 0, 0, 0, 1], 0), LITTLE);
+    assert_eq!(scene(address), b"scene");
+}
+
+#[test]
+fn an_address_that_is_taken_is_an_error_that_names_it() {
+    let address = serving(LOOPBACK, LITTLE);
+    let error = served().listen(address, LITTLE).map(|_| ()).unwrap_err();
+    assert!(error.starts_with(&format!("{address}: cannot be listened at: ")), "{error}");
+}

@@ -1,0 +1,37 @@
+//! Several tiles by one request.
+
+use super::*;
+
+fn several(url: &str, requests: u32, tiles_per_request: u32) -> RemoteTiles {
+    unkept(Fetcher::new(url, PATIENT), fetch(requests, tiles_per_request))
+}
+
+#[test]
+fn several_tiles_by_a_request_are_the_same_in_fewer_requests_and_nobody_stands_idle() {
+    assert_eq!(page().tiles(), 11);
+    // Each request takes its share, so that no thread waits for another's; 128 KiB of raw texels are ten tiles.
+    for (requests, most, count) in [(1, 64, 2), (1, 5, 3), (4, 64, 4), (4, 2, 6), (100, 64, page().tiles())] {
+        let (url, counted) = faulty(u32::MAX, |_| Fault::Late);
+        let mut tiles = several(&url, requests, most);
+        // Threads that are not there yet leave more to those that are.
+        thread::sleep(5 * LATE);
+        assert_eq!(all(&mut tiles).unwrap(), expected());
+        // One that is idle again takes a share, too.
+        let asked = counted.load(Ordering::SeqCst);
+        let most_asked = if requests == 1 { count } else { page().tiles() };
+        assert!((count..=most_asked).contains(&asked), "{requests} at a time, of {most}: {asked}");
+    }
+}
+
+#[test]
+fn what_fails_together_is_asked_for_one_by_one_and_nothing_is_lost() {
+    for fault in PASSING.into_iter().chain([Fault::Endless]) {
+        let (url, count) = faulty(u32::MAX, move |n| if n == 0 { fault } else { Fault::None });
+        assert_eq!(all(&mut unkept(Fetcher::new(&url, patience(fault)), fetch(1, 64))).unwrap(), expected(), "{fault:?}");
+        assert_eq!(count.load(Ordering::SeqCst), 1 + page().tiles(), "{fault:?}");
+    }
+    // The one that failed together counts as an attempt of each.
+    let (url, _) = faulty(u32::MAX, |n| if n < PATIENT.attempts { Fault::Corrupt } else { Fault::None });
+    let (tile, error) = all(&mut several(&url, 1, 64)).unwrap_err();
+    assert!(tile == 0 && error.ends_with("(attempt 3; at most 3 are made, none 20 s after the first)"), "{error}");
+}
