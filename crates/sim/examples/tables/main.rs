@@ -13,6 +13,7 @@
 mod bump;
 mod defer;
 mod document;
+mod listings;
 mod machine;
 mod memory;
 mod shade;
@@ -78,9 +79,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     if files.is_empty() {
-        files = FILES.map(PathBuf::from).to_vec();
+        files = FILES.into_iter().chain(listings::LISTINGS.map(|(file, _)| file)).map(PathBuf::from).collect();
     }
     for file in files {
+        if let Some((_, make)) = listings::LISTINGS.iter().find(|(listing, _)| file.ends_with(listing)) {
+            std::fs::write(&file, make()?)?;
+            continue;
+        }
         document::update(&file, |command| match make(&inputs, command) {
             Ok(table) => Ok(Some(table)),
             Err(e) if e.is::<Missing>() => {
