@@ -241,7 +241,7 @@ fn the_study_of_fifo_depths_finds_what_its_page_says() {
     let said = place.ok(&format!("sweep {} --no-pictures --verify 2", plan.display())).out;
     let (tally, front) = said.split_once("\n\n").unwrap();
     assert_eq!(tally, "108 points: 0 there before, 1 run, 107 timed again; 0 failed\n3 points run again: the same to the byte");
-    let page = fs::read_to_string(workspace().join("docs/sweep.md")).unwrap();
+    let page = fs::read_to_string(workspace().join("docs/experiments/studies.md")).unwrap();
     assert!(page.contains(tally.lines().next().unwrap()));
     let cells =
         |line: &str| line.replace(',', "").split(['|', ' ']).filter_map(|cell| cell.parse::<u64>().ok()).collect::<Vec<_>>();
@@ -326,19 +326,34 @@ fn exploring_the_study_finds_as_much_as_its_page_says() {
     let said = place.ok(&format!("explore {} --no-pictures --budget 27", plan.display())).out;
     let (_, share) = said.split_once("all of which are there: ").unwrap();
     let share = share.split_once(" of the hypervolume").unwrap().0;
-    let page = fs::read_to_string(workspace().join("docs/sweep.md")).unwrap();
+    let page = fs::read_to_string(workspace().join("docs/experiments/studies.md")).unwrap();
     assert!(page.contains(&format!("| 108 | 27 | {share} |")), "{share}");
 }
 
 #[test]
-fn the_plan_of_the_readme_runs() {
+fn plan_of_the_guide_runs_and_resimulates() {
     let place = Place::new();
-    let readme = fs::read_to_string(workspace().join("README.md")).unwrap();
-    let (_, behind) = readme.split_once("```toml\n").expect("a plan");
+    let guide = fs::read_to_string(workspace().join("docs/guide/sweep-and-explore.md")).unwrap();
+    let (_, behind) = guide.split_once("```toml\n").expect("a plan");
     fs::write(place.path("plan.toml"), behind.split_once("```").unwrap().0).unwrap();
     let said = place.ok("sweep plan.toml --out out/sweep").out;
     assert!(said.starts_with("18 points: 0 there before, 6 run, 12 timed again; 0 failed\n"), "{said}");
     assert!(place.text("out/sweep/sweep.html").contains("<html"), "a page");
+}
+
+#[test]
+fn readme_answers_its_question_with_figures_of_the_study() {
+    let points = points_of("search-lanes.toml");
+    let number = |point: &BTreeMap<String, serde_json::Value>, name: &str| point[name].as_f64().unwrap();
+    let readme = fs::read_to_string(workspace().join("README.md")).unwrap();
+    let rows = readme.lines().skip_while(|line| !line.starts_with("| reference normals |")).skip(2);
+    let rows: Vec<String> = rows.take_while(|line| line.starts_with('|')).map(|line| line.replace(',', "")).collect();
+    let expected = points.chunks(3).map(|of_size| {
+        let [entries, psnr] = ["replacement.entries", "quality.psnr_db"].map(|name| number(&of_size[0], name));
+        let cycles: Vec<String> = of_size.iter().map(|point| number(point, "cycles.frames").to_string()).collect();
+        format!("| {entries} | {psnr:.2} dB | {} |", cycles.join(" | "))
+    });
+    assert_eq!(rows, expected.collect::<Vec<_>>());
 }
 
 #[test]

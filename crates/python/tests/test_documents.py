@@ -35,7 +35,7 @@ def check(code: str, place: str, names: dict[str, Any]) -> int:
     return checked
 
 
-@pytest.mark.parametrize(("document", "values"), [("docs/python.md", 8), ("README.md", 1)])
+@pytest.mark.parametrize(("document", "values"), [("docs/guide/python.md", 8), ("README.md", 1)])
 def test_examples_give_what_they_say(document: str, values: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}

@@ -12,7 +12,7 @@ import nbformat
 from conftest import ROOT
 from nbclient import NotebookClient
 
-NOTEBOOK = ROOT / "docs/python.ipynb"
+NOTEBOOK = ROOT / "docs/guide/python.ipynb"
 
 
 def shown(notebook: Any) -> list[dict[str, Any]]:

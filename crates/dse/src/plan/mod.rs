@@ -207,7 +207,7 @@ impl Plan {
                 let near = nearest(column, known.iter().map(|figure| figure.name.as_str()));
                 let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
                 return Err(format!(
-                    "{place}: the report has no figure `{column}`{hint} (docs/sweep.md says how they are named)"
+                    "{place}: the report has no figure `{column}`{hint} (docs/guide/sweep-and-explore.md says how they are named)"
                 ));
             }
         }

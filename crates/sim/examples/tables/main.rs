@@ -1,4 +1,4 @@
-//! The tables of README.md and docs/, made again where they stand.
+//! The tables of docs/, made again where they stand.
 //!
 //! ```text
 //! cargo run --release -p basrelief-sim --example tables -- [--models FOLDER] [FILE.md ...]
@@ -46,7 +46,7 @@ const TABLES: &[(&str, Make)] = &[
 
 /// Files that hold tables.
 const FILES: [&str; 7] = [
-    "README.md",
+    "docs/tutorial.md",
     "docs/reference/machines.md",
     "docs/experiments/quality.md",
     "docs/experiments/shading.md",
