@@ -10,42 +10,42 @@ use std::sync::Arc;
 /// Reference normals, one list per MIP level.
 pub(crate) type Book = Arc<Vec<Vec<[i16; 3]>>>;
 
-/// What the entries of a CLUT depend on: if none of it changes, nothing is recalculated.
+/// Inputs of the entries of a CLUT. If none of them changes, nothing is recalculated.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ClutKey {
     /// Coefficients of the material.
     pub lighting: Lighting,
-    /// Lights as seen from the object; a directional light does not depend on its place.
+    /// Lights as seen from the object. A directional light does not depend on the object's position.
     pub lights: Vec<LightVector>,
-    /// Number of reference normals that the object fixes.
+    /// Number of reference normals if the object fixes it.
     pub entries: Option<u32>,
-    /// Code book in place of the fixed tables.
+    /// Code book that replaces the fixed tables.
     pub book: Option<Book>,
 }
 
-/// The CLUTs (122) of a set, level by level: those that some fragment needed.
+/// Calculated levels of the CLUTs (122) of a set. Only levels that some fragment needed are calculated.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Clut {
     /// `[ambient + diffuse (+ specular), specular]` of each entry, one list per level.
     levels: [Vec<[f32; 2]>; LEVELS],
-    /// Levels that have been calculated, a bit each.
+    /// Mask of the calculated levels.
     calculated: u8,
 }
 
 impl Clut {
-    /// Brightness by index.
+    /// Returns the brightness by index.
     #[inline]
     pub fn entries(&self, level: u8) -> &[[f32; 2]] {
         &self.levels[usize::from(level).min(LEVELS - 1)]
     }
 
-    /// Whether a level has been calculated.
+    /// Returns true if a level has been calculated.
     #[inline]
     pub fn has(&self, level: u8) -> bool {
         self.calculated & 1 << level.min(LEVELS as u8 - 1) != 0
     }
 
-    /// Gives a level its entries.
+    /// Sets the entries of a level.
     pub(crate) fn set(&mut self, level: u8, entries: Vec<[f32; 2]>) {
         let level = level.min(LEVELS as u8 - 1);
         self.calculated |= 1 << level;
@@ -53,10 +53,10 @@ impl Clut {
     }
 }
 
-/// The entries of a level.
+/// Computes the entries of a level.
 ///
 /// # Errors
-/// Where the object fixes a number of entries for which there is no table.
+/// Returns an error if the object fixes a number of entries for which no table exists.
 pub(crate) fn calculate(
     level: u8,
     config: &BrightnessConfig,
@@ -71,12 +71,12 @@ pub(crate) fn calculate(
     Ok(list.iter().map(|&n| scale.entry(n, key)).collect())
 }
 
-/// From the lighting formula to an entry.
+/// Conversion of brightness to CLUT entries.
 struct Scale {
     combined: bool,
-    /// Full scale of each value: the largest brightness possible, every light facing the surface and the viewer (assumed).
+    /// Full scale of each value: the largest possible brightness, with every light facing the surface and the viewer (assumed).
     full: [f32; 2],
-    /// Steps of full scale; `None` where entries are exact.
+    /// Steps of full scale. `None` if entries are exact.
     steps: Option<f32>,
 }
 
@@ -101,16 +101,16 @@ impl Scale {
     }
 }
 
-/// `value` rounded to one of `steps` steps of `full`, and clamped to it; 0 where full scale has no meaning.
+/// Rounds `value` to one of `steps` steps of `full`, and clamps it. Returns 0 if full scale is not a positive number.
 fn quantize(value: f32, full: f32, steps: f32) -> f32 {
     if full > 0.0 && full.is_finite() { (value / full * steps).round().clamp(0.0, steps) / steps * full } else { 0.0 }
 }
 
-/// Fixed tables' reference normals, kept for the object last asked for: they follow from the configuration.
+/// Reference normals of the fixed tables, cached for the last requested object. They follow from the configuration.
 #[derive(Clone, Debug)]
 pub(crate) struct NormalTables {
     set: TableSet,
-    /// Lists of the object that fixes `object` entries; all levels or none.
+    /// Lists for an object that fixes `object` entries: all levels or none.
     lists: Vec<Vec<[i16; 3]>>,
     object: Option<u32>,
 }
@@ -120,7 +120,7 @@ impl NormalTables {
         Self { set, lists: Vec::new(), object: None }
     }
 
-    /// Entries of the largest level.
+    /// Returns the entries of the largest level.
     pub(crate) fn largest(&self, key: &ClutKey) -> usize {
         match &key.book {
             Some(book) => book.iter().map(Vec::len).max().unwrap_or(0),
@@ -128,7 +128,7 @@ impl NormalTables {
         }
     }
 
-    /// Bytes of a reference normal in memory (120).
+    /// Returns the bytes of a reference normal in memory (120).
     pub(crate) fn entry_bytes(&self) -> u32 {
         self.set.entry_bytes()
     }
@@ -150,17 +150,17 @@ mod tests {
 
     proptest! {
         #[test]
-        fn quantization_stays_within_half_a_step(v in 0f32..1.3, bits in 4u32..=16) {
+        fn quantization_error_is_within_half_a_step(v in 0f32..1.3, bits in 4u32..=16) {
             let steps = ((1 << bits) - 1) as f32;
             let q = quantize(v, 1.3, steps);
-            // Half a step, and what single precision rounds q and v to: at 16 bits a step is only 166 of those.
+            // Half a step, and the rounding of q and v to single precision. At 16 bits a step is only 166 of its units.
             prop_assert!((q - v).abs() <= 0.5 * 1.3 / steps + f32::EPSILON, "{v} became {q}");
             prop_assert!((q / 1.3 * steps - (q / 1.3 * steps).round()).abs() < 0.02);
         }
     }
 
     #[test]
-    fn beyond_full_scale_saturates() {
+    fn value_beyond_full_scale_saturates() {
         assert_eq!(quantize(2.0, 1.3, 255.0), 1.3);
         assert_eq!(quantize(2.0, 0.0, 255.0), 0.0);
     }

@@ -1,32 +1,33 @@
-//! Sets of CLUTs (122) in memory (120): one per material and lights, as many as fit, the least recently used replaced.
+//! Sets of CLUTs (122) in memory (120), one per material and lights. As many are held as fit, and the least recently used is
+//! replaced.
 
 use crate::{BrightnessConfig, Clut, ClutKey};
 use basrelief_shading::{LEVELS, TableError};
 use basrelief_signals::quantization_memory::{CLUTS, GATHERED, clut_stride};
 use serde::{Deserialize, Serialize};
 
-/// A set: what it was calculated for, where it lies, and the levels calculated so far.
+/// A set: its key, its position, and the levels calculated so far.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ClutSet {
     key: ClutKey,
-    /// Number of its room.
+    /// Number of its space in memory.
     place: usize,
     clut: Clut,
 }
 
-/// The sets that are held, the most recently used first.
+/// Sets in memory, most recently used first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ClutSets {
     sets: Vec<ClutSet>,
-    /// Distance of two levels of a set \[bytes\].
+    /// Distance between two levels of a set \[bytes\].
     stride: u64,
-    /// The first set holds what is wanted.
+    /// True if the first set matches the current key.
     found: bool,
 }
 
 impl ClutSets {
-    /// Goes to the set of `key`, which may be a new one; `entries` are those of its largest level. Rooms are laid out for the
-    /// largest set: where that grows, all sets are lost.
+    /// Selects the set of `key`, which may be a new one. `entries` is the size of its largest level. Spaces are laid out for the
+    /// largest set. If that grows, all sets are lost.
     pub(crate) fn select(&mut self, key: &ClutKey, entries: usize, config: &BrightnessConfig) {
         let stride = clut_stride(entries, config.entry_bytes());
         if stride > self.stride {
@@ -46,32 +47,32 @@ impl ClutSets {
         self.sets.insert(0, ClutSet { key: key.clone(), place, clut: Clut::default() });
     }
 
-    /// What is wanted may have changed.
+    /// Marks the current key as changed.
     pub(crate) fn lose_sight(&mut self) {
         self.found = false;
     }
 
-    /// Whether the first set is the one that is wanted.
+    /// Returns true if the first set matches the current key.
     #[inline]
     pub(crate) fn has_found(&self) -> bool {
         self.found
     }
 
-    /// Drops sets of code books: their reference normals are no more.
+    /// Drops the sets of code books, whose reference normals no longer exist.
     pub(crate) fn drop_books(&mut self) {
         self.sets.retain(|set| set.key.book.is_none());
     }
 
-    /// Whether the set in use has this level.
+    /// Returns true if the current set has this level.
     #[inline]
     pub(crate) fn has(&self, level: u8) -> bool {
         self.sets.first().is_some_and(|set| set.clut.has(level))
     }
 
-    /// Gives the set in use a level: its number of entries.
+    /// Calculates a level of the current set. Returns its number of entries.
     ///
     /// # Errors
-    /// As `entries_of`.
+    /// Returns the error of `entries_of`.
     pub(crate) fn calculate(
         &mut self,
         level: u8,
@@ -84,13 +85,13 @@ impl ClutSets {
         Ok(count)
     }
 
-    /// Brightness by index in the set in use.
+    /// Returns the brightness by index in the current set.
     #[inline]
     pub(crate) fn entries(&self, level: u8) -> &[[f32; 2]] {
         self.sets.first().map_or(&[], |set| set.clut.entries(level))
     }
 
-    /// Where a level of the set in use starts \[bytes\].
+    /// Returns the start of a level of the current set \[bytes\].
     #[inline]
     pub(crate) fn address(&self, level: u8) -> u64 {
         let place = self.sets.first().map_or(0, |set| set.place);
@@ -107,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_recently_used_set_goes_first() {
+    fn least_recently_used_set_is_replaced() {
         let config = BrightnessConfig { sets: 2, ..BrightnessConfig::default() };
         let mut sets = ClutSets::default();
         let mut is_there = |k: u32| {
@@ -123,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn a_larger_set_lays_the_rooms_out_anew() {
+    fn larger_set_lays_spaces_out_anew() {
         let mut sets = ClutSets::default();
         sets.select(&key(1), 64, &BrightnessConfig::default());
         sets.calculate(3, |_| Ok(vec![])).unwrap();
@@ -132,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn no_more_sets_than_there_is_room_for() {
+    fn sets_never_exceed_memory() {
         let (config, mut sets) = (BrightnessConfig { sets: 64, ..BrightnessConfig::default() }, ClutSets::default());
         (0..100).for_each(|k| sets.select(&key(k), 65_536, &config));
         assert_eq!(sets.sets.len(), 24, "12 MiB of 8 levels of 64 KiB");

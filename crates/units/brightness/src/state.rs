@@ -1,4 +1,4 @@
-//! What the brightness fetch unit (112) keeps between steps.
+//! State of the brightness fetch unit (112) between steps.
 
 use crate::ClutKey;
 use crate::sets::ClutSets;
@@ -6,50 +6,50 @@ use basrelief_signals::{Frame, NormalIndexes, ObjectInfo};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A recalculation under way.
+/// A recalculation in progress.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Rebuild {
     /// Level being written.
     pub(crate) level: u8,
-    /// Entries that it has.
+    /// Entries of the level.
     pub(crate) entries: usize,
     /// Reference normals read so far.
     pub(crate) read: usize,
-    /// Entries of it written so far.
+    /// Entries of the level written so far.
     pub(crate) written: usize,
 }
 
-/// Frame, object and what the next fragments ask for; the CLUTs and what they were calculated for; the counters.
+/// Frame, object and lighting of the next fragments, the CLUTs with their keys, and the counters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BrightnessFetchState {
     pub(crate) frame: Option<Arc<Frame>>,
     pub(crate) object: Option<Arc<ObjectInfo>>,
-    /// What the fragments that come are to be lit with.
+    /// Lighting of the next fragments.
     pub(crate) wanted: ClutKey,
-    /// `wanted.lights` is to be evaluated again: frame or object changed.
+    /// True if frame or object changed, so that `wanted.lights` must be evaluated again.
     pub(crate) lights_changed: bool,
-    /// What memory (120) holds.
+    /// Sets in memory (120).
     pub(crate) sets: ClutSets,
     pub(crate) rebuild: Option<Rebuild>,
-    /// The fragment that waits for it.
+    /// Fragment that waits for a recalculation.
     pub(crate) pending: Option<NormalIndexes>,
-    /// What it has counted.
+    /// Counters.
     pub counters: BrightnessFetchCounters,
 }
 
-/// What the brightness fetch unit (112) has counted.
+/// Counters of the brightness fetch unit (112).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BrightnessFetchCounters {
-    /// Fragments that got a brightness.
+    /// Fragments shaded.
     pub fragments: u64,
-    /// CLUT entries read, or computed where the source is direct.
+    /// CLUT entries read, or computed if the source is direct.
     pub samples: u64,
-    /// Times that the CLUT of a level was calculated.
+    /// Calculations of the CLUT of a level.
     pub rebuilds: u64,
-    /// Cycles of that.
+    /// Cycles of recalculation.
     pub rebuild_cycles: u64,
-    /// Bytes of entries written for that.
+    /// Bytes of entries written by recalculation.
     pub rebuild_bytes: u64,
-    /// Bytes of reference normals read for that.
+    /// Bytes of reference normals read by recalculation.
     pub normal_bytes: u64,
 }

@@ -12,19 +12,19 @@ use basrelief_signals::{
 };
 use std::sync::Arc;
 
-/// The cache in front of the CLUTs (122) in memory (120).
+/// Client of the cache in front of the CLUTs (122) in memory (120).
 const CLUT: u32 = 0;
-/// Reference normals are read and calculated entries written through this client.
+/// Client that reads reference normals and writes calculated entries.
 const BUILD: u32 = 1;
 /// Bytes of calculated entries per write (assumed).
 const WRITE_BYTES: u32 = 32;
 
 /// Brightness fetch unit (112).
 ///
-/// Control is noted when it comes; at the first fragment after it the unit looks for the set of CLUTs of its material and
-/// lights, so that a frame or an object without bump targets costs nothing. A level that the set lacks is calculated when a
-/// fragment needs it, which waits meanwhile: reference normals are read from memory (120), lit, and written back as entries,
-/// up to 32 bytes per step. Code books end here.
+/// Control tokens are only recorded. At the first fragment after them the unit selects the set of CLUTs of its material and
+/// lights, so that a frame or an object without bump targets costs nothing. A missing level is calculated when a fragment needs
+/// it, and that fragment waits. Reference normals are read from memory (120), lit, and written back as entries, up to 32 bytes
+/// per step. Code books end in this unit.
 #[derive(Clone, Debug)]
 pub struct BrightnessFetch {
     /// Parameters.
@@ -32,17 +32,17 @@ pub struct BrightnessFetch {
     most_samples: u32,
     operators: Operators,
     latency: u64,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: BrightnessFetchState,
-    /// What the VQ tables (121) hold; follows from their parameters.
+    /// Contents of the VQ tables (121), computed from their parameters.
     normals: NormalTables,
 }
 
 type Out = Step<Option<Flow<Stamp<ShadedFragment>>>>;
 
 impl BrightnessFetch {
-    /// A unit for the VQ tables (121) that the replacement unit searches, and stamps of at most `most_samples` samples, in a
-    /// machine of these operators.
+    /// Creates a unit for the VQ tables (121) that the replacement unit searches, and for stamps of at most `most_samples`
+    /// samples, in a machine of these operators.
     pub fn new(config: BrightnessConfig, tables: TableSet, most_samples: u32, operators: &Operators) -> Self {
         let most_samples = most_samples.clamp(1, (MAX_SAMPLES * MAX_STAMP) as u32);
         let latency = config.latency(u32::from(config.levels), operators);
@@ -100,7 +100,7 @@ impl BrightnessFetch {
         state.sets.select(&state.wanted, self.normals.largest(&state.wanted), &self.config);
     }
 
-    /// A step that takes no input: it calculates the next entries that the waiting fragment lacks, or serves it.
+    /// Makes a step without input: it calculates the next missing entries of the waiting fragment, or serves it.
     fn resume(&mut self, traffic: &mut Traffic) -> Out {
         if self.state.rebuild.is_none() {
             let Some(indexes) = self.state.pending.take() else { return self.quiet() };
@@ -108,7 +108,7 @@ impl BrightnessFetch {
             let Some(level) = lacking else { return self.fetch(&indexes, traffic) };
             self.state.pending = Some(indexes);
             let entries = self.calculate(level, traffic);
-            // What is computed directly needs no table.
+            // Direct computation needs no table.
             if self.config.source == BrightnessSource::Direct || entries == 0 {
                 return self.resume(traffic);
             }
@@ -118,7 +118,7 @@ impl BrightnessFetch {
         self.rebuild(traffic)
     }
 
-    /// All entries of a level are calculated at once; what takes time is modelled in the steps that write them.
+    /// Calculates all entries of a level at once. The steps that write them model the time.
     fn calculate(&mut self, level: u8, traffic: &mut Traffic) -> usize {
         let Self { config, state, normals, .. } = self;
         let entries = state.sets.calculate(level, |key| calculate(level, config, key, normals));
@@ -130,13 +130,13 @@ impl BrightnessFetch {
         })
     }
 
-    /// Reads the next reference normals, and writes the entries of those read before; after the last ones the next step looks again at the fragment
-    /// that waits.
+    /// Reads the next reference normals, and writes the entries of those read before. After the last ones the next step examines
+    /// the waiting fragment again.
     fn rebuild(&mut self, traffic: &mut Traffic) -> Out {
         let Some(Rebuild { level, entries, read, written }) = self.state.rebuild.take() else { return self.quiet() };
         let (entry_bytes, normal_bytes) = (self.config.entry_bytes(), self.normals.entry_bytes());
         let at_once = (WRITE_BYTES / entry_bytes) as usize;
-        // What was calculated in the step before.
+        // Entries calculated in the previous step.
         if read > written {
             let address = self.state.sets.address(level) + written as u64 * u64::from(entry_bytes);
             let bytes = (read - written) as u32 * entry_bytes;
@@ -161,7 +161,7 @@ impl BrightnessFetch {
         let state = &mut self.state;
         let (entry_bytes, normal_bytes) = (self.config.entry_bytes(), self.normals.entry_bytes());
         let from_clut = self.config.source == BrightnessSource::Clut;
-        // The same for all fragments: entries, where the first lies, and their size there. (Collected, they would be copied.)
+        // Values common to all fragments: entries, address of the first, and entry size. (A collected array would be copied.)
         let mut tables = ArrayVec::<_, MAX_SAMPLES>::new();
         for &StampSample { level, .. } in &indexes.samples {
             let (base, bytes) = if from_clut {
@@ -176,7 +176,7 @@ impl BrightnessFetch {
             let mut sum = [0.0; 2];
             for (StampSample { weight, value, .. }, (entries, base, bytes)) in indexes.samples.iter().zip(&tables) {
                 let (weight, index) = (weight[lane], value[lane]);
-                // An entry that does not exist is black.
+                // A missing entry is black.
                 let value = entries.get(usize::from(index)).copied().unwrap_or_default();
                 sum = [sum[0] + weight * value[0], sum[1] + weight * value[1]];
                 traffic.look_up(CLUT, base + u64::from(index) * u64::from(*bytes), *bytes);
@@ -208,7 +208,7 @@ impl BrightnessFetch {
     }
 }
 
-/// Width of a number in single precision \[bits\].
+/// Single-precision number \[bits\].
 const SINGLE: u32 = 32;
 
 impl Unit for BrightnessFetch {
@@ -224,14 +224,14 @@ impl Unit for BrightnessFetch {
     #[inline(always)]
     fn step(&mut self, mut input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         match input {
-            // By reference: moved on its way, the token is copied.
+            // By reference, because a move would copy the token.
             Some(Flow::Item(ref mut indexes)) => self.item(indexes, traffic),
             Some(Flow::Control(control)) => self.control(control),
             None => self.resume(traffic),
         }
     }
 
-    /// A line per sample, two where reference normals may lie across lines; a read and a write.
+    /// One line per sample, or two if reference normals can lie across lines. One read and one write.
     fn largest_step(&self, client: usize) -> u32 {
         match (self.config.source, client as u32) {
             (BrightnessSource::Clut, CLUT) => self.most_samples,

@@ -14,7 +14,7 @@ fn unit(config: BrightnessConfig) -> BrightnessFetch {
     BrightnessFetch::new(config, tables, 2, &Operators::default())
 }
 
-/// A frame under a lamp.
+/// Returns a frame with one light.
 fn frame() -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let lamp = Light { kind: LightKind::Point { position: [0.0, 0.0, 10.0] }, intensity: 1.0 };
@@ -52,7 +52,7 @@ fn indexes(i: u16) -> Flow<NormalIndexes> {
     Flow::Item(NormalIndexes { stamp: Stamp::from_iter([Fragment::default()]), samples })
 }
 
-/// Two objects: the second one's CLUTs are recalculated.
+/// Returns two objects. The second one's CLUTs are recalculated.
 fn two_objects() -> Vec<Flow<NormalIndexes>> {
     let mut run = vec![Flow::Control(frame())];
     for x in [0.0, 9.0] {

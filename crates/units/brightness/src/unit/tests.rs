@@ -1,4 +1,4 @@
-//! The unit at step level.
+//! Tests of the unit's steps.
 
 use super::*;
 use crate::Components;
@@ -71,7 +71,7 @@ fn indexes(samples: &[(u8, u16, f32)]) -> NormalIndexes {
     }
 }
 
-/// Feeds control tokens; each but a code book passes.
+/// Feeds control tokens. All but code books pass.
 fn tell(unit: &mut BrightnessFetch, controls: &[Control]) {
     for control in controls {
         let step = unit.step(Some(Flow::Control(control.clone())), &mut Traffic::default());
@@ -103,7 +103,7 @@ fn alpha(unit: &mut BrightnessFetch, level: u8, index: u16) -> f32 {
 }
 
 #[test]
-fn claims_4_and_8_a_clut_holds_the_brightness_of_each_reference_normal() {
+fn claims_4_and_8_clut_holds_reference_brightness() {
     let mut unit = unit(BrightnessConfig::default());
     tell(&mut unit, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
     let lights = light_vectors(unit.state.frame.as_ref().unwrap(), [0.0; 3]);
@@ -118,7 +118,7 @@ fn claims_4_and_8_a_clut_holds_the_brightness_of_each_reference_normal() {
 }
 
 #[test]
-fn figures_5_and_6_the_index_map_becomes_the_brightness_map() {
+fn figures_5_and_6_index_map_becomes_brightness_map() {
     const MAP: [[u16; 6]; 6] =
         [[2, 1, 2, 3, 2, 7], [1, 5, 1, 5, 1, 5], [3, 1, 3, 1, 3, 1], [1, 6, 1, 6, 1, 6], [7, 8, 7, 7, 4, 7], [8, 4, 2, 4, 8, 4]];
     let mut unit = BrightnessFetch::new(BrightnessConfig::default(), tables(8), 1, &Operators::default());
@@ -136,7 +136,7 @@ fn figures_5_and_6_the_index_map_becomes_the_brightness_map() {
 }
 
 #[test]
-fn claims_5_and_9_lod_3_divides_the_brightness_of_two_levels_3_to_5() {
+fn claims_5_and_9_lod_3_interpolates_levels_5_to_3() {
     let mut unit = unit(BrightnessConfig::default());
     tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
     let set = basrelief_shading::select_levels(3, 2, 8);
@@ -145,7 +145,7 @@ fn claims_5_and_9_lod_3_divides_the_brightness_of_two_levels_3_to_5() {
     assert!(a0 != a1 && (shaded.brightness - (a0 + (a1 - a0) * 3.0 / 8.0)).abs() < 1e-6);
 }
 
-/// A unit with tables of 40, 7 and 1 entries, in a machine whose power takes 5 cycles.
+/// Creates a unit with tables of 40, 7 and 1 entries, in a machine whose power takes 5 cycles.
 fn small_tables() -> BrightnessFetch {
     let set = TableSet { entries: [40, 7, 1, 1, 1, 1, 1, 1], ..tables(1) };
     let operators = Operators { power: OperatorConfig::new(6, 5), ..Operators::default() };
@@ -153,7 +153,7 @@ fn small_tables() -> BrightnessFetch {
 }
 
 #[test]
-fn only_levels_that_are_fetched_are_calculated_when_first_needed() {
+fn levels_are_calculated_at_first_use() {
     let mut unit = small_tables();
     tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
     let (_, requests, _) = fetch(&mut unit, &[(0, 3, 1.0)]);
@@ -171,7 +171,7 @@ fn only_levels_that_are_fetched_are_calculated_when_first_needed() {
 }
 
 #[test]
-fn an_entry_costs_its_arithmetic_per_light() {
+fn entry_costs_arithmetic_per_light() {
     let mut cycles = |lights: usize| {
         let mut unit = small_tables();
         let Control::Frame(frame) = sun(0.3) else { panic!("no frame") };
@@ -181,12 +181,12 @@ fn an_entry_costs_its_arithmetic_per_light() {
         fetch(&mut unit, &[(1, 3, 1.0)]);
         unit.state.counters.rebuild_cycles
     };
-    // 7 entries, a power of 5 cycles per light; one more step writes the last of them.
+    // Seven entries, with a power of 5 cycles per light. One more step writes the last of them.
     assert_eq!([1, 2, 4].map(&mut cycles), [7 * 5 + 1, 7 * 10 + 1, 7 * 20 + 1]);
 }
 
 #[test]
-fn two_materials_in_turn_do_not_recalculate() {
+fn alternating_materials_are_not_recalculated() {
     let rebuilds = |sets| {
         let config = BrightnessConfig { sets, ..BrightnessConfig::default() };
         let mut unit = BrightnessFetch::new(config, tables(256), 2, &Operators::default());
@@ -202,7 +202,7 @@ fn two_materials_in_turn_do_not_recalculate() {
 }
 
 #[test]
-fn samples_beyond_what_the_interpolator_takes_per_cycle_cost_cycles() {
+fn samples_beyond_interpolator_rate_cost_cycles() {
     let occupancy = |samples_per_cycle| {
         let config = BrightnessConfig { samples_per_cycle, ..BrightnessConfig::default() };
         let mut unit = BrightnessFetch::new(config, tables(256), 8, &Operators::default());
@@ -213,7 +213,7 @@ fn samples_beyond_what_the_interpolator_takes_per_cycle_cost_cycles() {
 }
 
 #[test]
-fn only_a_real_change_is_recalculated() {
+fn unchanged_lighting_is_not_recalculated() {
     let mut unit = unit(BrightnessConfig::default());
     let mut rebuilds = |controls: &[Control]| {
         let before = unit.state.counters.rebuilds;
@@ -238,7 +238,7 @@ fn only_a_real_change_is_recalculated() {
 }
 
 #[test]
-fn code_books_replace_the_tables_and_end_here() {
+fn code_books_replace_tables_and_do_not_travel_on() {
     let mut unit = unit(BrightnessConfig::default());
     tell(&mut unit, &[sun(0.0), object([0.0; 3], None), polygon(Lighting::default())]);
     tell(&mut unit, &[book(&[&[[0, 0, -32_767], [0, 0, 32_767]], &[]])]);
@@ -248,7 +248,7 @@ fn code_books_replace_the_tables_and_end_here() {
 }
 
 #[test]
-fn separate_components_keep_the_highlight_apart() {
+fn separate_components_keep_highlight_separate() {
     let mut unit = unit(BrightnessConfig { components: Components::Separate, bits: 16, ..BrightnessConfig::default() });
     tell(&mut unit, &[sun(0.0), object([0.0; 3], None), polygon(Lighting::default()), book(&[&[[0, 0, 32_767]]])]);
     let (shaded, requests, _) = fetch(&mut unit, &[(0, 0, 1.0)]);
@@ -271,12 +271,12 @@ fn claim_7_direct_brightness_needs_no_clut() {
     let read: Vec<_> = requests.iter().map(|r| (r.client, r.write, r.address, r.bytes)).collect();
     let normal = |level, index: u64| (0, false, quantization_memory::vq_table(level) + 6 * index, 6);
     assert_eq!(read, [normal(0, 17), normal(1, 40)], "the reference normals, and no entries");
-    // Two samples of 11 products by four multipliers; then product and sum, after products, sums and a power in a chain.
+    // Two samples of 11 products by four multipliers. Then product and sum, after a chain of products, sums and a power.
     assert_eq!((step.occupancy, step.latency, direct.state.counters.rebuilds), (6, 2 + 8, 0));
 }
 
 #[test]
-fn each_fragment_of_a_stamp_gets_the_brightness_of_its_own_samples() {
+fn stamp_fragments_get_brightness_of_their_samples() {
     let mut unit = BrightnessFetch::new(BrightnessConfig::default(), tables(256), 4, &Operators::default());
     tell(&mut unit, &[sun(0.3), object([0.0; 3], None), polygon(Lighting::default())]);
     let alphas = [(0, 5), (1, 90), (0, 6), (1, 91)].map(|(level, index)| alpha(&mut unit, level, index));
@@ -293,7 +293,7 @@ fn each_fragment_of_a_stamp_gets_the_brightness_of_its_own_samples() {
 }
 
 #[test]
-fn an_object_that_fixes_an_impossible_number_is_a_fault() {
+fn impossible_entries_of_an_object_are_a_fault() {
     let mut unit = BrightnessFetch::new(
         BrightnessConfig::default(),
         TableSet { table: Table::Tetrahedron, ..tables(256) },
@@ -307,7 +307,7 @@ fn an_object_that_fixes_an_impossible_number_is_a_fault() {
 }
 
 #[test]
-fn the_state_survives_a_checkpoint_in_the_middle_of_a_rebuild() {
+fn state_survives_checkpoint_within_rebuild() {
     let mut a = unit(BrightnessConfig::default());
     tell(&mut a, &[sun(0.6), object([0.0; 3], None), polygon(Lighting::default())]);
     a.step(Some(Flow::Item(indexes(&[(0, 9, 1.0)]))), &mut Traffic::default());
@@ -322,7 +322,7 @@ fn the_state_survives_a_checkpoint_in_the_middle_of_a_rebuild() {
 
 proptest! {
     #[test]
-    fn brightness_is_the_weighted_mean_and_within_full_scale(
+    fn brightness_is_weighted_mean_within_full_scale(
         samples in prop::collection::vec((0u8..8, 0u16..256), 1..=8), bits in 4u32..=16,
     ) {
         let mut unit = BrightnessFetch::new(BrightnessConfig { bits, ..BrightnessConfig::default() }, tables(256), 8, &Operators::default());
