@@ -1,33 +1,33 @@
-//! How many distinct pseudo-normals there were: what claim 3 compares the table size with.
+//! Number of distinct pseudo-normals, which claim 3 compares with the table size.
 
 use serde::{Deserialize, Serialize};
 
-/// Counts distinct normals exactly up to [`DistinctCounter::LIMIT`], then says "at least".
+/// Counter of distinct normals. It is exact up to [`DistinctCounter::LIMIT`], then a lower bound.
 ///
-/// Open addressing with linear probing, at most half full, so that an insertion costs a few nanoseconds; once the limit
-/// is reached it costs one comparison. A hash set of the standard library was rejected: twice the cost, and no bound.
+/// The hash set uses open addressing with linear probing and is at most half full, so that an insertion costs a few nanoseconds.
+/// At the limit it costs one comparison. A hash set of the standard library was rejected: twice the cost, and no bound.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DistinctCounter {
-    /// A power of two of slots, 0 = free; keys have bit 48 set.
+    /// Slots, a power of two in number. 0 marks a free slot, and keys have bit 48 set.
     slots: Vec<u64>,
     count: u32,
 }
 
 impl DistinctCounter {
-    /// Most normals that are told apart.
+    /// Most normals that are counted.
     pub const LIMIT: u32 = 65_536;
 
-    /// Distinct normals seen, at most [`Self::LIMIT`].
+    /// Returns the number of distinct normals seen, at most [`Self::LIMIT`].
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// Whether there may have been more than [`Self::count`].
+    /// Returns true if there may have been more than [`Self::count`].
     pub fn is_saturated(&self) -> bool {
         self.count >= Self::LIMIT
     }
 
-    /// Takes note of a normal.
+    /// Counts a normal if it is new.
     #[inline]
     pub fn insert(&mut self, normal: [i16; 3]) {
         if !self.is_saturated() {
@@ -54,10 +54,10 @@ impl DistinctCounter {
     }
 }
 
-/// Puts `key` into the first free slot of its chain; `false` where it is there already. `slots` is never full.
+/// Puts `key` into the first free slot of its chain. Returns false if it is already present. `slots` is never full.
 fn place(slots: &mut [u64], key: u64) -> bool {
     let mask = slots.len() - 1;
-    // Fibonacci hashing: the high bits of the product are well mixed.
+    // Fibonacci hashing mixes the high bits of the product well.
     let mut at = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize & mask;
     loop {
         if slots[at] == 0 {
@@ -79,7 +79,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn counts_like_a_set(normals in prop::collection::vec(prop::array::uniform3(-9i16..9), 0..3_000)) {
+        fn distinct_counter_equals_a_set(normals in prop::collection::vec(prop::array::uniform3(-9i16..9), 0..3_000)) {
             let mut counter = DistinctCounter::default();
             normals.iter().for_each(|&n| counter.insert(n));
             let set: BTreeSet<_> = normals.into_iter().collect();
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn stops_at_the_limit() {
+    fn distinct_counter_saturates_at_limit() {
         let mut counter = DistinctCounter::default();
         for i in 0..200_000_u32 {
             counter.insert([(i >> 16) as i16, i as i16, 7]);

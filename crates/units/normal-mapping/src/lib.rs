@@ -1,5 +1,5 @@
-//! Normal-vector mapping unit (108): reads the normal map (118) of each selected MIP level and turns it into the
-//! surface's frame: one pseudo-normal N' per fragment and level.
+//! Normal-vector mapping unit (108): reads the normal map (118) of each selected MIP level and rotates it into the surface's
+//! frame. The result is one pseudo-normal N' per fragment and level.
 //!
 //! ```text
 //! Flow<Fragment> -> [ select levels | taps | filter | rotate | scale ] -> Flow<PseudoNormals>

@@ -1,28 +1,28 @@
-//! Which cache lines a footprint touches.
+//! Cache lines of a footprint.
 
 use basrelief_kernel::Traffic;
 use basrelief_shading::{Footprints, LevelPlace};
 use wide::u32x4;
 
-/// The cache in front of the normal-map memory (116).
+/// Client of the cache in front of the normal-map memory (116).
 const NORMAL_MAP: u32 = 0;
 
 /// Texels of a sample: upper left, upper right, lower left, lower right.
 const TAPS: usize = 4;
 
-/// Texels and cache lines, in bytes.
+/// Sizes of texels and cache lines, in bytes.
 #[derive(Clone, Debug)]
 pub(crate) struct Lines {
     texel_bytes: u32,
     line_shift: u32,
-    /// Texels per line, as a power of two; `None` where a texel may lie across two.
+    /// Logarithm of the texels per line. `None` if a texel can lie across two lines.
     texel_shift: Option<u32>,
-    /// Lines that one texel may touch: 1 where texels divide lines.
+    /// Lines that one texel can touch: 1 if texels divide lines.
     pub(crate) per_texel: u32,
 }
 
 impl Lines {
-    /// `line_bytes` is a power of two.
+    /// Creates the sizes. `line_bytes` is a power of two.
     pub(crate) fn new(texel_bytes: u32, line_bytes: u32) -> Self {
         let (texel_bytes, line) = (texel_bytes.max(1), line_bytes.max(1));
         let texel_shift = line.is_multiple_of(texel_bytes).then(|| (line / texel_bytes).ilog2());
@@ -30,8 +30,8 @@ impl Lines {
         Self { texel_bytes, line_shift: line.ilog2(), texel_shift, per_texel }
     }
 
-    /// Looks up the taps of the first `count` samples of the level at this place, mostly each line once: saying so again would cost
-    /// the device nothing, but the host time.
+    /// Looks up the taps of the first `count` samples of the level at this position, in most cases each line once. A repeated
+    /// look-up would cost the device nothing, but it would cost host time.
     #[inline(always)]
     pub(crate) fn look_up(&self, place: LevelPlace, (footprints, count): (&Footprints, usize), traffic: &mut Traffic) {
         if traffic.is_muted() {
@@ -54,7 +54,7 @@ impl Lines {
         }
     }
 
-    /// Texels across lines are left to the cache.
+    /// Looks up texels that can lie across lines. The cache handles the duplicates.
     #[inline(never)]
     fn look_up_each(&self, start: u64, (texels, count): ([u32x4; 4], usize), traffic: &mut Traffic) {
         let texels = texels.map(u32x4::to_array);
@@ -67,11 +67,11 @@ impl Lines {
     }
 }
 
-/// Taps whose line is not that of a tap beside them or of the sample before: bit 4 * sample + tap. What else lies in one line is told
-/// apart by the cache: looking each line up among the last four took two branches per sample that cannot be predicted.
+/// Returns the taps whose line differs from those of their neighbouring taps and of the previous sample: bit 4 * sample + tap.
+/// The cache merges all other duplicates. Searching each line among the last four took two unpredictable branches per sample.
 #[inline(always)]
 fn new_lines([a, b, c, d]: [u32x4; TAPS]) -> u32 {
-    // Ahead of the first sample, a line that there is not.
+    // The sample before the first has a line that does not exist.
     let before = |lines: u32x4| {
         let [first, second, third, _] = lines.to_array();
         u32x4::new([u32::MAX, first, second, third])

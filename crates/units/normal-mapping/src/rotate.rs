@@ -1,17 +1,17 @@
-//! From tangent space to the world: `N' = T x + B y + N z`, `B = w (N x T)`.
+//! Rotation from tangent space to world space: `N' = T x + B y + N z`, `B = w (N x T)`.
 
 use basrelief_signals::StampNormals;
 use std::ops::{Add, Mul, Sub};
 use wide::f32x4;
 
-/// `a x b`.
+/// Computes the cross product `a x b`.
 #[inline]
 pub(crate) fn cross<F: Copy + Mul<Output = F> + Sub<Output = F>>(a: [F; 3], b: [F; 3]) -> [F; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Tangent frames. Generic so that the theorem below is tested on the code that the unit runs, in double precision; the unit
-/// takes those of a stamp side by side.
+/// Tangent frames. The type is generic so that the theorem below is tested in double precision on the code that the unit runs.
+/// The unit computes the frames of a stamp side by side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TangentFrame<F> {
     normal: [F; 3],
@@ -20,14 +20,15 @@ pub(crate) struct TangentFrame<F> {
 }
 
 impl<F: Copy + Add<Output = F> + Mul<Output = F> + Sub<Output = F>> TangentFrame<F> {
-    /// From the interpolated normal and tangent, neither normalised again (as MikkTSpace prescribes), and handedness w.
+    /// Creates the frame from the interpolated normal and tangent, neither normalised again (as MikkTSpace prescribes), and
+    /// handedness w.
     #[inline(always)]
     pub(crate) fn new(normal: [F; 3], tangent: [F; 3], w: F) -> Self {
         let [x, y, z] = cross(normal, tangent);
         Self { normal, tangent, bitangent: [x * w, y * w, z * w] }
     }
 
-    /// The tangent-space vector `v` in the frame's space; its length does not matter.
+    /// Transforms the tangent-space vector `v` to the frame's space. Its length does not matter.
     #[inline(always)]
     pub(crate) fn rotate(&self, v: [F; 3]) -> [F; 3] {
         let (t, b, n) = (&self.tangent, &self.bitangent, &self.normal);
@@ -36,7 +37,7 @@ impl<F: Copy + Add<Output = F> + Mul<Output = F> + Sub<Output = F>> TangentFrame
     }
 }
 
-/// Pseudo-normals in fixed point.
+/// Conversion of pseudo-normals to fixed point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FixedPoint {
     /// Steps from 0 to the largest component.
@@ -46,21 +47,21 @@ pub(crate) struct FixedPoint {
 }
 
 impl FixedPoint {
-    /// Components of `bits` bits (8..=16, clamped).
+    /// Creates a conversion to components of `bits` bits (8..=16, clamped).
     pub(crate) fn new(bits: u32) -> Self {
         let steps = ((1_i32 << (bits.clamp(8, 16) - 1)) - 1) as f32;
         Self { steps, widen: 32_767.0 / steps }
     }
 
-    /// N' of each lane, so that its largest component is +-32767; the zero vector and what has no direction (infinite, not a
-    /// number) become zero.
+    /// Returns N' of each lane, scaled so that its largest component is +-32767. The zero vector and vectors without direction
+    /// (infinite, not a number) become zero.
     #[inline(always)]
     pub(crate) fn quantize(self, v: [f32x4; 3]) -> StampNormals {
         let [x, y, z] = v;
-        // Which of the two a NaN wins differs between processors, but the sum finds those.
+        // Processors differ in the maximum of a NaN and a number, but the test of the sum finds NaN.
         let largest = x.abs().fast_max(y.abs()).fast_max(z.abs());
-        // Below 1e-30 the scale would overflow; a normal map and unit vectors cannot get there. Together: finite, and not too
-        // small.
+        // Below 1e-30 the scale would overflow, but a normal map and unit vectors cannot get there. All tests together: finite,
+        // and not too small.
         let sound =
             (x + y + z).abs().simd_le(largest * 3.0) & largest.simd_ge(f32x4::splat(1e-30)) & largest.simd_le(f32x4::splat(1e30));
         let scale = f32x4::splat(self.steps) / largest;
@@ -72,8 +73,8 @@ impl FixedPoint {
     }
 }
 
-/// Added to |c| <= 32767, it leaves the nearest whole number, half to even, in the low bits of the fraction: a conversion
-/// would cost the checks for what does not fit.
+/// Added to |c| <= 32767, this number leaves the nearest whole number, half to even, in the low bits of the fraction. A
+/// conversion would add range checks.
 const ROUND: f32 = 12_582_912.0;
 
 #[cfg(test)]
@@ -82,7 +83,7 @@ mod tests {
     use basrelief_signals::StampLanes;
     use proptest::prelude::*;
 
-    /// The quantized vector, beside lanes of other vectors.
+    /// Returns the quantized vector, computed beside lanes of other vectors.
     fn one(bits: u32, v: [f32; 3]) -> [i16; 3] {
         let beside = v.map(|c| f32x4::new([7.0, f32::NAN, c, 0.0]));
         FixedPoint::new(bits).quantize(beside).lane(2)
@@ -113,7 +114,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn claim_1_the_bump_formula_and_the_tangent_frame_agree(
+        fn claim_1_bump_formula_equals_tangent_frame(
             a in prop::array::uniform3(-1f64..1.0), b in prop::array::uniform3(-1f64..1.0),
             left in any::<bool>(), bu in -4f64..4.0, bv in -4f64..4.0,
         ) {
@@ -129,7 +130,7 @@ mod tests {
         }
 
         #[test]
-        fn fixed_point_keeps_the_direction(v in prop::array::uniform3(-1f32..1.0), bits in 8u32..=16) {
+        fn fixed_point_keeps_direction(v in prop::array::uniform3(-1f32..1.0), bits in 8u32..=16) {
             let largest = v.iter().fold(0f32, |m, c| m.max(c.abs()));
             prop_assume!(largest > 1e-3);
             let q = one(bits, v);
@@ -142,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_direction_is_zero() {
+    fn vector_without_direction_becomes_zero() {
         let fixed_point = |v: [f32; 3]| one(16, v);
         for v in [[0.0; 3], [1e-40, 0.0, 0.0], [f32::INFINITY, 0.0, 0.0], [f32::NAN, 1.0, 0.0], [f32::NAN; 3]] {
             assert_eq!(fixed_point(v), [0; 3], "{v:?}");

@@ -1,4 +1,4 @@
-//! What the normal-vector mapping unit (108) keeps between steps.
+//! State of the normal-vector mapping unit (108) between steps.
 
 use crate::DistinctCounter;
 use basrelief_kernel::Derived;
@@ -7,7 +7,7 @@ use basrelief_signals::{MAX_SAMPLES, Polygon};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Attributes over a triangle; follows from polygon and triangle.
+/// Attributes over a triangle, computed from polygon and triangle.
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
     pub(crate) triangle: u16,
@@ -27,33 +27,33 @@ impl Setup {
     }
 }
 
-/// The polygon being mapped, what follows from it, and the counters.
+/// Polygon being mapped, values computed from it, and the counters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NormalMappingState {
-    /// The fragments that come are of this polygon.
+    /// Polygon of the next fragments.
     pub polygon: Option<Arc<Polygon>>,
-    /// MIP levels that its LOD selects.
+    /// MIP levels selected by the polygon's LOD.
     pub levels: LevelSet,
-    /// Where each selected level of its normal map lies.
+    /// Position of each selected level of the polygon's normal map.
     pub places: [LevelPlace; MAX_SAMPLES],
-    /// Of the triangle that the last fragment was in.
+    /// Set-up of the triangle of the last fragment.
     #[serde(skip)]
     pub(crate) setup: Derived<Setup>,
-    /// What it has counted.
+    /// Counters.
     pub counters: NormalMappingCounters,
 }
 
-/// What the normal-vector mapping unit (108) has counted.
+/// Counters of the normal-vector mapping unit (108).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NormalMappingCounters {
     /// Fragments mapped.
     pub fragments: u64,
     /// Of these, fragments of bump targets.
     pub bump_fragments: u64,
-    /// Texels used; several may lie in one cache line.
+    /// Texels used. Several may lie in one cache line.
     pub texels: u64,
-    /// Pseudo-normals handed on.
+    /// Pseudo-normals sent.
     pub pseudo_normals: u64,
-    /// How many of them were distinct.
+    /// Distinct pseudo-normals.
     pub distinct: DistinctCounter,
 }

@@ -18,8 +18,8 @@ use wide::{f32x4, i32x4, u32x4};
 
 /// Normal-vector mapping unit (108).
 ///
-/// Client 0 is the cache in front of the normal-map memory (116). One stamp per step; fragments follow each other as fast as
-/// operators take turns with their pseudo-normals.
+/// Client 0 is the cache in front of the normal-map memory (116). A step takes one stamp. The rate of fragments follows from the
+/// operators that their pseudo-normals need.
 #[derive(Clone, Debug)]
 pub struct NormalMapping {
     /// Parameters.
@@ -30,16 +30,16 @@ pub struct NormalMapping {
     lines: Lines,
     layout: Layout,
     fixed_point: FixedPoint,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: NormalMappingState,
 }
 
 impl NormalMapping {
-    /// A unit that selects `levels` MIP levels per polygon (`brightness.levels`) for stamps of at most `stamp` fragments, behind
-    /// a cache with lines of `line_bytes` bytes (a power of two).
+    /// Creates a unit that selects `levels` MIP levels per polygon (`brightness.levels`) for stamps of at most `stamp` fragments.
+    /// Its cache has lines of `line_bytes` bytes (a power of two).
     ///
-    /// With [`NormalMappingConfig::samples`] above [`MAX_SAMPLES`] the coarsest samples are dropped: the machine's
-    /// configuration rejects that.
+    /// If [`NormalMappingConfig::samples`] exceeds [`MAX_SAMPLES`], the coarsest samples are dropped. The machine's configuration
+    /// rejects this.
     pub fn new(config: NormalMappingConfig, operators: &Operators, levels: u8, stamp: u32, line_bytes: u32) -> Self {
         let lines = Lines::new(config.texel_bytes, line_bytes);
         let fixed_point = FixedPoint::new(config.normal_bits);
@@ -48,14 +48,14 @@ impl NormalMapping {
         Self { config, timing, levels, stamp, lines, layout, fixed_point, state }
     }
 
-    /// With normal maps laid out so.
+    /// Sets the memory layout of normal maps.
     pub fn with_layout(self, layout: Layout) -> Self {
         Self { layout, ..self }
     }
 
     fn begin_polygon(&mut self, polygon: &Arc<Polygon>) {
         let map = polygon.material.normal_map.as_deref();
-        // Without a map N' = N at every level: the levels still have different VQ tables.
+        // Without a map N' = N at every level, but the levels still have different VQ tables.
         let set = select_levels(polygon.lod, self.levels, map.map_or(LEVELS, |m| m.levels.len()));
         if let Some(map) = map {
             for (place, level) in self.state.places.iter_mut().zip(set.level).take(set.count.into()) {
@@ -67,11 +67,11 @@ impl NormalMapping {
         *self.state.setup = None;
     }
 
-    /// Gives a stamp its samples.
+    /// Computes the samples of a stamp.
     #[inline(always)]
     fn map(&mut self, PseudoNormals { stamp, samples }: &mut PseudoNormals, traffic: &mut Traffic) {
         if self.sample(stamp, samples, traffic).is_none() {
-            // No polygon was announced, or it has no such triangle or level: a normal without direction.
+            // No polygon was announced, or it has no such triangle or level: the normal has no direction.
             samples.clear();
             samples.push(StampSample::all(0, 1.0, [0; 3]));
         }
@@ -83,7 +83,7 @@ impl NormalMapping {
         }
     }
 
-    /// Samples the fragments of a stamp side by side; `None` where there is nothing to sample.
+    /// Samples the fragments of a stamp side by side. Returns `None` if nothing can be sampled.
     #[inline(always)]
     fn sample(&mut self, stamp: &Stamp<Fragment>, out: &mut StampSamples<StampNormals>, traffic: &mut Traffic) -> Option<()> {
         let NormalMappingState { polygon, levels, places, setup, counters } = &mut self.state;
@@ -129,14 +129,14 @@ impl NormalMapping {
                 }
             }
         }
-        // A ninth is dropped.
+        // A ninth sample is dropped.
         out.truncate(MAX_SAMPLES);
         Some(())
     }
 }
 
-/// Texels as stored, 0..=255 per component, of several samples side by side; one that the image lacks (its texels are short) points
-/// straight up.
+/// Returns texels as stored, 0..=255 per component, of several samples side by side. A texel missing from the image (its array is
+/// short) points straight up.
 #[inline(always)]
 fn stored(image: &Image, numbers: u32x4) -> [f32x4; 3] {
     let texel = |at: u32| i32::from_le_bytes(image.texels.get(at as usize).copied().unwrap_or([128, 128, 255, 255]));
@@ -145,7 +145,7 @@ fn stored(image: &Image, numbers: u32x4) -> [f32x4; 3] {
     [component(texels), component(texels.unbounded_shr_scalar(8)), component(texels.unbounded_shr_scalar(16))]
 }
 
-/// What is stored, filtered: the weighted sum of the taps. Decoding is linear, so it can follow.
+/// Returns the filtered stored values: the weighted sum of the taps. Decoding is linear, so it can follow.
 #[inline(always)]
 fn filtered(image: &Image, footprints: &Footprints) -> [f32x4; 3] {
     let numbers = footprints.numbers(image.width);
@@ -219,9 +219,9 @@ impl Unit for NormalMapping {
     }
 }
 
-/// A number in single precision \[bits\].
+/// Single-precision number \[bits\].
 const NUMBER: u32 = 32;
-/// Normal, tangent, coordinates: each at the first vertex, and what the others add.
+/// Normal, tangent, coordinates: each is stored as the value at the first vertex and two differences.
 const SET_UP_ATTRIBUTES: u32 = 8;
 
 #[cfg(test)]

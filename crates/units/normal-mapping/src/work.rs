@@ -1,33 +1,36 @@
-//! What arithmetic the pseudo-normals of a fragment take, and how long they are under way.
+//! Arithmetic and latency of the pseudo-normals of a fragment.
 
 use crate::NormalMappingConfig;
 use basrelief_kernel::{Operators, Work};
 use basrelief_signals::{MAX_SAMPLES, TexelFilter};
 
-/// Attributes of a fragment from two weights: two products and two sums for each number.
+/// Returns the arithmetic of interpolated attributes of a fragment: two products and two sums per number.
 const fn interpolated(numbers: u32) -> Work {
     Work { multiply: 2 * numbers, add: 2 * numbers, ..Work::NONE }
 }
 
-/// The interpolated normal alone, where there is no map.
+/// Arithmetic of the interpolated normal alone, for a polygon without a map.
 const BARE: Work = interpolated(3);
 
-/// Normal, tangent, coordinates; the bitangent is a cross product. Its sign, the handedness, costs nothing.
+/// Arithmetic of normal, tangent and coordinates. The bitangent is a cross product. Its sign, the handedness, costs nothing.
 const FRAME: Work = interpolated(8).and(Work { multiply: 6, add: 3, ..Work::NONE });
 
-/// A footprint in a level: coordinates in texels, their fractions, four weights of which one is a product, and addresses.
+/// Arithmetic of a footprint in a level: coordinates in texels, their fractions, four weights of which one is a product, and
+/// addresses.
 const FOOTPRINT: Work = Work { multiply: 2 + 1, add: 2 + 3 + 4, ..Work::NONE };
 
-/// Three components from four texels.
+/// Arithmetic of three components filtered from four texels.
 const FILTERED: Work = Work { multiply: 12, add: 9, ..Work::NONE };
 
-/// From a stored normal to the frame's space: x and y times the scale of the map, then a matrix of 3 x 3. Decoding is a shift.
+/// Arithmetic from a stored normal to world space: x and y times the scale of the map, then a matrix of 3 x 3. Decoding is a
+/// shift.
 const ROTATED: Work = Work { multiply: 2 + 9, add: 6, ..Work::NONE };
 
-/// Brought to full scale: the largest component, its reciprocal, three products.
+/// Arithmetic of scaling: the largest component, its reciprocal, three products.
 const SCALED: Work = Work { multiply: 3, add: 2, divide: 1, ..Work::NONE };
 
-/// `samples` pseudo-normals of a fragment: each from a filtered footprint of its level, or four from the texels of one.
+/// Returns the arithmetic of `samples` pseudo-normals of a fragment. Each comes from a filtered footprint of its level, or four
+/// come from the texels of one footprint.
 fn mapped(config: &NormalMappingConfig, samples: u32) -> Work {
     let of_a_footprint = config.samples(1);
     let footprints = samples.div_ceil(of_a_footprint);
@@ -36,17 +39,17 @@ fn mapped(config: &NormalMappingConfig, samples: u32) -> Work {
     FRAME.and(footprint.times(footprints)).and(ROTATED.and(SCALED).times(samples))
 }
 
-/// What waits for each other: attribute, footprint, filter, rotation, scale.
+/// Longest dependent chain: attribute, footprint, filter, rotation, scale.
 const CHAIN: Work = Work { multiply: 1 + 1 + 1 + 1 + 1, add: 2 + 2 + 2 + 2 + 2, divide: 1, ..Work::NONE };
 
-/// When, as far as parameters say it: they do not change during a run, and a step asks every time.
+/// Timing computed once from the parameters, because they do not change during a run and every step needs it.
 #[derive(Clone, Debug)]
 pub(crate) struct Timing {
-    /// From a fragment to its pseudo-normals, all texels there \[cycles\].
+    /// Cycles from a fragment to its pseudo-normals, without texel fetches.
     pub(crate) latency: u64,
-    /// From one fragment to the next without a map: N' is the same at all levels \[cycles\].
+    /// Cycles from one fragment to the next without a map. N' is the same at all levels.
     bare: u64,
-    /// The same with a map, by the number of pseudo-normals.
+    /// Cycles from one fragment to the next with a map, by the number of pseudo-normals.
     mapped: [u64; MAX_SAMPLES + 1],
 }
 
@@ -57,7 +60,7 @@ impl Timing {
         Self { latency: operators.latency(CHAIN), bare: pace(BARE.and(SCALED)), mapped }
     }
 
-    /// Cycles from one fragment to the next, with so many pseudo-normals each.
+    /// Returns the cycles from one fragment to the next, with this many pseudo-normals each.
     #[inline]
     pub(crate) fn pace(&self, is_mapped: bool, samples: usize) -> u64 {
         if is_mapped { self.mapped[samples.min(MAX_SAMPLES)] } else { self.bare }
@@ -70,7 +73,7 @@ mod tests {
     use basrelief_kernel::OperatorConfig;
 
     #[test]
-    fn operators_by_default_make_two_pseudo_normals_of_a_fragment_per_cycle() {
+    fn default_operators_make_two_pseudo_normals_per_cycle() {
         let operators = Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() };
         let config = NormalMappingConfig::default();
         let (have, two) = (config.operators(), mapped(&config, 2));

@@ -1,4 +1,4 @@
-//! The mapping unit (108) keeps the unit contract, whichever way it filters.
+//! The mapping unit (108) keeps the unit contract with each filter.
 
 use basrelief_kernel::Operators;
 use basrelief_kernel_conformance::unit_contract;
@@ -6,7 +6,7 @@ use basrelief_normal_mapping::{FilterAt, NormalMapping, NormalMappingConfig};
 use basrelief_signals::{Control, Flow, Fragment, Image, Material, Polygon, Sampler, Stamp, Texture, Vertex};
 use std::sync::Arc;
 
-/// A map of five levels, 16 texels per side on level 0.
+/// Creates a map of five levels, with 16 texels per side on level 0.
 fn bumps() -> Arc<Texture> {
     let image = |k: u32| {
         let n = 16 >> k;
@@ -17,7 +17,7 @@ fn bumps() -> Arc<Texture> {
     Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
-/// A unit square in the plane z = 0.
+/// Creates a unit square in the plane z = 0.
 fn square(lod: u8, normal_map: Option<Arc<Texture>>) -> Flow<Stamp<Fragment>> {
     let vertex = |u: f32, v: f32| Vertex { tangent: [1.0, 0.0, 0.0, 1.0], uv_normal: [u, v], ..Vertex::default() };
     let vertices = vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(1.0, 1.0), vertex(0.0, 1.0)];
@@ -25,7 +25,7 @@ fn square(lod: u8, normal_map: Option<Arc<Texture>>) -> Flow<Stamp<Fragment>> {
     Flow::Control(Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod, bump: true, arrival: 0 })))
 }
 
-/// Two polygons, with a map and without.
+/// Returns two polygons, with a map and without.
 fn two_polygons() -> Vec<Flow<Stamp<Fragment>>> {
     let at = |i: u16| {
         let (u, v) = (f32::from(i) / 40.0, f32::from(i % 7) / 280.0);

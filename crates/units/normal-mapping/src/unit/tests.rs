@@ -1,11 +1,11 @@
-//! The unit at step level.
+//! Tests of the unit's steps.
 
 use super::*;
 use basrelief_kernel::OperatorConfig;
 use basrelief_signals::{Material, Sampler, StampLanes, TexelFilter, Texture, Vertex};
 use proptest::prelude::*;
 
-/// A map whose level k has `side >> k` texels per side, filled by `texel(level, x, y)`.
+/// Creates a map whose level k has `side >> k` texels per side, filled by `texel(level, x, y)`.
 fn map(side: u32, levels: u32, texel: impl Fn(u32, u32, u32) -> [u8; 3]) -> Arc<Texture> {
     let image = |k: u32| {
         let n = (side >> k).max(1);
@@ -16,7 +16,7 @@ fn map(side: u32, levels: u32, texel: impl Fn(u32, u32, u32) -> [u8; 3]) -> Arc<
     Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
-/// A unit square in the plane z = 0 facing +z, u along x, v against y (glTF).
+/// Creates a unit square in the plane z = 0 facing +z, u along x, v against y (glTF).
 fn square(lod: u8, normal_map: Option<Arc<Texture>>) -> Arc<Polygon> {
     let vertex = |u: f32, v: f32| Vertex { tangent: [1.0, 0.0, 0.0, 1.0], uv_normal: [u, v], ..Vertex::default() };
     let vertices = vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(1.0, 1.0), vertex(0.0, 1.0)];
@@ -29,7 +29,7 @@ fn fragment(u: f32, v: f32) -> Fragment {
     Fragment { x: 3, y: 4, z: 5, weights: [u - v, v], triangle: 0 }
 }
 
-/// Divisions of seven cycles, not pipelined.
+/// Returns divisions of seven cycles, not pipelined.
 fn operators() -> Operators {
     Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() }
 }
@@ -63,7 +63,7 @@ fn mapped(unit: &mut NormalMapping, at: Fragment, traffic: &mut Traffic) -> Pseu
 }
 
 #[test]
-fn claims_1_and_5_each_selected_level_reads_its_own_map() {
+fn claims_1_and_5_each_level_reads_its_own_map() {
     // Level k leans along +x for even k and along +y for odd k.
     let lean = map(16, 5, |k, _, _| if k % 2 == 0 { [255, 128, 128] } else { [128, 255, 128] });
     let mut unit = unit(NormalMappingConfig::default(), 2, square(3, Some(lean)));
@@ -76,7 +76,7 @@ fn claims_1_and_5_each_selected_level_reads_its_own_map() {
 }
 
 #[test]
-fn green_leans_against_v() {
+fn green_channel_leans_against_v() {
     let up = map(4, 1, |_, _, _| [128, 255, 128]);
     let mut left_handed = (*square(0, Some(up))).clone();
     left_handed.vertices.iter_mut().for_each(|v| v.tangent[3] = -1.0);
@@ -85,7 +85,7 @@ fn green_leans_against_v() {
 }
 
 #[test]
-fn without_a_map_or_with_scale_zero_n_prime_is_n() {
+fn missing_map_or_zero_scale_keeps_normal() {
     let mut bare = unit(NormalMappingConfig::default(), 2, square(3, None));
     let p = mapped(&mut bare, fragment(0.4, 0.2), &mut Traffic::default());
     assert_eq!(p.samples.iter().map(|s| s.value.lane(0)).collect::<Vec<_>>(), [[0, 0, 32_767]; 2]);
@@ -96,7 +96,7 @@ fn without_a_map_or_with_scale_zero_n_prime_is_n() {
 }
 
 #[test]
-fn four_searches_when_brightness_is_filtered() {
+fn filtered_brightness_needs_four_searches() {
     let config = NormalMappingConfig { filter_at: FilterAt::Brightness, ..NormalMappingConfig::default() };
     assert_eq!(config.samples(2), 8);
     let ramp = map(8, 4, |_, x, y| [(16 * x) as u8, (16 * y) as u8, 255]);
@@ -109,7 +109,7 @@ fn four_searches_when_brightness_is_filtered() {
 }
 
 #[test]
-fn a_footprint_within_a_block_is_one_line() {
+fn footprint_within_block_touches_one_line() {
     let flat = map(16, 1, |_, _, _| [128, 128, 255]);
     let mut unit = unit(NormalMappingConfig::default(), 1, square(0, Some(flat)));
     let lines = |unit: &mut NormalMapping, u, v| {
@@ -124,7 +124,7 @@ fn a_footprint_within_a_block_is_one_line() {
 }
 
 #[test]
-fn control_passes_and_the_unit_holds_nothing() {
+fn control_passes_and_unit_holds_nothing() {
     let mut unit = NormalMapping::new(NormalMappingConfig::default(), &operators(), 2, 4, 64);
     let step = unit.step(Some(Flow::Control(Control::FrameEnd)), &mut Traffic::default());
     assert_eq!(step.out, Some(Flow::Control(Control::FrameEnd)));
@@ -133,7 +133,7 @@ fn control_passes_and_the_unit_holds_nothing() {
 }
 
 #[test]
-fn a_fragment_without_a_triangle_has_no_direction() {
+fn fragment_without_triangle_has_no_direction() {
     let mut unit = unit(NormalMappingConfig::default(), 2, square(0, None));
     let stray = Fragment { triangle: 77, ..Fragment::default() };
     let p = mapped(&mut unit, stray, &mut Traffic::default());
@@ -141,7 +141,7 @@ fn a_fragment_without_a_triangle_has_no_direction() {
 }
 
 #[test]
-fn fragments_follow_each_other_as_operators_take_turns_with_their_pseudo_normals() {
+fn operators_limit_fragment_rate() {
     let flat = || Some(map(16, 8, |_, _, _| [128, 128, 255]));
     let kept = |dividers, levels, normal_map| {
         let config = NormalMappingConfig { dividers, ..NormalMappingConfig::default() };
@@ -158,19 +158,19 @@ fn fragments_follow_each_other_as_operators_take_turns_with_their_pseudo_normals
 }
 
 #[test]
-fn four_searches_take_four_rotations_from_one_footprint() {
+fn four_searches_need_four_rotations_of_one_footprint() {
     let kept = |filter_at| {
         let config = NormalMappingConfig { filter_at, multipliers: 1, dividers: 256, ..NormalMappingConfig::default() };
         let mut unit = unit(config, 1, square(0, Some(map(16, 1, |_, _, _| [128, 128, 255]))));
         unit.step(Some(Flow::Item(Stamp::from_iter([fragment(0.5, 0.5)]))), &mut Traffic::default()).occupancy
     };
-    // Frame 22, footprint 3; filter 12 and one rotation and scale of 14, or four of these.
+    // Frame 22, footprint 3, filter 12, and one rotation and scale of 14, or four of these.
     assert_eq!(kept(FilterAt::Normal), 22 + 3 + 12 + 14);
     assert_eq!(kept(FilterAt::Brightness), 22 + 3 + 4 * 14);
 }
 
 #[test]
-fn it_tells_its_operators() {
+fn unit_reports_its_operators() {
     let mut facts = Facts::default();
     unit(NormalMappingConfig { dividers: 5, ..NormalMappingConfig::default() }, 2, square(0, None)).tell(&mut facts);
     let dividers = facts.all_hardware().iter().find(|h| h.kind == HardwareKind::Divider);
@@ -178,7 +178,7 @@ fn it_tells_its_operators() {
 }
 
 #[test]
-fn the_state_survives_a_checkpoint() {
+fn state_survives_checkpoint() {
     let mut a = unit(NormalMappingConfig::default(), 2, square(3, Some(map(8, 4, |k, x, _| [x as u8, k as u8, 255]))));
     mapped(&mut a, fragment(0.3, 0.1), &mut Traffic::default());
     let text = serde_json::to_string(&a.state).unwrap();
@@ -191,7 +191,7 @@ fn the_state_survives_a_checkpoint() {
 
 proptest! {
     #[test]
-    fn bilinear_normals_agree_with_double_precision(u in 0f32..1.0, t in 0f32..1.0) {
+    fn bilinear_normals_match_double_precision(u in 0f32..1.0, t in 0f32..1.0) {
         let (side, v) = (8u32, u * t);
         let texel = |_: u32, x: u32, y: u32| [(x * 37 % 256) as u8, (y * 53 % 256) as u8, 255 - (x * y % 100) as u8];
         let mut unit = unit(NormalMappingConfig::default(), 1, square(0, Some(map(side, 1, texel))));
@@ -215,7 +215,7 @@ proptest! {
     }
 
     #[test]
-    fn no_step_exceeds_the_largest(
+    fn no_step_exceeds_largest_step(
         u in any::<f32>(), v in any::<f32>(), lod in 0u8..64, levels in 1u8..=8, line in 2u32..=8, texel_bytes in 1u32..=8,
         brightness in any::<bool>(), nearest in any::<bool>(), side in 0u32..6, triangle in 0u16..4, fragments in 1usize..=4,
     ) {
