@@ -185,7 +185,7 @@ const FIGURE_5B: [[u16; 6]; 6] =
     [[2, 1, 2, 3, 2, 7], [1, 5, 1, 5, 1, 5], [3, 1, 3, 1, 3, 1], [1, 6, 1, 6, 1, 6], [7, 8, 7, 7, 4, 7], [8, 4, 2, 4, 8, 4]];
 
 #[test]
-fn figures_5_and_6_the_index_map_becomes_the_brightness_map() {
+fn figures_5_and_6_index_map_becomes_brightness_map() {
     let config = config(&[]);
     let mut chain = Chain::new(&config);
     // 6 x 6 pixels at level 0, 4 x 4 at level 1, 2 x 2 at level 2.

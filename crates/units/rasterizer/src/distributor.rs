@@ -4,23 +4,24 @@ use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, Fragment, Stamp};
 use serde::{Deserialize, Serialize};
 
-/// Everything the distributor remembers.
+/// State of the distributor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DistributorState {
-    /// The polygon that is passing is no bump target.
+    /// True if the current polygon is not a bump target.
     pub plain: bool,
 }
 
-/// Sends fragments of bump targets to output 0 (the bump-mapping processor (106)), others to output 1 (the graphics
-/// processor (104)).
+/// Distributor that sends fragments of bump targets to output 0 (the bump-mapping processor (106)) and others to output 1 (the
+/// graphics processor (104)).
 ///
-/// All control goes to output 0, which so carries the order. Output 1 gets twins of two control tokens per polygon that is
-/// no bump target: its own, and the one that ends it. By these the graphics processor merges the ways again, and the way
-/// past (106) stays empty while bump targets are gathered there, however many. (Twins of all control tokens were tried on
-/// paper: a code book per object would then deadlock on objects of more polygons than FIFO `plain_fragments` has slots.)
+/// All control goes to output 0, which therefore defines the order. Output 1 gets duplicates of two control tokens per polygon
+/// that is not a bump target: the token of the polygon, and the token that ends it. The graphics processor merges the two paths
+/// by these duplicates. Output 1 stays empty while bump targets are gathered in (106), however many. (Duplicates of all control
+/// tokens were rejected in analysis: a code book per object would deadlock on objects of more polygons than FIFO
+/// `plain_fragments` has slots.)
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Distributor {
-    /// Everything it remembers.
+    /// State between steps.
     pub state: DistributorState,
 }
 
@@ -63,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn control_carries_the_order_on_the_first_way_and_brackets_plain_polygons_on_the_second() {
+    fn distributor_brackets_plain_polygons_with_control() {
         let mut unit = Distributor::default();
         let mut step = |token: &Flow<Stamp<Fragment>>| unit.step(Some(token.clone()), &mut Traffic::default()).out;
         let fragment = Flow::Item(Stamp::from_iter([Fragment { x: 3, ..Fragment::default() }; 2]));

@@ -1,12 +1,12 @@
-//! Rasterizer: from polygons to fragments, and the distributor behind it.
+//! Rasterizer: converts polygons to fragments. The distributor follows it.
 //!
 //! ```text
 //!  polygons --> rasterizer --> (early z) --> distributor --+--> bump targets: normal-vector mapping unit (108)
 //!                                                          +--> others: graphics processor (104)
 //! ```
 //!
-//! The patent has no rasterizer of its own: "mapped to the polygon's pixels by ordinary texture mapping" presumes one
-//! (assumed: a unit in front of the bump-mapping processor (106)).
+//! The patent has no rasterizer of its own: "mapped to the polygon's pixels by ordinary texture mapping" presumes one (assumed: a
+//! unit in front of the bump-mapping processor (106)).
 
 pub mod config;
 pub mod distributor;

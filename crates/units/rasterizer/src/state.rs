@@ -5,10 +5,10 @@ use basrelief_signals::Polygon;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What the rasterizer has counted.
+/// Counters of the rasterizer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RasterizerCounters {
-    /// Polygons taken.
+    /// Polygons received.
     pub polygons: u64,
     /// Triangles of their fans.
     pub triangles: u64,
@@ -18,15 +18,15 @@ pub struct RasterizerCounters {
     pub bump_fragments: u64,
 }
 
-/// Everything the rasterizer remembers.
+/// State of the rasterizer between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RasterizerState {
     /// Width and height of the frame \[pixels\].
     pub screen: [u32; 2],
-    /// The polygon that is part-way, if any; the scan stands on its next fragment.
+    /// Polygon in progress, if any. The scan stands on its next fragment.
     pub polygon: Option<Arc<Polygon>>,
-    /// Its traversal.
+    /// Traversal of the polygon.
     pub scan: Scan,
-    /// What it has counted.
+    /// Counters.
     pub counters: RasterizerCounters,
 }

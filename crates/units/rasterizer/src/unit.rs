@@ -9,32 +9,33 @@ use basrelief_shading::{BLOCK, Scan, fan_triangles};
 use basrelief_signals::{Control, Flow, Fragment, Polygon, Stamp};
 use std::sync::Arc;
 
-/// Polygons in, fragments out: a stamp per step, in order, behind the control token of their polygon. A polygon keeps the unit for
-/// the set-up of the triangles of its fan, before its fragments; fragments follow each other as fast as operators take turns.
+/// Rasterizer: emits a stamp per step, in order, behind the control token of the polygon. A polygon occupies the unit for the
+/// set-up of the triangles of its fan, before its fragments. The operators limit the rate of fragments.
 ///
-/// Which pixels belong to a polygon, [`Scan`] says; of one without any, the control token passes.
+/// [`Scan`] defines the pixels of a polygon. A polygon without pixels passes as its control token only.
 #[derive(Clone, Debug)]
 pub struct Rasterizer {
     /// Parameters.
     pub config: RasterizerConfig,
-    /// How long arithmetic takes.
+    /// Latencies of the operators.
     pub operators: Operators,
-    /// From one fragment to the next \[cycles\]: parameters do not change during a run, and a step asks every time.
+    /// Cycles from one fragment to the next. Computed once, because parameters do not change during a run and every step needs
+    /// it.
     pace: u64,
-    /// From a polygon to its first fragment, and of every fragment \[cycles\].
+    /// Cycles from a polygon to its first fragment, and latency of every fragment.
     latency: u64,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: RasterizerState,
 }
 
 impl Rasterizer {
-    /// A rasterizer at power-on.
+    /// Creates a rasterizer in its power-on state.
     pub fn new(config: RasterizerConfig, operators: Operators) -> Self {
         let (pace, latency) = (operators.pace(FRAGMENT, config.operators()), operators.latency(CHAIN));
         Self { config, operators, pace, latency, state: RasterizerState::default() }
     }
 
-    /// Takes a control token; the cycles that it keeps the unit.
+    /// Takes a control token. Returns its occupancy in cycles.
     fn take(&mut self, control: &Control) -> u64 {
         match control {
             Control::Frame(frame) => {
@@ -56,7 +57,7 @@ impl Rasterizer {
         self.operators.pace(SET_UP.times(triangles.into()), self.config.operators())
     }
 
-    /// On to the next fragment of the polygon; past the last, the unit is ready for the next control token.
+    /// Advances to the next fragment of the polygon. Past the last, the unit is ready for the next control token.
     #[inline]
     fn advance(&mut self) {
         let RasterizerState { polygon, scan, .. } = &mut self.state;
@@ -65,7 +66,7 @@ impl Rasterizer {
         }
     }
 
-    /// The next fragment and those after it in the same block.
+    /// Returns the next fragment and those after it in the same block.
     #[inline(always)]
     fn emit(&mut self) -> Stamp<Fragment> {
         let mut stamp = Stamp::new();
@@ -125,7 +126,7 @@ impl Unit for Rasterizer {
     }
 }
 
-/// A number of the set-up \[bits\].
+/// Number of the set-up \[bits\].
 const NUMBER: u32 = 32;
 
 #[cfg(test)]
@@ -177,14 +178,14 @@ mod tests {
         fragments(&mut unit)
     }
 
-    /// Divisions of seven cycles, not pipelined, and everything else in plenty.
+    /// Creates a rasterizer with divisions of seven cycles, not pipelined, and an abundance of all other operators.
     fn dividing(dividers: u32) -> Rasterizer {
         let config = RasterizerConfig { multipliers: 256, adders: 256, dividers, ..RasterizerConfig::default() };
         Rasterizer::new(config, Operators { divide: OperatorConfig::new(7, 7), ..Operators::default() })
     }
 
     #[test]
-    fn fragments_follow_each_other_as_fast_as_dividers_take_turns() {
+    fn dividers_limit_fragment_rate() {
         let occupancy = |dividers| {
             let mut unit = dividing(dividers);
             step(&mut unit, Some(frame(64, 48)));
@@ -197,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn it_tells_its_operators_and_the_registers_of_a_triangle() {
+    fn unit_reports_operators_and_triangle_registers() {
         let mut facts = Facts::default();
         dividing(3).tell(&mut facts);
         let count = |kind| facts.all_hardware().iter().filter(|h| h.kind == kind).map(|h| h.count).sum::<u64>();
@@ -205,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn control_goes_first_and_is_charged_the_set_up() {
+    fn control_goes_first_and_is_charged_set_up() {
         let mut unit = dividing(1);
         assert_eq!(step(&mut unit, Some(frame(8, 8))).occupancy, 1);
         let square = polygon(&[[1.0, 1.0, 0.0, 1.0], [3.0, 1.0, 0.0, 1.0], [3.0, 2.0, 0.0, 1.0], [1.0, 2.0, 0.0, 1.0]]);
@@ -220,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polygon_without_pixels_passes_its_control_and_nothing_else() {
+    fn polygon_without_pixels_passes_only_control() {
         for corners in [
             [[1.1, 1.1, 0.0, 1.0], [1.2, 1.1, 0.0, 1.0], [1.2, 1.2, 0.0, 1.0]],
             [[1.0, 1.0, 0.0, 1.0], [5.0, 5.0, 0.0, 1.0], [9.0, 9.0, 0.0, 1.0]],
@@ -233,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_are_finished_row_of_blocks_by_row_of_blocks() {
+    fn blocks_are_visited_row_by_row() {
         let square = [[0.0, 0.0, 0.0, 1.0], [8.0, 0.0, 0.0, 1.0], [0.0, 8.0, 0.0, 1.0]];
         let order: Vec<_> =
             drawn(RasterizerConfig::default(), &square).iter().map(|f| (f.y / 4, f.x / 4, f.y % 4, f.x % 4)).collect();
@@ -244,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn depth_is_the_plane_through_the_vertices_in_steps_of_the_z_buffer() {
+    fn depth_is_plane_through_vertices_in_z_steps() {
         let corners = [[0.5, 0.5, 0.0, 1.0], [32.5, 0.5, 1.0, 1.0], [0.5, 32.5, 0.5, 1.0]];
         for z_bits in [16, 24, 32] {
             let max = u32::MAX >> (32 - z_bits);
@@ -261,7 +262,7 @@ mod tests {
 
     #[test]
     fn weights_are_perspective_correct() {
-        // A road that runs away from the viewer: half way up the screen is 1 / (1 + w ratio) of the way.
+        // A road that recedes from the viewer: half way up the screen is 1 / (1 + w ratio) of its length.
         let corners = [[0.5, 40.5, 0.0, 1.0], [16.5, 0.5, 0.0, 0.25], [32.5, 40.5, 0.0, 1.0]];
         let all = drawn(RasterizerConfig::default(), &corners);
         let middle = all.iter().find(|f| (f.x, f.y) == (16, 20)).expect("inside");
@@ -270,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_one_over_w_is_no_nan() {
+    fn damaged_one_over_w_gives_no_nan() {
         for q in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             let corners = [[0.0, 0.0, 0.0, q], [9.0, 0.0, 0.0, 1.0], [0.0, 9.0, 0.0, 1.0]];
             let all = drawn(RasterizerConfig::default(), &corners);
@@ -279,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn huge_coordinates_cover_the_screen() {
+    fn huge_coordinates_cover_screen() {
         for reach in [32768.0, 1e6, 1e30, f32::INFINITY] {
             let corners =
                 [[-reach, -reach, 0.0, 1.0], [reach, -reach, 0.0, 1.0], [reach, reach, 0.0, 1.0], [-reach, reach, 0.0, 1.0]];

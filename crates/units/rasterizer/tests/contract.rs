@@ -16,7 +16,8 @@ fn polygon(bump: bool, corners: &[[f32; 2]]) -> Control {
     Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump, arrival: 0 }))
 }
 
-/// Two frames: a triangle, a pentagon that sticks out, one without pixels, one without area, a folded one.
+/// Returns two frames: a triangle, a pentagon that extends beyond the screen, a polygon without pixels, one without area, a
+/// folded one.
 fn display_list() -> Vec<Control> {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
     let object = ObjectInfo {
@@ -66,7 +67,7 @@ unit_contract! {
     state,
 }
 
-/// What the rasterizer makes of the display list.
+/// Returns the rasterizer's output for the display list.
 fn fragments() -> Vec<Flow<Stamp<Fragment>>> {
     let mut unit = Rasterizer::new(RasterizerConfig::default(), Operators::default());
     let mut out = Vec::new();

@@ -1,4 +1,4 @@
-//! Fill rule: top-left; no pixel of a shared edge is drawn twice or missed.
+//! Fill rule: top-left. No pixel of a shared edge is drawn twice or missed.
 
 use basrelief_kernel::{Demand, Operators, Traffic, Unit};
 use basrelief_rasterizer::{Rasterizer, RasterizerConfig};
@@ -27,7 +27,7 @@ fn rasterizer(block: u32) -> Rasterizer {
     unit
 }
 
-/// How often each pixel is drawn by the polygons; corners in steps of 1/16 pixel.
+/// Returns the number of times that the polygons draw each pixel. Corners are in steps of 1/16 pixel.
 fn drawn(polygons: &[&[Point]], block: u32) -> Vec<u8> {
     let mut count = vec![0; (SIDE * SIDE) as usize];
     let mut unit = rasterizer(block);
@@ -56,8 +56,8 @@ fn cross(a: Point, b: Point, p: Point) -> i64 {
     (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 }
 
-/// Brute force. The top-left rule says: shift the sample to the right by an infinitely small step, and down by one that
-/// is infinitely small against that; then no edge goes through it.
+/// Tests a pixel by brute force. The top-left rule shifts the sample to the right by an infinitely small step, and down by one
+/// that is infinitely smaller. Then no edge goes through it.
 fn inside(triangle: [Point; 3], x: i64, y: i64) -> bool {
     let centre = [x * STEPS + STEPS / 2, y * STEPS + STEPS / 2];
     let sign = cross(triangle[0], triangle[1], triangle[2]).signum();
@@ -74,14 +74,14 @@ fn brute(triangles: &[[Point; 3]]) -> Vec<u8> {
     (0..SIDE * SIDE).map(count).collect()
 }
 
-/// Corners on and off the screen, on a grid coarse enough that pixel centres lie on edges.
+/// Generates corners on and off the screen, on a grid coarse enough that pixel centres lie on edges.
 fn point() -> impl Strategy<Value = Point> {
     let fine = -8 * STEPS..(SIDE + 8) * STEPS;
     let coarse = (-16..2 * SIDE + 16).prop_map(|c| c * STEPS / 2);
     prop_oneof![[fine.clone(), fine], [coarse.clone(), coarse]]
 }
 
-/// Slivers too: the third corner close to the line through the others.
+/// Generates triangles, including slivers: the third corner is close to the line through the others.
 fn triangle() -> impl Strategy<Value = [Point; 3]> {
     let sliver = (point(), point(), 0i64..=16, -2i64..=2).prop_map(|(a, b, t, off)| {
         let c = [a[0] + (b[0] - a[0]) * t / 16 + off, a[1] + (b[1] - a[1]) * t / 16 + off];
@@ -94,12 +94,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 600, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn coverage_is_that_of_a_test_of_every_pixel(t in triangle(), block in 1u32..=8) {
+    fn coverage_equals_brute_force_test(t in triangle(), block in 1u32..=8) {
         prop_assert_eq!(drawn(&[&t], block), brute(&[t]));
     }
 
     #[test]
-    fn two_triangles_with_a_common_edge_cover_each_pixel_of_their_union_once(t in triangle(), d in point()) {
+    fn triangles_sharing_an_edge_cover_each_pixel_once(t in triangle(), d in point()) {
         let [a, b, c] = t;
         prop_assume!(cross(a, b, c).signum() * cross(a, b, d).signum() < 0);
         let count = drawn(&[&t, &[b, a, d]], 4);
@@ -108,7 +108,7 @@ proptest! {
     }
 
     #[test]
-    fn a_closed_fan_around_a_point_covers_each_pixel_once(
+    fn closed_fan_covers_each_pixel_once(
         hub in point(), spokes in prop::collection::vec((1..20 * STEPS, 0..20 * STEPS, 0usize..4), 0..8),
         first in [(1..20 * STEPS, 0..20 * STEPS), (1..20 * STEPS, 0..20 * STEPS), (1..20 * STEPS, 0..20 * STEPS), (1..20 * STEPS, 0..20 * STEPS)],
     ) {
@@ -125,17 +125,17 @@ proptest! {
         }
     }
 
-    /// The fifth corner of the polygon is moved over the diagonal from the first corner by a few steps, as snapping may
-    /// do: the polygon, with the triangles that fill its dent and its outside, must still tile the plane.
+    /// The fifth corner of the polygon moves over the diagonal from the first corner by a few steps, as snapping may do. The
+    /// polygon, with the triangles that fill its dent and its outside, must still tile the plane.
     #[test]
-    fn a_polygon_that_snapping_has_bent_still_meets_its_neighbours(
+    fn snapped_polygon_still_meets_its_neighbours(
         t in triangle(), share in 1i64..16, dent in -3i64..=3, turn in 0usize..4,
     ) {
         let [a, b, c] = t;
         prop_assume!(cross(a, b, c) != 0);
         let on_edge = [a[0] + (c[0] - a[0]) * share / 16 + dent, a[1] + (c[1] - a[1]) * share / 16 - dent];
-        // The quad a b c e and the triangle a c e share the edges a-e and e-c: together they are the triangle a b c,
-        // where e is inside, and e's triangle adds to it where e is outside.
+        // The quad a b c e and the triangle a c e share the edges a-e and e-c. If e is inside, they form the triangle a b c
+        // together. If e is outside, e's triangle adds to a b c.
         let mut quad = [a, b, c, on_edge];
         prop_assume!(simple(quad));
         quad.rotate_left(turn);
@@ -148,13 +148,13 @@ proptest! {
     }
 }
 
-/// Whether no edge of the quad crosses the opposite one: its last corner is on the far side of `b`, or inside `a b c`.
+/// Returns true if no edge of the quad crosses the opposite one: its last corner is on the far side of `b`, or inside `a b c`.
 fn simple([a, b, c, e]: [Point; 4]) -> bool {
     let s = cross(a, b, c).signum();
     cross(a, b, e).signum() == s && cross(b, c, e).signum() == s
 }
 
-/// Points around the hub in order of angle, at least one in each quadrant: no wedge reaches 180 degrees.
+/// Returns points around the hub in order of angle, at least one in each quadrant, so that no wedge reaches 180 degrees.
 fn rim(hub: Point, first: &[(i64, i64); 4], spokes: &[(i64, i64, usize)]) -> Vec<Point> {
     let mut rim = Vec::new();
     for quadrant in 0..4 {
