@@ -1,4 +1,4 @@
-//! What the geometry processor (102) is charged, and what it is built of.
+//! Costs of the geometry processor (102): charges of its steps, and its hardware.
 
 use crate::config::GeometryConfig;
 use crate::work;
@@ -7,34 +7,34 @@ use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{HardwareKind, Work};
 use basrelief_signals::{LightingStage, Material, Object, Polygon, SentAttributes};
 
-/// What a step keeps the unit for.
+/// Work that is charged to a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Charge {
     /// Arithmetic.
     pub(crate) work: Work,
-    /// Fetched of vertices and indices \[bytes\].
+    /// Bytes of vertices and indices fetched.
     pub(crate) fetched: u64,
 }
 
 impl Charge {
-    /// More arithmetic.
+    /// Adds arithmetic.
     pub(crate) fn add(&mut self, work: Work) {
         self.work = self.work.and(work);
     }
 }
 
-/// A vertex as it is fetched: three numbers of its position, and these attributes \[bytes\].
+/// Returns the size of a vertex as fetched \[bytes\]: three numbers of its position, and these attributes.
 pub(crate) fn vertex_bytes(of: SentAttributes) -> u64 {
     12 + of.bytes()
 }
 
-/// Indices of a triangle: 16 bits each while they tell all vertices of the object apart \[bytes\].
+/// Returns the size of the indices of a triangle \[bytes\]. An index has 16 bits if they can number all vertices of the object.
 pub(crate) fn index_bytes(object: &Object) -> u64 {
     3 * if object.mesh.positions.len() <= 1 << 16 { 2 } else { 4 }
 }
 
 impl GeometryProcessor {
-    /// Cycles for which the unit is kept by what is charged and a polygon of so many bytes.
+    /// Returns the occupancy in cycles of a step with this charge and a polygon of this size.
     pub(crate) fn kept(&self, charge: Charge, polygon_bytes: u64) -> u64 {
         let GeometryConfig { fetch_bytes_per_cycle, link_bytes, .. } = self.config;
         let link = PolygonLink { bytes_per_cycle: link_bytes, taken: self.taken };
@@ -44,20 +44,20 @@ impl GeometryProcessor {
             .max(link.cycles(polygon_bytes))
     }
 
-    /// Attributes that are fetched of an object's vertices: those that its material has and the machine takes, and normals where
-    /// it is lit at all. Whether a candidate is a bump target is known too late to spare it a tangent.
+    /// Returns the attributes that are fetched for an object's vertices: those that its material has and the machine accepts, and
+    /// normals if it is lit at all. Tangents are always fetched, because the bump decision comes too late to save them.
     pub(crate) fn fetched(&self, object: &Object) -> SentAttributes {
         let may_be_target = object.bump.unwrap_or_else(|| self.is_candidate(object));
         let taken = self.taken.of(&object.material, may_be_target, !object.mesh.colors.is_empty());
         SentAttributes { normal: self.taken.lit != LightingStage::Nowhere, brightness: false, ..taken }
     }
 
-    /// From the last operands of a polygon to its delivery \[cycles\].
+    /// Returns the cycles from the last operands of a polygon to its delivery.
     pub(crate) fn latency(&self) -> u64 {
         work::latency(&self.operators, self.taken)
     }
 
-    /// The smallest polygon that the machine can be handed keeps the link longest of what it takes at least: that is the rate.
+    /// Reports the rate: the smallest polygon that the machine accepts occupies the link longest of all its minimal work.
     pub(crate) fn tell_rate(&self, facts: &mut Facts) {
         let smallest = |bump| self.taken.of(&Material::default(), bump, false).bytes();
         let bytes = Polygon::HEAD_BYTES + 3 * (Polygon::POSITION_BYTES + smallest(true).min(smallest(false)));
@@ -73,7 +73,8 @@ impl GeometryProcessor {
         facts.hardware(HardwareKind::Table, "vertex cache", self.config.vertex_cache, INDEX + self.vertex_bits());
     }
 
-    /// A transformed vertex: clip and window coordinates, and all attributes that the machine may take.
+    /// Returns the size of a transformed vertex \[bits\]: clip and window coordinates, and all attributes that the machine may
+    /// accept.
     fn vertex_bits(&self) -> u32 {
         let is_taken = |lit: [LightingStage; 2]| lit.contains(&self.taken.lit);
         let all = SentAttributes {
@@ -87,12 +88,12 @@ impl GeometryProcessor {
     }
 }
 
-/// A number in single precision \[bits\].
+/// Single-precision number \[bits\].
 const NUMBER: u32 = 32;
-/// An index, with a bit each that says whether the vertex is there and whether it is lit.
+/// An index, with one bit for a valid vertex and one for a lit vertex \[bits\].
 const INDEX: u32 = 32 + 2;
-/// Lights that there are registers for, seven numbers each: direction, half-way vector, intensity (assumed: as many as OpenGL asks
-/// of an implementation; a scene with more is not refused).
+/// Lights with registers of seven numbers each: direction, half-way vector, intensity. The number is assumed: the minimum that
+/// OpenGL requires. A scene with more lights is accepted.
 const LIGHTS: u32 = 8;
-/// Corners of a triangle that six planes cut.
+/// Most corners of a triangle cut by six planes.
 const MOST_CORNERS: u32 = 9;

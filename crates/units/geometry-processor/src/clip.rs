@@ -1,45 +1,46 @@
 //! Clipping against the view volume.
 //!
-//! Near and far are exact. At the sides, a polygon is cut only where it leaves the guard band: the rasterizer ignores
-//! what is off the screen, and an edge that is not cut stays exactly the edge of its neighbour.
+//! Near and far are exact. At the sides, a polygon is cut only if it leaves the guard band. The rasterizer ignores pixels off the
+//! screen, and an uncut edge stays exactly the edge of its neighbour.
 
 use crate::transform::Corner;
 use basrelief_kernel::Work;
 use basrelief_signals::Vertex;
 use glam::{Vec3, Vec4};
 
-/// Half width and height of the guard band in half widths and heights of the screen (assumed): 4.5 screens to each side
-/// of the centre of the widest picture are 74,000 pixels, well inside the rasterizer's range.
+/// Half width and height of the guard band in half widths and heights of the screen (assumed). 4.5 screens to each side of the
+/// centre of the widest picture are 74,000 pixels, well inside the rasterizer's range.
 const GUARD: f32 = 8.0;
 
-/// What is left of a triangle.
+/// Result of clipping a triangle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Clipped {
     /// All corners are outside the same side of the view volume.
     Outside,
-    /// All of it.
+    /// The triangle is unchanged.
     Whole,
-    /// A polygon.
+    /// The triangle was cut to a polygon.
     Cut {
-        /// Its corners in order, 3..=9 unless it degenerates.
+        /// Corners in order, 3..=9 unless the polygon degenerates.
         corners: Vec<Corner>,
-        /// Corners made on the way, those that a later plane took away among them.
+        /// Corners computed, including those that a later plane removed.
         made: u32,
     },
 }
 
-/// Distances of a corner to six planes, and to four more of the guard band: reach * w is a shift.
+/// Arithmetic of the distances of a corner to six planes, and to four more of the guard band. The product reach * w is a shift.
 pub const DISTANCES: Work = Work { add: 10, ..Work::NONE };
 
-/// A corner made where an edge is cut: its share of the edge, clip coordinates and so many more numbers there, `directions` of
-/// three made unit again, its distances.
+/// Returns the arithmetic of a corner at a cut edge: its share of the edge, clip coordinates, `numbers` further numbers,
+/// `directions` vectors of three made unit again, and its distances.
 pub fn made_corner(numbers: u32, directions: u32) -> Work {
     let share = Work { divide: 1, add: 1, ..Work::NONE };
     let mixed = Work { multiply: 1, add: 2, ..Work::NONE }.times(4 + numbers);
     share.and(mixed).and(Work::NORMALIZE.times(directions)).and(DISTANCES)
 }
 
-/// Signed distances to the six planes, >= 0 inside; the sides stand `reach` times as far out as those of the screen.
+/// Returns the signed distances to the six planes, >= 0 inside. The side planes lie `reach` times as far out as those of the
+/// screen.
 fn distances(clip: Vec4, reach: f32) -> [f32; 6] {
     let Vec4 { x, y, z, w } = clip;
     let side = reach * w;
@@ -52,7 +53,7 @@ pub fn clip(triangle: &[Corner; 3]) -> Clipped {
     if a & b & c != 0 {
         return Clipped::Outside;
     }
-    // What is inside the view volume is inside the guard band: mostly nothing else is to be looked at.
+    // A corner inside the view volume is inside the guard band, so in most cases no other test is needed.
     if a | b | c == 0 || triangle.iter().all(|c| outside(c.clip, GUARD) == 0) {
         return Clipped::Whole;
     }
@@ -68,14 +69,14 @@ pub fn clip(triangle: &[Corner; 3]) -> Clipped {
     Clipped::Cut { corners, made }
 }
 
-/// Planes that the point is outside of, one bit each.
+/// Returns the planes that the point is outside of, one bit each.
 #[inline]
 fn outside(clip: Vec4, reach: f32) -> u32 {
     distances(clip, reach).iter().rev().fold(0, |planes, &d| planes << 1 | u32::from(d < 0.0))
 }
 
-/// The part on the inner side (Sutherland and Hodgman). A new corner is computed from the inner to the outer end of its
-/// edge, whichever comes first: triangles that share the edge get the same corner.
+/// Returns the part on the inner side (Sutherland and Hodgman). A new corner is always computed from the inner to the outer end
+/// of its edge. Triangles that share the edge therefore get the same corner.
 fn cut_at(corners: &[Corner], distance: impl Fn(&Corner) -> f32) -> Vec<Corner> {
     let mut kept = Vec::with_capacity(corners.len() + 1);
     let successors = corners.iter().cycle().skip(1);
@@ -93,7 +94,7 @@ fn cut_at(corners: &[Corner], distance: impl Fn(&Corner) -> f32) -> Vec<Corner> 
     kept
 }
 
-/// The corner at share `t` of the way from `a` to `b`.
+/// Returns the corner at share `t` of the way from `a` to `b`.
 fn between(a: &Corner, b: &Corner, t: f32) -> Corner {
     fn mix<const N: usize>(a: [f32; N], b: [f32; N], t: f32) -> [f32; N] {
         std::array::from_fn(|i| a[i] + t * (b[i] - a[i]))
@@ -128,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn inside_nothing_changes_outside_nothing_is_left() {
+    fn inside_triangle_is_kept_outside_triangle_is_dropped() {
         let inside = [corner(-1.0, 0.0, 0.0, 1.0), corner(1.0, -1.0, -1.0, 1.0), corner(4.0, 1.0, 1.0, 1.0)];
         assert_eq!(clip(&inside), Clipped::Whole);
         assert_eq!(clip(&inside.map(|c| corner(c.clip.x, 1.5, 0.0, 1.0))), Clipped::Outside);
@@ -136,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn the_near_plane_cuts_one_corner_into_two() {
+    fn near_plane_cuts_one_corner_into_two() {
         let t = [corner(0.0, 0.0, -3.0, 1.0), corner(1.0, 0.0, 1.0, 1.0), corner(0.0, 1.0, 1.0, 1.0)];
         let Clipped::Cut { corners, made } = clip(&t) else { panic!("something is cut") };
         assert_eq!((corners.len(), made), (4, 2));
@@ -146,7 +147,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_left_is_inside_and_has_at_most_nine_corners(t in [any_corner(), any_corner(), any_corner()]) {
+        fn clipped_polygon_is_inside_with_at_most_nine_corners(t in [any_corner(), any_corner(), any_corner()]) {
             let clipped = clip(&t);
             let corners = match &clipped {
                 Clipped::Outside => &[][..],
@@ -161,7 +162,7 @@ mod tests {
         }
 
         #[test]
-        fn a_shared_edge_is_cut_at_the_same_corner(a in any_corner(), b in any_corner(), c in any_corner(), d in any_corner()) {
+        fn shared_edge_is_cut_at_same_corner(a in any_corner(), b in any_corner(), c in any_corner(), d in any_corner()) {
             let near = |c: &Corner| distances(c.clip, GUARD)[0];
             prop_assume!((near(&a) < 0.0) != (near(&b) < 0.0));
             let new = |corners: Vec<Corner>, old: [Corner; 3]| -> Vec<Corner> {

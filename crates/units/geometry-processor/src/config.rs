@@ -4,18 +4,18 @@ use basrelief_kernel::Work;
 use basrelief_parameters::parameters;
 use serde::{Deserialize, Serialize};
 
-/// Which surfaces are candidates for bump mapping.
+/// Surfaces that are candidates for bump mapping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Targets {
     /// Surfaces with a normal map.
     #[default]
     Mapped,
-    /// Every surface; where there is no map, its normals are taken as they are.
+    /// Every surface. Without a map, the normals are used unchanged.
     All,
 }
 
-/// What has one LOD, and so one set of tables.
+/// Scope of one LOD, and so of one set of tables.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum BumpUnit {
@@ -26,43 +26,43 @@ pub enum BumpUnit {
     Object,
 }
 
-/// When a replayed display list delivers its commands.
+/// Delivery times of the commands of a replayed display list.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Arrival {
-    /// At the recorded cycles, later only when blocked.
+    /// At the recorded cycles, or later if blocked.
     #[default]
     Recorded,
-    /// One per cycle.
+    /// One command per cycle.
     Asap,
 }
 
 parameters! {
     /// Geometry processor (102).
     pub struct GeometryConfig {
-        /// Multipliers.
+        /// Multipliers of the unit.
         multipliers: u32 = 4, unit: "operators", Assumed("a row of a matrix at a time, as the four FMACs of the vector units of the Emotion Engine (2000)"), range: 1..=256;
-        /// Adders.
+        /// Adders of the unit.
         adders: u32 = 4, unit: "operators", Assumed("one behind each multiplier"), range: 1..=256;
-        /// Dividers.
+        /// Dividers of the unit.
         dividers: u32 = 2, unit: "operators", Assumed("a vertex with a tangent takes three reciprocals: with two dividers they take as long as its two roots in one unit for roots"), range: 1..=256;
-        /// Units for square roots.
+        /// Square-root units.
         square_roots: u32 = 1, unit: "operators", Assumed("one beside the dividers, where the vector units had one FDIV for both"), range: 1..=256;
-        /// Units for powers.
+        /// Power units.
         powers: u32 = 1, unit: "operators", Assumed("highlights at vertices are ordinary drawing, the exception here: one, as the elementary function unit of the Emotion Engine"), range: 1..=256;
-        /// Vertices and indices are fetched at this rate, whatever is computed meanwhile.
+        /// Bandwidth for vertices and indices, which are fetched during arithmetic.
         fetch_bytes_per_cycle: u32 = 16, unit: "bytes/cycle", Assumed("128 bits, the main bus of the Emotion Engine (2000)"), range: 1..=4096;
-        /// Polygons are handed on at this rate, by a display list, too.
+        /// Bandwidth of the link for polygons, also when a display list is replayed.
         link_bytes: u32 = 16, unit: "bytes/cycle", Assumed("(102) and (106) stand in one device: as wide as the bus that vertices come by"), range: 1..=4096;
-        /// Transformed vertices that are kept, first in, first out; of a vertex found there only the index is fetched.
+        /// Vertices in the cache of transformed vertices (first in, first out). A hit fetches only the index.
         vertex_cache: u32 = 16, unit: "vertices", Assumed("common; 0.6 to 0.7 vertices per triangle on strips and optimised lists"), range: 0..=1024;
-        /// Back faces of double-sided materials are lit with reversed normals, as glTF asks; off: normals as stored.
+        /// True if back faces of double-sided materials are lit with reversed normals, as in glTF. False: normals as stored.
         two_sided_lighting: bool = false, unit: "", Assumed("off, as in the exact picture it is compared with");
     }
 }
 
 impl GeometryConfig {
-    /// Its operators.
+    /// Returns the unit's operators.
     pub fn operators(&self) -> Work {
         let Self { multipliers, adders, dividers, square_roots, powers, .. } = *self;
         Work { multiply: multipliers, add: adders, divide: dividers, square_root: square_roots, power: powers }
@@ -70,21 +70,21 @@ impl GeometryConfig {
 }
 
 parameters! {
-    /// Which polygons are bump targets. What an object's model says goes first.
+    /// Selection of bump targets. An object's model overrides it.
     pub struct BumpConfig {
         /// Candidates: mapped (surfaces with a normal map) or all.
         targets: Targets = Targets::Mapped, unit: "", Stated("a polygon is marked as bump target in advance by its model");
-        /// What has one LOD, and so one decision and one set of tables: polygon or object.
+        /// Scope of one LOD, and so of one bump decision and one set of tables: polygon or object.
         unit: BumpUnit = BumpUnit::Polygon, unit: "", Stated("bump mapping may be switched per object instead of per polygon, as a larger unit");
-        /// A candidate is a bump target while its LOD is at or below this; small LOD is fine detail.
+        /// Largest LOD at which a candidate is a bump target. Small LOD means fine detail.
         max_lod: u8 = 63, unit: "LOD", Assumed("all; the patent states that a threshold of the LOD may decide while drawing, not its value"), range: 0..=63;
     }
 }
 
 parameters! {
-    /// Replay of a recorded display list in place of the geometry processor (102).
+    /// Replay of a recorded display list instead of the geometry processor (102).
     pub struct DisplayListConfig {
-        /// When commands are delivered: recorded or asap.
+        /// Delivery times of commands: recorded or asap.
         arrival: Arrival = Arrival::Recorded, unit: "", Assumed("polygons come as an unblocked geometry processor would deliver them, so a replay takes about the cycles of the run it was recorded from");
     }
 }

@@ -8,7 +8,7 @@ use basrelief_signals::Control;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 
-/// What the display-list source has counted.
+/// Counters of the display-list source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DisplayListSourceCounters {
     /// Commands delivered.
@@ -17,37 +17,38 @@ pub struct DisplayListSourceCounters {
     pub polygon_bytes: u64,
 }
 
-/// Everything the display-list source remembers. Its place in the list is how many commands it has delivered.
+/// State of the display-list source between steps. Its position in the list is the number of commands delivered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DisplayListSourceState {
-    /// Start of the next step, had nothing ever blocked the source.
+    /// Start of the next step if nothing had ever blocked the source \[cycles\].
     pub elapsed: u64,
-    /// What it has counted.
+    /// Counters.
     pub counters: DisplayListSourceCounters,
 }
 
-/// Latest recorded cycle that is believed; a damaged list must not overflow the time of a run.
+/// Latest accepted recorded cycle. A damaged list must not overflow the time of a run.
 const LATEST: u64 = 1 << 62;
 
 /// A command, and the cycle at which it is due.
 type Due = (Control, u64);
 
-/// Replays a display list in place of the geometry processor (102): an iterator of commands, each with the cycle at which
-/// it was delivered unblocked, where the list knows it.
+/// Display-list source: replays a display list instead of the geometry processor (102). The list is an iterator of commands, each
+/// with the cycle of its unblocked delivery if known.
 ///
-/// Polygons go by the link that they would go by from a geometry processor, and take as long on it. With `arrival = recorded`,
-/// commands are delivered at these cycles as long as nothing blocks; what blocks delays all that follow, as it would delay the
-/// geometry processor. A command without a cycle, or with one that is already past, is due when the link has brought it. With
-/// `asap` all are. An error in the list ends the run with its message.
+/// Polygons use the same link, with the same cost, as polygons from a geometry processor. With `arrival = recorded`, commands are
+/// delivered at their recorded cycles if nothing blocks. A blockage delays all following commands, as it would delay the geometry
+/// processor. A command without a cycle, or with a past cycle, is due when it has passed the link. With `asap` all commands are.
+/// An error in the list ends the run with its message.
 #[derive(Clone, Debug)]
 pub struct DisplayListSource<I> {
     /// Parameters.
     pub config: DisplayListConfig,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: DisplayListSourceState,
     link: PolygonLink,
     commands: I,
-    /// Held ahead, since a unit declares its end from its own state and a step's occupancy depends on the next command.
+    /// Next command, fetched ahead. A unit declares its end from its own state, and a step's occupancy depends on the next
+    /// command.
     next: Option<Result<Due, String>>,
 }
 
@@ -56,22 +57,23 @@ where
     I: Iterator<Item = Result<(Control, Option<u64>), E>>,
     E: Display,
 {
-    /// Replays these over this link.
+    /// Creates a source that replays these commands over this link.
     pub fn new(config: DisplayListConfig, link: PolygonLink, commands: I) -> Self {
         Self::resumed(config, link, commands, DisplayListSourceState::default())
     }
 
-    /// Goes on from `state` with the same commands: those that were delivered are skipped.
+    /// Creates a source that continues from `state` with the same commands. It skips the delivered ones.
     pub fn resumed(config: DisplayListConfig, link: PolygonLink, commands: I, state: DisplayListSourceState) -> Self {
         let mut source = Self { config, link, state, commands, next: None };
         let delivered = usize::try_from(state.counters.commands).unwrap_or(usize::MAX);
         let command = source.commands.nth(delivered);
-        // One that goes on has been kept until the next command was due.
+        // A resumed source has been occupied until the next command was due.
         source.next = source.due(command, |on_link| if delivered == 0 { on_link - 1 } else { state.elapsed });
         source
     }
 
-    /// A command, and when it is due; `brought`: when a command is there that takes so many cycles on the link.
+    /// Returns a command and its due cycle. `brought` returns the cycle at which a command with this many cycles on the link has
+    /// arrived.
     fn due(
         &self,
         command: Option<Result<(Control, Option<u64>), E>>,
@@ -112,7 +114,7 @@ where
         self.next = self.due(following, |on_link| now + on_link);
         self.state.counters.commands += 1;
         self.state.counters.polygon_bytes += self.link.bytes(&control);
-        // Each step starts when its command is due; only the first starts at 0, and makes up for it by latency.
+        // Each step starts when its command is due. Only the first starts at 0, and its latency makes up for it.
         let start = self.state.elapsed;
         let end = if let Some(Ok((_, next))) = &self.next { *next } else { now + 1 };
         self.state.elapsed = end;
@@ -140,7 +142,7 @@ mod tests {
         taken: VertexAttributes { lit: LightingStage::Nowhere, normal_maps: false, textures: false },
     };
 
-    /// Unblocked delivery cycles of commands without bytes with these recorded ones.
+    /// Returns the unblocked delivery cycles of commands without bytes that have these recorded cycles.
     fn delivered(arrival: Arrival, recorded: &[Option<u64>]) -> Vec<u64> {
         delivered_over(LINK, arrival, &Control::FrameEnd, recorded)
     }
@@ -159,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn recorded_commands_come_at_their_cycles() {
+    fn recorded_commands_arrive_at_their_cycles() {
         let at = |recorded: &[Option<u64>]| delivered(Arrival::Recorded, recorded);
         assert_eq!(at(&[Some(32), Some(33), Some(50), Some(1000)]), [32, 33, 50, 1000]);
         assert_eq!(at(&[None, None, Some(50), None, Some(52)]), [0, 1, 50, 51, 52]);
@@ -169,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn a_replayed_polygon_takes_the_link_as_long_as_one_of_the_geometry_processor() {
+    fn replayed_polygon_occupies_link_like_a_new_one() {
         let vertices = vec![Vertex::default(); 3];
         let polygon = Polygon { vertices, material: Arc::default(), object: 0, lod: 0, bump: false, arrival: 0 };
         let polygon = Control::Polygon(Arc::new(polygon));
@@ -185,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_in_the_list_ends_the_run_with_its_message() {
+    fn error_in_list_ends_run_with_its_message() {
         for good in 0..3 {
             let list = (0..good).map(|_| Ok((Control::FrameEnd, None))).chain([Err("line 7: truncated")]);
             let mut source = DisplayListSource::new(DisplayListConfig::default(), LINK, list);

@@ -1,4 +1,4 @@
-//! Geometry processor (102): makes the display list.
+//! Geometry processor (102): creates the display list.
 //!
 //! ```text
 //!  scene source --> geometry processor (102) --> display list: frames, objects, polygons with LOD and bump flag

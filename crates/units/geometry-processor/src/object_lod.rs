@@ -1,18 +1,19 @@
 //! One LOD for all polygons of an object (stated: bump mapping may be switched for "a larger unit" than the polygon).
 //!
-//! rho, texels of level 0 per pixel, is taken at the centre of the object: the mean density of texels over its surface, which is
-//! known when it is modelled, over the pixels that a unit of length has there.
+//! rho, in texels of level 0 per pixel, is taken at the centre of the object. It is the mean texel density of the object's
+//! surface, known at modelling time, divided by the pixels of a unit of length at that point.
 
 use basrelief_kernel::Work;
 use basrelief_shading::lod;
 use basrelief_signals::{Frame, Object};
 use glam::{DMat4, DVec3, DVec4};
 
-/// Of one object in a frame: clip-space w of its centre, its square, the quotient by that, the ratio to the density, and its exponent
-/// as for a polygon.
+/// Arithmetic of one object in a frame: clip-space w of its centre, its square, the quotient by it, the ratio to the density, and
+/// its exponent as for a polygon.
 pub(crate) const WORK: Work = Work { multiply: 3 + 2, add: 3 + 4, divide: 2, ..Work::NONE };
 
-/// The LOD of an object, by the map that its polygons' LOD goes by; 0 where it has none, or its centre lies behind the viewer.
+/// Returns the LOD of an object, computed for the same map as the LOD of its polygons. Returns 0 if it has no map, or if its
+/// centre lies behind the viewer.
 pub(crate) fn object_lod(object: &Object, centre: [f32; 3], frame: &Frame) -> u8 {
     let (mesh, material) = (&object.mesh, &object.material);
     let (texture, uv) = match (&material.normal_map, &material.color_texture) {
@@ -26,7 +27,7 @@ pub(crate) fn object_lod(object: &Object, centre: [f32; 3], frame: &Frame) -> u8
     lod((texels * chart) as f32, (surface * pixels_per_area(centre, frame)) as f32)
 }
 
-/// Area of an object in the world, and of the same in its texture.
+/// Returns the area of an object in the world, and its area in its texture.
 fn areas(object: &Object, uv: &[[f32; 2]]) -> (f64, f64) {
     let world = DMat4::from_cols_array(&object.world).transpose();
     let position = |i: u32| object.mesh.positions.get(i as usize).map(|p| world.transform_vector3(DVec3::from(p.map(f64::from))));
@@ -43,7 +44,7 @@ fn areas(object: &Object, uv: &[[f32; 2]]) -> (f64, f64) {
     sum
 }
 
-/// Pixels that a unit of area has across the line of sight at a point; 0 behind the viewer.
+/// Returns the pixels of a unit of area across the line of sight at a point, or 0 behind the viewer.
 fn pixels_per_area(at: [f32; 3], frame: &Frame) -> f64 {
     let rows = &frame.camera.view_projection;
     let row = |i: usize| DVec4::new(rows[4 * i], rows[4 * i + 1], rows[4 * i + 2], rows[4 * i + 3]);

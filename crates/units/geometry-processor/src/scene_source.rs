@@ -6,24 +6,25 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// The draw commands of a scene, frame by frame; memory does not grow with their number.
+/// Draw commands of a scene, frame by frame. Its memory does not grow with their number.
 #[derive(Clone, Debug)]
 pub struct SceneDraws {
     scene: Arc<Scene>,
     frame: usize,
     begun: bool,
     object: usize,
-    /// The triangle of the object that comes next; none before the object's own command.
+    /// Next triangle of the object. `None` before the object's own command.
     triangle: Option<u32>,
 }
 
 impl SceneDraws {
-    /// All frames of the scene.
+    /// Creates the commands of all frames of the scene.
     pub fn new(scene: Arc<Scene>) -> Self {
         Self { scene, frame: 0, begun: false, object: 0, triangle: None }
     }
 
-    /// It declares all colour textures, in order of their first object: those of objects outside the view too.
+    /// Returns the first frame, which declares all colour textures in order of their first object, including those of objects
+    /// outside the view.
     fn first_frame(&self, frame: &Frame) -> Arc<Frame> {
         let mut known = BTreeSet::new();
         let all = self.scene.objects.iter().filter_map(|object| object.material.color_texture.as_ref());
@@ -60,37 +61,37 @@ impl Iterator for SceneDraws {
     }
 }
 
-/// What the scene source has counted.
+/// Counters of the scene source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneSourceCounters {
     /// Commands delivered.
     pub commands: u64,
 }
 
-/// Everything the scene source remembers. Its place in the scene is how many commands it has delivered.
+/// State of the scene source between steps. Its position in the scene is the number of commands delivered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneSourceState {
-    /// What it has counted.
+    /// Counters.
     pub counters: SceneSourceCounters,
 }
 
-/// The host: feeds draw commands, one per cycle.
+/// Scene source: the host, which feeds one draw command per cycle.
 #[derive(Clone, Debug)]
 pub struct SceneSource<I> {
-    /// Everything it remembers.
+    /// State between steps.
     pub state: SceneSourceState,
     draws: I,
-    /// Held ahead, since a unit declares its end from its own state.
+    /// Next command, fetched ahead, because a unit declares its end from its own state.
     next: Option<Draw>,
 }
 
 impl<I: Iterator<Item = Draw>> SceneSource<I> {
-    /// Feeds these.
+    /// Creates a source that feeds these commands.
     pub fn new(draws: I) -> Self {
         Self::resumed(draws, SceneSourceState::default())
     }
 
-    /// Goes on from `state` with the same commands: those that were delivered are skipped.
+    /// Creates a source that continues from `state` with the same commands. It skips the delivered ones.
     pub fn resumed(mut draws: I, state: SceneSourceState) -> Self {
         let delivered = usize::try_from(state.counters.commands).unwrap_or(usize::MAX);
         let next = draws.by_ref().nth(delivered);
@@ -124,7 +125,7 @@ mod tests {
     use basrelief_signals::{Camera, Mesh, Object};
 
     #[test]
-    fn a_scene_is_drawn_frame_by_frame_object_by_object() {
+    fn scene_is_drawn_by_frame_then_object() {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
         let frame = |index| {
             Arc::new(Frame {

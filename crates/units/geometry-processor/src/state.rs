@@ -1,4 +1,4 @@
-//! State of the geometry processor (102).
+//! State of the geometry processor (102) between steps.
 
 use crate::transform::{Corner, Transform};
 use basrelief_shading::LightVector;
@@ -6,60 +6,60 @@ use basrelief_signals::{Frame, Object};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What the geometry processor has counted.
+/// Counters of the geometry processor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GeometryProcessorCounters {
-    /// Triangles taken; each is outside, culled, degenerate or becomes a polygon.
+    /// Triangles received. Each is outside, culled, degenerate or becomes a polygon.
     pub triangles: u64,
-    /// Outside the view volume.
+    /// Triangles outside the view volume.
     pub outside: u64,
-    /// Facing away.
+    /// Triangles facing away.
     pub culled: u64,
-    /// Dropped by the rule of [`crate::GeometryProcessor`].
+    /// Triangles dropped by the rule of [`crate::GeometryProcessor`].
     pub degenerate: u64,
-    /// Cut by the view volume or the guard band.
+    /// Triangles cut by the view volume or the guard band.
     pub clipped: u64,
-    /// Polygons handed on.
+    /// Polygons sent.
     pub polygons: u64,
-    /// Of these, bump targets.
+    /// Polygons sent that are bump targets.
     pub bump_polygons: u64,
     /// Vertices transformed.
     pub vertices: u64,
     /// Vertices found in the vertex cache.
     pub vertex_cache_hits: u64,
-    /// Lit for a polygon that is no bump target; a vertex stays lit in the vertex cache.
+    /// Vertices lit for polygons that are not bump targets. A vertex stays lit in the vertex cache.
     pub vertices_lit: u64,
-    /// Fetched of vertices and indices \[bytes\].
+    /// Bytes of vertices and indices fetched.
     pub vertex_bytes: u64,
-    /// Polygons on the link \[bytes\].
+    /// Bytes of polygons on the link.
     pub polygon_bytes: u64,
 }
 
-/// Transformed vertices of the current object, first in, first out.
+/// Cache of transformed vertices of the current object, first in, first out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct VertexCache {
     indices: Vec<u32>,
     corners: Vec<Corner>,
-    /// Which have their brightness, too.
+    /// True for entries that have their brightness.
     lit: Vec<bool>,
-    /// The entry that goes next, once all are taken.
+    /// Position of the entry to be replaced next in a full cache.
     oldest: usize,
 }
 
 impl VertexCache {
-    /// The transformed vertex, if it is there.
+    /// Returns the transformed vertex on a hit.
     pub fn get(&self, index: u32) -> Option<&Corner> {
         self.corners.get(self.place(index)?)
     }
 
-    /// Where a vertex is, looked for among the newest first: neighbours in a mesh share them.
+    /// Returns the position of a vertex. The search starts at the newest entry, because neighbours in a mesh share vertices.
     fn place(&self, index: u32) -> Option<usize> {
         let (newer, older) = self.indices.split_at(self.oldest);
         let place = |of: &[u32]| of.iter().rposition(|i| *i == index);
         place(newer).or_else(|| Some(newer.len() + place(older)?))
     }
 
-    /// Takes in a vertex that is not there; `entries` is the size of the cache.
+    /// Inserts a vertex that is not present. `entries` is the size of the cache.
     pub fn insert(&mut self, index: u32, corner: &Corner, entries: usize) {
         if self.indices.len() < entries {
             self.indices.push(index);
@@ -73,12 +73,12 @@ impl VertexCache {
         }
     }
 
-    /// Lights a vertex that is there; whether its brightness was known.
+    /// Marks a present vertex as lit. Returns true if it was lit already.
     pub fn light(&mut self, index: u32) -> bool {
         self.place(index).and_then(|place| self.lit.get_mut(place)).is_some_and(|lit| std::mem::replace(lit, true))
     }
 
-    /// Empties it: indices are the object's.
+    /// Empties the cache, because indices belong to one object.
     pub fn clear(&mut self) {
         self.indices.clear();
         self.corners.clear();
@@ -87,25 +87,25 @@ impl VertexCache {
     }
 }
 
-/// Everything the geometry processor remembers.
+/// State of the geometry processor between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GeometryProcessorState {
     /// The current frame.
     pub frame: Option<Arc<Frame>>,
     /// The current object.
     pub object: Option<Arc<Object>>,
-    /// Its matrices in this frame.
+    /// Matrices of the object in this frame.
     pub transform: Transform,
-    /// Its LOD, where all its polygons have one.
+    /// LOD of the object if all its polygons share one.
     pub object_lod: Option<u8>,
-    /// The lights as seen from its centre.
+    /// Lights as seen from the object's centre.
     pub lights: Vec<LightVector>,
-    /// Its vertices that are kept.
+    /// Cache of the object's vertices.
     pub cache: VertexCache,
-    /// Cycles that the steps so far have kept the unit: where the next would start, had nothing ever blocked or starved it.
+    /// Cycles of occupancy of all steps so far: the start of the next step if nothing had ever blocked or starved the unit.
     pub elapsed: u64,
-    /// Cycle at which the last step would have delivered then.
+    /// Cycle at which the last step would then have delivered its result.
     pub arrival: u64,
-    /// What it has counted.
+    /// Counters.
     pub counters: GeometryProcessorCounters,
 }

@@ -1,50 +1,51 @@
-//! Object to clip and world space.
+//! Transform from object space to clip and world space.
 
 use basrelief_kernel::Work;
 use basrelief_signals::{Mesh, Object, Vertex};
 use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
-/// A vertex in clip space; the `position` of its attributes is still empty.
+/// A vertex in clip space. The `position` of its attributes is still empty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Corner {
     /// Clip-space position.
     pub clip: Vec4,
-    /// Attributes, world space.
+    /// Attributes in world space.
     pub vertex: Vertex,
 }
 
-/// Matrices of an object in a frame: products in double precision, then rounded once.
+/// Matrices of an object in a frame. Products are computed in double precision and rounded once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transform {
-    /// Object to clip space.
+    /// Matrix from object to clip space.
     clip: Mat4,
-    /// Directions, object to world space.
+    /// Matrix of directions from object to world space.
     direction: Mat3,
-    /// Normals, object to world space, up to a positive factor.
+    /// Matrix of normals from object to world space, up to a positive factor.
     normal: Mat3,
-    /// The world matrix turns counter-clockwise into clockwise.
+    /// True if the world matrix turns counter-clockwise into clockwise.
     pub mirrored: bool,
 }
 
-/// From row-major storage.
+/// Creates a matrix from row-major storage.
 fn matrix(rows: &[f64; 16]) -> DMat4 {
     DMat4::from_cols_array(rows).transpose()
 }
 
 impl Transform {
-    /// Matrices of an object: a product of two of 4 x 4, nine cofactors, the scale of the largest, the sign of the determinant.
+    /// Arithmetic of the matrices of an object: a product of two 4 x 4 matrices, nine cofactors, the scale of the largest, the
+    /// sign of the determinant.
     pub const OF_OBJECT: Work = Work { multiply: 64 + 18 + 9 + 3, add: 48 + 9 + 8 + 2, divide: 1, ..Work::NONE };
-    /// A position, its w = 1, by a matrix of 4 x 4.
+    /// Arithmetic of a position (w = 1) times a 4 x 4 matrix.
     pub const POSITION: Work = Work { multiply: 12, add: 12, ..Work::NONE };
-    /// A normal or a tangent by a matrix of 3 x 3, made unit.
+    /// Arithmetic of a normal or a tangent times a 3 x 3 matrix, made unit.
     pub const DIRECTION: Work = Work { multiply: 9, add: 6, ..Work::NONE }.and(Work::NORMALIZE);
-    /// Of a position, what waits for each other: a product and three sums.
+    /// Longest dependent chain of a position: a product and three sums.
     pub const POSITION_CHAIN: Work = Work { multiply: 1, add: 3, ..Work::NONE };
-    /// Of a direction: a product and two sums; square of the length, root, reciprocal, product.
+    /// Longest dependent chain of a direction: a product and two sums, then squared length, root, reciprocal, product.
     pub const DIRECTION_CHAIN: Work = Work { multiply: 1 + 2, add: 2 + 2, divide: 1, square_root: 1, power: 0 };
 
-    /// For an object with this world matrix under this view projection, both row-major.
+    /// Creates the matrices of an object with this world matrix under this view projection, both row-major.
     pub fn new(view_projection: &[f64; 16], world: &[f64; 16]) -> Self {
         let clip = matrix(view_projection) * matrix(world);
         let direction = DMat3::from_mat4(matrix(world));
@@ -52,7 +53,7 @@ impl Transform {
         Self { clip: clip.as_mat4(), direction: direction.as_mat3(), normal: normal_matrix(&direction), mirrored }
     }
 
-    /// Vertex `index` of the mesh; `None` where there is none.
+    /// Returns vertex `index` of the mesh. Returns `None` if it does not exist.
     pub fn vertex(&self, mesh: &Mesh, index: u32) -> Option<Corner> {
         let i = index as usize;
         let position = Vec3::from(*mesh.positions.get(i)?);
@@ -60,8 +61,8 @@ impl Transform {
         let normal = self.normal * Vec3::from(mesh.normals.get(i).copied().unwrap_or(unset.normal));
         let [x, y, z, w] = mesh.tangents.get(i).copied().unwrap_or(unset.tangent);
         let tangent = (self.direction * Vec3::new(x, y, z)).normalize_or_zero();
-        // The handedness is the file's, in world space too, though cross(N, T) of a mirrored frame points away from the
-        // surface's v: glTF's reference viewer and the Mesa tool do so, and models are made to look right there.
+        // The handedness is the file's in world space too, although cross(N, T) of a mirrored frame points away from the
+        // surface's v. glTF's reference viewer and the Mesa tool do the same, and models are designed for that look.
         let vertex = Vertex {
             normal: normal.normalize_or(Vec3::Z).to_array(),
             tangent: tangent.extend(w).to_array(),
@@ -74,8 +75,8 @@ impl Transform {
     }
 }
 
-/// Inverse transpose up to a positive factor, by cofactors: it exists for flattened objects too. Scaled to one, so that
-/// no size of object leaves the range of single precision.
+/// Returns the inverse transpose up to a positive factor, by cofactors, so that it exists for flattened objects too. It is scaled
+/// to one, so that no size of object leaves the range of single precision.
 fn normal_matrix(direction: &DMat3) -> Mat3 {
     let [x, y, z] = [direction.x_axis, direction.y_axis, direction.z_axis];
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
@@ -84,7 +85,8 @@ fn normal_matrix(direction: &DMat3) -> Mat3 {
     if largest > 0.0 { (cofactors * (sign / largest)).as_mat3() } else { Mat3::IDENTITY }
 }
 
-/// Centre of the axis-aligned box of the object's vertices in world space; the origin of an object without any.
+/// Returns the centre of the axis-aligned box of the object's vertices in world space, or the object's origin if it has no
+/// vertices.
 pub fn centre(object: &Object) -> [f32; 3] {
     let world = matrix(&object.world);
     let mut points = object.mesh.positions.iter().map(|p| world.transform_point3(Vec3::from(*p).as_dvec3()));
@@ -120,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn the_centre_is_that_of_the_box_in_world_space() {
+    fn centre_is_that_of_world_space_box() {
         let mesh = Mesh { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], ..Mesh::default() };
         let linear = [1.0, 1.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1.0];
         let object = |mesh| Object {
@@ -147,7 +149,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn normals_stay_perpendicular_outward_and_the_bitangent_follows_the_surface(
+        fn normals_stay_outward_and_bitangent_follows_surface(
             m in prop::array::uniform9(-2f64..2.0), n in unit_vector(), t in unit_vector(), left in any::<bool>(),
         ) {
             let linear = DMat3::from_cols_array(&m).transpose();
@@ -167,7 +169,7 @@ mod tests {
         }
 
         #[test]
-        fn the_size_of_an_object_does_not_matter(scale in prop_oneof![Just(1e-20f64), Just(1e-3), Just(1e12)], n in unit_vector()) {
+        fn object_size_does_not_change_normals(scale in prop_oneof![Just(1e-20f64), Just(1e-3), Just(1e12)], n in unit_vector()) {
             let at = |s: f64| {
                 let t = Transform::new(&IDENTITY, &world([s, 0.0, 0.0, 0.0, 2.0 * s, 0.0, 0.0, 0.0, s]));
                 Vec3::from(t.vertex(&mesh(n, Vec3::X, 1.0), 0).expect("vertex 0").vertex.normal)

@@ -1,4 +1,4 @@
-//! The geometry processor (102).
+//! Geometry processor (102).
 
 use crate::charge::{Charge, index_bytes, vertex_bytes};
 use crate::clip::{Clipped, clip};
@@ -16,34 +16,34 @@ use basrelief_signals::{Control, Draw, Frame, LightingStage, MeshInfo, Object, O
 use glam::Vec3;
 use std::sync::Arc;
 
-/// Geometry processor (102): transforms, clips, culls and projects indexed triangles; gives each polygon its LOD and
-/// decides whether it is a bump target. A triangle becomes one convex polygon or none.
+/// Geometry processor (102): transforms, clips, culls and projects indexed triangles. It gives each polygon its LOD and decides
+/// on bump targets. A triangle becomes one convex polygon or none.
 ///
-/// Dropped as degenerate: a triangle without object or frame, or with a vertex that is not there; one with a clip-space
-/// coordinate that is not finite; a polygon with fewer than three corners, a w that is not positive, or a window area
-/// that is zero or not finite.
+/// Degenerate triangles are dropped: a triangle without object or frame, or with a missing vertex; one with a clip-space
+/// coordinate that is not finite; a polygon with fewer than three corners, a w that is not positive, or a window area that is
+/// zero or not finite.
 ///
-/// A step takes what is slowest of its arithmetic, of fetching its vertices and indices, and of the link that its polygon goes by:
-/// all three go on side by side. A polygon is delivered when its last part has come through. Frame and frame-end commands take a
-/// cycle, an object its matrices and lights.
+/// The occupancy of a step is the longest of its arithmetic, of fetching its vertices and indices, and of the link for its
+/// polygon. All three run in parallel. A polygon is delivered when its last part has arrived. Frame and frame-end commands take a
+/// cycle, and an object takes the time of its matrices and lights.
 ///
-/// Polygons that are no bump target carry their brightness at the vertices (Gouraud). A display list has it whatever machine it was
-/// recorded for; it costs something where the machine takes it.
+/// Polygons that are not bump targets carry their brightness at the vertices (Gouraud). A display list has it for every machine,
+/// but it costs time only if the machine accepts it.
 #[derive(Clone, Debug, Default)]
 pub struct GeometryProcessor {
     /// Parameters.
     pub config: GeometryConfig,
     /// Parameters of the bump decision.
     pub bump: BumpConfig,
-    /// What the machine takes of vertices.
+    /// Vertex attributes that the machine accepts.
     pub taken: VertexAttributes,
-    /// How long arithmetic takes.
+    /// Latencies of the operators.
     pub operators: Operators,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: GeometryProcessorState,
 }
 
-/// Why a triangle became no polygon.
+/// Reason for a triangle to become no polygon.
 enum Dropped {
     Outside,
     Culled,
@@ -51,7 +51,7 @@ enum Dropped {
 }
 
 impl GeometryProcessor {
-    /// A geometry processor at power-on, in front of a machine that takes so much of vertices.
+    /// Creates a geometry processor in its power-on state, for a machine that accepts these vertex attributes.
     pub fn new(config: GeometryConfig, bump: BumpConfig, taken: VertexAttributes, operators: Operators) -> Self {
         Self { config, bump, taken, operators, state: GeometryProcessorState::default() }
     }
@@ -78,10 +78,10 @@ impl GeometryProcessor {
         info
     }
 
-    /// Triangle `number` of the current object, and the cycles it keeps the unit.
+    /// Returns the polygon of triangle `number` of the current object, and its occupancy in cycles.
     fn triangle(&mut self, number: u32) -> (Option<Polygon>, u64) {
         self.state.counters.triangles += 1;
-        // Taken out for the time, rather than counted: that would cost a twentieth of the step.
+        // Both are moved out during the step. Counting their references would cost a twentieth of it.
         let drawn = (self.state.object.take(), self.state.frame.take());
         let mut charge = Charge::default();
         let polygon = match &drawn {
@@ -125,7 +125,7 @@ impl GeometryProcessor {
         };
         charge.add(work::area(corners.len()));
         let window = Window::new(frame);
-        // Half of all triangles face away: attributes are for those that do not.
+        // Half of all triangles face away, so attributes are computed only for the others.
         let is_back = self.faces_back(object, corners, &window)?;
         let mut vertices: Vec<Vertex> = corners.iter().map(|c| Vertex { position: window.place(c), ..c.vertex }).collect();
         let is_turned = is_back && self.config.two_sided_lighting;
@@ -135,7 +135,7 @@ impl GeometryProcessor {
         let lod = self.lod(object, &vertices, charge);
         let bump = object.bump.unwrap_or(self.is_target(object, lod));
         if !bump {
-            // Vertices that clipping made or that were turned round are of this polygon only.
+            // Vertices that were clipped or turned round belong to this polygon only.
             let own = is_turned || matches!(clipped, Clipped::Cut { .. });
             let unlit = if own { vertices.len() } else { self.unlit(object, number) };
             self.light(object, &mut vertices, unlit as u32, charge);
@@ -145,7 +145,7 @@ impl GeometryProcessor {
         Ok(Polygon { vertices, material: Arc::clone(&object.material), object: object.id, lod, bump, arrival: 0 })
     }
 
-    /// LOD of a polygon, charged where the machine has maps that it selects levels of.
+    /// Returns the LOD of a polygon. It is charged if the machine has maps whose levels it selects.
     fn lod(&self, object: &Object, vertices: &[Vertex], charge: &mut Charge) -> u8 {
         if let Some(lod) = self.state.object_lod {
             return lod;
@@ -161,8 +161,8 @@ impl GeometryProcessor {
         lod
     }
 
-    /// Lights the vertices of a polygon that is no bump target. So many were not lit yet: they are charged, where the machine takes
-    /// the brightness.
+    /// Lights the vertices of a polygon that is not a bump target. `unlit` vertices are charged if the machine accepts the
+    /// brightness.
     fn light(&mut self, object: &Object, vertices: &mut [Vertex], unlit: u32, charge: &mut Charge) {
         let (lighting, lights) = (&object.material.lighting, &self.state.lights);
         for vertex in vertices {
@@ -174,13 +174,14 @@ impl GeometryProcessor {
         }
     }
 
-    /// Vertices of a triangle that are not lit in the vertex cache; they will be.
+    /// Returns the number of vertices of a triangle that were not lit in the vertex cache, and marks them as lit.
     fn unlit(&mut self, object: &Object, number: u32) -> usize {
         let indices = indices(object, number).unwrap_or_default();
         indices.into_iter().filter(|index| !self.state.cache.light(*index)).count()
     }
 
-    /// Transformed corners of a triangle, from the vertex cache where they are there. (Returned, they would be copied, more than once.)
+    /// Computes the transformed corners of a triangle, from the vertex cache if present. (Returned, they would be copied more
+    /// than once.)
     fn corners(&mut self, object: &Object, number: u32, corners: &mut [Corner; 3], charge: &mut Charge) -> Option<()> {
         let indices = indices(object, number)?;
         charge.fetched += index_bytes(object);
@@ -200,7 +201,8 @@ impl GeometryProcessor {
         Some(())
     }
 
-    /// Drops what is not in front of the viewer, has no area, or faces away and is not seen from there; whether it faces away.
+    /// Drops a triangle that is not in front of the viewer, has no area, or faces away and is invisible from behind. Returns true
+    /// if a kept triangle faces away.
     fn faces_back(&self, object: &Object, corners: &[Corner], window: &Window) -> Result<bool, Dropped> {
         if corners.len() < 3 || !corners.iter().all(|c| c.clip.w >= f32::MIN_POSITIVE) {
             return Err(Dropped::Degenerate);
@@ -212,7 +214,7 @@ impl GeometryProcessor {
         if area == 0.0 || !area.is_finite() {
             return Err(Dropped::Degenerate);
         }
-        // y runs down: counter-clockwise is negative.
+        // As y runs down, counter-clockwise is negative.
         let front = (area < 0.0) != self.state.transform.mirrored;
         if !front && !object.material.double_sided {
             return Err(Dropped::Culled);
@@ -229,13 +231,13 @@ impl GeometryProcessor {
     }
 }
 
-/// Numbers of the vertices of a triangle.
+/// Returns the vertex numbers of a triangle.
 fn indices(object: &Object, number: u32) -> Option<[u32; 3]> {
     let first = (number as usize).checked_mul(3)?;
     object.mesh.indices.get(first..first.checked_add(3)?)?.try_into().ok()
 }
 
-/// What the mesh of an object consists of, as far as the picture needs it.
+/// Returns the contents of an object's mesh, as far as the picture needs them.
 fn mesh_of(object: &Object) -> MeshInfo {
     let mesh = &object.mesh;
     MeshInfo {

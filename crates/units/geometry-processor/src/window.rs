@@ -1,26 +1,26 @@
-//! From clip space to the window.
+//! Projection from clip space to the window.
 
 use crate::transform::Corner;
 use basrelief_kernel::Work;
 use basrelief_signals::Frame;
 
-/// Where the view volume comes to lie.
+/// Projection of the view volume to the window.
 pub(crate) struct Window {
     /// Half width and height \[pixels\].
     half: [f32; 2],
 }
 
 impl Window {
-    /// A corner: reciprocal of w, three products with it, three more and three sums for the place.
+    /// Arithmetic of a corner: reciprocal of w, three products with it, three more and three sums for the position.
     pub(crate) const PLACE: Work = Work { multiply: 6, add: 3, divide: 1, ..Work::NONE };
-    /// What of this waits for each other.
+    /// Longest dependent chain of the projection.
     pub(crate) const PLACE_CHAIN: Work = Work { multiply: 2, add: 1, divide: 1, ..Work::NONE };
 
     pub(crate) fn new(frame: &Frame) -> Self {
         Self { half: [0.5 * frame.width as f32, 0.5 * frame.height as f32] }
     }
 
-    /// Window coordinates of a corner in front of the viewer.
+    /// Returns the window coordinates of a corner in front of the viewer.
     #[inline]
     pub(crate) fn place(&self, corner: &Corner) -> [f32; 4] {
         let inverse_w = 1.0 / corner.clip.w;

@@ -1,5 +1,4 @@
-//! What arithmetic a polygon takes, beside that of [`crate::transform`], [`crate::clip`] and the window; and how long it is
-//! under way.
+//! Arithmetic and latency of a polygon, besides those of [`crate::transform`], [`crate::clip`] and the window.
 
 use crate::clip::{DISTANCES, made_corner};
 use crate::transform::Transform;
@@ -7,34 +6,35 @@ use crate::window::Window;
 use basrelief_kernel::{Operators, Work};
 use basrelief_signals::{Lighting, LightingStage, SentAttributes, VertexAttributes};
 
-/// Transforming a vertex with these attributes.
+/// Returns the arithmetic of transforming a vertex with these attributes.
 pub(crate) fn vertex(of: SentAttributes) -> Work {
     let directions = u32::from(of.normal) + u32::from(of.normal_map);
     Transform::POSITION.and(DISTANCES).and(Window::PLACE).and(Transform::DIRECTION.times(directions))
 }
 
-/// Making a vertex with these attributes where an edge is cut.
+/// Returns the arithmetic of a vertex with these attributes at a cut edge.
 pub(crate) fn cut_vertex(of: SentAttributes) -> Work {
     let numbers = |there: bool, count: u32| if there { count } else { 0 };
     let all = numbers(of.normal, 3) + numbers(of.normal_map, 3 + 2) + numbers(of.texture, 2) + numbers(of.color, 4);
     made_corner(all, u32::from(of.normal) + u32::from(of.normal_map)).and(Window::PLACE)
 }
 
-/// Twice the area of a polygon of so many corners, from the first: what decides whether it faces away.
+/// Returns the arithmetic of twice the area of a polygon of this many corners, relative to the first. It decides whether the
+/// polygon faces away.
 pub(crate) fn area(corners: usize) -> Work {
     let (edges, products) = (corners.saturating_sub(1) as u32, corners.saturating_sub(2) as u32);
     Work { multiply: 2 * products, add: 2 * edges + 2 * products, ..Work::NONE }
 }
 
-/// LOD of such a polygon: its area in the texture, in texels; the ratio. Root and logarithm are the exponent of the ratio and a
-/// table of the first bits of its fraction: a comparison with each of four bounds within an octave.
+/// Returns the arithmetic of the LOD of such a polygon: its area in texels, and the ratio. Root and logarithm are the exponent of
+/// the ratio and a table of the first bits of its fraction: a comparison with each of four bounds within an octave.
 pub(crate) fn lod(corners: usize) -> Work {
     area(corners).and(Work { multiply: 2, add: 4, divide: 1, ..Work::NONE })
 }
 
-/// Brightness of a vertex under so many lights; a term that the material lacks costs nothing.
+/// Returns the arithmetic of the brightness of a vertex under this many lights. A term that the material lacks costs nothing.
 pub(crate) fn lighting(of: &Lighting, lights: u32) -> Work {
-    // Of each light: inner product, its sign, intensity, sum. Then the coefficient.
+    // Per light: inner product, its sign, intensity, sum. Then the coefficient.
     let light = Work::INNER_PRODUCT.and(Work { multiply: 1, add: 2, ..Work::NONE });
     let coefficient = Work { multiply: 1, add: 1, ..Work::NONE };
     let diffuse = if of.kd > 0.0 { light.times(lights).and(coefficient) } else { Work::NONE };
@@ -42,14 +42,14 @@ pub(crate) fn lighting(of: &Lighting, lights: u32) -> Work {
     if of.ks > 0.0 { diffuse.and(highlight) } else { diffuse }
 }
 
-/// Lights as seen from an object: direction and half-way vector, each made unit.
+/// Returns the arithmetic of the lights as seen from an object: direction and half-way vector, each made unit.
 pub(crate) fn object(lights: u32) -> Work {
     let light = Work { add: 3 + 3, ..Work::NONE }.and(Work::NORMALIZE.times(2));
     Transform::OF_OBJECT.and(light.times(lights))
 }
 
-/// Cycles from the last operands of a polygon to its delivery: position, place, area and LOD, while the normal is transformed
-/// and lit.
+/// Returns the cycles from the last operands of a polygon to its delivery: position, projection, area and LOD, in parallel with
+/// transforming and lighting the normal.
 pub(crate) fn latency(operators: &Operators, taken: VertexAttributes) -> u64 {
     let area = Work { multiply: 1, add: 2, ..Work::NONE };
     let lod = Work { divide: 1, add: 1, ..Work::NONE };

@@ -13,10 +13,10 @@ use basrelief_signals::{
 use std::sync::Arc;
 
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-/// Perspective, 90 degrees, near 1, far 3.
+/// Perspective of 90 degrees, near 1, far 3.
 const PERSPECTIVE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -2.0, -3.0, 0.0, 0.0, -1.0, 0.0];
 
-/// Two frames, seen by two cameras and lit by two kinds of light.
+/// Returns two frames with two cameras and two kinds of light.
 fn frames() -> Vec<Arc<Frame>> {
     let camera = |view_projection| Camera { view_projection, to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let kinds = [LightKind::Directional { to_light: [0.0, 0.6, 0.8] }, LightKind::Point { position: [1.0 / 3.0, 2.0, 0.1] }];
@@ -35,7 +35,7 @@ fn frames() -> Vec<Arc<Frame>> {
     (0..).zip([PERSPECTIVE, IDENTITY].into_iter().zip(kinds)).map(frame).collect()
 }
 
-/// A strip of triangles that winds through the view volume: visible, culled, cut, outside and degenerate ones.
+/// Creates a strip of triangles that winds through the view volume: visible, culled, cut, outside and degenerate ones.
 fn mesh() -> Arc<Mesh> {
     let position = |i: u32| {
         let t = i as f32 / 5.0;
@@ -68,7 +68,7 @@ fn draws() -> Vec<Draw> {
 }
 
 #[test]
-fn the_strips_have_every_kind_of_triangle() {
+fn strips_have_every_kind_of_triangle() {
     use basrelief_kernel::{Traffic, Unit};
     let mut unit = unit();
     for draw in draws() {
@@ -81,7 +81,7 @@ fn the_strips_have_every_kind_of_triangle() {
     assert_eq!(c.triangles, c.outside + c.culled + c.degenerate + c.polygons);
 }
 
-/// What the bump-mapping processor takes.
+/// Vertex attributes that the bump-mapping processor accepts.
 const TAKEN: VertexAttributes = VertexAttributes { lit: LightingStage::Targets, normal_maps: true, textures: true };
 
 fn unit() -> GeometryProcessor {
@@ -104,7 +104,7 @@ unit_contract! {
     state: |unit| unit.state => |unit, state| *unit = SceneSource::resumed(SceneDraws::new(scene()), state),
 }
 
-/// A display list whose polygons come in time, late, and not at all.
+/// Returns a display list whose polygons arrive in time, late, and not at all.
 fn display_list() -> Vec<Result<(Control, Option<u64>), String>> {
     let polygon = |arrival| {
         let (vertices, material) = (vec![Vertex::default(); 3], Arc::default());

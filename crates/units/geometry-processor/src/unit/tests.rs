@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 const MIRROR: [f64; 16] = [-1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-/// Perspective, 90 degrees, near 1, far 3.
+/// Perspective of 90 degrees, near 1, far 3.
 const PERSPECTIVE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -2.0, -3.0, 0.0, 0.0, -1.0, 0.0];
 
 fn frame(view_projection: [f64; 16]) -> Draw {
@@ -29,7 +29,7 @@ fn texture(side: u32) -> Arc<Texture> {
     Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None })
 }
 
-/// A triangle that faces +z.
+/// Creates a triangle that faces +z.
 fn mesh() -> Mesh {
     Mesh {
         positions: vec![[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0]],
@@ -56,10 +56,10 @@ fn object(mesh: Mesh, world: [f64; 16], material: Material, bump: Option<bool>) 
     }))
 }
 
-/// What the bump-mapping processor takes.
+/// Vertex attributes that the bump-mapping processor accepts.
 const TAKEN: VertexAttributes = VertexAttributes { lit: LightingStage::Targets, normal_maps: true, textures: true };
 
-/// A unit whose operators take a cycle, but for division, root and power.
+/// Creates a unit whose operators take one cycle each, except division, root and power.
 fn unit(config: GeometryConfig, bump: BumpConfig) -> GeometryProcessor {
     let slow = |cycles| OperatorConfig::new(cycles, cycles);
     let operators = Operators { divide: slow(7), square_root: slow(7), power: slow(40), ..Operators::default() };
@@ -86,7 +86,7 @@ fn drawn(bump: BumpConfig, draws: [Draw; 2]) -> Option<Arc<Polygon>> {
 }
 
 #[test]
-fn a_triangle_lands_in_window_coordinates_with_y_down() {
+fn triangle_has_window_coordinates_with_y_down() {
     let draws = [frame(IDENTITY), object(mesh(), IDENTITY, Material::default(), None)];
     let polygon = drawn(BumpConfig::default(), draws).expect("visible");
     let positions: Vec<_> = polygon.vertices.iter().map(|v| v.position).collect();
@@ -98,7 +98,7 @@ fn a_triangle_lands_in_window_coordinates_with_y_down() {
 }
 
 #[test]
-fn commands_pass_with_the_objects_centre() {
+fn commands_pass_with_object_centre() {
     let mut unit = GeometryProcessor::default();
     assert!(matches!(step(&mut unit, frame(IDENTITY)).out, Some(Control::Frame(_))));
     match step(&mut unit, object(mesh(), MIRROR, Material::default(), None)).out {
@@ -111,7 +111,7 @@ fn commands_pass_with_the_objects_centre() {
 }
 
 #[test]
-fn faces_that_look_away_are_culled_mirrored_objects_the_other_way_round() {
+fn back_faces_are_culled_also_in_mirrored_objects() {
     let mut back = mesh();
     back.indices = vec![0, 2, 1];
     let double = Material { double_sided: true, ..Material::default() };
@@ -125,7 +125,7 @@ fn faces_that_look_away_are_culled_mirrored_objects_the_other_way_round() {
 }
 
 #[test]
-fn back_faces_turn_their_normals_where_asked() {
+fn two_sided_lighting_turns_back_face_normals() {
     let mut back = mesh();
     back.indices = vec![0, 2, 1];
     back.tangents = vec![[1.0, 0.0, 0.0, 1.0]; 3];
@@ -161,7 +161,7 @@ fn degenerate_triangles_are_dropped_and_counted() {
 }
 
 #[test]
-fn a_triangle_through_the_near_plane_becomes_one_polygon_in_front_of_it() {
+fn near_plane_triangle_becomes_one_polygon() {
     let mut long = mesh();
     long.positions = vec![[0.0, -0.5, 2.0], [0.5, -0.5, -2.0], [-0.5, -0.4, -2.0]];
     let mut unit = GeometryProcessor::default();
@@ -173,7 +173,7 @@ fn a_triangle_through_the_near_plane_becomes_one_polygon_in_front_of_it() {
 }
 
 #[test]
-fn outside_the_view_nothing_is_drawn() {
+fn triangle_outside_view_is_not_drawn() {
     let mut unit = GeometryProcessor::default();
     let mut behind = mesh();
     behind.positions.iter_mut().for_each(|p| p[2] = 5.0);
@@ -182,7 +182,7 @@ fn outside_the_view_nothing_is_drawn() {
 }
 
 #[test]
-fn lod_and_threshold_decide_what_is_a_bump_target_unless_the_model_says_so() {
+fn lod_threshold_decides_bump_targets_unless_model_does() {
     // 16 x 8 / 2 pixels, 64 x 64 / 2 texels: 8 log2 sqrt(4096 / 128) = 20.
     let mapped = Material { normal_map: Some(texture(64)), color_texture: Some(texture(1)), ..Material::default() };
     let plain = Material { color_texture: Some(texture(64)), ..Material::default() };
@@ -203,7 +203,7 @@ fn lod_and_threshold_decide_what_is_a_bump_target_unless_the_model_says_so() {
 }
 
 #[test]
-fn all_polygons_of_an_object_may_have_one_lod() {
+fn object_scope_gives_all_polygons_one_lod() {
     // Two triangles of one size, one twice as far away as the other.
     let mut far = mesh();
     far.positions.extend([[0.0, 0.0, -1.0], [0.5, 0.0, -1.0], [0.0, 0.5, -1.0]]);
@@ -228,7 +228,7 @@ fn all_polygons_of_an_object_may_have_one_lod() {
     assert!(a == b && near < a && a < far, "{near} {a} {far}");
 }
 
-/// Two triangles that share an edge.
+/// Creates two triangles that share an edge.
 fn strip() -> Mesh {
     let mut strip = mesh();
     strip.positions.push([0.5, 0.5, 0.0]);
@@ -240,7 +240,7 @@ fn strip() -> Mesh {
     strip
 }
 
-/// Cycles that both triangles of the strip keep the unit.
+/// Returns the occupancy of both triangles of the strip \[cycles\].
 fn kept(config: GeometryConfig, taken: VertexAttributes, material: &Material) -> [u64; 2] {
     let mut unit = GeometryProcessor { taken, ..unit(config, BumpConfig::default()) };
     step(&mut unit, frame(IDENTITY));
@@ -248,7 +248,7 @@ fn kept(config: GeometryConfig, taken: VertexAttributes, material: &Material) ->
     [0, 1].map(|number| step(&mut unit, Draw::Triangle(number)).occupancy)
 }
 
-/// More of everything than the strip needs, but for what a test is about.
+/// Returns a configuration with more of every resource than the strip needs. Tests change the resource under test.
 fn ample() -> GeometryConfig {
     let fast = GeometryConfig {
         multipliers: 256,
@@ -266,9 +266,9 @@ fn mapped() -> Material {
 }
 
 #[test]
-fn a_vertex_takes_three_divisions_and_two_roots_with_a_tangent_and_fewer_without() {
+fn tangent_adds_divisions_and_roots_to_vertex() {
     let one = |dividers, square_roots| GeometryConfig { dividers, square_roots, ..ample() };
-    // Three vertices, then one; the LOD is a division more.
+    // Three vertices, then one. The LOD adds a division.
     assert_eq!(kept(one(1, 256), TAKEN, &mapped()), [7 * 10, 7 * 4]);
     assert_eq!(kept(one(2, 256), TAKEN, &mapped()), [7 * 5, 7 * 2]);
     assert_eq!(kept(one(256, 1), TAKEN, &mapped()), [7 * 6, 7 * 2]);
@@ -279,7 +279,7 @@ fn a_vertex_takes_three_divisions_and_two_roots_with_a_tangent_and_fewer_without
 }
 
 #[test]
-fn a_vertex_that_is_no_bump_targets_is_lit_once_with_a_power_per_light() {
+fn plain_vertex_is_lit_once_with_a_power_per_light() {
     let one = || GeometryConfig { powers: 1, ..ample() };
     assert_eq!(kept(one(), TAKEN, &Material::default()), [40 * 3, 40]);
     let dull = Lighting { ks: 0.0, ..Lighting::default() };
@@ -291,7 +291,7 @@ fn a_vertex_that_is_no_bump_targets_is_lit_once_with_a_power_per_light() {
 }
 
 #[test]
-fn corners_that_clipping_makes_are_computed() {
+fn clipped_corners_are_charged() {
     let mut long = mesh();
     long.positions = vec![[0.0, -0.5, 2.0], [0.5, -0.5, -2.0], [-0.5, -0.4, -2.0]];
     let mut unit = unit(GeometryConfig { dividers: 1, ..ample() }, BumpConfig::default());
@@ -302,7 +302,7 @@ fn corners_that_clipping_makes_are_computed() {
 }
 
 #[test]
-fn a_vertex_in_the_cache_fetches_its_index_only() {
+fn cached_vertex_fetches_only_its_index() {
     let fetched = |vertex_cache, taken, material: Material| {
         let config = GeometryConfig { vertex_cache, fetch_bytes_per_cycle: 1, ..ample() };
         let mut unit = GeometryProcessor { taken, ..unit(config, BumpConfig::default()) };
@@ -325,7 +325,7 @@ fn a_vertex_in_the_cache_fetches_its_index_only() {
 }
 
 #[test]
-fn a_polygon_keeps_the_link_for_its_bytes() {
+fn polygon_occupies_link_for_its_bytes() {
     let config = || GeometryConfig { link_bytes: 1, ..ample() };
     assert_eq!(kept(config(), TAKEN, &mapped()), [12 + 3 * (16 + 36); 2]);
     assert_eq!(kept(config(), VertexAttributes::default(), &mapped()), [12 + 3 * 16; 2]);
@@ -335,7 +335,7 @@ fn a_polygon_keeps_the_link_for_its_bytes() {
 }
 
 #[test]
-fn a_polygon_is_delivered_when_all_of_it_has_come_through() {
+fn polygon_is_delivered_after_its_last_part() {
     let latency = |dividers| {
         let mut unit = unit(GeometryConfig { dividers, ..ample() }, BumpConfig::default());
         step(&mut unit, frame(IDENTITY));
@@ -349,7 +349,7 @@ fn a_polygon_is_delivered_when_all_of_it_has_come_through() {
 }
 
 #[test]
-fn it_tells_its_operators_and_its_vertex_cache() {
+fn unit_reports_operators_and_vertex_cache() {
     let mut facts = Facts::default();
     let config = GeometryConfig { multipliers: 5, vertex_cache: 3, ..GeometryConfig::default() };
     let unit = unit(config, BumpConfig::default());
@@ -359,7 +359,7 @@ fn it_tells_its_operators_and_its_vertex_cache() {
     assert_eq!([Multiplier, Divider, Table].map(count), [5, 2, 3]);
 }
 
-/// A mesh of random triangles in and around the view.
+/// Generates a mesh of random triangles in and around the view.
 fn random_mesh() -> impl Strategy<Value = Mesh> {
     let point = [-3f32..3.0, -3f32..3.0, -3f32..0.5];
     (prop::collection::vec(point, 3..30), prop::collection::vec(any::<prop::sample::Index>(), 3..90)).prop_map(
@@ -370,7 +370,7 @@ fn random_mesh() -> impl Strategy<Value = Mesh> {
     )
 }
 
-/// Runs all triangles; commands with their unblocked delivery cycles.
+/// Runs all triangles. Returns the commands with their unblocked delivery cycles.
 fn run(config: GeometryConfig, mesh: &Mesh) -> (GeometryProcessor, Vec<(Control, u64)>) {
     let mut unit = unit(config, BumpConfig::default());
     let triangles = (0..mesh.indices.len() as u32 / 3).map(Draw::Triangle);
@@ -387,7 +387,7 @@ fn run(config: GeometryConfig, mesh: &Mesh) -> (GeometryProcessor, Vec<(Control,
 
 proptest! {
     #[test]
-    fn every_triangle_is_accounted_for_and_polygons_are_sound(mesh in random_mesh()) {
+    fn every_triangle_is_counted_and_polygons_are_valid(mesh in random_mesh()) {
         let (unit, all) = run(GeometryConfig::default(), &mesh);
         let c = unit.state.counters;
         prop_assert_eq!(c.triangles, mesh.indices.len() as u64 / 3);
@@ -403,7 +403,7 @@ proptest! {
     }
 
     #[test]
-    fn the_size_of_the_vertex_cache_changes_cycles_only(mesh in random_mesh(), entries in 0u32..8) {
+    fn vertex_cache_size_changes_only_cycles(mesh in random_mesh(), entries in 0u32..8) {
         let polygons = |vertex_cache| -> Vec<_> {
             let (_, all) = run(GeometryConfig { vertex_cache, ..GeometryConfig::default() }, &mesh);
             all.into_iter().filter_map(|(c, _)| if let Control::Polygon(p) = c { Some(p.vertices.clone()) } else { None }).collect()
@@ -412,7 +412,7 @@ proptest! {
     }
 
     #[test]
-    fn a_replay_delivers_at_the_cycles_of_the_geometry_processor(mesh in random_mesh(), all_known in any::<bool>()) {
+    fn replay_delivers_at_geometry_processor_cycles(mesh in random_mesh(), all_known in any::<bool>()) {
         let (_, recorded) = run(GeometryConfig::default(), &mesh);
         let commands = recorded.iter().map(|(control, at)| match control {
             Control::Polygon(p) => Ok::<_, String>((control.clone(), Some(p.arrival))),
