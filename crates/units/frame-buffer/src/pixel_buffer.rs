@@ -1,4 +1,4 @@
-//! Pixel/depth buffer (124) of the rate-limited renderer, in its second job: keeps the picture and shows it.
+//! Pixel/depth buffer (124) of the rate-limited renderer in its second function: it stores the picture and shows it.
 
 use crate::config::{PixelBufferConfig, VideoOutConfig};
 use crate::state::FinishedFrame;
@@ -13,10 +13,10 @@ const BLOCK: u32 = 4;
 /// Pixels of a block.
 const BLOCK_PIXELS: u32 = BLOCK * BLOCK;
 
-/// What the pixel buffer has counted.
+/// Counters of the pixel buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PixelBufferCounters {
-    /// Frames shown to the last picture.
+    /// Frames whose last picture was shown.
     pub frames: u64,
     /// Pictures shown.
     pub pictures: u64,
@@ -24,57 +24,57 @@ pub struct PixelBufferCounters {
     pub pixels: u64,
 }
 
-/// Everything the pixel buffer remembers.
+/// State of the pixel buffer between steps.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PixelBufferState {
-    /// The picture that is being drawn, if a frame has begun.
+    /// Picture being drawn, if a frame has begun.
     pub picture: Option<FinishedFrame>,
-    /// Pictures of the current frame.
+    /// Number of pictures in the current frame so far.
     pub round: u32,
-    /// The last picture of a frame is shown, and the next step says so.
+    /// True if the last picture of a frame has been shown. The next step reports it.
     pub is_shown: bool,
-    /// What the last picture takes in memory \[bytes\].
+    /// Size of the last picture in memory \[bytes\].
     pub bytes: u64,
-    /// Pictures that a better one of the same frame follows and that nobody has fetched yet, in order.
+    /// Pictures that a better one of the same frame follows, not fetched yet, in order.
     pub rounds: Vec<FinishedFrame>,
-    /// Last pictures of their frames that nobody has fetched yet, in order.
+    /// Last pictures of their frames, not fetched yet, in order.
     pub finished: Vec<FinishedFrame>,
-    /// What it has counted.
+    /// Counters.
     pub counters: PixelBufferCounters,
 }
 
-/// Pixel buffer (124): takes blocks of pixels, and shows the picture when it is complete; with the progressive mode several
-/// times per frame, and each picture ends a frame in the sense of law 11. Client 0 writes blocks of pixels whole: a block comes
-/// once per picture, so there is nothing to gather.
+/// Pixel buffer (124): takes blocks of pixels, and shows the picture when it is complete. In progressive mode this happens
+/// several times per frame, and each picture ends a frame in the sense of law 11. Client 0 writes whole blocks of pixels. A block
+/// comes once per picture, so no writes are gathered.
 ///
-/// Where nothing is drawn the memory holds what was there before: depth values, or another picture. So a block without pixels is
-/// written too, all of it background, in one cycle; in the first picture of a frame, since later ones leave it as it is.
+/// Memory without drawn pixels holds old data: depth values, or another picture. The first picture of a frame therefore also
+/// writes each block without pixels, all background, in one cycle. Later pictures leave such blocks unchanged.
 ///
-/// Outputs: to the video output; and, behind the last picture of a frame, to the server, since the next frame's depth values
-/// take the place of the pixels. In a shared memory nothing takes their place before the video output has read the picture: for as
-/// long as that takes, the unit is kept.
+/// Outputs: one to the video output, and one to the server behind the last picture of a frame, because the next frame's depth
+/// values overwrite the pixels. In a shared memory nothing overwrites them before the video output has read the picture. The unit
+/// stays occupied for that time.
 #[derive(Clone, Debug)]
 pub struct PixelBuffer {
     /// Parameters.
     pub config: PixelBufferConfig,
     base: u64,
-    /// The video output that reads the memory while nothing is written, where it is shared; and cycles per second.
+    /// Video output that reads a shared memory while nothing is written, and the clock in cycles per second.
     display: Option<(VideoOutConfig, u64)>,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: PixelBufferState,
 }
 
 type Out = (Option<FrameDone>, Option<()>);
 
 impl PixelBuffer {
-    /// At power-on. `shared`: in the place of the depth values, read by this video output, in a device with a clock of so many
-    /// cycles per second.
+    /// Creates a buffer in its power-on state. `shared`: the pixels replace the depth values, this video output reads them, and
+    /// the device has a clock of this many cycles per second.
     pub fn new(config: PixelBufferConfig, shared: Option<(VideoOutConfig, u64)>) -> Self {
         let base = if shared.is_some() { layout::Z_BUFFER } else { layout::COLOR_BUFFERS };
         Self { config, base, display: shared, state: PixelBufferState::default() }
     }
 
-    /// Bytes that the last picture takes in memory.
+    /// Returns the size of the last picture in memory \[bytes\].
     pub fn bytes(&self) -> u64 {
         self.state.bytes
     }
@@ -116,7 +116,7 @@ impl PixelBuffer {
         traffic.write(0, self.base + number * u64::from(bytes), bytes);
     }
 
-    /// Shows the picture (465, 474); nothing where no frame has begun.
+    /// Shows the picture (465, 474). Returns `None` if no frame has begun.
     fn show(&mut self, last: bool) -> Option<FrameDone> {
         let picture = if last { self.state.picture.take() } else { self.state.picture.clone() };
         let picture = picture?;
@@ -132,7 +132,7 @@ impl PixelBuffer {
         Some(FrameDone { index, width, height, address: self.base, bytes: self.state.bytes })
     }
 
-    /// Cycles that the video output takes to read a picture of so many bytes; 0 where nothing waits for that.
+    /// Returns the cycles that the video output takes to read a picture of this size, or 0 if nothing waits for it.
     fn read_cycles(&self, bytes: u64) -> u64 {
         let Some((video, hz)) = self.display.as_ref().filter(|(video, _)| video.enabled) else { return 0 };
         let reads = bytes.div_ceil(u64::from(video.burst_bytes)) * u64::from(video.cycles_per_read);
@@ -178,7 +178,7 @@ impl Unit for PixelBuffer {
         !self.state.is_shown
     }
 
-    /// One block.
+    /// Returns one block.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client == 0)
     }
@@ -210,7 +210,7 @@ mod tests {
         PixelBuffer::new(PixelBufferConfig::default(), shared.then(|| (VideoOutConfig::default(), 100_000_000)))
     }
 
-    /// Addresses and bytes that a picture of 8 x 4 pixels writes, of which the left block is drawn; twice.
+    /// Returns addresses and bytes that two pictures of 8 x 4 pixels write. The left block of each is drawn.
     fn writes(shared: bool) -> Vec<(u64, u32)> {
         let mut unit = buffer(shared);
         let frame = frame(8, 4);
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn the_video_output_reads_no_depth_values_background_is_written_once_a_frame() {
+    fn background_is_written_once_per_frame() {
         for (shared, base) in [(true, layout::Z_BUFFER), (false, layout::COLOR_BUFFERS)] {
             let block = u64::from(BLOCK_PIXELS * PixelBufferConfig::default().pixel_bytes);
             let at = |number: u64| (base + number * block, block as u32);
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_takes_the_place_of_pixels_that_the_video_output_still_reads() {
+    fn displayed_pixels_are_not_overwritten() {
         let kept = |shared: bool| {
             let mut unit = buffer(shared);
             let mut step = |token: Option<PictureFlow>| unit.step(token, &mut Traffic::default());

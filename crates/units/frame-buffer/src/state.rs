@@ -1,4 +1,4 @@
-//! What the frame buffer (126) keeps between steps.
+//! State of the frame buffer (126) between steps.
 
 use basrelief_signals::GatheredLines;
 use serde::{Deserialize, Serialize};
@@ -8,19 +8,20 @@ use serde::{Deserialize, Serialize};
 pub struct FinishedFrame {
     /// Number of the frame.
     pub index: u32,
-    /// Its number within the frame, from 0: a frame may be shown in several pictures, each better than the one before.
+    /// Number of the picture within the frame, from 0. A frame can be shown in several pictures, each better than the previous
+    /// one.
     pub round: u32,
     /// Width \[pixels\].
     pub width: u32,
     /// Height \[pixels\].
     pub height: u32,
-    /// Colours, top row first; black where nothing was drawn.
+    /// Colours, top row first. Pixels without fragments are black.
     pub rgb: Vec<[u8; 3]>,
-    /// Whether anything was drawn, per pixel.
+    /// True for each drawn pixel.
     pub covered: Vec<bool>,
 }
 
-/// What the frame buffer has counted.
+/// Counters of the frame buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FrameBufferCounters {
     /// Frames finished.
@@ -31,17 +32,17 @@ pub struct FrameBufferCounters {
     pub lines_written: u64,
 }
 
-/// Everything the frame buffer remembers.
+/// State of the frame buffer between steps.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FrameBufferState {
-    /// The picture that is being drawn, if a frame has begun.
+    /// Picture being drawn, if a frame has begun.
     pub picture: Option<FinishedFrame>,
-    /// The lines that gather writes.
+    /// Lines that gather writes.
     pub lines: GatheredLines,
-    /// The end of the frame has come, and goes on when all gathered lines are written.
+    /// True if the frame end has arrived. It travels on when all gathered lines are written.
     pub ending: bool,
-    /// Pictures that nobody has fetched yet, in order.
+    /// Pictures not fetched yet, in order.
     pub finished: Vec<FinishedFrame>,
-    /// What it has counted.
+    /// Counters.
     pub counters: FrameBufferCounters,
 }

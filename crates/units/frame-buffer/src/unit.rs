@@ -11,7 +11,7 @@ use basrelief_signals::{
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
-/// A frame is complete: frame buffer to video output.
+/// Token from the frame buffer to the video output: a frame is complete.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FrameDone {
     /// Number of the frame.
@@ -20,31 +20,31 @@ pub struct FrameDone {
     pub width: u32,
     /// Height \[pixels\].
     pub height: u32,
-    /// Where it starts in the graphics-data memory (124).
+    /// Start of the picture in the graphics-data memory (124).
     pub address: u64,
-    /// What it takes there, sides rounded up to whole blocks \[bytes\].
+    /// Size of the picture there, sides rounded up to whole blocks \[bytes\].
     pub bytes: u64,
 }
 
-/// Where it lies, its size and its number.
+/// Address, size and number.
 impl BitWidth for FrameDone {
     fn bits(_: &SignalWidths) -> u32 {
         2 * NUMBER + 2 * COORDINATE + NUMBER
     }
 }
 
-/// Frame buffer (126): takes pixels in order, the last one stays. Client 0 takes posted writes of lines: the 16 pixels that a
-/// token of its kind lies in (4 x 4 for stamps, 16 x 1 for packets). A frame begins with a clear that moves no data (fast
-/// clear, assumed).
+/// Frame buffer (126): takes pixels in order, and the last one at a position stays. Client 0 makes posted writes of lines: the 16
+/// pixels around a token (4 x 4 for stamps, 16 x 1 for packets). A frame begins with a clear that moves no data (fast clear,
+/// assumed).
 ///
-/// Writes gather in some lines (`frame_buffer.write_lines`): what is drawn into a line before it goes is written at once. A line
-/// is written as a whole transfer, whatever pixels of it were drawn; those that were not keep what they are (byte enables,
+/// Some lines gather writes (`frame_buffer.write_lines`): all pixels drawn into a line before its eviction are written at once. A
+/// line is written as a whole transfer, however few pixels of it were drawn. The other pixels keep their value (byte enables,
 /// assumed), so nothing is ever read.
 #[derive(Clone, Debug)]
 pub struct FrameBuffer<T = Stamp<Pixel>> {
     /// Parameters.
     pub config: FrameBufferConfig,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: FrameBufferState,
     token: PhantomData<fn(T)>,
 }
@@ -56,7 +56,7 @@ impl<T: ColorToken> Default for FrameBuffer<T> {
 }
 
 impl<T: ColorToken> FrameBuffer<T> {
-    /// A frame buffer at power-on.
+    /// Creates a frame buffer in its power-on state.
     pub fn new(config: FrameBufferConfig) -> Self {
         Self { config, state: FrameBufferState::default(), token: PhantomData }
     }
@@ -77,12 +77,13 @@ impl<T: ColorToken> FrameBuffer<T> {
         self.state.picture = Some(FinishedFrame { index, round: 0, width, height, rgb, covered });
     }
 
-    /// Frames take the two buffers in turn.
+    /// Returns the base address. Frames alternate between the two buffers.
     fn base(&self) -> u64 {
         layout::COLOR_BUFFERS + self.state.counters.frames % 2 * layout::COLOR_BUFFER_STRIDE
     }
 
-    /// Writes a pixel of a token. `is_open`: the line in which they all lie is the one written last, as it is after the first.
+    /// Writes a pixel of a token. `is_open` is true if the line of the token is the most recently written one, which holds after
+    /// its first pixel.
     #[inline(always)]
     fn write(&mut self, (x, y, color): (u16, u16, [u8; 3]), is_open: &mut bool, traffic: &mut Traffic) {
         let Some(picture) = &mut self.state.picture else { return };
@@ -104,7 +105,7 @@ impl<T: ColorToken> FrameBuffer<T> {
         }
     }
 
-    /// Gathers a line, and writes the one that has to go for it, if any. (Not inlined: once per token at most.)
+    /// Gathers a line, and writes the evicted one, if any. (Not inlined: at most once per token.)
     #[inline(never)]
     fn gather(&mut self, line: u64, traffic: &mut Traffic) {
         if let Some(gone) = self.state.lines.touch(line, self.config.write_lines) {
@@ -118,7 +119,7 @@ impl<T: ColorToken> FrameBuffer<T> {
         self.state.counters.lines_written += 1;
     }
 
-    /// Writes a gathered line, one per step; with the last of them, the end token, where a frame has begun.
+    /// Writes a gathered line, one per step. The last of them sends the end token if a frame has begun.
     fn end(&mut self, traffic: &mut Traffic) -> Step<Option<FrameDone>> {
         if let Some(line) = self.state.lines.take() {
             self.write_line(line, traffic);
@@ -129,7 +130,7 @@ impl<T: ColorToken> FrameBuffer<T> {
         if done.is_some() { step.marked() } else { step }
     }
 
-    /// The end token; none where no frame has begun.
+    /// Returns the end token. Returns `None` if no frame has begun.
     fn finish(&mut self) -> Option<FrameDone> {
         let picture = self.state.picture.take()?;
         let FinishedFrame { index, width, height, .. } = picture;
@@ -168,7 +169,7 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
         Step::after(latency, None)
     }
 
-    /// One write: of the line that goes for the one in which all pixels of a token lie, or of one at the end.
+    /// Returns one write: of the evicted line, or of a line at the frame end.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client == 0)
     }
@@ -178,7 +179,7 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
     }
 
     fn tell(&self, facts: &mut Facts) {
-        // Colours, which pixels were written, which line of the picture it is.
+        // Colours, mask of written pixels, number of the line in the picture.
         let line = LINE_PIXELS * (COLOR + 1) + LINE_NUMBER;
         facts.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
         let c = &self.state.counters;

@@ -1,7 +1,7 @@
 //! Video output: reads each finished frame once (law 11), at the pace of a display.
 //!
-//! Frames that are finished faster than the display shows them wait, and drawing goes on; so while it does, the display takes
-//! of the memory what a real one takes. What a real display would have left out is read at the end.
+//! Frames that finish faster than the display shows them wait, and drawing continues. During drawing the display thus takes the
+//! memory bandwidth of a real one. Frames that a real display would have skipped are read at the end.
 
 use crate::config::VideoOutConfig;
 use crate::unit::FrameDone;
@@ -9,25 +9,25 @@ use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 
-/// What the video output has counted.
+/// Counters of the video output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct VideoOutCounters {
-    /// Frames taken.
+    /// Frames received.
     pub frames: u64,
     /// Bytes read.
     pub bytes: u64,
 }
 
-/// Everything the video output remembers.
+/// State of the video output between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct VideoOutState {
     /// Address of the next read.
     pub address: u64,
-    /// What is left of the frame \[bytes\].
+    /// Remaining bytes of the frame.
     pub left: u64,
-    /// What the last read left of a cycle of the display \[byte cycles per second\].
+    /// Fraction of a cycle left by the last read \[byte cycles per second\].
     pub left_of_cycle: u64,
-    /// What it has counted.
+    /// Counters.
     pub counters: VideoOutCounters,
 }
 
@@ -36,21 +36,21 @@ pub struct VideoOutState {
 pub struct VideoOut {
     /// Parameters.
     pub config: VideoOutConfig,
-    /// What the display takes \[bytes/s\]; 0 is no limit.
+    /// Rate of the display \[bytes/s\]. 0 means no limit.
     bytes_per_second: u64,
     hz: u64,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: VideoOutState,
 }
 
 impl VideoOut {
-    /// A video output at power-on, of pixels of so many bytes, in a device with a clock of `hz`.
+    /// Creates a video output in its power-on state, with pixels of `pixel_bytes` bytes, in a device with a clock of `hz`.
     pub fn new(config: VideoOutConfig, pixel_bytes: u32, hz: u64) -> Self {
         let bytes_per_second = u64::from(config.pixel_hz) * u64::from(pixel_bytes);
         Self { config, bytes_per_second, hz, state: VideoOutState::default() }
     }
 
-    /// Cycles that the display takes for this many bytes; the rest of a cycle is carried on.
+    /// Returns the cycles that the display takes for this many bytes. The fraction of a cycle carries over.
     fn display(&mut self, bytes: u32) -> u64 {
         if self.bytes_per_second == 0 {
             return 0;
@@ -89,7 +89,7 @@ impl Unit for VideoOut {
         Step::after(0, ()).busy(cycles)
     }
 
-    /// One read.
+    /// Returns one read.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client == 0 && self.config.enabled)
     }
@@ -124,28 +124,28 @@ mod tests {
     }
 
     #[test]
-    fn each_byte_is_read_once_and_the_last_read_may_be_short() {
+    fn each_byte_is_read_once_with_short_last_read() {
         let config = VideoOutConfig { cycles_per_read: 3, pixel_hz: 0, ..VideoOutConfig::default() };
         assert_eq!(reads(config, 600), (vec![(1000, 256), (1256, 256), (1512, 88)], 9));
     }
 
     #[test]
-    fn a_frame_takes_as_long_as_the_display_takes_to_show_it() {
+    fn frame_takes_display_time() {
         // 640 x 480 pixels, 60 times a second: 200 MHz / 60 cycles.
         assert_eq!(reads(VideoOutConfig::default(), 640 * 480 * 4).1, 3_333_333);
-        // 150 pixels in three reads; what is left of a cycle is carried on.
+        // 150 pixels in three reads. The fraction of a cycle carries over.
         let per_second = |pixel_hz| reads(VideoOutConfig { pixel_hz, ..VideoOutConfig::default() }, 600).1;
         assert_eq!([per_second(200_000_000), per_second(70_000_000), per_second(0)], [150, 428, 3]);
     }
 
     #[test]
-    fn switched_off_it_swallows_frames() {
+    fn disabled_video_output_reads_nothing() {
         let config = VideoOutConfig { enabled: false, ..VideoOutConfig::default() };
         assert_eq!(reads(config, 600), (vec![], 1));
     }
 
     #[test]
-    fn an_empty_frame_is_no_traffic() {
+    fn empty_frame_causes_no_traffic() {
         assert_eq!(reads(VideoOutConfig::default(), 0), (vec![], 1));
     }
 }

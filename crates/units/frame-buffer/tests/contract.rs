@@ -12,7 +12,7 @@ fn frame(index: u32, width: u32, height: u32) -> Arc<Frame> {
     Arc::new(Frame { index, width, height, camera, lights: Vec::new(), textures: Vec::new(), shading: Default::default() })
 }
 
-/// Three frames of different sizes, one of them empty, with pixels outside; and an end without a frame.
+/// Returns three frames of different sizes, one of them empty, with pixels outside, and an end without a frame.
 fn pixels() -> Vec<Flow<Stamp<Pixel>>> {
     let mut all = Vec::new();
     for (index, (width, height, count)) in (0..).zip([(21, 9, 150), (4, 4, 0), (16, 17, 99)]) {
@@ -41,7 +41,7 @@ unit_contract! {
     state,
 }
 
-/// Two frames, the first in two pictures, with blocks at the edge and beside it; and a picture without a frame.
+/// Returns two frames, the first in two pictures, with blocks at the edge and beside it, and a picture without a frame.
 fn blocks() -> Vec<PictureFlow> {
     let block = |i: u16| PictureFlow::Pixels(PixelBlock { at: [i % 7, i / 7], mask: 0x8421 << (i % 3), rgb: [[i as u8; 3]; 16] });
     let picture = |blocks: std::ops::Range<u16>, last| blocks.map(block).chain([PictureFlow::Show { last }]);
@@ -63,7 +63,7 @@ unit_contract! {
     state,
 }
 
-/// Frames of whole, broken and no bursts, in both buffers.
+/// Returns frames of whole, broken and no bursts, in both buffers.
 fn finished() -> Vec<FrameDone> {
     let done = |(index, bytes): (u32, u64)| FrameDone {
         index,

@@ -28,7 +28,7 @@ fn unit(write_lines: u32) -> FrameBuffer {
     FrameBuffer::new(FrameBufferConfig { write_lines, ..FrameBufferConfig::default() })
 }
 
-/// Address and size of the writes of a step, and what it delivers.
+/// Returns address and size of the writes of a step, and its output.
 fn step(unit: &mut FrameBuffer, token: Option<Flow<Stamp<Pixel>>>) -> (Vec<(u64, u32)>, Option<FrameDone>) {
     assert_eq!(unit.demand(), if token.is_some() { Demand::All } else { Demand::Nothing });
     let mut traffic = Traffic::default();
@@ -39,7 +39,7 @@ fn step(unit: &mut FrameBuffer, token: Option<Flow<Stamp<Pixel>>>) -> (Vec<(u64,
     (traffic.requests().iter().map(|r| (r.address, r.bytes)).collect(), step.out)
 }
 
-/// Writes from the end token on, one per step; the frame is done with the last.
+/// Returns the writes from the end token on, one per step. The last step finishes the frame.
 fn end(unit: &mut FrameBuffer) -> (Vec<(u64, u32)>, Option<FrameDone>) {
     let (mut all, mut done) = step(unit, Some(END));
     while !unit.is_empty() {
@@ -53,7 +53,7 @@ fn end(unit: &mut FrameBuffer) -> (Vec<(u64, u32)>, Option<FrameDone>) {
 }
 
 #[test]
-fn the_last_pixel_stays_and_the_rest_is_black_and_uncovered() {
+fn last_pixel_stays_and_rest_is_black_and_uncovered() {
     let mut unit = unit(8);
     for token in [frame(3, 5, 2), pixel(4, 1, [1, 2, 3]), pixel(4, 1, [7, 8, 9]), pixel(5, 0, [9; 3]), pixel(0, 2, [9; 3])] {
         step(&mut unit, Some(token));
@@ -68,7 +68,7 @@ fn the_last_pixel_stays_and_the_rest_is_black_and_uncovered() {
 }
 
 #[test]
-fn with_one_gathered_line_a_line_is_written_when_it_is_left_and_frames_take_the_buffers_in_turn() {
+fn one_gathered_line_is_written_on_leaving_it() {
     let mut unit = unit(1);
     for base in [0, layout::COLOR_BUFFER_STRIDE, 0] {
         step(&mut unit, Some(frame(0, 16, 8)));
@@ -83,7 +83,7 @@ fn with_one_gathered_line_a_line_is_written_when_it_is_left_and_frames_take_the_
 }
 
 #[test]
-fn the_least_recently_written_line_goes_and_all_at_the_end_into_the_buffer_of_their_frame() {
+fn frame_end_writes_all_gathered_lines_to_its_buffer() {
     let mut unit = unit(3);
     for base in [0, layout::COLOR_BUFFER_STRIDE] {
         step(&mut unit, Some(frame(0, 16, 8)));
@@ -100,7 +100,7 @@ fn the_least_recently_written_line_goes_and_all_at_the_end_into_the_buffer_of_th
 }
 
 #[test]
-fn a_picture_without_room_is_a_fault_and_takes_no_memory() {
+fn oversized_picture_is_a_fault_without_memory() {
     let mut unit = unit(8);
     let mut traffic = Traffic::default();
     unit.step(Some(frame(7, u32::MAX, 2)), &mut traffic);
@@ -110,12 +110,12 @@ fn a_picture_without_room_is_a_fault_and_takes_no_memory() {
 
 proptest! {
     #[test]
-    fn a_line_is_written_after_its_last_pixel_and_only_where_a_pixel_was(
+    fn drawn_line_is_written_after_its_last_pixel(
         places in prop::collection::vec((0u16..20, 0u16..11), 0..80), write_lines in 1u32..10,
     ) {
         let mut unit = unit(write_lines);
         step(&mut unit, Some(frame(0, 20, 11)));
-        // Lines that hold what memory does not have yet.
+        // Lines with data newer than memory.
         let mut ahead = BTreeSet::new();
         for (x, y) in places {
             let line = u64::from(y / 4 * 5 + x / 4);
@@ -131,7 +131,7 @@ proptest! {
     }
 
     #[test]
-    fn with_one_gathered_line_every_change_of_line_is_a_write(places in prop::collection::vec((0u16..20, 0u16..11), 0..50)) {
+    fn one_gathered_line_writes_on_every_line_change(places in prop::collection::vec((0u16..20, 0u16..11), 0..50)) {
         let mut unit = unit(1);
         step(&mut unit, Some(frame(0, 20, 11)));
         let mut written = Vec::new();
