@@ -1,9 +1,9 @@
-//! The colour of a pixel.
+//! Colour of a pixel.
 
 use basrelief_shading::{Taps, saturated};
 use basrelief_signals::Image;
 
-/// Filtered RGB of the texels that `taps` names, 0..=1 each.
+/// Returns the filtered RGB of the texels in `taps`, 0..=1 each.
 #[inline]
 pub fn filtered(image: &Image, taps: &Taps) -> [f32; 3] {
     let mut sum = [0.0; 3];
@@ -16,7 +16,7 @@ pub fn filtered(image: &Image, taps: &Taps) -> [f32; 3] {
     sum.map(|c| c / 255.0)
 }
 
-/// `base * brightness + highlight` in 8 bits each: saturating, halves rounded up.
+/// Computes `base * brightness + highlight` in 8 bits each. Values saturate and halves round up.
 #[inline]
 pub fn blended(base: [f32; 3], brightness: f32, highlight: f32) -> [u8; 3] {
     saturated(base.map(|c| c * brightness + highlight))
@@ -28,7 +28,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn eight_bits_saturate_and_round_half_up() {
+    fn blend_saturates_and_rounds_half_up() {
         assert_eq!(blended([1.0, 0.5, 0.0], 1.0, 0.0), [255, 128, 0]);
         assert_eq!(blended([1.0, 0.5, 0.0], 3.0, 0.0), [255, 255, 0]);
         assert_eq!(blended([1.0, 0.5, 0.0], 0.0, 0.5), [128; 3]);
@@ -36,7 +36,7 @@ mod tests {
     }
 
     #[test]
-    fn filtering_weighs_texels() {
+    fn filter_weighs_texels() {
         let image = Image { width: 2, height: 1, texels: vec![[0, 51, 255, 255], [255, 51, 0, 0]] };
         let taps = Taps { count: 2, texel: [[0, 0], [1, 0], [9, 9], [9, 9]], weight: [0.25, 0.75, 9.0, 9.0] };
         assert_eq!(filtered(&image, &taps), [0.75, 0.2, 0.25]);
@@ -44,7 +44,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn within_half_a_step_of_the_exact_value(c in 0f32..1.5, b in 0f32..1.5, h in 0f32..0.5) {
+        fn blend_is_within_half_a_step_of_exact_value(c in 0f32..1.5, b in 0f32..1.5, h in 0f32..0.5) {
             let exact = ((f64::from(c) * f64::from(b) + f64::from(h)) * 255.0).clamp(0.0, 255.0);
             let [drawn, ..] = blended([c; 3], b, h);
             prop_assert!((f64::from(drawn) - exact).abs() <= 0.5001, "{drawn} {exact}");

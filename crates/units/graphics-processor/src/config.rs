@@ -5,27 +5,27 @@ use basrelief_parameters::parameters;
 use basrelief_signals::TexelFilter;
 use serde::{Deserialize, Serialize};
 
-/// When a list is drawn (S24 of Figure 4).
+/// Time at which a list is drawn (S24 of Figure 4).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum DrawOrder {
     /// Each fragment as soon as it is shaded.
     #[default]
     Streamed,
-    /// All, when every bump target of the frame is shaded; what is kept of them waits in the graphics-data memory (124).
+    /// All fragments, after every bump target of the frame is shaded. Their entries wait in the graphics-data memory (124).
     AfterList,
 }
 
-/// What is kept on the surface of a bump target until the list is drawn: an entry for each of its fragments.
+/// Entry per fragment of a bump target that is stored on the surface until the list is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HeldEntry {
     /// Brightness, looked up and interpolated (S20, S22).
     #[default]
     Brightness,
-    /// Indexes of reference normals (S18), one for each level: they are looked up when the list is drawn.
+    /// Indexes of reference normals (S18), one per level, which are looked up when the list is drawn.
     Index,
-    /// Pseudo-normals N' (S16), one for each level: what the indexes are there to spare.
+    /// Pseudo-normals N' (S16), one per level, which the indexes exist to avoid.
     Normal,
 }
 
@@ -36,35 +36,35 @@ pub enum Mip {
     /// The level nearest to the polygon's own level of detail for this texture.
     #[default]
     Nearest,
-    /// Always the finest.
+    /// The finest level, always.
     Off,
 }
 
 parameters! {
     /// Graphics processor (104).
     pub struct GraphicsConfig {
-        /// When a list is drawn: streamed or after_list.
+        /// Time at which a list is drawn: streamed or after_list.
         draw: DrawOrder = DrawOrder::Streamed, unit: "", Assumed("the flow chart draws after all bump targets (S24); streaming gives the same picture without holding results");
         /// Filter within a level of the colour texture: nearest or bilinear.
         filter: TexelFilter = TexelFilter::Bilinear, unit: "", Assumed("ordinary texture mapping; four taps");
         /// MIP level of the colour texture: nearest or off.
         mip: Mip = Mip::Nearest, unit: "", Assumed("one level, chosen once per polygon");
-        /// A texel of a colour texture.
+        /// Size of a texel of a colour texture.
         texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each"), range: 1..=16;
-        /// Multipliers.
+        /// Multipliers of the unit.
         multipliers: u32 = 41, unit: "operators", Assumed("one pixel per cycle whatever it is: texture, vertex colours, brightness at the vertices"), range: 1..=1024;
-        /// Adders.
+        /// Adders of the unit.
         adders: u32 = 38, unit: "operators", Assumed("the same pixel"), range: 1..=1024;
-        /// What waits of a bump target's fragment when `draw` is after_list: brightness, index or normal.
+        /// Stored entry per fragment of a bump target if `draw` is after_list: brightness, index or normal.
         held: HeldEntry = HeldEntry::Brightness, unit: "", Stated("Figure 4: S22 is done for all bump targets before S24 draws; what is on the surface then is the brightness map of Figure 5");
-        /// Most fragments of one frame that may wait when `draw` is after_list: those of bump targets have room for an entry each, the
-        /// others are found in the display list again.
+        /// Most fragments of one frame that can wait if `draw` is after_list. Those of bump targets have an entry each. The
+        /// others are found again in the display list.
         hold_fragments: u32 = 4_194_304, unit: "fragments", Assumed("13 layers of 640 x 480"), range: 1..=67_108_864;
     }
 }
 
 impl GraphicsConfig {
-    /// Its operators.
+    /// Returns the unit's operators.
     pub fn operators(&self) -> Work {
         Work { multiply: self.multipliers, add: self.adders, ..Work::NONE }
     }
@@ -73,11 +73,11 @@ impl GraphicsConfig {
 parameters! {
     /// Z-test, with the z-buffer in the graphics-data memory (124).
     pub struct DepthConfig {
-        /// Lines of 16 pixels that gather writes; the least recently written one goes.
+        /// Lines of 16 pixels that gather writes. The least recently written one is evicted.
         write_lines: u32 = 8, unit: "lines", Assumed("512 bytes of registers; the edge that two triangles share lies in lines that both write"), range: 1..=64;
-        /// A flag per line says that nothing was written to it since the fast clear: it is not read.
+        /// True if each line has a flag for "not written since the fast clear". A flagged line is not read.
         clear_flags: bool = true, unit: "", Assumed("a fast clear that moves no data has to be kept somewhere: a bit per line of 16 pixels");
-        /// Flags that there are; lines of a larger picture behind them are read.
+        /// Number of flags. Lines of a larger picture beyond the last flag are read.
         flags: u32 = 131_072, unit: "bits", Assumed("16 KB: pictures of 2 million pixels, 1600 x 1200 and a little more"), range: 1..=16_777_216;
     }
 }

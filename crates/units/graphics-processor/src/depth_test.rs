@@ -7,72 +7,72 @@ use basrelief_signals::{Control, DepthToken, Flow, Frame, GatheredLines, LINE_NU
 use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
-/// A fragment is compared with what lies in front of it: one per cycle.
+/// Arithmetic of a fragment: one comparison with the z-buffer, one fragment per cycle.
 const COMPARISON: Work = Work { add: 1, ..Work::NONE };
 
-/// What the z-test has counted.
+/// Counters of the z-test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DepthTestCounters {
     /// Fragments tested.
     pub tested: u64,
-    /// Fragments that were in front.
+    /// Fragments that passed.
     pub passed: u64,
-    /// Fragments tested in a line that was clear: its z values were not read.
+    /// Fragments tested in a clear line, whose z values were not read.
     pub clear: u64,
-    /// Fragments tested in a line that was being gathered: its z values were not read.
+    /// Fragments tested in a gathered line, whose z values were not read.
     pub gathered: u64,
     /// Lines written.
     pub lines_written: u64,
-    /// Flags of the frame that had most.
+    /// Most flags in use in any frame.
     pub most_flags: u64,
 }
 
-/// Everything the z-test remembers.
+/// State of the z-test between steps.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DepthTestState {
     /// Width of the frame \[pixels\].
     pub width: u32,
     /// The z-buffer, row by row.
     pub z: Vec<u32>,
-    /// A flag per line: nothing was written to it since the fast clear. None is set where there are no flags.
+    /// Clear flags: true for a line that was not written since the fast clear. Never set if the unit has no flags.
     pub clear: Vec<bool>,
-    /// The lines that gather writes.
+    /// Lines that gather writes.
     pub lines: GatheredLines,
-    /// The end of the frame has come, and goes on when all gathered lines are written.
+    /// True if the frame end has arrived. It travels on when all gathered lines are written.
     pub ending: bool,
-    /// What it has counted.
+    /// Counters.
     pub counters: DepthTestCounters,
 }
 
-/// Emits what lies in front of everything before it (less-than test, in order), and keeps the z-buffer.
+/// Z-test: emits the fragments in front of all earlier ones (less-than test, in order), and maintains the z-buffer.
 ///
-/// It owns the z values: it tests *and* updates them, wherever it stands - behind the rasterizer (early z) or in front
-/// of the frame buffer (law 6). Client 0 is the z-cache, client 1 takes posted writes of whole lines of 16 pixels. What is
-/// kept in hardware of its own, and spares reading (all assumed):
+/// It owns the z values: it tests *and* updates them, at both positions: behind the rasterizer (early z) or in front of the frame
+/// buffer (law 6). Client 0 is the z-cache, client 1 makes posted writes of whole lines of 16 pixels. Two structures of its own
+/// save reads (all assumed):
 ///
-/// - *Gathered lines*: writes gather in some lines (`depth.write_lines`). Such a line holds all its z values, so none of them is
-///   looked up: what was not written to it was read with the line, or is clear. When it goes, it is written to memory and to
-///   the z-cache, where that has it.
+/// - *Gathered lines*: some lines gather writes (`depth.write_lines`). Such a line holds all its z values, so none is looked up:
+///   values not written to it were read with the line, or are clear. On eviction it is written to memory, and to the z-cache on a
+///   hit.
 /// - *Clear flags*: a frame begins with a clear that moves no data (fast clear). It sets a flag for each line
-///   (`depth.clear_flags`, as many as `depth.flags`), which is reset when something is first written to the line; until then the line is not looked up.
-///   Without flags, what clears the memory is not asked, and takes no time.
+///   (`depth.clear_flags`, as many as `depth.flags`). The first write to the line resets the flag, and until then the line is not
+///   looked up. Without flags the model does not define how memory is cleared, and clearing takes no time.
 #[derive(Clone, Debug, Default)]
 pub struct DepthTest<T> {
     /// Parameters.
     pub config: DepthConfig,
-    /// Width of a z value \[bits\]; kept in 2 bytes up to 16 bits, else in 4.
+    /// Width of a z value \[bits\]. Values of up to 16 bits take 2 bytes, others 4.
     pub z_bits: u32,
-    /// A line of the z-cache \[bytes\].
+    /// Line of the z-cache \[bytes\].
     pub line_bytes: u32,
-    /// A comparison \[cycles\].
+    /// Latency of a comparison \[cycles\].
     latency: u64,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: DepthTestState,
     token: PhantomData<fn(T) -> T>,
 }
 
 impl<T: DepthToken> DepthTest<T> {
-    /// A z-test at power-on; `z_bits` (1..=32) is the rasterizer's, `line_bytes` the z-cache's.
+    /// Creates a z-test in its power-on state. `z_bits` (1..=32) is the rasterizer's, `line_bytes` the z-cache's.
     pub fn new(config: DepthConfig, operators: &Operators, z_bits: u32, line_bytes: u32) -> Self {
         let latency = operators.latency(COMPARISON);
         Self { config, z_bits, line_bytes, latency, state: DepthTestState::default(), token: PhantomData }
@@ -83,7 +83,7 @@ impl<T: DepthToken> DepthTest<T> {
     }
 
     fn begin(&mut self, frame: &Frame) {
-        // A picture without room is the frame buffer's to report.
+        // The frame buffer reports a picture that is too large.
         let room = if layout::fits(frame.width, frame.height) { [frame.width, frame.height] } else { [0, 0] };
         self.state.width = room[0];
         self.state.lines = GatheredLines::default();
@@ -99,20 +99,20 @@ impl<T: DepthToken> DepthTest<T> {
 
     fn tell_hardware(&self, facts: &mut Facts) {
         facts.operators("depth", COMPARISON, self.z_bits);
-        // Depth values, which pixels were written, which line of the picture it is.
+        // Depth values, mask of written pixels, number of the line in the picture.
         let line = LINE_PIXELS * (self.z_bits + 1) + LINE_NUMBER;
         facts.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
         let flags = if self.config.clear_flags { self.config.flags } else { 0 };
         facts.hardware(HardwareKind::Table, "flags of clear lines", flags, 1);
     }
 
-    /// A line of the z-buffer \[bytes\].
+    /// Returns the size of a line of the z-buffer \[bytes\].
     fn z_line_bytes(&self) -> u32 {
         LINE_PIXELS * self.z_bytes()
     }
 
-    /// Looks a z value up, unless it is known without: in a gathered line, or in one that is clear. Whoever will write it needs
-    /// the whole line, which is more than one look-up where lines of the z-cache are small.
+    /// Looks up a z value unless its line is gathered or clear. A value that will be written needs the whole line, which is more
+    /// than one look-up if lines of the z-cache are small.
     #[inline]
     fn look_up(&mut self, (line, within): (u64, u32), whole: bool, traffic: &mut Traffic) {
         if self.state.lines.contains(line) {
@@ -127,7 +127,7 @@ impl<T: DepthToken> DepthTest<T> {
         }
     }
 
-    /// Gathers a line, and writes the one that has to go for it, if any.
+    /// Gathers a line, and writes the evicted one, if any.
     #[inline]
     fn gather(&mut self, line: u64, traffic: &mut Traffic) {
         if let Some(clear) = self.state.clear.get_mut(line as usize) {
@@ -144,8 +144,8 @@ impl<T: DepthToken> DepthTest<T> {
         self.state.counters.lines_written += 1;
     }
 
-    /// Tests a pixel of a token. `is_open`: the line in which all its pixels lie is known to be the one written last, so that
-    /// nothing else is to do.
+    /// Tests a pixel of a token. `is_open` is true if the line of the token is known to be the most recently written one, so that
+    /// no other work is left.
     #[inline(always)]
     fn passes(&mut self, (x, y, z): (u16, u16, u32), is_open: &mut bool, traffic: &mut Traffic) -> bool {
         let (x, y) = (u32::from(x), u32::from(y));
@@ -172,8 +172,8 @@ impl<T: DepthToken> DepthTest<T> {
         passes
     }
 
-    /// Looks a z value up in a line that is not the one written last, and gathers the line if it `passes`. (Not inlined: few
-    /// pixels come here, and with this in the loop over the pixels its body was a call for each of them.)
+    /// Looks up a z value in a line that is not the most recently written one, and gathers the line if `passes` is true. (Not
+    /// inlined: few pixels come here. Inlined, the body of the loop over the pixels became a call per pixel.)
     #[inline(never)]
     fn test_in_another(&mut self, line: u64, [x, y]: [u32; 2], passes: bool, traffic: &mut Traffic) {
         let [columns, rows] = T::LINE;
@@ -183,7 +183,7 @@ impl<T: DepthToken> DepthTest<T> {
         }
     }
 
-    /// Writes a gathered line, one per step; the end of the frame goes on with the last of them.
+    /// Writes a gathered line, one per step. The frame end travels on with the last of them.
     fn end(&mut self, traffic: &mut Traffic) -> Option<Flow<T>> {
         if let Some(line) = self.state.lines.take() {
             self.write(line, traffic);
@@ -225,8 +225,8 @@ impl<T: DepthToken> Unit for DepthTest<T> {
         }
     }
 
-    /// The lines of the z-cache that a line of the z-buffer, in which all pixels of a token lie, consists of; one write, of the
-    /// line that goes for it or of one at the end.
+    /// Returns the lines of the z-cache in one line of the z-buffer, which holds all pixels of a token, and one write, of the
+    /// evicted line or of a line at the frame end.
     fn largest_step(&self, client: usize) -> u32 {
         match client {
             0 => self.z_line_bytes().div_ceil(self.line_bytes.max(1)),

@@ -1,4 +1,4 @@
-//! What waits for the end of a list: room, entries in memory, lines of them.
+//! Entries that wait for the end of a list: their memory, and its lines.
 
 use crate::state::Held;
 use crate::{DrawOrder, GraphicsProcessor};
@@ -8,20 +8,20 @@ use basrelief_signals::layout;
 
 /// Client that writes and reads entries.
 const ENTRIES: u32 = 1;
-/// Of each stamp, beside the entries of its fragments: the number of its block in the scan of its polygon, and which pixels of the
-/// block came, 16 bits each. A second scan of the polygon knows the rest of their places \[bytes\].
+/// Size per stamp, beside the entries of its fragments \[bytes\]: the number of its block in the scan of its polygon, and a mask
+/// of the block's pixels, 16 bits each. A second scan of the polygon restores the rest of their positions.
 const PLACE: u64 = 4;
-/// Entries are written and read by lines; one is gathered, another lies ready (assumed: as lines of caches and of pixels)
-/// \[bytes\].
+/// Unit of writes and reads of entries \[bytes\]. One line is gathered, and another is prefetched (assumed: as lines of caches
+/// and of pixels).
 const LINE: u64 = 64;
 
 impl GraphicsProcessor {
-    /// Bytes of a stamp of so many fragments.
+    /// Returns the bytes of a stamp of this many fragments.
     fn held_bytes(&self, fragments: u64) -> u64 {
         PLACE + fragments * u64::from(self.entry_bits.div_ceil(8))
     }
 
-    /// A stamp waits. An entry is written with its line, when that is full.
+    /// Stores a stamp. An entry is written with its line, when the line is full.
     pub(crate) fn hold(&mut self, stamp: Held, traffic: &mut Traffic) {
         let (fragments, is_bump) = (stamp.fragments() as u64, matches!(stamp, Held::Bump(_)));
         self.state.waiting += fragments;
@@ -40,14 +40,14 @@ impl GraphicsProcessor {
         self.state.held.push_back(stamp);
     }
 
-    /// The list is over: the line that is not full is written.
+    /// Ends the list: writes the partly filled line.
     pub(crate) fn end_list(&mut self, traffic: &mut Traffic) {
         self.state.drawing = true;
         let held = self.state.bytes_held;
         request(held / LINE * LINE, held, |address, bytes| traffic.write(ENTRIES, address, bytes));
     }
 
-    /// Takes the oldest of what waits; lines of its entries that are not there are read.
+    /// Removes the oldest waiting item, and reads the missing lines of its entries.
     pub(crate) fn take_held(&mut self, traffic: &mut Traffic) -> Option<Held> {
         let held = self.state.held.pop_front()?;
         if let Held::Bump(stamp) = &held {
@@ -63,7 +63,7 @@ impl GraphicsProcessor {
         Some(held)
     }
 
-    /// Lines that a stamp of entries may complete or begin; at the end of the list there is one.
+    /// Returns the lines that a stamp of entries can complete or begin. The end of the list needs one line.
     pub(crate) fn largest_hold(&self) -> u32 {
         if self.config.draw == DrawOrder::Streamed {
             return 0;
@@ -79,7 +79,7 @@ impl GraphicsProcessor {
     }
 }
 
-/// A request for each line from byte `from`, where one begins, to byte `to`.
+/// Issues a request for each line that begins between bytes `from` and `to`.
 fn request(from: u64, to: u64, mut issue: impl FnMut(u64, u32)) {
     let mut at = from;
     while at < to {

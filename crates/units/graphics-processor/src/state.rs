@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Which input the next step takes.
+/// Input of the next step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// No fragments can come: the next control token, from input 0.
@@ -14,63 +14,63 @@ pub enum Phase {
     Control,
     /// Fragments of a polygon, or the control token that ends them, from this input.
     Fragments(usize),
-    /// The twin, from this input, of a control token.
+    /// The duplicate of a control token, from this input.
     Twin(usize),
 }
 
-/// What waits to be drawn.
+/// An item that waits to be drawn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Held {
-    /// Control; costs no room, as the display list is kept by the host.
+    /// Control. It needs no memory, because the host keeps the display list.
     Control(Control),
-    /// Fragments of a bump target, with their brightness: an entry each.
+    /// Fragments of a bump target with their brightness, one entry each.
     Bump(Stamp<ShadedFragment>),
-    /// Fragments of another polygon; cost no room, as they are found in the display list when that is drawn.
+    /// Fragments of another polygon. They need no memory, because they are found again in the display list when it is drawn.
     Plain(Stamp<Fragment>),
 }
 
-/// What the graphics processor has counted.
+/// Counters of the graphics processor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GraphicsProcessorCounters {
     /// Pixels drawn.
     pub pixels: u64,
-    /// Of these, with a colour texture.
+    /// Pixels drawn with a colour texture.
     pub textured: u64,
-    /// Fragments of which an entry waited for the end of their list.
+    /// Fragments with an entry that waited for the end of their list.
     pub held: u64,
 }
 
-/// Everything the graphics processor remembers.
+/// State of the graphics processor between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GraphicsProcessorState {
-    /// What is taken next.
+    /// Next input.
     pub phase: Phase,
-    /// The control token whose twin is awaited.
+    /// Control token whose duplicate is awaited.
     pub pending: Option<Control>,
-    /// The polygon that is being drawn.
+    /// Polygon being drawn.
     pub polygon: Option<Arc<Polygon>>,
-    /// MIP level of its colour texture.
+    /// MIP level of the polygon's colour texture.
     pub level: usize,
-    /// Where that level lies, from the start of the colour textures.
+    /// Position of that level, from the start of the colour textures.
     pub place: LevelPlace,
-    /// What waits for the end of the list, in order.
+    /// Items that wait for the end of the list, in order.
     pub held: VecDeque<Held>,
-    /// The end has come: what is held is being drawn.
+    /// True after the end of the list: waiting items are being drawn.
     pub drawing: bool,
     /// Cycles from one pixel of the polygon to the next.
     pub pace: u64,
-    /// Fragments that wait.
+    /// Number of waiting fragments.
     pub waiting: u64,
-    /// What of their entries came since the list began \[bytes\].
+    /// Bytes of entries stored since the list began.
     pub bytes_held: u64,
-    /// What of that was drawn \[bytes\].
+    /// Bytes of entries drawn since the list began.
     pub bytes_drawn: u64,
-    /// What it has counted.
+    /// Counters.
     pub counters: GraphicsProcessorCounters,
 }
 
 impl Held {
-    /// Fragments in it.
+    /// Returns the number of fragments.
     pub fn fragments(&self) -> usize {
         match self {
             Self::Control(_) => 0,

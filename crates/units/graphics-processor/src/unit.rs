@@ -1,4 +1,4 @@
-//! The graphics processor (104).
+//! Graphics processor (104).
 
 use crate::blend::{blended, filtered};
 use crate::config::{DrawOrder, GraphicsConfig, Mip};
@@ -15,53 +15,54 @@ const TEXTURES: u32 = 0;
 
 type Out = Step<Option<Flow<Stamp<Pixel>>>>;
 
-/// Graphics processor (104): puts the fragments of bump targets (input 0) and of other polygons (input 1) back into one
-/// order, maps the ordinary texture, blends it with the brightness.
+/// Graphics processor (104): merges the fragments of bump targets (input 0) and of other polygons (input 1) in one order, applies
+/// the colour texture, and blends it with the brightness.
 ///
-/// Colour = texture * base colour * vertex colour * brightness + highlight, 8 bits each, saturating; without a texture
-/// the brightness itself times the colours. Other polygons carry their brightness at the vertices.
+/// Colour = texture * base colour * vertex colour * brightness + highlight, 8 bits each, saturating. Without a texture it is the
+/// brightness times the colours. Polygons that are not bump targets carry their brightness at the vertices.
 ///
-/// The order is that of the control tokens on input 0. Fragments of bump targets follow there; those of a polygon that is
-/// no bump target come on input 1, between a twin of the polygon's token and a twin of the token that ends it.
+/// The order is that of the control tokens on input 0. Fragments of bump targets follow there. Fragments of a polygon that is not
+/// a bump target come on input 1, between a duplicate of the polygon's token and a duplicate of the token that ends it.
 ///
-/// Drawn after the list, an entry waits in memory of each fragment of a bump target: brightness, or what that is looked up by (client
-/// 1; the look-ups stand in front of the unit either way, and are as many). Everything else of a fragment is found by scanning the
-/// list a second time, which the rasterizer does meanwhile: it has nothing else to do then, and keeps pace with the blending
-/// (assumed). So polygons that are no bump target do not wait in memory at all.
+/// If drawn after the list, each fragment of a bump target waits as an entry in memory: its brightness, or the data to look it up
+/// (client 1; the look-ups happen before this unit either way, in the same number). A second scan of the list restores the rest
+/// of the fragment. The rasterizer makes this scan at the pace of the blending, because it has no other work then (assumed). So
+/// polygons that are not bump targets need no memory while they wait.
 #[derive(Clone, Debug)]
 pub struct GraphicsProcessor {
     /// Parameters.
     pub config: GraphicsConfig,
-    /// The highlight is blended apart from the rest of the brightness (`brightness.components = separate`).
+    /// True if the highlight is blended separately from the rest of the brightness (`brightness.components = separate`).
     pub separate: bool,
     /// Most fragments of a stamp.
     pub stamp: u32,
-    /// A line of the cache of colour textures \[bytes\].
+    /// Line of the cache of colour textures \[bytes\].
     pub line_bytes: u32,
-    /// What waits of a fragment when drawn after the list, as `held` says \[bits\].
+    /// Entry of a fragment that is drawn after the list, as selected by `held` \[bits\].
     pub entry_bits: u32,
-    /// How colour textures lie in memory.
+    /// Memory layout of colour textures.
     pub layout: Layout,
     timing: Timing,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: GraphicsProcessorState,
 }
 
 impl GraphicsProcessor {
-    /// A graphics processor at power-on, for stamps of at most `stamp` fragments; `separate`: the two terms of a vertex's
-    /// brightness are blended apart; `line_bytes` is the colour cache's; `entry_bits` wait of a fragment.
+    /// Creates a graphics processor in its power-on state, for stamps of at most `stamp` fragments. `separate`: the two terms of
+    /// a vertex's brightness are blended separately. `line_bytes` is the colour cache's line, and `entry_bits` the size of a
+    /// waiting entry.
     pub fn new(config: GraphicsConfig, operators: Operators, separate: bool, [stamp, line_bytes, entry_bits]: [u32; 3]) -> Self {
         let (timing, state) = (Timing::new(operators), GraphicsProcessorState::default());
         Self { config, separate, stamp, line_bytes, entry_bits, layout: Layout::default(), timing, state }
     }
 
-    /// With colour textures laid out so.
+    /// Sets the memory layout of colour textures.
     pub fn with_layout(self, layout: Layout) -> Self {
         Self { layout, ..self }
     }
 
-    /// A control token on the way through (106), which carries the order. Polygons that are no bump target, and what ends
-    /// them, have a twin on the other way.
+    /// Handles a control token on the path through (106), which defines the order. Polygons that are not bump targets, and the
+    /// tokens that end them, have a duplicate on the other path.
     fn control(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
         if let Some(twin) = self.state.pending.take() {
             return self.accept_twin(control, &twin, traffic);
@@ -74,7 +75,7 @@ impl GraphicsProcessor {
         self.accept(control, traffic)
     }
 
-    /// A control token on the straight way.
+    /// Handles a control token on the direct path.
     fn straight(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
         if let Some(twin) = self.state.pending.take() {
             return self.accept_twin(control, &twin, traffic);
@@ -91,7 +92,7 @@ impl GraphicsProcessor {
         self.accept(control, traffic)
     }
 
-    /// The control takes effect, or waits for the end of the list.
+    /// Applies the control, or stores it until the end of the list.
     fn accept(&mut self, control: Control, traffic: &mut Traffic) -> Option<Flow<Stamp<Pixel>>> {
         self.state.phase = match &control {
             Control::Polygon(polygon) => Phase::Fragments(usize::from(!polygon.bump)),
@@ -112,7 +113,7 @@ impl GraphicsProcessor {
         }
     }
 
-    /// What is constant over a polygon is chosen once.
+    /// Selects once all values that are constant over a polygon.
     fn take_effect(&mut self, control: &Control) {
         let Control::Polygon(polygon) = control else { return };
         self.state.polygon = Some(Arc::clone(polygon));
@@ -126,7 +127,7 @@ impl GraphicsProcessor {
         }
     }
 
-    /// Draws the result, or holds it until the end of the list.
+    /// Draws the result, or stores it until the end of the list.
     #[inline(always)]
     fn result(&mut self, result: Held, traffic: &mut Traffic) -> Out {
         if !matches!(self.state.phase, Phase::Fragments(_)) {
@@ -135,7 +136,7 @@ impl GraphicsProcessor {
         match self.config.draw {
             DrawOrder::Streamed => self.draw(result, traffic),
             DrawOrder::AfterList => {
-                // What does not wait in memory is only taken.
+                // Items that need no memory are only received.
                 let entries = if matches!(result, Held::Bump(_)) { result.fragments() } else { 1 };
                 self.hold(result, traffic);
                 Step::over(entries, 1, self.timing.latency, None)
@@ -143,13 +144,13 @@ impl GraphicsProcessor {
         }
     }
 
-    /// A step of one cycle.
+    /// Returns a step of one cycle.
     #[inline]
     fn after(&self, out: Option<Flow<Stamp<Pixel>>>) -> Out {
         Step::after(self.timing.latency, out)
     }
 
-    /// Draws the oldest of what waits.
+    /// Draws the oldest waiting item.
     fn draw_held(&mut self, traffic: &mut Traffic) -> Out {
         match self.take_held(traffic) {
             Some(held) => self.draw(held, traffic),
@@ -172,7 +173,7 @@ impl GraphicsProcessor {
         Step::over(fragments, self.state.pace, self.timing.latency, out)
     }
 
-    /// Pixels of the fragments of a triangle, each with brightness and highlight where they do not come from the vertices.
+    /// Returns the pixels of the fragments of a triangle, each with brightness and highlight unless they come from the vertices.
     #[inline(always)]
     fn pixels(
         &mut self,
@@ -233,8 +234,8 @@ fn is_plain(control: &Control) -> bool {
     matches!(control, Control::Polygon(polygon) if !polygon.bump)
 }
 
-/// Whether two control tokens are the same. Twins share what they point to, so that the deep comparison is for restored
-/// checkpoints only.
+/// Returns true if two control tokens are equal. Duplicates share their data, so only restored checkpoints need the deep
+/// comparison.
 fn twins(a: &Control, b: &Control) -> bool {
     match (a, b) {
         (Control::Frame(a), Control::Frame(b)) => Arc::ptr_eq(a, b) || a == b,
@@ -278,7 +279,7 @@ impl Unit for GraphicsProcessor {
         }
     }
 
-    /// Taps of a filtered sample, each on as many lines of the cache as a texel can lie on; lines of entries.
+    /// Returns the taps of a filtered sample, each on as many cache lines as a texel can lie on, and the lines of entries.
     fn largest_step(&self, client: usize) -> u32 {
         let taps = if self.config.filter == TexelFilter::Nearest { 1 } else { 4 };
         let (bytes, line) = (self.config.texel_bytes, self.line_bytes.max(1));
@@ -304,9 +305,9 @@ impl Unit for GraphicsProcessor {
     }
 }
 
-/// A number in single precision \[bits\].
+/// Single-precision number \[bits\].
 const NUMBER: u32 = 32;
-/// Coordinates, colour, brightness: each at the first vertex, and what the others add.
+/// Coordinates, colour, brightness: each is stored as the value at the first vertex and two differences.
 const SET_UP_ATTRIBUTES: u32 = 2 + 4 + 2;
 
 #[cfg(test)]

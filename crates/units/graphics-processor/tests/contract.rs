@@ -1,4 +1,4 @@
-//! Graphics processor (104) and z-test keep the unit contract, in every place and order they can have.
+//! Graphics processor (104) and z-test keep the unit contract in every position and drawing order.
 
 use basrelief_graphics_processor::{DepthConfig, DepthTest, DrawOrder, GraphicsConfig, GraphicsProcessor};
 use basrelief_kernel::Operators;
@@ -52,14 +52,14 @@ fn fragment(i: u16) -> Fragment {
 fn shaded(i: u16) -> Flow<Stamp<ShadedFragment>> {
     let one =
         |i: u16| ShadedFragment { fragment: fragment(i), brightness: f32::from(i % 9) / 7.0, highlight: f32::from(i % 4) / 9.0 };
-    // Of one triangle.
+    // Fragments of one triangle.
     Flow::Item((0..=i % 3).map(|k| one(i + 2 * k)).collect())
 }
 
 type ShadingSettings = Vec<Flow<Stamp<ShadedFragment>>>;
 type Plain = Vec<Flow<Stamp<Fragment>>>;
 
-/// Two frames of bump targets and other polygons, textured and not, some without fragments, on the two ways.
+/// Returns two frames of bump targets and other polygons, textured and not, some without fragments, on the two paths.
 fn both_ways() -> (ShadingSettings, Plain) {
     let textured = Material { id: 1, color_texture: Some(texture()), ..Material::default() };
     let bare = Material { base_color: [0.9, 0.4, 0.1, 1.0], ..Material::default() };
@@ -127,7 +127,7 @@ unit_contract! {
     state,
 }
 
-/// Two frames of items that hide each other, and some outside the frame.
+/// Returns two frames of items that hide each other, some of them outside the frame.
 fn flow<T>(item: impl Fn(Fragment) -> T) -> Vec<Flow<Stamp<T>>> {
     let outside = Fragment { x: 32, y: 3, ..Fragment::default() };
     let frame = |index| {

@@ -8,7 +8,7 @@ type Early = DepthTest<Stamp<Fragment>>;
 
 /// Width and height of the frame.
 const SIZE: [u32; 2] = [16, 8];
-/// Without flags, and with one line that gathers.
+/// Configuration without flags, and with one gathered line.
 const PLAIN: DepthConfig = DepthConfig { write_lines: 1, clear_flags: false, flags: 131_072 };
 
 fn frame(width: u32, height: u32) -> Control {
@@ -40,14 +40,14 @@ fn fragment(x: u16, y: u16, z: u32) -> Flow<Stamp<Fragment>> {
 
 const END: Flow<Stamp<Fragment>> = Flow::Control(Control::FrameEnd);
 
-/// What a step came to: what it emits, numbers of the lines written, addresses and bytes looked up, from the z-buffer on.
+/// Result of a step: its output, numbers of the lines written, addresses and bytes looked up, relative to the z-buffer.
 struct Stepped {
     out: Option<Flow<Stamp<Fragment>>>,
     written: Vec<u64>,
     looked_up: Vec<(u64, u32)>,
 }
 
-/// A step with 4 bytes of z.
+/// Makes a step with z values of 4 bytes.
 fn step(unit: &mut Early, input: Option<Flow<Stamp<Fragment>>>) -> Stepped {
     assert_eq!(unit.demand(), if input.is_some() { Demand::All } else { Demand::Nothing });
     let mut traffic = Traffic::default();
@@ -60,7 +60,7 @@ fn step(unit: &mut Early, input: Option<Flow<Stamp<Fragment>>>) -> Stepped {
     Stepped { out, written, looked_up }
 }
 
-/// Lines written from the end token on, one per step; the token goes on with the last.
+/// Returns the lines written from the end token on, one per step. The token travels on with the last.
 fn end(unit: &mut Early) -> Vec<u64> {
     let mut all = Vec::new();
     let mut input = Some(END);
@@ -76,7 +76,7 @@ fn end(unit: &mut Early) -> Vec<u64> {
 }
 
 #[test]
-fn only_the_nearer_passes_and_equal_depth_does_not() {
+fn nearer_depth_passes_and_equal_depth_fails() {
     let mut unit = unit(24);
     let mut passes = |z| step(&mut unit, Some(fragment(3, 2, z))).out.is_some();
     assert_eq!([50, 50, 60, 49, 0, 0].map(&mut passes), [true, false, false, true, true, false]);
@@ -86,7 +86,7 @@ fn only_the_nearer_passes_and_equal_depth_does_not() {
 }
 
 #[test]
-fn the_far_plane_is_not_in_front_of_a_clear_buffer() {
+fn far_plane_fails_against_clear_buffer() {
     for bits in [16, 24, 32] {
         let far = u32::MAX >> (32 - bits);
         let mut unit = unit(bits);
@@ -96,7 +96,7 @@ fn the_far_plane_is_not_in_front_of_a_clear_buffer() {
 }
 
 #[test]
-fn with_one_gathered_line_a_line_is_written_once_it_is_left_and_at_the_end() {
+fn one_gathered_line_is_written_on_leaving_and_at_end() {
     let mut unit = configured(PLAIN, 24, 64);
     let mut writes = |x, y, z| step(&mut unit, Some(fragment(x, y, z))).written;
     assert!(writes(0, 0, 5).is_empty());
@@ -110,7 +110,7 @@ fn with_one_gathered_line_a_line_is_written_once_it_is_left_and_at_the_end() {
 }
 
 #[test]
-fn the_least_recently_written_line_goes_and_all_at_the_end() {
+fn eviction_is_lru_and_frame_end_writes_all() {
     let mut unit = configured(DepthConfig { write_lines: 3, ..DepthConfig::default() }, 24, 64);
     let mut writes = |line: u16, z| step(&mut unit, Some(fragment(4 * (line % 4), 4 * (line / 4), z))).written;
     for line in [0, 1, 2] {
@@ -123,7 +123,7 @@ fn the_least_recently_written_line_goes_and_all_at_the_end() {
 }
 
 #[test]
-fn a_z_value_is_looked_up_unless_its_line_is_clear_or_gathered() {
+fn z_is_looked_up_unless_line_is_clear_or_gathered() {
     for (bits, bytes) in [(16, 2), (24, 4), (32, 4)] {
         for clear_flags in [false, true] {
             let mut unit = configured(DepthConfig { clear_flags, write_lines: 1, ..PLAIN }, bits, 64);
@@ -133,7 +133,7 @@ fn a_z_value_is_looked_up_unless_its_line_is_clear_or_gathered() {
                 let from = |r: &basrelief_kernel::Request| (r.address - layout::Z_BUFFER, r.bytes);
                 traffic.look_ups().iter().map(from).collect::<Vec<_>>()
             };
-            // Line 1, pixel 5 of it; line 0, pixel 4 of it.
+            // Pixel 5 of line 1, and pixel 4 of line 0.
             let (line_1, line_0) = ([(16 * u64::from(bytes), 16 * bytes)], [(4 * u64::from(bytes), bytes)]);
             assert_eq!(looked_up(5, u32::MAX).is_empty(), clear_flags, "hidden by the far plane");
             let first = looked_up(5, 9);
@@ -150,7 +150,7 @@ fn a_z_value_is_looked_up_unless_its_line_is_clear_or_gathered() {
 }
 
 #[test]
-fn a_line_that_begins_to_gather_is_read_whole_however_small_lines_of_the_cache_are() {
+fn new_gathered_line_is_read_whole() {
     for line_bytes in [4, 16, 32, 64, 256] {
         let mut unit = configured(PLAIN, 24, line_bytes);
         let stamp = |z: [u32; 4]| {
@@ -173,7 +173,7 @@ fn a_line_that_begins_to_gather_is_read_whole_however_small_lines_of_the_cache_a
 }
 
 #[test]
-fn outside_the_frame_nothing_passes() {
+fn fragment_outside_frame_fails() {
     let mut unit = unit(24);
     for (x, y) in [(16, 0), (0, 8), (u16::MAX, u16::MAX)] {
         assert!(step(&mut unit, Some(fragment(x, y, 0))).out.is_none());
@@ -182,7 +182,7 @@ fn outside_the_frame_nothing_passes() {
     assert!(step(&mut unit, Some(fragment(0, 0, 0))).out.is_none());
 }
 
-/// Stamps: the block, and what of it at which depth.
+/// Stamps: the block, and its pixels with their depth.
 type Stamps = Vec<([u16; 2], Vec<(u16, u32)>)>;
 
 fn stamps() -> impl Strategy<Value = Stamps> {
@@ -203,7 +203,7 @@ fn line(f: &Fragment) -> u64 {
 
 proptest! {
     #[test]
-    fn what_passes_last_at_a_pixel_is_the_first_of_the_nearest(depths in prop::collection::vec((0u16..4, 0u32..6), 1..60)) {
+    fn last_passing_fragment_is_first_of_the_nearest(depths in prop::collection::vec((0u16..4, 0u32..6), 1..60)) {
         let mut unit = unit(16);
         let mut last = [None; 4];
         for (i, &(x, z)) in depths.iter().enumerate() {
@@ -218,12 +218,12 @@ proptest! {
     }
 
     #[test]
-    fn lines_are_read_only_where_memory_knows_better_and_written_after_their_last_write(
+    fn lines_are_read_if_stale_and_written_after_last_write(
         stamps in stamps(), write_lines in 1u32..10, clear_flags: bool,
     ) {
         let mut plain = configured(PLAIN, 24, 64);
         let mut unit = configured(DepthConfig { write_lines, clear_flags, ..PLAIN }, 24, 64);
-        // Lines that hold what memory does not have yet, and lines that anything was ever written to.
+        // Lines with data newer than memory, and lines that were ever written.
         let (mut ahead, mut touched) = (BTreeSet::new(), BTreeSet::new());
         for stamp in tokens(&stamps) {
             let of_stamp = line(&stamp[0]);
@@ -245,7 +245,7 @@ proptest! {
     }
 
     #[test]
-    fn with_one_gathered_line_every_change_of_line_is_a_write(stamps in stamps()) {
+    fn one_gathered_line_writes_on_every_line_change(stamps in stamps()) {
         let mut unit = configured(PLAIN, 24, 64);
         let (mut written, mut expected) = (Vec::new(), Vec::new());
         for stamp in tokens(&stamps) {
@@ -261,7 +261,7 @@ proptest! {
 }
 
 #[test]
-fn lines_behind_the_last_flag_are_read() {
+fn lines_beyond_last_flag_are_read() {
     // 16 x 8 pixels are 8 lines.
     let read = |flags| {
         let mut unit = configured(DepthConfig { flags, ..DepthConfig::default() }, 24, 64);
@@ -272,7 +272,7 @@ fn lines_behind_the_last_flag_are_read() {
 }
 
 #[test]
-fn it_tells_its_comparator_its_gathered_lines_and_its_flags() {
+fn unit_reports_comparator_gathered_lines_and_flags() {
     use basrelief_kernel::HardwareKind::{Adder, Table};
     let told = |config| {
         let mut facts = Facts::default();

@@ -12,7 +12,7 @@ fn texture(levels: &[[u8; 4]]) -> Arc<Texture> {
     Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 1600, elsewhere: None })
 }
 
-/// A triangle of 4 x 4 / 2 pixels, the texture mapped once over it.
+/// Creates a triangle of 4 x 4 / 2 pixels with the texture mapped once over it.
 fn polygon(bump: bool, material: Material) -> Control {
     let vertex = |x: f32, y: f32, brightness| Vertex {
         position: [4.0 * x, 4.0 * y, 0.5, 1.0],
@@ -36,11 +36,12 @@ fn fragment(x: u16) -> Fragment {
 
 type Token<T> = Flow<Stamp<T>>;
 
-/// Feeds both inputs as the unit demands, until they are empty; the tokens out, and the traffic of each step.
+/// Test bench that feeds both inputs in the order that the unit demands, until they are empty. It collects the tokens out and the
+/// traffic of each step.
 struct Bench {
     unit: GraphicsProcessor,
     inputs: (Vec<Token<ShadedFragment>>, Vec<Token<Fragment>>),
-    /// The polygon that was fed last is no bump target.
+    /// True if the last polygon fed is not a bump target.
     plain: bool,
     out: Vec<Flow<Stamp<Pixel>>>,
     traffic: Vec<Traffic>,
@@ -51,7 +52,7 @@ impl Bench {
         Self::holding(config, separate, 8)
     }
 
-    /// With entries of so many bits.
+    /// Creates a bench with entries of `entry_bits` bits.
     fn holding(config: GraphicsConfig, separate: bool, entry_bits: u32) -> Self {
         let unit = GraphicsProcessor::new(config, Operators::default(), separate, [4, 64, entry_bits]);
         Self { unit, inputs: Default::default(), plain: false, out: Vec::new(), traffic: Vec::new() }
@@ -97,7 +98,7 @@ impl Bench {
         }
     }
 
-    /// Requests for entries: write or read, place from the first entry on, bytes.
+    /// Returns the requests for entries: write or read, offset from the first entry, bytes.
     fn entries(&self) -> Vec<(bool, u64, u32)> {
         let all = self.traffic.iter().flat_map(Traffic::requests);
         all.map(|r| (r.write, r.address - layout::HELD_RESULTS, r.bytes)).collect()
@@ -109,7 +110,7 @@ impl Bench {
 }
 
 #[test]
-fn the_order_of_the_list_is_restored_and_control_leaves_once() {
+fn list_order_is_restored_and_control_leaves_once() {
     let (bump, plain) = (polygon(true, Material::default()), polygon(false, Material::default()));
     for draw in [DrawOrder::Streamed, DrawOrder::AfterList] {
         let bench = Bench::new(GraphicsConfig { draw, ..GraphicsConfig::default() }, false)
@@ -145,14 +146,14 @@ fn the_order_of_the_list_is_restored_and_control_leaves_once() {
 }
 
 #[test]
-fn a_bump_target_is_blended_with_its_brightness_and_highlight() {
+fn bump_target_is_blended_with_brightness_and_highlight() {
     let material = Material { base_color: [0.5, 1.0, 1.0, 1.0], ..Material::default() };
     let bench = Bench::new(GraphicsConfig::default(), true).control(&polygon(true, material)).bump(shaded(1, 0.5, 0.25)).run();
     assert_eq!(bench.pixels(), [Pixel { x: 1, y: 1, z: 7, rgb: [128, 128, 191] }]);
 }
 
 #[test]
-fn other_polygons_carry_brightness_at_the_vertices_both_terms_together_or_apart() {
+fn plain_polygon_takes_brightness_from_vertices() {
     let material = Material { base_color: [0.5, 1.0, 1.0, 1.0], ..Material::default() };
     let rgb = |separate| {
         let plain = polygon(false, material.clone());
@@ -165,7 +166,7 @@ fn other_polygons_carry_brightness_at_the_vertices_both_terms_together_or_apart(
 }
 
 #[test]
-fn the_texture_level_is_chosen_by_the_polygons_own_texel_to_pixel_ratio() {
+fn texture_level_follows_polygon_texel_ratio() {
     // 8 x 8 texels on 4 x 4 pixels: LOD 8, level 1.
     let map = texture(&[[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255; 4]]);
     let material = Material { color_texture: Some(map), ..Material::default() };
@@ -196,7 +197,7 @@ const AFTER_LIST: GraphicsConfig = GraphicsConfig {
 };
 
 #[test]
-fn entries_of_bump_targets_are_written_and_read_back_by_lines() {
+fn bump_entries_are_written_and_read_by_lines() {
     let bump = polygon(true, Material::default());
     let mut bench = Bench::new(AFTER_LIST, false);
     for _ in 0..2 {
@@ -205,7 +206,7 @@ fn entries_of_bump_targets_are_written_and_read_back_by_lines() {
             bench = bench.bump(shaded(1, 1.0, 0.0));
         }
         bench = bench.control(&Control::FrameEnd).run();
-        // A byte of brightness and four of its place: 30 times 5 bytes.
+        // A byte of brightness and four of its position: 30 times 5 bytes.
         let lines = |write| [(write, 0, 64), (write, 64, 64), (write, 128, 22)];
         assert_eq!(bench.entries(), [lines(true), lines(false)].concat(), "each frame starts afresh");
         bench.traffic.clear();
@@ -214,7 +215,7 @@ fn entries_of_bump_targets_are_written_and_read_back_by_lines() {
 }
 
 #[test]
-fn what_waits_of_a_fragment_is_as_wide_as_its_entry() {
+fn waiting_fragment_has_size_of_its_entry() {
     let bytes = |entry_bits| {
         let Flow::Item(mut stamp) = shaded(1, 1.0, 0.0) else { panic!() };
         stamp.push(ShadedFragment { fragment: fragment(2), brightness: 0.5, highlight: 0.0 });
@@ -227,12 +228,12 @@ fn what_waits_of_a_fragment_is_as_wide_as_its_entry() {
         assert_eq!(written, read);
         written
     };
-    // Two fragments of a stamp: brightness; indexes of two levels; normals of two levels.
+    // Two fragments of a stamp: brightness, indexes of two levels, or normals of two levels.
     assert_eq!([8, 16, 96].map(bytes), [4 + 2, 4 + 2 * 2, 4 + 2 * 12]);
 }
 
 #[test]
-fn polygons_that_are_no_bump_target_do_not_wait_in_memory() {
+fn plain_polygons_do_not_wait_in_memory() {
     let bench = Bench::new(AFTER_LIST, false)
         .control(&polygon(false, Material::default()))
         .plain(fragment(1))
@@ -244,7 +245,7 @@ fn polygons_that_are_no_bump_target_do_not_wait_in_memory() {
 }
 
 #[test]
-fn more_fragments_than_may_wait_are_a_fault_that_names_the_parameter() {
+fn too_many_waiting_fragments_fault_names_parameter() {
     for bump in [true, false] {
         let mut bench = Bench::new(GraphicsConfig { hold_fragments: 1, ..AFTER_LIST }, false);
         bench = bench.control(&polygon(bump, Material::default()));
@@ -259,7 +260,7 @@ fn more_fragments_than_may_wait_are_a_fault_that_names_the_parameter() {
 }
 
 #[test]
-fn a_pixel_takes_what_its_polygon_needs_of_the_operators() {
+fn pixel_uses_operators_of_its_polygon() {
     let kept = |bump, material: Material| {
         let config = GraphicsConfig { multipliers: 1, adders: 1024, ..GraphicsConfig::default() };
         let mut unit = GraphicsProcessor::new(config, Operators::default(), false, [4, 64, 8]);
@@ -272,14 +273,14 @@ fn a_pixel_takes_what_its_polygon_needs_of_the_operators() {
         (white, unit.state.pace)
     };
     let textured = Material { color_texture: Some(texture(&[[255; 4]])), ..Material::default() };
-    // Base colour and brightness 6; colours at the vertices 6 + 3; brightness at the vertices 4; a filtered texture 22.
+    // Base colour and brightness 6, colours at the vertices 6 + 3, brightness at the vertices 4, a filtered texture 22.
     assert_eq!(kept(true, Material::default()), (6, 15));
     assert_eq!(kept(false, Material::default()), (10, 19));
     assert_eq!(kept(true, textured), (28, 37));
 }
 
 #[test]
-fn it_tells_its_operators_and_the_lines_of_entries() {
+fn unit_reports_operators_and_lines_of_entries() {
     let told = |draw| {
         let mut facts = Facts::default();
         let config = GraphicsConfig { draw, multipliers: 7, ..GraphicsConfig::default() };
@@ -292,7 +293,7 @@ fn it_tells_its_operators_and_the_lines_of_entries() {
 }
 
 #[test]
-fn twins_that_differ_and_misplaced_fragments_are_faults() {
+fn different_duplicates_and_misplaced_fragments_are_faults() {
     let mut unit = GraphicsProcessor::new(GraphicsConfig::default(), Operators::default(), false, [4, 64, 8]);
     let mut traffic = Traffic::default();
     unit.step((Some(shaded(1, 1.0, 0.0)), Some(Flow::Item(Stamp::from_iter([fragment(1)])))), &mut traffic);
