@@ -7,42 +7,42 @@ use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit};
 use basrelief_signals::width::NUMBER;
 use serde::{Deserialize, Serialize};
 
-/// What the adder has counted.
+/// Counters of the adder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AdderCounters {
-    /// Dots with a specular term added.
+    /// Dots to which a specular term was added.
     pub sums: u64,
 }
 
-/// Everything the adder remembers.
+/// State of the adder between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AdderState {
-    /// The polygon's dots come from both sides.
+    /// True if the polygon's dots come from both circuits.
     pub joins: bool,
-    /// What it has counted.
+    /// Counters.
     pub counters: AdderCounters,
 }
 
-/// Adder (52): the output of circuit (21) (input 0) plus what gate (51) lets through of circuit (50) (input 1).
+/// Adder (52): adds the output of circuit (21) (input 0) and the output of circuit (50) that passes gate (51) (input 1).
 ///
-/// Both circuits scan the same dots in the same order; they may come at different times, and the adder waits for the later.
-/// Screen addresses that differ are a fault. Nothing is saturated here or before.
+/// Both circuits scan the same dots in the same order. They may deliver at different times, and the adder waits for the later
+/// one. Different screen addresses are a fault. Nothing is saturated here or earlier.
 #[derive(Clone, Debug, Default)]
 pub struct Adder {
     /// Parameters.
     pub config: CircuitConfig,
     operators: Operators,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: AdderState,
 }
 
 impl Adder {
-    /// An adder at power-on.
+    /// Creates an adder in its power-on state.
     pub fn new(config: CircuitConfig, operators: Operators) -> Self {
         Self { config, operators, state: AdderState::default() }
     }
 
-    /// An addition, and a register.
+    /// Returns the latency of an addition and a register.
     fn latency(&self) -> u64 {
         u64::from(self.config.latency) + u64::from(self.operators.add.latency)
     }

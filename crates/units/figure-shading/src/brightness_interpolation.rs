@@ -9,56 +9,57 @@ use basrelief_signals::width::NUMBER;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What circuit (21) has counted.
+/// Counters of circuit (21).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BrightnessInterpolationCounters {
     /// Polygons drawn.
     pub polygons: u64,
     /// Dots drawn.
     pub drawn: u64,
-    /// Cycles that polygons kept the circuit.
+    /// Cycles of occupancy by polygons.
     pub started_cycles: u64,
 }
 
-/// Everything circuit (21) remembers.
+/// State of circuit (21) between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BrightnessInterpolationState {
-    /// The polygon that is part-way.
+    /// Polygon in progress.
     pub figure: Option<Arc<Figure>>,
-    /// Where in it.
+    /// Position in the polygon.
     pub dots: Dots,
     /// Brightness at the corners of the current triangle.
     pub corners: Corners,
-    /// What it has counted.
+    /// Counters.
     pub counters: BrightnessInterpolationCounters,
 }
 
-/// Brightness interpolation circuit (21): from the brightness at the sample points to brightness and screen address of every
-/// dot, linear on the screen (equation (6)), three components side by side. With depth, which the patent does not have.
+/// Brightness interpolation circuit (21): computes brightness and screen address of every dot from the brightness at the sample
+/// points, linear on the screen (equation (6)), three components side by side. It also interpolates depth, which the patent does
+/// not have.
 ///
-/// Output 0 goes to the adder (52): all control, and the dots in normal-interpolation mode. Output 1 goes straight to
-/// selector (28): dots in brightness-interpolation mode.
+/// Output 0 goes to the adder (52): all control, and the dots in normal-interpolation mode. Output 1 goes directly to selector
+/// (28): dots in brightness-interpolation mode.
 #[derive(Clone, Debug, Default)]
 pub struct BrightnessInterpolation {
     /// Parameters.
     pub config: InterpolationConfig,
     operators: Operators,
-    /// Of a dot.
+    /// Latency of a dot.
     latency: u64,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: BrightnessInterpolationState,
 }
 
 type Out = Step<(Option<FigureFlow>, Option<FigureFlow>)>;
 
 impl BrightnessInterpolation {
-    /// A circuit at power-on.
+    /// Creates a circuit in its power-on state.
     pub fn new(config: InterpolationConfig, operators: Operators) -> Self {
         let latency = operators.latency(INTERPOLATION);
         Self { config, operators, latency, state: BrightnessInterpolationState::default() }
     }
 
-    /// Takes a polygon; the cycles that it keeps the circuit. None are charged where the dots come from process 24.
+    /// Takes a polygon. Returns its occupancy in cycles, which is 0 if the dots come from process 24.
     fn begin(&mut self, figure: &Arc<Figure>) -> u64 {
         if figure.registers.selection() == Selection::Mean {
             return 1;
@@ -73,7 +74,7 @@ impl BrightnessInterpolation {
         cycles
     }
 
-    /// The next dot of the polygon, or its end.
+    /// Returns the next dot of the polygon, or its end.
     #[inline]
     fn draw(&mut self) -> Out {
         let latency = self.latency;

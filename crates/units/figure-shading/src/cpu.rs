@@ -1,15 +1,15 @@
-//! CPU (11): what its operations cost, and what a piece of a process consists of.
+//! CPU (11): costs of its operations, and the operations of a process.
 //!
-//! A process states its [`Operations`] per polygon, sample point, light or dot; the table ([`CpuConfig`]) says what they take.
-//! The CPU does one operation after the other: nothing overlaps, and its loops have no way out before their last point.
+//! A process states its [`Operations`] per polygon, sample point, light or dot. The table ([`CpuConfig`]) gives their cycles. The
+//! CPU does one operation after the other: nothing overlaps, and its loops never end before their last point.
 
 use basrelief_kernel::Work;
 use basrelief_parameters::parameters;
 
 parameters! {
-    /// CPU (11) of the microcomputer (10), with its floating-point unit: how long an operation keeps it.
+    /// CPU (11) of the microcomputer (10) with its floating-point unit: cycles of each operation.
     pub struct CpuConfig {
-        /// Multiplies all that follow: a slower CPU.
+        /// Factor of all following cycles: a slower CPU.
         scale: u32 = 1, unit: "", Assumed("the CPU as the other parameters have it. 20 is of the class of an MC68020 with an MC68881 (1984), whose additions take some 50 cycles and multiplications some 70"), range: 1..=1024;
         /// Addition or subtraction.
         add: u32 = 2, unit: "cycles", Assumed("of the class of MIPS R3000 with R3010 at 25 MHz, the fastest of 1989 (Kane, MIPS RISC Architecture, 1988): single precision, 2 cycles"), range: 0..=65_536;
@@ -19,18 +19,18 @@ parameters! {
         divide: u32 = 12, unit: "cycles", Assumed("the same: 12 cycles"), range: 0..=65_536;
         /// Square root.
         square_root: u32 = 50, unit: "cycles", Assumed("the R3010 has none: an estimate of 4 integer operations, three Newton steps of three products and a difference, a product"), range: 0..=65_536;
-        /// Comparison, and the branch that follows.
+        /// Comparison and the following branch.
         compare: u32 = 3, unit: "cycles", Assumed("the same: a comparison of 2 cycles, a branch"), range: 0..=65_536;
         /// Load of a number from memory (12).
         load: u32 = 2, unit: "cycles", Assumed("the same: the load and its delay slot"), range: 0..=65_536;
         /// Store of a number to memory (12), a register or a circuit.
         store: u32 = 1, unit: "cycles", Assumed("the same, through a write buffer"), range: 0..=65_536;
-        /// Operation on whole numbers, or a branch.
+        /// Integer operation, or a branch.
         integer: u32 = 1, unit: "cycles", Assumed("the same"), range: 0..=65_536;
     }
 }
 
-/// How many operations of each kind.
+/// Number of operations of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Operations {
     pub(crate) add: u64,
@@ -47,7 +47,7 @@ impl Operations {
     pub(crate) const NONE: Self =
         Self { add: 0, multiply: 0, divide: 0, square_root: 0, compare: 0, load: 0, store: 0, integer: 0 };
 
-    /// Those of this arithmetic. A power is none of them: it is a number of multiplications.
+    /// Returns the operations of this arithmetic. It has no powers, because the CPU computes a power by multiplications.
     pub(crate) const fn of(work: Work) -> Self {
         Self {
             add: work.add as u64,
@@ -86,7 +86,7 @@ impl Operations {
 }
 
 impl CpuConfig {
-    /// Cycles that these operations take.
+    /// Returns the cycles of these operations.
     pub(crate) fn cycles(&self, operations: Operations) -> u64 {
         let takes = |times: u64, cycles: u32| times * u64::from(cycles);
         let sum = takes(operations.add, self.add)
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn operations_take_what_the_table_says_and_a_slower_cpu_takes_them_all_longer() {
+    fn operation_cycles_follow_table_and_scale() {
         let product = Operations { load: 3, ..Operations::of(Work::INNER_PRODUCT) };
         let cpu = CpuConfig::default();
         assert_eq!(cpu.cycles(product), 3 * 2 + 3 * 4 + 2 * 2);

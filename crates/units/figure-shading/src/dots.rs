@@ -1,4 +1,4 @@
-//! The scan of a polygon's dots, as both circuits and process 24 make it: the same dots in the same order.
+//! Scan of a polygon's dots in both circuits and process 24: the same dots in the same order.
 
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{HardwareKind, Operators, Work};
@@ -7,24 +7,25 @@ use basrelief_signals::width::{COORDINATE, NUMBER};
 use basrelief_signals::{Fragment, Polygon};
 use serde::{Deserialize, Serialize};
 
-/// Chain of a triangle's set-up in a circuit: differences of the corners, area, its reciprocal, slopes of what is interpolated.
+/// Longest dependent chain of a triangle's set-up in a circuit: differences of the corners, area, its reciprocal, slopes of the
+/// interpolated values.
 const SET_UP: Work = Work { multiply: 2, add: 2, divide: 1, ..Work::NONE };
-/// Chain from a triangle's slopes to a value at a dot: `a + w1 * (b - a) + w2 * (c - a)`.
+/// Longest dependent chain from a triangle's slopes to a value at a dot: `a + w1 * (b - a) + w2 * (c - a)`.
 pub(crate) const INTERPOLATION: Work = Work { multiply: 1, add: 2, ..Work::NONE };
-/// The three values of a dot: two products and two sums each.
+/// Arithmetic of the three values of a dot: two products and two sums each.
 const THREE_VALUES: Work = Work { multiply: 6, add: 6, ..Work::NONE };
 
-/// Cycles for which the triangles of a polygon's fan keep a circuit, before its dots: one after the other.
+/// Returns the occupancy of a circuit by the triangles of a polygon's fan before its dots, one after the other \[cycles\].
 pub(crate) fn set_up_cycles(polygon: &Polygon, operators: &Operators) -> u64 {
     operators.latency(SET_UP) * u64::from(fan_triangles(polygon))
 }
 
-/// Operators of one kind for so many operations in each `interval` cycles.
+/// Returns the operators of one kind for this many operations in each `interval` cycles.
 pub(crate) fn needed(operations: u32, kind_interval: u32, interval: u32) -> u64 {
     u64::from(operations * kind_interval).div_ceil(u64::from(interval.max(1)))
 }
 
-/// Tells what a circuit is built of that scans polygons and interpolates three numbers at each dot, every `interval` cycles.
+/// Reports the hardware of a circuit that scans polygons and interpolates three numbers at each dot, every `interval` cycles.
 pub(crate) fn tell_interpolator(facts: &mut Facts, operators: &Operators, interval: u32) {
     let multipliers = needed(THREE_VALUES.multiply, operators.multiply.interval, interval);
     let adders = needed(THREE_VALUES.add, operators.add.interval, interval);
@@ -39,7 +40,7 @@ pub(crate) fn tell_interpolator(facts: &mut Facts, operators: &Operators, interv
     facts.hardware(HardwareKind::Registers, "three values at three corners", 9_u64, NUMBER);
 }
 
-/// A polygon part-way: stands on a dot, or past the last.
+/// A polygon in progress. The scan stands on a dot, or past the last.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Dots {
     scan: Scan,
@@ -47,14 +48,14 @@ pub struct Dots {
 }
 
 impl Dots {
-    /// On the first dot of `polygon`.
+    /// Creates a scan on the first dot of `polygon`.
     pub(crate) fn new(polygon: &Polygon, raster: Raster) -> Self {
         let mut scan = Scan::new(polygon, raster);
         let more = scan.advance(polygon);
         Self { scan, more }
     }
 
-    /// The dot, its weights those of equation (6); none past the last.
+    /// Returns the next dot, with the weights of equation (6). Returns `None` past the last.
     #[inline]
     pub(crate) fn next(&mut self, polygon: &Polygon) -> Option<Fragment> {
         if !self.more {
@@ -69,17 +70,17 @@ impl Dots {
 /// Three numbers at the corners of a triangle of the fan, interpolated with the weights of equation (6).
 ///
 /// With (alpha, beta, gamma) of a scan line through edges P1P2 and P1P3, the weights of P2 and P3 are (1-alpha)*gamma and
-/// (1-beta)*(1-gamma), and P1 has the rest: these are the shares of the triangle's area that lie opposite the corners,
-/// whichever edges the line cuts.
+/// (1-beta)*(1-gamma), and P1 has the rest. These are the shares of the triangle's area that lie opposite the corners,
+/// independent of the edges that the line cuts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Corners {
-    /// Number of the triangle, counted from 1; 0: none yet.
+    /// Number of the triangle, counted from 1. 0 means no triangle yet.
     triangle: u32,
     values: [[f32; 3]; 3],
 }
 
 impl Corners {
-    /// Values at `dot`; those of all sample points are `points`.
+    /// Returns the values at `dot`. `points` returns the values of each sample point.
     #[inline]
     pub(crate) fn at(&mut self, dot: &Fragment, points: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
         if self.triangle != u32::from(dot.triangle) + 1 {

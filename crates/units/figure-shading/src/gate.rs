@@ -5,36 +5,35 @@ use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 
-/// What the gate has counted.
+/// Counters of the gate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GateCounters {
-    /// Dots let through.
+    /// Dots that passed.
     pub passed: u64,
-    /// Dots held back.
+    /// Dots that were blocked.
     pub blocked: u64,
 }
 
-/// Everything the gate remembers.
+/// State of the gate between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GateState {
     /// Specular register (18).
     pub open: bool,
-    /// What it has counted.
+    /// Counters.
     pub counters: GateCounters,
 }
 
-/// Gate (51): lets the output of circuit (50) through to the adder (52), or holds it back, as the specular register (18)
-/// says.
+/// Gate (51): passes the output of circuit (50) to the adder (52), or blocks it, as the specular register (18) selects.
 #[derive(Clone, Debug, Default)]
 pub struct Gate {
     /// Parameters.
     pub config: CircuitConfig,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: GateState,
 }
 
 impl Gate {
-    /// A gate at power-on.
+    /// Creates a gate in its power-on state.
     pub fn new(config: CircuitConfig) -> Self {
         Self { config, state: GateState::default() }
     }

@@ -8,50 +8,50 @@ use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Frame, LightKind, Lighting, ObjectInfo, Polygon, ShadingSettings};
 use serde::{Deserialize, Serialize};
 
-/// What the host interface has counted.
+/// Counters of the host interface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HostInterfaceCounters {
     /// Polygons sent.
     pub polygons: u64,
     /// Polygons of fewer than three points, not sent.
     pub dropped: u64,
-    /// Of those sent, polygons with a colour texture, which the device does not have.
+    /// Polygons sent that have a colour texture, which the device does not support.
     pub textured: u64,
     /// Bytes sent.
     pub bytes: u64,
 }
 
-/// Everything the host interface remembers.
+/// State of the host interface between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HostInterfaceState {
-    /// Lights at a point: their L is sent anew for each object.
+    /// Number of point lights. Their L is sent anew for each object.
     pub point_lights: u64,
     /// Coefficients and colour sent last.
     pub sent: Option<(Lighting, [f32; 4])>,
-    /// Mode, Ia and Is of the frame, and those sent last: an object may have its own.
+    /// Mode, Ia and Is of the frame, and those sent last. An object can override them.
     pub shading: [ShadingSettings; 2],
     /// Polygons that the device holds.
     pub in_flight: u32,
-    /// The end of the frame waits until they are finished.
+    /// True if the end of the frame waits for polygons to finish.
     pub frame_ends: bool,
-    /// What it has counted.
+    /// Counters.
     pub counters: HostInterfaceCounters,
 }
 
-/// Sends, in the words of the patent: once per frame the mode, Ia, Is, L and V; per object L again, where its light is at a
-/// point; Ka, Kd (per component), Ks and n whenever they change; per polygon its points and normals, and colours where they
-/// are not white. A polygon is the unit of transfer: the next one waits until one of the `buffers` is free, which the
-/// feedback of selector (28) tells. The end of the frame waits until all are.
+/// Host interface. It sends, in the words of the patent: once per frame the mode, Ia, Is, L and V; per object L again for point
+/// lights; Ka, Kd (per component), Ks and n at each change; per polygon its points and normals, and colours that are not white.
+/// Transfers are per polygon: the next one waits until one of the `buffers` is free, as the feedback of selector (28) reports.
+/// The end of the frame waits until all are free.
 ///
-/// An object that has a mode, Ia or Is of its own, or no longer has them, gets those that differ. What is sent is written to
-/// memory (12).
+/// If an object overrides mode, Ia or Is, or ends an override, the changed values are sent. All data sent are written to memory
+/// (12).
 ///
-/// Input 0 is what the front end hands on, input 1 the feedback.
+/// Input 0 comes from the front end, input 1 is the feedback.
 #[derive(Clone, Debug, Default)]
 pub struct HostInterface {
     /// Parameters.
     pub config: HostConfig,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: HostInterfaceState,
 }
 
@@ -61,12 +61,12 @@ type Out = Step<Option<Control>>;
 const MOST_REQUESTS: u32 = 4;
 
 impl HostInterface {
-    /// A host interface at power-on.
+    /// Creates a host interface in its power-on state.
     pub fn new(config: HostConfig) -> Self {
         Self { config, state: HostInterfaceState::default() }
     }
 
-    /// Sends so many numbers.
+    /// Sends this many numbers.
     fn send(&mut self, numbers: u64, control: Control) -> Out {
         let bytes = numbers * u64::from(self.config.number_bytes);
         self.state.counters.bytes += bytes;
@@ -74,7 +74,7 @@ impl HostInterface {
         Step::after(cycles + u64::from(self.config.latency), Some(control)).busy(cycles)
     }
 
-    /// Mode, Ia, V, and L and Is of each light.
+    /// Writes and counts the numbers of a frame: mode, Ia, V, and L and Is of each light.
     fn frame_numbers(&mut self, frame: &Frame, traffic: &mut Traffic) -> u64 {
         self.state.shading = [frame.shading; 2];
         self.state.point_lights = frame.lights.iter().filter(|l| matches!(l.kind, LightKind::Point { .. })).count() as u64;
@@ -84,7 +84,7 @@ impl HostInterface {
         5 + 4 * lights
     }
 
-    /// L of lights at a point; of mode, Ia and Is what differs.
+    /// Writes and counts the numbers of an object: L of point lights, and the changes of mode, Ia and Is.
     fn object_numbers(&mut self, object: &ObjectInfo, traffic: &mut Traffic) -> u64 {
         let [of_frame, before] = self.state.shading;
         let now = object.shading.or(of_frame);
@@ -148,7 +148,7 @@ impl HostInterface {
         }
     }
 
-    /// The end of the frame, if it waits for nothing any more.
+    /// Sends the end of the frame if it waits for nothing.
     fn end_frame(&mut self) -> Out {
         if !self.state.frame_ends || self.state.in_flight > 0 {
             return Step::after(0, None);

@@ -1,4 +1,4 @@
-//! What is constant over an object: coefficients and lights, and the brightness formula.
+//! Values that are constant over an object: coefficients and lights, and the brightness formula.
 
 use crate::{Clamp, power};
 use basrelief_shading::LightVector;
@@ -6,27 +6,27 @@ use basrelief_signals::{Lighting, ShadingMode};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Mode, Ia, Is, L, H, Ka, Kd, Ks, n: as long as none of it changes, a stored brightness is valid (Figure 7).
+/// Mode, Ia, Is, L, H, Ka, Kd, Ks, n. A stored brightness is valid until one of them changes (Figure 7).
 ///
-/// The patent has one light; here the terms of several add up, and each further one takes process 22, process 17 and
-/// circuit (50) once more. Light and viewer are at infinity, or a point light is taken at the object's centre: L and H are
-/// constant over an object. Ka and Kd carry the surface's colour; Ks does not, a highlight is white.
+/// The patent has one light. Here the terms of several lights are added, and each further light uses process 22, process 17 and
+/// circuit (50) once more. Light and viewer are at infinity, or a point light is evaluated at the object's centre, so L and H are
+/// constant over an object. Ka and Kd include the surface's colour. Ks does not, because a highlight is white.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Illumination {
-    /// Mode.
+    /// Shading mode.
     pub mode: ShadingMode,
-    /// Ka, Kd, Ks, n.
+    /// Coefficients Ka, Kd, Ks, n.
     pub lighting: Lighting,
     /// Colour of the surface, without that of its sample points.
     pub color: [f32; 3],
-    /// Ia.
+    /// Ambient intensity Ia.
     pub ambient: f32,
     /// L, H and Is of each light.
     pub lights: Vec<LightVector>,
 }
 
 impl Illumination {
-    /// `Ka*Ia + Kd * sum of Is*(N.L)`, without colour.
+    /// Returns `Ka*Ia + Kd * sum of Is*(N.L)`, without colour.
     pub fn ambient_and_diffuse(&self, normal: Vec3, clamp: Clamp) -> f32 {
         let lit = |light: &LightVector| {
             let cosine = normal.dot(light.to_light);
@@ -35,19 +35,19 @@ impl Illumination {
         self.lighting.ka * self.ambient + self.lighting.kd * self.lights.iter().map(lit).sum::<f32>()
     }
 
-    /// `Ks * sum of Is*(N.H)^n` at a sample point.
+    /// Returns `Ks * sum of Is*(N.H)^n` at a sample point.
     pub fn specular(&self, normal: Vec3) -> f32 {
         self.highlight(|light| power(normal.dot(light.halfway).clamp(0.0, 1.0), self.lighting.n))
     }
 
-    /// `Ks * sum of Is*p` for the power p of each light.
+    /// Returns `Ks * sum of Is*p` for the power p of each light.
     #[inline]
     pub fn highlight(&self, power: impl Fn(&LightVector) -> f32) -> f32 {
         self.lighting.ks * self.lights.iter().map(|light| light.intensity * power(light)).sum::<f32>()
     }
 }
 
-/// A normal as the device takes it: of length zero where a component is not finite.
+/// Returns a normal as the device uses it. Its length is zero if a component is not finite.
 pub(crate) fn normal_of(stored: [f32; 3]) -> Vec3 {
     let normal = Vec3::from(stored);
     if normal.is_finite() { normal } else { Vec3::ZERO }
@@ -64,14 +64,14 @@ mod tests {
     }
 
     #[test]
-    fn section_2_ambient_once_the_other_terms_per_light() {
+    fn section_2_ambient_counts_once_other_terms_per_light() {
         let s = illumination(0.5, 1.0);
         assert_eq!(s.ambient_and_diffuse(Vec3::Z, Clamp::Vertex), 0.25 * 2.0 + 0.5);
         assert!((s.specular(Vec3::Z) - 0.64).abs() < 1e-6);
     }
 
     #[test]
-    fn section_2_clamp_concerns_the_diffuse_term_and_an_even_power_does_not_light_the_far_side() {
+    fn section_2_clamp_and_even_power_keep_far_side_dark() {
         let s = illumination(0.5, 1.0);
         assert_eq!(s.ambient_and_diffuse(-Vec3::Z, Clamp::Vertex), 0.5);
         assert_eq!(s.ambient_and_diffuse(-Vec3::Z, Clamp::None), 0.0);

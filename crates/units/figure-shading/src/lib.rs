@@ -20,29 +20,29 @@
 //!                                        v frame memory (300)
 //! ```
 //!
-//! Per colour component `I = Ka*Ia + Is * {Kd (N.L) + Ks (N.H)^n}`. Ambient and diffuse terms are the same whether
-//! brightness or normals are interpolated; so circuit (21) interpolates these, circuit (50) calculates the specular term
-//! alone, and adder (52) sums.
+//! Per colour component `I = Ka*Ia + Is * {Kd (N.L) + Ks (N.H)^n}`. Ambient and diffuse terms are the same if brightness is
+//! interpolated or if normals are. So circuit (21) interpolates these terms, circuit (50) calculates only the specular term, and
+//! adder (52) sums.
 //!
 //! # A polygon on the wires
 //!
-//! The microcomputer writes the registers, which are a unit of their own ([`RegisterBank`]); what they hold travels in band: a
-//! [`Figure`] token runs from (10) through the registers, which put their values into it, (21), (52) and (53) to (28) ahead of
-//! the polygon's dots, and each of them sets itself by it. Dots then come along the way that the registers select, and an
-//! [end token](FigureFlow::End) behind them; the other ways carry nothing of this polygon. So a selector knows which input to
-//! read, and nobody waits for a circuit that was not started.
+//! The microcomputer writes the registers, which are a unit of their own ([`RegisterBank`]). Their values travel in band. A
+//! [`Figure`] token runs from (10) through the registers, which store their values in it, then through (21), (52) and (53) to
+//! (28), ahead of the polygon's dots. It sets each of these units. Dots follow on the path that the registers select, with an
+//! [end token](FigureFlow::End) behind them. The other paths carry nothing of this polygon. So each selector knows its input, and
+//! no unit waits for a circuit that was not started.
 //!
-//! # Polygons that are none
+//! # Degenerate polygons
 //!
 //! | polygon | rule |
 //! |---|---|
 //! | fewer than three points | the host interface drops it, and counts it |
-//! | without area, points repeated | shaded like any other; it has no dots, only its end |
-//! | not convex, folded | a fan around its first point; pixels as [`Scan`](basrelief_shading::Scan) gives them; sample points are weighted within their triangle of the fan |
+//! | without area, points repeated | shaded normally; it has no dots, only its end |
+//! | not convex, folded | a fan around its first point; pixels from [`Scan`](basrelief_shading::Scan); sample points are weighted within their triangle of the fan |
 //! | coordinate NaN | counts as 0 |
 //! | normal with a component that is not finite | counts as a normal of length zero |
-//! | normal of length zero | taken as it is: N.L = N.H = 0, ambient brightness; in the mean of normals it has no weight; renormalised it stays zero. The specular term is then never called negligible where normals are renormalised |
-//! | points of different colours | brightness is interpolated with them; never flat |
+//! | normal of length zero | used unchanged: N.L = N.H = 0, ambient brightness; no weight in the mean of normals; renormalised it stays zero. If normals are renormalised, the specular term is then never negligible |
+//! | points of different colours | brightness is interpolated with the colours; never flat |
 //! | brightness NaN | black |
 
 mod adder;

@@ -1,25 +1,26 @@
-//! Memory (12): what lies where in it. The host interface writes, the processes of the CPU (11) read, each at a port of its own.
+//! Memory (12) and its layout. The host interface writes it, and the processes of the CPU (11) read it, each at a port of its
+//! own.
 //!
-//! | from | numbers | what |
+//! | from | numbers | contents |
 //! |---|---:|---|
 //! | 0 | 16 | mode, Ia, V, Ka, Kd, Ks, n, colour |
-//! | `LIGHTS` | 8 each | L, Is, H, largest N.H that is negligible |
+//! | `LIGHTS` | 8 each | L, Is, H, largest negligible N.H |
 //! | `PLANE` | 16 | Figure 7: normal, colour, point, slopes, brightness |
 //! | `POLYGONS` | 769 each | points, their number; normals; colours; brightness |
 
 use basrelief_kernel::Traffic;
 
-/// Lights that there is room for: as many as a display list may have.
+/// Most lights, the limit of a display list.
 const MOST_LIGHTS: u64 = 1024;
-/// Points of a polygon that there is room for: as many as a display list may have.
+/// Most points of a polygon, the limit of a display list.
 const MOST_POINTS: u64 = 64;
 
 pub(crate) const SETTINGS: u64 = 0;
 pub(crate) const LIGHTS: u64 = 16;
-/// Numbers kept of a light.
+/// Numbers stored per light.
 pub(crate) const LIGHT: u64 = 8;
 pub(crate) const PLANE: u64 = LIGHTS + MOST_LIGHTS * LIGHT;
-/// Numbers kept of a plane.
+/// Numbers stored per plane.
 pub(crate) const PLANE_NUMBERS: u64 = 14;
 const POLYGONS: u64 = PLANE + 16;
 const PER_POINT: u64 = 3 * MOST_POINTS;
@@ -29,12 +30,12 @@ const PER_POINT: u64 = 3 * MOST_POINTS;
 pub(crate) struct PolygonBuffer(u64);
 
 impl PolygonBuffer {
-    /// That of the polygon counted so, from 0.
+    /// Returns the buffer of the polygon with this number, counted from 0.
     pub(crate) fn of(polygon: u64, buffers: u32) -> Self {
         Self(POLYGONS + polygon % u64::from(buffers.max(1)) * (4 * PER_POINT + 1))
     }
 
-    /// Where the number of points stands, and behind it the points.
+    /// Returns the address of the number of points. The points follow it.
     pub(crate) fn points(self) -> u64 {
         self.0
     }
@@ -52,19 +53,19 @@ impl PolygonBuffer {
     }
 }
 
-/// Numbers that it holds.
+/// Returns the numbers in all buffers.
 pub(crate) fn numbers(buffers: u32) -> u64 {
     POLYGONS + u64::from(buffers) * (4 * PER_POINT + 1)
 }
 
-/// A port, and how wide a number is.
+/// A port, with the width of its numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalPort {
     pub(crate) number_bytes: u32,
 }
 
 impl LocalPort {
-    /// Client of either unit that has a port.
+    /// Client of each unit that has a port.
     pub(crate) const CLIENT: u32 = 0;
 
     pub(crate) fn read(self, traffic: &mut Traffic, from: u64, numbers: u64) {
@@ -89,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_kept_does_not_overlap() {
+    fn memory_regions_do_not_overlap() {
         let [first, second] = [0, 1].map(|polygon| PolygonBuffer::of(polygon, 2));
         let from = [LIGHTS, PLANE, first.points(), first.normals(), first.colors(), first.brightness(), second.points()];
         assert!(from.is_sorted() && PLANE + PLANE_NUMBERS <= first.points());

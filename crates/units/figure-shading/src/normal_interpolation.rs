@@ -9,7 +9,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What circuit (50) has counted.
+/// Counters of circuit (50).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NormalInterpolationCounters {
     /// Polygons drawn.
@@ -18,39 +18,38 @@ pub struct NormalInterpolationCounters {
     pub drawn: u64,
     /// Times that the table was filled.
     pub table_fills: u64,
-    /// Cycles that polygons kept the circuit.
+    /// Cycles of occupancy by polygons.
     pub started_cycles: u64,
-    /// Of these, cycles of polygons for which gate (51) is open.
+    /// Cycles of occupancy by polygons for which gate (51) is open.
     pub needed_cycles: u64,
 }
 
-/// Everything circuit (50) remembers.
+/// State of circuit (50) between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NormalInterpolationState {
-    /// The polygon that is part-way.
+    /// Polygon in progress.
     pub load: Option<Arc<NormalLoad>>,
-    /// Where in it.
+    /// Position in the polygon.
     pub dots: Dots,
     /// Normals at the corners of the current triangle.
     pub corners: Corners,
-    /// Cycles that a dot of this polygon keeps the circuit, and from its start to delivery; they follow from n and the
-    /// number of lights.
+    /// Occupancy and latency of a dot of this polygon \[cycles\]. They follow from n and the number of lights.
     pub dot_cycles: [u64; 2],
-    /// Exponent for which the table is filled, with a table.
+    /// Exponent of the current table, if the circuit has one.
     pub filled_for: Option<f32>,
-    /// The table.
+    /// Table of powers.
     pub table: Vec<f32>,
-    /// What it has counted.
+    /// Counters.
     pub counters: NormalInterpolationCounters,
 }
 
-/// Normal-interpolation brightness circuit (50): from the normals at the sample points to `Ks * sum of Is*(Np.H)^n` and the
-/// screen address of every dot. Np is the weighted sum of the normals (equation (12)), not brought to length 1 unless
-/// `renormalise` asks for it; Np.H is clamped to 0..=1 before the power.
+/// Normal-interpolation brightness circuit (50): computes `Ks * sum of Is*(Np.H)^n` and the screen address of every dot from the
+/// normals at the sample points. Np is the weighted sum of the normals (equation (12)), normalised only if `renormalise` is set.
+/// Np.H is clamped to 0..=1 before the power.
 ///
-/// Each light keeps the circuit as long as its power does; the power by iteration has one multiplier, unless it is
-/// pipelined. Bringing a normal to length 1 keeps it as long as the square root or the division does, neither of which is in a
-/// pipeline: the circuit has one of each, and only where it renormalises.
+/// Each light occupies the circuit for the time of its power. The power by iteration has one multiplier, unless it is pipelined.
+/// Normalising occupies the circuit for the time of the square root or the division, neither of which is pipelined. The circuit
+/// has one of each, and only if it renormalises.
 #[derive(Clone, Debug)]
 pub struct NormalInterpolation {
     /// Parameters.
@@ -58,14 +57,14 @@ pub struct NormalInterpolation {
     renormalise: bool,
     operators: Operators,
     power: Power,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: NormalInterpolationState,
 }
 
 type Out = Step<Option<Highlights>>;
 
 impl NormalInterpolation {
-    /// A circuit at power-on; `renormalise` is `shade.renormalise`.
+    /// Creates a circuit in its power-on state. `renormalise` is `shade.renormalise`.
     pub fn new(config: NormalInterpolationConfig, renormalise: bool, operators: Operators) -> Self {
         let power = Power::new(&config, &operators);
         Self { config, renormalise, operators, power, state: NormalInterpolationState::default() }
@@ -76,7 +75,7 @@ impl NormalInterpolation {
         self.state.counters.needed_cycles += if open { cycles } else { 0 };
     }
 
-    /// Fills the table for `n`, unless it is; the cycles that it takes.
+    /// Fills the table for `n` if it holds another exponent. Returns the cycles.
     fn fill(&mut self, n: f32) -> u64 {
         if self.state.filled_for == Some(n) {
             return 0;
@@ -103,7 +102,7 @@ impl NormalInterpolation {
         Step::after(0, Some(Highlights::Start { open })).busy(cycles)
     }
 
-    /// The next dot of the polygon, or its end.
+    /// Returns the next dot of the polygon, or its end.
     #[inline]
     fn draw(&mut self) -> Out {
         let state = &mut self.state;
@@ -126,9 +125,9 @@ impl NormalInterpolation {
         Step::after(latency, Some(out)).busy(cycles)
     }
 
-    /// Occupancy and latency of a dot: the first light's power comes behind the inner product, each further one's behind
-    /// the power before it; then it is multiplied by Is*Ks, and added to those before it. The normal is brought to length 1
-    /// once for all lights.
+    /// Returns occupancy and latency of a dot. The first light's power follows the inner product, and each further one follows
+    /// the power before it. Then each is multiplied by Is*Ks, and added to the earlier ones. The normal is normalised once for
+    /// all lights.
     fn dot_cycles(&self, n: f32, lights: u64) -> [u64; 2] {
         let power = self.power.occupancy(n);
         let second_product = self.power.inner_products() - u64::from(self.config.initiation_interval);
@@ -137,13 +136,13 @@ impl NormalInterpolation {
         [(power * lights).max(self.normalise_interval()), first + power * (lights - 1) + sum]
     }
 
-    /// Cycles from a dot's start to its first N.H.
+    /// Returns the cycles from a dot's start to its first N.H.
     fn latency_before(&self) -> u64 {
         let normalise = if self.renormalise { self.operators.latency(NORMALISATION) } else { 0 };
         self.operators.latency(INTERPOLATION) + normalise + self.operators.latency(INNER_PRODUCT)
     }
 
-    /// Cycles for which bringing a normal to length 1 keeps the circuit.
+    /// Returns the occupancy of a normalisation \[cycles\].
     fn normalise_interval(&self) -> u64 {
         if self.renormalise { self.operators.interval(Work::NORMALIZE, NORMALISER) } else { 1 }
     }
@@ -172,16 +171,17 @@ impl NormalInterpolation {
     }
 }
 
-/// Chain of an inner product.
+/// Longest dependent chain of an inner product.
 const INNER_PRODUCT: Work = Work { multiply: 1, add: 2, ..Work::NONE };
-/// Chain of a power's way to the gate.
+/// Longest dependent chain from a power to the gate.
 const SCALE: Work = Work { multiply: 1, ..Work::NONE };
-/// Chain that brings a normal to length 1: the square of its length, the root, its reciprocal, the products.
+/// Longest dependent chain of a normalisation: squared length, root, reciprocal, products.
 const NORMALISATION: Work = Work { multiply: 2, add: 2, divide: 1, square_root: 1, power: 0 };
-/// What there is for it: multipliers and adders for one per cycle, one root and one divider, which are slower.
+/// Hardware of the normalisation: multipliers and adders for one per cycle, one square-root unit and one divider, which are
+/// slower.
 const NORMALISER: Work = Work::NORMALIZE;
 
-/// Exponent for which the rate is told: the patent's largest.
+/// Exponent for which the rate is reported: the patent's largest.
 const LARGEST_EXPONENT: f32 = 200.0;
 
 impl Unit for NormalInterpolation {

@@ -5,11 +5,11 @@ use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{HardwareKind, Operators, Work};
 use basrelief_signals::width::NUMBER;
 
-/// Largest exponent that is raised to by multiplication.
+/// Largest exponent that is computed by multiplication.
 const MOST: f32 = 65_536.0;
 
-/// `x^n` for x in 0..=1, n >= 0: by repeated squaring and multiplication where n is whole. A fraction of n is not modelled
-/// step by step: the result is then the exact one, rounded.
+/// Computes `x^n` for x in 0..=1, n >= 0: by repeated squaring and multiplication for whole n. A fraction of n is not modelled
+/// step by step, and the result is then the exact one, rounded.
 #[inline]
 pub fn power(x: f32, n: f32) -> f32 {
     let whole = n as u32;
@@ -27,18 +27,18 @@ pub fn power(x: f32, n: f32) -> f32 {
     result
 }
 
-/// Multiplications of the iteration: squarings, and products for the further ones of n in binary. A fraction of n costs as
-/// much as the next whole number.
+/// Returns the multiplications of the iteration: squarings, and products for the further ones of n in binary. A fraction of n
+/// costs as much as the next whole number.
 pub(crate) fn multiplications(n: f32) -> u64 {
     let whole = libm::ceilf(n).clamp(1.0, MOST) as u32;
     u64::from(whole.ilog2() + whole.count_ones() - 1)
 }
 
-/// Multipliers of a pipelined iteration: as many as the worst n takes, of those that a display list may have (up to 1000: ten binary
-/// digits, a squaring and a product for each but the first).
+/// Multipliers of a pipelined iteration for the worst n of a display list (up to 1000: ten binary digits, a squaring and a
+/// product for each but the first).
 const PIPELINE: u64 = 2 * 9;
 
-/// The power as circuit (50) has it.
+/// Power function of circuit (50).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Power {
     config: NormalInterpolationConfig,
@@ -46,13 +46,13 @@ pub struct Power {
 }
 
 impl Power {
-    /// As configured.
+    /// Creates the power function of this configuration.
     pub fn new(config: &NormalInterpolationConfig, operators: &Operators) -> Self {
         Self { config: config.clone(), operators: operators.clone() }
     }
 
-    /// Cycles from N.H to its power: by iteration each multiplication waits for the one before; by table N.H is multiplied by the
-    /// number of entries and rounded to an address, and the entry read.
+    /// Returns the cycles from N.H to its power. By iteration each multiplication waits for the previous one. By table N.H is
+    /// multiplied by the number of entries and rounded to an address, and the entry is read.
     pub fn latency(&self, n: f32) -> u64 {
         match self.config.power {
             PowerMethod::Iteration => multiplications(n) * u64::from(self.operators.multiply.latency),
@@ -60,7 +60,7 @@ impl Power {
         }
     }
 
-    /// Cycles that inner products and power of a dot keep the circuit, per light: the power of a dot is calculated beside the
+    /// Returns the occupancy by inner products and power of a dot per light \[cycles\]. The power of a dot overlaps with the
     /// inner products of the next.
     pub fn occupancy(&self, n: f32) -> u64 {
         let products = self.inner_products();
@@ -74,13 +74,13 @@ impl Power {
         own.max(products)
     }
 
-    /// Cycles that the inner products keep the circuit, per light.
+    /// Returns the occupancy by inner products per light \[cycles\].
     pub fn inner_products(&self) -> u64 {
         u64::from(self.config.initiation_interval) * u64::from(self.config.inner_products)
     }
 
-    /// Cycles that it takes to fill the table for this n. One multiplier and one adder make the entries, several on their way at a
-    /// time: the next N.H is a sum, its power as many multiplications as by iteration, and a sum rounds it.
+    /// Returns the cycles to fill the table for this n. One multiplier and one adder compute the entries, several at a time. The
+    /// next N.H is a sum, its power takes as many multiplications as by iteration, and a sum rounds it.
     pub fn fill_cycles(&self, n: f32) -> u64 {
         let multiply = u32::try_from(multiplications(n)).unwrap_or(u32::MAX);
         match self.config.power {
@@ -92,13 +92,13 @@ impl Power {
         }
     }
 
-    /// Multiplications that it takes to tell [`Power::bound`].
+    /// Returns the multiplications needed for [`Power::bound`].
     pub(crate) fn bound_multiplications(&self, n: f32) -> u64 {
         let powers = if self.config.power == PowerMethod::Table { 2 } else { 1 };
         powers * multiplications(n)
     }
 
-    /// Tells what it is built of.
+    /// Reports its hardware.
     pub(crate) fn tell(&self, facts: &mut Facts) {
         match self.config.power {
             PowerMethod::Iteration => {
@@ -116,7 +116,7 @@ impl Power {
         }
     }
 
-    /// Entry `index` for this exponent.
+    /// Returns entry `index` for this exponent.
     fn entry(&self, index: u32, n: f32) -> f32 {
         let steps = ((1u32 << self.config.table_bits.clamp(1, 24)) - 1) as f32;
         let x = index as f32 / (self.entries() - 1) as f32;
@@ -127,13 +127,13 @@ impl Power {
         self.config.table_entries.max(2)
     }
 
-    /// The entry nearest to `x`, 0..=1.
+    /// Returns the index of the entry nearest to `x`, 0..=1.
     #[inline]
     fn index(&self, x: f32) -> u32 {
         (x * (self.entries() - 1) as f32 + 0.5) as u32
     }
 
-    /// What the table holds for `n`; empty where there is none.
+    /// Returns the table for `n`, or an empty one if the method has none.
     pub fn table(&self, n: f32) -> Vec<f32> {
         match self.config.power {
             PowerMethod::Iteration => Vec::new(),
@@ -141,7 +141,7 @@ impl Power {
         }
     }
 
-    /// `x^n` for x in 0..=1; `table` is the [table](Self::table) for `n`.
+    /// Computes `x^n` for x in 0..=1. `table` is the [table](Self::table) for `n`.
     #[inline]
     pub fn at(&self, table: &[f32], x: f32, n: f32) -> f32 {
         match self.config.power {
@@ -150,8 +150,8 @@ impl Power {
         }
     }
 
-    /// The most that any x in 0..=`limit` can give here or at a sample point: both powers grow with x, and the rounding of
-    /// a table may go up.
+    /// Returns an upper bound of the power of any x in 0..=`limit`, here or at a sample point. Both powers grow with x, and a
+    /// table may round up.
     pub fn bound(&self, limit: f32, n: f32) -> f32 {
         let exact = power(limit, n);
         match self.config.power {
@@ -168,18 +168,18 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn multiplications_are_those_of_squaring() {
+    fn multiplications_follow_repeated_squaring() {
         assert_eq!([1.0, 2.0, 3.0, 50.0, 200.0, 1.5].map(multiplications), [0, 1, 2, 7, 9, 1]);
     }
 
-    /// Multiplications and additions of two cycles, pipelined.
+    /// Returns multiplications and additions of two cycles, pipelined.
     fn operators() -> Operators {
         let two = OperatorConfig::new(2, 1);
         Operators { multiply: two.clone(), add: two, ..Operators::default() }
     }
 
     #[test]
-    fn a_table_costs_its_address_its_rounding_and_its_filling_by_multiplications() {
+    fn table_costs_address_rounding_and_filling() {
         let config = NormalInterpolationConfig { power: PowerMethod::Table, ..NormalInterpolationConfig::default() };
         let power = Power::new(&config, &operators());
         assert_eq!((power.occupancy(50.0), power.latency(50.0)), (1, 2 + 2 + 1), "a product, a sum, a read");
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn an_iteration_keeps_its_multiplier_or_has_one_for_each_step() {
+    fn iteration_occupies_multiplier_unless_pipelined() {
         let config = NormalInterpolationConfig::default();
         let iteration = Power::new(&config, &operators());
         assert_eq!((iteration.occupancy(50.0), iteration.latency(50.0), iteration.fill_cycles(50.0)), (14, 14, 0));
@@ -204,14 +204,14 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_iteration_is_the_power(x in 0f32..=1.0, n in 1u32..=1000, fraction in prop::sample::select(vec![0f32, 0.25, 0.7])) {
+        fn iteration_equals_power(x in 0f32..=1.0, n in 1u32..=1000, fraction in prop::sample::select(vec![0f32, 0.25, 0.7])) {
             let n = n as f32 + fraction;
             let exact = libm::pow(f64::from(x), f64::from(n));
             prop_assert!((f64::from(power(x, n)) - exact).abs() <= 1e-4 * exact + 1e-30);
         }
 
         #[test]
-        fn a_table_is_off_by_its_two_steps_and_never_above_its_bound(
+        fn table_error_is_two_steps_and_below_bound(
             x in 0f32..=1.0, n in 1u32..=200, entries in 2u32..=4096, bits in 1u32..=24, share in 0f32..=1.0,
         ) {
             let n = n as f32;

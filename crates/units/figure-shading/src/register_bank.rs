@@ -1,4 +1,4 @@
-//! Registers (14), (16) and (18) as hardware: written by the microcomputer (10), read by what they select.
+//! Registers (14), (16) and (18) as hardware: written by the microcomputer (10), read by the units that they control.
 
 use crate::{FigureFlow, Order, RegisterWrite, Registers};
 use basrelief_kernel::facts::Facts;
@@ -6,7 +6,7 @@ use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What the registers have counted.
+/// Counters of the registers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RegisterBankCounters {
     /// Writes of the mode register (14).
@@ -17,21 +17,21 @@ pub struct RegisterBankCounters {
     pub specular_writes: u64,
 }
 
-/// Everything the registers remember.
+/// State of the registers between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RegisterBankState {
-    /// As they stand.
+    /// Current values.
     pub registers: Registers,
-    /// What they have counted.
+    /// Counters.
     pub counters: RegisterBankCounters,
 }
 
-/// Mode register (14), flatness register (16), specular register (18): each write keeps them for a cycle and shows as a step in the time
-/// line. A polygon that passes on its way from the microcomputer (10) to circuit (21) takes their values with it, in band: with
-/// two polygon buffers they may stand for the next polygon while its dots are drawn.
+/// Mode register (14), flatness register (16), specular register (18). Each write occupies them for a cycle and appears as a step
+/// in the timeline. A polygon that passes from the microcomputer (10) to circuit (21) takes their values along, in band. With two
+/// polygon buffers the registers may already hold the values of the next polygon while its dots are drawn.
 #[derive(Clone, Debug, Default)]
 pub struct RegisterBank {
-    /// Everything they remember.
+    /// State between steps.
     pub state: RegisterBankState,
 }
 
@@ -65,7 +65,7 @@ impl Unit for RegisterBank {
                 None
             }
             Some(Order::Pass(FigureFlow::Figure(mut figure))) => {
-                // The microcomputer keeps the polygon that process 24 draws: then this copies what stands beside its points.
+                // The microcomputer still holds a polygon that process 24 draws. This then copies the data beside its points.
                 Arc::make_mut(&mut figure).registers = self.state.registers;
                 Some(FigureFlow::Figure(figure))
             }

@@ -1,31 +1,31 @@
-//! Registers (14), (16), (18), and what they select.
+//! Registers (14), (16), (18), and the selections that they make.
 
 use crate::ShadingMode;
 use serde::{Deserialize, Serialize};
 
-/// The three registers, as they stand while a polygon is drawn.
+/// Values of the three registers while a polygon is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Registers {
     /// Mode register (14), written by process 13.
     pub mode: ShadingMode,
-    /// Flatness register (16), written by process 15: the polygon is flat.
+    /// Flatness register (16), written by process 15. True if the polygon is flat.
     pub flat: bool,
-    /// Specular register (18), written by process 17: specular reflection is not negligible; gate (51) is open.
+    /// Specular register (18), written by process 17. True if specular reflection is not negligible and gate (51) is open.
     pub specular: bool,
 }
 
 /// A write of one of the registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RegisterWrite {
-    /// Of the mode register (14), by process 13.
+    /// Write of the mode register (14), by process 13.
     Mode(ShadingMode),
-    /// Of the flatness register (16), by process 15.
+    /// Write of the flatness register (16), by process 15.
     Flat(bool),
-    /// Of the specular register (18), by process 17.
+    /// Write of the specular register (18), by process 17.
     Specular(bool),
 }
 
-/// Where the brightness of a dot comes from (claim 1).
+/// Source of the brightness of a dot (claim 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Selection {
     /// Mean of the sample points: process 24.
@@ -37,7 +37,7 @@ pub enum Selection {
 }
 
 impl Registers {
-    /// Writes one of them.
+    /// Writes one of the registers.
     pub fn write(&mut self, write: RegisterWrite) {
         match write {
             RegisterWrite::Mode(mode) => self.mode = mode,
@@ -46,7 +46,7 @@ impl Registers {
         }
     }
 
-    /// What selectors (53) and (28) and gate (51) come to together.
+    /// Returns the combined selection of selectors (53) and (28) and gate (51).
     pub fn selection(self) -> Selection {
         match self.mode {
             ShadingMode::Polyhedron => Selection::Mean,
@@ -56,19 +56,19 @@ impl Registers {
         }
     }
 
-    /// Figure 6, steps 80 to 83: whether process 22 adds the specular term at the sample points. Not where circuit (50)
-    /// has it: it would count twice. Not where it is negligible.
+    /// Figure 6, steps 80 to 83: returns true if process 22 adds the specular term at the sample points. It does not if circuit
+    /// (50) adds the term, which would count twice, or if the term is negligible.
     pub fn adds_specular_at_sample_points(self) -> bool {
         self.specular && self.selection() != Selection::LinearAndSpecular
     }
 
-    /// Whether the dots of process 24 go to selector (53); else to (28).
+    /// Returns true if the dots of process 24 go to selector (53), false if to (28).
     pub fn mean_goes_to_53(self) -> bool {
         self.mode == ShadingMode::Normal
     }
 }
 
-/// The six routes of a polygon.
+/// Routes of a polygon.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Route {
     /// Polyhedron mode: mean of the sample points.
@@ -82,15 +82,15 @@ pub enum Route {
     GateClosed,
     /// Flat: mean of the sample points.
     Flat,
-    /// Flat, on the plane of the flat polygon before: its brightness.
+    /// Flat, on the plane of the previous flat polygon: its brightness is reused.
     Reused,
 }
 
 impl Route {
-    /// All, in the order of their numbers.
+    /// All routes, in the order of their numbers.
     pub const ALL: [Self; 6] = [Self::Polyhedron, Self::Brightness, Self::Normal, Self::GateClosed, Self::Flat, Self::Reused];
 
-    /// The route that the registers select.
+    /// Returns the route that the registers select.
     pub fn of(registers: Registers, reused: bool) -> Self {
         match registers.mode {
             ShadingMode::Polyhedron => Self::Polyhedron,
@@ -102,7 +102,7 @@ impl Route {
         }
     }
 
-    /// Name in the report.
+    /// Returns the name in the report.
     pub fn name(self) -> &'static str {
         match self {
             Self::Polyhedron => "polyhedron",
@@ -126,9 +126,9 @@ mod tests {
     }
 
     #[test]
-    fn claim_1_as_a_table_of_selections() {
+    fn claim_1_registers_select_brightness_source() {
         use Selection::{Linear, LinearAndSpecular, Mean};
-        // flat, specular: no no, no yes, yes no, yes yes.
+        // Columns (flat, specular): no no, no yes, yes no, yes yes.
         let table = [
             (ShadingMode::Normal, [Linear, LinearAndSpecular, Mean, Mean]),
             (ShadingMode::Brightness, [Linear, Linear, Mean, Mean]),
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn figure_6_the_specular_term_is_never_counted_twice_and_never_lost() {
+    fn figure_6_specular_term_counts_exactly_once() {
         for r in registers() {
             let by_50 = r.selection() == Selection::LinearAndSpecular;
             let times = u32::from(by_50) + u32::from(r.adds_specular_at_sample_points());
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn each_path_is_one_selection() {
+    fn each_route_has_one_selection() {
         for r in registers() {
             let expected = match Route::of(r, false) {
                 Route::Polyhedron | Route::Flat | Route::Reused => Selection::Mean,

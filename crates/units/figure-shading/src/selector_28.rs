@@ -1,4 +1,4 @@
-//! Selector (28), the way out of the device.
+//! Selector (28), the output of the device.
 
 use crate::dots::needed;
 use crate::{CircuitConfig, Dot, Figure, FigureFlow, Finished, Route, Selection, ShadingMode};
@@ -9,14 +9,14 @@ use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Flow, Pixel, Stamp};
 use serde::{Deserialize, Serialize};
 
-/// The output of selector (53); control comes this way.
+/// Input from selector (53), which also carries control.
 const FROM_53: usize = 0;
-/// The output of circuit (21).
+/// Input from circuit (21).
 const FROM_21: usize = 1;
-/// The output of process 24.
+/// Input from process 24.
 const FROM_24: usize = 2;
 
-/// What selector (28) has counted.
+/// Counters of selector (28).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Selector28Counters {
     /// Polygons, by route.
@@ -25,32 +25,32 @@ pub struct Selector28Counters {
     pub dots: [u64; 6],
 }
 
-/// Everything selector (28) remembers.
+/// State of selector (28) between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Selector28State {
-    /// The input that is read.
+    /// Selected input.
     pub selected: usize,
-    /// Route of the polygon that passes.
+    /// Route of the current polygon.
     pub route: Route,
-    /// What it has counted.
+    /// Counters.
     pub counters: Selector28Counters,
 }
 
-/// Selector (28): by the mode register (14) the output of selector (53) (input 0), of circuit (21) (input 1) or of process
-/// 24 (input 2) goes to the frame memory (300), at the address that came with it; saturated to 8 bits here, once. (In
-/// brightness-interpolation mode flat polygons come from process 24, where `shade.flat_in_brightness_mode` is set.)
+/// Selector (28): passes the output of selector (53) (input 0), of circuit (21) (input 1) or of process 24 (input 2) to the frame
+/// memory (300), as the mode register (14) selects. The address comes with the dot. Brightness is saturated to 8 bits here, once.
+/// (In brightness-interpolation mode flat polygons come from process 24 if `shade.flat_in_brightness_mode` is set.)
 ///
-/// Output 1 tells the host interface of each polygon that is finished.
+/// Output 1 reports each finished polygon to the host interface.
 #[derive(Clone, Debug, Default)]
 pub struct Selector28 {
     /// Parameters.
     pub config: CircuitConfig,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: Selector28State,
 }
 
 impl Selector28 {
-    /// A selector at power-on.
+    /// Creates a selector in its power-on state.
     pub fn new(config: CircuitConfig) -> Self {
         Self { config, state: Selector28State::default() }
     }

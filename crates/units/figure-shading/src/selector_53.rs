@@ -5,25 +5,25 @@ use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use serde::{Deserialize, Serialize};
 
-/// Everything selector (53) remembers.
+/// State of selector (53) between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Selector53State {
-    /// Flatness register (16), in normal-interpolation mode: the dots come from process 24.
+    /// Flatness register (16) in normal-interpolation mode. True if the dots come from process 24.
     pub flat: bool,
 }
 
-/// Selector (53): by the flatness register (16) the output of the adder (52) (input 0) or that of process 24 (input 1).
-/// Control comes by way of the adder.
+/// Selector (53): passes the output of the adder (52) (input 0) or of process 24 (input 1), as the flatness register (16)
+/// selects. Control comes from the adder.
 #[derive(Clone, Debug, Default)]
 pub struct Selector53 {
     /// Parameters.
     pub config: CircuitConfig,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: Selector53State,
 }
 
 impl Selector53 {
-    /// A selector at power-on.
+    /// Creates a selector in its power-on state.
     pub fn new(config: CircuitConfig) -> Self {
         Self { config, state: Selector53State::default() }
     }
@@ -49,7 +49,7 @@ impl Unit for Selector53 {
                 let registers = figure.registers;
                 self.state.flat = registers.mean_goes_to_53() && registers.selection() == Selection::Mean;
             }
-            // Whichever input it came by: what follows comes by way of the adder.
+            // After an end token from either input, the next tokens come from the adder.
             Some(FigureFlow::End) => self.state.flat = false,
             Some(FigureFlow::Frame(_) | FigureFlow::FrameEnd) | None => {}
         }

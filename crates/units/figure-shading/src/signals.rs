@@ -1,4 +1,4 @@
-//! What travels between the circuits.
+//! Tokens between the circuits.
 
 use crate::{Illumination, RegisterWrite, Registers, Route};
 use basrelief_shading::Raster;
@@ -7,27 +7,27 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A polygon, decided and shaded at its sample points: travels once, ahead of its dots.
+/// A polygon, decided and shaded at its sample points. It travels once, ahead of its dots.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
-    /// The sample points.
+    /// Polygon with the sample points.
     pub polygon: Arc<Polygon>,
-    /// Where it is scanned.
+    /// Raster of its scan.
     pub raster: Raster,
-    /// Registers (14), (16), (18), as they stood when the polygon passed them.
+    /// Registers (14), (16), (18), as they were when the polygon passed them.
     pub registers: Registers,
-    /// Its route.
+    /// Route of the polygon.
     pub route: Route,
-    /// What process 23 loads into circuit (21): brightness of each sample point; empty where process 24 draws.
+    /// Brightness of each sample point, which process 23 loads into circuit (21). Empty if process 24 draws.
     pub brightness: Vec<[f32; 3]>,
 }
 
-/// What process 20 loads into circuit (50).
+/// Data that process 20 loads into circuit (50).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NormalLoad {
-    /// The sample points.
+    /// Polygon with the sample points.
     pub polygon: Arc<Polygon>,
-    /// Where it is scanned.
+    /// Raster of its scan.
     pub raster: Raster,
     /// Normal of each sample point.
     pub normals: Vec<Vec3>,
@@ -37,21 +37,21 @@ pub struct NormalLoad {
     pub open: bool,
 }
 
-/// From the microcomputer (10) to the registers (14), (16), (18), and through them to the circuits.
+/// Token from the microcomputer (10) to the registers (14), (16), (18), and through them to the circuits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Order {
-    /// A register is written.
+    /// A register write.
     Write(RegisterWrite),
-    /// Passes; a polygon takes the registers' values with it.
+    /// A token that passes through. A polygon takes the registers' values along.
     Pass(FigureFlow),
 }
 
-/// Control, dots and their end, from (10) by way of (21), (52) and (53) to (28).
+/// Control, dots and their end, from (10) through (21), (52) and (53) to (28).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum FigureFlow {
     /// A frame begins.
     Frame(Arc<Frame>),
-    /// The dots that follow, up to the end, are of this polygon.
+    /// The following dots, up to the end, belong to this polygon.
     Figure(Arc<Figure>),
     /// A dot.
     Dot(Dot),
@@ -68,18 +68,18 @@ pub struct Dot {
     pub x: u16,
     /// Row.
     pub y: u16,
-    /// Depth; the patent has none.
+    /// Depth, which the patent does not have.
     pub z: u32,
-    /// Red, green, blue; 1 is full scale, not saturated.
+    /// Red, green, blue. 1 is full scale, not saturated.
     pub brightness: [f32; 3],
 }
 
-/// From circuit (50) to gate (51) and adder (52).
+/// Token from circuit (50) to gate (51) and adder (52).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Highlights {
-    /// A polygon begins; the gate is open for it or not. Goes as far as the gate.
+    /// A polygon begins, with the gate open or closed. The token ends at the gate.
     Start {
-        /// Specular register (18).
+        /// Specular register (18): true if the gate is open.
         open: bool,
     },
     /// A dot.
@@ -95,11 +95,11 @@ pub struct Highlight {
     pub x: u16,
     /// Row.
     pub y: u16,
-    /// The same for red, green and blue; 1 is full scale, not saturated.
+    /// Specular brightness, equal for red, green and blue. 1 is full scale, not saturated.
     pub brightness: f32,
 }
 
-/// A polygon has left the device: from selector (28) to the host interface.
+/// Token from selector (28) to the host interface: a polygon has left the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Finished;
 
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_dot_is_a_small_token() {
+    fn dot_is_a_small_token() {
         assert_eq!([size_of::<FigureFlow>(), size_of::<Highlights>()], [24, 12]);
     }
 }

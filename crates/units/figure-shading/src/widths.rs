@@ -1,10 +1,10 @@
-//! How wide the device's signals are.
+//! Bit widths of the device's tokens.
 
 use crate::signals::{Dot, FigureFlow, Finished, Highlight, Highlights, NormalLoad, Order};
 use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER};
 use basrelief_signals::{Attribution, BitWidth, PixelSet, SignalWidths};
 
-/// Place, depth, three brightnesses.
+/// Position, depth, three brightnesses.
 impl BitWidth for Dot {
     fn bits(widths: &SignalWidths) -> u32 {
         2 * COORDINATE + widths.depth + 3 * NUMBER
@@ -15,7 +15,7 @@ impl BitWidth for Dot {
     }
 }
 
-/// A dot, or control; two bits tell which.
+/// A dot, or control. Two bits distinguish them.
 impl BitWidth for FigureFlow {
     fn bits(widths: &SignalWidths) -> u32 {
         2 + Dot::bits(widths).max(CONTROL)
@@ -32,7 +32,7 @@ impl BitWidth for FigureFlow {
     }
 }
 
-/// Control: what is written, or the number of what stands in the registers of circuit (21).
+/// Control: a register write, or the number of the data in the registers of circuit (21).
 impl BitWidth for Order {
     fn bits(_: &SignalWidths) -> u32 {
         1 + CONTROL
@@ -46,7 +46,7 @@ impl BitWidth for Order {
     }
 }
 
-/// Place and one brightness.
+/// Position and one brightness.
 impl BitWidth for Highlight {
     fn bits(_: &SignalWidths) -> u32 {
         2 * COORDINATE + NUMBER
@@ -70,7 +70,7 @@ impl BitWidth for Highlights {
     }
 }
 
-/// The number of what stands in the registers of circuit (50).
+/// The number of the data in the registers of circuit (50).
 impl BitWidth for NormalLoad {
     fn bits(_: &SignalWidths) -> u32 {
         CONTROL

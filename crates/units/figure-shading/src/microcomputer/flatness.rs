@@ -12,23 +12,23 @@ use glam::Vec3;
 pub(super) const DISTANCE: Operations =
     Operations { load: 3, compare: 1, ..Operations::of(Work::INNER_PRODUCT.and(Work { add: 3, ..Work::NONE })) };
 
-/// Whether no normal is farther than `tolerance` from the first one. A polygon without points is not flat.
+/// Returns true if no normal is farther than `tolerance` from the first one. A polygon without points is not flat.
 fn is_flat(normals: &[Vec3], tolerance: f32) -> bool {
     let Some(first) = normals.first() else { return false };
     are_near(normals, *first, tolerance)
 }
 
-/// Whether no normal is farther than `tolerance` from `normal`.
+/// Returns true if no normal is farther than `tolerance` from `normal`.
 pub(super) fn are_near(normals: &[Vec3], normal: Vec3, tolerance: f32) -> bool {
     normals.iter().all(|n| n.distance_squared(normal) <= tolerance * tolerance)
 }
 
-/// Normals of the sample points; one that is not finite counts as zero.
+/// Returns the normals of the sample points. A normal that is not finite counts as zero.
 pub(super) fn normals_of(polygon: &Polygon) -> Vec<Vec3> {
     polygon.vertices.iter().map(|v| crate::illumination::normal_of(v.normal)).collect()
 }
 
-/// Colour of all sample points, if it is the same.
+/// Returns the colour of all sample points if they have the same one.
 pub(super) fn color_of(polygon: &Polygon) -> Option<[f32; 3]> {
     let mut colors = polygon.vertices.iter().map(|v| [v.color[0], v.color[1], v.color[2]]);
     let first = colors.next()?;
@@ -36,8 +36,8 @@ pub(super) fn color_of(polygon: &Polygon) -> Option<[f32; 3]> {
 }
 
 impl Microcomputer {
-    /// Process 15; in polyhedron mode there is nothing to decide. A polygon whose points differ in colour is never flat: here
-    /// Ka and Kd carry the colour, so its brightness is not constant though its normal is.
+    /// Runs process 15, except in polyhedron mode, which needs no decision. A polygon whose points differ in colour is never
+    /// flat. Ka and Kd include the colour here, so its brightness is not constant although its normal is.
     pub(super) fn judge_flatness(
         &mut self,
         polygon: &Polygon,

@@ -9,29 +9,29 @@ use basrelief_kernel::{Step, Traffic, Work};
 use basrelief_shading::fan_triangles;
 use basrelief_signals::{Fragment, ShadingMode};
 
-/// Per sample point: its components, summed.
+/// Per sample point: sum of its components.
 const SUM: Operations = Operations { load: 3, add: 3, ..Operations::NONE };
-/// The reciprocal of their number, and three products.
+/// The reciprocal of the number of points, and three products.
 const SHARE: Operations = Operations { divide: 1, multiply: 3, ..Operations::NONE };
-/// The brightness goes to the selectors' input once for all dots of a polygon.
+/// The brightness is written to the selectors' input once for all dots of a polygon.
 const BRIGHTNESS: Operations = Operations { store: 3, ..Operations::NONE };
-/// Set-up of a triangle of the fan: nine coordinates, x and y of each in steps of the grid; two differences, two products and
-/// a difference for each edge; the area's sign and reciprocal; two slopes of the depth.
+/// Set-up of a triangle of the fan: nine coordinates, x and y of each in steps of the grid; two differences, two products and a
+/// difference for each edge; sign and reciprocal of the area; two slopes of the depth.
 const SET_UP: Operations =
     Operations { load: 9, compare: 4, ..Operations::of(Work { multiply: 6 + 6 + 6, add: 6 + 9 + 4, divide: 1, ..Work::NONE }) };
-/// A dot: a step of three edges, of the address and of the depth, a branch; address and depth are stored.
+/// A dot: a step of three edges, of the address and of the depth, and a branch. Address and depth are stored.
 pub(super) const DOT: Operations = Operations { integer: 3 + 1 + 1 + 1, store: 2, ..Operations::NONE };
 
-/// Mean over the sample points; black without any.
+/// Returns the mean over the sample points, or black if there are none.
 pub(crate) fn mean(brightness: &[[f32; 3]]) -> [f32; 3] {
     let Some((first, others)) = brightness.split_first() else { return [0.0; 3] };
-    // The first, and what the others differ by: of equal ones the mean is exactly that.
+    // Starting from the first and adding differences makes the mean of equal values exact.
     let share = 1.0 / brightness.len() as f32;
     std::array::from_fn(|i| first[i] + others.iter().map(|b| b[i] - first[i]).sum::<f32>() * share)
 }
 
 impl Microcomputer {
-    /// Brightness of all dots, reused or calculated from that of the sample points, and the cycles that it takes.
+    /// Returns the brightness of all dots, reused or calculated from the sample points, and its cycles.
     pub(super) fn mean(&mut self, decided: &Decided, brightness: &[[f32; 3]], traffic: &mut Traffic) -> ([f32; 3], u64) {
         if let (true, Some(plane)) = (decided.reused, &self.state.plane) {
             return (plane.brightness, 0);
@@ -46,14 +46,14 @@ impl Microcomputer {
         (mean, cycles)
     }
 
-    /// Set-up of the output; the cycles that it takes.
+    /// Sets up the output. Returns its cycles.
     pub(super) fn set_up_output(&mut self, decided: &Decided, traffic: &mut Traffic) -> u64 {
         let (points, triangles) = (decided.polygon.vertices.len() as u64, u64::from(fan_triangles(&decided.polygon)));
         self.port.read(traffic, self.buffer(decided.number).points(), 3 * points);
         self.spend(Process::Mean, BRIGHTNESS.and(SET_UP.times(triangles)))
     }
 
-    /// The next dot of process 24, or the polygon's end.
+    /// Returns the next dot of process 24, or the polygon's end.
     #[inline]
     pub(super) fn put_out(&mut self) -> Out {
         let Phase::Output { figure, brightness } = &self.state.phase else { return nothing(1) };
@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_mean_of_equal_brightness_is_that_brightness() {
+    fn mean_of_equal_brightness_is_exact() {
         for b in [0.1, 0.3, 0.7, 1.0 / 3.0] {
             assert_eq!(mean(&[[b; 3]; 7]), [b; 3]);
         }

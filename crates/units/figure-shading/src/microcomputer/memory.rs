@@ -1,4 +1,4 @@
-//! Memory (12): brightness of the last flat polygon that was calculated (Figure 7).
+//! Memory (12): brightness of the last calculated flat polygon (Figure 7).
 
 use super::Microcomputer;
 use super::flatness::{DISTANCE, are_near, color_of, normals_of};
@@ -12,25 +12,25 @@ use basrelief_signals::Polygon;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// What memory (12) keeps of the last flat polygon that was calculated.
+/// Data of the last calculated flat polygon in memory (12).
 ///
-/// The plane is kept in window coordinates, in which the points come: a projection keeps planes. Instead of its constant,
-/// the depth of each new point is held against it: the slopes of an almost edge-on polygon would make any constant
-/// worthless. The colour of the points belongs to the key, since here Ka and Kd carry it.
+/// The plane is stored in window coordinates, like the points, because a projection preserves planes. Instead of its constant,
+/// the depth of each new point is compared with the plane: the slopes of an almost edge-on polygon would make any constant
+/// worthless. The colour of the points is part of the key, because Ka and Kd include it here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Plane {
     normal: Vec3,
     color: [f32; 3],
-    /// A point: x, y \[pixels\], depth.
+    /// A point of the plane: x, y \[pixels\], depth.
     anchor: [f32; 3],
     /// Change of depth per pixel in x and y.
     slope: [f32; 2],
-    /// Its brightness.
+    /// Brightness of the polygon.
     pub(super) brightness: [f32; 3],
 }
 
 impl Plane {
-    /// Of a flat polygon with this brightness; none where its points differ in colour, or lie on a line.
+    /// Returns the data of a flat polygon with this brightness. Returns `None` if its points differ in colour, or lie on a line.
     pub(super) fn of(polygon: &Polygon, normal: Vec3, brightness: [f32; 3]) -> Option<Self> {
         let color = color_of(polygon)?;
         let area = |x: usize, y: usize| doubled_area(polygon.vertices.iter().map(|v| [v.position[x], v.position[y]]));
@@ -40,7 +40,7 @@ impl Plane {
         slope.iter().all(|s| s.is_finite()).then_some(Self { normal, color, anchor: [x, y, z], slope, brightness })
     }
 
-    /// Step 92: whether a flat polygon with these normals lies on this plane, in the same colour.
+    /// Step 92: returns true if a flat polygon with these normals lies on this plane, in the same colour.
     pub(super) fn holds(&self, polygon: &Polygon, normals: &[Vec3], config: &SamePlaneConfig) -> bool {
         let [x, y, z] = self.anchor;
         let is_on = |p: &[f32; 4]| {
@@ -53,20 +53,20 @@ impl Plane {
     }
 }
 
-/// Step 92, per sample point: its normal against the stored one; its depth against that of the stored plane.
+/// Step 92, per sample point: comparison of its normal with the stored one, and of its depth with that of the stored plane.
 const COMPARISON: Operations =
     DISTANCE.and(Operations { load: 3, compare: 1, ..Operations::of(Work { multiply: 2, add: 5, ..Work::NONE }) });
-/// Step 92: what is stored but the brightness, and its colour against the polygon's.
+/// Step 92: loads of the stored data without brightness, and comparison of the colours.
 const STORED: Operations = Operations { load: 11, compare: 3, ..Operations::NONE };
-/// Step 95: the stored brightness.
+/// Step 95: load of the stored brightness.
 const READ: Operations = Operations { load: 3, ..Operations::NONE };
-/// Step 94, per sample point: its share in three areas, seen along each axis, of two products and two sums each.
+/// Step 94, per sample point: its share in three areas, one along each axis, of two products and two sums each.
 const AREAS: Operations = Operations { load: 3, ..Operations::of(Work { multiply: 6, add: 6, ..Work::NONE }) };
 /// Step 94: two slopes.
 const STORE: Operations = Operations { divide: 2, store: PLANE_NUMBERS, ..Operations::NONE };
 
 impl Microcomputer {
-    /// Figure 7, step 92, and 95 if the brightness is reused.
+    /// Runs step 92 of Figure 7, and step 95 if the brightness is reused.
     pub(super) fn judge_plane(
         &mut self,
         polygon: &Polygon,
@@ -86,7 +86,7 @@ impl Microcomputer {
         (reused, self.run(Process::SamePlane, STORED.and(COMPARISON.times(points)).and(read)))
     }
 
-    /// Step 94; the cycles that it takes.
+    /// Runs step 94. Returns its cycles.
     pub(super) fn store(&mut self, polygon: &Polygon, brightness: [f32; 3], buffer: PolygonBuffer, traffic: &mut Traffic) -> u64 {
         if !self.short_cuts.same_plane.enabled {
             return 0;
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polygon_without_area_or_of_several_colours_is_not_stored() {
+    fn polygon_without_area_or_of_several_colours_is_not_stored() {
         let line = polygon(&[[1.0, 1.0, 0.1], [2.0, 2.0, 0.2], [3.0, 3.0, 0.9]]);
         assert_eq!(Plane::of(&line, Vec3::Z, [0.5; 3]), None);
         let mut coloured = polygon(&[[1.0, 1.0, 0.1], [2.0, 1.0, 0.1], [1.0, 2.0, 0.1]]);
@@ -125,7 +125,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn figure_7_step_92_same_normal_and_same_plane(
+        fn figure_7_step_92_tests_normal_and_plane(
             slope in prop::array::uniform2(-1e-3f32..1e-3), at in prop::array::uniform4(5f32..100.0), off in prop_oneof![0f32..0.8e-4, 1.0 / 8192.0..3e-4f32], below in any::<bool>(),
         ) {
             let z = |x: f32, y: f32| 0.5 + slope[0] * x + slope[1] * y;

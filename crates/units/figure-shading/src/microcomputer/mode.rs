@@ -1,4 +1,4 @@
-//! Process 13: mode decision, for the mode register (14), and with it all that is sent once per frame or object.
+//! Process 13: mode decision, for the mode register (14), and all other data that are sent once per frame or object.
 
 use super::Microcomputer;
 use super::state::{Process, Settings};
@@ -10,16 +10,16 @@ use basrelief_shading::{Raster, light_vectors};
 use basrelief_signals::{Frame, ObjectInfo, Polygon, ShadingSettings};
 use std::sync::Arc;
 
-/// Mode decision: the mode is loaded and told from the other two.
+/// Mode decision: the mode is loaded and compared with the other two.
 const DECISION: Operations = Operations { load: 1, integer: 2, ..Operations::NONE };
-/// H of a light: L and V added, and brought to length 1; its intensity times Is. L comes as a unit vector.
+/// H of a light: L and V added and normalised, and its intensity times Is. L arrives as a unit vector.
 const LIGHT_VECTOR: Operations =
     Operations { load: 8, store: 4, ..Operations::of(Work::NORMALIZE.and(Work { add: 3, multiply: 1, ..Work::NONE })) };
-/// A material: Ka, Kd, Ks, n and colour; Ka*Ia.
+/// A material: Ka, Kd, Ks, n and colour, and Ka*Ia.
 const MATERIAL: Operations = Operations { load: 8, multiply: 1, ..Operations::NONE };
 
 impl Microcomputer {
-    /// A frame begins; the cycles that it takes.
+    /// Begins a frame. Returns its cycles.
     pub(super) fn begin_frame(&mut self, frame: &Arc<Frame>) -> u64 {
         let ScanConfig { subpixel_bits, block, z_bits } = self.scan;
         self.state.raster = Raster::new([frame.width, frame.height], subpixel_bits, z_bits, block);
@@ -29,7 +29,7 @@ impl Microcomputer {
         self.decide_mode(frame.shading)
     }
 
-    /// The polygons that follow are of this object; the cycles that it takes, and whether its mode is another.
+    /// Begins an object. Returns its cycles, and true if its mode differs.
     pub(super) fn begin_object(&mut self, object: Arc<ObjectInfo>) -> (u64, bool) {
         let of_frame = self.state.frame.as_ref().map_or_else(ShadingSettings::default, |frame| frame.shading);
         let (before, said) = (self.state.settings, object.shading.or(of_frame));
@@ -42,7 +42,7 @@ impl Microcomputer {
         (cycles, self.state.settings.mode != before.mode)
     }
 
-    /// What is said, and where nothing is, what is configured.
+    /// Returns the given settings. Unset ones come from the configuration.
     fn settings(&self, said: ShadingSettings) -> Settings {
         let c = &self.shading;
         Settings { mode: said.mode.unwrap_or(c.mode), ia: said.ia.unwrap_or(c.ia), is: said.is.unwrap_or(c.is) }
@@ -53,7 +53,7 @@ impl Microcomputer {
         self.run(Process::Mode, DECISION)
     }
 
-    /// Brings the illumination up to date for this polygon; the cycles that it takes.
+    /// Updates the illumination for this polygon. Returns its cycles.
     pub(super) fn set(&mut self, polygon: &Polygon, traffic: &mut Traffic) -> u64 {
         let material = &polygon.material;
         let [r, g, b, _] = material.base_color;

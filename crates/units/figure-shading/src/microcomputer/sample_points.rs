@@ -10,20 +10,20 @@ use crate::{Clamp, Illumination, Registers};
 use basrelief_kernel::{Traffic, Work};
 use basrelief_signals::Polygon;
 
-/// Per sample point: its normal; Kd, Ka*Ia; the surface's colour.
+/// Per sample point: its normal, Kd, Ka*Ia, the surface's colour.
 const POINT: Operations = Operations { load: 3, store: 3, ..Operations::of(Work { multiply: 4, add: 1, ..Work::NONE }) };
-/// Per sample point that has a colour: that, too.
+/// Per sample point with a colour: that colour.
 const COLOR: Operations = Operations { load: 3, multiply: 3, ..Operations::NONE };
-/// Per sample point and light: N.L, cut off at 0, times Is, summed.
+/// Per sample point and light: N.L, clamped at 0, times Is, summed.
 const DIFFUSE: Operations =
     Operations { load: 4, compare: 1, ..Operations::of(Work::INNER_PRODUCT.and(Work { multiply: 1, add: 1, ..Work::NONE })) };
-/// Step 83, per sample point and light: N.H, cut off to 0..=1, times Is, summed; the power comes on top.
+/// Step 83, per sample point and light: N.H, clamped to 0..=1, times Is, summed. The power is extra.
 const SPECULAR: Operations = Operations { load: 3, compare: 2, ..DIFFUSE };
-/// Step 83, per sample point: times Ks, and added to each component.
+/// Step 83, per sample point: product with Ks, added to each component.
 const HIGHLIGHT: Operations = Operations { multiply: 1, add: 3, ..Operations::NONE };
 
-/// Red, green and blue of each sample point: first ambient and diffuse; then (steps 80 to 83) the specular term, where
-/// circuit (50) does not add it and it is not negligible.
+/// Returns red, green and blue of each sample point: first ambient and diffuse, then (steps 80 to 83) the specular term. The
+/// latter is left out if circuit (50) adds it or if it is negligible.
 fn brightness(polygon: &Polygon, illumination: &Illumination, registers: Registers, clamp: Clamp) -> Vec<[f32; 3]> {
     let points = polygon.vertices.iter().map(|vertex| {
         let normal = normal_of(vertex.normal);
@@ -35,7 +35,7 @@ fn brightness(polygon: &Polygon, illumination: &Illumination, registers: Registe
 }
 
 impl Microcomputer {
-    /// Brightness of the sample points, and the cycles that it takes.
+    /// Returns the brightness of the sample points, and its cycles.
     pub(super) fn sample_points(
         &mut self,
         polygon: &Polygon,

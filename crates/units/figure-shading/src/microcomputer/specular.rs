@@ -10,46 +10,46 @@ use basrelief_signals::Lighting;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Steps in which a limit is found: to 2^-24, as fine as N.H is.
+/// Steps of the search for a limit: to 2^-24, the resolution of N.H.
 const STEPS: u32 = 24;
 /// Limit of a light whose term is never negligible.
 const NEVER: f32 = -1.0;
 
-/// Per light: the largest power that is negligible, threshold / (number of lights * Ks * Is).
+/// Per light: the largest negligible power, threshold / (number of lights * Ks * Is).
 const LARGEST_POWER: Operations = Operations { load: 3, store: 1, divide: 1, multiply: 2, ..Operations::NONE };
-/// Per light and step of the search: the middle, and whether its power is below; the power comes on top.
+/// Per light and step of the search: the middle, and a comparison of its power. The power is extra.
 const STEP: Operations = Operations { add: 1, multiply: 1, compare: 1, ..Operations::NONE };
-/// Per sample point and light: N.H, and whether it is the largest so far.
+/// Per sample point and light: N.H, and a comparison with the largest so far.
 const POINT: Operations = Operations { load: 3, compare: 1, ..Operations::of(Work::INNER_PRODUCT) };
 /// Per light: H and its limit, compared.
 const OF_LIGHT: Operations = Operations { load: 4, compare: 1, ..Operations::NONE };
-/// Where normals are brought to length 1, per sample point: its part of their sum; its product with the sum's direction, and
-/// whether it is the least so far.
+/// Per sample point, if normals are normalised: its part of their sum, its product with the sum's direction, and a comparison
+/// with the smallest so far.
 const SHORTEST_POINT: Operations =
     Operations { load: 6, compare: 1, ..Operations::of(Work::INNER_PRODUCT.and(Work { add: 3, ..Work::NONE })) };
-/// The same, per polygon: the sum's direction.
+/// Per polygon, if normals are normalised: the sum's direction.
 const SHORTEST: Operations = Operations::of(Work::NORMALIZE);
-/// The same, per light: N.H divided by it.
+/// Per light, if normals are normalised: N.H divided by the smallest product.
 const SHORTEST_OF_LIGHT: Operations = Operations { divide: 1, compare: 1, ..Operations::NONE };
 
-/// For each light the largest N.H whose term is negligible, and what it was found for.
+/// For each light the largest N.H whose term is negligible, and the key of the search.
 ///
-/// A power grows with its base: instead of a power for each polygon, process 17 compares N.H with the base whose power is just
-/// negligible, found once per material. With several lights each may take an equal share of the threshold. (Rejected: the sum of all
-/// terms held against the threshold, which spares a little more, at a power per light and polygon.)
+/// A power grows with its base. Instead of computing a power for each polygon, process 17 compares N.H with the base whose power
+/// is just negligible, found once per material. Each of several lights may take an equal share of the threshold. (Rejected:
+/// comparing the sum of all terms with the threshold, which saves a little more, but needs a power per light and polygon.)
 ///
-/// It is found by halving an interval [`STEPS`] times, which follows the power as circuit (50) has it, the rounding of its table included.
-/// (Rejected: a root by logarithm and exponential, some 40 operations in place of some 200 at n = 50, but with a margin for
-/// every rounding, and once per material only.)
+/// The search halves an interval [`STEPS`] times and uses the power of circuit (50), including the rounding of its table.
+/// (Rejected: a root by logarithm and exponential. It needs some 40 operations instead of some 200 at n = 50, but only once per
+/// material, and a margin for every rounding.)
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Limits {
-    /// Ks, n, and Is of each light.
+    /// Key of the search: Ks, n, and Is of each light.
     found_for: Option<(f32, f32, Vec<f32>)>,
-    /// In the order of the lights.
+    /// Largest N.H, in the order of the lights.
     largest: Vec<f32>,
 }
 
-/// The largest N.H in 0..=1 at which a light's term stays below `share`.
+/// Returns the largest N.H in 0..=1 at which a light's term stays below `share`.
 fn limit(lighting: &Lighting, intensity: f32, share: f32, power: &Power) -> f32 {
     let largest = share / (lighting.ks * intensity);
     let is_below = |n_h: f32| power.bound(n_h, lighting.n) < largest;
@@ -67,12 +67,12 @@ fn limit(lighting: &Lighting, intensity: f32, share: f32, power: &Power) -> f32 
     below
 }
 
-/// Whether the specular term stays below the threshold on the whole polygon, by a bound on N.H.
+/// Returns true if the specular term stays below the threshold on the whole polygon, by a bound on N.H.
 ///
-/// A weighted sum of the normals has N.H at most max(N_i.H), and length at least min(M.N_i), M being the direction of their
-/// sum. So N.H <= max(0, max(N_i.H)), divided by min(M.N_i) where normals are brought to length 1: there a highlight may
-/// peak inside although all sample points are dark. Where that minimum is not positive there is no bound. (It is taken as
-/// at most 1, so that the bound holds at the sample points, too.)
+/// A weighted sum of the normals has N.H at most max(N_i.H), and length at least min(M.N_i), for M the direction of their sum. So
+/// N.H <= max(0, max(N_i.H)), divided by min(M.N_i) if normals are normalised. In that case a highlight may peak inside although
+/// all sample points are dark. If that minimum is not positive, no bound exists. (It is limited to 1, so that the bound also
+/// holds at the sample points.)
 fn is_negligible(normals: &[Vec3], illumination: &Illumination, renormalise: bool, limits: &Limits) -> bool {
     let shortest = if renormalise { shortest_sum(normals) } else { 1.0 };
     if shortest <= 0.0 {
@@ -84,14 +84,14 @@ fn is_negligible(normals: &[Vec3], illumination: &Illumination, renormalise: boo
     })
 }
 
-/// No weighted mean of the normals is shorter than this; at most 1.
+/// Returns a lower bound of the length of any weighted mean of the normals, at most 1.
 fn shortest_sum(normals: &[Vec3]) -> f32 {
     let middle = normals.iter().sum::<Vec3>().normalize_or_zero();
     normals.iter().fold(1.0, |s: f32, n| s.min(n.dot(middle)))
 }
 
 impl Microcomputer {
-    /// The limits, where Ks, n or Is are not those they were found for; the cycles that it takes.
+    /// Computes the limits if Ks, n or Is have changed. Returns the cycles.
     pub(super) fn set_limits(&mut self, traffic: &mut Traffic) -> u64 {
         let config = &self.short_cuts.specular_negligible;
         let Illumination { lighting, lights, .. } = &*self.state.illumination;
@@ -108,7 +108,7 @@ impl Microcomputer {
         self.spend(Process::Specular, LARGEST_POWER.and(step.times(u64::from(STEPS))).times(count))
     }
 
-    /// Process 17.
+    /// Runs process 17.
     pub(super) fn judge_specular(&mut self, normals: &[Vec3], buffer: PolygonBuffer, traffic: &mut Traffic) -> (bool, u64) {
         if !self.short_cuts.specular_negligible.enabled {
             return (true, 0);
@@ -136,7 +136,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_limit_decides_as_the_power_does(
+        fn limit_decides_like_power(
             n in 1u32..=1000, fraction in prop::sample::select(vec![0f32, 0.5]), ks in 0.0625f32..1.0, is in 0.0625f32..2.0,
             threshold in prop::sample::select(vec![1f32 / 510.0, 0.25, 1.0]), n_h in 0f32..=1.0,
         ) {
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_follows_the_rounding_of_a_table() {
+    fn limit_follows_table_rounding() {
         let config = NormalInterpolationConfig {
             power: PowerMethod::Table,
             table_entries: 9,
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_shine_is_always_negligible_and_nothing_is_below_zero() {
+    fn zero_ks_is_negligible_and_zero_threshold_never_is() {
         let power = Power::new(&NormalInterpolationConfig::default(), &Operators::default());
         let lighting = |ks| Lighting { ks, n: 50.0, ..Lighting::default() };
         assert_eq!(limit(&lighting(0.0), 1.0, 1.0 / 510.0, &power), 1.0);

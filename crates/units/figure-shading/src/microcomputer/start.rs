@@ -10,16 +10,16 @@ use basrelief_kernel::Traffic;
 use basrelief_signals::ShadingMode;
 use std::sync::Arc;
 
-/// The command that starts it, and n.
+/// The start command, and n.
 const COMMAND: Operations = Operations { load: 1, store: 2, ..Operations::NONE };
-/// Per light: H; Is*Ks.
+/// Per light: H and Is*Ks.
 const OF_LIGHT: Operations = Operations { load: 4, multiply: 1, store: 4, ..Operations::NONE };
-/// Per sample point: place and depth, and the normal.
+/// Per sample point: position, depth and normal.
 const POINT: Operations = Operations { load: 6, store: 6, ..Operations::NONE };
 
 impl Microcomputer {
-    /// What circuit (50) is loaded with, if it is started, and the cycles that it takes. It is started where its output is
-    /// selected; where gate (51) will hold that back, too, if `shade.specular_skip` says so.
+    /// Returns the load of circuit (50) if it is started, and the cycles. It is started if its output is selected, or if
+    /// `shade.specular_skip` starts it for a closed gate (51).
     pub(super) fn start(&mut self, decided: &Decided, traffic: &mut Traffic) -> (Option<Arc<NormalLoad>>, u64) {
         let Decided { polygon, registers, number, .. } = decided;
         let starts = match registers.selection() {

@@ -1,4 +1,4 @@
-//! What the microcomputer (10) keeps between steps.
+//! State of the microcomputer (10) between steps.
 
 use super::Limits;
 use super::Plane;
@@ -9,7 +9,7 @@ use basrelief_signals::{Frame, ObjectInfo, Polygon, ShadingMode};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Processes of the CPU (11), under the patent's numerals.
+/// Processes of the CPU (11), with the patent's numerals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Process {
     /// 13: mode decision, and L and H.
@@ -31,7 +31,7 @@ pub enum Process {
 }
 
 impl Process {
-    /// All, in the order of their numbers, with their names in the report.
+    /// All processes in the order of their numbers, with their names in the report.
     pub const ALL: [(Self, &'static str); 8] = [
         (Self::Mode, "process_13"),
         (Self::Flatness, "process_15"),
@@ -44,7 +44,7 @@ impl Process {
     ];
 }
 
-/// Runs of a process, and the CPU cycles they took.
+/// Runs of a process, and their CPU cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProcessCounters {
     /// Runs.
@@ -53,17 +53,17 @@ pub struct ProcessCounters {
     pub cycles: u64,
 }
 
-/// A polygon that is decided, not yet shaded.
+/// A polygon that is decided but not yet shaded.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Decided {
     pub(crate) polygon: Arc<Polygon>,
-    /// Where memory (12) has it: its number.
+    /// Number of its buffer in memory (12).
     pub(crate) number: u64,
     pub(crate) registers: Registers,
     pub(crate) reused: bool,
 }
 
-/// Mode, Ia and Is, as the display list or the configuration has them.
+/// Mode, Ia and Is, from the display list or the configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Settings {
     pub(crate) mode: ShadingMode,
@@ -71,32 +71,32 @@ pub(crate) struct Settings {
     pub(crate) is: f32,
 }
 
-/// What the CPU (11) is at.
+/// Phase of the CPU (11).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Phase {
-    /// Waits for the host.
+    /// Waiting for the host.
     #[default]
     Idle,
-    /// A frame has begun: its mode is next written to the mode register (14).
+    /// A frame has begun. The next step writes its mode to the mode register (14).
     WriteMode,
-    /// Decided: the flatness register (16) is next.
+    /// Decided. The next step writes the flatness register (16).
     WriteFlat(Decided),
-    /// Then the specular register (18).
+    /// The next step writes the specular register (18).
     WriteSpecular(Decided),
-    /// Then circuit (50) is started, or not.
+    /// The next step starts circuit (50), or leaves it idle.
     Start(Decided),
-    /// Brightness is next.
+    /// The next step computes the brightness.
     Shade(Decided),
-    /// Process 24 puts out dots.
+    /// Process 24 emits dots.
     Output {
-        /// The polygon.
+        /// Polygon being drawn.
         figure: Arc<Figure>,
-        /// Its brightness.
+        /// Brightness of the polygon.
         brightness: [f32; 3],
     },
 }
 
-/// Everything the microcomputer remembers: what the host has sent, what the CPU (11) is at, memory (12), counters.
+/// State of the microcomputer between steps: data from the host, the phase of the CPU (11), memory (12), counters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MicrocomputerState {
     /// Mode, Ia and Is of the object.
@@ -104,35 +104,35 @@ pub struct MicrocomputerState {
     pub(crate) frame: Option<Arc<Frame>>,
     pub(crate) object: Option<Arc<ObjectInfo>>,
     pub(crate) raster: Raster,
-    /// Frame or object are new: L and H are to be calculated again.
+    /// True if frame or object changed, so that L and H must be calculated.
     pub(crate) lights_changed: bool,
     pub(crate) illumination: Arc<Illumination>,
-    /// Largest N.H that process 17 calls negligible.
+    /// Largest N.H that process 17 treats as negligible.
     pub(crate) limits: Limits,
-    /// Polygons taken: the number of the one that is next.
+    /// Polygons received, which is the number of the next one.
     pub(crate) polygons: u64,
     pub(crate) phase: Phase,
-    /// Where process 24 is in its polygon.
+    /// Position of process 24 in its polygon.
     pub(crate) dots: Dots,
-    /// Memory (12), Figure 7; `None` is void.
+    /// Plane of Figure 7 in memory (12). `None` means void.
     pub(crate) plane: Option<Plane>,
-    /// What it has counted.
+    /// Counters.
     pub counters: MicrocomputerCounters,
 }
 
-/// What the microcomputer has counted.
+/// Counters of the microcomputer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MicrocomputerCounters {
-    /// Runs and cycles of its processes, by number of the [`Process`].
+    /// Runs and cycles of the processes, indexed by [`Process`].
     pub processes: [ProcessCounters; 8],
-    /// Polygons whose specular term was found negligible.
+    /// Polygons with a negligible specular term.
     pub specular_negligible: u64,
-    /// Polygons found flat.
+    /// Flat polygons.
     pub flat: u64,
-    /// Of these, polygons that took the stored brightness.
+    /// Flat polygons that reused the stored brightness.
     pub reused: u64,
     /// Starts of circuit (50).
     pub starts: u64,
-    /// Dots put out by process 24.
+    /// Dots emitted by process 24.
     pub dots: u64,
 }

@@ -6,11 +6,11 @@ use crate::cpu::Operations;
 use crate::local_memory::PolygonBuffer;
 use basrelief_kernel::Traffic;
 
-/// Per sample point: place and depth, and three components.
+/// Per sample point: position, depth and three components.
 const POINT: Operations = Operations { load: 6, store: 6, ..Operations::NONE };
 
 impl Microcomputer {
-    /// The cycles that it takes for these sample points.
+    /// Returns the cycles for these sample points.
     pub(super) fn transfer(&mut self, brightness: &[[f32; 3]], buffer: PolygonBuffer, traffic: &mut Traffic) -> u64 {
         let points = brightness.len() as u64;
         self.port.read(traffic, buffer.points(), 3 * points);

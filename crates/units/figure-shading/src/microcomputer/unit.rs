@@ -16,35 +16,37 @@ use basrelief_signals::width::NUMBER;
 use basrelief_signals::{Control, Polygon};
 use std::sync::Arc;
 
-/// Microcomputer (10): decides how each polygon is drawn, shades its sample points, loads circuits (21) and (50), and draws
-/// flat polygons itself.
+/// Microcomputer (10): decides the drawing method of each polygon, shades its sample points, loads circuits (21) and (50), and
+/// draws flat polygons itself.
 ///
-/// The CPU (11) does one thing after the other. A polygon takes it through: 15 flat? If so, 92 on the plane of the one
-/// before? If not, 17 specular negligible? Registers (16) and (18) are written. Then 20 loads and starts circuit (50), which works
-/// while 22 shades the sample points; then 23 loads circuit (21), or 24 takes the mean and puts it out for every dot.
+/// The CPU (11) works sequentially. For each polygon, process 15 tests flatness. If it is flat, step 92 compares its plane with
+/// the previous one. If not, process 17 tests the specular term. Registers (16) and (18) are written. Then process 20 loads and
+/// starts circuit (50), which works while 22 shades the sample points. Finally 23 loads circuit (21), or 24 computes the mean and
+/// emits it for every dot.
 ///
-/// What the processes read, the host interface has put into memory (12).
+/// The processes read the data that the host interface wrote to memory (12).
 ///
-/// Outputs: 0 registers, circuit (21), and with it all control; 1 circuit (50); 2 selector (53), 3 selector (28): dots of process 24.
+/// Outputs: 0 to registers and circuit (21), with all control; 1 to circuit (50); 2 to selector (53) and 3 to selector (28), dots
+/// of process 24.
 #[derive(Clone, Debug)]
 pub struct Microcomputer {
-    /// What the CPU's (11) operations take.
+    /// Cycles of the CPU's (11) operations.
     pub config: CpuConfig,
     pub(super) shading: ShadingConfig,
     pub(super) short_cuts: ShortCutConfigs,
     pub(super) scan: ScanConfig,
-    /// As circuit (50) has it: process 17 must know its rounding.
+    /// Power as in circuit (50), because process 17 needs its rounding.
     pub(super) power: Power,
-    /// Of memory (12).
+    /// Port of memory (12).
     pub(super) port: LocalPort,
     buffers: u32,
     /// Cycles of a dot of process 24.
     pub(super) dot_cycles: u64,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: MicrocomputerState,
 }
 
-/// One token per output.
+/// One optional token per output.
 type Outs = (Option<Order>, Option<Arc<NormalLoad>>, Option<FigureFlow>, Option<FigureFlow>);
 pub(super) type Out = Step<Outs>;
 
@@ -52,23 +54,24 @@ pub(super) fn nothing(cycles: u64) -> Out {
     Step::after(cycles, (None, None, None, None)).busy(cycles.max(1))
 }
 
-/// When the CPU is done, to the registers.
+/// Returns a step that sends an order to the registers when the CPU is done.
 fn ordered(cycles: u64, order: Order) -> Out {
     Step::after(cycles, (Some(order), None, None, None)).busy(cycles.max(1))
 }
 
-/// When the CPU is done, through the registers to circuit (21).
+/// Returns a step that sends a token through the registers to circuit (21) when the CPU is done.
 fn passed(cycles: u64, signal: FigureFlow) -> Out {
     ordered(cycles, Order::Pass(signal))
 }
 
-/// A register is written: a store.
+/// A register write: a store.
 const REGISTER: Operations = Operations { store: 1, ..Operations::NONE };
-/// Most requests of a step to memory (12): three for what is sent once, two for its limits, and those of processes 15, 92 and 17.
+/// Most requests of a step to memory (12): three for the data sent once, two for the limits, and those of processes 15, 92 and
+/// 17.
 const MOST_REQUESTS: u32 = 3 + 2 + 1 + 3 + 2;
 
 impl Microcomputer {
-    /// A microcomputer at power-on.
+    /// Creates a microcomputer in its power-on state.
     pub fn new(
         config: CpuConfig,
         host: &HostConfig,
@@ -84,25 +87,25 @@ impl Microcomputer {
         Self { config, shading, short_cuts, scan, power, port, buffers, dot_cycles, state: MicrocomputerState::default() }
     }
 
-    /// Where memory (12) has the polygon of this number.
+    /// Returns the buffer of the polygon of this number in memory (12).
     pub(super) fn buffer(&self, number: u64) -> PolygonBuffer {
         PolygonBuffer::of(number, self.buffers)
     }
 
-    /// A process runs; the cycles that its operations take.
+    /// Counts a run of a process. Returns the cycles of its operations.
     pub(super) fn run(&mut self, process: Process, operations: Operations) -> u64 {
         self.state.counters.processes[process as usize].runs += 1;
         self.spend(process, operations)
     }
 
-    /// A process goes on; the cycles that its operations take.
+    /// Continues a process. Returns the cycles of its operations.
     pub(super) fn spend(&mut self, process: Process, operations: Operations) -> u64 {
         let cycles = self.config.cycles(operations);
         self.state.counters.processes[process as usize].cycles += cycles;
         cycles
     }
 
-    /// A process writes a register.
+    /// Returns a step in which a process writes a register.
     fn write(&mut self, process: Process, write: RegisterWrite) -> Out {
         let cycles = self.spend(process, REGISTER).max(1);
         ordered(cycles, Order::Write(write))
@@ -128,7 +131,7 @@ impl Microcomputer {
         }
     }
 
-    /// Processes 15, 92 and 17.
+    /// Runs processes 15, 92 and 17.
     fn decide(&mut self, polygon: Arc<Polygon>, traffic: &mut Traffic) -> Out {
         let number = self.state.polygons;
         self.state.polygons += 1;
@@ -144,14 +147,14 @@ impl Microcomputer {
         nothing(cycles)
     }
 
-    /// Process 20.
+    /// Runs process 20.
     fn start_50(&mut self, decided: Decided, traffic: &mut Traffic) -> Out {
         let (load, cycles) = self.start(&decided, traffic);
         self.state.phase = Phase::Shade(decided);
         Step::after(cycles, (None, load, None, None)).busy(cycles.max(1))
     }
 
-    /// What comes next, where no dot is put out.
+    /// Continues with the next phase, if no dot is emitted.
     fn go_on(&mut self, phase: Phase, traffic: &mut Traffic) -> Out {
         match phase {
             Phase::WriteMode => self.write(Process::Mode, RegisterWrite::Mode(self.state.settings.mode)),
@@ -171,7 +174,7 @@ impl Microcomputer {
         }
     }
 
-    /// Processes 22 and 23 or 24, up to the first dot.
+    /// Runs processes 22 and 23 or 24, up to the first dot.
     fn shade(&mut self, decided: Decided, traffic: &mut Traffic) -> Out {
         let (registers, reused, buffer) = (decided.registers, decided.reused, self.buffer(decided.number));
         let (mut brightness, mut cycles) =
@@ -231,7 +234,7 @@ impl Unit for Microcomputer {
         if let Some(control) = input {
             return self.take(control, traffic);
         }
-        // Looked at before it is taken: process 24 comes this way for every dot.
+        // Tested before the phase is moved out, because process 24 comes here for every dot.
         if matches!(self.state.phase, Phase::Output { .. }) {
             return self.put_out();
         }

@@ -1,4 +1,4 @@
-//! Polygons through microcomputer and circuits, step by step, without time.
+//! Runs polygons through microcomputer and circuits, step by step, without time.
 
 use basrelief_figure_shading::{
     Adder, BrightnessInterpolation, CircuitConfig, CpuConfig, Dot, Figure, FigureFlow, Highlight, Highlights, HostConfig,
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Side of the picture \[pixels\].
 pub const SIDE: u32 = 32;
 
-/// Parameters that decide what is drawn.
+/// Parameters that affect the picture.
 #[derive(Clone, Debug, Default)]
 pub struct Config {
     pub shading: ShadingConfig,
@@ -34,7 +34,7 @@ impl Config {
         NormalInterpolation::new(self.circuit_50.clone(), self.shading.renormalise, operators())
     }
 
-    /// Without short cuts.
+    /// Returns the configuration without short cuts.
     pub fn plain(mut self) -> Self {
         self.short_cuts.specular_negligible.enabled = false;
         self.short_cuts.flatness.enabled = false;
@@ -42,7 +42,7 @@ impl Config {
     }
 }
 
-/// Those of the machine by default.
+/// Returns the default operators of the machine.
 pub fn operators() -> Operators {
     let pipelined = OperatorConfig::new(2, 1);
     Operators {
@@ -54,22 +54,22 @@ pub fn operators() -> Operators {
     }
 }
 
-/// What came of a polygon on each wire.
+/// Tokens of a polygon on each wire.
 #[derive(Clone, Debug, Default)]
 pub struct ShadedFragment {
     pub figure: Option<Arc<Figure>>,
     pub load: Option<Arc<NormalLoad>>,
-    /// Of circuit (21).
+    /// Dots of circuit (21).
     pub linear: Vec<Dot>,
-    /// Of circuit (50).
+    /// Highlights of circuit (50).
     pub highlights: Vec<Highlight>,
-    /// Of process 24.
+    /// Dots of process 24.
     pub mean: Vec<Dot>,
-    /// Of what is selected, behind the adder (52).
+    /// Selected dots, behind the adder (52).
     pub dots: Vec<Dot>,
 }
 
-/// Steps a unit until it asks for input.
+/// Steps a unit until it requests input.
 pub fn drain<U: Unit>(unit: &mut U, nothing: impl Fn() -> U::In) -> Vec<U::Out> {
     let mut out = Vec::new();
     while unit.demand() == Demand::Nothing {
@@ -78,7 +78,7 @@ pub fn drain<U: Unit>(unit: &mut U, nothing: impl Fn() -> U::In) -> Vec<U::Out> 
     out
 }
 
-/// Feeds a unit of one input, and collects what it puts out.
+/// Feeds a unit of one input, and collects its output.
 pub fn feed<T, U: Unit<In = Option<T>>>(unit: &mut U, tokens: impl IntoIterator<Item = T>) -> Vec<U::Out> {
     let mut out = Vec::new();
     for token in tokens {
@@ -92,7 +92,7 @@ fn dots(signals: impl IntoIterator<Item = FigureFlow>) -> Vec<Dot> {
     signals.into_iter().filter_map(|s| if let FigureFlow::Dot(dot) = s { Some(dot) } else { None }).collect()
 }
 
-/// One polygon through a microcomputer that has its frame, and through the circuits.
+/// Runs one polygon through a microcomputer that has its frame, and through the circuits.
 pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> ShadedFragment {
     let mut shaded = ShadedFragment::default();
     let (mut mean, mut figures) = (Vec::new(), Vec::new());
@@ -121,7 +121,7 @@ pub fn shade(unit: &mut Microcomputer, config: &Config, polygon: Control) -> Sha
     shaded
 }
 
-/// Through the adder (52).
+/// Runs tokens through the adder (52).
 fn add(linear: Vec<FigureFlow>, highlights: Vec<Highlights>) -> Vec<FigureFlow> {
     let mut adder = Adder::new(CircuitConfig::default(), operators());
     let (mut highlights, mut out) = (highlights.into_iter(), Vec::new());
@@ -135,7 +135,7 @@ fn add(linear: Vec<FigureFlow>, highlights: Vec<Highlights>) -> Vec<FigureFlow> 
     out
 }
 
-/// One polygon under these lights.
+/// Draws one polygon under these lights.
 pub fn draw(config: &Config, lights: Vec<Light>, polygon: Control) -> ShadedFragment {
     let mut unit = config.microcomputer();
     feed(&mut unit, [frame(lights)]);
@@ -159,9 +159,9 @@ pub fn sun(to_light: Vec3) -> Light {
     Light { kind: LightKind::Directional { to_light: to_light.normalize().to_array() }, intensity: 1.0 }
 }
 
-// Ranges of random floats begin at fractions of a power of two: proptest 1.12 may assert on others in debug builds.
+// Ranges of random floats begin at fractions of a power of two, because proptest 1.12 can assert on others in debug builds.
 
-/// A white polygon of points (x, y) with their normals.
+/// Creates a white polygon of points (x, y) with their normals.
 pub fn polygon(points: &[[f32; 2]], normals: &[Vec3], lighting: Lighting) -> Control {
     let vertex = |(&[x, y], normal): (&[f32; 2], &Vec3)| Vertex {
         position: [x, y, 0.5, 1.0],
@@ -184,12 +184,12 @@ pub fn lighting() -> impl Strategy<Value = Lighting> {
     (0f32..0.3, 0f32..0.8, 0.0625f32..0.8, 1u32..=200).prop_map(|(ka, kd, ks, n)| Lighting { ka, kd, ks, n: n as f32 })
 }
 
-/// A triangle on a grid of 1/16 pixel: snapping moves nothing.
+/// Generates a triangle on a grid of 1/16 pixel, which snapping does not move.
 pub fn triangle() -> impl Strategy<Value = [[f32; 2]; 3]> {
     prop::array::uniform3([0u32..SIDE * 16, 0u32..SIDE * 16]).prop_map(|t| t.map(|p| p.map(|c| c as f32 / 16.0)))
 }
 
-/// Weights of the three corners at the centre of a dot, in double precision.
+/// Returns the weights of the three corners at the centre of a dot, in double precision.
 pub fn weights(t: &[[f32; 2]; 3], dot: (u16, u16)) -> [f64; 3] {
     let p = [f64::from(dot.0) + 0.5, f64::from(dot.1) + 0.5];
     let [a, b, c] = t.map(|p| p.map(f64::from));

@@ -1,4 +1,4 @@
-//! Every unit keeps the unit contract; what the adder does when it is not kept.
+//! Every unit keeps the unit contract. Also tests the adder's faults.
 
 use crate::chain::{Config, feed, frame, operators, polygon, sun};
 use basrelief_figure_shading::{
@@ -12,7 +12,7 @@ use basrelief_signals::{Control, Flow, Lighting, ObjectInfo, Pixel, Stamp};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// Two frames of polygons for every route, and degenerate ones.
+/// Returns two frames of polygons for every route, and degenerate ones.
 fn display_list() -> Vec<Control> {
     let shiny = Lighting { n: 30.0, ..Lighting::default() };
     let triangle = [[1.0, 2.0], [14.0, 3.0], [5.0, 12.0]];
@@ -49,7 +49,7 @@ fn config(mode: ShadingMode) -> Config {
     config
 }
 
-/// What the microcomputer and the circuits put on each wire.
+/// Tokens of the microcomputer and the circuits on each wire.
 struct Wires {
     figures: Vec<Order>,
     selections: Vec<FigureFlow>,
@@ -63,7 +63,7 @@ struct Wires {
     sums: Vec<FigureFlow>,
 }
 
-/// Steps a unit of two inputs until both are used up.
+/// Steps a unit of two inputs until both are empty.
 fn join<A, B, T>(unit: &mut impl Unit<In = (Option<A>, Option<B>), Out = Option<T>>, a: Vec<A>, b: Vec<B>) -> Vec<T> {
     let (mut a, mut b, mut out) = (a.into_iter(), b.into_iter(), Vec::new());
     loop {
@@ -103,7 +103,7 @@ fn selected(mode: ShadingMode) -> Vec<FigureFlow> {
 }
 
 #[test]
-fn the_tokens_of_the_contracts_say_something() {
+fn contract_tokens_have_attributions() {
     let normal = wires(ShadingMode::Normal);
     let open = normal.highlights.iter().filter(|h| matches!(h, Highlights::Start { open: true })).count();
     let closed = normal.highlights.iter().filter(|h| matches!(h, Highlights::Start { open: false })).count();
@@ -111,7 +111,7 @@ fn the_tokens_of_the_contracts_say_something() {
     assert!(wires(ShadingMode::Brightness).brightness_dots.len() > 20 && wires(ShadingMode::Polyhedron).constant_dots.len() > 20);
 }
 
-/// The microcomputer with its four outputs on one wire: the contract knows up to two.
+/// The microcomputer with its four outputs on one wire, because the contract supports at most two.
 #[derive(Clone)]
 struct OneWire(Microcomputer);
 
@@ -266,7 +266,7 @@ unit_contract! {
     state: |unit| unit.unit.state => |unit, state| unit.unit.state = state,
 }
 
-/// What the adder says to a dot and a highlight.
+/// Returns the adder's fault message for a dot and a highlight.
 fn message(signal: FigureFlow, highlight: Highlights) -> String {
     let mut adder = Adder::default();
     adder.state.joins = true;
@@ -276,7 +276,7 @@ fn message(signal: FigureFlow, highlight: Highlights) -> String {
 }
 
 #[test]
-fn section_4_the_adder_asserts_equal_addresses() {
+fn section_4_adder_rejects_different_addresses() {
     let dot = |x, y| FigureFlow::Dot(Dot { x, y, ..Dot::default() });
     let highlight = |x, y| Highlights::Dot(Highlight { x, y, brightness: 0.5 });
     assert!(message(dot(3, 4), highlight(3, 4)).contains("fault: None"));
@@ -288,7 +288,7 @@ fn section_4_the_adder_asserts_equal_addresses() {
 }
 
 #[test]
-fn section_2_the_sum_is_not_saturated_and_the_output_is_once() {
+fn section_2_only_the_output_saturates() {
     let mut adder = Adder::default();
     adder.state.joins = true;
     let dot = FigureFlow::Dot(Dot { brightness: [0.9, -0.2, 0.1], ..Dot::default() });

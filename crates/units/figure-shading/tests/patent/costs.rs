@@ -1,4 +1,4 @@
-//! What is paid: operations of the CPU (11), its registers, memory (12), operators of the circuits.
+//! Costs: operations of the CPU (11), its registers, memory (12), operators of the circuits.
 
 use crate::chain::{Config, ShadedFragment, feed, frame, operators, polygon, shade, sun};
 use basrelief_figure_shading::{
@@ -21,7 +21,7 @@ fn lights(count: usize) -> Vec<Light> {
     vec![sun(Vec3::new(0.0, 0.1, 1.0)); count]
 }
 
-/// A microcomputer that has its frame and has drawn these.
+/// Returns a microcomputer that has its frame and has drawn these polygons.
 fn drawn(config: &Config, lights: Vec<Light>, polygons: &[Control]) -> (Microcomputer, Vec<ShadedFragment>) {
     let mut unit = config.microcomputer();
     feed(&mut unit, [frame(lights)]);
@@ -33,14 +33,14 @@ fn cycles(unit: &Microcomputer, process: Process) -> u64 {
     unit.state.counters.processes[process as usize].cycles
 }
 
-/// Cycles of a process for a curved square, and for a flat one.
+/// Returns the cycles of a process for a square with these normals.
 fn of_square(cpu: CpuConfig, normals: [Vec3; 4], process: Process) -> u64 {
     let config = Config { cpu, ..Config::default() };
     cycles(&drawn(&config, lights(1), &[polygon(&SQUARE, &normals, shiny(50.0))]).0, process)
 }
 
 #[test]
-fn each_process_takes_its_operations_from_the_one_table_of_the_cpu() {
+fn process_cycles_follow_cpu_table() {
     for (normals, flat) in [(CURVED, false), ([Vec3::Z; 4], true)] {
         for (process, name) in Process::ALL {
             let own = of_square(CpuConfig::default(), normals, process);
@@ -58,12 +58,12 @@ fn each_process_takes_its_operations_from_the_one_table_of_the_cpu() {
         change(&mut cpu);
         of_square(cpu, normals, process) - of_square(CpuConfig::default(), normals, process)
     };
-    // Four points: three differences and two sums; three squares; a comparison; and the register.
+    // Four points: three differences and two sums, three squares, a comparison, and the register.
     assert_eq!(more(|c| c.add += 1, CURVED, Process::Flatness), 4 * 5);
     assert_eq!(more(|c| c.multiply += 1, CURVED, Process::Flatness), 4 * 3);
     assert_eq!(more(|c| c.compare += 1, CURVED, Process::Flatness), 4);
     assert_eq!(more(|c| c.store += 1, CURVED, Process::Flatness), 1);
-    // Colour and Kd, N.L and Is; where process 22 adds the specular term N.H, Is, seven of the power, Ks.
+    // Colour and Kd, N.L and Is. If process 22 adds the specular term: N.H, Is, seven of the power, Ks.
     assert_eq!(more(|c| c.multiply += 1, CURVED, Process::Brightness), 4 * (4 + 4));
     assert_eq!(more(|c| c.multiply += 1, [Vec3::Z; 4], Process::Brightness), 4 * (4 + 4 + 4 + 7 + 1));
     assert_eq!(more(|c| c.square_root += 1, CURVED, Process::Mode), 1, "H of a light");
@@ -71,13 +71,13 @@ fn each_process_takes_its_operations_from_the_one_table_of_the_cpu() {
 }
 
 #[test]
-fn process_17_takes_no_power_per_polygon_and_finds_its_limit_once_per_material() {
+fn process_17_searches_limit_once_per_material() {
     let square = |n| polygon(&SQUARE, &CURVED, shiny(n));
     let config = Config::default();
     let spent = |polygons: &[Control]| cycles(&drawn(&config, lights(1), polygons).0, Process::Specular);
     let each = |n| spent(&[square(n), square(n), square(n)]) - spent(&[square(n), square(n)]);
     assert_eq!(each(2.0), each(200.0), "a comparison, whatever n");
-    // Four points: three loads, an inner product and a comparison; H, the limit and a comparison; the register.
+    // Four points: three loads, an inner product and a comparison. Also H, the limit and a comparison, and the register.
     let cpu = &config.cpu;
     let inner_product = 3 * cpu.multiply + 2 * cpu.add;
     let point = 3 * cpu.load + inner_product + cpu.compare;
@@ -90,7 +90,7 @@ fn process_17_takes_no_power_per_polygon_and_finds_its_limit_once_per_material()
 }
 
 #[test]
-fn process_17_searches_its_limit_only_when_the_material_changes() {
+fn process_17_searches_limit_on_material_change_only() {
     let square = |n| polygon(&SQUARE, &CURVED, shiny(n));
     let object = |id| {
         let (name, centre, shading) = (String::new(), [id as f32, 0.0, 0.0], ShadingSettings::default());
@@ -117,7 +117,7 @@ fn renormalising_costs_process_17_a_normalisation() {
 }
 
 #[test]
-fn process_24_pays_set_up_and_address_depth_and_store_of_each_dot() {
+fn process_24_pays_set_up_and_each_dot() {
     let config = Config::default();
     let flat = |side: f32| {
         let square = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
@@ -126,7 +126,7 @@ fn process_24_pays_set_up_and_address_depth_and_store_of_each_dot() {
     };
     let ((small, few), (large, many)) = (flat(4.0), flat(20.0));
     let cpu = &config.cpu;
-    // Three edges, address, depth, a branch; address and depth are stored.
+    // Three edges, address, depth, a branch. Address and depth are stored.
     assert_eq!(large - small, (many - few) * u64::from(6 * cpu.integer + 2 * cpu.store));
     let before_dots = small - few * u64::from(6 * cpu.integer + 2 * cpu.store);
     assert!(before_dots > 2 * u64::from(cpu.divide + 18 * cpu.multiply), "two triangles are set up: {before_dots}");
@@ -145,7 +145,7 @@ fn process_24_pays_set_up_and_address_depth_and_store_of_each_dot() {
     assert_eq!((occupancy(&config), occupancy(&slow)), (8, 40), "the dot's step itself takes that long");
 }
 
-/// Cycles of each step of circuit (50) for a dot.
+/// Returns the cycles of each step of circuit (50) for a dot.
 fn dot_of_50(renormalise: bool, operators: Operators, power_pipelined: bool) -> u64 {
     let config = NormalInterpolationConfig { pipelined: power_pipelined, ..NormalInterpolationConfig::default() };
     let (_, shaded) = drawn(&Config::default().plain(), lights(1), &[polygon(&SQUARE, &CURVED, shiny(50.0))]);
@@ -155,7 +155,7 @@ fn dot_of_50(renormalise: bool, operators: Operators, power_pipelined: bool) -> 
 }
 
 #[test]
-fn renormalising_keeps_circuit_50_as_long_as_its_square_root_not_only_later() {
+fn renormalising_occupies_circuit_50_for_square_root() {
     assert_eq!(dot_of_50(false, operators(), true), 1);
     assert_eq!(dot_of_50(true, operators(), true), 11, "the root is not in a pipeline");
     let slow_division = Operators { divide: OperatorConfig::new(20, 20), ..operators() };
@@ -164,7 +164,7 @@ fn renormalising_keeps_circuit_50_as_long_as_its_square_root_not_only_later() {
 }
 
 #[test]
-fn registers_14_16_and_18_are_written_in_a_step_each_and_a_polygon_takes_what_they_say() {
+fn registers_14_16_18_set_the_passing_polygon() {
     let mut unit = Config::default().microcomputer();
     let orders: Vec<Order> = feed(&mut unit, [frame(lights(1)), polygon(&SQUARE, &CURVED, shiny(50.0))])
         .into_iter()
@@ -188,7 +188,7 @@ fn registers_14_16_and_18_are_written_in_a_step_each_and_a_polygon_takes_what_th
     assert_eq!(figure.registers.mode, ShadingMode::Brightness, "what selects is the register, not what was meant");
 }
 
-/// Bytes that a unit of one input reads and writes in memory (12).
+/// Returns the bytes that a unit of one input reads and writes in memory (12).
 fn traffic_of(unit: &mut Microcomputer, control: Control) -> [u64; 2] {
     let (mut sums, mut input) = ([0; 2], Some(control));
     loop {
@@ -203,7 +203,7 @@ fn traffic_of(unit: &mut Microcomputer, control: Control) -> [u64; 2] {
 }
 
 #[test]
-fn the_host_writes_memory_12_and_the_processes_read_it() {
+fn host_writes_memory_12_and_processes_read_it() {
     let square = || polygon(&SQUARE, &CURVED, shiny(50.0));
     let mut host = HostInterface::new(HostConfig::default());
     let mut written = Vec::new();
@@ -218,6 +218,6 @@ fn the_host_writes_memory_12_and_the_processes_read_it() {
     let mut unit = Config::default().microcomputer();
     traffic_of(&mut unit, frame(lights(1)));
     traffic_of(&mut unit, square());
-    // Of four points: normals by 15, 17, 20 and 22, places by 20 and 23, brightness by 23; a light by 17, 20 and 22.
+    // Four points: normals for 15, 17, 20 and 22, positions for 20 and 23, brightness for 23. A light for 17, 20 and 22.
     assert_eq!(traffic_of(&mut unit, square()), [4 * (4 * (4 + 2 + 1) * 3 + 3 * 8), 4 * 4 * 3]);
 }

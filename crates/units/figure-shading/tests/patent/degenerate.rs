@@ -1,4 +1,4 @@
-//! Polygons that are none: the rules of the crate's page.
+//! Degenerate polygons: the rules in the crate documentation.
 
 use crate::chain::{Config, SIDE, draw, polygon, sun};
 use basrelief_figure_shading::{Dot, ShadingMode};
@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 const TRIANGLE: [[f32; 2]; 3] = [[2.0, 2.0], [28.0, 4.0], [6.0, 30.0]];
 
-/// Dots in every mode: the same places in all of them.
+/// Returns the dots in every mode, which have the same positions.
 fn drawn(points: &[[f32; 2]], normals: &[Vec3]) -> Vec<Dot> {
     let mut places: Vec<BTreeSet<(u16, u16)>> = Vec::new();
     let mut last = Vec::new();
@@ -37,7 +37,7 @@ fn zero_area_and_repeated_points_have_no_dots() {
 }
 
 #[test]
-fn a_repeated_point_in_a_larger_polygon_changes_nothing() {
+fn repeated_point_changes_nothing() {
     let [a, b, c] = TRIANGLE;
     let normals = [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.6, 0.8)];
     let once = drawn(&TRIANGLE, &normals);
@@ -47,7 +47,7 @@ fn a_repeated_point_in_a_larger_polygon_changes_nothing() {
 }
 
 #[test]
-fn a_polygon_that_is_not_convex_or_folds_over_is_drawn_once_per_dot() {
+fn concave_or_folded_polygon_is_drawn_once_per_dot() {
     let arrow = [[2.0, 2.0], [28.0, 15.0], [2.0, 28.0], [14.0, 15.0]];
     let inside = drawn(&arrow, &[Vec3::Z; 4]);
     assert!(inside.iter().any(|d| (d.x, d.y) == (20, 14)));
@@ -63,7 +63,7 @@ fn nan_coordinates_count_as_zero() {
 }
 
 #[test]
-fn normals_that_are_not_finite_count_as_zero_and_a_zero_normal_is_ambient() {
+fn infinite_normal_counts_as_zero_and_is_ambient() {
     for renormalise in [false, true] {
         let mut config = Config::default().plain();
         config.shading.renormalise = renormalise;
@@ -80,7 +80,7 @@ fn normals_that_are_not_finite_count_as_zero_and_a_zero_normal_is_ambient() {
 }
 
 #[test]
-fn a_polygon_without_enough_points_has_no_dots_either() {
+fn polygon_with_too_few_points_has_no_dots() {
     for count in 0..3 {
         let Control::Polygon(whole) = polygon(&TRIANGLE, &[Vec3::Z; 3], Lighting::default()) else { unreachable!() };
         let vertices = whole.vertices[..count].to_vec();

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::cmp::Ordering;
 
-/// As the theorem wants it.
+/// Returns the configuration for which the theorem is exact.
 fn exact() -> Config {
     let mut config = Config::default().plain();
     config.shading.clamp = Clamp::None;
@@ -21,8 +21,8 @@ fn power(x: f64, n: f32) -> f64 {
     libm::pow(x.clamp(0.0, 1.0), f64::from(n))
 }
 
-/// `Ip = {alpha*gamma + beta*(1-gamma)} I1 + (1-alpha)*gamma I2 + (1-beta)*(1-gamma) I3`, the scan line through `y`
-/// cutting P1P2 in Pa and P1P3 in Pb; each ratio is 1 at the first-named point.
+/// Computes `Ip = {alpha*gamma + beta*(1-gamma)} I1 + (1-alpha)*gamma I2 + (1-beta)*(1-gamma) I3`. The scan line through `y` cuts
+/// P1P2 in Pa and P1P3 in Pb. Each ratio is 1 at the first-named point.
 fn two_steps(t: &[[f32; 2]; 3], i: [f64; 3], dot: (u16, u16)) -> f64 {
     let (x, y) = (f64::from(dot.0) + 0.5, f64::from(dot.1) + 0.5);
     let p = t.map(|p| p.map(f64::from));
@@ -45,7 +45,7 @@ fn two_steps(t: &[[f32; 2]; 3], i: [f64; 3], dot: (u16, u16)) -> f64 {
 
 proptest! {
     #[test]
-    fn equation_6_is_what_circuit_21_interpolates(t in triangle(), normals in prop::array::uniform3(direction()), kd in 0.125f32..1.0) {
+    fn equation_6_equals_circuit_21(t in triangle(), normals in prop::array::uniform3(direction()), kd in 0.125f32..1.0) {
         let mut config = exact();
         config.shading.mode = ShadingMode::Brightness;
         let lighting = basrelief_signals::Lighting { ka: 0.1, kd, ks: 0.0, n: 1.0 };
@@ -60,7 +60,7 @@ proptest! {
     }
 
     #[test]
-    fn theorem_ambient_and_diffuse_by_brightness_are_those_by_normals_and_only_the_specular_term_differs(
+    fn theorem_only_specular_depends_on_interpolation(
         t in triangle(), normals in prop::array::uniform3(direction()), light in direction(), lighting in lighting(),
     ) {
         let shaded = draw(&exact(), vec![sun(light)], polygon(&t, &normals, lighting));
@@ -78,9 +78,9 @@ proptest! {
         }
     }
 
-    /// max(0, L.N) at the sample points lies above max(0, L.Np) by as much as the dark ones are cut off.
+    /// max(0, L.N) at the sample points exceeds max(0, L.Np) by the part that is clamped at the dark points.
     #[test]
-    fn theorem_with_clamping_is_off_by_at_most_what_is_cut_off(
+    fn theorem_error_with_clamp_is_at_most_clamped_part(
         t in triangle(), normals in prop::array::uniform3(direction()), light in direction(), lighting in lighting(),
     ) {
         let mut config = exact();
@@ -98,7 +98,7 @@ proptest! {
 
     /// Renormalised, L.Np grows by the factor by which Np was short.
     #[test]
-    fn theorem_with_renormalising_is_off_by_what_the_normal_is_short(
+    fn theorem_error_renormalised_is_normal_shortening(
         t in triangle(), normals in prop::array::uniform3(direction()), light in direction(), lighting in lighting(),
     ) {
         let mut config = exact();
@@ -115,7 +115,7 @@ proptest! {
 }
 
 #[test]
-fn theorem_does_not_hold_with_clamping_where_some_but_not_all_points_are_dark() {
+fn theorem_fails_with_clamp_at_partly_dark_polygon() {
     let t = [[0.0, 0.0], [32.0, 0.0], [0.0, 32.0]];
     let normals = [Vec3::Z, -Vec3::Z, Vec3::Z];
     let lighting = basrelief_signals::Lighting { ka: 0.0, kd: 1.0, ks: 0.1, n: 10.0 };
@@ -131,7 +131,7 @@ fn theorem_does_not_hold_with_clamping_where_some_but_not_all_points_are_dark() 
 }
 
 #[test]
-fn section_4_the_shortened_normal_dims_the_highlight() {
+fn section_4_shortened_normal_dims_highlight() {
     // Normals 20 degrees apart, H half-way between.
     let turn = 10f64.to_radians();
     let tilted = |s: f64| DVec3::new(s * libm::sin(turn), 0.0, libm::cos(turn)).as_vec3();
@@ -152,7 +152,7 @@ fn section_4_the_shortened_normal_dims_the_highlight() {
 }
 
 #[test]
-fn section_2_n_h_is_clamped_to_0_and_1_before_the_power_in_circuit_50() {
+fn section_2_circuit_50_clamps_n_h_before_power() {
     let t = [[1.0, 1.0], [30.0, 3.0], [9.0, 29.0]];
     let lighting = basrelief_signals::Lighting { ka: 0.0, kd: 0.0, ks: 0.5, n: 2.0 };
     for (normal, highlight) in [(1.5 * Vec3::Z, 0.5), (-Vec3::Z, 0.0), (-1.5 * Vec3::Z, 0.0), (0.5 * Vec3::Z, 0.125)] {
@@ -163,7 +163,7 @@ fn section_2_n_h_is_clamped_to_0_and_1_before_the_power_in_circuit_50() {
 }
 
 #[test]
-fn section_2_the_terms_of_several_lights_add_up() {
+fn section_2_terms_of_several_lights_add_up() {
     let t = [[1.0, 1.0], [30.0, 3.0], [9.0, 29.0]];
     let normals = [Vec3::new(0.1, 0.0, 1.0), Vec3::new(-0.2, 0.1, 1.0), Vec3::new(0.0, -0.2, 1.0)].map(Vec3::normalize);
     let lighting = basrelief_signals::Lighting { ka: 0.0, ..Default::default() };

@@ -1,4 +1,4 @@
-//! Section 4: what the host sends, and when.
+//! Section 4: data that the host sends, and their timing.
 
 use crate::chain::{frame, polygon, sun};
 use basrelief_figure_shading::{Finished, HostConfig, HostInterface};
@@ -38,7 +38,7 @@ fn object() -> Control {
 }
 
 #[test]
-fn bytes_are_those_of_the_protocol() {
+fn host_bytes_follow_protocol() {
     let mut unit = unit(HostConfig { buffers: 2, ..HostConfig::default() });
     let mut sent = |control| {
         let before = unit.state.counters.bytes;
@@ -59,7 +59,7 @@ fn bytes_are_those_of_the_protocol() {
 }
 
 #[test]
-fn the_l_of_a_light_at_a_point_is_sent_for_each_object() {
+fn point_light_l_is_sent_per_object() {
     let mut unit = unit(HostConfig::default());
     send(&mut unit, frame(vec![Light { kind: LightKind::Point { position: [1.0; 3] }, intensity: 1.0 }, sun(Vec3::Z)]));
     let before = unit.state.counters.bytes;
@@ -68,7 +68,7 @@ fn the_l_of_a_light_at_a_point_is_sent_for_each_object() {
 }
 
 #[test]
-fn a_polygon_is_finished_before_the_next_is_taken_or_one_is_ahead() {
+fn polygon_waits_for_a_free_buffer() {
     for buffers in [1, 2] {
         let mut unit = unit(HostConfig { buffers, ..HostConfig::default() });
         send(&mut unit, frame(vec![sun(Vec3::Z)]));
@@ -83,7 +83,7 @@ fn a_polygon_is_finished_before_the_next_is_taken_or_one_is_ahead() {
 }
 
 #[test]
-fn the_frame_ends_when_all_polygons_are_finished() {
+fn frame_ends_after_all_polygons() {
     let mut unit = unit(HostConfig { buffers: 2, ..HostConfig::default() });
     send(&mut unit, frame(vec![sun(Vec3::Z)]));
     send(&mut unit, square(9.0));

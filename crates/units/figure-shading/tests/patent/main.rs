@@ -1,4 +1,4 @@
-//! The circuits together, without time: what the patent's page says of them. And of each unit its contract.
+//! Tests of the circuits together, without time, against the patent, and of the contract of each unit.
 
 mod chain;
 mod contract;

@@ -1,4 +1,4 @@
-//! Mode, Ia and Is as a display list says them, for a frame or an object.
+//! Mode, Ia and Is as set by a display list for a frame or an object.
 
 use crate::chain::{Config, SIDE, feed, polygon, shade, sun};
 use basrelief_figure_shading::{HostConfig, HostInterface, Microcomputer, Order, RegisterWrite, Route, ShadingMode};
@@ -31,7 +31,7 @@ fn square() -> Control {
     polygon(&SQUARE, &[Vec3::Z; 4], Lighting { ka: 0.1, kd: 0.2, ks: 0.3, n: 1.0 })
 }
 
-/// Route and brightness of the square, and what the mode register (14) was told since the polygon before.
+/// Returns route and brightness of the square, and the values written to the mode register (14) since the previous polygon.
 fn draw(unit: &mut Microcomputer, controls: Vec<Control>) -> (Route, f32, Vec<ShadingMode>) {
     let orders = feed(unit, controls).into_iter().filter_map(|(order, ..)| order);
     let modes = orders.filter_map(|o| if let Order::Write(RegisterWrite::Mode(mode)) = o { Some(mode) } else { None }).collect();
@@ -44,7 +44,7 @@ fn draw(unit: &mut Microcomputer, controls: Vec<Control>) -> (Route, f32, Vec<Sh
 }
 
 #[test]
-fn an_objects_mode_ia_and_is_go_ahead_of_its_frames_and_those_of_the_configuration() {
+fn object_settings_override_frame_and_configuration() {
     let mut unit = Config::default().microcomputer();
     let mode = |mode| ShadingSettings { mode: Some(mode), ..ShadingSettings::default() };
     let none = ShadingSettings::default();
@@ -69,7 +69,7 @@ fn an_objects_mode_ia_and_is_go_ahead_of_its_frames_and_those_of_the_configurati
 }
 
 #[test]
-fn the_host_sends_what_differs() {
+fn host_sends_changed_settings() {
     let mut host = HostInterface::new(HostConfig::default());
     let mut sent = |control| {
         let before = host.state.counters.bytes;

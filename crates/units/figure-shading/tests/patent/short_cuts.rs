@@ -10,14 +10,14 @@ use std::sync::Arc;
 
 const SQUARE: [[f32; 2]; 4] = [[2.0, 2.0], [30.0, 2.0], [30.0, 30.0], [2.0, 30.0]];
 
-/// How far brightness can move with a normal: Kd + n*Ks per unit of distance, and light.
+/// Returns the largest change of brightness with a normal: Kd + n*Ks per unit of distance and light.
 fn slope(lighting: &Lighting) -> f32 {
     lighting.kd + lighting.n * lighting.ks
 }
 
 proptest! {
     #[test]
-    fn flatness_changes_no_output_beyond_the_tolerance(
+    fn flatness_changes_output_within_tolerance(
         t in triangle(), normal in direction(), off in prop::array::uniform3(direction()), light in direction(),
         lighting in lighting(), share in 0f32..0.9, tolerance in prop::sample::select(vec![1e-5f32, 1e-3, 0.05]),
     ) {
@@ -28,8 +28,8 @@ proptest! {
         let flat = draw(&config, lights.clone(), polygon(&t, &normals, lighting));
         prop_assert_eq!(flat.figure.expect("a figure").route, Route::Flat);
         let full = draw(&config.plain(), lights, polygon(&t, &normals, lighting));
-        // Each normal lies within the tolerance of the first, so any mean of them lies within twice that of any other; and
-        // a negligible specular term may be missing, at most half a step.
+        // Each normal lies within the tolerance of the first, so any mean of them lies within twice that of any other. A
+        // negligible specular term may be missing, at most half a step.
         let most = 2.0 * tolerance * slope(&lighting) + 1.0 / 510.0 + 1e-4;
         prop_assert_eq!(flat.dots.len(), full.dots.len());
         for (a, b) in flat.dots.iter().zip(&full.dots) {
@@ -38,7 +38,7 @@ proptest! {
     }
 
     #[test]
-    fn a_polygon_that_is_not_flat_is_never_called_so(t in triangle(), normal in direction(), off in direction(), far in 1.125f32..100.0) {
+    fn curved_polygon_is_never_flat(t in triangle(), normal in direction(), off in direction(), far in 1.125f32..100.0) {
         let config = Config::default();
         let other = normal + far * config.short_cuts.flatness.tolerance * off;
         prop_assume!((other - normal).length() > 1.01 * config.short_cuts.flatness.tolerance);
@@ -47,7 +47,7 @@ proptest! {
     }
 
     #[test]
-    fn same_plane_changes_no_output_beyond_the_tolerance(
+    fn same_plane_changes_output_within_tolerance(
         first in triangle(), second in triangle(), normal in direction(), off in direction(), light in direction(),
         lighting in lighting(), share in 0f32..0.9, tolerance in prop::sample::select(vec![1e-5f32, 1e-3]),
     ) {
@@ -69,7 +69,7 @@ proptest! {
 }
 
 #[test]
-fn a_polygon_whose_points_differ_in_colour_is_not_flat() {
+fn polygon_of_different_colours_is_not_flat() {
     let Control::Polygon(white) = polygon(&SQUARE, &[Vec3::Z; 4], Lighting::default()) else { unreachable!() };
     let mut coloured = Polygon::clone(&white);
     coloured.vertices[2].color = [1.0, 0.0, 0.0, 1.0];
@@ -78,7 +78,7 @@ fn a_polygon_whose_points_differ_in_colour_is_not_flat() {
 }
 
 #[test]
-fn default_tolerances_move_no_output_by_more_than_1() {
+fn default_tolerances_move_output_by_at_most_1() {
     let lighting = Lighting { ka: 0.1, kd: 0.8, ks: 0.4, n: 200.0 };
     for i in 0..200 {
         let off = Vec3::new(0.9e-5, 0.0, 0.0);
@@ -92,10 +92,10 @@ fn default_tolerances_move_no_output_by_more_than_1() {
     }
 }
 
-/// A name, and what it changes.
+/// A name, and a change.
 type Change<T> = (&'static str, fn(&mut T));
 
-/// What may change between two polygons of one plane.
+/// Inputs that may change between two polygons of one plane.
 #[derive(Clone)]
 struct Scene {
     to_viewer: [f64; 3],
@@ -138,7 +138,7 @@ impl Scene {
     }
 }
 
-/// Route of the second polygon, drawn by `unit` after the first of `before`.
+/// Returns the route of the second polygon, drawn by `unit` after the first of `before`.
 fn second(before: &Scene, after: &Scene, config: &Config) -> Route {
     let first = Config::default();
     let mut unit = first.microcomputer();
@@ -151,7 +151,7 @@ fn second(before: &Scene, after: &Scene, config: &Config) -> Route {
 }
 
 #[test]
-fn figure_7_the_stored_brightness_is_void_after_any_new_mode_ia_is_l_v_ka_kd_ks_n() {
+fn figure_7_any_new_input_voids_stored_brightness() {
     let (scene, same) = (Scene::new(), Config::default());
     assert_eq!(second(&scene, &scene, &same), Route::Reused, "sent again, but not changed");
     let changes: [Change<Scene>; 10] = [
@@ -185,7 +185,7 @@ fn figure_7_the_stored_brightness_is_void_after_any_new_mode_ia_is_l_v_ka_kd_ks_
 }
 
 #[test]
-fn figure_7_what_is_reused_is_not_calculated() {
+fn figure_7_reused_brightness_is_not_calculated() {
     let (scene, config) = (Scene::new(), Config::default());
     let mut unit = config.microcomputer();
     feed(&mut unit, [scene.frame()]);
@@ -200,8 +200,8 @@ fn figure_7_what_is_reused_is_not_calculated() {
     assert_eq!((unit.state.counters.flat, unit.state.counters.reused), (2, 1));
 }
 
-/// Brightness at the sample points of a polygon in these circumstances: ambient 0.1, diffuse 0.5, specular 0.3, all at
-/// their full value, less what process 22 leaves out.
+/// Returns the brightness at the sample points of a polygon in this state: ambient 0.1, diffuse 0.5, specular 0.3, all at full
+/// value, without the terms that process 22 leaves out.
 fn at_sample_points(mode: ShadingMode, flat: bool, negligible: bool) -> f32 {
     let mut config = Config::default();
     config.shading.mode = mode;
@@ -210,7 +210,7 @@ fn at_sample_points(mode: ShadingMode, flat: bool, negligible: bool) -> f32 {
     config.short_cuts.flatness.tolerance = if flat { 1.0 } else { 0.0 };
     config.short_cuts.specular_negligible.threshold = if negligible { 1.0 } else { 0.0 };
     let lighting = Lighting { ka: 0.1, kd: 0.5, ks: 0.3, n: 1.0 };
-    // Not quite the same normals, so that the tolerance decides.
+    // Normals that differ slightly, so that the tolerance decides.
     let normals = [Vec3::Z, Vec3::Z, Vec3::Z, Vec3::new(1e-4, 0.0, 1.0)];
     let shaded = draw(&config, vec![sun(Vec3::Z)], polygon(&SQUARE, &normals, lighting));
     let figure = shaded.figure.expect("a figure");
@@ -220,7 +220,7 @@ fn at_sample_points(mode: ShadingMode, flat: bool, negligible: bool) -> f32 {
 }
 
 #[test]
-fn figure_6_steps_80_to_83_when_the_specular_term_enters_process_22() {
+fn figure_6_steps_80_to_83_add_specular_in_process_22() {
     for mode in [ShadingMode::Normal, ShadingMode::Brightness, ShadingMode::Polyhedron] {
         for flat in [false, true] {
             for negligible in [false, true] {
@@ -235,7 +235,7 @@ fn figure_6_steps_80_to_83_when_the_specular_term_enters_process_22() {
 }
 
 #[test]
-fn section_2_constant_shading_is_the_mean_of_the_sample_points() {
+fn section_2_constant_shading_is_mean_of_sample_points() {
     let mut config = Config::default();
     config.shading.mode = ShadingMode::Polyhedron;
     let normals = [Vec3::Z, Vec3::X, Vec3::new(0.6, 0.0, 0.8)];

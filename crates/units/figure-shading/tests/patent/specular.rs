@@ -18,7 +18,7 @@ fn renormalising(renormalise: bool) -> Config {
     config
 }
 
-/// Normals that lean away from the highlight by this angle \[degrees\], in three directions.
+/// Returns normals that lean away from the highlight by this angle \[degrees\], in three directions.
 fn leaning(angle: f64) -> [Vec3; 3] {
     [0.0, 120.0, 240.0].map(|turn: f64| {
         let (a, t) = (angle.to_radians(), turn.to_radians());
@@ -27,7 +27,7 @@ fn leaning(angle: f64) -> [Vec3; 3] {
 }
 
 #[test]
-fn a_highlight_may_peak_inside_a_polygon_whose_points_are_all_dark() {
+fn highlight_may_peak_inside_dark_polygon() {
     let lighting = Lighting { ks: 0.5, n: 200.0, ..Lighting::default() };
     for angle in [20.0, 40.0, 80.0] {
         let normals = leaning(angle);
@@ -42,7 +42,7 @@ fn a_highlight_may_peak_inside_a_polygon_whose_points_are_all_dark() {
 }
 
 #[test]
-fn no_bound_where_normals_may_cancel() {
+fn cancelling_normals_have_no_bound() {
     let lighting = Lighting { ks: 0.5, n: 200.0, ..Lighting::default() };
     let apart = [Vec3::X, -Vec3::X, Vec3::Y];
     assert_eq!(route(&renormalising(true), &apart, lighting), Route::Normal);
@@ -52,7 +52,7 @@ fn no_bound_where_normals_may_cancel() {
 }
 
 #[test]
-fn what_faces_away_or_does_not_shine_is_negligible() {
+fn back_facing_or_matt_polygon_is_negligible() {
     let lighting = Lighting { ks: 0.5, n: 1.0, ..Lighting::default() };
     let away = leaning(110.0);
     assert_eq!(route(&renormalising(true), &away, lighting), Route::GateClosed);
@@ -64,7 +64,7 @@ fn what_faces_away_or_does_not_shine_is_negligible() {
 }
 
 #[test]
-fn register_18_closes_the_gate_or_circuit_50_is_not_started() {
+fn register_18_closes_gate_or_skips_circuit_50() {
     let lighting = Lighting { ks: 0.5, n: 200.0, ..Lighting::default() };
     let polygon = || polygon(&[[0.0, 0.0], [31.0, 0.0], [0.0, 31.0]], &leaning(40.0), lighting);
     let mut config = Config::default();
@@ -78,7 +78,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 4 * ProptestConfig::default().cases, ..ProptestConfig::default() })]
 
     #[test]
-    fn specular_negligible_is_conservative_no_output_changes_by_more_than_1(
+    fn specular_negligible_changes_output_by_at_most_1(
         t in triangle(), middle in direction(), spread in 0f32..2.5, off in prop::array::uniform3(direction()),
         lights in prop::collection::vec(direction(), 1..3), lighting in lighting(), renormalise in any::<bool>(),
         mode in prop::sample::select(vec![ShadingMode::Normal, ShadingMode::Normal, ShadingMode::Brightness, ShadingMode::Polyhedron]),
