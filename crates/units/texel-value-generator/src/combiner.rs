@@ -10,7 +10,7 @@ use basrelief_signals::width::COLOR;
 use basrelief_signals::{Control, Flow, GatheredLines, LINE_PIXELS, PACKET_PIXELS, PixelPacket, layout, line_of};
 use serde::{Deserialize, Serialize};
 
-/// What the combiner has counted.
+/// Counters of the combiner.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CombinerCounters {
     /// Frames begun.
@@ -19,56 +19,57 @@ pub struct CombinerCounters {
     pub pixels: u64,
     /// Pixels combined with their old value.
     pub read_back: u64,
-    /// Lines read for them.
+    /// Lines read for old values.
     pub lines_read: u64,
-    /// Packets whose line was at hand.
+    /// Packets whose line was held.
     pub forwarded: u64,
 }
 
-/// Everything the combiner remembers.
+/// State of the combiner between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CombinerState {
     /// Width and height of the frame \[pixels\].
     pub size: [u32; 2],
-    /// What it wrote last to each pixel: what it reads back. Empty where it never does.
+    /// Value last written to each pixel, which read-back returns. Empty if the mode never reads back.
     pub old: Vec<[u8; 3]>,
     /// Lines whose last values may not be in memory yet.
     pub held: GatheredLines,
-    /// Displacements of the frame, where somebody asked.
+    /// Displacements of the frame, if requested.
     pub map: Option<DisplacementMap>,
-    /// Those of frames that are complete and that nobody has fetched.
+    /// Displacements of complete frames, not fetched yet.
     pub finished: Vec<DisplacementMap>,
-    /// What it has counted.
+    /// Counters.
     pub counters: CombinerCounters,
 }
 
-/// Combiner (350): texture value times illuminance, and with the old pixel value from the buffer (360) where the mode asks for
-/// it (claims 4, 7). Client 0 reads old values, a line at a time.
+/// Combiner (350): multiplies texture value and illuminance, and combines the product with the old pixel value from the buffer
+/// (360) if the mode requires it (claims 4, 7). Client 0 reads old values, a line at a time.
 ///
-/// Order: between here and memory lie pixels that are on their way to the buffer (360), lines that gather there, and writes that
-/// were posted. A read would overtake them, and find what was there before. So the combiner holds the last lines that it wrote, as
-/// many as these can be, and takes old values from there: a line that is held is not read, and of one that no longer is, so many
-/// others were written since that its own write is done. (To wait for it instead would take less memory, and the whole way to it
-/// and back for every line that two polygons share.)
+/// Order: between the combiner and memory there are pixels on their way to the buffer (360), lines that gather there, and posted
+/// writes. A read would overtake them and return an older value. So the combiner holds the last lines that it wrote, as many as
+/// can be in flight, and takes old values from them. A held line is not read. When a line is no longer held, so many others were
+/// written since that its own write is done. (Waiting for the write instead would need less memory, but it would cost a round
+/// trip for every line that two polygons share.)
 ///
-/// Memories give time, never data (law 6): the combiner is the only one that writes pixels, so it knows what it would read.
+/// Memories provide timing, never data (law 6). The combiner is the only unit that writes pixels, so it knows the value that it
+/// would read.
 #[derive(Clone, Debug, Default)]
 pub struct Combiner {
     /// Parameters.
     pub config: CombinerConfig,
-    /// Lines that it holds: at least as many as can be under way from here to memory.
+    /// Lines held: at least as many as can be in flight from here to memory.
     pub lines: u32,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: CombinerState,
 }
 
 impl Combiner {
-    /// A combiner at power-on, from which up to `lines` lines are under way to memory.
+    /// Creates a combiner in its power-on state, with up to `lines` lines in flight to memory.
     pub fn new(config: CombinerConfig, lines: u32) -> Self {
         Self { config, lines, state: CombinerState::default() }
     }
 
-    /// Keeps a map of displacements from now on.
+    /// Starts to record a map of displacements.
     pub fn keep_log(&mut self) {
         self.state.map = Some(DisplacementMap::default());
     }
@@ -77,7 +78,7 @@ impl Combiner {
         let state = &mut self.state;
         match control {
             Control::Frame(frame) => {
-                // A picture without room is the frame buffer's to report.
+                // The frame buffer reports a picture that is too large.
                 let fits = layout::fits(frame.width, frame.height);
                 state.size = if fits { [frame.width, frame.height] } else { [0, 0] };
                 let pixels = state.size[0] as usize * state.size[1] as usize;
@@ -98,7 +99,7 @@ impl Combiner {
         }
     }
 
-    /// Reads the line that a packet lies in, unless it is held; frames take two buffers in turn.
+    /// Reads the line of a packet unless it is held. Frames alternate between two buffers.
     fn read_back(&mut self, packet: &TexturePacket, traffic: &mut Traffic) {
         let line = line_of::<PixelPacket>(self.state.size[0], [u32::from(packet.packet.x), u32::from(packet.packet.y)]);
         let state = &mut self.state;
@@ -137,7 +138,7 @@ impl Combiner {
         out
     }
 
-    /// The new value with the old one of a pixel, which it becomes.
+    /// Combines a new value with the old one of a pixel, and stores the result as its old value.
     fn with_old(&mut self, new: &mut [u8; 3], alpha: u8, [x, y]: [u16; 2]) {
         let place = usize::from(y) * self.state.size[0] as usize + usize::from(x);
         let Some(old) = self.state.old.get_mut(place) else { return };
@@ -151,11 +152,11 @@ impl Combiner {
     }
 }
 
-/// A texture value or an illuminance.
+/// Width of a texture value or an illuminance \[bits\].
 const FACTOR_BITS: u32 = 16;
-/// A component of a pixel, or its weight.
+/// Width of a component of a pixel, or of its weight \[bits\].
 const PIXEL_BITS: u32 = 8;
-/// Number of a line, and its place in the order of writes.
+/// Width of a line number and its position in the order of writes \[bits\].
 const LINE_TAG_BITS: u32 = 32;
 
 impl Combiner {
@@ -174,7 +175,8 @@ impl Combiner {
     }
 }
 
-/// 8 bits of a texture value, 255 * 2^8 being 1, times an illuminance, 2^14 being 1: saturating, halves rounded up.
+/// Multiplies a texture value (255 * 2^8 means 1) and an illuminance (2^14 means 1) to 8 bits. Values saturate and halves round
+/// up.
 #[inline(always)]
 fn product(texture: u16, illuminance: u16) -> u8 {
     ((u32::from(texture) * u32::from(illuminance) + (1 << 21)) >> 22).min(255) as u8
@@ -194,7 +196,7 @@ impl Unit for Combiner {
     fn step(&mut self, input: Self::In, traffic: &mut Traffic) -> Step<Self::Out> {
         let latency = u64::from(self.config.latency);
         match pair("combiner", input, traffic) {
-            // All hidden.
+            // All pixels are hidden.
             Pair::Items(texture, _) if texture.packet.mask == 0 => Step::after(latency, None),
             Pair::Items(texture, light) => {
                 let out = self.combine(&texture, &light, traffic);
@@ -209,7 +211,7 @@ impl Unit for Combiner {
         }
     }
 
-    /// One read of a line.
+    /// Returns one read of a line.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client == 0 && self.config.mode != CombineMode::Replace)
     }
@@ -234,7 +236,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_times_one_is_one_and_halves_are_rounded_up() {
+    fn product_of_ones_is_one_and_halves_round_up() {
         let one = 1 << 14;
         for value in 0..=255u16 {
             assert_eq!(product(value << 8, one), value as u8);

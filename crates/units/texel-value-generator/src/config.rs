@@ -4,7 +4,7 @@ use basrelief_parameters::parameters;
 use basrelief_signals::TexelFilter;
 use serde::{Deserialize, Serialize};
 
-/// Declares a choice of behaviour: a fieldless enum, in snake case in files, its first variant the default.
+/// Declares a choice of behaviour: a fieldless enum, in snake case in files, whose first variant is the default.
 macro_rules! choice {
     ($(#[doc = $about:literal])* $name:ident { $(#[doc = $first_doc:literal])* $first:ident, $($(#[doc = $doc:literal])* $other:ident,)* }) => {
         $(#[doc = $about])*
@@ -18,21 +18,21 @@ macro_rules! choice {
 }
 
 choice! {
-    /// Where division points lie along a scan line.
+    /// Position of division points along a scan line.
     Method {
         /// As far apart as the accuracy criterion allows (Figures 4A, 4B).
         Adaptive,
-        /// Every pixel is one.
+        /// At every pixel.
         Exact,
         /// At a fixed distance, or a fixed number per scan line (Figure 2).
         Fixed,
-        /// Where the scan line crosses the edges of equal child polygons (Figure 1).
+        /// At the edges of equal child polygons that the scan line crosses (Figure 1).
         Subpolygon,
     }
 }
 
 choice! {
-    /// The equation of the step.
+    /// Equation of the step.
     StepForm {
         /// `2 sqrt(e w / |dw|) + e` for dw > 0, `- e` for dw < 0.
         Exact,
@@ -42,55 +42,55 @@ choice! {
 }
 
 choice! {
-    /// How a span's real ends become integer pixels (step 410).
+    /// Conversion of a span's real ends to integer pixels (step 410).
     Snap {
-        /// Up: the pixels whose centres lie between the ends.
+        /// Up: the pixels with centres between the ends.
         Ceil,
         /// To the nearest.
         Round,
         /// Down.
         Floor,
-        /// Towards zero: down, as there is nothing left of the screen.
+        /// Towards zero: down, because no pixel lies left of the screen.
         Truncate,
     }
 }
 
 choice! {
-    /// In which direction a scan line is marched along.
+    /// Direction of marching along a scan line.
     March {
-        /// From its left end.
+        /// From the left end.
         LeftToRight,
-        /// From its right end.
+        /// From the right end.
         RightToLeft,
     }
 }
 
 choice! {
-    /// How u = U/W and v = V/W are formed.
+    /// Computation of u = U/W and v = V/W.
     Division {
-        /// By two divisions.
+        /// Two divisions.
         Two,
-        /// By one reciprocal and two multiplications.
+        /// One reciprocal and two multiplications.
         Reciprocal,
     }
 }
 
 choice! {
-    /// How the MIP-map selector (320) selects.
+    /// Selection by the MIP-map selector (320).
     MipMode {
-        /// Always level 0.
+        /// Level 0, always.
         Off,
-        /// The level nearest to the derived one.
+        /// The level nearest to the computed one.
         Nearest,
-        /// The two levels around the derived one, weighted.
+        /// The two levels around the computed one, weighted.
         Trilinear,
     }
 }
 
 choice! {
-    /// What a MIP level is selected for.
+    /// Scope of a MIP level.
     MipPer {
-        /// A segment: within one the mapping is affine.
+        /// A segment, because the mapping is affine within one.
         Segment,
         /// A pixel, by the exact derivative there.
         Pixel,
@@ -98,21 +98,21 @@ choice! {
 }
 
 choice! {
-    /// What the illuminance value generator (340) generates.
+    /// Output of the illuminance value generator (340).
     IlluminanceMode {
         /// Brightness at the vertices, interpolated along edges and scan lines, times the colours.
         Gouraud,
-        /// The colours alone.
+        /// Colours only.
         Off,
     }
 }
 
 choice! {
-    /// What the combiner (350) makes of a new value and the old one in the pixel value buffer (360).
+    /// Combination of a new value with the old one in the pixel value buffer (360) by the combiner (350).
     CombineMode {
-        /// The new one.
+        /// The new value.
         Replace,
-        /// Their product.
+        /// Product of both.
         Modulate,
         /// Both, weighted by the alpha of the new one.
         Blend,
@@ -122,51 +122,53 @@ choice! {
 parameters! {
     /// Scan converter.
     pub struct ScanConverterConfig {
-        /// Window coordinates are snapped to steps of 2^-n pixel.
+        /// Sub-pixel bits n: window coordinates are snapped to steps of 2^-n pixel.
         subpixel_bits: u32 = 8, unit: "bits", Assumed("as the bump-mapping processor's rasterizer"), range: 1..=10;
-        /// Depth values.
+        /// Width of depth values.
         z_bits: u32 = 24, unit: "bits", Assumed("as the bump-mapping processor's rasterizer"), range: 16..=32;
-        /// Dividers (`operators.divide`) for the set-up of a triangle: slopes of its three edges, reciprocal of its area.
+        /// Dividers (`operators.divide`) for the set-up of a triangle: slopes of its three edges, and reciprocal of its area.
         dividers: u32 = 4, unit: "dividers", Assumed("all four at a time; a single one would keep the unit four times as long by each triangle"), range: 1..=4;
         /// Multipliers for the set-up of a triangle.
         multipliers: u32 = 4, unit: "multipliers", Derived("46 products take 12 cycles, within the 16 of a division"), range: 1..=64;
-        /// Adders, for set-up and for the ends of spans.
+        /// Adders for the set-up of a triangle and for the ends of spans.
         adders: u32 = 7, unit: "adders", Derived("13 additions per span take 2 cycles"), range: 1..=64;
-        /// From start to delivery.
+        /// Latency of a span.
         latency: u32 = 4, unit: "cycles", Assumed("addition and step 410"), range: 0..=4096;
     }
 }
 
 parameters! {
-    /// Texel value generator (310): where division points are.
+    /// Texel value generator (310): position of division points.
     pub struct TexelConfig {
-        /// Where division points lie: adaptive, exact, fixed or subpolygon.
+        /// Method that positions division points: adaptive, exact, fixed or subpolygon.
         method: Method = Method::Adaptive, unit: "", Stated("claims 1 to 3, Figures 4A, 4B, 5 and 6; the others are what the patent compares itself with");
-        /// Accuracy criterion e, in the storage element (step 442): no texel is from farther away than this. A frame or an object of a display list may select another.
+        /// Accuracy criterion e in the storage element (step 442): largest distance between a pixel and the position of its
+        /// texel. A frame or an object of a display list can select another.
         error_bound: f64 = 0.5, unit: "pixels", Stated("a fitting value of e is 0.5, half a pixel"), range: 0.001..=1024.0;
-        /// The equation of the step: exact or approximate.
+        /// Equation of the step: exact or approximate.
         step_form: StepForm = StepForm::Exact, unit: "", Derived("the longest step that keeps e, by the sign of dw; the patent's second equation leaves e out of the sum");
-        /// Spans of at most this many pixels are not subdivided (step 430).
+        /// Longest span that is not subdivided (step 430).
         min_span: u32 = 2, unit: "pixels", Assumed("between the ends of two pixels there is nothing to interpolate; the patent says: too short to gain much"), range: 1..=16_384;
-        /// Segments are at most this long: reciprocals of so many lengths stand in a table of (310a).
+        /// Longest segment. (310a) has a table with a reciprocal for each length.
         longest_segment: u32 = 1024, unit: "pixels", Assumed("a scan line of a workstation's screen of the time, 1,280 pixels, has two; 16,384 words would be sixteen times the table"), range: 16..=16_384;
-        /// Division points between the ends of every scan line, with `fixed`; 0: one every `interval` pixels.
+        /// Division points between the ends of every scan line, with `fixed`. 0: one every `interval` pixels.
         points: u32 = 0, unit: "points", Assumed("Figure 2 draws seven; an interval is the common variant"), range: 0..=16_384;
-        /// Distance of division points with `fixed`; longest edge of a child polygon with `subpolygon`.
+        /// Distance of division points with `fixed`, or longest edge of a child polygon with `subpolygon`.
         interval: u32 = 16, unit: "pixels", Assumed("the common choice of renderers of the time"), range: 1..=16_384;
-        /// Step 410: ceil, round, floor or truncate.
+        /// Rounding in step 410: ceil, round, floor or truncate.
         snap: Snap = Snap::Ceil, unit: "", Assumed("the patent names truncation, rounding down and rounding up; only up covers the pixels whose centres are inside");
         /// Direction of marching: left_to_right or right_to_left.
         march: March = March::LeftToRight, unit: "", Stated("step 444 begins at one end of the scan line");
-        /// u and v, with a sign: quotients, and what is interpolated between them. The binary point is that of their triangle.
+        /// Width of u and v with a sign: quotients, and the values interpolated between them. The binary point is that of their
+        /// triangle.
         coordinate_bits: u32 = 29, unit: "bits", Derived("the narrowest that keeps the bound of 0.5 pixel on the demos"), range: 12..=44;
         /// Significant bits of e / |dw| and of the root of a step, rounded down.
         step_bits: u32 = 16, unit: "bits", Assumed("a step is whole pixels, at most 16,384: 14 bits, and two that rounding down twice may cost"), range: 6..=32;
-        /// Entries of a table in place of the square root; 0: a square root unit.
+        /// Entries of a table that replaces the square root. 0: a square-root unit.
         step_table: u32 = 0, unit: "entries", Assumed("the patent leaves it open"), range: 0..=65_536;
-        /// Table of steps: latency of a look-up.
+        /// Latency of a look-up in the table of steps.
         table_cycles: u32 = 2, unit: "cycles", Assumed("normalisation, look-up"), range: 1..=4096;
-        /// Multipliers of the step calculator, beside those of its points.
+        /// Multipliers of the step calculator, besides those of its points.
         multipliers: u32 = 2, unit: "multipliers", Derived("the four products that decide about a span take 2 cycles, as a span of the scan converter"), range: 1..=16;
     }
 }
@@ -174,13 +176,14 @@ parameters! {
 parameters! {
     /// Dividers of the texel value generator (310).
     pub struct DividerConfig {
-        /// How many.
+        /// Number of dividers.
         count: u32 = 2, unit: "dividers", Assumed("one each for u and v"), range: 1..=64;
-        /// Bits of a quotient or a root that an iteration finds: one of w bits takes w over this, up. Of all dividers and roots of the generator.
+        /// Bits of a quotient or root computed per iteration: a result of w bits takes w over this, rounded up. Applies to all
+        /// dividers and roots of the generator.
         bits_per_cycle: u32 = 2, unit: "bits", Assumed("radix 4, of the class of iterative dividers of the time"), range: 1..=8;
-        /// A division may start every cycle; off: iterative, when the one before is done.
+        /// True if a division can start every cycle. False: iterative, after the previous one.
         pipelined: bool = false, unit: "", Assumed("iterative; a pipeline has the iteration's hardware as often as it has cycles");
-        /// How u and v are formed: two (divisions) or reciprocal (and two multiplications).
+        /// Computation of u and v: two (divisions) or reciprocal (and two multiplications).
         division: Division = Division::Two, unit: "", Stated("two divisions, or an equivalent such as a reciprocal and multiplication");
     }
 }
@@ -188,9 +191,10 @@ parameters! {
 parameters! {
     /// Approximate calculator (310a).
     pub struct ApproximationConfig {
-        /// A pixel may start this often.
+        /// Initiation interval of pixels.
         initiation_interval: u32 = 1, unit: "cycles", Assumed("two adders step u and v"), range: 1..=4096;
-        /// Significant bits of the reciprocal of w for the gradient of a pixel, on a divider of its own: where gradients are per pixel, one may start as often as that takes.
+        /// Significant bits of the reciprocal of w for the gradient of a pixel, on a divider of its own. With gradients per
+        /// pixel, its iterations limit the rate.
         reciprocal_bits: u32 = 12, unit: "bits", Derived("a relative error of 2^-12 moves a level by 2^-11.5, less than its fraction of 8 bits tells"), range: 6..=48;
     }
 }
@@ -198,11 +202,11 @@ parameters! {
 parameters! {
     /// MIP-map selector (320).
     pub struct MipConfig {
-        /// Level: off, nearest or trilinear.
+        /// Selected level: off, nearest or trilinear.
         mode: MipMode = MipMode::Off, unit: "", Assumed("an option of the patent: in some embodiments");
-        /// A level is selected per segment or per pixel.
+        /// Scope of a level: segment or pixel.
         per: MipPer = MipPer::Segment, unit: "", Stated("the mapping of a segment is affine, so its level is constant");
-        /// From start to delivery.
+        /// Latency of a packet.
         latency: u32 = 2, unit: "cycles", Assumed("position of the leading one of the larger gradient, look-up of its fraction"), range: 0..=4096;
     }
 }
@@ -212,11 +216,12 @@ parameters! {
     pub struct LookUpConfig {
         /// Filter within a level: nearest or bilinear.
         filter: TexelFilter = TexelFilter::Bilinear, unit: "", Assumed("the patent leaves it open");
-        /// A texel.
+        /// Size of a texel.
         texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each"), range: 1..=16;
-        /// Samples filtered per cycle, each of one level: the two of a trilinear pixel take two cycles with 1. A pixel takes at least a cycle, and what its ports need (`cache.texture.lookups_per_cycle`).
+        /// Samples filtered per cycle, each of one level: with 1, the two samples of a trilinear pixel take two cycles. A pixel
+        /// takes at least one cycle, and the cycles of its ports (`cache.texture.lookups_per_cycle`).
         samples_per_cycle: u32 = 1, unit: "samples", Assumed("one bilinear filter"), range: 1..=2;
-        /// From start to delivery, texels in the cache.
+        /// Latency of a packet with all texels in the cache.
         latency: u32 = 6, unit: "cycles", Assumed("addressing and filter"), range: 0..=4096;
     }
 }
@@ -224,15 +229,15 @@ parameters! {
 parameters! {
     /// Illuminance value generator (340).
     pub struct IlluminanceConfig {
-        /// What is generated: gouraud or off (colours alone).
+        /// Generated value: gouraud or off (colours only).
         mode: IlluminanceMode = IlluminanceMode::Gouraud, unit: "", Assumed("the usual one; the patent leaves it open");
-        /// A pixel may start this often.
+        /// Initiation interval of pixels.
         initiation_interval: u32 = 1, unit: "cycles", Assumed("adders step the components along the line"), range: 1..=4096;
         /// Multipliers for the set-up of a span.
         multipliers: u32 = 8, unit: "multipliers", Derived("20 products per span take 3 cycles, and a packet behind it hides them"), range: 1..=64;
         /// Adders for the set-up of a span.
         adders: u32 = 8, unit: "adders", Derived("20 sums per span, as the products"), range: 1..=64;
-        /// From start to delivery of a pixel.
+        /// Latency of a pixel.
         latency: u32 = 3, unit: "cycles", Assumed("product and sum"), range: 0..=4096;
     }
 }
@@ -240,13 +245,13 @@ parameters! {
 parameters! {
     /// Combiner (350).
     pub struct CombinerConfig {
-        /// New value and old one: replace, modulate or blend.
+        /// Combination of new and old value: replace, modulate or blend.
         mode: CombineMode = CombineMode::Replace, unit: "", Assumed("the patent feeds the old value back and does not say what for");
-        /// A pixel may start this often.
+        /// Initiation interval of pixels.
         initiation_interval: u32 = 1, unit: "cycles", Assumed("a multiplier per component"), range: 1..=4096;
-        /// From start to delivery, the old value at hand.
+        /// Latency of a pixel, with the old value available.
         latency: u32 = 3, unit: "cycles", Assumed("two products and a sum"), range: 0..=4096;
-        /// A pixel in the pixel value buffer (360), for reading back.
+        /// Size of a pixel in the pixel value buffer (360), for reading back.
         pixel_bytes: u32 = 4, unit: "bytes", Assumed("as frame_buffer.pixel_bytes"), range: 1..=4;
     }
 }

@@ -8,66 +8,66 @@ use basrelief_kernel::{Demand, HardwareKind, Operators, Step, Traffic, Unit, Wor
 use basrelief_signals::Flow;
 use serde::{Deserialize, Serialize};
 
-/// The two products behind a reciprocal, one multiplier each.
+/// The two products behind a reciprocal, with one multiplier each.
 const PRODUCTS: Work = Work { multiply: 2, ..Work::NONE };
 
-/// What the dividers have counted.
+/// Counters of the dividers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DividerCounters {
-    /// Points.
+    /// Points divided.
     pub points: u64,
     /// Divisions U / W and V / W.
     pub divisions: u64,
     /// Reciprocals 1 / W.
     pub reciprocals: u64,
-    /// Multiplications behind these.
+    /// Multiplications behind reciprocals.
     pub multiplications: u64,
 }
 
-/// Everything the dividers remember.
+/// State of the dividers between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DividerState {
-    /// What they have counted.
+    /// Counters.
     pub counters: DividerCounters,
 }
 
-/// The dividers of the texel value generator (310): steps 610 and 620, exact values at end points and division points.
+/// Dividers of the texel value generator (310): steps 610 and 620, exact values at end points and division points.
 ///
-/// The points of a token are divided in order; all are there when the last one is. A divider that is free takes whatever
-/// division is next. Quotients are rounded to the nearest step of fixed point; of a reciprocal as many bits are found as a
-/// quotient has, and it is the product that is rounded then.
+/// The points of a token are divided in order, and all results leave with the last one. A free divider takes the next division.
+/// Quotients are rounded to the nearest step of fixed point. A reciprocal has as many bits as a quotient, and its product is
+/// rounded.
 #[derive(Clone, Debug, Default)]
 pub struct Divider {
     /// Parameters.
     pub config: DividerConfig,
     /// Width of u and v \[bits\].
     pub bits: u32,
-    /// Times of arithmetic.
+    /// Latencies of the operators.
     pub operators: Operators,
-    /// Everything they remember.
+    /// State between steps.
     pub state: DividerState,
 }
 
 impl Divider {
-    /// Dividers at power-on, for u and v of so many bits.
+    /// Creates dividers in their power-on state, for u and v of `bits` bits.
     pub fn new(config: DividerConfig, bits: u32, operators: Operators) -> Self {
         Self { config, bits, operators, state: DividerState::default() }
     }
 
-    /// Cycles of a division, and from one to the next in a divider.
+    /// Returns latency and initiation interval of a division in one divider \[cycles\].
     fn division(&self) -> [u64; 2] {
         let latency = iterations(self.bits, self.config.bits_per_cycle).into();
         [latency, if self.config.pipelined { 1 } else { latency }]
     }
 
-    /// Cycles that so many divisions keep the dividers, and from their start to the last quotient.
+    /// Returns the occupancy of the dividers by this many divisions, and the latency to the last quotient \[cycles\].
     pub fn cycles(&self, divisions: u64) -> (u64, u64) {
         let ([latency, interval], count) = (self.division(), u64::from(self.config.count.max(1)));
         let occupancy = (divisions * interval).div_ceil(count).max(1);
         (occupancy, latency + divisions.saturating_sub(1) / count * interval)
     }
 
-    /// Divisions of a point.
+    /// Returns the divisions of a point.
     fn per_point(&self) -> u64 {
         if self.config.division == Division::Two { 2 } else { 1 }
     }
@@ -107,7 +107,7 @@ impl Unit for Divider {
     #[inline(always)]
     fn step(&mut self, input: Self::In, _: &mut Traffic) -> Step<Self::Out> {
         match input {
-            // Nothing to divide: passes.
+            // A token without points passes.
             Some(Flow::Item(points)) if points.is_empty() => Step::after(0, Some(Flow::Item(Quotients::new()))),
             Some(Flow::Item(points)) => {
                 let (quotients, occupancy, latency) = self.divide(&points);
@@ -131,7 +131,7 @@ impl Unit for Divider {
             "multiplications",
             "Multiplications of dividers and approximate calculator",
         );
-        // A pipeline has the hardware of an iteration as often as it has cycles.
+        // A pipeline has the hardware of an iteration once per cycle of latency.
         let copies = if self.config.pipelined { iterations(self.bits, self.config.bits_per_cycle) } else { 1 };
         facts.hardware(HardwareKind::Divider, "u and v at division points", self.config.count * copies, self.bits);
         if self.config.division == Division::Reciprocal {

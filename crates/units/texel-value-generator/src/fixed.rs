@@ -1,30 +1,30 @@
-//! Arithmetic of limited width: what it makes of a number, and how long it takes.
+//! Arithmetic of limited width: its results and its cycles.
 
 /// Bits of the significand of double precision.
 const SIGNIFICAND: u32 = 53;
 
-/// Cycles of an iterative divider or root whose result has so many bits. Radix 4 finds two of them per cycle.
+/// Returns the cycles of an iterative divider or root with a result of `bits` bits. Radix 4 computes two bits per cycle.
 pub fn iterations(bits: u32, bits_per_cycle: u32) -> u32 {
     bits.div_ceil(bits_per_cycle.max(1)).max(1)
 }
 
-/// The number with so many significant bits, rounded to the nearest; one half way, away from 0.
+/// Rounds a number to the nearest with `bits` significant bits. Ties round away from 0.
 #[inline]
 pub(crate) fn nearest(x: f64, bits: u32) -> f64 {
     let dropped = SIGNIFICAND.saturating_sub(bits);
     let half = if dropped == 0 { 0 } else { 1u64 << (dropped - 1) };
-    // A carry out of the significand belongs into the exponent, which is beside it.
+    // A carry out of the significand continues into the exponent, which is next to it.
     down(f64::from_bits(x.to_bits().wrapping_add(half)), bits)
 }
 
-/// The number with so many significant bits, rounded towards 0.
+/// Rounds a number towards 0 with `bits` significant bits.
 #[inline]
 pub(crate) fn down(x: f64, bits: u32) -> f64 {
     let dropped = SIGNIFICAND.saturating_sub(bits).min(SIGNIFICAND - 1);
     f64::from_bits(x.to_bits() >> dropped << dropped)
 }
 
-/// u or v, |u| <= 1, in fixed point of so many bits with the sign: in steps of 2^-(bits - 1), to the nearest, saturated.
+/// Converts u or v, |u| <= 1, to signed fixed point of `bits` bits: in steps of 2^-(bits - 1), to the nearest, saturated.
 #[inline]
 pub(crate) fn to_fixed(x: f64, bits: u32) -> i64 {
     let one = 1i64 << (bits - 1);
@@ -36,7 +36,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_quotient_of_w_bits_takes_half_as_many_cycles_in_radix_4() {
+    fn radix_4_computes_two_bits_per_cycle() {
         assert_eq!([1, 16, 31, 32].map(|bits| iterations(bits, 2)), [1, 8, 16, 16]);
         assert_eq!([1, 16, 31, 32].map(|bits| iterations(bits, 1)), [1, 16, 31, 32]);
     }

@@ -11,74 +11,75 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// 1, in the format of [`IlluminancePacket::rgba`].
+/// Value 1 in the format of [`IlluminancePacket::rgba`].
 pub const ONE: f32 = (1 << 14) as f32;
 
-/// RGBA at the corners of a triangle: base colour by vertex colour, RGB by brightness.
+/// Arithmetic of RGBA at the corners of a triangle: base colour by vertex colour, RGB by brightness.
 const CORNERS: Work = Work { multiply: 3 * (4 + 3), ..Work::NONE };
-/// Differences of these, once per triangle.
+/// Arithmetic of the differences of the corners, once per triangle.
 const DIFFERENCES: Work = Work { add: 2 * 4, ..Work::NONE };
-/// RGBA at the ends of a span by two weights, and their change per pixel, which is that of the triangle.
+/// Arithmetic of RGBA at the ends of a span by two weights, and of the change per pixel, which is that of the triangle.
 const SPAN: Work = Work { multiply: 2 * 4 * 2 + 4, add: 2 * 4 * 2 + 4, ..Work::NONE };
-/// Brightness of a corner by one light: N.L, N.H, a power; intensity and sums.
+/// Arithmetic of the brightness of a corner under one light: N.L, N.H, a power, intensity and sums.
 const LIGHT: Work = Work { multiply: 2 * 3 + 2, add: 2 * 2 + 2, power: 1, ..Work::NONE };
-/// What the interpolation is calculated with: 2 bits and 14 of a fraction, and as many behind them as a line has pixels.
+/// Width of the interpolation \[bits\]: 2 bits and 14 of a fraction, and guard bits for the pixels of a line.
 const SUM_BITS: u32 = 16 + 14;
 
-/// What the illuminance value generator has counted.
+/// Counters of the illuminance value generator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct IlluminanceValueGeneratorCounters {
-    /// Pixels.
+    /// Pixels generated.
     pub pixels: u64,
 }
 
-/// Everything the illuminance value generator remembers.
+/// State of the illuminance value generator between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IlluminanceValueGeneratorState {
-    /// The frame, with its lights.
+    /// Frame, with its lights.
     pub frame: Option<Arc<Frame>>,
-    /// Lights as the object sees them.
+    /// Lights as seen from the object.
     pub lights: Vec<LightVector>,
-    /// The polygon.
+    /// Current polygon.
     pub polygon: Option<Arc<Polygon>>,
-    /// RGBA at the vertices of the triangle of this number.
+    /// RGBA at the vertices of a triangle, and the number of the triangle.
     pub corners: ([[f32; 4]; 3], Option<u16>),
-    /// The span that is walked.
+    /// Span being walked.
     pub span: Option<LitSpan>,
-    /// RGBA of its first pixel, and its change per pixel.
+    /// RGBA of the span's first pixel, and its change per pixel.
     pub line: [[f32; 4]; 2],
-    /// Pixels of it that are done.
+    /// Pixels of the span that are done.
     pub done: u16,
-    /// What it has counted.
+    /// Counters.
     pub counters: IlluminanceValueGeneratorCounters,
 }
 
-/// Illuminance value generator (340): spans in; for each packet of their pixels, what the texture is multiplied with: brightness
-/// times base colour times vertex colour, and alpha. From the vertices, linear on the screen (Gouraud).
+/// Illuminance value generator (340): takes spans, and emits for each packet of their pixels the factor of the texture:
+/// brightness times base colour times vertex colour, and alpha. It interpolates from the vertices, linear on the screen
+/// (Gouraud).
 ///
-/// Brightness of a vertex is what the geometry processor gave it; a bump target, which has none, is lit here, by the same formula.
+/// The geometry processor computed the brightness of a vertex. Bump targets have none and are lit here, by the same formula.
 #[derive(Clone, Debug, Default)]
 pub struct IlluminanceValueGenerator {
     /// Parameters.
     pub config: IlluminanceConfig,
-    /// Times of arithmetic.
+    /// Latencies of the operators.
     pub operators: Operators,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: IlluminanceValueGeneratorState,
 }
 
 impl IlluminanceValueGenerator {
-    /// An illuminance value generator at power-on.
+    /// Creates an illuminance value generator in its power-on state.
     pub fn new(config: IlluminanceConfig, operators: Operators) -> Self {
         Self { config, operators, state: IlluminanceValueGeneratorState::default() }
     }
 
-    /// Multipliers and adders for set-up; vertices of bump targets are lit by a single power.
+    /// Returns multipliers and adders for set-up, and the single power unit that lights vertices of bump targets.
     fn have(&self) -> Work {
         Work { multiply: self.config.multipliers, add: self.config.adders, power: 1, ..Work::NONE }
     }
 
-    /// What the corners of a triangle take.
+    /// Returns the arithmetic of the corners of a triangle.
     fn corners(&self) -> Work {
         let lit = self.config.mode == IlluminanceMode::Gouraud && self.state.polygon.as_deref().is_some_and(|p| p.bump);
         let lights = if lit { 3 * self.state.lights.len() as u32 } else { 0 };
@@ -103,7 +104,7 @@ impl IlluminanceValueGenerator {
         }
     }
 
-    /// RGBA of a vertex.
+    /// Returns RGBA of a vertex.
     fn vertex(&self, vertex: &Vertex, polygon: &Polygon) -> [f32; 4] {
         let material = &polygon.material;
         let light = match self.config.mode {
@@ -121,7 +122,7 @@ impl IlluminanceValueGenerator {
         [r * light, g * light, b * light, a]
     }
 
-    /// Sets a span up; the cycles that it takes, pixels of the one before being walked meanwhile.
+    /// Sets up a span. Returns its cycles, which overlap with walking the previous span.
     fn begin(&mut self, span: LitSpan) -> u64 {
         let LitSpan { triangle, weights, count, .. } = span;
         let mut work = SPAN;
@@ -141,7 +142,7 @@ impl IlluminanceValueGenerator {
         self.operators.interval(work, self.have())
     }
 
-    /// The next packet of the span.
+    /// Returns the next packet of the span.
     #[inline(always)]
     fn packet(&mut self) -> Option<IlluminancePacket> {
         let state = &mut self.state;

@@ -6,16 +6,17 @@
 //!    |                         | points                                  |            v                           v
 //!    |                         +-----------> dividers --quotients--------+   MIP-map selector (320) --levels--> texture look-up
 //!    |                                                                                                          table (330)
-//!    | lit_spans                                                                                                  | texture_values
+//!    | lit_spans                                                                                                  |
+//! texture_values
 //!    +----------> illuminance value generator (340) --illuminances-----------------------------------> combiner (350) --> (360)
 //! ```
 //!
 //! A texel value needs two divisions per pixel: `u = U / W`, `v = V / W`, with U, V and W linear on the screen. Here they are
 //! divided at the ends of a scan line and at division points between them, as far apart as the accuracy criterion allows, and
-//! interpolated in between: no pixel has the texel of a place that is farther than e pixels away. [`StepEquation`] says how far
-//! a step may go; [`signals`] says which number formats travel.
+//! interpolated in between. No pixel has the texel of a position more than e pixels away. [`StepEquation`] computes the longest
+//! step; [`signals`] defines the number formats.
 //!
-//! Control tokens go along both ways of each fork, and are paired where they meet.
+//! Control tokens travel on both paths of each fork, and are paired where the paths meet.
 
 mod approximate_calculator;
 mod combiner;

@@ -1,5 +1,4 @@
-//! What can be told of a frame beside its picture, where somebody asks: spans with their division points, and how far each
-//! pixel's texel is from its place.
+//! Optional log of a frame besides its picture: spans with their division points, and the displacement of each pixel's texel.
 
 use crate::signals::Span;
 use serde::{Deserialize, Serialize};
@@ -11,14 +10,14 @@ pub struct SpanRecord {
     pub y: u16,
     /// First and last column.
     pub x: [u16; 2],
-    /// W there: |1 / w| of clip space.
+    /// W at the first and last column: |1 / w| of clip space.
     pub w: [f64; 2],
     /// Columns of the division points between the ends, in the order of marching.
     pub divisions: Vec<u16>,
 }
 
 impl SpanRecord {
-    /// A span without division points between its ends.
+    /// Creates a span without division points between its ends.
     pub fn new(span: &Span) -> Self {
         let x = [span.column(0), span.column(span.last())];
         let w = [span.ends[0][2], span.ends[1][2]];
@@ -28,27 +27,27 @@ impl SpanRecord {
     }
 }
 
-/// How far the texel of each visible pixel is from its place.
+/// Displacement of the texel of each visible pixel.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DisplacementMap {
     /// Width \[pixels\].
     pub width: u32,
     /// Height \[pixels\].
     pub height: u32,
-    /// Displacement by pixel, top row first \[pixels\]; NaN where no texture was drawn.
+    /// Displacement by pixel, top row first \[pixels\]. NaN for pixels without a texture.
     pub displacement: Vec<f32>,
-    /// Whether the pixel's coordinates were divided: an end of a span or a division point.
+    /// True if the pixel's coordinates were divided: an end of a span or a division point.
     pub divided: Vec<bool>,
 }
 
 impl DisplacementMap {
-    /// A map on which nothing is drawn.
+    /// Creates an empty map.
     pub fn new(width: u32, height: u32) -> Self {
         let pixels = width as usize * height as usize;
         Self { width, height, displacement: vec![f32::NAN; pixels], divided: vec![false; pixels] }
     }
 
-    /// Notes a pixel; outside the map, nothing.
+    /// Records a pixel. Pixels outside the map are ignored.
     pub fn note(&mut self, x: u16, y: u16, displacement: f32, divided: bool) {
         let place = usize::from(y) * self.width as usize + usize::from(x);
         if u32::from(x) < self.width && u32::from(y) < self.height {
@@ -58,11 +57,11 @@ impl DisplacementMap {
     }
 }
 
-/// What is told of a frame.
+/// Log of a frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrameLog {
-    /// All spans with a texture, in the order in which they were drawn, hidden ones too.
+    /// All spans with a texture in drawing order, including hidden ones.
     pub spans: Vec<SpanRecord>,
-    /// Of the pixels that are seen.
+    /// Displacements of visible pixels.
     pub map: DisplacementMap,
 }

@@ -7,56 +7,56 @@ use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, Texture};
 use serde::{Deserialize, Serialize};
 
-/// Bits of the fraction of a level, and of what it is looked up by.
+/// Bits of the fraction of a level, and of the address that looks it up.
 const FRACTION_BITS: u32 = 8;
-/// A level: 4 bits, and the fraction.
+/// Width of a level: 4 bits, and the fraction.
 const LEVEL_BITS: u32 = 4 + FRACTION_BITS;
 
-/// What the MIP-map selector has counted.
+/// Counters of the MIP-map selector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MipMapSelectorCounters {
     /// Levels selected, one for each run of equal gradients.
     pub selections: u64,
 }
 
-/// Everything the MIP-map selector remembers.
+/// State of the MIP-map selector between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MipMapSelectorState {
     /// Width and height of level 0 of the polygon's texture \[texels\].
     pub size: [f32; 2],
-    /// Number of its last level.
+    /// Number of the texture's last level.
     pub last: f32,
-    /// What it has counted.
+    /// Counters.
     pub counters: MipMapSelectorCounters,
 }
 
-/// MIP-map selector (320): gradients in, map select out (claim 9).
+/// MIP-map selector (320): takes gradients and emits map selects (claim 9).
 ///
-/// `level = log2(max(|du/dx|, |dv/dx|))` in texels of level 0 per pixel, clamped to the pyramid; a gradient of zero is level 0.
-/// (Derived: maps halve u and v from level to level, so that at this level a pixel is a texel wide.)
+/// `level = log2(max(|du/dx|, |dv/dx|))` in texels of level 0 per pixel, clamped to the pyramid. A gradient of zero gives level
+/// 0. (Derived: maps halve u and v from level to level, so that at this level a pixel is one texel wide.)
 #[derive(Clone, Debug, Default)]
 pub struct MipMapSelector {
     /// Parameters.
     pub config: MipConfig,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: MipMapSelectorState,
 }
 
-/// Level for this change of u, v per pixel, in a texture of this size whose last level has this number.
+/// Returns the level for this change of u, v per pixel, in a texture of this size whose last level is `last`.
 pub fn level([du, dv]: [f32; 2], [width, height]: [f32; 2], last: f32, mode: MipMode) -> f32 {
     let texels = (du.abs() * width).max(dv.abs() * height);
-    // Up to one texel per pixel it is the finest; NaN is neither.
+    // Up to one texel per pixel the level is the finest. NaN fails both comparisons.
     let level = if texels > 1.0 { libm::log2f(texels).min(last) } else { 0.0 };
     match mode {
         MipMode::Off => 0.0,
-        // Half way it is the finer one, as in OpenGL.
+        // Half way between two levels it is the finer one, as in OpenGL.
         MipMode::Nearest => ((level + 0.5).ceil() - 1.0).clamp(0.0, last),
         MipMode::Trilinear => level,
     }
 }
 
 impl MipMapSelector {
-    /// A MIP-map selector at power-on.
+    /// Creates a MIP-map selector in its power-on state.
     pub fn new(config: MipConfig) -> Self {
         Self { config, state: MipMapSelectorState::default() }
     }
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_level_halves_u_and_v_as_often_as_a_pixel_has_texels() {
+    fn level_is_log2_of_texels_per_pixel() {
         let of = |gradient, mode| level(gradient, [256.0, 64.0], 8.0, mode);
         for (texels, expected) in [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0), (2.0, 1.0), (8.0, 3.0), (256.0, 8.0), (1e9, 8.0)] {
             assert_eq!(of([texels / 256.0, 0.0], MipMode::Trilinear), expected);

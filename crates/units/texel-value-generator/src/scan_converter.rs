@@ -1,4 +1,4 @@
-//! Scan converter: polygons in, spans with exact ends out.
+//! Scan converter: converts polygons to spans with exact ends.
 
 use crate::config::{March, ScanConverterConfig, Snap};
 use crate::signals::{LitSpan, Span, Uvw, scale_of};
@@ -12,83 +12,83 @@ use std::sync::Arc;
 
 /// Values that are linear on the screen: U, V, W, depth, two weights.
 const VALUES: u32 = 6;
-/// Divisions at the set-up of a triangle: slopes of its three edges, reciprocal of its area.
+/// Divisions in the set-up of a triangle: slopes of its three edges, and reciprocal of its area.
 const SETUP_DIVISIONS: u32 = 4;
 
-/// What the set-up of a triangle takes:
+/// Arithmetic of the set-up of a triangle:
 /// - differences of its corners (6), its area (2 products, a sum), slopes of three edges and a reciprocal (4 divisions);
-/// - U and V of its corners (6 products), tiles off and the largest of each (12 sums and comparisons);
-/// - edges times the reciprocal (4 products), which are the changes of the weights; of each of the other four values its change
-///   per pixel and per line (2 differences, 4 products, 2 sums);
-/// - of each value its change per line along three edges (a product and a sum each).
+/// - U and V of its corners (6 products), subtraction of tiles and the largest of each (12 sums and comparisons);
+/// - edges times the reciprocal (4 products), which are the changes of the weights; changes of each of the other four values per
+///   pixel and per line (2 differences, 4 products, 2 sums);
+/// - change of each value per line along three edges (a product and a sum each).
 const SETUP: Work = Work {
     multiply: 2 + 6 + 4 + 4 * 4 + 3 * VALUES,
     add: 6 + 1 + 12 + 4 * 4 + 3 * VALUES,
     divide: SETUP_DIVISIONS,
     ..Work::NONE
 };
-/// What a span takes: two edges go on, and with them U, V, W and the weights at both ends, and depth at the first.
+/// Arithmetic of a span: two edges advance, with U, V, W and the weights at both ends, and depth at the first.
 const SPAN: Work = Work { add: 2 + 2 * (VALUES - 1) + 1, ..Work::NONE };
-/// Words that a triangle is set up in: place and slope of three edges; of each value both ends, its change per pixel, and along
+/// Words of a triangle's set-up: position and slope of three edges; for each value both ends, its change per pixel, and along
 /// three edges.
 const SETUP_WORDS: u32 = 2 * 3 + VALUES * (2 + 1 + 3);
 
-/// What the scan converter has counted.
+/// Counters of the scan converter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ScanConverterCounters {
     /// Polygons scanned.
     pub polygons: u64,
     /// Triangles of their fans, each of which is set up.
     pub triangles: u64,
-    /// Polygons without a span (step 420: nothing between the snapped ends).
+    /// Polygons without a span (step 420: no pixel between the snapped ends).
     pub empty: u64,
-    /// Spans.
+    /// Spans emitted.
     pub scanned: u64,
-    /// Pixels of these.
+    /// Pixels of the spans.
     pub fragments: u64,
 }
 
-/// Everything the scan converter remembers.
+/// State of the scan converter between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ScanConverterState {
     /// Width and height of the frame \[pixels\].
     pub screen: [u32; 2],
-    /// The polygon that is scanned, snapped.
+    /// Snapped polygon that is being scanned.
     pub polygon: Option<Arc<Polygon>>,
-    /// Where its traversal is.
+    /// Position of its traversal.
     pub spans: Spans,
-    /// The span that comes next: row, first and last column.
+    /// Next span: row, first and last column.
     pub next: Option<[i32; 3]>,
-    /// U, V, W at the vertices of the triangle of this number.
+    /// U, V, W at the vertices of a triangle, and the number of the triangle.
     pub corners: ([Uvw; 3], Option<u16>),
-    /// Its scales of u and v; see [`Span::scale`].
+    /// Scales of u and v of that triangle. See [`Span::scale`].
     pub scale: [i16; 2],
-    /// What it has counted.
+    /// Counters.
     pub counters: ScanConverterCounters,
 }
 
-/// Scan converter: the ends of each scan line of a triangle, with exact U, V, W (Figure 2C) and step 410. Spans go to the
-/// step calculator and to the illuminance value generator (340), behind the control token of their polygon.
+/// Scan converter: computes the ends of each scan line of a triangle, with exact U, V, W (Figure 2C) and step 410. It sends spans
+/// to the step calculator and to the illuminance value generator (340), behind the control token of their polygon.
 ///
-/// Scan lines are those of the triangles of the polygon's fan: pixels whose centres are inside, top-left rule. What snaps
-/// otherwise than up, snaps with all it carries: the value at the end goes to the pixel that the end goes to. A span that is
-/// empty then is none (step 420).
+/// Scan lines are those of the triangles of the polygon's fan: pixels with centres inside, by the top-left rule. Other snapping
+/// than up moves an end with all its values: the pixel at the snapped end gets the value of the exact end. A span that becomes
+/// empty is dropped (step 420).
 #[derive(Clone, Debug, Default)]
 pub struct ScanConverter {
     /// Parameters.
     pub config: ScanConverterConfig,
-    /// Step 410.
+    /// Rounding in step 410.
     pub snap: Snap,
     /// Direction of marching.
     pub march: March,
-    /// Times of arithmetic.
+    /// Latencies of the operators.
     pub operators: Operators,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: ScanConverterState,
 }
 
 impl Snap {
-    /// How far to the left vertices go, so that rounding up does what is asked for \[pixels\].
+    /// Returns the distance by which vertices move left, so that rounding up performs the selected rounding \[pixels\].
     fn shift(self, subpixel_bits: u32) -> f32 {
         let step = 1.0 / (1u32 << subpixel_bits) as f32;
         match self {
@@ -100,18 +100,18 @@ impl Snap {
 }
 
 impl ScanConverter {
-    /// A scan converter at power-on.
+    /// Creates a scan converter in its power-on state.
     pub fn new(config: ScanConverterConfig, snap: Snap, march: March, operators: Operators) -> Self {
         Self { config, snap, march, operators, state: ScanConverterState::default() }
     }
 
-    /// The operators that work side by side.
+    /// Returns the operators that work in parallel.
     fn have(&self) -> Work {
         let ScanConverterConfig { dividers, multipliers, adders, .. } = self.config;
         Work { multiply: multipliers, add: adders, divide: dividers, ..Work::NONE }
     }
 
-    /// Takes a control token; the cycles that it keeps the unit.
+    /// Takes a control token. Returns its occupancy in cycles.
     fn take(&mut self, control: &Control, traffic: &mut Traffic) -> u64 {
         match control {
             Control::Frame(frame) => self.state.screen = [frame.width, frame.height],
@@ -142,7 +142,7 @@ impl ScanConverter {
         (self.operators.interval(SETUP, self.have()) * u64::from(triangles)).max(1)
     }
 
-    /// The span that is next, and on to the one after it.
+    /// Returns the next span, and advances to the one after it.
     fn emit(&mut self) -> Option<Span> {
         let state = &mut self.state;
         let polygon = state.polygon.as_ref()?;
@@ -159,7 +159,7 @@ impl ScanConverter {
         let shares = ends.map(|x| triangle.shares(x, y));
         let depths = shares.map(|share| triangle.exact_depth(share));
         let uvw = shares.map(|share| mixed(&state.corners.0, share, triangle.inverse_area()));
-        // It is the same all over the triangle: set-up has found it.
+        // The change is the same all over the triangle, as computed in set-up.
         let per_pixel = if count > 1 { 1.0 / f64::from(count - 1) } else { 0.0 };
         let weights = shares.map(|[_, b, c]| [b, c].map(|share| (share * triangle.inverse_area()) as f32));
         let span = Span {
@@ -185,7 +185,7 @@ impl ScanConverter {
     }
 }
 
-/// The polygon, `shift` pixels to the left.
+/// Returns the polygon moved left by `shift` pixels.
 fn snapped(polygon: &Arc<Polygon>, shift: f32) -> Arc<Polygon> {
     if shift == 0.0 {
         return Arc::clone(polygon);
@@ -195,8 +195,8 @@ fn snapped(polygon: &Arc<Polygon>, shift: f32) -> Arc<Polygon> {
     Arc::new(polygon)
 }
 
-/// U, V, W at the vertices of a triangle. Whole tiles that its polygon has in common are taken off u and v, an even number of
-/// them, so that a mirrored texture stays as it is; a texture that is clamped keeps them.
+/// Returns U, V, W at the vertices of a triangle. Whole tiles common to its polygon are subtracted from u and v, an even number
+/// of them, so that a mirrored texture is unchanged. A clamped texture keeps them.
 fn corners(polygon: &Polygon, triangle: u16) -> [Uvw; 3] {
     use basrelief_signals::WrapMode::Clamp;
     let Some(vertices) = fan_triangle(polygon, triangle) else { return [[0.0, 0.0, 1.0]; 3] };
@@ -212,14 +212,14 @@ fn corners(polygon: &Polygon, triangle: u16) -> [Uvw; 3] {
     })
 }
 
-/// U and V over the least 2^n that the u and v of the triangle are below, and these n.
+/// Returns U and V divided by the least 2^n above the u and v of the triangle, and these n.
 fn scaled(corners: [Uvw; 3]) -> ([Uvw; 3], [i16; 2]) {
     let scale = [0, 1].map(|i| scale_of(corners.iter().map(|c| (c[i] / c[2]).abs()).fold(0.0, f64::max)));
     let over = |c: f64, n: i16| libm::ldexp(c, -i32::from(n));
     (corners.map(|[u, v, w]| [over(u, scale[0]), over(v, scale[1]), w]), scale)
 }
 
-/// Values at the vertices, weighted with their shares.
+/// Returns the values at the vertices, weighted with their shares.
 fn mixed(corners: &[Uvw; 3], share: [f64; 3], inverse_area: f64) -> Uvw {
     std::array::from_fn(|i| (share[0] * corners[0][i] + share[1] * corners[1][i] + share[2] * corners[2][i]) * inverse_area)
 }

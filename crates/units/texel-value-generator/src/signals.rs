@@ -1,13 +1,13 @@
-//! What travels between the units of the texture mapping system (300).
+//! Tokens between the units of the texture mapping system (300).
 //!
 //! # Number formats
-//! - U, V, W: binary floating point. The scan converter has 53 bits of them, which stand for accumulators with guard bits; points
-//!   go to the dividers with as many significant bits as quotients have (`texel.coordinate_bits`) and an exponent.
-//! - u, v in dividers and approximate calculator (310a): fixed point of `texel.coordinate_bits`, its binary point where the largest
-//!   of the triangle's vertices needs it ([`Span::scale`]). Whole tiles that they have in common are taken off ahead of it, so that
-//!   a texture that repeats a thousand times leaves its fraction as many bits as one that does not.
-//! - u, v to the look-up table (330): whole tiles off again, for each packet. Its address is that of 24 bits: of a texture of 4,096
-//!   texels at least 12 bits of fraction.
+//! - U, V, W: binary floating point. The scan converter has 53 bits, which represent accumulators with guard bits. Points go to
+//!   the dividers with as many significant bits as quotients have (`texel.coordinate_bits`) and an exponent.
+//! - u, v in dividers and approximate calculator (310a): fixed point of `texel.coordinate_bits`, with the binary point that the
+//!   largest of the triangle's vertices needs ([`Span::scale`]). Common whole tiles are subtracted first, so that a texture that
+//!   repeats a thousand times keeps as many fraction bits as one that does not.
+//! - u, v to the look-up table (330): whole tiles are subtracted again, for each packet. The address has 24 bits: at least 12
+//!   bits of fraction for a texture of 4,096 texels.
 //! - texels to the combiner (350): 8 bits and 8 bits of fraction; illuminance: 2 bits and 14 bits of fraction.
 
 use crate::fixed::nearest;
@@ -15,30 +15,30 @@ use basrelief_signals::{DepthToken, PACKET_PIXELS, Packet, PixelToken};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
-/// U, V and W of a point: `u = U / W`, `v = V / W`, and all three are linear on the screen. W is |1 / w| of clip space.
+/// U, V and W of a point: `u = U / W`, `v = V / W`, all three linear on the screen. W is |1 / w| of clip space.
 pub type Uvw = [f64; 3];
 
-/// n of the least 2^n above this |u|: what scales u into fixed point. 0 for 0, and for what is no number.
+/// Returns n of the least 2^n above this |u|, which scales u into fixed point. Returns 0 for 0 and for NaN.
 pub fn scale_of(largest: f64) -> i16 {
     if largest > 0.0 && largest.is_finite() { libm::frexp(largest).1 as i16 } else { 0 }
 }
 
-/// What of a scan line lies in a triangle: scan converter to step calculator. In the direction of marching.
+/// Token from scan converter to step calculator: the part of a scan line in a triangle, in the direction of marching.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Span {
-    /// Row.
+    /// Row, from the top.
     pub y: u16,
     /// Column of the first pixel.
     pub x: u16,
-    /// Pixels, at least 1.
+    /// Number of pixels, at least 1.
     pub count: u16,
-    /// Marching from right to left.
+    /// True for marching from right to left.
     pub backwards: bool,
-    /// There is a texture; else u and v are nobody's business.
+    /// True if the polygon has a texture. Otherwise u and v are undefined.
     pub textured: bool,
     /// Triangle of the polygon's fan.
     pub triangle: u16,
-    /// u and v of its triangle are below 2^n of these; U and V here are over that.
+    /// Exponents n: u and v of the triangle are below 2^n, and U and V here are divided by 2^n.
     pub scale: [i16; 2],
     /// Exact values at the first and the last pixel.
     pub ends: [Uvw; 2],
@@ -51,13 +51,13 @@ pub struct Span {
 }
 
 impl Span {
-    /// The last pixel, counted from 0.
+    /// Returns the number of the last pixel, counted from 0.
     #[inline]
     pub fn last(&self) -> u16 {
         self.count.saturating_sub(1)
     }
 
-    /// Exact U, V, W of pixel `k`.
+    /// Returns the exact U, V, W of pixel `k`.
     #[inline]
     pub fn value(&self, k: u16) -> Uvw {
         if k >= self.last() && k > 0 {
@@ -66,19 +66,19 @@ impl Span {
         std::array::from_fn(|i| self.ends[0][i] + f64::from(k) * self.step[i])
     }
 
-    /// The point at pixel `k`, with so many significant bits.
+    /// Returns the point at pixel `k`, with `bits` significant bits.
     #[inline]
     pub fn point(&self, k: u16, bits: u32) -> Point {
         Point(self.value(k).map(|c| nearest(c, bits)))
     }
 
-    /// Column of pixel `k`.
+    /// Returns the column of pixel `k`.
     #[inline]
     pub fn column(&self, k: u16) -> u16 {
         if self.backwards { self.x.saturating_sub(k) } else { self.x.saturating_add(k) }
     }
 
-    /// Pixels from `k` on that lie in the same cell of a [`Packet`].
+    /// Returns the pixels from `k` on that lie in the same cell of a [`Packet`].
     #[inline]
     pub fn in_cell(&self, k: u16) -> u16 {
         let position = self.column(k) % PACKET_PIXELS as u16;
@@ -87,16 +87,16 @@ impl Span {
     }
 }
 
-/// A span for the illuminance value generator (340).
+/// Token from scan converter to illuminance value generator (340): a span.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LitSpan {
-    /// Row.
+    /// Row, from the top.
     pub y: u16,
     /// Column of the first pixel.
     pub x: u16,
-    /// Pixels, at least 1.
+    /// Number of pixels, at least 1.
     pub count: u16,
-    /// Marching from right to left.
+    /// True for marching from right to left.
     pub backwards: bool,
     /// Triangle of the polygon's fan.
     pub triangle: u16,
@@ -104,51 +104,50 @@ pub struct LitSpan {
     pub weights: [[f32; 2]; 2],
 }
 
-/// What lies between two division points: step calculator to approximate calculator (310a).
+/// Token from step calculator to approximate calculator (310a): the pixels between two division points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Segment {
-    /// Of this span.
+    /// Span of the segment.
     pub span: Span,
-    /// Division point at its start, counted in pixels of the span.
+    /// Division point at the start, counted in pixels of the span.
     pub from: u16,
-    /// Division point at its end.
+    /// Division point at the end.
     pub to: u16,
-    /// Pixels to generate, from `from` on. The point at the end is the next segment's first pixel, if there is a next one that
-    /// begins there.
+    /// Pixels to generate, from `from` on. The point at the end is the first pixel of the next segment, if one begins there.
     pub walk: u16,
-    /// Every pixel is a division point.
+    /// True if every pixel is a division point.
     pub exact: bool,
-    /// U / W and V / W at `from` come with it; else they are those of the end of the segment before.
+    /// True if U / W and V / W at `from` come with the segment. Otherwise they are those of the end of the previous segment.
     pub fresh: bool,
 }
 
-/// A point to divide at.
+/// A point to be divided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point(pub Uvw);
 
-/// u and v of a point in fixed point: in steps of 2^-(`texel.coordinate_bits` - 1), of u over 2^n (see [`Span::scale`]).
+/// u and v of a point in fixed point: u / 2^n in steps of 2^-(`texel.coordinate_bits` - 1) (see [`Span::scale`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Coordinates(pub [i64; 2]);
 
-/// Points to divide at: step calculator to divider. One per segment, two where nothing is known of its start, all of them
-/// where every pixel is one, none without a texture.
+/// Token from step calculator to divider: points to be divided. One per segment, two if the start is unknown, all if every pixel
+/// is a division point, none without a texture.
 pub type Points = SmallVec<[Point; 2]>;
 
-/// u and v at these points: divider to approximate calculator (310a).
+/// Token from divider to approximate calculator (310a): u and v at these points.
 pub type Quotients = SmallVec<[Coordinates; 2]>;
 
-/// Texture coordinates of pixels: approximate calculator (310a) to texture look-up table (330).
+/// Token from approximate calculator (310a) to texture look-up table (330): texture coordinates of pixels.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TexelPacket {
-    /// Where.
+    /// Positions of the pixels.
     pub packet: Packet,
-    /// Positions at which the coordinates were divided, one bit each.
+    /// Mask of the positions whose coordinates were divided.
     pub points: u16,
-    /// u and v by position, some whole tiles less.
+    /// u and v by position, minus some whole tiles.
     pub uv: [[f32; 2]; PACKET_PIXELS],
     /// Depths by position.
     pub z: [u32; PACKET_PIXELS],
-    /// How far each texel is from its place \[pixels\], where somebody asked.
+    /// Displacement of each texel \[pixels\], if requested.
     pub displacement: Option<Box<[f32; PACKET_PIXELS]>>,
 }
 
@@ -178,11 +177,11 @@ impl DepthToken for TexelPacket {
     }
 }
 
-/// Adding it to 0 ..= 65535 leaves the nearest whole number in the low 16 bits: around it, single precision has steps of 1. A
-/// conversion to an integer would cost the checks for what does not fit, component by component.
+/// Adding this number to 0 ..= 65535 leaves the nearest whole number in the low 16 bits, because single precision has steps of 1
+/// around it. A conversion to an integer would add range checks for each component.
 const WHOLE: f32 = 8_388_608.0;
 
-/// The nearest whole number, at most 65535 and at least 0, which NaN counts as.
+/// Returns the nearest whole number, at most 65535 and at least 0. NaN counts as 0.
 #[inline(always)]
 #[expect(clippy::manual_clamp, reason = "`clamp` hands a NaN on, `max` drops it")]
 pub(crate) fn to_16_bits([r, g, b, a]: [f32; 4]) -> [u16; 4] {
@@ -190,39 +189,39 @@ pub(crate) fn to_16_bits([r, g, b, a]: [f32; 4]) -> [u16; 4] {
     [whole(r), whole(g), whole(b), whole(a)]
 }
 
-/// Change of u and v per pixel: approximate calculator (310a) to MIP-map selector (320).
+/// Token from approximate calculator (310a) to MIP-map selector (320): change of u and v per pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GradientPacket {
-    /// Where.
+    /// Positions of the pixels.
     pub packet: Packet,
     /// du and dv by position.
     pub gradient: [[f32; 2]; PACKET_PIXELS],
 }
 
-/// Map select: MIP-map selector (320) to texture look-up table (330).
+/// Token from MIP-map selector (320) to texture look-up table (330): map select.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LevelPacket {
-    /// Level by position, 0 finest; a fraction weighs the next one.
+    /// Level by position, 0 finest. A fraction is the weight of the next level.
     pub level: [f32; PACKET_PIXELS],
 }
 
-/// Texture values: texture look-up table (330) to combiner (350).
+/// Token from texture look-up table (330) to combiner (350): texture values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TexturePacket {
-    /// Where.
+    /// Positions of the pixels.
     pub packet: Packet,
-    /// As in [`TexelPacket`].
+    /// Mask of divided positions, as in [`TexelPacket`].
     pub points: u16,
     /// RGBA by position, in steps of 1/256 of a step of 8 bits.
     pub rgba: [[u16; 4]; PACKET_PIXELS],
-    /// As in [`TexelPacket`].
+    /// Displacements, as in [`TexelPacket`].
     pub displacement: Option<Box<[f32; PACKET_PIXELS]>>,
 }
 
-/// Illuminance: illuminance value generator (340) to combiner (350).
+/// Token from illuminance value generator (340) to combiner (350): illuminance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IlluminancePacket {
-    /// Where, of the whole span: no pixel is hidden yet.
+    /// Positions of the pixels of the whole span, before hidden pixels are removed.
     pub packet: Packet,
     /// RGBA by position, in steps of 2^-14.
     pub rgba: [[u16; 4]; PACKET_PIXELS],
@@ -233,7 +232,7 @@ mod tests {
     use super::to_16_bits;
 
     #[test]
-    fn sixteen_bits_saturate_and_round() {
+    fn sixteen_bit_conversion_saturates_and_rounds() {
         assert_eq!(to_16_bits([0.0, 0.4, 0.6, 65_280.0]), [0, 0, 1, 65_280]);
         assert_eq!(to_16_bits([-3.0, f32::NAN, 1e9, 65_534.6]), [0, 0, 65_535, 65_535]);
     }

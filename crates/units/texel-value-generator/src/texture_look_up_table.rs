@@ -10,52 +10,53 @@ use basrelief_signals::{Control, Flow, Image, PACKET_PIXELS, TexelFilter, Textur
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// White, in the format of [`TexturePacket::rgba`].
+/// White in the format of [`TexturePacket::rgba`].
 const WHITE: [u16; 4] = [255 << 8; 4];
 
-/// What the texture look-up table has counted.
+/// Counters of the texture look-up table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TextureLookUpTableCounters {
     /// Pixels with a texture.
     pub pixels: u64,
-    /// Samples of a level filtered for them: two for a pixel between levels.
+    /// Samples filtered. A pixel between two levels has two.
     pub samples: u64,
-    /// Texels read for them.
+    /// Texels read for the samples.
     pub texels: u64,
 }
 
-/// Everything the texture look-up table remembers.
+/// State of the texture look-up table between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TextureLookUpTableState {
     /// Texture of the polygon.
     pub texture: Option<Arc<Texture>>,
-    /// Where each of its levels lies.
+    /// Position of each of its levels.
     pub places: Vec<LevelPlace>,
-    /// What it has counted.
+    /// Counters.
     pub counters: TextureLookUpTableCounters,
 }
 
-/// Texture look-up table (330): u, v and map select in, texture value out. Client 0 is the cache in front of its memory.
+/// Texture look-up table (330): takes u, v and map select, and emits the texture value. Client 0 is the cache in front of its
+/// memory.
 ///
-/// Only pixels that passed the depth test look anything up. A polygon without a texture is white.
+/// Only pixels that passed the depth test are looked up. A polygon without a texture is white.
 #[derive(Clone, Debug, Default)]
 pub struct TextureLookUpTable {
     /// Parameters.
     pub config: LookUpConfig,
-    /// Two levels are looked up where the level has a fraction.
+    /// True if a level with a fraction looks up two levels.
     pub trilinear: bool,
     /// Bytes per line of the cache.
     pub line_bytes: u32,
-    /// How textures lie in memory.
+    /// Memory layout of textures.
     pub layout: Layout,
-    /// 2^n texels share a line.
+    /// Exponent n: 2^n texels share a line.
     shared: u32,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: TextureLookUpTableState,
 }
 
 impl TextureLookUpTable {
-    /// A texture look-up table at power-on, with a cache of lines of this size.
+    /// Creates a texture look-up table in its power-on state, with a cache of lines of this size.
     pub fn new(config: LookUpConfig, trilinear: bool, line_bytes: u32) -> Self {
         let bytes = config.texel_bytes;
         let shared = if bytes.is_power_of_two() { (line_bytes / bytes).max(1).ilog2() } else { 0 };
@@ -63,7 +64,7 @@ impl TextureLookUpTable {
         Self { config, trilinear, line_bytes, layout, shared, state }
     }
 
-    /// With textures laid out so.
+    /// Sets the memory layout of textures.
     pub fn with_layout(self, layout: Layout) -> Self {
         Self { layout, ..self }
     }
@@ -82,7 +83,7 @@ impl TextureLookUpTable {
         }
     }
 
-    /// The texture values of a packet, and the cycles that its pixels take.
+    /// Returns the texture values of a packet, and the cycles of its pixels.
     #[inline(always)]
     fn look_up(&mut self, packet: TexelPacket, levels: &LevelPacket, traffic: &mut Traffic) -> (TexturePacket, usize) {
         let TexelPacket { packet, points, uv, displacement, .. } = packet;
@@ -106,7 +107,7 @@ impl TextureLookUpTable {
         state.counters.pixels += pixels as u64;
         state.counters.samples += (pixels + second) as u64;
         state.counters.texels += port.texels;
-        // With two filters a pixel's two samples are one cycle, but no cycle is shared by two pixels.
+        // With two filters a pixel's two samples take one cycle, but two pixels never share a cycle.
         let cycles = if config.samples_per_cycle >= 2 { pixels } else { pixels + second };
         (out, cycles)
     }
@@ -114,14 +115,14 @@ impl TextureLookUpTable {
 
 /// Components of a texel.
 const COMPONENTS: u32 = 4;
-/// 8 bits of a component, or of a weight, and 8 of a fraction.
+/// Width of a component or of a weight: 8 bits, and 8 of a fraction.
 const COMPONENT_BITS: u32 = 16;
 /// Width of u, v as an address.
 const ADDRESS_BITS: u32 = 24;
 
 impl TextureLookUpTable {
-    /// A weighted mean of two is a difference, a product and a sum; a bilinear sample is three for each component, and two levels
-    /// are one more.
+    /// Reports the hardware. A weighted mean of two is a difference, a product and a sum. A bilinear sample is three means for
+    /// each component, and two levels are one more.
     fn tell_hardware(&self, facts: &mut Facts) {
         let means = if self.config.filter == TexelFilter::Nearest { 0 } else { 3 * self.config.samples_per_cycle };
         let levels = u32::from(self.trilinear);
@@ -133,19 +134,19 @@ impl TextureLookUpTable {
     }
 }
 
-/// What looks texels up for a packet.
+/// Access to the texels of a packet.
 struct Port<'a> {
     config: &'a LookUpConfig,
     texture: &'a Texture,
     places: &'a [LevelPlace],
     shared: u32,
-    /// Lines that were mentioned last: naming them again costs the device nothing, and the host something.
+    /// Lines that were looked up last. Repeated look-ups would cost the device nothing, but they would cost host time.
     recent: [u64; 4],
     texels: u64,
 }
 
 impl Port<'_> {
-    /// Filtered RGBA of a level, 0..=255; of the last one where there is no such level.
+    /// Returns the filtered RGBA of a level, 0..=255. Missing levels use the last one.
     #[inline(always)]
     fn sample(&mut self, level: usize, uv: [f32; 2], traffic: &mut Traffic) -> [f32; 4] {
         let level = level.min(self.texture.levels.len().saturating_sub(1));
@@ -159,7 +160,7 @@ impl Port<'_> {
         filtered(image, &taps)
     }
 
-    /// Looks a texel up.
+    /// Looks up a texel.
     #[inline(always)]
     fn mention(&mut self, texel: u64, traffic: &mut Traffic) {
         let bytes = self.config.texel_bytes;
@@ -171,7 +172,7 @@ impl Port<'_> {
     }
 }
 
-/// Texels that `taps` names, weighted.
+/// Returns the weighted mean of the texels in `taps`.
 #[inline(always)]
 fn filtered(image: &Image, taps: &Taps) -> [f32; 4] {
     let texel = |i: usize| {
@@ -183,7 +184,7 @@ fn filtered(image: &Image, taps: &Taps) -> [f32; 4] {
     if taps.count == 1 {
         return texel(0);
     }
-    // One by one: a map over the array would be a call.
+    // Spelled out, because a map over the array would be a call.
     let (a, b, c, d) = (texel(0), texel(1), texel(2), texel(3));
     let [p, q, r, s] = taps.weight;
     let mixed = |i: usize| p * a[i] + q * b[i] + r * c[i] + s * d[i];
@@ -216,7 +217,7 @@ impl Unit for TextureLookUpTable {
         }
     }
 
-    /// Taps of the pixels of a packet, each on two lines of the cache where texels can straddle them.
+    /// Returns the taps of the pixels of a packet, each on two cache lines if texels can straddle them.
     fn largest_step(&self, client: usize) -> u32 {
         let taps = if self.config.filter == TexelFilter::Nearest { 1 } else { 4 };
         let levels = if self.trilinear { 2 } else { 1 };

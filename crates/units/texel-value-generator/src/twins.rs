@@ -1,19 +1,19 @@
-//! Control tokens that come on two ways and go on as one.
+//! Control tokens that arrive on two inputs and leave as one.
 
 use basrelief_kernel::Traffic;
 use basrelief_signals::{Control, Flow};
 
-/// What two inputs bring together.
+/// Tokens of two inputs, paired.
 pub(crate) enum Pair<A, B> {
-    /// The same control token, on both.
+    /// The same control token on both inputs.
     Control(Control),
-    /// An item each.
+    /// One item from each input.
     Items(A, B),
-    /// Nothing, or what does not belong together: the run ends with a message.
+    /// No input, or a mismatch, which ends the run with a message.
     Nothing,
 }
 
-/// Pairs the tokens of two inputs that carry the same control tokens and as many items between them.
+/// Pairs the tokens of two inputs that carry the same control tokens and equal numbers of items between them.
 #[inline(always)]
 pub(crate) fn pair<A, B>(unit: &str, inputs: (Option<Flow<A>>, Option<Flow<B>>), traffic: &mut Traffic) -> Pair<A, B> {
     match inputs {

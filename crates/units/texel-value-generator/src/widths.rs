@@ -1,4 +1,4 @@
-//! How wide the generator's signals are.
+//! Bit widths of the generator's tokens.
 
 use crate::signals::{
     Coordinates, GradientPacket, IlluminancePacket, LevelPacket, LitSpan, Point, Segment, Span, TexelPacket, TexturePacket,
@@ -8,12 +8,12 @@ use basrelief_signals::{Attribution, BitWidth, PACKET_PIXELS, Packet, PixelSet, 
 
 /// Pixels of a packet.
 const PIXELS: u32 = PACKET_PIXELS as u32;
-/// Component of a colour with a fraction.
+/// Component of a colour with a fraction \[bits\].
 const COMPONENT: u32 = 16;
-/// Exponent of a number in floating point, and the scale of u and v: as of single precision.
+/// Exponent of a floating-point number, and the scale of u and v \[bits\], as in single precision.
 const EXPONENT: u32 = 8;
 
-/// U, V, W, as many significant bits as their quotients have.
+/// U, V, W, with as many significant bits as their quotients.
 impl BitWidth for Point {
     fn bits(widths: &SignalWidths) -> u32 {
         3 * (widths.texture + EXPONENT)
@@ -61,7 +61,7 @@ impl BitWidth for Segment {
     }
 }
 
-/// Place, division points, and u, v and depth by pixel.
+/// Position, division points, and u, v and depth by pixel.
 impl BitWidth for TexelPacket {
     fn bits(widths: &SignalWidths) -> u32 {
         Packet::bits(widths) + PIXELS * (1 + 2 * widths.texture + widths.depth)
@@ -72,7 +72,7 @@ impl BitWidth for TexelPacket {
     }
 }
 
-/// Place, and du and dv by pixel.
+/// Position, and du and dv by pixel.
 impl BitWidth for GradientPacket {
     fn bits(widths: &SignalWidths) -> u32 {
         Packet::bits(widths) + PIXELS * 2 * widths.texture
@@ -89,14 +89,14 @@ impl BitWidth for LevelPacket {
         PIXELS * 12
     }
 
-    /// The nearest whole levels.
+    /// Returns the nearest whole levels.
     fn attribution(&self) -> Attribution {
         let bits = |level: f32| u64::from((level + 0.5).clamp(0.0, 15.0) as u8);
         Attribution::Levels((0..).zip(self.level).map(|(i, level)| bits(level) << (4 * i)).sum())
     }
 }
 
-/// Place, division points, and RGBA by pixel.
+/// Position, division points, and RGBA by pixel.
 impl BitWidth for TexturePacket {
     fn bits(widths: &SignalWidths) -> u32 {
         Packet::bits(widths) + PIXELS * (1 + 4 * COMPONENT)
@@ -107,7 +107,7 @@ impl BitWidth for TexturePacket {
     }
 }
 
-/// Place, and RGBA by pixel.
+/// Position, and RGBA by pixel.
 impl BitWidth for IlluminancePacket {
     fn bits(widths: &SignalWidths) -> u32 {
         Packet::bits(widths) + PIXELS * 4 * COMPONENT
@@ -118,7 +118,7 @@ impl BitWidth for IlluminancePacket {
     }
 }
 
-/// So many pixels from this column on, or up to it.
+/// Returns the attribution of `count` pixels from this column on, or up to it.
 fn row([x, y]: [u16; 2], count: u16, backwards: bool) -> Attribution {
     let first = if backwards { x.saturating_sub(count.saturating_sub(1)) } else { x };
     Attribution::Pixels(PixelSet::row([first, y], count))
@@ -130,7 +130,7 @@ mod tests {
     use crate::signals::{Points, Quotients};
 
     #[test]
-    fn the_width_of_u_and_v_is_that_of_every_signal_that_carries_them() {
+    fn coordinate_bits_set_width_of_every_carrier() {
         let [narrow, wide] = [20, 32].map(|texture| SignalWidths { texture, ..SignalWidths::default() });
         let wider = |bits: fn(&SignalWidths) -> u32| bits(&wide) - bits(&narrow);
         assert_eq!(wider(Quotients::bits), 2 * 2 * 12, "two points");

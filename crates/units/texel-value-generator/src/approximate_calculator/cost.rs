@@ -1,4 +1,4 @@
-//! What the approximate calculator (310a) takes: cycles and hardware.
+//! Costs of the approximate calculator (310a): cycles and hardware.
 
 use super::ApproximateCalculator;
 use crate::config::MipPer;
@@ -8,19 +8,19 @@ use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{HardwareKind, Work};
 use basrelief_signals::{BitWidth, SignalWidths};
 
-/// From the ends of a segment to a pixel: their difference, times a reciprocal from the table, times the place or step by step,
-/// and the start.
+/// Longest dependent chain from the ends of a segment to a pixel: their difference, times a reciprocal from the table, times the
+/// position or step by step, and the start.
 const CHAIN: Work = Work { multiply: 1, add: 2, ..Work::NONE };
-/// From 1 / W to du, dv: a product.
+/// Longest dependent chain from 1 / W to du, dv: a product.
 const GRADIENT: Work = Work { multiply: 1, ..Work::NONE };
 
 impl ApproximateCalculator {
-    /// Cycles of a reciprocal 1 / W.
+    /// Returns the cycles of a reciprocal 1 / W.
     pub(super) fn reciprocal(&self) -> u32 {
         iterations(self.config.reciprocal_bits, self.bits_per_cycle)
     }
 
-    /// Cycles from start to delivery of a pixel; `divides`: its gradient takes a reciprocal.
+    /// Returns the cycles from start to delivery of a pixel. `divides` is true if its gradient needs a reciprocal.
     pub(super) fn latency(&self, divides: bool) -> u64 {
         let reciprocal = u64::from(self.reciprocal()) + self.operators.latency(GRADIENT);
         let chain = self.operators.latency(CHAIN);

@@ -1,4 +1,4 @@
-//! How far the texel of a pixel is from its place: measured, not promised.
+//! Measured distance between a pixel and the exact position of its texel.
 
 use crate::signals::Uvw;
 use serde::{Deserialize, Serialize};
@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 /// Displacements of all pixels \[pixels\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Displacements {
-    /// Largest.
+    /// Largest displacement.
     pub largest: f64,
-    /// Sum.
+    /// Sum of the displacements.
     pub sum: f64,
-    /// Pixels.
+    /// Number of pixels.
     pub pixels: u64,
 }
 
 impl Displacements {
-    /// Adds a pixel's.
+    /// Adds the displacement of a pixel.
     #[inline]
     pub fn add(&mut self, displacement: f64) {
         self.largest = self.largest.max(displacement);
@@ -23,21 +23,22 @@ impl Displacements {
         self.pixels += 1;
     }
 
-    /// Mean.
+    /// Returns the mean displacement.
     pub fn mean(&self) -> f64 {
         if self.pixels == 0 { 0.0 } else { self.sum / self.pixels as f64 }
     }
 }
 
-/// Where on its scan line the exact mapping has what a pixel got: as far from the pixel as this \[pixels\].
+/// Returns the distance \[pixels\] along the scan line between a pixel and the position at which the exact mapping has the
+/// pixel's coordinate.
 ///
-/// At pixel 0, U, V, W are `exact` and change by `step` per pixel; the coordinate `i` (0: u, 1: v) that it got is `got`. From
-/// `got (W + d dW) = U + d dU` follows d. Of the two coordinates the one that changes more should be asked: one that is
-/// constant tells nothing, and gives 0.
+/// At pixel 0, U, V, W are `exact` and change by `step` per pixel. The pixel received the coordinate `got` for axis `i` (0: u, 1:
+/// v). From `got (W + d dW) = U + d dU` follows d. The caller should pass the coordinate that changes more. A constant coordinate
+/// gives no information, and the result is 0.
 #[inline]
 pub fn displacement(got: f64, exact: &Uvw, step: &Uvw, i: usize) -> f64 {
     let (ahead, rate) = (got * exact[2] - exact[i], step[i] - got * step[2]);
-    // No `if`: the quotient is formed either way.
+    // Without `if`: the quotient is computed in both cases.
     let distance = (ahead / rate).abs();
     if rate == 0.0 { 0.0 } else { distance }
 }

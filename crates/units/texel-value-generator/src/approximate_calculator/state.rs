@@ -1,56 +1,56 @@
-//! Everything the approximate calculator (310a) remembers.
+//! State of the approximate calculator (310a) between steps.
 
 use super::Displacements;
 use crate::signals::{Coordinates, GradientPacket, Quotients, Segment, TexelPacket};
 use basrelief_signals::{Flow, PACKET_PIXELS, Packet};
 use serde::{Deserialize, Serialize};
 
-/// What the approximate calculator (310a) has counted.
+/// Counters of the approximate calculator (310a).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ApproximateCalculatorCounters {
     /// Products of a difference and the reciprocal of a length, two per segment.
     pub multiplications: u64,
-    /// Reciprocals 1 / W for derivatives at pixels: `mip.per = pixel`, or segments of one pixel.
+    /// Reciprocals 1 / W for derivatives at pixels, for `mip.per = pixel` or segments of one pixel.
     pub gradient_reciprocals: u64,
-    /// How far texels are from their place, of every pixel with a texture, hidden ones too.
+    /// Displacements of every pixel with a texture, including hidden ones.
     pub displacements: Displacements,
 }
 
-/// Everything the approximate calculator (310a) remembers.
+/// State of the approximate calculator (310a) between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ApproximateCalculatorState {
-    /// The segment that is walked.
+    /// Segment being walked.
     pub segment: Segment,
-    /// Pixels of it that are done.
+    /// Pixels of the segment that are done.
     pub done: u16,
-    /// Some are not.
+    /// True if pixels of the segment are left.
     pub is_walking: bool,
-    /// u, v at its start.
+    /// u, v at the start of the segment.
     pub start: Coordinates,
-    /// u, v at its end.
+    /// u, v at the end of the segment.
     pub end: Coordinates,
-    /// Change per pixel, with guard bits behind.
+    /// Change per pixel, with guard bits below.
     pub slope: [i64; 2],
-    /// Of u (0) and v (1) the one that changes more.
+    /// Coordinate that changes more: u (0) or v (1).
     pub axis: usize,
-    /// All quotients that came with it.
+    /// All quotients that came with the segment.
     pub quotients: Quotients,
-    /// The packet that is filled.
+    /// Packet being filled.
     pub packet: TexelPacket,
-    /// No texel is in it yet.
+    /// True if the packet has no texel yet.
     pub fresh_packet: bool,
-    /// Whole tiles that are taken off the coordinates of the packet: an even number of them.
+    /// Whole tiles subtracted from the coordinates of the packet, an even number.
     pub tiles: [f64; 2],
-    /// Whether the texture repeats in u and in v; one that is clamped keeps its tiles.
+    /// True for each of u and v in which the texture repeats. A clamped texture keeps its tiles.
     pub repeats: [bool; 2],
-    /// Its gradients.
+    /// Gradients of the packet.
     pub gradient: GradientPacket,
-    /// What it has counted.
+    /// Counters.
     pub counters: ApproximateCalculatorCounters,
 }
 
 impl ApproximateCalculatorState {
-    /// Begins a packet here, unless one is open.
+    /// Begins a packet unless one is open.
     #[inline]
     pub(super) fn open(&mut self, packet: Packet, log: bool) {
         if self.packet.packet.mask == 0 {

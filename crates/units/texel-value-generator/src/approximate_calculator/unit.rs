@@ -9,14 +9,14 @@ use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, Operators, Step, Traffic, Unit};
 use basrelief_signals::{Control, Flow, PACKET_PIXELS, Packet, WrapMode};
 
-/// Approximate calculator (310a): takes segments and the exact u, v at their ends, interpolates between them, one pixel after
-/// the other, and sends u, v to the texture look-up table (330) and du, dv to the MIP-map selector (320).
+/// Approximate calculator (310a): takes segments and the exact u, v at their ends, and interpolates between them, one pixel after
+/// the other. It sends u, v to the texture look-up table (330) and du, dv to the MIP-map selector (320).
 ///
-/// A step walks one segment as far as a cell of the picture reaches; a packet goes out with the last pixel of its cell or of its
-/// span. While it walks, the dividers work ahead: what it then still has to wait for is charged as starved of `quotients`.
+/// A step walks one segment up to the end of a cell of the picture. A packet leaves with the last pixel of its cell or of its
+/// span. Meanwhile the dividers work ahead. Cycles in which it still waits for them count as starved of `quotients`.
 ///
-/// u and v are in fixed point. Their change per pixel has as many bits more as the longest segment needs, and is rounded towards
-/// 0: at its end it is short by less than a step, and never beyond it.
+/// u and v are in fixed point. Their change per pixel has more bits, as many as the longest segment needs, and is rounded towards
+/// 0. At the segment's end it is short by less than a step, and never beyond the end.
 #[derive(Clone, Debug, Default)]
 pub struct ApproximateCalculator {
     /// Parameters.
@@ -25,27 +25,27 @@ pub struct ApproximateCalculator {
     pub bits: u32,
     /// Longest segment \[pixels\].
     pub longest: u32,
-    /// Bits of a reciprocal that a cycle finds.
+    /// Bits of a reciprocal computed per cycle.
     pub bits_per_cycle: u32,
-    /// Times of arithmetic.
+    /// Latencies of the operators.
     pub operators: Operators,
-    /// Gradients are asked for: of a segment or of a pixel.
+    /// Requested gradients: per segment or per pixel.
     pub gradients: Option<MipPer>,
     /// Largest depth value.
     pub z_max: u32,
-    /// Displacements go with the packets.
+    /// True if displacements travel with the packets.
     pub log: bool,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: ApproximateCalculatorState,
 }
 
-/// 2^n; `ldexp` is exact, too, and several times slower.
+/// Computes 2^n. `ldexp` is also exact, but several times slower.
 #[inline]
 fn power_of_2(n: i16) -> f64 {
     f64::from_bits(((1023 + i64::from(n)).clamp(1, 2046) as u64) << 52)
 }
 
-/// A step of fixed point of so many bits with the sign.
+/// Returns a step of signed fixed point with this many bits.
 #[inline]
 fn unit(bits: u32) -> f64 {
     power_of_2(1 - bits as i16)
@@ -54,8 +54,8 @@ fn unit(bits: u32) -> f64 {
 type Out = Step<(Option<Flow<TexelPacket>>, Option<Flow<GradientPacket>>)>;
 
 impl ApproximateCalculator {
-    /// An approximate calculator at power-on, for u and v as `texel` has them, quotients of `bits_per_cycle` and depth values of
-    /// `z_bits` bits; `gradients`: per segment, per pixel or not.
+    /// Creates an approximate calculator in its power-on state, for u and v as in `texel`, quotients of `bits_per_cycle` and
+    /// depth values of `z_bits` bits. `gradients` is per segment, per pixel or `None`.
     pub fn new(
         config: ApproximationConfig,
         texel: &TexelConfig,
@@ -64,13 +64,14 @@ impl ApproximateCalculator {
         operators: Operators,
     ) -> Self {
         let z_max = u32::MAX >> (32 - z_bits.clamp(1, 32));
-        // Where every pixel is divided, no segment has a change.
+        // If every pixel is divided, no segment has a change.
         let gradients = gradients.map(|per| if texel.method == Method::Exact { MipPer::Pixel } else { per });
         let (bits, longest, state) = (texel.coordinate_bits, texel.longest_segment, ApproximateCalculatorState::default());
         Self { config, bits, longest, bits_per_cycle, operators, gradients, z_max, log: false, state }
     }
 
-    /// Bits of a change per pixel behind those of u and v: of the length of the longest segment, and one for rounding towards 0.
+    /// Returns the bits of a change per pixel below those of u and v: those of the longest segment's length, and one for rounding
+    /// towards 0.
     pub(super) fn guard(&self) -> u32 {
         u32::BITS - self.longest.leading_zeros() + 1
     }
@@ -82,14 +83,14 @@ impl ApproximateCalculator {
         }
     }
 
-    /// The next segment.
+    /// Begins the next segment.
     fn begin(&mut self, segment: Segment, quotients: Quotients) {
         let (bits, guard, state) = (self.bits, self.guard(), &mut self.state);
         if segment.span.textured {
             let from = if segment.fresh { quotients.first() } else { Some(&state.end) };
             state.start = from.copied().unwrap_or_default();
             state.end = quotients.last().copied().unwrap_or_default();
-            // Lengths are whole: their reciprocals stand in a table.
+            // Lengths are whole, so their reciprocals lie in a table.
             let length = segment.to - segment.from;
             let per_pixel = if length > 0 { down(1.0 / f64::from(length), bits) } else { 0.0 };
             let (Coordinates(from), Coordinates(to)) = (state.start, state.end);
@@ -104,7 +105,7 @@ impl ApproximateCalculator {
         state.done = 0;
     }
 
-    /// Walks on in the segment, to its end or that of the cell; the pixels walked.
+    /// Walks the segment to its end or to the end of the cell. Returns the pixels walked.
     #[inline(always)]
     fn walk(&mut self) -> u16 {
         let segment = self.state.segment;
@@ -126,7 +127,7 @@ impl ApproximateCalculator {
         pixels
     }
 
-    /// u and v of pixel `k`.
+    /// Computes u and v of pixel `k`.
     #[inline(always)]
     fn texel(&mut self, segment: &Segment, k: u16, position: usize) {
         let (unit, guard, state) = (unit(self.bits), self.guard(), &mut self.state);
@@ -158,7 +159,7 @@ impl ApproximateCalculator {
         }
     }
 
-    /// Change of u and v per pixel, at a pixel with these values.
+    /// Computes the change of u and v per pixel, at a pixel with these values.
     fn gradient(&mut self, segment: &Segment, position: usize, uv: [f64; 2], w: f64) {
         let (bits, state, span) = (self.bits + self.guard(), &mut self.state, &segment.span);
         let change: [f64; 2] = if self.gradients == Some(MipPer::Pixel) {

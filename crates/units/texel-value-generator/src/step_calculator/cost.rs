@@ -1,4 +1,4 @@
-//! What the step calculator takes: cycles and hardware.
+//! Costs of the step calculator: cycles and hardware.
 
 use super::StepCalculator;
 use crate::config::{Method, TexelConfig};
@@ -9,36 +9,36 @@ use basrelief_kernel::{HardwareKind, Work};
 use basrelief_signals::width::NUMBER;
 use basrelief_signals::{BitWidth, SignalWidths};
 
-/// Adders of the step calculator, beside those of its points.
+/// Adders of the step calculator, besides those of its points.
 const ADDERS: u32 = 3;
-/// What decides whether a span needs a division: two squares, two products; two sums and a comparison.
+/// Arithmetic of the decision if a span needs a division: two squares, two products, two sums and a comparison.
 const DECISION: Work = Work { multiply: 4, add: 3, ..Work::NONE };
-/// The longest way through that.
+/// Longest dependent chain of the decision.
 const DECISION_CHAIN: Work = Work { multiply: 2, add: 2, ..Work::NONE };
-/// From e / |dw| to what the root of the first step is taken of, and from that root to the step.
+/// Arithmetic from e / |dw| to the argument of the first root, and from that root to the step.
 pub(super) const FIRST_STEP: Work = Work { multiply: 1, add: 1, ..Work::NONE };
-/// From a step to what the next root is taken of, which is e t more or less, and from that root to the next step.
+/// Arithmetic from a step to the argument of the next root, which differs by e t, and from that root to the next step.
 pub(super) const NEXT_STEP: Work = Work { multiply: 1, add: 2, ..Work::NONE };
-/// U, V and W of a point, each a product and a sum.
+/// Arithmetic of U, V and W of a point, each a product and a sum.
 const POINT: Work = Work { multiply: 1, add: 1, ..Work::NONE };
 
 impl StepCalculator {
-    /// Cycles for which a span keeps the unit to decide whether it needs a division.
+    /// Returns the occupancy of the decision if a span needs a division \[cycles\].
     pub(super) fn decision(&self) -> u64 {
         self.operators.interval(DECISION, Work { multiply: self.config.multipliers, add: ADDERS, ..Work::NONE })
     }
 
-    /// Cycles of e / |dw|, or of a root.
+    /// Returns the cycles of e / |dw|, or of a root.
     pub(super) fn iterations(&self) -> u64 {
         iterations(self.config.step_bits, self.bits_per_cycle).into()
     }
 
-    /// Cycles of a root, or of the look-up in its place.
+    /// Returns the cycles of a root, or of the look-up that replaces it.
     pub(super) fn root(&self) -> u64 {
         if self.table.is_some() { self.config.table_cycles.into() } else { self.iterations() }
     }
 
-    /// Cycles through the pipelines in front of the turns and behind them.
+    /// Returns the cycles of the pipelines before and behind the turns.
     pub(super) fn latency(&self) -> u64 {
         let decision = if self.config.method == Method::Adaptive { self.operators.latency(DECISION_CHAIN) } else { 0 };
         decision + self.operators.latency(POINT)

@@ -1,4 +1,4 @@
-//! Everything the step calculator remembers.
+//! State of the step calculator between steps.
 
 use super::{StepEquation, Subdivision};
 use crate::log::SpanRecord;
@@ -11,69 +11,69 @@ use std::sync::Arc;
 /// Bins of the histogram of segment lengths: 1, 2, 3..4, 5..8, and so on to 8193..16384 pixels.
 pub const BINS: usize = 15;
 
-/// The bin of a length \[pixels\].
+/// Returns the bin of a length \[pixels\].
 #[inline]
 pub fn bin_of(length: u16) -> usize {
     (u16::BITS - length.saturating_sub(1).leading_zeros()) as usize
 }
 
-/// What the step calculator has counted.
+/// Counters of the step calculator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StepCalculatorCounters {
-    /// Spans.
+    /// Spans received.
     pub spans: u64,
-    /// Pixels of these.
+    /// Pixels of the spans.
     pub pixels: u64,
     /// Pixels of spans with a texture.
     pub textured_pixels: u64,
-    /// Spans of one pixel: their ends are one.
+    /// Spans of one pixel, whose ends are the same.
     pub single: u64,
-    /// Spans that were too short to be subdivided (step 430).
+    /// Spans too short to be subdivided (step 430).
     pub short: u64,
-    /// Spans of which two products said that the bound holds to their end.
+    /// Spans for which the decision found that the bound holds to the end.
     pub free: u64,
     /// Spans without a texture.
     pub untextured: u64,
-    /// Segments.
+    /// Segments sent.
     pub segments: u64,
     /// Division points between the ends of spans.
     pub division_points: u64,
-    /// Square roots, or look-ups in their place.
+    /// Square roots, or look-ups that replace them.
     pub roots: u64,
-    /// Divisions e / |dw|, one for each span that is subdivided.
+    /// Divisions e / |dw|, one for each subdivided span.
     pub step_divisions: u64,
-    /// Segments by the pixels that they generate; see [`BINS`].
+    /// Segments by the number of their pixels. See [`BINS`].
     pub lengths: [u64; BINS],
-    /// Pixels of the longest.
+    /// Pixels of the longest segment.
     pub longest: u64,
 }
 
-/// Everything the step calculator remembers.
+/// State of the step calculator between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepCalculatorState {
-    /// The accuracy criterion.
+    /// Storage element with the accuracy criterion.
     pub storage: StorageElement,
-    /// The polygon of the spans.
+    /// Polygon of the spans.
     pub polygon: Option<Arc<Polygon>>,
-    /// Its child polygons.
+    /// Child polygons of the polygon.
     pub subdivision: Subdivision,
-    /// The span that is subdivided.
+    /// Span being subdivided.
     pub span: Option<Span>,
-    /// Its current division point.
+    /// Current division point of the span.
     pub from: u16,
-    /// The equation of its steps; none where it is not subdivided by it.
+    /// Equation of the steps. `None` if the span is not subdivided by it.
     pub equation: Option<StepEquation>,
-    /// What it has counted.
+    /// Counters.
     pub counters: StepCalculatorCounters,
-    /// Spans of the frame, where somebody asked.
+    /// Spans of the frame, if requested.
     pub log: Option<Vec<SpanRecord>>,
-    /// Those of frames that are complete and that nobody has fetched.
+    /// Spans of complete frames, not fetched yet.
     pub finished: Vec<Vec<SpanRecord>>,
 }
 
 impl StepCalculatorState {
-    /// Counts and records a segment: pixels `from` to `to` of the span; each of them (`exact`), both ends (`apart`: nothing is
-    /// shared with the segment in front) or the farther end is a new division point.
+    /// Counts and records a segment: pixels `from` to `to` of the span. New division points are all pixels (`exact`), both ends
+    /// (`apart`: no point shared with the previous segment) or the farther end.
     pub(super) fn note(&mut self, segment: &Segment, apart: bool) {
         let Segment { span, from, to, walk, exact, .. } = segment;
         let counters = &mut self.counters;
@@ -104,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lengths_fall_into_powers_of_two() {
+    fn lengths_fall_into_power_of_two_bins() {
         assert_eq!([1, 2, 3, 4, 5, 8, 9, 4096, 8193, 16384].map(bin_of), [0, 1, 2, 2, 3, 3, 4, 12, 14, 14]);
     }
 }

@@ -1,39 +1,39 @@
-//! The step: how far the next division point may be.
+//! The step: the distance to the next division point.
 
 use crate::config::StepForm;
 use crate::fixed::down;
 use serde::{Deserialize, Serialize};
 
-/// How far a step of a scan line may go.
+/// Longest step along a scan line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reach {
-    /// To the other end: the bound holds however far it is.
+    /// To the other end: the bound holds at any distance.
     End,
-    /// So many pixels, not whole.
+    /// This many pixels, not whole.
     Pixels(f64),
 }
 
-/// The equation of the step, with all that is constant along a scan line.
+/// Equation of the step, with all values that are constant along a scan line.
 ///
-/// Between division points with W = wl and wr, linear interpolation puts into pixel x the texel of pixel x', and
+/// Between division points with W = wl and wr, linear interpolation gives pixel x the texel of pixel x', and
 ///
 /// ```text
 /// max |x - x'| = (sqrt(wr) - sqrt(wl))^2 / |dw|        with wr = wl + dw t
 /// ```
 ///
-/// so that the longest step that keeps e is `t = 2 sqrt(e wl / |dw|) + e` for dw > 0, and `- e` for dw < 0, where the bound
-/// holds all the way once `wl <= e |dw|`. (The patent's own equation is lost; this one depends on what it says that the step
-/// depends on: w, dw and e.)
+/// The longest step that keeps e is therefore `t = 2 sqrt(e wl / |dw|) + e` for dw > 0, and `- e` for dw < 0, where the bound
+/// holds all the way once `wl <= e |dw|`. (The patent's own equation is lost. This one depends on the same values as the patent
+/// states: w, dw and e.)
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepEquation {
     dw: f64,
     e: f64,
-    /// e / |dw|, the one division per scan line that is subdivided.
+    /// Quotient e / |dw|, the only division per subdivided scan line.
     ratio: f64,
 }
 
-/// Whether the bound holds for a segment from where W is `wl` to where it is `wr`, `t` pixels on: neither a division nor a root
-/// is needed to tell.
+/// Returns true if the bound holds for a segment of length `t` on which W changes from `wl` to `wr`. The test needs neither a
+/// division nor a root.
 ///
 /// ```text
 /// (sqrt(wr) - sqrt(wl))^2 / |dw| <= e    exactly where    t <= e    or    W (t - e)^2 <= w (t + e)^2
@@ -47,20 +47,20 @@ pub fn keeps_bound(wl: f64, wr: f64, t: f64, e: f64) -> bool {
 }
 
 impl StepEquation {
-    /// For a scan line along which W changes by `dw` per pixel in the direction of marching, under the criterion `e` \[pixels\];
-    /// of the quotient so many bits are found, so that it is never too large.
+    /// Creates the equation for a scan line along which W changes by `dw` per pixel in the direction of marching, under the
+    /// criterion `e` \[pixels\]. The quotient has `bits` bits and is never too large.
     pub fn new(dw: f64, e: f64, bits: u32) -> Self {
         let ratio = if dw == 0.0 { 0.0 } else { down(e / dw.abs(), bits) };
         Self { dw, e, ratio }
     }
 
-    /// Whether the bound holds to the other end from where W is `wl`, so that no square root is needed.
+    /// Returns true if the bound holds to the other end from W = `wl` on, so that no square root is needed.
     #[inline]
     pub fn is_free(&self, wl: f64) -> bool {
         self.dw == 0.0 || (self.dw < 0.0 && wl <= self.e * -self.dw)
     }
 
-    /// The longest step from where W is `wl`, by this form, with this square root.
+    /// Returns the longest step from W = `wl` on, by this form, with this square root.
     #[inline]
     pub fn reach(&self, wl: f64, form: StepForm, root: impl FnOnce(f64) -> f64) -> Reach {
         if self.is_free(wl) {
@@ -75,7 +75,7 @@ impl StepEquation {
     }
 }
 
-/// Largest displacement of a segment from where W is `wl` to where it is `wr`, `t` pixels on \[pixels\], by the formula.
+/// Returns the largest displacement of a segment of length `t` on which W changes from `wl` to `wr` \[pixels\], by the formula.
 pub fn largest_displacement(wl: f64, wr: f64, t: f64) -> f64 {
     if wl == wr {
         return 0.0;
@@ -85,7 +85,7 @@ pub fn largest_displacement(wl: f64, wr: f64, t: f64) -> f64 {
     t * (b - a).abs() / (a + b)
 }
 
-/// Square roots from a table: never too large, so that steps from it keep the bound and are a little short.
+/// Table of square roots. The roots are never too large, so that steps keep the bound and are slightly short.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RootTable {
     /// Roots of 1 .. 4 in equal parts, each of its lower end.
@@ -93,13 +93,13 @@ pub struct RootTable {
 }
 
 impl RootTable {
-    /// A table of so many entries, at least 1.
+    /// Creates a table of `entries` entries, at least 1.
     pub fn new(entries: u32) -> Self {
         let of = |i: u32| (1.0 + 3.0 * f64::from(i) / f64::from(entries.max(1))).sqrt();
         Self { entries: (0..entries.max(1)).map(of).collect() }
     }
 
-    /// Square root of `x`: its even exponent halved, its fraction looked up. 0 for what is not positive.
+    /// Returns the square root of `x`: its even exponent is halved, its fraction looked up. Returns 0 unless `x` is positive.
     pub fn root(&self, x: f64) -> f64 {
         if !(x > 0.0 && x.is_finite()) {
             return 0.0;
@@ -111,7 +111,7 @@ impl RootTable {
         libm::ldexp(root, exponent / 2)
     }
 
-    /// Largest relative error.
+    /// Returns the largest relative error.
     pub fn largest_error(&self) -> f64 {
         let ends = (1..=self.entries.len()).map(|i| (1.0 + 3.0 * i as f64 / self.entries.len() as f64).sqrt());
         self.entries.iter().zip(ends).map(|(low, high)| 1.0 - low / high).fold(0.0, f64::max)

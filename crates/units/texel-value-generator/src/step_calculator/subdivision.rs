@@ -5,22 +5,22 @@ use basrelief_shading::fan_triangle;
 use basrelief_signals::Polygon;
 use serde::{Deserialize, Serialize};
 
-/// A triangle cut by lines parallel to its edges into n x n equal child polygons, whose edges are at most `interval` pixels
-/// long. What a scan line crosses between two of these lines is interpolated; its ends are exact.
+/// Division of a triangle by lines parallel to its edges into n x n equal child polygons, whose edges are at most `interval`
+/// pixels long. Pixels of a scan line between two of these lines are interpolated between exact ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Subdivision {
     triangle: Option<u16>,
-    /// n.
+    /// Number of parts n per edge.
     parts: f64,
 }
 
 impl Subdivision {
-    /// None is known yet.
+    /// Forgets the triangle.
     pub fn forget(&mut self) {
         self.triangle = None;
     }
 
-    /// That of the triangle of the polygon that the span is in.
+    /// Sets up the polygon's triangle that contains the span.
     pub fn enter(&mut self, polygon: Option<&Polygon>, triangle: u16, interval: u32) {
         if self.triangle == Some(triangle) {
             return;
@@ -35,7 +35,7 @@ impl Subdivision {
         self.triangle = Some(triangle);
     }
 
-    /// The last pixel of the span that lies in the same child polygon as pixel `k`.
+    /// Returns the last pixel of the span that lies in the same child polygon as pixel `k`.
     pub fn last_with(&self, span: &Span, k: u16) -> u16 {
         let per_pixel = 1.0 / f64::from(span.last().max(1));
         let line = |i: usize| {
@@ -47,7 +47,7 @@ impl Subdivision {
             let at = |k: u16| (start + f64::from(k) * step).floor();
             let here = at(k);
             let to_line = if step > 0.0 { here + 1.0 - start } else { here - start };
-            // Where it crosses the line, give or take a pixel of rounding.
+            // The crossing of the line, within one pixel of rounding.
             let crossing = if step == 0.0 { f64::from(last) } else { to_line / step };
             let mut candidate = (crossing.clamp(f64::from(k), f64::from(last)) as u16).min(last);
             while candidate < last && at(candidate + 1) == here {

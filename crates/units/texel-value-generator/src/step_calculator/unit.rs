@@ -13,49 +13,49 @@ use basrelief_signals::{Control, Flow};
 use smallvec::smallvec;
 use std::sync::Arc;
 
-/// Step calculator of the texel value generator (310), with its storage element: takes spans, chooses division points, and
+/// Step calculator of the texel value generator (310), with its storage element. It takes spans, chooses division points, and
 /// sends each segment to the approximate calculator (310a) and its points to the dividers.
 ///
-/// A step of this unit is a turn of Figure 4B: from the current point the next one. It takes a square root, or a look-up, and
-/// the next turn waits for it; the first of a span waits for e / |dw|, too. Division points of a span are thus found ahead of
-/// the quotients, and no division waits for the interpolation in front of it.
+/// A step of this unit is a turn of Figure 4B: from the current point to the next one. It takes a square root, or a look-up, and
+/// the next turn waits for it. The first turn of a span also waits for e / |dw|. Division points of a span are thus found ahead
+/// of the quotients, and no division waits for the interpolation before it.
 ///
-/// Whether a span needs division points at all, products and a comparison decide ([`keeps_bound`]): they work in a pipeline ahead
-/// of the turns, so that spans which need none pass at its rate. (Dividing for each span first, and seeing then that the step
-/// reaches its end, would keep a span of a dozen pixels for longer than they take to walk.)
+/// Products and a comparison decide if a span needs division points ([`keeps_bound`]). They work in a pipeline ahead of the
+/// turns, so that spans without division points pass at its rate. (Dividing for each span first, and then finding that the step
+/// reaches its end, would occupy the unit longer for a span of a dozen pixels than walking them takes.)
 #[derive(Clone, Debug, Default)]
 pub struct StepCalculator {
     /// Parameters.
     pub config: TexelConfig,
-    /// Bits of a quotient or root that a cycle finds.
+    /// Bits of a quotient or root computed per cycle.
     pub bits_per_cycle: u32,
-    /// Times of arithmetic.
+    /// Latencies of the operators.
     pub operators: Operators,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: StepCalculatorState,
-    /// Follows from the parameters.
+    /// Table of roots, computed from the parameters.
     pub(super) table: Option<RootTable>,
 }
 
 impl StepCalculator {
-    /// A step calculator at power-on; the configured criterion is selected when the first token comes, others by the
-    /// display list (step 442).
+    /// Creates a step calculator in its power-on state. The first token selects the configured criterion, and the display list
+    /// can select others (step 442).
     pub fn new(config: TexelConfig, bits_per_cycle: u32, operators: Operators) -> Self {
         let table = (config.step_table > 0).then(|| RootTable::new(config.step_table));
         Self { config, bits_per_cycle, operators, state: StepCalculatorState::default(), table }
     }
 
-    /// The table in place of the square root, if there is one.
+    /// Returns the table that replaces the square root, if any.
     pub fn table(&self) -> Option<&RootTable> {
         self.table.as_ref()
     }
 
-    /// Keeps a record of spans from now on.
+    /// Starts to record spans.
     pub fn keep_log(&mut self) {
         self.state.log = Some(Vec::new());
     }
 
-    /// A control token takes effect.
+    /// Applies a control token.
     fn take(&mut self, control: &Control) {
         let state = &mut self.state;
         match control {
@@ -74,7 +74,7 @@ impl StepCalculator {
         }
     }
 
-    /// Figure 4A from step 420 on; the cycles that it takes beyond the first turn.
+    /// Runs Figure 4A from step 420 on. Returns the cycles beyond the first turn.
     fn begin(&mut self, span: Span) -> u64 {
         let state = &mut self.state;
         state.from = 0;
@@ -97,7 +97,7 @@ impl StepCalculator {
         cycles
     }
 
-    /// Step 430, or 440 where the bound does not hold to the end anyway.
+    /// Runs step 430, or step 440 if the bound does not hold to the end.
     fn begin_adaptive(&mut self, span: &Span) -> u64 {
         let (decision, iterations) = (self.decision(), self.iterations());
         let state = &mut self.state;
@@ -115,7 +115,7 @@ impl StepCalculator {
         decision - 1 + iterations
     }
 
-    /// Step 444: the next division point behind `from`, and the cycles that it takes to find it.
+    /// Runs step 444: returns the next division point behind `from`, and the cycles of the search.
     fn next_point(&mut self, span: &Span, from: u16) -> (u16, u64) {
         let Some(equation) = self.state.equation else { return (span.last(), 1) };
         let products = self.operators.latency(if from == 0 { FIRST_STEP } else { NEXT_STEP });
@@ -136,7 +136,7 @@ impl StepCalculator {
         (from + step, products + self.root())
     }
 
-    /// The end of the segment that begins at `from`, and the cycles that it takes to find it.
+    /// Returns the end of the segment that begins at `from`, and the cycles of the search.
     fn end_of(&mut self, span: &Span, from: u16) -> (u16, u64) {
         let last = span.last();
         if !span.textured {
@@ -153,14 +153,14 @@ impl StepCalculator {
         }
     }
 
-    /// The next segment of the span, its points, and the cycles that it takes to find them.
+    /// Returns the next segment of the span, its points, and the cycles of the search.
     fn segment(&mut self) -> Option<(Segment, Points, u64)> {
         let span = self.state.span?;
         let from = self.state.from;
         let (to, cycles) = self.end_of(&span, from);
         let to = to.min(from.saturating_add(self.config.longest_segment as u16));
         let exact = self.config.method == Method::Exact && span.textured;
-        // Child polygons share no pixel, other segments share their division point.
+        // Child polygons share no pixel. Other segments share their division point.
         let apart = exact || self.config.method == Method::Subpolygon;
         let ends = to == span.last();
         let walk = to - from + u16::from(apart || ends);
@@ -183,11 +183,11 @@ impl StepCalculator {
     }
 }
 
-/// The next of `points` division points that divide 0 ..= last evenly.
+/// Returns the next of `points` division points that divide 0 ..= last evenly.
 fn evenly(last: u16, from: u16, points: u32) -> u16 {
     let parts = u64::from(points) + 1;
     let place = |i: u64| ((2 * i * u64::from(last) + parts) / (2 * parts)) as u16;
-    // The first that is farther on: about where `from` is.
+    // Number of the first point behind `from`, estimated.
     let near = u64::from(from) * parts / u64::from(last.max(1));
     (near..=parts).map(place).find(|&p| p > from).unwrap_or(last)
 }

@@ -1,4 +1,4 @@
-//! Spans on their way through step calculator, dividers and approximate calculator (310a), and random spans.
+//! Runs spans through step calculator, dividers and approximate calculator (310a). Generates random spans.
 
 use basrelief_kernel::{Demand, OperatorConfig, Operators, Traffic, Unit};
 use basrelief_signals::{Control, Flow, Image, Material, Polygon, Sampler, Texture, Vertex, WrapMode};
@@ -10,13 +10,13 @@ use basrelief_texel_value_generator::{
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// As in 1994.
+/// Returns operators of 1994.
 pub fn operators() -> Operators {
     let (multiply, add) = (OperatorConfig::new(3, 1), OperatorConfig::new(3, 1));
     Operators { multiply, add, divide: OperatorConfig::new(16, 16), ..Operators::default() }
 }
 
-/// A span of pixels 0 .. count, with these W, u, v at its ends.
+/// Creates a span of pixels 0 .. count, with these W, u, v at its ends.
 pub fn span(count: u16, w: [f64; 2], uv: [[f64; 2]; 2]) -> Span {
     let scale = [0, 1].map(|i| scale_of(uv[0][i].abs().max(uv[1][i].abs())));
     let scaled = |i: usize, k: usize| uv[i][k] * w[i] / 2f64.powi(scale[k].into());
@@ -26,7 +26,7 @@ pub fn span(count: u16, w: [f64; 2], uv: [[f64; 2]; 2]) -> Span {
     Span { y: 3, x: 0, count, textured: true, scale, ends, step, ..Span::default() }
 }
 
-/// What came of a span.
+/// Results of a span.
 pub struct Walked {
     pub segments: Vec<Segment>,
     pub packets: Vec<TexelPacket>,
@@ -34,25 +34,25 @@ pub struct Walked {
     pub counters: StepCalculatorCounters,
     pub divider: Divider,
     pub approximate: ApproximateCalculator,
-    /// Cycles that each step kept the step calculator, and all kept the approximate calculator.
+    /// Occupancy of the step calculator per step, and total occupancy of the approximate calculator \[cycles\].
     pub kept: (Vec<u64>, u64),
 }
 
 impl Walked {
-    /// Pixels between which u, v are divided: the ends of all segments.
+    /// Returns the pixels at which u, v are divided: the ends of all segments.
     pub fn points(&self) -> Vec<u16> {
         let mut all: Vec<u16> = self.segments.iter().flat_map(|s| [s.from, s.to]).collect();
         all.dedup();
         all
     }
 
-    /// u, v of pixel `k` of the span, exactly.
+    /// Returns the exact u, v of pixel `k` of the span.
     pub fn exact(span: &Span, k: u16) -> [f64; 2] {
         let value = span.value(k);
         [0, 1].map(|i| value[i] / value[2] * 2f64.powi(span.scale[i].into()))
     }
 
-    /// u, v by column, some whole tiles less.
+    /// Returns u, v by column, minus some whole tiles.
     pub fn uv(&self) -> Vec<[f32; 2]> {
         self.packets.iter().flat_map(|s| s.packet.positions().map(|i| s.uv[i])).collect()
     }
@@ -62,7 +62,7 @@ impl Walked {
     }
 }
 
-/// A polygon with a texture of these wrap modes, for what is constant over it.
+/// Creates a polygon with a texture of these wrap modes, for the values that are constant over it.
 pub fn textured(wrap: WrapMode) -> Arc<Polygon> {
     let side = |side: u32| Image { width: side, height: side, texels: vec![[200; 4]; (side * side) as usize] };
     let levels = [64, 32, 16, 8, 4, 2, 1].map(side).to_vec();
@@ -73,7 +73,7 @@ pub fn textured(wrap: WrapMode) -> Arc<Polygon> {
     Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: false, arrival: 0 })
 }
 
-/// Takes a span through the three units.
+/// Runs a span through the three units.
 pub fn walk(config: &TexelConfig, span: Span) -> Walked {
     walk_on(config, span, &textured(WrapMode::Repeat), Some(MipPer::Segment))
 }
@@ -106,7 +106,7 @@ pub fn walk_on(config: &TexelConfig, span: Span, polygon: &Arc<Polygon>, gradien
     Walked { segments, packets, gradients: out_gradients, counters: steps.state.counters, divider, approximate, kept }
 }
 
-/// W at the ends in a ratio of up to 1:1000, either way round, of every size; now and then equal.
+/// Generates W at the ends in a ratio of up to 1:1000, in both directions, of every size, and sometimes equal.
 fn ends() -> impl Strategy<Value = [f64; 2]> {
     let ratio = prop_oneof![1 => Just(0.0), 6 => -3.0f64..3.0, 2 => -0.1f64..0.1];
     (-6.0f64..6.0, ratio).prop_map(|(size, ratio)| {
@@ -115,12 +115,12 @@ fn ends() -> impl Strategy<Value = [f64; 2]> {
     })
 }
 
-/// 10^x, of tests alone.
+/// Computes 10^x, for tests only.
 fn power_of_ten(x: f64) -> f64 {
     10f64.powf(x)
 }
 
-/// Spans of 1 to 4,096 pixels, u and v up to a thousand tiles long and away.
+/// Generates spans of 1 to 4,096 pixels, with u and v up to a thousand tiles long and away.
 pub fn spans() -> impl Strategy<Value = Span> {
     let count = prop_oneof![4 => 1u16..64, 3 => 64u16..512, 2 => 512u16..=4096, 1 => Just(4096u16)];
     let uv = prop::array::uniform2(prop::array::uniform2(-1000.0f64..1000.0));
@@ -130,15 +130,15 @@ pub fn spans() -> impl Strategy<Value = Span> {
     })
 }
 
-/// e from 0.05 to 4.
+/// Generates e from 0.05 to 4.
 pub fn bounds() -> impl Strategy<Value = f64> {
     prop_oneof![3 => 0.05f64..4.0, 1 => Just(0.5), 1 => 0.05f64..0.2]
 }
 
-/// The widest u, v there are.
+/// Largest width of u, v.
 const COORDINATE_BITS: u32 = 44;
 
-/// Segments of any length, and u, v of the most bits.
+/// Returns a configuration with segments of any length, and u, v of the most bits.
 pub fn config(error_bound: f64) -> TexelConfig {
     TexelConfig {
         error_bound,
@@ -149,9 +149,9 @@ pub fn config(error_bound: f64) -> TexelConfig {
     }
 }
 
-/// How far the width of u, v alone may displace a pixel of the span \[pixels\]. U and W are rounded to it, and so are their
-/// quotient and what lies between two of them: less than four units. They count the more, the slower the coordinate runs that is
-/// asked, which it does at the end with the larger W: by `|du| / length * small W / large W` per pixel.
+/// Returns the displacement of a pixel of the span by the width of u, v alone \[pixels\]. U, W, their quotient and the
+/// interpolated values are rounded: together less than four units. They count more for a slower coordinate. It is slowest at the
+/// end with the larger W: `|du| / length * small W / large W` per pixel.
 pub fn rounding(span: &Span) -> f64 {
     let (a, b) = (span.ends[0], span.ends[1]);
     let change = [0, 1].map(|i| (b[i] / b[2] - a[i] / a[2]).abs()).into_iter().filter(|change| *change > 0.0);

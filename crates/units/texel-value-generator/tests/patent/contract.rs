@@ -11,7 +11,7 @@ use basrelief_texel_value_generator::signals::{
 use basrelief_texel_value_generator::*;
 use std::sync::Arc;
 
-/// Two frames of polygons, with and without texture, some without spans.
+/// Returns two frames of polygons, with and without texture, some without spans.
 fn display_list() -> Vec<Control> {
     let object = ObjectInfo {
         id: 0,
@@ -38,7 +38,7 @@ fn display_list() -> Vec<Control> {
     [one.clone(), one].concat()
 }
 
-/// Steps a unit of one input and two outputs until all is used up.
+/// Steps a unit of one input and two outputs until its input is empty.
 fn fork<I, A, B>(unit: &mut impl Unit<In = Option<I>, Out = (Option<A>, Option<B>)>, tokens: Vec<I>) -> (Vec<A>, Vec<B>) {
     let (mut first, mut second, mut tokens) = (Vec::new(), Vec::new(), tokens.into_iter());
     loop {
@@ -52,7 +52,7 @@ fn fork<I, A, B>(unit: &mut impl Unit<In = Option<I>, Out = (Option<A>, Option<B
     }
 }
 
-/// The same with one output.
+/// Steps a unit of one input and one output until its input is empty.
 fn chain<I, A>(unit: &mut impl Unit<In = Option<I>, Out = Option<A>>, tokens: Vec<I>) -> Vec<A> {
     let (mut out, mut tokens) = (Vec::new(), tokens.into_iter());
     loop {
@@ -131,7 +131,7 @@ fn wires(method: Method) -> Wires {
 }
 
 #[test]
-fn the_tokens_of_the_contracts_say_something() {
+fn contract_tokens_have_attributions() {
     for method in [Method::Adaptive, Method::Exact, Method::Subpolygon] {
         let wires = wires(method);
         assert!(wires.segments.len() > 100 && wires.texels.len() > 100, "{method:?}");
@@ -146,7 +146,7 @@ fn the_tokens_of_the_contracts_say_something() {
 }
 
 #[test]
-fn inputs_that_do_not_belong_together_are_a_fault() {
+fn mismatched_inputs_are_a_fault() {
     let mut traffic = Traffic::default();
     look_up().step((Some(Flow::Control(Control::FrameEnd)), Some(Flow::Item(LevelPacket::default()))), &mut traffic);
     assert!(format!("{traffic:?}").contains("texture look-up table: its two inputs"));

@@ -24,14 +24,14 @@ pub fn frame(width: u32, height: u32) -> Control {
     }))
 }
 
-/// A textured polygon of corners (x, y, 1 / w), u and v as x and y over the size of a picture of 64 x 64.
+/// Creates a textured polygon of corners (x, y, 1 / w), with u and v as x and y over the size of a picture of 64 x 64.
 pub fn polygon(corners: &[[f32; 3]]) -> Control {
     let vertex = |&[x, y, w]: &[f32; 3]| Vertex { position: [x, y, 0.5, w], uv: [x / 64.0, y / 64.0], ..Vertex::default() };
     let polygon = Polygon { vertices: corners.iter().map(vertex).collect(), ..Polygon::clone(&textured(WrapMode::Repeat)) };
     Control::Polygon(Arc::new(polygon))
 }
 
-/// Spans of a polygon.
+/// Returns the spans of a polygon.
 pub fn scanned(snap: Snap, march: March, corners: &[[f32; 3]]) -> (Vec<Span>, ScanConverter) {
     let mut unit = ScanConverter::new(ScanConverterConfig::default(), snap, march, operators());
     unit.step(Some(frame(64, 64)), &mut Traffic::default());
@@ -46,7 +46,7 @@ pub fn scanned(snap: Snap, march: March, corners: &[[f32; 3]]) -> (Vec<Span>, Sc
 }
 
 #[test]
-fn figure_4a_step_410_snaps_the_ends_to_integer_pixels() {
+fn figure_4a_step_410_snaps_ends_to_integer_pixels() {
     let bar = [[3.25, 5.0, 1.0], [9.75, 5.0, 1.0], [9.75, 6.0, 1.0], [3.25, 6.0, 1.0]];
     let columns = |snap| {
         let (spans, _) = scanned(snap, March::LeftToRight, &bar);
@@ -54,7 +54,7 @@ fn figure_4a_step_410_snaps_the_ends_to_integer_pixels() {
         all.sort_unstable();
         (all.first().copied(), all.last().copied(), all.len())
     };
-    // The ends are 2.75 and 9.25, counted from the centre of the first pixel; the right one belongs to what follows.
+    // The ends are 2.75 and 9.25, counted from the centre of the first pixel. The right one belongs to the next polygon.
     assert_eq!(columns(Snap::Ceil), (Some(3), Some(9), 7));
     assert_eq!(columns(Snap::Round), (Some(3), Some(8), 6));
     assert_eq!(columns(Snap::Floor), (Some(2), Some(8), 7));
@@ -62,14 +62,14 @@ fn figure_4a_step_410_snaps_the_ends_to_integer_pixels() {
 }
 
 #[test]
-fn figure_4a_step_420_an_empty_span_is_none() {
+fn figure_4a_step_420_drops_empty_span() {
     let sliver = [[3.6, 0.0, 1.0], [4.4, 0.0, 1.0], [4.4, 9.0, 1.0], [3.6, 9.0, 1.0]];
     let (spans, unit) = scanned(Snap::Ceil, March::LeftToRight, &sliver);
     assert!(spans.is_empty() && unit.state.counters.empty == 1);
 }
 
 #[test]
-fn figure_4a_step_430_a_span_too_short_to_gain_has_its_end_points_only() {
+fn figure_4a_step_430_short_span_has_only_end_points() {
     let uv = [[0.0, 0.0], [1.0, 0.0]];
     for (count, min_span, short) in [(20, 20, true), (21, 20, false), (2, 2, true), (4, 2, false), (400, 1000, true)] {
         let walked = walk(&TexelConfig { min_span, ..config(0.05) }, span(count, [1.0, 0.1], uv));
@@ -79,7 +79,7 @@ fn figure_4a_step_430_a_span_too_short_to_gain_has_its_end_points_only() {
 }
 
 #[test]
-fn figure_4b_the_next_point_is_the_step_rounded_down_at_least_1_and_at_most_what_is_left() {
+fn figure_4b_next_point_is_step_rounded_down_and_clamped() {
     let span = span(300, [0.1, 1.0], [[0.0, 0.0], [1.0, 0.0]]);
     for e in [0.01, 0.5, 3.0] {
         let dw = span.step[2];
@@ -92,7 +92,7 @@ fn figure_4b_the_next_point_is_the_step_rounded_down_at_least_1_and_at_most_what
 }
 
 #[test]
-fn figure_6_ends_and_division_points_are_exact_and_the_rest_is_linear_between_them() {
+fn figure_6_division_points_are_exact_rest_is_linear() {
     let span = span(200, [1.0, 0.05], [[0.2, 0.9], [0.7, 0.1]]);
     let walked = walk(&config(0.5), span);
     let uv = walked.uv();
@@ -109,7 +109,7 @@ fn figure_6_ends_and_division_points_are_exact_and_the_rest_is_linear_between_th
 }
 
 #[test]
-fn figure_2_a_fixed_number_of_points_lies_evenly_and_an_interval_ends_with_what_is_left() {
+fn figure_2_fixed_points_and_intervals_divide_span() {
     let span = span(65, [1.0, 0.5], [[0.0, 0.0], [1.0, 0.0]]);
     let fixed = |points, interval| walk(&TexelConfig { method: Method::Fixed, points, interval, ..config(0.5) }, span).points();
     assert_eq!(fixed(7, 1), [0, 8, 16, 24, 32, 40, 48, 56, 64]);
@@ -120,8 +120,8 @@ fn figure_2_a_fixed_number_of_points_lies_evenly_and_an_interval_ends_with_what_
 }
 
 #[test]
-fn figure_1_each_child_polygon_has_exact_ends_on_a_scan_line() {
-    // A triangle of 40 pixels, cut into 4 x 4 of 10; on its scan lines the lines between them are 10 pixels apart.
+fn figure_1_child_polygons_have_exact_ends() {
+    // A triangle of 40 pixels, cut into 4 x 4 of 10. On its scan lines the lines between them are 10 pixels apart.
     let corners = [[0.5, 0.5, 1.0], [40.5, 0.5, 0.5], [0.5, 40.5, 0.25]];
     let (spans, _) = scanned(Snap::Ceil, March::LeftToRight, &corners);
     assert_eq!(spans.len(), 40);
@@ -139,7 +139,7 @@ fn figure_1_each_child_polygon_has_exact_ends_on_a_scan_line() {
 }
 
 #[test]
-fn marching_from_the_right_finds_the_same_bound_from_the_other_end() {
+fn right_to_left_marching_keeps_same_bound() {
     let corners = [[2.5, 3.0, 1.0], [60.5, 3.0, 0.05], [60.5, 40.0, 0.05], [2.5, 40.0, 1.0]];
     let (left, _) = scanned(Snap::Ceil, March::LeftToRight, &corners);
     let (right, _) = scanned(Snap::Ceil, March::RightToLeft, &corners);
@@ -153,7 +153,7 @@ fn marching_from_the_right_finds_the_same_bound_from_the_other_end() {
 }
 
 #[test]
-fn a_w_that_is_not_positive_is_an_error_that_says_where() {
+fn non_positive_w_error_names_place() {
     for w in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         let mut unit = ScanConverter::default();
         let mut traffic = Traffic::default();
@@ -166,12 +166,12 @@ fn a_w_that_is_not_positive_is_an_error_that_says_where() {
 }
 
 #[test]
-fn dividers_take_what_is_next_and_give_the_last_quotient_last() {
+fn free_divider_takes_next_division() {
     let cycles = |count, pipelined, bits, divisions| {
         let config = DividerConfig { count, pipelined, ..DividerConfig::default() };
         Divider::new(config, bits, operators()).cycles(divisions)
     };
-    // Kept, and to the last quotient.
+    // Occupancy, and latency to the last quotient.
     assert_eq!(cycles(1, false, 32, 2), (32, 32));
     assert_eq!(cycles(2, false, 32, 2), (16, 16));
     assert_eq!(cycles(4, false, 32, 2), (8, 16));
@@ -180,7 +180,7 @@ fn dividers_take_what_is_next_and_give_the_last_quotient_last() {
     assert_eq!(cycles(3, false, 20, 4), (14, 20));
 }
 
-/// The quotients of some points, the cycles that they keep the dividers and take to come, and what was counted.
+/// Returns the quotients of some points, the occupancy and latency of the dividers, and the counters.
 fn divided(config: DividerConfig, bits: u32, points: &Points) -> (Vec<[i64; 2]>, u64, u64, DividerCounters) {
     let mut unit = Divider::new(config, bits, operators());
     let step = unit.step(Some(Flow::Item(points.clone())), &mut Traffic::default());
@@ -189,7 +189,7 @@ fn divided(config: DividerConfig, bits: u32, points: &Points) -> (Vec<[i64; 2]>,
 }
 
 #[test]
-fn a_division_takes_half_as_many_cycles_as_its_quotient_has_bits() {
+fn division_takes_half_its_quotient_bits_in_cycles() {
     let points = smallvec![Point([0.5, 0.25, 0.9])];
     let kept = |bits, bits_per_cycle| {
         let (_, occupancy, latency, _) = divided(DividerConfig { bits_per_cycle, ..DividerConfig::default() }, bits, &points);
@@ -201,7 +201,7 @@ fn a_division_takes_half_as_many_cycles_as_its_quotient_has_bits() {
 }
 
 #[test]
-fn quotients_are_rounded_to_the_width_of_u_and_v() {
+fn quotients_are_rounded_to_coordinate_bits() {
     let points = smallvec![Point([1.0, -2.0, 3.0])];
     for bits in [12, 20, 48] {
         let (quotients, ..) = divided(DividerConfig::default(), bits, &points);
@@ -211,19 +211,19 @@ fn quotients_are_rounded_to_the_width_of_u_and_v() {
 }
 
 #[test]
-fn a_reciprocal_and_two_multiplications_stand_for_two_divisions() {
+fn reciprocal_division_matches_two_divisions() {
     let points: Points = smallvec![Point([0.4, 0.45, 0.5]), Point([0.3, 0.1, 0.7])];
     let of = |division| divided(DividerConfig { division, ..DividerConfig::default() }, 32, &points);
     let (two, occupancy, latency, counters) = of(Division::Two);
     assert_eq!((occupancy, latency, counters.divisions, counters.reciprocals, counters.multiplications), (32, 32, 4, 0, 0));
     let (one, occupancy, latency, counters) = of(Division::Reciprocal);
     assert_eq!((occupancy, latency, counters.divisions, counters.reciprocals, counters.multiplications), (16, 16 + 3, 0, 2, 4));
-    // The rounding of the reciprocal moves a product by half a step at most, and it is rounded itself.
+    // The rounding of the reciprocal moves a product by half a step at most, and the product itself is rounded.
     assert!(two.iter().flatten().zip(one.iter().flatten()).all(|(a, b)| (a - b).abs() <= 1), "{two:?} {one:?}");
 }
 
 #[test]
-fn the_storage_element_holds_the_criterion_until_another_is_selected() {
+fn storage_element_holds_criterion_until_next() {
     let mut storage = StorageElement::default();
     storage.select(0.5);
     assert_eq!(storage.criterion(), 0.5);

@@ -6,12 +6,12 @@ use basrelief_signals::WrapMode;
 use basrelief_texel_value_generator::signals::Span;
 use basrelief_texel_value_generator::{March, Method, Snap, TexelConfig};
 
-/// Planes that are drawn.
+/// Number of planes drawn.
 const PLANES: usize = 300;
 /// Edges between texels, evenly from the least to the largest u of a plane.
 const EDGES: usize = 16;
 
-/// A generator of numbers 0..1 (splitmix64).
+/// Generator of numbers 0..1 (splitmix64).
 struct Random(u64);
 
 impl Random {
@@ -23,8 +23,8 @@ impl Random {
     }
 }
 
-/// Scan lines of a plane that fills a picture of 64 x 64: W at its corners from 0.02 to 1, evenly by its logarithm, and u turned by
-/// any angle.
+/// Returns the scan lines of a plane that fills a picture of 64 x 64. W at its corners is 0.02 to 1, even in its logarithm, and u
+/// is turned by any angle.
 fn plane(random: &mut Random) -> Vec<Span> {
     let mut w = || libm::pow(0.02, random.next()) as f32;
     let corners = [[0.0, 0.0, w()], [128.0, 0.0, w()], [0.0, 128.0, w()]];
@@ -38,7 +38,8 @@ fn plane(random: &mut Random) -> Vec<Span> {
     scanned(Snap::Ceil, March::LeftToRight, &corners).0.into_iter().map(turned).collect()
 }
 
-/// How often an edge between texels turns back between scan lines; the exact ones are straight lines, and never do.
+/// Returns the number of times that an edge between texels reverses between scan lines. Exact edges are straight lines, and never
+/// reverse.
 fn reversals(spans: &[Span], config: &TexelConfig) -> usize {
     let polygon = textured(WrapMode::Clamp);
     let rows: Vec<Vec<f32>> =
@@ -55,7 +56,7 @@ fn reversals(spans: &[Span], config: &TexelConfig) -> usize {
     (1..=EDGES).map(|i| turns(least + (largest - least) * i as f32 / (EDGES + 1) as f32)).sum()
 }
 
-/// Planes on which an edge turns back, and how often they do in all.
+/// Returns the number of planes with a reversal, and of all reversals.
 fn turning(config: &TexelConfig) -> (usize, usize) {
     let mut random = Random(1997);
     let all: Vec<usize> = (0..PLANES).map(|_| reversals(&plane(&mut random), config)).collect();
@@ -63,7 +64,7 @@ fn turning(config: &TexelConfig) -> (usize, usize) {
 }
 
 #[test]
-fn edges_of_enlarged_texels_turn_back_on_more_planes_the_larger_e_is() {
+fn larger_e_gives_more_non_monotonic_texel_edges() {
     let exact = turning(&TexelConfig { method: Method::Exact, ..config(0.5) });
     let by_bound = [0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0].map(|e| turning(&config(e)));
     assert_eq!(exact, (0, 0));

@@ -1,4 +1,4 @@
-//! What the patent's page says of the texel value generator (310) and the units around it.
+//! Tests of the texel value generator (310) and the units around it against the patent.
 
 mod chain;
 mod contract;

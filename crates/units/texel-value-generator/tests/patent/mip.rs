@@ -21,7 +21,7 @@ fn levels(mode: MipMode, gradients: &[GradientPacket]) -> Vec<(u16, f32)> {
 
 proptest! {
     #[test]
-    fn claim_9_the_level_is_constant_per_segment_and_follows_from_its_ends(span in spans(), e in bounds()) {
+    fn claim_9_level_is_constant_per_segment(span in spans(), e in bounds()) {
         let walked = walk_on(&config(e), span, &textured(WrapMode::Repeat), Some(MipPer::Segment));
         let levels: BTreeMap<u16, f32> = levels(MipMode::Trilinear, &walked.gradients).into_iter().collect();
         for segment in &walked.segments {
@@ -36,10 +36,10 @@ proptest! {
     }
 
     #[test]
-    fn a_level_per_pixel_follows_from_the_derivative_there(span in spans(), e in bounds()) {
+    fn level_per_pixel_follows_from_derivative(span in spans(), e in bounds()) {
         let walked = walk_on(&config(e), span, &textured(WrapMode::Repeat), Some(MipPer::Pixel));
         for (texels, packet) in walked.packets.iter().zip(&walked.gradients) {
-            // Between division points it is that of the interpolated u.
+            // Between division points it is the level of the interpolated u.
             for i in packet.packet.positions().filter(|i| texels.points & 1 << i != 0) {
                 let k = packet.packet.x + i as u16;
                 let ([_, _, w], [u, _]) = (span.value(k), Walked::exact(&span, k));
@@ -56,7 +56,7 @@ proptest! {
 }
 
 #[test]
-fn the_level_nearest_to_half_way_is_the_finer_one_and_off_is_level_0() {
+fn nearest_tie_selects_finer_level_and_off_level_0() {
     let packet = |texels: f32| {
         let mut packet = GradientPacket::default();
         packet.packet.mask = 1;

@@ -1,4 +1,4 @@
-//! Combiner (350): the old value from the buffer (360), and when it is read.
+//! Combiner (350): the old value from the buffer (360), and the time of its read.
 
 use crate::figures::frame;
 use basrelief_kernel::{Traffic, Unit};
@@ -17,7 +17,7 @@ fn combiner(mode: CombineMode, lines: u32) -> Combiner {
     unit
 }
 
-/// Combines a packet of one pixel; its colour, and the addresses read.
+/// Combines a packet of one pixel. Returns its colour, and the addresses read.
 fn combine(unit: &mut Combiner, [x, y]: [u16; 2], [value, alpha]: [u16; 2]) -> ([u8; 3], Vec<u64>) {
     let (mut texture, mut light) = (TexturePacket::default(), IlluminancePacket::default());
     (texture.packet.x, texture.packet.y, texture.packet.mask) = (x, y, 0b1000);
@@ -31,7 +31,7 @@ fn combine(unit: &mut Combiner, [x, y]: [u16; 2], [value, alpha]: [u16; 2]) -> (
 }
 
 #[test]
-fn the_combiner_replaces_modulates_and_blends_with_the_old_value() {
+fn combiner_replaces_modulates_and_blends() {
     let drawn = |mode| {
         let mut unit = combiner(mode, 4);
         [[200, 255], [100, 51]].map(|value| combine(&mut unit, [16, 2], value))
@@ -39,12 +39,12 @@ fn the_combiner_replaces_modulates_and_blends_with_the_old_value() {
     let line = vec![(2 * 3 + 1) * 64];
     assert_eq!(drawn(CombineMode::Replace), [([200, 100, 0], vec![]), ([100, 50, 0], vec![])]);
     assert_eq!(drawn(CombineMode::Modulate), [([0; 3], line.clone()), ([0; 3], vec![])], "the buffer begins black");
-    // A fifth of the new one, four fifths of the old one.
+    // A fifth of the new value, four fifths of the old one.
     assert_eq!(drawn(CombineMode::Blend), [([200, 100, 0], line), ([180, 90, 0], vec![])]);
 }
 
 #[test]
-fn a_line_that_is_held_is_not_read_and_one_that_has_gone_is() {
+fn held_line_is_not_read_and_evicted_line_is() {
     let mut unit = combiner(CombineMode::Blend, 2);
     let mut read = |place| combine(&mut unit, place, [9, 9]).1.len();
     assert_eq!([[0, 0], [16, 0], [0, 0], [32, 0], [0, 0], [16, 0]].map(&mut read), [1, 1, 0, 1, 0, 1]);
@@ -52,10 +52,10 @@ fn a_line_that_is_held_is_not_read_and_one_that_has_gone_is() {
 }
 
 proptest! {
-    /// The buffer (360) behind a FIFO of `depth` packets, which it takes as late as it can; it gathers `gathering` lines, and the
-    /// last `posted` writes are not done yet.
+    /// The buffer (360) behind a FIFO of `depth` packets takes each packet as late as possible. It gathers `gathering` lines, and
+    /// the last `posted` writes are not done yet.
     #[test]
-    fn no_line_is_read_whose_last_value_is_not_in_memory(
+    fn line_is_read_only_after_its_write_is_done(
         places in prop::collection::vec((0u16..3, 0u16..3), 1..200), depth in 1usize..5, gathering in 1u32..4, posted in 1usize..4,
     ) {
         let mut unit = combiner(CombineMode::Blend, 1 + depth as u32 + gathering + posted as u32);

@@ -6,20 +6,21 @@ use basrelief_texel_value_generator::signals::Span;
 use basrelief_texel_value_generator::{Method, RootTable, StepForm, TexelConfig, largest_displacement};
 use proptest::prelude::*;
 
-/// Largest displacement between pixels `a` and `b` of the span, by the formula; none between neighbours.
+/// Returns the largest displacement between pixels `a` and `b` of the span by the formula, 0 between neighbours.
 fn by_formula(span: &Span, a: u16, b: u16) -> f64 {
     let w = |k: u16| span.value(k)[2];
     if b - a <= 1 { 0.0 } else { largest_displacement(w(a), w(b), f64::from(b - a)) }
 }
 
-/// The same by trying: at every share `t` of the way, where the exact mapping is as far along the texture.
+/// Returns the largest displacement by trial: for every share `t` of the way, the position at which the exact mapping is equally
+/// far along the texture.
 fn by_trial([a, b]: [f64; 2], length: f64) -> f64 {
     let exact_share = |t: f64| t * a / (b * (1.0 - t) + a * t);
     (0..=100_000).map(|i| f64::from(i) / 100_000.0).map(|t| length * (exact_share(t) - t).abs()).fold(0.0, f64::max)
 }
 
 #[test]
-fn section_3_the_largest_displacement_is_that_of_the_formula() {
+fn section_3_largest_displacement_matches_formula() {
     for w in [[1.0, 2.0], [2.0, 1.0], [1.0, 1000.0], [1.0, 1.0], [0.3, 0.31]] {
         for length in [2.0, 16.0, 4096.0] {
             let (formula, trial) = (largest_displacement(w[0], w[1], length), by_trial(w, length));
@@ -28,18 +29,18 @@ fn section_3_the_largest_displacement_is_that_of_the_formula() {
     }
 }
 
-/// Division points of the best scheme of a fixed interval that keeps e.
+/// Returns the division points of the best scheme of a fixed interval that keeps e.
 fn best_fixed(span: &Span, e: f64) -> usize {
     let last = span.last();
     let keeps = |k: u16| (0..last).step_by(usize::from(k)).all(|a| by_formula(span, a, (a + k).min(last)) <= e);
-    // Longer intervals first: a longer one never has more points.
+    // Longer intervals first, because a longer one never has more points.
     let k = (1..=last.max(1)).rev().find(|&k| keeps(k)).unwrap_or(1);
     (0..last).step_by(usize::from(k)).count().saturating_sub(1)
 }
 
 proptest! {
     #[test]
-    fn section_3_no_pixel_is_displaced_by_more_than_e(span in spans(), e in bounds()) {
+    fn section_3_displacement_is_at_most_e(span in spans(), e in bounds()) {
         let walked = walk(&config(e), span);
         for pair in walked.points().windows(2) {
             let displacement = by_formula(&span, pair[0], pair[1]);
@@ -49,7 +50,7 @@ proptest! {
     }
 
     #[test]
-    fn section_3_no_segment_could_be_one_pixel_longer(span in spans(), e in bounds()) {
+    fn section_3_segments_are_longest_possible(span in spans(), e in bounds()) {
         let points = walk(&config(e), span).points();
         for pair in points.windows(2).filter(|pair| pair[1] < span.last()) {
             let longer = largest_displacement(span.value(pair[0])[2], span.value(pair[1] + 1)[2], f64::from(pair[1] + 1 - pair[0]));
@@ -58,7 +59,7 @@ proptest! {
     }
 
     #[test]
-    fn section_3_no_fixed_interval_that_keeps_e_has_fewer_divisions(
+    fn section_3_fixed_interval_needs_no_fewer_divisions(
         span in spans().prop_filter("quadratic", |s| s.count <= 700), e in bounds(),
     ) {
         let inner = walk(&config(e), span).points().iter().filter(|k| **k > 0 && **k < span.last()).count();
@@ -66,7 +67,7 @@ proptest! {
     }
 
     #[test]
-    fn section_3_steps_grow_with_w_and_shrink_with_it(span in spans(), e in bounds()) {
+    fn section_3_steps_grow_and_shrink_with_w(span in spans(), e in bounds()) {
         let points = walk(&config(e), span).points();
         let steps: Vec<i32> = points.windows(2).map(|p| i32::from(p[1] - p[0])).collect();
         let inner = &steps[..steps.len().saturating_sub(1)];
@@ -76,7 +77,7 @@ proptest! {
     }
 
     #[test]
-    fn texels_along_a_span_are_monotone(span in spans(), e in bounds()) {
+    fn texels_along_span_are_monotone(span in spans(), e in bounds()) {
         let uv = walk_on(&config(e), span, &textured(WrapMode::Clamp), None).uv();
         for i in 0..2 {
             let rising = span.ends[1][i] / span.ends[1][2] >= span.ends[0][i] / span.ends[0][2];
@@ -86,7 +87,7 @@ proptest! {
     }
 
     #[test]
-    fn a_table_of_steps_keeps_the_bound_and_costs_divisions(span in spans(), e in bounds(), entries in 1u32..300) {
+    fn root_table_keeps_bound_and_costs_divisions(span in spans(), e in bounds(), entries in 1u32..300) {
         let exact = walk(&config(e), span);
         let table = walk(&TexelConfig { step_table: entries, ..config(e) }, span);
         prop_assert!(table.largest_displacement() <= e + rounding(&span));
@@ -94,7 +95,7 @@ proptest! {
     }
 
     #[test]
-    fn every_method_walks_every_pixel_once_and_in_order(
+    fn every_method_walks_each_pixel_once_in_order(
         span in spans(), e in bounds(), interval in 1u32..40, points in 0u32..9, backwards in any::<bool>(), x in 0u16..40,
         method in prop::sample::select(vec![Method::Adaptive, Method::Exact, Method::Fixed, Method::Subpolygon]),
     ) {
@@ -118,7 +119,7 @@ proptest! {
 }
 
 #[test]
-fn section_3_the_approximate_form_keeps_e_for_rising_w_only_and_breaks_it_by_up_to_four_times() {
+fn section_3_approximate_form_keeps_e_only_for_rising_w() {
     let ratio = |w: [f64; 2], e: f64| {
         let config = TexelConfig { step_form: StepForm::Approximate, ..config(e) };
         let span = span(2000, w, [[0.0, 0.0], [1.0, 0.0]]);
@@ -126,7 +127,7 @@ fn section_3_the_approximate_form_keeps_e_for_rising_w_only_and_breaks_it_by_up_
         points.windows(2).map(|p| by_formula(&span, p[0], p[1])).fold(0.0, f64::max) / e
     };
     let (mut falling, mut rising) = (0.0f64, 0.0f64);
-    // At 499.5, e |dw| / wl at the start is next to 1/4 where W falls to nothing.
+    // At 499.5, e |dw| / wl at the start is close to 1/4 if W falls to nothing.
     for e in [0.5, 4.0, 64.0, 256.0, 499.5] {
         for far in (1..60).map(|i| f64::from(i) / 60.0).chain([1e-9]) {
             falling = falling.max(ratio([1.0, far], e));
@@ -135,12 +136,12 @@ fn section_3_the_approximate_form_keeps_e_for_rising_w_only_and_breaks_it_by_up_
     }
     assert!(rising <= 1.0 + 1e-9, "{rising}");
     assert!((3.8..=4.0).contains(&falling), "{falling}");
-    // At the bound that the patent recommends it is close all the same, where W falls slowly.
+    // At the bound recommended by the patent the ratio is close too, if W falls slowly.
     assert!(ratio([1.0, 0.5], 0.5) < 1.05);
 }
 
 #[test]
-fn short_and_degenerate_spans() {
+fn short_and_degenerate_spans_are_handled() {
     let uv = [[0.0, 0.0], [3.0, 1.0]];
     for (count, w) in [(1, [1.0, 1.0]), (1, [0.2, 0.2]), (2, [1.0, 0.001]), (2, [0.001, 1.0]), (4096, [0.25, 0.25])] {
         let walked = walk(&config(0.5), span(count, w, uv));
@@ -154,14 +155,14 @@ fn short_and_degenerate_spans() {
 }
 
 #[test]
-fn section_3_spans_of_4096_pixels_and_a_w_ratio_of_1000_that_tile_a_thousand_times_keep_e() {
+fn section_3_longest_spans_with_most_tiles_keep_e() {
     for w in [[1.0, 0.001], [0.001, 1.0], [1000.0, 1.0]] {
         for e in [0.05, 0.5, 4.0] {
             let span = span(4096, w, [[0.0, -500.0], [1000.0, 500.0]]);
             let walked = walk(&config(e), span);
             assert!(walked.largest_displacement() <= e + 1e-6, "{}", walked.largest_displacement());
-            // What the look-up table gets is a whole number of tiles away from u, but for the rounding to 24 bits of the
-            // tiles that a packet is long.
+            // The look-up table's input differs from u by whole tiles, and by the rounding to 24 bits of the tiles along a
+            // packet.
             for packet in &walked.packets {
                 let pixels: Vec<usize> = packet.packet.positions().collect();
                 let length = pixels.iter().map(|&i| packet.uv[i][0].abs()).fold(2.0, f32::max);
@@ -176,7 +177,7 @@ fn section_3_spans_of_4096_pixels_and_a_w_ratio_of_1000_that_tile_a_thousand_tim
 }
 
 #[test]
-fn roots_from_a_table_are_never_too_large_and_short_by_no_more_than_it_says() {
+fn table_roots_are_short_within_stated_error() {
     for entries in [1, 2, 64, 1024] {
         let table = RootTable::new(entries);
         for i in 1..4000 {

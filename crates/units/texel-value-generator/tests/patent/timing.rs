@@ -1,4 +1,4 @@
-//! Section 5: how long a step keeps its unit.
+//! Section 5: occupancy of a step.
 
 use crate::chain::{config, span, textured, walk, walk_on};
 use basrelief_signals::WrapMode;
@@ -6,16 +6,16 @@ use basrelief_texel_value_generator::{Method, MipPer, TexelConfig, keeps_bound, 
 use proptest::prelude::*;
 
 const UV: [[f64; 2]; 2] = [[0.0, 0.0], [1.0, 0.0]];
-/// Cycles of a product, of a sum.
+/// Cycles of a product, and of a sum.
 const OPERATION: u64 = 3;
 
-/// Behind the control token.
+/// Returns the occupancies of the steps behind the control token.
 fn kept(config: &TexelConfig, w: [f64; 2]) -> Vec<u64> {
     walk(config, span(200, w, UV)).kept.0.split_off(1)
 }
 
 #[test]
-fn section_5_a_step_takes_a_root_and_the_first_of_a_span_the_division_of_e_by_dw_too() {
+fn section_5_first_step_takes_division_and_root() {
     for (step_bits, iterations) in [(16, 8), (17, 9), (32, 16)] {
         let rising = kept(&TexelConfig { step_bits, ..config(0.5) }, [0.1, 1.0]);
         assert!(rising.len() > 4, "{rising:?}");
@@ -30,7 +30,7 @@ fn section_5_a_step_takes_a_root_and_the_first_of_a_span_the_division_of_e_by_dw
 }
 
 #[test]
-fn section_5_a_span_that_needs_no_division_pays_its_products_and_neither_division_nor_root() {
+fn section_5_undivided_span_pays_only_its_products() {
     for w in [[0.4, 0.4], [0.4, 0.401], [0.401, 0.4]] {
         for (multipliers, cycles) in [(1, 4), (2, 2), (4, 1)] {
             let config = TexelConfig { multipliers, step_bits: 16, ..config(0.5) };
@@ -45,7 +45,7 @@ fn section_5_a_span_that_needs_no_division_pays_its_products_and_neither_divisio
 
 proptest! {
     #[test]
-    fn section_3_products_decide_as_the_formula_does(
+    fn section_3_products_decide_like_formula(
         w in prop::array::uniform2(0.001f64..1.0), t in 1u16..4096, e in 0.05f64..4.0,
     ) {
         let (t, [wl, wr]) = (f64::from(t), w);
@@ -56,9 +56,9 @@ proptest! {
 }
 
 #[test]
-fn section_5_the_interpolator_takes_a_pixel_per_cycle_and_a_reciprocal_for_each_where_gradients_are_per_pixel() {
+fn section_5_pixel_gradients_take_a_reciprocal_each() {
     let span = span(200, [0.1, 1.0], UV);
-    // Behind the control token, which takes one.
+    // Without the control token, which takes one cycle.
     let kept = |config: &TexelConfig, gradients| walk_on(config, span, &textured(WrapMode::Repeat), gradients).kept.1 - 1;
     // Reciprocals of 12 bits take 6 cycles.
     for (gradients, cycles) in [(None, 200), (Some(MipPer::Segment), 200), (Some(MipPer::Pixel), 200 * 6)] {
