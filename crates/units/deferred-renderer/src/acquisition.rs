@@ -1,4 +1,4 @@
-//! Figure 6: which tiles of the tile load list (136) are loaded, and which are synthesized.
+//! Figure 6: loading or synthesis of the tiles in the tile load list (136).
 
 use crate::Page;
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ pub enum TileState {
 }
 
 impl TileState {
-    /// The patent's letter.
+    /// Returns the patent's letter.
     pub fn letter(self) -> char {
         match self {
             Self::NotPresent => 'N',
@@ -26,21 +26,21 @@ impl TileState {
     }
 }
 
-/// How a tile comes about.
+/// Origin of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum How {
-    /// Over the path.
+    /// Loaded over the path.
     Loaded,
     /// Averaged from its sources in the layer below it (the next finer one).
     Synthesized,
 }
 
-/// A tile that is acquired.
+/// A tile to be acquired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Acquired {
-    /// Its number in its texture.
+    /// Number of the tile in its texture.
     pub tile: u32,
-    /// How.
+    /// Origin of the tile.
     pub how: How,
 }
 
@@ -48,22 +48,23 @@ pub struct Acquired {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileList {
     states: Vec<TileState>,
-    /// Tiles in state L.
+    /// Number of tiles in state L.
     waiting: u32,
 }
 
 impl TileList {
-    /// All tiles N.
+    /// Creates a list with all tiles in state N.
     pub fn new(tiles: u32) -> Self {
         Self { states: vec![TileState::NotPresent; tiles as usize], waiting: 0 }
     }
 
-    /// States, in order of tile number.
+    /// Returns the states in order of tile number.
     pub fn states(&self) -> &[TileState] {
         &self.states
     }
 
-    /// Marks a tile: N becomes L. E stays E (taken literally, steps \[0100\], \[0148\] would load it anew). Whether it was N.
+    /// Marks a tile: N becomes L. E stays E (taken literally, steps \[0100\], \[0148\] would load it anew). Returns true if the
+    /// state was N.
     #[inline]
     pub fn mark(&mut self, tile: u32) -> bool {
         let state = &mut self.states[tile as usize];
@@ -75,12 +76,12 @@ impl TileList {
         new
     }
 
-    /// A tile that was to be acquired is not any more: E becomes N again.
+    /// Cancels the acquisition of a tile: E becomes N again.
     pub fn abandon(&mut self, tile: u32) {
         self.states[tile as usize] = TileState::NotPresent;
     }
 
-    /// A new viewpoint: L becomes N again.
+    /// Begins a new viewpoint: L becomes N again.
     pub fn forget(&mut self) {
         for state in self.states.iter_mut().filter(|s| **s == TileState::Load) {
             *state = TileState::NotPresent;
@@ -88,10 +89,10 @@ impl TileList {
         self.waiting = 0;
     }
 
-    /// Figure 6: from layer Dmax down to 0, every tile in state L is loaded, or synthesized where all its sources exist. Then
-    /// it exists. In order; a tile comes behind the tiles it is made of.
+    /// Runs Figure 6: from layer Dmax down to 0, every tile in state L is loaded, or synthesized if all its sources exist. Its
+    /// state becomes E. The result is in order: a tile follows its sources.
     ///
-    /// A layer ends in front of the first tile of the next finer one (the text says behind it).
+    /// A layer ends before the first tile of the next finer one (the text says behind it).
     pub fn acquire(&mut self, page: &Page) -> Vec<Acquired> {
         let mut all = Vec::new();
         if self.waiting == 0 {

@@ -5,10 +5,10 @@ use crate::page::Page;
 use basrelief_signals::WrapMode;
 use serde::{Deserialize, Serialize};
 
-/// What a pixel of the reference buffer (126) holds. Numbers are those that its fields can hold.
+/// Contents of a pixel of the reference buffer (126). Its numbers are exactly representable in its fields.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
-    /// Texture page pointer (310), or one of the two below.
+    /// Texture page pointer (310), or one of the two constants below.
     page: u16,
     /// Brightness coefficients IR IG IB (316), or R G B (303) in steps of 1 / 255.
     coefficients: [u16; 3],
@@ -16,13 +16,13 @@ pub struct Cell {
     pub coordinates: [f32; 2],
     /// Layer depth D (314).
     pub depth: f32,
-    /// How the coordinates are mapped back into the texture, in u and in v.
+    /// Wrap modes of the coordinates, in u and in v.
     pub wrap: [WrapMode; 2],
 }
 
-/// Nothing was drawn.
+/// Page pointer of an empty cell.
 const EMPTY: u16 = u16::MAX;
-/// Field (301) is 0: direct colour.
+/// Page pointer of a direct colour: field (301) is 0.
 const DIRECT: u16 = u16::MAX - 1;
 
 impl Default for Cell {
@@ -32,74 +32,74 @@ impl Default for Cell {
 }
 
 impl Cell {
-    /// Figure 3A: direct colour, already multiplied by its brightness.
+    /// Creates the cell of Figure 3A: direct colour, already multiplied by its brightness.
     #[inline]
     pub fn direct(rgb: [u8; 3]) -> Self {
         Self { page: DIRECT, coefficients: rgb.map(u16::from), ..Self::default() }
     }
 
-    /// Figure 3B: a textured pixel; its texture repeats.
+    /// Creates the cell of Figure 3B: a textured pixel whose texture repeats.
     #[inline]
     pub fn textured(page: u16, coordinates: [f32; 2], depth: f32, coefficients: [u16; 3]) -> Self {
         Self { page, coefficients, coordinates, depth, ..Self::default() }
     }
 
-    /// The same pixel, with these wrap modes.
+    /// Returns the same cell with these wrap modes.
     #[inline]
     #[must_use]
     pub fn wrapped(self, wrap: [WrapMode; 2]) -> Self {
         Self { wrap, ..self }
     }
 
-    /// Whether anything was drawn.
+    /// Returns true unless the cell is empty.
     #[inline]
     pub fn is_drawn(&self) -> bool {
         self.page != EMPTY
     }
 
-    /// Texture page pointer (310) of a textured pixel.
+    /// Returns the texture page pointer (310) of a textured pixel.
     #[inline]
     pub fn page(&self) -> Option<u16> {
         (self.page < DIRECT).then_some(self.page)
     }
 
-    /// R G B (303); meaningful where there is no page.
+    /// Returns R G B (303), which is defined only for cells without a page.
     #[inline]
     pub fn rgb(&self) -> [u8; 3] {
         self.coefficients.map(|c| c as u8)
     }
 
-    /// Brightness coefficients IR IG IB (316) as they are stored.
+    /// Returns the stored brightness coefficients IR IG IB (316).
     #[inline]
     pub fn coefficients(&self) -> [u16; 3] {
         self.coefficients
     }
 }
 
-/// Most pages that a cell can point to.
+/// Returns the number of pages that a cell can point to.
 pub fn most_pages(bits: u32) -> usize {
     (1usize << bits.min(16)).min(usize::from(DIRECT))
 }
 
-/// Formats of the fields, ready for use.
+/// Precomputed formats of the fields.
 #[derive(Clone, Debug)]
 pub struct CellFormat {
     coordinate: Rounding,
     depth: Rounding,
     /// Largest stored coefficient.
     full: f32,
-    /// Brightness that it stands for.
+    /// Brightness that the largest coefficient represents.
     pub range: f32,
     /// Bytes of a cell in memory.
     pub bytes: u32,
 }
 
-/// How a number is rounded to its field.
+/// Rounding of a number to its field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Rounding {
-    /// Steps per unit and largest magnitude.
+    /// Fixed point: steps per unit, and largest magnitude.
     Fixed(f64, f64),
-    /// Bits of the fraction of single precision that are lost.
+    /// Floating point: dropped bits of the fraction of single precision.
     Float(u32),
 }
 
@@ -115,7 +115,7 @@ impl Rounding {
         }
     }
 
-    /// The nearest number that the field holds; NaN becomes 0.
+    /// Returns the nearest number that the field can hold. NaN becomes 0.
     #[inline]
     fn apply(self, value: f32) -> f32 {
         match self {
@@ -135,7 +135,7 @@ impl Rounding {
 }
 
 impl CellFormat {
-    /// The formats that a configuration asks for; `range`: the brightness that a full coefficient stands for.
+    /// Creates the formats of a configuration. `range` is the brightness that a full coefficient represents.
     pub fn new(config: &CellConfig, range: f32) -> Self {
         let c = config;
         Self {
@@ -147,7 +147,7 @@ impl CellFormat {
         }
     }
 
-    /// The cell of a textured pixel: coordinates \[texels of the finest layer\], layer depth, brightness per channel.
+    /// Creates the cell of a textured pixel: coordinates \[texels of the finest layer\], layer depth, brightness per channel.
     #[inline]
     pub fn textured(&self, page: &Page, st: [f32; 2], depth: f32, brightness: [f32; 3]) -> Cell {
         let scale = self.full / self.range;
@@ -156,7 +156,7 @@ impl CellFormat {
         Cell::textured(page.number, st.map(|s| self.coordinate.apply(s)), depth, stored)
     }
 
-    /// What a texel is multiplied by, per channel.
+    /// Returns the factor of a texel per channel.
     #[inline]
     pub fn brightness(&self, cell: &Cell) -> [f32; 3] {
         let scale = self.range / self.full;
@@ -164,14 +164,15 @@ impl CellFormat {
     }
 }
 
-/// D = Dmax - log2(rho), with rho the longer axis of the pixel's footprint \[finest texels\], given squared; 0 ..= Dmax.
+/// Computes D = Dmax - log2(rho), limited to 0 ..= Dmax. rho is the longer axis of the pixel's footprint \[finest texels\],
+/// passed as its square.
 #[inline]
 pub fn layer_depth(dmax: u8, rho_squared: f32) -> f32 {
     let dmax = f32::from(dmax);
     if rho_squared > 0.0 { (dmax - 0.5 * libm::log2f(rho_squared)).clamp(0.0, dmax) } else { dmax }
 }
 
-/// Layer depth split: D_L = floor(D) and D_f. At Dmax and beyond there is nothing finer: D_f = 0.
+/// Splits the layer depth into D_L = floor(D) and D_f. At Dmax and beyond no finer layer exists, so D_f = 0.
 #[inline]
 pub fn split_depth(depth: f32, dmax: u8) -> (u8, f32) {
     if depth >= f32::from(dmax) {

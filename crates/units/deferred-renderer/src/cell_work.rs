@@ -1,36 +1,36 @@
-//! What the arithmetic of the initial rasterization (454) takes.
+//! Arithmetic of the initial rasterization (454).
 
 use crate::config::{EngineConfig, Lighting};
 use crate::sizes::Sizes;
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{HardwareKind, Operators, Work};
 
-/// A number in single precision \[bits\].
+/// Single-precision number \[bits\].
 const NUMBER: u32 = 32;
-/// Words of the table of logarithms: between two of 256 a straight line is off by 1 / (8 ln 2 * 256^2) = 2^-18.5 at most, less than
-/// the last of the 18 bits behind the point of D (314).
+/// Words of the table of logarithms. A straight line between two of 256 entries is off by at most 1 / (8 ln 2 * 256^2) = 2^-18.5,
+/// less than the last of the 18 fraction bits of D (314).
 const LOGARITHMS: u32 = 256;
-/// A logarithm and how much the next is larger \[bits\].
+/// Width of a table entry: a logarithm, and the difference to the next one \[bits\].
 const LOGARITHM_BITS: u32 = 24 + 16;
-/// A triangle that is set up: planes of R, G, B, S, T (3 numbers each), and the footprint: origin (2), 1/w and its slopes (3), slopes of
-/// S/w and T/w (4).
+/// Numbers of a triangle's set-up: planes of R, G, B, S, T (3 each), and the footprint: origin (2), 1/w and its slopes (3),
+/// slopes of S/w and T/w (4).
 const SLOPES: u32 = 5 * 3 + 9;
 
-/// One cell. Footprint: 18 products, 13 sums, and the reciprocal of the interpolated 1/w; logarithm: a product and two sums behind a
-/// table; D from it: a difference and two bounds; R, G, B, S, T: two products and two sums each; three coefficients: a product and
-/// a sum each.
+/// Arithmetic of one cell. Footprint: 18 products, 13 sums, and the reciprocal of the interpolated 1/w. Logarithm: a product and
+/// two sums behind a table. D: a difference and two bounds. R, G, B, S, T: two products and two sums each. Three coefficients: a
+/// product and a sum each.
 const CELL: Work = Work { multiply: 18 + 1 + 10 + 3, add: 13 + 2 + 3 + 10 + 3, divide: 1, ..Work::NONE };
-/// The longest chain in it: difference to the first corner, two terms of 1/w, reciprocal, S/w by it, an axis, its square, by the
-/// reciprocal twice, logarithm, D.
+/// Longest dependent chain of a cell: difference to the first corner, two terms of 1/w, reciprocal, S/w by it, an axis, its
+/// square, two products with the reciprocal, logarithm, D.
 const CELL_CHAIN: Work = Work { multiply: 7, add: 8, divide: 1, ..Work::NONE };
-/// Set-up of a triangle: 1/w brought to the largest (a quotient, 3 products), twice the area (2 products, a difference) and its
-/// reciprocal, three planes (6 products and 2 sums each), their differences (16 sums, 4 products), S and T in texels (6 products),
-/// colours (18 products), planes of R, G, B, S, T (10 differences).
+/// Arithmetic of a triangle's set-up: 1/w relative to the largest (a quotient, 3 products), twice the area (2 products, a
+/// difference) and its reciprocal, three planes (6 products and 2 sums each), their differences (16 sums, 4 products), S and T in
+/// texels (6 products), colours (18 products), planes of R, G, B, S, T (10 differences).
 const SETUP: Work = Work { multiply: 3 + 2 + 18 + 4 + 6 + 18, add: 5 + 1 + 6 + 16 + 10, divide: 2, ..Work::NONE };
-/// A vertex lit by one light: N.L, N.H, the power of it, intensity and coefficients.
+/// Arithmetic of a vertex under one light: N.L, N.H, the power of it, intensity and coefficients.
 const LIT: Work = Work { multiply: 3, add: 4, power: 1, ..Work::NONE }.and(Work::INNER_PRODUCT.times(2));
 
-/// The operators of the initial rasterization, and how long they are kept.
+/// Operators of the initial rasterization, and their occupancy.
 #[derive(Clone, Debug)]
 pub(crate) struct CellWork {
     operators: Operators,
@@ -45,19 +45,20 @@ impl CellWork {
         Self { operators, fill_rate, dividers, setup_units }
     }
 
-    /// Cycles from one group of cells to the next: dividers take turns; of the others there are as many as a group needs.
+    /// Returns the cycles from one group of cells to the next. Dividers take turns. Of all other operators there are as many as a
+    /// group needs.
     pub(crate) fn interval(&self) -> u64 {
         let Operators { multiply, add, divide, .. } = &self.operators;
         let quotients = (self.fill_rate * divide.interval).div_ceil(self.dividers);
         u64::from(quotients.max(multiply.interval).max(add.interval))
     }
 
-    /// Cycles from a fragment to its cell.
+    /// Returns the cycles from a fragment to its cell.
     pub(crate) fn latency(&self, least: u32) -> u64 {
         self.operators.latency(CELL_CHAIN).max(least.into())
     }
 
-    /// Cycles that set-up of so many triangles takes, of which so many vertices are lit by so many lights each.
+    /// Returns the cycles to set up `triangles` triangles with `vertices` lit vertices under `lights` lights each.
     pub(crate) fn setup(&self, triangles: u32, vertices: u32, lights: u32) -> u64 {
         let work = SETUP.times(triangles).and(LIT.times(vertices.saturating_mul(lights)));
         self.operators.interval(work, self.setup_operators())
@@ -97,13 +98,13 @@ mod tests {
     }
 
     #[test]
-    fn a_cell_waits_for_its_division() {
+    fn cell_waits_for_its_division() {
         assert_eq!([17, 2, 1].map(|dividers| work(dividers).interval()), [1, 9, 17]);
         assert_eq!(work(1).latency(8), 17 + 7 + 8);
     }
 
     #[test]
-    fn set_up_takes_a_divider_and_light_a_power() {
+    fn set_up_needs_divider_and_light_needs_power() {
         assert_eq!(work(17).setup(2, 0, 0), 2 * 2 * 17);
         assert_eq!(work(17).setup(1, 4, 2), 8 * 54);
     }

@@ -1,4 +1,4 @@
-//! Initial rasterization (454): what a pixel will want of which texture.
+//! Initial rasterization (454): computes the texture needs of each pixel.
 
 use crate::Cell;
 use crate::cell::{CellFormat, layer_depth, most_pages};
@@ -21,14 +21,14 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Surface {
     polygon: Arc<Polygon>,
-    /// Its texture's page, and how coordinates are mapped back into it.
+    /// Page of its texture, and the wrap modes of the coordinates.
     page: Option<(Arc<Page>, [WrapMode; 2])>,
-    /// Of the triangle that the last fragment was in.
+    /// Set-up of the triangle of the last fragment.
     #[serde(skip)]
     slopes: Derived<Slopes>,
 }
 
-/// What the initial rasterization has counted.
+/// Counters of the initial rasterization.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CellsCounters {
     /// Cells of textured pixels.
@@ -37,30 +37,30 @@ pub struct CellsCounters {
     pub direct: u64,
 }
 
-/// Everything the initial rasterization remembers.
+/// State of the initial rasterization between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CellsState {
-    /// Pages set up so far, by number of their texture; textures of the same picture have the same page.
+    /// Pages set up so far, by texture number. Textures of the same picture share a page.
     pub pages: BTreeMap<u32, Arc<Page>>,
-    /// The first texture of each page, by number of the page.
+    /// First texture of each page, by page number.
     pub pictures: Vec<Arc<Texture>>,
-    /// Declared textures whose pages come next.
+    /// Declared textures whose pages follow.
     pub declared: VecDeque<Arc<Texture>>,
     /// First free byte of the texture-data memory (130).
     pub end: u64,
     /// The current frame.
     pub frame: Option<Arc<Frame>>,
-    /// Its lights as seen from the centre of the current object.
+    /// Lights of the frame as seen from the centre of the current object.
     pub lights: Vec<LightVector>,
-    /// The polygon of the fragments that come.
+    /// Polygon of the next fragments.
     pub(crate) surface: Option<Surface>,
-    /// What it has counted.
+    /// Counters.
     pub counters: CellsCounters,
 }
 
-/// Makes cells of the fragments that are in front, and sets up pages (132): one per picture that a frame declares (452), one
-/// after the other, or when a polygon first names one that was not declared. Textures that are the same picture under several
-/// samplers have one page: a wrap mode is the cell's.
+/// Initial rasterization: converts visible fragments to cells, and sets up pages (132). It sets up a page for each picture that a
+/// frame declares (452), one after the other, or for an undeclared picture when a polygon first uses it. Textures with the same
+/// picture under several samplers share a page, because the wrap mode belongs to the cell.
 #[derive(Clone, Debug)]
 pub struct Cells {
     /// Parameters.
@@ -72,17 +72,17 @@ pub struct Cells {
     cut: Cut,
     work: CellWork,
     sizes: Sizes,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: CellsState,
 }
 
-/// Largest brightness that a coefficient stands for: with light, vertices may be brighter than 1.
+/// Returns the largest brightness that a coefficient represents. With light, vertices can be brighter than 1.
 pub fn brightness_range(lighting: Lighting) -> f32 {
     if lighting == Lighting::Gouraud { 2.0 } else { 1.0 }
 }
 
 impl Cells {
-    /// At power-on.
+    /// Creates the unit in its power-on state.
     pub fn new(
         (config, operators): (EngineConfig, Operators),
         cell: &CellConfig,
@@ -134,7 +134,7 @@ impl Cells {
         Some(page)
     }
 
-    /// The page of a texture that is not set up yet, as a token.
+    /// Returns the page of a texture as a token, if it is not set up yet.
     fn new_page(&mut self, texture: &Arc<Texture>, traffic: &mut Traffic) -> Option<CellFlow> {
         if self.state.pages.contains_key(&texture.id) {
             return None;
@@ -173,7 +173,8 @@ impl Cells {
         }
     }
 
-    /// Cycles that a command keeps the unit: the triangles of a polygon are set up, and its vertices lit where it is a bump target.
+    /// Returns the occupancy by a command \[cycles\]: set-up of the triangles of a polygon, and lighting of a bump target's
+    /// vertices.
     fn setup(&self, control: &Control) -> u64 {
         let Control::Polygon(polygon) = control else { return 1 };
         let vertices = polygon.vertices.len() as u32;

@@ -1,4 +1,4 @@
-//! Colour of a pixel: from which layers (Figures 7A and 7B), and what it comes to.
+//! Colour of a pixel: the layers that it is computed from (Figures 7A and 7B), and its value.
 
 use crate::Cell;
 use crate::cell::CellFormat;
@@ -7,29 +7,29 @@ use crate::page::{Placed, Tap};
 use crate::texels::PageTexels;
 use basrelief_shading::saturated;
 
-/// Which layers a pixel is coloured from.
+/// Layers from which a pixel is coloured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// The coarser, or the only one.
+    /// The coarser layer, or the only one.
     pub lower: u8,
-    /// The finer, and its share.
+    /// The finer layer, and its share.
     pub upper: Option<(u8, f32)>,
-    /// The layer whose tiles would improve it.
+    /// The layer whose tiles would improve the pixel.
     pub improve: Option<u8>,
-    /// Words of the tile load list (136) that were read to find it: one for each layer looked at, two where its tiles lie in two.
+    /// Words of the tile load list (136) that the search read: one for each layer tested, or two if its tiles lie in two words.
     pub words: u32,
 }
 
-/// Figure 7A: everything is there.
+/// Returns the layers by Figure 7A, with all tiles present.
 #[inline]
 pub fn best(texels: &PageTexels, cell: &Cell) -> Choice {
     let (coarse, fraction, fine) = layers_of(&texels.page, cell);
     Choice { lower: coarse, upper: fine.map(|f| (f, fraction)), improve: None, words: 0 }
 }
 
-/// Figure 7B: the finest layer that is there, up to D_G, and what would improve it. (Where D_f = 0 the search starts at D_L:
-/// the text would fetch a layer of weight zero.) None where not even the top tile is there. A word of the tile load list (136) has
-/// `entries`.
+/// Returns the layers by Figure 7B: the finest present layer up to D_G, and the layer that would improve it. (If D_f = 0 the
+/// search starts at D_L, because the text would fetch a layer of weight zero.) Returns `None` if not even the top tile is
+/// present. A word of the tile load list (136) has `entries` entries.
 #[inline]
 pub fn progressive(texels: &PageTexels, cell: &Cell, placed: Placed, entries: u32) -> Option<Choice> {
     let (coarse, fraction, fine) = layers_of(&texels.page, cell);
@@ -47,21 +47,21 @@ pub fn progressive(texels: &PageTexels, cell: &Cell, placed: Placed, entries: u3
         _ if found < wished => alone(Some(found + 1)),
         None => alone(None),
         Some(fine) if both => Some(Choice { lower: coarse, upper: Some((fine, fraction)), improve: None, words }),
-        // With tiles of an earlier view the coarser may be missing while the finer is there.
+        // With tiles of an earlier view the finer layer may be present without the coarser.
         Some(_) => alone(Some(coarse)),
     }
 }
 
-/// What one or two layers give at a pixel: colour, and what was read of each layer.
+/// Colour of a pixel from one or two layers, and the texels read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// 0..=255 per channel.
+    /// Colour, 0..=255 per channel.
     pub colour: [f32; 4],
-    /// Layers read, and where.
+    /// Layers read, with the taps.
     pub read: [Option<(u8, [Tap; 2])>; 2],
 }
 
-/// R0 = R1 + (R2 - R1) * D_f, with R1 of the coarser layer, R2 of the finer: the same whatever the mode.
+/// Computes R0 = R1 + (R2 - R1) * D_f, with R1 of the coarser layer and R2 of the finer, in every mode.
 #[inline]
 pub fn sample(texels: &PageTexels, choice: &Choice, placed: Placed) -> Sample {
     let taps = texels.page.taps(choice.lower, placed);
@@ -78,7 +78,7 @@ pub fn sample(texels: &PageTexels, choice: &Choice, placed: Placed) -> Sample {
     }
 }
 
-/// Texel times brightness coefficients, in 8 bits.
+/// Computes the product of texel and brightness coefficients, in 8 bits.
 #[inline]
 pub fn shaded(format: &CellFormat, cell: &Cell, colour: [f32; 4]) -> [u8; 3] {
     let brightness = format.brightness(cell);

@@ -1,4 +1,4 @@
-//! How a tile travels on the path. Pattern data may be compressed, and are expanded before they are stored.
+//! Encoding of tiles on the path. Pattern data may be compressed, and are expanded before they are stored.
 
 use image::codecs::jpeg::{JpegDecoder, JpegEncoder};
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
@@ -13,17 +13,17 @@ pub enum TileEncoding {
     /// R, G, B, 8 bits each.
     #[default]
     Raw,
-    /// PNG, without loss.
+    /// PNG, lossless.
     Png,
-    /// JPEG, with loss.
+    /// JPEG, lossy.
     Jpeg,
 }
 
 impl TileEncoding {
-    /// Encodes the texels of a tile of this size; `quality` (1..=100) is JPEG's.
+    /// Encodes the texels of a tile of this size. `quality` (1..=100) applies to JPEG.
     ///
     /// # Errors
-    /// What the encoder says.
+    /// Returns the encoder's message.
     pub fn encode(self, texels: &[[u8; 4]], size: [u32; 2], quality: u8) -> Result<Vec<u8>, String> {
         let rgb: Vec<u8> = texels.iter().flat_map(|t| [t[0], t[1], t[2]]).collect();
         let mut bytes = Vec::new();
@@ -42,10 +42,10 @@ impl TileEncoding {
         written.map(|()| bytes).map_err(|e| e.to_string())
     }
 
-    /// Expands a tile that shall have this size.
+    /// Expands a tile of this expected size.
     ///
     /// # Errors
-    /// A sentence: truncated, corrupt, or of another size.
+    /// Returns a sentence if the tile is truncated, corrupt, or of another size.
     pub fn decode(self, bytes: &[u8], size: [u32; 2]) -> Result<Vec<[u8; 4]>, String> {
         let rgb = match self {
             Self::Raw => bytes.to_vec(),
@@ -60,15 +60,15 @@ impl TileEncoding {
     }
 }
 
-/// What a decoder may take: the picture twice, and something beside it. Colour profiles and texts, which are of no use here, may
-/// be a thousand times as long when they are expanded.
+/// Returns the memory limit of a decoder: the picture twice, and a small extra. Colour profiles and texts, which are not needed,
+/// can be a thousand times longer when expanded.
 fn limits([width, height]: [u32; 2]) -> Limits {
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(2 * 3 * u64::from(width) * u64::from(height) + (1 << 16));
     limits
 }
 
-/// Reads a picture of exactly this size: what it says of itself is checked before memory is taken.
+/// Reads a picture of exactly this size. Its header is checked before memory is allocated.
 fn read<D: ImageDecoder>(decoder: ImageResult<D>, size: [u32; 2]) -> Result<Vec<u8>, String> {
     let decoder = decoder.map_err(|e| e.to_string())?;
     let (width, height) = decoder.dimensions();

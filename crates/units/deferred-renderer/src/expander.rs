@@ -7,24 +7,25 @@ use crate::tokens::{EncodedTile, ExpandedTile};
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 
-/// Expands tiles. Raw ones pass. It remembers nothing: there is no state.
+/// Expander of tiles. Raw tiles pass. It has no state.
 #[derive(Clone, Debug)]
 pub struct Expander {
     /// Parameters.
     pub config: TileConfig,
     latency: u64,
-    /// Expanded tiles that wait to be stored.
+    /// Most expanded tiles that wait to be stored.
     waiting: u32,
 }
 
 impl Expander {
-    /// An expander of tiles that are encoded so, with room for so many that wait to be stored.
+    /// Creates an expander of tiles in this encoding, with buffers for `waiting` tiles.
     pub fn new(config: TileConfig, latency: u32, waiting: u32) -> Self {
         Self { config, latency: latency.into(), waiting }
     }
 
-    /// Inverse cosine transform of 8 x 8 samples: 5 products and 29 sums for each row and each column (Arai, Agui, Nakajima, 1988),
-    /// and a product for each sample, with which it is quantized; so for 4 samples 9 and 29. Then colours: 4 products, 6 sums.
+    /// Reports the JPEG hardware. Inverse cosine transform of 8 x 8 samples: 5 products and 29 sums for each row and each column
+    /// (Arai, Agui, Nakajima, 1988), and a product per sample for its quantization. That is 9 and 29 for 4 samples. Colours: 4
+    /// products, 6 sums.
     fn tell_jpeg(&self, facts: &mut Facts) {
         let rate = self.config.expand_rate;
         facts.hardware(HardwareKind::Multiplier, "inverse cosine transform, colours", (3 * 9 * rate).div_ceil(4) + 4 * rate, 16);
@@ -34,7 +35,8 @@ impl Expander {
         facts.hardware(HardwareKind::Table, "blocks between rows and columns", 3 * 64_u32, 16);
     }
 
-    /// Inflation: what was expanded last, and two codes; then the filter of a row, of which Paeth's takes most.
+    /// Reports the PNG hardware. Inflation: a window of expanded bytes, and two codes. Then the filter of a row, of which Paeth's
+    /// is the largest.
     fn tell_png(&self, facts: &mut Facts) {
         facts.hardware(HardwareKind::Table, "inflation: last 32 KiB", 32 * 1024_u32, 8);
         facts.hardware(HardwareKind::Table, "inflation: codes of 288 and 32", 288_u32 + 32, 16);

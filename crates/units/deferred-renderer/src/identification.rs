@@ -10,14 +10,14 @@ use basrelief_signals::Frame;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Layers that a cell is interpolated from: D_L, D_f, and D_G = D_L + 1 where D_f is above 0.
+/// Returns the layers of a cell's interpolation: D_L, D_f, and D_G = D_L + 1 if D_f is above 0.
 #[inline]
 pub fn layers_of(page: &Page, cell: &Cell) -> (u8, f32, Option<u8>) {
     let (coarse, fraction) = split_depth(cell.depth, page.dmax());
     (coarse, fraction, (fraction > 0.0).then_some(coarse + 1))
 }
 
-/// Gathers the marks of the pixels of one block.
+/// Collector of the marks of the pixels of one block.
 #[derive(Clone, Debug, Default)]
 pub struct BlockMarks {
     marks: Marks,
@@ -25,14 +25,14 @@ pub struct BlockMarks {
 }
 
 impl BlockMarks {
-    /// For the block at this place; `centre` of the screen \[pixels\].
+    /// Creates a collector for the block at this position. `centre` is that of the screen \[pixels\].
     #[inline]
     pub fn new(at: [u16; 2], centre: [u32; 2]) -> Self {
         let distance = [0, 1].map(|i| (u32::from(at[i]) * 4 + 2).abs_diff(centre[i]));
         Self { marks: Marks::new(), distance: distance[0] * distance[0] + distance[1] * distance[1] }
     }
 
-    /// One more pixel wants this tile.
+    /// Counts one more pixel that needs this tile.
     #[inline]
     pub fn add(&mut self, page: u16, tile: u32) {
         match self.marks.iter_mut().find(|m| m.tile == tile && m.page == page) {
@@ -41,53 +41,53 @@ impl BlockMarks {
         }
     }
 
-    /// The token; none without marks.
+    /// Returns the token, or `None` without marks.
     #[inline]
     pub fn finish(self) -> Option<MarkFlow> {
         (!self.marks.is_empty()).then_some(MarkFlow::Marks(self.marks))
     }
 }
 
-/// Centre of a frame's picture \[pixels\].
+/// Returns the centre of a frame's picture \[pixels\].
 pub fn centre_of(frame: &Frame) -> [u32; 2] {
     [frame.width / 2, frame.height / 2]
 }
 
-/// What the identification has counted.
+/// Counters of the identification.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct IdentificationCounters {
-    /// Tiles marked, one for each pixel and tile.
+    /// Tiles marked, counted per pixel and tile.
     pub marked: u64,
 }
 
-/// Everything the identification remembers.
+/// State of the identification between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IdentificationState {
     /// Pages so far, by number.
     pub pages: Vec<Arc<Page>>,
     /// Centre of the frame's picture \[pixels\].
     pub centre: [u32; 2],
-    /// What it has counted.
+    /// Counters.
     pub counters: IdentificationCounters,
 }
 
-/// Marks the tiles that the pixels of the reference buffer (126) need (461).
+/// Identification (461): marks the tiles that the pixels of the reference buffer (126) need.
 #[derive(Clone, Debug)]
 pub struct Identification {
     /// Parameters.
     pub config: EngineConfig,
     sizes: Sizes,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: IdentificationState,
 }
 
 impl Identification {
-    /// At power-on.
+    /// Creates the unit in its power-on state.
     pub fn new(config: EngineConfig, sizes: Sizes) -> Self {
         Self { config, sizes, state: IdentificationState::default() }
     }
 
-    /// Figure 5A for every textured pixel of a block; its token, and the layers looked at.
+    /// Runs Figure 5A for every textured pixel of a block. Returns its token, and the number of layers tested.
     #[inline]
     fn identify(&mut self, block: &CellBlock) -> (Option<MarkFlow>, usize) {
         let mut marks = BlockMarks::new(block.at, self.state.centre);

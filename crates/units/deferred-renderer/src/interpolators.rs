@@ -1,4 +1,4 @@
-//! The operators of identification (461) and of the final rasterization (463, 472).
+//! Operators of identification (461) and of the final rasterization (463, 472).
 
 use basrelief_kernel::facts::Facts;
 use basrelief_kernel::{HardwareKind, Work};
@@ -10,38 +10,39 @@ const ADDRESS: u32 = 32;
 /// Colour times a weight \[bits\].
 const COLOUR: u32 = 16;
 
-/// A pixel's coordinates mapped back into its texture: two products and a difference along each axis, and its borders.
+/// Arithmetic of wrapping a pixel's coordinates into its texture: two products and a difference along each axis, and its borders.
 const PLACE: Work = Work { multiply: 4, add: 2 + 4, ..Work::NONE };
-/// The texels that a sample reads of a layer, whose scale is a shift, and their tiles: half a texel, the neighbour and two borders along
-/// each axis; Tr * W + Sr + B, and the three beside it.
+/// Arithmetic of the texels of a sample in a layer, whose scale is a shift, and of their tiles: half a texel, the neighbour and
+/// two borders along each axis; Tr * W + Sr + B, and the three tiles beside it.
 const FIND: Work = Work { multiply: 1, add: 8 + 2 + 3, ..Work::NONE };
-/// Bilinear interpolation of R, G, B: three times a difference, a product and a sum.
+/// Arithmetic of a bilinear interpolation of R, G, B: three times a difference, a product and a sum.
 const BILINEAR: Work = Work { multiply: 9, add: 18, ..Work::NONE };
-/// Between two layers.
+/// Arithmetic of an interpolation between two layers.
 const BETWEEN: Work = Work { multiply: 3, add: 6, ..Work::NONE };
-/// Brightness coefficients, rounded.
+/// Arithmetic of the brightness coefficients, rounded.
 const SHADE: Work = Work { multiply: 3, add: 3, ..Work::NONE };
 
-/// What finds the tiles of so many layers per cycle.
+/// Reports the hardware that finds the tiles of `rate` layers per cycle.
 pub(crate) fn tell_find(rate: u32, facts: &mut Facts) {
     let work = PLACE.and(FIND).times(rate);
     facts.hardware(HardwareKind::Multiplier, "texels and tiles of a layer", work.multiply, COORDINATE);
     facts.hardware(HardwareKind::Adder, "texels and tiles of a layer", work.add, ADDRESS);
 }
 
-/// What interpolates so many times per cycle.
+/// Reports the hardware of `rate` interpolations per cycle.
 pub(crate) fn tell_interpolate(rate: u32, facts: &mut Facts) {
     let work = BILINEAR.and(BETWEEN).and(SHADE).times(rate);
     facts.hardware(HardwareKind::Multiplier, "interpolation in and between layers, brightness", work.multiply, COLOUR);
     facts.hardware(HardwareKind::Adder, "interpolation in and between layers, brightness", work.add, COLOUR);
 }
 
-/// What averages so many texels per cycle: R, G, B of four, rounded.
+/// Reports the hardware that averages `rate` texels per cycle: R, G, B of four texels, rounded.
 pub(crate) fn tell_average(rate: u32, facts: &mut Facts) {
     facts.hardware(HardwareKind::Adder, "averages of four texels", 3 * 4 * rate, COLOUR);
 }
 
-/// What gathers the marks of a block: its distance to the centre of the screen, and as many comparators as marks lie side by side.
+/// Reports the hardware that collects the marks of a block: the distance to the centre of the screen, and one comparator per mark
+/// side by side.
 pub(crate) fn tell_marks(sizes: crate::Sizes, facts: &mut Facts) {
     facts.hardware(HardwareKind::Multiplier, "distance to the centre", 2_u32, COLOUR);
     facts.hardware(HardwareKind::Adder, "distance to the centre, equal marks", 3_u32 + 4, ADDRESS);

@@ -1,9 +1,9 @@
-//! What the final rasterization tells of tiles: how many in all, and a table with a row per texture and layer.
+//! Figures of the final rasterization: totals of tiles, and a table with a row per texture and layer.
 
 use crate::{LayerCounts, PageTexels};
 use basrelief_kernel::facts::{Facts, Part};
 
-/// A layer of a page, and what became of its tiles.
+/// A layer of a page, and the history of its tiles.
 struct Row<'a> {
     page: &'a PageTexels,
     layer: u8,

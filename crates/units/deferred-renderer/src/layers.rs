@@ -1,8 +1,8 @@
-//! Layers of a pyramid (134), and how they are cut into tiles.
+//! Layers of a pyramid (134), and their division into tiles.
 
 use serde::{Deserialize, Serialize};
 
-/// Where texel centres lie.
+/// Position of texel centres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TexelCentre {
@@ -13,14 +13,14 @@ pub enum TexelCentre {
     Half,
 }
 
-/// How a texture is cut: what is the same for all pages.
+/// Division of a texture into layers and tiles, the same for all pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cut {
     /// Width and height of a tile \[texels\], powers of two.
     pub tile: [u32; 2],
-    /// Where texel centres lie.
+    /// Position of texel centres.
     pub centre: TexelCentre,
-    /// Cap on Dmax (133) \[0033\]: layers of a larger depth are left out.
+    /// Cap of Dmax (133) \[0033\]: deeper layers are left out.
     pub most_depth: u8,
 }
 
@@ -31,9 +31,10 @@ impl Default for Cut {
 }
 
 impl Cut {
-    /// Layers of a texture of `size` texels from the coarsest to the finest, and how many finer ones the cap leaves out.
+    /// Returns the layers of a texture of `size` texels from the coarsest to the finest, and the number of finer ones that the
+    /// cap leaves out.
     ///
-    /// Layers are counted from the top: those that are kept have their depths and the numbers of their tiles whatever the cap.
+    /// Layers are counted from the top, so the cap changes neither depths nor tile numbers of the remaining layers.
     pub(crate) fn layers(&self, size: [u32; 2]) -> (Vec<Layer>, u8) {
         let dmax = deepest(size, self.tile);
         let kept = dmax.min(u32::from(self.most_depth));
@@ -48,23 +49,23 @@ impl Cut {
         ((0..=kept).map(layer).collect(), (dmax - kept) as u8)
     }
 
-    /// Width and height of the finest layer of a texture of `size` texels \[texels\].
+    /// Returns width and height of the finest layer of a texture of `size` texels \[texels\].
     pub fn finest(&self, size: [u32; 2]) -> [u32; 2] {
         halved(size, deepest(size, self.tile).saturating_sub(u32::from(self.most_depth)))
     }
 
-    /// Bytes of the finest layer of a texture of `size` texels, as raw tiles.
+    /// Returns the bytes of the finest layer of a texture of `size` texels, as raw tiles.
     pub fn raw_bytes(&self, size: [u32; 2]) -> u64 {
         self.finest(size).iter().fold(3, |all, side| all * u64::from(*side))
     }
 }
 
-/// A size, halved so many times and rounded up.
+/// Returns a size halved `times` times and rounded up.
 fn halved(size: [u32; 2], times: u32) -> [u32; 2] {
     size.map(|n| u64::from(n).div_ceil(1 << times) as u32)
 }
 
-/// Dmax of the whole texture: the least depth whose coarsest layer fits into one tile.
+/// Returns Dmax of the whole texture: the least depth whose coarsest layer fits into one tile.
 fn deepest(size: [u32; 2], tile: [u32; 2]) -> u32 {
     let fits = |d: &u32| halved(size, *d).iter().zip(tile).all(|(side, tile)| *side <= tile);
     (0..32).find(fits).unwrap_or(31)
@@ -79,8 +80,8 @@ pub struct Layer {
     pub pitch: u32,
     /// Rows of tiles.
     pub rows: u32,
-    /// Tile base (140): number of its top-left tile.
+    /// Tile base (140): number of the top-left tile.
     pub base: u32,
-    /// 2^-SF: texels of this layer per texel of the finest.
+    /// Scale 2^-SF: texels of this layer per texel of the finest.
     pub scale: f32,
 }

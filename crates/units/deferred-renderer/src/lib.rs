@@ -1,4 +1,4 @@
-//! Rendering device for a rate-limited path (HP, 1998; JP 2000-057370): fetch only what the picture needs.
+//! Rendering device for a rate-limited path (HP, 1998; JP 2000-057370): fetches only the data that the picture needs.
 //!
 //! ```text
 //!  server (110) --> path (104, 106, 108) --> polygons --> [rasterizer, z-test] --> cells (454) --> reference buffer (126)
@@ -9,12 +9,12 @@
 //!                                                             rasterization (463, 472) --> pixel buffer (124)
 //! ```
 //!
-//! Two parts. Arithmetic that knows neither tokens nor time: [`page`] (layers, tiles, marking), [`pyramid`] (texels), [`cell`],
-//! [`acquisition`], [`texels`], [`colour`], [`encoding`], [`preview`]. Units: [`server`], [`path`], [`expander`], [`cells`],
-//! [`reference_buffer`], [`identification`], [`tile_lists`], [`rasterization`].
+//! Arithmetic without tokens and time: [`page`] (layers, tiles, marking), [`pyramid`] (texels), [`cell`], [`acquisition`],
+//! [`texels`], [`colour`], [`encoding`], [`preview`]. Units: [`server`], [`path`], [`expander`], [`cells`], [`reference_buffer`],
+//! [`identification`], [`tile_lists`], [`rasterization`].
 //!
-//! A frame goes through phases (Figure 4B). Each unit knows its own, and leaves it by what it takes: no phase is known to the
-//! machine as a whole.
+//! A frame passes through phases (Figure 4B). Each unit knows its own phase, and its input tokens change it. The machine as a
+//! whole has no phase.
 
 pub mod acquisition;
 pub mod cell;

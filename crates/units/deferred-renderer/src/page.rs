@@ -1,7 +1,8 @@
-//! Texture page (132): how a texture is cut into layers and tiles.
+//! Texture page (132): division of a texture into layers and tiles.
 //!
-//! Layer 0 is one tile, layer Dmax (133) the full resolution, or less where Dmax is capped; each layer halves the one below
-//! it, rounding up. Tiles of a layer are numbered row by row, layers one after the other: a tile has one number within its texture.
+//! Layer 0 is one tile, and layer Dmax (133) is the full resolution, or less if Dmax is capped. Each layer halves the one below
+//! it, rounding up. Tiles of a layer are numbered row by row, and layers one after the other: a tile has one number within its
+//! texture.
 
 pub use crate::layers::{Cut, Layer, TexelCentre};
 use basrelief_signals::{Texture, WrapMode};
@@ -11,23 +12,23 @@ use smallvec::SmallVec;
 /// A texture page (132), without its texels: Dmax (133), tile pitch array (138), tile base array (140).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Page {
-    /// Number of the page: the texture page pointer (310) of a cell.
+    /// Number of the page, which is the texture page pointer (310) of a cell.
     pub number: u16,
     /// Number of the texture in its scene or display list.
     pub texture: u32,
-    /// Its width and height \[texels\].
+    /// Width and height of the texture \[texels\].
     pub texture_size: [u32; 2],
-    /// For messages.
+    /// Name for messages.
     pub name: String,
-    /// How it is cut.
+    /// Division into layers and tiles.
     pub cut: Cut,
-    /// From coarsest to finest.
+    /// Layers from coarsest to finest.
     pub layers: Vec<Layer>,
-    /// Finer layers that the texture would have, were Dmax not capped \[0033\].
+    /// Number of finer layers that the cap of Dmax leaves out \[0033\].
     pub left_out: u8,
-    /// Where it starts in the texture-data memory (130) \[bytes\].
+    /// Start of the page in the texture-data memory (130) \[bytes\].
     pub address: u64,
-    /// Number of all its tiles: the extra entry of the tile base array (140).
+    /// Number of all tiles: the extra entry of the tile base array (140).
     tiles: u32,
     shift: [u32; 2],
     offset: f32,
@@ -35,31 +36,31 @@ pub struct Page {
     inverse: [f32; 2],
 }
 
-/// Tiles of one layer that a sample reads: distinct, one to four.
+/// Distinct tiles of one layer that a sample reads, one to four.
 pub type Tiles = SmallVec<[u32; 4]>;
 
-/// What a sample reads along one axis of a layer: two neighbouring texels and the share of the second. Where that is 0,
-/// the second is not read, and is the first.
+/// Texels of a sample along one axis of a layer: two neighbours and the share of the second. If the share is 0, the second texel
+/// is not read and equals the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tap {
     /// Integer coordinate S_i.
     pub first: u32,
-    /// The right or lower neighbour.
+    /// Right or lower neighbour.
     pub second: u32,
     /// Fraction S_f, 0..1.
     pub fraction: f32,
 }
 
-/// Texture coordinates (312) mapped back into the texture by the wrap modes of their cell.
+/// Texture coordinates (312) wrapped into the texture by the wrap modes of their cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
-    /// 0 ..= size \[finest texels\].
+    /// Coordinates, 0 ..= size \[finest texels\].
     pub coordinates: [f32; 2],
-    /// The texture repeats: beyond its last texel comes its first.
+    /// True if the texture repeats: its first texel follows its last.
     pub repeats: [bool; 2],
 }
 
-/// Round towards minus infinity; the library function would be a call.
+/// Rounds towards minus infinity. The library function would be a call.
 #[inline]
 fn floor(x: f32) -> f32 {
     let whole = x as i32 as f32;
@@ -67,11 +68,11 @@ fn floor(x: f32) -> f32 {
 }
 
 impl Page {
-    /// The page of a texture; `address` is free in the texture-data memory (130) from there on.
+    /// Creates the page of a texture. `address` is the start of free space in the texture-data memory (130).
     pub fn new(number: u16, texture: &Texture, cut: Cut, address: u64) -> Self {
         let texture_size = texture.levels.first().map_or([1, 1], |image| [image.width.max(1), image.height.max(1)]);
         let (layers, left_out) = cut.layers(texture_size);
-        // Not the finest layer's own size: that is rounded up, and its last texel then reaches beyond the texture.
+        // Not the finest layer's own size, which is rounded up so that its last texel extends beyond the texture.
         let size = texture_size.map(|n| n as f32 / (1_u64 << left_out) as f32);
         let tiles = layers.last().map_or(0, |l| l.base + l.pitch * l.rows);
         let offset = if cut.centre == TexelCentre::Half { 0.5 } else { 0.0 };
@@ -92,48 +93,49 @@ impl Page {
         }
     }
 
-    /// Depth of the finest layer, Dmax (133).
+    /// Returns the depth of the finest layer, Dmax (133).
     #[inline]
     pub fn dmax(&self) -> u8 {
         (self.layers.len() - 1) as u8
     }
 
-    /// Width and height of the texture, in texels of the finest layer \[texels\].
+    /// Returns width and height of the texture, in texels of the finest layer.
     #[inline]
     pub fn size(&self) -> [f32; 2] {
         self.size
     }
 
-    /// Number of all tiles of all layers.
+    /// Returns the number of tiles of all layers.
     #[inline]
     pub fn tiles(&self) -> u32 {
         self.tiles
     }
 
-    /// Bytes that it takes in the texture-data memory (130): whole tiles, 4 bytes per texel.
+    /// Returns the size of the page in the texture-data memory (130) \[bytes\]: whole tiles, 4 bytes per texel.
     pub fn bytes(&self) -> u64 {
         u64::from(self.tiles) * self.tile_bytes()
     }
 
-    /// Bytes of a tile in the texture-data memory (130).
+    /// Returns the size of a tile in the texture-data memory (130) \[bytes\].
     #[inline]
     pub fn tile_bytes(&self) -> u64 {
         4 * u64::from(self.cut.tile[0]) * u64::from(self.cut.tile[1])
     }
 
-    /// The layer that a tile belongs to.
+    /// Returns the layer of a tile.
     pub fn layer_of(&self, tile: u32) -> u8 {
         (self.layers.partition_point(|l| l.base <= tile) - 1) as u8
     }
 
-    /// Ntil = B_D + Tr * W_D + Sr: the tile that holds a texel of a layer.
+    /// Computes Ntil = B_D + Tr * W_D + Sr: the tile that holds a texel of a layer.
     #[inline]
     pub fn tile_of(&self, layer: u8, texel: [u32; 2]) -> u32 {
         let l = &self.layers[usize::from(layer)];
         l.base + (texel[1] >> self.shift[1]) * l.pitch + (texel[0] >> self.shift[0])
     }
 
-    /// Texels of a tile: first column and row, and those behind the last. Tiles at the right and lower edge may be smaller.
+    /// Returns the texels of a tile: first column and row, and those behind the last. Tiles at the right and lower edge may be
+    /// smaller.
     pub fn texels_of(&self, tile: u32) -> ([u32; 2], [u32; 2]) {
         let layer = &self.layers[usize::from(self.layer_of(tile))];
         let place = [(tile - layer.base) % layer.pitch, (tile - layer.base) / layer.pitch];
@@ -141,14 +143,14 @@ impl Page {
         (first, [0, 1].map(|i| (first[i] + self.cut.tile[i]).min(layer.size[i])))
     }
 
-    /// Texels of a tile: how many.
+    /// Returns the number of texels of a tile.
     pub fn texels_in(&self, tile: u32) -> u64 {
         let (first, end) = self.texels_of(tile);
         u64::from(end[0] - first[0]) * u64::from(end[1] - first[1])
     }
 
-    /// The tiles of the next finer layer that a tile is the average of: four, or two or one at the right and lower edge;
-    /// none in the finest layer.
+    /// Returns the tiles of the next finer layer that a tile is the average of: four, or two or one at the right and lower edge.
+    /// Empty for the finest layer.
     pub fn sources(&self, tile: u32) -> Tiles {
         let depth = self.layer_of(tile);
         let Some(finer) = self.layers.get(usize::from(depth) + 1) else { return Tiles::new() };
@@ -161,13 +163,14 @@ impl Page {
         .collect()
     }
 
-    /// The tile of the next coarser layer that a tile is a source of; none of the coarsest layer.
+    /// Returns the tile of the next coarser layer that a tile is a source of. Returns `None` for the coarsest layer.
     pub fn average_of(&self, tile: u32) -> Option<u32> {
         let coarser = self.layer_of(tile).checked_sub(1)?;
         Some(self.tile_of(coarser, self.texels_of(tile).0.map(|first| first / 2)))
     }
 
-    /// Byte address of a texel in the texture-data memory (130): tile by tile, 4 x 4 blocks row by row in each.
+    /// Returns the byte address of a texel in the texture-data memory (130). Tiles follow each other, and each has 4 x 4 blocks
+    /// row by row.
     #[inline]
     pub fn address_of(&self, layer: u8, texel: [u32; 2]) -> u64 {
         let tile = u64::from(self.tile_of(layer, texel)) * self.tile_bytes();
@@ -176,10 +179,10 @@ impl Page {
         self.address + tile + u64::from(block * 64 + (y & 3) * 16 + (x & 3) * 4)
     }
 
-    /// Texture coordinates (312) mapped back into the texture. NaN becomes 0.
+    /// Wraps texture coordinates (312) into the texture. NaN becomes 0.
     #[inline]
     pub fn placed(&self, st: [f32; 2], wrap: [WrapMode; 2]) -> Placed {
-        // (Not by `map`: it and its closure become calls.)
+        // (`map` and its closure would become calls.)
         let coordinates = [self.placed_along(0, st[0], wrap[0]), self.placed_along(1, st[1], wrap[1])];
         Placed { coordinates, repeats: [wrap[0] == WrapMode::Repeat, wrap[1] == WrapMode::Repeat] }
     }
@@ -190,7 +193,7 @@ impl Page {
         let inside = match wrap {
             WrapMode::Repeat => {
                 let rest = s - size * floor(s * self.inverse[axis]);
-                // The quotient is rounded: the rest may be off by one texture.
+                // The quotient is rounded, so the rest may be off by one texture.
                 let rest = if rest < 0.0 { rest + size } else { rest };
                 if rest >= size { rest - size } else { rest }
             }
@@ -203,7 +206,7 @@ impl Page {
         if inside > 0.0 { inside.min(size) } else { 0.0 }
     }
 
-    /// What a bilinear sample at `placed` coordinates reads of a layer, by axis.
+    /// Returns the taps of a bilinear sample at `placed` coordinates in a layer, by axis.
     #[inline]
     pub fn taps(&self, layer: u8, placed: Placed) -> [Tap; 2] {
         let l = &self.layers[usize::from(layer)];
@@ -217,17 +220,17 @@ impl Page {
         tap(whole as i32, x - whole, layer.size[axis] as i32, placed.repeats[axis])
     }
 
-    /// Figure 5A with the border check of Figure 5B, corrected: the tiles that a bilinear sample at `placed` coordinates
-    /// reads of a layer.
+    /// Returns the tiles that a bilinear sample at `placed` coordinates reads of a layer: Figure 5A with the border check of
+    /// Figure 5B, corrected.
     ///
-    /// A neighbour is read where the fraction is above 0. It lies in the next tile where the texel is the last of its tile;
-    /// at the edge of the layer it lies in column (row) 0 where the texture repeats, and nowhere else.
+    /// A neighbour is read only if the fraction is above 0. If the texel is the last of its tile, the neighbour lies in the next
+    /// tile. At the edge of the layer it lies in column (row) 0 if the texture repeats, and otherwise does not exist.
     #[inline]
     pub fn marked(&self, layer: u8, placed: Placed) -> Tiles {
         self.tiles_of(layer, &self.taps(layer, placed))
     }
 
-    /// The tiles that these taps read of a layer.
+    /// Returns the tiles that these taps read of a layer.
     #[inline]
     pub fn tiles_of(&self, layer: u8, [x, y]: &[Tap; 2]) -> Tiles {
         let l = &self.layers[usize::from(layer)];
@@ -259,7 +262,7 @@ fn tap(whole: i32, fraction: f32, size: i32, repeats: bool) -> Tap {
         let second = if fraction > 0.0 { next } else { first };
         Tap { first: first as u32, second: second as u32, fraction }
     } else if whole < 0 || whole >= size - 1 {
-        // Beyond the edge the edge texel extends: no neighbour.
+        // Beyond the edge the edge texel extends, without a neighbour.
         let edge = if whole < 0 { 0 } else { size - 1 } as u32;
         Tap { first: edge, second: edge, fraction: 0.0 }
     } else {

@@ -7,41 +7,41 @@ use basrelief_kernel::{Demand, HardwareKind, Step, Traffic, Unit};
 use basrelief_signals::Control;
 use serde::{Deserialize, Serialize};
 
-/// What the path has counted.
+/// Counters of the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PathCounters {
-    /// Bytes carried.
+    /// Bytes transferred.
     pub bytes: u64,
 }
 
-/// Everything the path remembers.
+/// State of the path between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PathState {
-    /// What the last transfer left of a cycle \[bit cycles per second\].
+    /// Fraction of a cycle left by the last transfer \[bit cycles per second\].
     pub left: u128,
-    /// What it has counted.
+    /// Counters.
     pub counters: PathCounters,
 }
 
-/// The path (104, 106, 108): so many bits per second, and a latency from a request to its answer.
+/// Path (104, 106, 108): a bit rate, and a latency from a request to its answer.
 ///
-/// What it carries keeps it for its bytes at its rate; the remainder of a division is carried on, so that nothing is rounded
-/// in the long run. A tile comes a latency later than the path lets it through; so there can be as many tiles in flight as the
-/// FIFO behind it has slots (law 2), which are the requests in flight times the tiles of each. The polygons come as one answer: only the first of
-/// them waits for the latency.
+/// A transfer occupies the path for its bytes at its rate. The remainder of a division carries over, so that no rounding error
+/// accumulates. A tile arrives one latency after its transfer. The number of tiles in flight is therefore the number of slots of
+/// the FIFO behind the path (law 2): the requests in flight times the tiles of each. The polygons arrive as one answer: only the
+/// first of them waits for the latency.
 #[derive(Clone, Debug)]
 pub struct Path {
     bits_per_second: u128,
     hz: u128,
     latency: u64,
-    /// Tiles in flight, and bytes of the largest.
+    /// Tiles in flight, and bytes of the largest tile.
     receives: [u32; 2],
-    /// Everything it remembers.
+    /// State between steps.
     pub state: PathState,
 }
 
 impl Path {
-    /// A path seen from a device with a clock of `hz`, that takes tiles of up to `tile_bytes`.
+    /// Creates a path for a device with a clock of `hz` that accepts tiles of up to `tile_bytes`.
     pub fn new(config: &PathConfig, hz: u64, tile_bytes: u32) -> Self {
         let latency = u64::try_from(u128::from(config.latency_us) * u128::from(hz) / 1_000_000).unwrap_or(u64::MAX);
         Self {
@@ -53,7 +53,7 @@ impl Path {
         }
     }
 
-    /// Cycles that the path is kept by this many bytes.
+    /// Returns the occupancy of the path by this many bytes \[cycles\].
     fn carry(&mut self, bytes: u64) -> u64 {
         self.state.counters.bytes += bytes;
         self.state.left += u128::from(bytes) * 8 * self.hz;

@@ -1,21 +1,21 @@
-//! Polygon memory (112): what meshes and commands take on the path (451, 453).
+//! Polygon memory (112): bytes of meshes and commands on the path (451, 453).
 //!
-//! A mesh travels once, indexed and in model space, as geometry processing (453) takes it; frames after the first bring only their
-//! commands. In the wiring a display list comes out of the geometry processor, for all machines alike, and the server stands
-//! behind it: so an object's command says what its mesh consists of, and it is charged with that command, ahead of its polygons.
+//! A mesh travels once, indexed and in model space, as geometry processing (453) accepts it. Later frames send only their
+//! commands. In the wiring, the display list comes out of the geometry processor in all machines, and the server follows it. So
+//! an object's command describes its mesh, and the mesh is charged with that command, ahead of its polygons.
 
 use crate::config::{Lighting, PathConfig};
 use basrelief_signals::{Frame, MeshInfo, ObjectInfo, Polygon};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
-/// Numbers of a position, of a normal, of texture coordinates.
+/// Numbers of a position, of a normal, and of texture coordinates.
 const POSITION: u64 = 3;
 const NORMAL: u64 = 3;
 const UV: u64 = 2;
-/// Colour of a vertex: R, G, B, A in 8 bits each \[numbers\].
+/// Colour of a vertex: R, G, B, A, 8 bits each \[numbers\].
 const COLOR: u64 = 1;
-/// Surface: colour (4), lighting coefficients (4), number of its texture, and whether it has two sides \[numbers\].
+/// Surface: colour (4), lighting coefficients (4), number of its texture, and the two-sided flag \[numbers\].
 const MATERIAL: u64 = 10;
 /// Frame: matrix (16), direction to the viewer (3), width and height \[numbers\].
 const FRAME: u64 = 21;
@@ -23,10 +23,10 @@ const FRAME: u64 = 21;
 const LIGHT: u64 = 5;
 /// Object: its number, and a transform of three rows \[numbers\].
 const OBJECT: u64 = 13;
-/// Most vertices that an index of two bytes tells apart.
+/// Most vertices with indices of two bytes.
 const SHORT_INDEX: u32 = 1 << 16;
 
-/// What the path has carried of polygons.
+/// Counters of polygon data on the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PolygonMemoryCounters {
     /// Bytes of meshes, with their surfaces.
@@ -35,24 +35,24 @@ pub struct PolygonMemoryCounters {
     pub command_bytes: u64,
 }
 
-/// What is known of the device: which meshes it has.
+/// Record of the meshes that the device has.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PolygonMemory {
     /// Objects whose mesh was sent.
     sent: BTreeSet<u32>,
-    /// The current object's mesh was not told: its polygons are charged instead.
+    /// True if the current object's mesh is unknown. Its polygons are charged instead.
     untold: bool,
-    /// What it has counted.
+    /// Counters.
     pub counters: PolygonMemoryCounters,
 }
 
 impl PolygonMemory {
-    /// Bytes of the command of a frame.
+    /// Returns the bytes of the command of a frame.
     pub fn frame(&mut self, frame: &Frame, config: &PathConfig) -> u64 {
         self.command(FRAME + LIGHT * frame.lights.len() as u64, config)
     }
 
-    /// Bytes of the command of an object, and of its mesh where the device does not have it.
+    /// Returns the bytes of the command of an object, and of its mesh if the device does not have it.
     pub fn object(&mut self, object: &ObjectInfo, (config, lighting): (&PathConfig, Lighting)) -> u64 {
         let is_new = self.sent.insert(object.id);
         self.untold = is_new && object.mesh.is_none();
@@ -61,7 +61,7 @@ impl PolygonMemory {
         bytes + self.command(OBJECT, config)
     }
 
-    /// Bytes of a polygon: none where its mesh was told; else its vertices, for there is nothing that would say how they are shared.
+    /// Returns the bytes of a polygon: 0 if its mesh is known. Otherwise its vertices count, because their sharing is unknown.
     pub fn polygon(&mut self, polygon: &Polygon, (config, lighting): (&PathConfig, Lighting)) -> u64 {
         if !self.untold {
             return 0;
@@ -84,14 +84,14 @@ impl PolygonMemory {
     }
 }
 
-/// Bytes of vertices: what the picture needs of them.
+/// Returns the bytes of the vertex attributes that the picture needs.
 fn vertices_bytes(mesh: &MeshInfo, config: &PathConfig, lighting: Lighting) -> u64 {
     let wanted = |is: bool, numbers: u64| if is { numbers } else { 0 };
     let numbers = POSITION + wanted(lighting == Lighting::Gouraud, NORMAL) + wanted(mesh.uv, UV) + wanted(mesh.colors, COLOR);
     u64::from(mesh.vertices) * numbers * u64::from(config.number_bytes)
 }
 
-/// Bytes of a mesh and its surface. Indices take half a number where there are few vertices.
+/// Returns the bytes of a mesh and its surface. Indices take half a number if there are few vertices.
 fn mesh_bytes(mesh: &MeshInfo, config: &PathConfig, lighting: Lighting) -> u64 {
     let number = u64::from(config.number_bytes);
     let indices = u64::from(mesh.indices) * number;

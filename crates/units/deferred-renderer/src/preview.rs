@@ -1,4 +1,4 @@
-//! A picture that is still growing, for who watches a real path: outside of the device, which shows none between its rounds.
+//! Unfinished picture for an observer of a real path. The device itself shows none between its rounds.
 
 use crate::cell::CellFormat;
 use crate::colour::{progressive, sample, shaded};
@@ -9,31 +9,31 @@ use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// Entries of a word of the tile load lists (136): how many words are read is no matter here.
+/// Entries of a word of the tile load lists (136). The preview ignores the number of words read.
 const ENTRIES: u32 = 1;
 
-/// Who watches a real path; in the model nobody does.
+/// Observer of a real path. The model has none.
 pub trait Onlooker: Debug + Send + Sync {
-    /// The reference buffer (126) of a view is filled; the tiles that it wants are asked for next.
+    /// Called when the reference buffer (126) of a view is filled, before its tiles are requested.
     fn filled(&self, filled: FilledBuffer);
 }
 
-/// Tiles that have come, and how a picture is coloured from them.
+/// Tiles received so far, and the formats that colour a picture from them.
 #[derive(Clone, Debug)]
 pub struct Preview {
     format: CellFormat,
     encoding: TileEncoding,
-    /// By number.
+    /// Texels of each page, by number.
     pages: BTreeMap<u16, PageTexels>,
 }
 
 impl Preview {
-    /// Of cells of this format, and tiles of this encoding; none have come.
+    /// Creates an empty preview of cells of this format, and tiles of this encoding.
     pub fn new(format: CellFormat, encoding: TileEncoding) -> Self {
         Self { format, encoding, pages: BTreeMap::new() }
     }
 
-    /// A tile has come. One that cannot be expanded is the device's to report.
+    /// Stores a received tile. The device reports tiles that cannot be expanded.
     pub fn store(&mut self, page: &Arc<Page>, tile: u32, bytes: &[u8]) {
         let (first, end) = page.texels_of(tile);
         let Ok(texels) = self.encoding.decode(bytes, [end[0] - first[0], end[1] - first[1]]) else { return };
@@ -46,8 +46,8 @@ impl Preview {
         }
     }
 
-    /// The picture so far, row by row: of a filled reference buffer (126), each pixel as the progressive mode colours it (472) from the
-    /// tiles that have come; none where nothing was drawn, or no tile has come.
+    /// Returns the unfinished picture of a filled reference buffer (126), row by row. Each pixel is coloured as in the
+    /// progressive mode (472) from the received tiles. A pixel is `None` if it is not drawn or has no tile.
     pub fn picture(&self, filled: &FilledBuffer) -> Vec<Option<[u8; 3]>> {
         filled.cells.iter().map(|cell| self.colour(cell)).collect()
     }

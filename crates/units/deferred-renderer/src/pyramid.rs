@@ -14,7 +14,7 @@ pub struct LayerTexels {
     pub texels: Vec<[u8; 4]>,
 }
 
-/// Texels of one layer, where they lie.
+/// Texels of one layer in a borrowed slice.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Texels<'a> {
     size: [u32; 2],
@@ -27,14 +27,14 @@ impl<'a> Texels<'a> {
         &self.texels[start..start + self.size[0] as usize]
     }
 
-    /// The texels of a rectangle, row by row.
+    /// Returns the texels of a rectangle, row by row.
     fn cut(self, (first, end): ([u32; 2], [u32; 2])) -> Vec<[u8; 4]> {
         (first[1]..end[1]).flat_map(|y| &self.row(y)[first[0] as usize..end[0] as usize]).copied().collect()
     }
 }
 
 impl LayerTexels {
-    /// A black layer.
+    /// Creates a black layer.
     pub fn new(size: [u32; 2]) -> Self {
         Self { size, texels: vec![[0; 4]; size[0] as usize * size[1] as usize] }
     }
@@ -43,7 +43,7 @@ impl LayerTexels {
         Texels { size: self.size, texels: &self.texels }
     }
 
-    /// Puts texels into a rectangle, row by row.
+    /// Writes texels into a rectangle, row by row.
     pub fn put(&mut self, (first, end): ([u32; 2], [u32; 2]), texels: &[[u8; 4]]) {
         let width = (end[0] - first[0]) as usize;
         for (y, row) in (first[1]..end[1]).zip(texels.chunks_exact(width)) {
@@ -52,8 +52,8 @@ impl LayerTexels {
         }
     }
 
-    /// Fills a rectangle with averages of the next finer layer: (sum of 4 + 2) >> 2 per channel. Where a side of the finer
-    /// layer is odd, its last texel is repeated.
+    /// Fills a rectangle with averages of the next finer layer: (sum of 4 + 2) >> 2 per channel. At an odd side the finer layer's
+    /// last texel is repeated.
     pub(crate) fn average(&mut self, finer: Texels<'_>, (first, end): ([u32; 2], [u32; 2])) {
         for y in first[1]..end[1] {
             let start = y as usize * self.size[0] as usize;
@@ -66,18 +66,19 @@ impl LayerTexels {
     }
 }
 
-/// (Sum of 4 + 2) >> 2 per channel.
+/// Returns (sum of 4 + 2) >> 2 per channel.
 #[inline]
 fn averaged([a, b, c, d]: [[u8; 4]; 4]) -> [u8; 4] {
     std::array::from_fn(|i| ((u16::from(a[i]) + u16::from(b[i]) + u16::from(c[i]) + u16::from(d[i]) + 2) >> 2) as u8)
 }
 
-/// Whether two textures are one picture, under whatever sampler: the device makes its pyramid of their finest level alone.
+/// Returns true if two textures have the same picture, under any sampler. The device builds its pyramid only from their finest
+/// level.
 pub(crate) fn is_same_picture(a: &Texture, b: &Texture) -> bool {
     a.elsewhere == b.elsewhere && a.levels.first() == b.levels.first()
 }
 
-/// The texture memory (114) of the server: all layers of one texture, built by the device's own rule when they are asked for.
+/// Texture memory (114) of the server: all layers of one texture, built at first use by the device's own rule.
 #[derive(Clone, Debug)]
 pub struct ServedTexture {
     texture: Arc<Texture>,
@@ -86,12 +87,12 @@ pub struct ServedTexture {
 }
 
 impl ServedTexture {
-    /// Offers a texture; one without texels is a single white one.
+    /// Creates a texture to be served. A texture without texels becomes a single white one.
     pub fn new(texture: Arc<Texture>) -> Self {
         Self { texture, coarser: Vec::new() }
     }
 
-    /// The texture.
+    /// Returns the texture.
     pub fn texture(&self) -> &Arc<Texture> {
         &self.texture
     }
@@ -103,7 +104,7 @@ impl ServedTexture {
         )
     }
 
-    /// The texels of a tile, row by row.
+    /// Returns the texels of a tile, row by row.
     pub fn tile(&mut self, page: &Page, tile: u32) -> Vec<[u8; 4]> {
         let depth = page.layer_of(tile);
         let above = usize::from(page.left_out + page.dmax() - depth);

@@ -1,4 +1,4 @@
-//! What became of tiles, frame by frame, for who wants to look at it.
+//! Tile records, frame by frame, for auxiliary outputs.
 
 use crate::Page;
 use crate::acquisition::How;
@@ -6,18 +6,18 @@ use crate::texels::{PageTexels, TileHistory};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What a tile was in a frame.
+/// State of a tile in a frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TileRecord {
-    /// Its page.
+    /// Page of the tile.
     pub page: Arc<Page>,
-    /// Its number.
+    /// Number of the tile.
     pub tile: u32,
-    /// How it came in this frame; none: it was there before, and was needed.
+    /// Origin of the tile in this frame. `None` if it was already present and was needed.
     pub acquired: Option<How>,
 }
 
-/// Tiles that came in a frame (counted from 1), and those of earlier ones that it needed.
+/// Returns the tiles that arrived in a frame (counted from 1), and the older ones that it needed.
 pub(crate) fn records_of(pages: &[PageTexels], frame: u64) -> Vec<TileRecord> {
     let of_page = |texels: &PageTexels| {
         let page = Arc::clone(&texels.page);

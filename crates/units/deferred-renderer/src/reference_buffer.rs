@@ -13,25 +13,25 @@ use std::sync::Arc;
 /// Cells of a block of 4 x 4 pixels.
 const BLOCK_CELLS: usize = 16;
 
-/// What the reference buffer does: one phase of a frame after the other.
+/// Phase of the reference buffer within a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
-    /// Takes cells (454), up to the end of the frame.
+    /// Receives cells (454), up to the end of the frame.
     #[default]
     Fill,
-    /// Writes what is still gathered, a block per step.
+    /// Writes the remaining gathered blocks, one per step.
     Flush,
-    /// Passes over all blocks, from this one on; towards the identification of tiles (461).
+    /// Passes over all blocks from this one on, for the identification of tiles (461).
     Identify(usize),
-    /// Towards the final rasterization (463, 472): in front of the pass.
+    /// Before a pass for the final rasterization (463, 472).
     Begin,
-    /// The pass itself.
+    /// Passes over all blocks from this one on, for the final rasterization.
     Colour(usize),
-    /// Waits for what the tile load list (136) says.
+    /// Waits for the tile load list (136).
     Wait,
 }
 
-/// A filled buffer, for who wants to look at it.
+/// A filled buffer, for auxiliary outputs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FilledBuffer {
     /// Number of the frame.
@@ -46,7 +46,7 @@ pub struct FilledBuffer {
     pub cells: Vec<Cell>,
 }
 
-/// What the reference buffer has counted.
+/// Counters of the reference buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ReferenceBufferCounters {
     /// Cells written.
@@ -57,30 +57,30 @@ pub struct ReferenceBufferCounters {
     pub read: u64,
 }
 
-/// Everything the reference buffer (126) remembers.
+/// State of the reference buffer (126) between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceBufferState {
     phase: Phase,
-    /// The frame that fills it.
+    /// Frame that fills the buffer.
     pub frame: Option<Arc<Frame>>,
-    /// Block by block.
+    /// Cells, block by block.
     pub cells: Vec<Cell>,
     /// Pages so far, by number.
     pub pages: Vec<Arc<Page>>,
-    /// The blocks that gather writes.
+    /// Blocks that gather writes.
     pub lines: GatheredLines,
-    /// Filled buffers that nobody has fetched yet, where they are kept.
+    /// Filled buffers that are not fetched yet, if recording is enabled.
     pub filled: Vec<FilledBuffer>,
-    /// What it has counted.
+    /// Counters.
     pub counters: ReferenceBufferCounters,
 }
 
-/// Reference buffer (126). It is filled by the initial rasterization; then passes go over it: in the mode of best resolution
-/// one to identify tiles and one to colour, in the progressive mode one for each picture. A pass to colour hands on blocks in which
-/// nothing is drawn too: the picture has its background there.
+/// Reference buffer (126). The initial rasterization fills it, and then passes read it. In the mode of best resolution there is
+/// one pass to identify tiles and one to colour. In the progressive mode there is one per picture. A colouring pass also sends
+/// blocks without drawn pixels, because the picture has its background there.
 ///
-/// Inputs: cells, and whether another round follows. Outputs: passes to identification and to the final rasterization.
-/// Client 0 reads, client 1 writes: 4 x 4 cells at a time. Writes gather in some blocks (`engine.write_lines`).
+/// Inputs: cells, and the news of another round. Outputs: passes to identification and to the final rasterization. Client 0
+/// reads, client 1 writes: 4 x 4 cells at a time. Some blocks gather writes (`engine.write_lines`).
 #[derive(Clone, Debug)]
 pub struct ReferenceBuffer {
     /// Parameters.
@@ -88,34 +88,34 @@ pub struct ReferenceBuffer {
     mode: RenderMode,
     cell_bytes: u32,
     sizes: Sizes,
-    /// Filled buffers are kept for who wants to look at them.
+    /// True if filled buffers are kept for auxiliary outputs.
     pub keep: bool,
     onlooker: Option<Arc<dyn Onlooker>>,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: ReferenceBufferState,
 }
 
 type Out = (Option<PassFlow>, Option<PassFlow>);
 
 impl ReferenceBuffer {
-    /// At power-on; `cell_bytes`: of a cell in memory.
+    /// Creates the buffer in its power-on state. `cell_bytes` is the size of a cell in memory.
     pub fn new(config: EngineConfig, mode: RenderMode, (cell_bytes, sizes): (u32, Sizes)) -> Self {
         Self { config, mode, cell_bytes, sizes, keep: false, onlooker: None, state: ReferenceBufferState::default() }
     }
 
-    /// With who is shown each filled buffer.
+    /// Sets the observer of each filled buffer.
     #[must_use]
     pub fn shown_to(self, onlooker: Option<Arc<dyn Onlooker>>) -> Self {
         Self { onlooker, ..self }
     }
 
-    /// Buffers filled since the last call, where they are kept.
+    /// Returns the buffers filled since the last call, if they are kept.
     pub fn drain_filled(&mut self) -> Vec<FilledBuffer> {
         std::mem::take(&mut self.state.filled)
     }
 
     fn begin(&mut self, frame: &Arc<Frame>) {
-        // A picture without room is the pixel buffer's to report.
+        // The pixel buffer reports a picture that is too large.
         let room = if layout::fits(frame.width, frame.height) { [frame.width, frame.height] } else { [0, 0] };
         let blocks = room.map(|n| n.div_ceil(BLOCK) as usize);
         self.state.cells.clear();
@@ -171,7 +171,7 @@ impl ReferenceBuffer {
         }
     }
 
-    /// Writes a gathered block; with the last of them, the buffer is filled.
+    /// Writes a gathered block. After the last of them, the buffer is filled.
     fn flush(&mut self, traffic: &mut Traffic) -> Step<Out> {
         if let Some(block) = self.state.lines.take() {
             self.write(block, traffic);
@@ -215,7 +215,7 @@ impl ReferenceBuffer {
         Some(CellBlock { at, mask, cells: *cells })
     }
 
-    /// The next block of a pass, or its end; the cycles that it takes, and whether it was the end.
+    /// Returns the next block of a pass, or its end, with the cycles, and true at the end.
     #[inline]
     fn pass(&mut self, block: usize, traffic: &mut Traffic) -> (Option<PassFlow>, u64, bool) {
         let wants_all = matches!(self.state.phase, Phase::Colour(_));
@@ -273,7 +273,7 @@ impl Unit for ReferenceBuffer {
         }
     }
 
-    /// One block read; one block written, which goes for the one that all cells of a stamp lie in, or at the end.
+    /// Returns one read block, and one written block, which was evicted by a stamp's block, or at the end.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client < 2)
     }

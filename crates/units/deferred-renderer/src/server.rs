@@ -14,32 +14,32 @@ use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// Where tiles come from. The server of the model holds the textures itself; a real one is elsewhere.
+/// Source of tiles. The model's server holds the textures itself, and a real server is remote.
 pub trait TileSource: Debug {
-    /// A texture of the scene: a frame declares it, or a polygon names it.
+    /// Announces a texture of the scene: a frame declares it, or a polygon uses it.
     fn offer(&mut self, texture: &Arc<Texture>);
-    /// The tiles that will be asked for next, in this order.
+    /// Announces the tiles that will be requested next, in this order.
     fn announce(&mut self, tiles: &[(Arc<Page>, u32)]) {
         let _ = tiles;
     }
-    /// A tile, encoded.
+    /// Returns an encoded tile.
     ///
     /// # Errors
-    /// Why there is none: a sentence that names texture, layer and tile.
+    /// Returns a sentence that names texture, layer and tile if the tile is not available.
     fn tile(&mut self, page: &Arc<Page>, tile: u32) -> Result<Arc<[u8]>, String>;
-    /// Who looks at the pictures, by the clock; nobody in the model.
+    /// Returns the user who looks at the pictures in real time. The model has none.
     fn user(&self) -> Option<Arc<dyn User>> {
         None
     }
-    /// Who is shown each filled reference buffer (126), ahead of the first tile that is asked for by it; nobody in the model.
+    /// Returns the observer of filled reference buffers (126), called before the first tile request. The model has none.
     fn onlooker(&self) -> Option<Arc<dyn Onlooker>> {
         None
     }
-    /// Bytes of all tiles of the finest layer of a texture, as they are encoded; none where only a server elsewhere knows.
+    /// Returns the encoded bytes of all tiles of the finest layer of a texture. Returns `None` if only a remote server knows.
     fn finest_bytes(&self, texture: &Arc<Texture>, cut: Cut) -> Option<u64>;
 }
 
-/// Texture memory (114): textures by number, their pyramids built when asked for.
+/// Texture memory (114): textures by number. Their pyramids are built at first use.
 #[derive(Clone, Debug, Default)]
 pub struct TextureMemory {
     encoding: TileEncoding,
@@ -48,7 +48,7 @@ pub struct TextureMemory {
 }
 
 impl TextureMemory {
-    /// An empty one, that encodes tiles so.
+    /// Creates an empty memory that encodes tiles in this way.
     pub fn new(encoding: TileEncoding, quality: u8) -> Self {
         Self { encoding, quality, textures: BTreeMap::new() }
     }
@@ -60,7 +60,7 @@ impl TextureMemory {
     }
 }
 
-/// `texture 3 (name), layer 2, tile 17`: for messages.
+/// Returns a position for messages, for example `texture 3 (name), layer 2, tile 17`.
 pub fn place_of(page: &Page, tile: u32) -> String {
     format!("texture {} ({}), layer {}, tile {tile}", page.texture, page.name, page.layer_of(tile))
 }
@@ -84,23 +84,23 @@ impl TileSource for TextureMemory {
             return Some(cut.raw_bytes(page.texture_size));
         }
         let finest = page.layers[usize::from(page.dmax())];
-        // Not the one that was offered, since layers are built when they are asked for: where nothing is left out, none is.
+        // Not the offered texture: its layers are built at first use. Without a cap, no layer is left out.
         let mut texture = ServedTexture::new(Arc::clone(texture));
         let encoded = |tile| self.encode(&texture.tile(&page, tile), &page, tile).map_or(0, |bytes| bytes.len() as u64);
         Some((finest.base..page.tiles()).map(encoded).sum())
     }
 }
 
-/// What a renderer would load that takes all pictures whole, at their finest layer.
+/// Load of a conventional renderer, which takes all pictures at their finest layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Conventional {
-    /// As raw texels \[bytes\].
+    /// Size as raw texels \[bytes\].
     pub raw_bytes: u64,
-    /// As tiles are encoded \[bytes\]; none where only a server elsewhere knows.
+    /// Size as encoded tiles \[bytes\]. `None` if only a remote server knows.
     pub encoded_bytes: Option<u64>,
 }
 
-/// What the server does: one phase of a frame after the other.
+/// Phase of the server within a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
     /// Sends polygons and sizes of textures (451, 452), up to the end of the frame.
@@ -108,26 +108,26 @@ enum Phase {
     Polygons,
     /// Answers requests for tiles.
     Tiles,
-    /// Waits until the picture is shown: with (124) in both jobs there is no room for the next.
+    /// Waits until the picture is shown, because a shared memory (124) has no room for the next.
     Shown,
 }
 
-/// What the server has counted.
+/// Counters of the server.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ServerCounters {
     /// Bytes of sizes of textures.
     pub size_bytes: u64,
     /// Bytes of tiles.
     pub tile_bytes: u64,
-    /// Bytes that they would take as raw texels.
+    /// Bytes of the tiles as raw texels.
     pub raw_tile_bytes: u64,
-    /// Tiles.
+    /// Tiles sent.
     pub tiles: u64,
-    /// Answers that they came in.
+    /// Answers that carried the tiles.
     pub answers: u64,
 }
 
-/// Everything the server remembers.
+/// State of the server between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ServerState {
     phase: Phase,
@@ -135,42 +135,42 @@ pub struct ServerState {
     pub frames: u64,
     /// Polygon memory (112).
     pub polygons: PolygonMemory,
-    /// Textures that the source of tiles was offered, by number.
+    /// Textures offered to the source of tiles, by number.
     pub known: BTreeMap<u32, Arc<Texture>>,
-    /// This source was offered them; a state that was put in brings its own textures.
+    /// Set once the source was offered the known textures. A restored state brings its own textures.
     #[serde(skip)]
     offered: Derived<()>,
-    /// The answer whose tiles are sent: number of their texture, and how many there are so far.
+    /// Current answer: number of the texture of its tiles, and the number of tiles so far.
     answer: Option<(u32, u32)>,
-    /// Why nothing comes any more: the first tile that there is none of, in a sentence.
+    /// Reason for a stopped server: the first tile that is not available, in a sentence.
     pub lost: Option<String>,
-    /// What it has counted.
+    /// Counters.
     pub counters: ServerCounters,
 }
 
 /// Server (110). Inputs: polygons, requests for tiles, and the news that a picture is shown.
 ///
-/// Meshes take their bytes on the path once; with the following frames the device has them (451 is not repeated by 482), and the
-/// commands of frames and objects travel alone.
+/// Meshes cost their bytes on the path once. In later frames the device already has them (482 does not repeat 451), and only the
+/// commands of frames and objects travel.
 ///
-/// Where a tile cannot be had, nothing comes from it any more: the device finishes what it has got, and then stands still.
+/// After an unavailable tile the server sends nothing. The device finishes its received work, and then stops.
 #[derive(Debug)]
 pub struct Server {
     /// Parameters.
     pub config: PathConfig,
     lighting: Lighting,
     source: Box<dyn TileSource>,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: ServerState,
 }
 
 impl Server {
-    /// A server that takes its tiles from `source`; normals travel where something lights them.
+    /// Creates a server that takes its tiles from `source`. Normals travel only if the device lights surfaces.
     pub fn new(config: PathConfig, lighting: Lighting, source: Box<dyn TileSource>) -> Self {
         Self { config, lighting, source, state: ServerState::default() }
     }
 
-    /// What all pictures offered take, each of them once.
+    /// Returns the load of all offered pictures, each counted once.
     pub fn conventional(&self, cut: Cut) -> Conventional {
         let mut sum = Conventional { raw_bytes: 0, encoded_bytes: Some(0) };
         let known: Vec<&Arc<Texture>> = self.state.known.values().collect();
@@ -183,7 +183,7 @@ impl Server {
         sum
     }
 
-    /// Offers a texture that it has not offered before; bytes that the size of a new picture takes on the path (452).
+    /// Offers a new texture to the source. Returns the bytes of a new picture's size on the path (452).
     fn size_of(&mut self, texture: &Arc<Texture>) -> u64 {
         if self.state.known.contains_key(&texture.id) {
             return 0;
@@ -220,7 +220,8 @@ impl Server {
         Parcel { bytes, content: Content::Mesh(control) }
     }
 
-    /// Bytes of the head of an answer, in front of the first of its tiles: they are of one picture, and listed by one acquisition.
+    /// Returns the bytes of the head of an answer, before the first of its tiles. The tiles of an answer are of one picture, and
+    /// from one acquisition.
     fn head(&mut self, page: &Page) -> u64 {
         let most = self.config.tiles_per_request;
         let under_way = self.state.answer.filter(|(texture, tiles)| *texture == page.texture && *tiles < most);

@@ -1,4 +1,4 @@
-//! How large the device's own tables are: what the configuration makes of them.
+//! Sizes of the device's tables, computed from the configuration.
 
 use crate::config::{CellConfig, EngineConfig, WRAP_BITS};
 use crate::page::Cut;
@@ -17,20 +17,20 @@ const BLOCK_CELLS: u32 = 16;
 /// Sizes of tables and registers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sizes {
-    /// Cell of the reference buffer (126) \[bits\].
+    /// Width of a cell of the reference buffer (126) \[bits\].
     pub cell_bits: u32,
-    /// Page pointer (310) of a cell \[bits\].
+    /// Width of the page pointer (310) of a cell \[bits\].
     pub page_bits: u32,
     /// Most layers of a page.
     pub layers: u32,
-    /// Tiles that the texture-data memory (130) has room for.
+    /// Tiles that fit in the texture-data memory (130).
     pub tiles: u64,
     /// Texels of a tile.
     pub tile_texels: u64,
 }
 
 impl Sizes {
-    /// Those of a configuration.
+    /// Computes the sizes of a configuration.
     pub fn new(cell: &CellConfig, cut: Cut, engine: &EngineConfig) -> Self {
         let [width, height] = cut.tile;
         let layers = (LONGEST_SIDE / width.min(height)).max(1).ilog2() + 1;
@@ -44,13 +44,13 @@ impl Sizes {
         }
     }
 
-    /// Number of a page and of a tile in it \[bits\].
+    /// Returns the width of the number of a page and of a tile in it \[bits\].
     pub(crate) fn tile_bits(self) -> u32 {
         self.page_bits + ADDRESS
     }
 
-    /// What a unit needs that finds texels of pages: Dmax (133), place and size of each page; width, height, tile pitch (138) and tile
-    /// base (140) of each layer.
+    /// Reports the tables of a unit that finds texels of pages: Dmax (133), position and size of each page; width, height, tile
+    /// pitch (138) and tile base (140) of each layer.
     pub(crate) fn tell_pages(self, facts: &mut Facts) {
         let pages = 1_u64 << self.page_bits;
         facts.hardware(HardwareKind::Table, "pages (132): Dmax (133), place, size", pages, 5 + ADDRESS + 2 * SIDE);
@@ -58,17 +58,17 @@ impl Sizes {
         facts.hardware(HardwareKind::Table, "layers: size, pitch (138), base (140)", pages * u64::from(self.layers), layer);
     }
 
-    /// What a unit holds that works on a block of cells.
+    /// Reports the registers of a unit that works on a block of cells.
     pub(crate) fn tell_block(self, facts: &mut Facts) {
         facts.hardware(HardwareKind::Registers, "block of cells", BLOCK_CELLS, self.cell_bits);
     }
 
-    /// Bits of a gathered block: its cells, its number, and which of them are there.
+    /// Returns the bits of a gathered block: its cells, its number, and its mask.
     pub(crate) fn gathered_bits(self) -> u32 {
         BLOCK_CELLS * (1 + self.cell_bits) + ADDRESS
     }
 
-    /// The tile load lists (136); where tiles are asked for in an order, what each is wanted for too, and the order.
+    /// Reports the tile load lists (136). If tiles are requested in an order, it includes the keys of the order.
     pub(crate) fn tell_lists(self, is_ordered: bool, facts: &mut Facts) {
         let tiles = self.tiles;
         facts.hardware(HardwareKind::Table, "tile load lists (136): N, L or E; two ports", tiles, 2);
@@ -81,7 +81,7 @@ impl Sizes {
         }
     }
 
-    /// Wrap modes and page of a surface, and a texture's size \[bits\].
+    /// Returns the width of the wrap modes and page of a surface, and of a texture's size \[bits\].
     pub(crate) fn surface_bits(self) -> u32 {
         self.page_bits + WRAP_BITS + 2 * SIDE + 5
     }

@@ -5,45 +5,45 @@ use basrelief_shading::{Gradient, LightVector, brightness, fan_triangle};
 use basrelief_signals::{Polygon, Vertex};
 use glam::Vec3;
 
-/// What is known of the current triangle.
+/// Set-up of the current triangle.
 #[derive(Clone, Debug)]
 pub(crate) struct Slopes {
     /// Number in the fan.
     pub(crate) number: u16,
-    /// Colour, with its light.
+    /// Colour, including light.
     pub(crate) colour: Gradient<3>,
     /// S and T \[finest texels\].
     pub(crate) coordinates: Gradient<2>,
-    /// Of a pixel on the texture.
+    /// Footprint of a pixel on the texture.
     pub(crate) footprint: Footprint,
 }
 
-/// How texture coordinates change over the screen: planes of S/w, T/w and 1/w, from the first vertex on.
+/// Change of texture coordinates over the screen: planes of S/w, T/w and 1/w, relative to the first vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Footprint {
     origin: [f64; 2],
     q: f64,
     /// Change of 1/w per pixel to the right and down.
     q_by: [f64; 2],
-    /// Change of (S - S0)/w and (T - T0)/w.
+    /// Change of (S - S0)/w and (T - T0)/w per pixel.
     st_by: [[f64; 2]; 2],
 }
 
 impl Footprint {
-    /// Of three corners: window position, 1/w, and S, T.
+    /// Computes the planes from three corners: window position, 1/w, and S, T.
     fn new(corners: [([f64; 2], f64); 3], st: [[f64; 2]; 3]) -> Self {
         let largest = corners.iter().fold(f64::MIN_POSITIVE, |l, c| l.max(c.1));
         let q = corners.map(|c| c.1 / largest);
         let [o, a, b] = corners.map(|c| c.0);
         let (ax, ay, bx, by) = (a[0] - o[0], a[1] - o[1], b[0] - o[0], b[1] - o[1]);
         let scale = 1.0 / (ax * by - bx * ay);
-        // Of a plane with these differences to the first corner.
+        // Slope of a plane with these differences to the first corner.
         let slope = |da: f64, db: f64| [(da * by - db * ay) * scale, (db * ax - da * bx) * scale];
         let of = |i: usize| slope((st[1][i] - st[0][i]) * q[1], (st[2][i] - st[0][i]) * q[2]);
         Self { origin: o, q: q[0], q_by: slope(q[1] - q[0], q[2] - q[0]), st_by: [of(0), of(1)] }
     }
 
-    /// Square of the longer of the two axes of the pixel's footprint \[finest texels\].
+    /// Returns the square of the longer of the two axes of the pixel's footprint \[finest texels\].
     #[inline]
     pub(crate) fn rho_squared(&self, x: u16, y: u16) -> f32 {
         let (dx, dy) = (f64::from(x) + 0.5 - self.origin[0], f64::from(y) + 0.5 - self.origin[1]);
@@ -57,16 +57,17 @@ impl Footprint {
     }
 }
 
-/// What lights vertices, and whether anything does.
+/// Lighting of vertices, if enabled.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Light<'a> {
     pub(crate) lighting: Lighting,
-    /// The lights as seen from the centre of the object.
+    /// Lights as seen from the centre of the object.
     pub(crate) lights: &'a [LightVector],
 }
 
 impl Light<'_> {
-    /// Brightness of a vertex: what the geometry processor gave it. A bump target, which has none, is lit here, by the same formula.
+    /// Returns the brightness of a vertex, which the geometry processor computed. Bump targets have none and are lit here, by the
+    /// same formula.
     fn of(&self, vertex: &Vertex, polygon: &Polygon) -> f32 {
         let [rest, specular] = match self.lighting {
             Lighting::None => return 1.0,
@@ -78,7 +79,7 @@ impl Light<'_> {
 }
 
 impl Slopes {
-    /// Sets a triangle of the polygon's fan up; `size` of its texture \[finest texels\].
+    /// Sets up a triangle of the polygon's fan. `size` is that of its texture \[finest texels\].
     pub(crate) fn new(polygon: &Polygon, size: [f32; 2], number: u16, light: Light<'_>) -> Option<Self> {
         let vertices = fan_triangle(polygon, number)?;
         let factor = polygon.material.base_color;

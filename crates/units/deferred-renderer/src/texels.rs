@@ -1,4 +1,4 @@
-//! Texels of a page in the texture-data memory (130): what is there of its pyramid (134), and how it is interpolated.
+//! Texels of a page in the texture-data memory (130): the present part of its pyramid (134), and its interpolation.
 
 use crate::Page;
 use crate::acquisition::How;
@@ -9,44 +9,44 @@ use smallvec::SmallVec;
 use std::sync::Arc;
 use wide::f32x4;
 
-/// What became of a tile.
+/// History of a tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileHistory {
-    /// How it came, and in which frame, counted from 1.
+    /// Origin of the tile, and the frame of its arrival, counted from 1.
     pub acquired: Option<(How, u64)>,
-    /// The last frame, counted from 1, in which a pixel was coloured from it; 0: none.
+    /// Last frame, counted from 1, in which a pixel was coloured from it. 0 means none.
     pub needed: u64,
 }
 
-/// Tiles of one layer: what became of them.
+/// Counts of the tiles of one layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LayerCounts {
-    /// Tiles that came over the path.
+    /// Tiles loaded over the path.
     pub loaded: u64,
-    /// Tiles averaged from those below.
+    /// Tiles averaged from finer ones.
     pub synthesized: u64,
-    /// Tiles of an earlier frame that a frame was coloured from, frame by frame.
+    /// Tiles of an earlier frame that a frame was coloured from, summed over the frames.
     pub reused: u64,
-    /// Tiles that no pixel was coloured from.
+    /// Tiles from which no pixel was coloured.
     pub never_needed: u64,
 }
 
-/// Pyramid (134) of one page, as far as its tiles have come.
+/// Pyramid (134) of one page, as far as its tiles are present.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PageTexels {
-    /// The page.
+    /// Page of the pyramid.
     pub page: Arc<Page>,
     layers: Vec<LayerTexels>,
     history: Vec<TileHistory>,
     reused: Vec<u64>,
-    /// The tile that was needed last, by layer: neighbours mostly need the same.
+    /// Last needed tile by layer, because neighbours usually need the same one.
     last: Vec<u32>,
 }
 
 const NO_TILE: u32 = u32::MAX;
 
 impl PageTexels {
-    /// An empty page: layers take memory when their first tile comes.
+    /// Creates an empty page. Layers allocate memory with their first tile.
     pub fn new(page: Arc<Page>) -> Self {
         let layers = vec![LayerTexels::default(); page.layers.len()];
         let history = vec![TileHistory::default(); page.tiles() as usize];
@@ -54,12 +54,12 @@ impl PageTexels {
         Self { page, layers, history, reused, last }
     }
 
-    /// What became of each tile, by number.
+    /// Returns the history of each tile, by number.
     pub fn history(&self) -> &[TileHistory] {
         &self.history
     }
 
-    /// What became of the tiles of a layer.
+    /// Returns the counts of the tiles of a layer.
     pub fn counts(&self, layer: u8) -> LayerCounts {
         let l = &self.page.layers[usize::from(layer)];
         let tiles = &self.history[l.base as usize..(l.base + l.pitch * l.rows) as usize];
@@ -72,19 +72,19 @@ impl PageTexels {
         }
     }
 
-    /// Texels of a layer, where any of its tiles has come.
+    /// Returns the texels of a layer, if any of its tiles is present.
     pub fn layer(&self, layer: u8) -> &LayerTexels {
         &self.layers[usize::from(layer)]
     }
 
-    /// Whether a tile is there.
+    /// Returns true if a tile is present.
     #[inline]
     pub fn exists(&self, tile: u32) -> bool {
         self.history[tile as usize].acquired.is_some()
     }
 
-    /// Whether all tiles are there that a sample reads of a layer, and how many words of the tile load list (136), of so many entries
-    /// each, tell it.
+    /// Returns true if all tiles of a sample of a layer are present, and the number of words of the tile load list (136), of
+    /// `entries` entries each, that the test reads.
     #[inline]
     pub fn look_up(&self, layer: u8, placed: Placed, entries: u32) -> (bool, u32) {
         let tiles = self.page.marked(layer, placed);
@@ -94,7 +94,7 @@ impl PageTexels {
         (tiles.iter().all(|&tile| self.exists(tile)), words.len() as u32)
     }
 
-    /// Stores a tile that has come over the path.
+    /// Stores a tile received over the path.
     pub fn store(&mut self, tile: u32, texels: &[[u8; 4]], frame: u64) {
         let layer = self.page.layer_of(tile);
         let place = self.page.texels_of(tile);
@@ -114,7 +114,8 @@ impl PageTexels {
         self.history[tile as usize].acquired = Some((How::Synthesized, frame));
     }
 
-    /// The tile of the next coarser layer that a tile was the last one missing for: it can be averaged now (Figure 6), and is not there.
+    /// Returns the tile of the next coarser layer that can now be averaged (Figure 6), because this tile was its last missing
+    /// source. Returns `None` if that tile is already present.
     pub fn average_of(&self, tile: u32) -> Option<u32> {
         let average = self.page.average_of(tile)?;
         let can_be = !self.exists(average) && self.page.sources(average).iter().all(|source| self.exists(*source));
@@ -129,7 +130,8 @@ impl PageTexels {
         texels
     }
 
-    /// A pixel of the final picture of this frame, or one that gets no better, is coloured from these texels of a layer.
+    /// Records that a pixel of the final picture of this frame, or a pixel that cannot be improved, is coloured from these texels
+    /// of a layer.
     #[inline]
     pub fn need(&mut self, layer: u8, taps: &[Tap; 2], frame: u64) {
         let [x, y] = taps;
@@ -148,7 +150,7 @@ impl PageTexels {
         }
     }
 
-    /// Bilinear interpolation within a layer, 0..=255 per channel.
+    /// Interpolates bilinearly within a layer, 0..=255 per channel.
     #[inline]
     pub fn bilinear(&self, layer: u8, [x, y]: &[Tap; 2]) -> [f32; 4] {
         let texels = &self.layers[usize::from(layer)];

@@ -11,7 +11,7 @@ use std::cmp::Reverse;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// How much a tile is wanted.
+/// Priority of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Wanted {
     pixels: u32,
@@ -25,67 +25,67 @@ const UNWANTED: Wanted = Wanted { pixels: 0, distance: u32::MAX };
 struct Listed {
     page: Arc<Page>,
     list: TileList,
-    /// By tile; empty where the order does not ask.
+    /// Priorities by tile. Empty if the order does not use them.
     wanted: Vec<Wanted>,
 }
 
-/// What the lists do.
+/// Phase of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
-    /// Take pages and marks of the identification (461), up to its end.
+    /// Receives pages and marks of the identification (461), up to its end.
     #[default]
     Identified,
-    /// Acquire what is planned.
+    /// Acquires the planned tiles.
     Acquire,
-    /// Take marks of a progressive picture (472), up to its end.
+    /// Receives marks of a progressive picture (472), up to its end.
     Improved,
 }
 
-/// What the lists have counted.
+/// Counters of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileListsCounters {
     /// Tiles loaded.
     pub loaded: u64,
     /// Tiles synthesized.
     pub synthesized: u64,
-    /// Acquisitions that had anything to do.
+    /// Acquisitions with at least one tile.
     pub acquisitions: u64,
 }
 
-/// What became of the tiles that a view has listed to be loaded.
+/// Tiles that a view has listed for loading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ViewTiles {
     /// Loaded.
     pub loaded: u32,
-    /// Not asked for any more: the view was left.
+    /// Tiles not requested because the view was left.
     pub abandoned: u32,
-    /// It was left in place of one of them.
+    /// True if the view was left before one of the tiles.
     pub is_left: bool,
 }
 
-/// Everything the lists remember.
+/// State of the lists between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TileListsState {
     phase: Phase,
     pages: Vec<Listed>,
-    /// What is to be acquired, in order: page and tile.
+    /// Tiles to be acquired, in order: page and tile.
     pub plan: VecDeque<(u16, Acquired)>,
     /// Views begun, and their tiles.
     pub views: Vec<ViewTiles>,
-    /// Pictures of the current frame whose marks have been taken.
+    /// Pictures of the current frame whose marks have been received.
     pub pictures: u32,
-    /// What they have counted.
+    /// Counters.
     pub counters: TileListsCounters,
 }
 
 /// Tile load lists (136): marks tiles, and acquires those in state L.
 ///
 /// Inputs: marks of the identification and marks of a progressive picture. Outputs: requests to the server (110), orders to the
-/// texture-data memory (130), and whether another round follows. The path keeps the order of requests; so a tile that is
-/// asked for exists for all that is ordered after it.
+/// texture-data memory (130), and the news of another round. The path keeps the order of requests. So a requested tile exists for
+/// all later orders.
 ///
-/// Two bits per tile: the lists are kept in the unit, in words of `engine.list_rate` entries, and are no traffic of the texture-data
-/// memory (assumed). The final rasterization reads them through a port of its own.
+/// Two bits per tile: the lists are stored in the unit, in words of `engine.list_rate` entries, and cause no traffic in the
+/// texture-data memory (assumed). The final rasterization reads them through its own port.
 #[derive(Clone, Debug)]
 pub struct TileLists {
     /// Parameters.
@@ -94,19 +94,19 @@ pub struct TileLists {
     order: TileOrder,
     leaving: Leaving,
     sizes: Sizes,
-    /// Everything they remember.
+    /// State between steps.
     pub state: TileListsState,
 }
 
 type Out = (Option<Request>, Option<Order>, Option<Round>);
 
 impl TileLists {
-    /// At power-on.
+    /// Creates the lists in their power-on state.
     pub fn new(config: EngineConfig, mode: RenderMode, (order, sizes): (TileOrder, Sizes), leaving: Leaving) -> Self {
         Self { config, mode, order, leaving, sizes, state: TileListsState::default() }
     }
 
-    /// Pages and their lists.
+    /// Returns the pages and their lists.
     pub fn lists(&self) -> impl Iterator<Item = (&Arc<Page>, &TileList)> {
         self.state.pages.iter().map(|l| (&l.page, &l.list))
     }
@@ -127,7 +127,7 @@ impl TileLists {
         }
     }
 
-    /// A new viewpoint (482): what was to be loaded is not any more. Tiles in flight are E already.
+    /// Begins a new viewpoint (482): planned loads are cancelled. Tiles in flight are already E.
     fn forget(&mut self) {
         self.leaving.turn_to(self.state.views.len() as u64);
         self.state.views.push(ViewTiles::default());
@@ -149,7 +149,7 @@ impl TileLists {
         }
     }
 
-    /// Figure 6 for every page; cycles that looking at the lists, and sorting what is found, takes.
+    /// Runs Figure 6 for every page. Returns the cycles of testing the lists and sorting the results.
     fn acquire(&mut self) -> u64 {
         let mut looked_at = 0;
         for listed in &mut self.state.pages {
@@ -164,8 +164,8 @@ impl TileLists {
         looked_at.div_ceil(self.config.list_rate.into()).max(1) + sorted
     }
 
-    /// Loads in the order wished for, then what is averaged from them. Those wished for alike stay as listed. Cycles that it takes: one
-    /// for each comparison of merging, n log2 n of them.
+    /// Sorts the loads in the selected order, with averages behind them. Equal loads keep their order. Returns the cycles: one
+    /// for each comparison of a merge sort, n log2 n of them.
     fn sort(&mut self) -> u64 {
         let pages = &self.state.pages;
         let order = self.order;
@@ -181,19 +181,19 @@ impl TileLists {
         planned * u64::from(planned.max(1).next_power_of_two().trailing_zeros())
     }
 
-    /// What of the plan is to be loaded.
+    /// Returns the loads of the plan.
     fn loads(&self) -> impl Iterator<Item = (Arc<Page>, u32)> {
         let loaded = self.state.plan.iter().filter(|(_, a)| a.how == How::Loaded);
         loaded.map(|(page, a)| (Arc::clone(&self.state.pages[usize::from(*page)].page), a.tile))
     }
 
-    /// What a real server may be told ahead.
+    /// Returns the announcement for a real server.
     fn announcement(&self) -> Option<Request> {
         let tiles: Arc<[_]> = self.loads().collect();
         (!tiles.is_empty()).then_some(Request::Announce(tiles))
     }
 
-    /// All marks of the identification are taken.
+    /// Handles the end of the marks of the identification.
     fn end_of_identification(&mut self) -> (u64, Out) {
         if self.mode != RenderMode::Best {
             self.mark_layers();
@@ -203,7 +203,8 @@ impl TileLists {
         (cycles, (self.announcement(), None, None))
     }
 
-    /// All marks of a progressive picture are taken (476): another round, unless none is marked or the user moves on (475).
+    /// Handles the end of the marks of a progressive picture (476): another round follows, unless no tile is marked or the user
+    /// moves on (475).
     fn end_of_picture(&mut self) -> (u64, Out) {
         self.state.pictures += 1;
         let is_left = self.state.views.last().is_some_and(|view| view.is_left);
@@ -220,7 +221,7 @@ impl TileLists {
         (cycles, (self.announcement(), None, Some(Round::Again)))
     }
 
-    /// The next tile of the plan, unless the user moves on (475).
+    /// Returns the next tile of the plan, unless the user moves on (475).
     fn next(&mut self) -> Out {
         if self.is_left_here() {
             self.abandon();
@@ -242,14 +243,14 @@ impl TileLists {
         }
     }
 
-    /// Whether the view is left in place of the next tile of the plan.
+    /// Returns true if the view ends before the next tile of the plan.
     fn is_left_here(&self) -> bool {
         let loads = matches!(self.state.plan.front(), Some((_, Acquired { how: How::Loaded, .. })));
         let Some((number, view)) = self.state.views.iter().enumerate().next_back().filter(|_| loads) else { return false };
         self.mode == RenderMode::Progressive && self.leaving.is_in_place_of(number as u64, view.loaded + 1, &mut self.loads())
     }
 
-    /// What is planned becomes N again.
+    /// Resets all planned tiles to N.
     fn abandon(&mut self) {
         let abandoned = self.loads().count() as u32;
         for (page, acquired) in self.state.plan.drain(..) {

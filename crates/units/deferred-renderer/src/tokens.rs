@@ -1,4 +1,4 @@
-//! What travels between the units of the rendering device (100).
+//! Tokens between the units of the rendering device (100).
 
 use crate::{Cell, Page};
 use basrelief_signals::{Control, Frame, Stamp};
@@ -8,22 +8,22 @@ use std::sync::Arc;
 /// A cell and its pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlacedCell {
-    /// Column.
+    /// Column, from the left.
     pub x: u16,
-    /// Row.
+    /// Row, from the top.
     pub y: u16,
-    /// What the reference buffer (126) shall hold.
+    /// Cell to be stored in the reference buffer (126).
     pub cell: Cell,
 }
 
-/// Initial rasterization (454) to reference buffer (126).
+/// Token from initial rasterization (454) to reference buffer (126).
 #[derive(Clone, Debug, PartialEq)]
 pub enum CellFlow {
     /// A frame begins.
     Frame(Arc<Frame>),
     /// A page is set up (452).
     Page(Arc<Page>),
-    /// Cells of pixels that are in front of all before them.
+    /// Cells of pixels in front of all earlier ones.
     Cells(Stamp<PlacedCell>),
     /// The frame is rasterized.
     FrameEnd,
@@ -34,21 +34,21 @@ pub enum CellFlow {
 pub struct CellBlock {
     /// Column and row of the block \[blocks of 4 x 4 pixels\].
     pub at: [u16; 2],
-    /// Which pixels are drawn: bit 4 * row + column.
+    /// Mask of drawn pixels: bit 4 * row + column.
     pub mask: u16,
-    /// Their cells, by the number of their bit.
+    /// Cells, indexed by bit number.
     pub cells: [Cell; 16],
 }
 
 impl CellBlock {
-    /// Drawn pixels: number of their bit, and cell.
+    /// Returns the drawn pixels: bit number, and cell.
     #[inline]
     pub fn drawn(&self) -> impl Iterator<Item = (usize, &Cell)> {
         self.cells.iter().enumerate().filter(|(i, _)| self.mask & 1 << i != 0)
     }
 }
 
-/// Reference buffer (126) to who passes over it.
+/// Token from reference buffer (126) to the units that read its passes.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "nearly all tokens are blocks; they are built in their slot")]
 pub enum PassFlow {
@@ -58,122 +58,122 @@ pub enum PassFlow {
     Page(Arc<Page>),
     /// A pass begins.
     Begin,
-    /// A block; to the identification (461) only if it holds drawn pixels.
+    /// A block. The identification (461) gets only blocks with drawn pixels.
     Cells(CellBlock),
     /// The pass is complete.
     End,
 }
 
-/// A tile that is wanted.
+/// A needed tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mark {
-    /// Its page.
+    /// Page of the tile.
     pub page: u16,
-    /// Its number.
+    /// Number of the tile.
     pub tile: u32,
-    /// Pixels of the block that want it.
+    /// Pixels of the block that need it.
     pub pixels: u32,
     /// Square of the distance of the block's centre to that of the screen \[pixels^2\].
     pub distance: u32,
 }
 
-/// Tiles that the pixels of one block want: distinct.
+/// Distinct tiles that the pixels of one block need.
 pub type Marks = SmallVec<[Mark; 4]>;
 
-/// To the tile load list (136).
+/// Token to the tile load list (136).
 #[derive(Clone, Debug, PartialEq)]
 pub enum MarkFlow {
     /// A frame begins.
     Frame,
     /// A page is set up.
     Page(Arc<Page>),
-    /// N becomes L.
+    /// Tiles whose state N becomes L.
     Marks(Marks),
-    /// All are marked.
+    /// All tiles are marked.
     End,
 }
 
-/// Tile load list (136) to server (110).
+/// Token from tile load list (136) to server (110).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
-    /// The tiles that will be asked for next, for a server that looks ahead.
+    /// Tiles that will be requested next, for a server with prefetching.
     Announce(Arc<[(Arc<Page>, u32)]>),
-    /// A tile.
+    /// A requested tile.
     Tile(Arc<Page>, u32),
-    /// No more for this frame.
+    /// No further request for this frame.
     End,
 }
 
-/// Tile load list (136) to texture-data memory (130): what becomes of its tiles, in order.
+/// Token from tile load list (136) to texture-data memory (130): orders for its tiles, in sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// The next tile of the path is this one: store it.
+    /// Store the next tile of the path.
     Load {
-        /// Page.
+        /// Page of the tile.
         page: u16,
-        /// Number.
+        /// Number of the tile.
         tile: u32,
     },
-    /// Average its sources.
+    /// Average a tile from its sources.
     Synthesize {
-        /// Page.
+        /// Page of the tile.
         page: u16,
-        /// Number.
+        /// Number of the tile.
         tile: u32,
     },
-    /// All tiles are there: colour.
+    /// All tiles are present: colour the picture.
     End,
-    /// The view is left: colour with what is there, for the last time.
+    /// The view is left: colour with the present tiles, for the last time.
     Left,
 }
 
-/// Tile load list (136) to reference buffer (126).
+/// Token from tile load list (136) to reference buffer (126).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Round {
-    /// Another pass.
+    /// Another pass follows.
     Again,
     /// The frame is complete.
     Done,
 }
 
-/// A tile as it travels.
+/// A tile as encoded for the path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EncodedTile {
-    /// Its page.
+    /// Page of the tile.
     pub page: Arc<Page>,
-    /// Its number.
+    /// Number of the tile.
     pub tile: u32,
-    /// As encoded.
+    /// Encoded bytes.
     pub bytes: Arc<[u8]>,
 }
 
-/// A tile, expanded.
+/// An expanded tile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExpandedTile {
-    /// Its page.
+    /// Page of the tile.
     pub page: Arc<Page>,
-    /// Its number.
+    /// Number of the tile.
     pub tile: u32,
-    /// Row by row.
+    /// Texels, row by row.
     pub texels: Arc<[[u8; 4]]>,
 }
 
-/// What the server (110) sends.
+/// Token from the server (110) to the path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parcel {
-    /// What it takes on the path \[bytes\].
+    /// Size on the path \[bytes\].
     pub bytes: u64,
-    /// What it is.
+    /// Content.
     pub content: Content,
 }
 
-/// Content of a parcel.
+/// Content of a token of the server.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
-    /// The first of a polygon mesh: the device waits for it.
+    /// The first part of a polygon mesh, for which the device waits.
     Asked(Control),
-    /// What follows.
+    /// A further part of a mesh.
     Mesh(Control),
-    /// A tile that was asked for.
+    /// A requested tile.
     Tile(EncodedTile),
 }

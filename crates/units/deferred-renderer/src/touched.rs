@@ -1,4 +1,4 @@
-//! Texels that a sample reads, as look-ups in the cache of the texture-data memory (130).
+//! Texels of a sample, as look-ups in the cache of the texture-data memory (130).
 
 use crate::Page;
 use crate::page::Tap;
@@ -7,12 +7,13 @@ use basrelief_kernel::Traffic;
 /// Most lines of the texel cache that a block of 4 x 4 pixels touches: four texels of two layers each.
 pub const MOST_LINES: u32 = 16 * 2 * 4;
 
-/// What the pixel before has touched: page, layer, and blocks of texels.
+/// Page, layer, and blocks of texels of the previous pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Touched(Option<(u16, u8, [u32; 4])>);
 
 impl Touched {
-    /// Looks the blocks of 4 x 4 texels up that a sample reads, through a client with a cache, unless the pixel before has read the same.
+    /// Looks up the blocks of 4 x 4 texels of a sample through a client with a cache, unless the previous pixel read the same
+    /// blocks.
     #[inline]
     pub(crate) fn look_up(&mut self, page: &Page, layer: u8, [x, y]: &[Tap; 2], (client, traffic): (u32, &mut Traffic)) {
         let blocks = [x.first >> 2, x.second >> 2, y.first >> 2, y.second >> 2];

@@ -1,4 +1,4 @@
-//! How wide the renderer's signals are.
+//! Bit widths of the renderer's tokens.
 
 use crate::config::WRAP_BITS;
 use crate::tokens::{
@@ -7,9 +7,9 @@ use crate::tokens::{
 use basrelief_signals::width::{CONTROL, COORDINATE, NUMBER};
 use basrelief_signals::{Attribution, BitWidth, PixelSet, SignalWidths, Stamp};
 
-/// Cell of the reference buffer (126), on the way there.
+/// Width of a cell on the way to the reference buffer (126).
 const CELL: u32 = 16 + WRAP_BITS + 3 * 16 + 3 * NUMBER;
-/// Page and number of a tile.
+/// Width of the page and number of a tile.
 const TILE: u32 = 16 + NUMBER;
 /// Marks that travel side by side.
 const MARKS: u32 = 4;
@@ -24,7 +24,7 @@ impl BitWidth for PlacedCell {
     }
 }
 
-/// Cells or control; two bits tell which.
+/// Cells or control. Two bits distinguish them.
 impl BitWidth for CellFlow {
     fn bits(widths: &SignalWidths) -> u32 {
         2 + Stamp::<PlacedCell>::bits(widths).max(CONTROL)
@@ -40,7 +40,7 @@ impl BitWidth for CellFlow {
     }
 }
 
-/// Place, and 4 x 4 cells, each there or not.
+/// Position, and 4 x 4 cells with a mask.
 impl BitWidth for CellBlock {
     fn bits(_: &SignalWidths) -> u32 {
         2 * COORDINATE + 16 * (1 + CELL)
@@ -66,7 +66,7 @@ impl BitWidth for PassFlow {
     }
 }
 
-/// Tile, pixels that want it, distance.
+/// Tile, pixels that need it, distance.
 impl BitWidth for Mark {
     fn bits(_: &SignalWidths) -> u32 {
         TILE + 5 + NUMBER
@@ -78,7 +78,7 @@ impl BitWidth for MarkFlow {
         2 + MARKS * (1 + Mark::bits(widths))
     }
 
-    /// Marks concern the pixels of the block that requested them.
+    /// Returns the pixels of the block that needs the tiles.
     fn attribution(&self) -> Attribution {
         match self {
             Self::Page(_) | Self::Marks(_) => Attribution::Inherited,
@@ -87,7 +87,7 @@ impl BitWidth for MarkFlow {
     }
 }
 
-/// The number of a tile: what is announced goes by the same wire.
+/// The number of a tile. Announcements use the same wire.
 impl BitWidth for Request {
     fn bits(_: &SignalWidths) -> u32 {
         2 + TILE
@@ -106,21 +106,21 @@ impl BitWidth for Round {
     }
 }
 
-/// Tile; its bytes stand in the receive buffer of the path.
+/// The tile number. Its bytes lie in the receive buffer of the path.
 impl BitWidth for EncodedTile {
     fn bits(_: &SignalWidths) -> u32 {
         TILE
     }
 }
 
-/// Tile; its texels stand in the buffer of the expander.
+/// The tile number. Its texels lie in the buffer of the expander.
 impl BitWidth for ExpandedTile {
     fn bits(_: &SignalWidths) -> u32 {
         TILE
     }
 }
 
-/// What it is, and its bytes; they themselves stand in the receive buffer of the path.
+/// Kind and size. The bytes lie in the receive buffer of the path.
 impl BitWidth for Parcel {
     fn bits(widths: &SignalWidths) -> u32 {
         2 + NUMBER + EncodedTile::bits(widths).max(CONTROL)

@@ -1,22 +1,22 @@
-//! What the final rasterization keeps between steps.
+//! State of the final rasterization between steps.
 
 use crate::records::TileRecord;
 use crate::texels::PageTexels;
 use serde::{Deserialize, Serialize};
 
-/// What the final rasterization waits for.
+/// Input that the final rasterization waits for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Phase {
-    /// A block to be coloured, or what is in front of a pass.
+    /// A block to be coloured, or a token before a pass.
     #[default]
     Cells,
-    /// What becomes of tiles.
+    /// Orders for tiles.
     Orders,
-    /// A tile of the path.
+    /// This tile from the path.
     Tile(u16, u32),
 }
 
-/// What the final rasterization has counted.
+/// Counters of the final rasterization.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RasterizationCounters {
     /// Pictures coloured.
@@ -35,11 +35,11 @@ pub struct RasterizationCounters {
     pub most_pictures: u64,
 }
 
-/// Everything the final rasterization remembers, with the texture-data memory (130).
+/// State of the final rasterization, with the texture-data memory (130).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RasterizationState {
     pub(super) phase: Phase,
-    /// Pages and what has come of their pyramids, by number.
+    /// Pages and the received parts of their pyramids, by number.
     pub pages: Vec<PageTexels>,
     /// Number of the current frame, from 1.
     pub frame: u64,
@@ -47,12 +47,12 @@ pub struct RasterizationState {
     pub pictures: u32,
     /// Centre of the frame's picture \[pixels\].
     pub centre: [u32; 2],
-    /// The view is left: no picture follows the next.
+    /// True if the view is left: no picture follows the next.
     pub is_left: bool,
-    /// Pixels of the pass could be better.
+    /// True if pixels of the pass could be improved.
     pub improvable: bool,
-    /// What became of tiles in frames that nobody has fetched yet, where that is kept.
+    /// Tile records of frames that are not fetched yet, if recording is enabled.
     pub records: Vec<(u32, Vec<TileRecord>)>,
-    /// What it has counted.
+    /// Counters.
     pub counters: RasterizationCounters,
 }

@@ -19,14 +19,14 @@ use basrelief_signals::{PictureFlow, PixelBlock};
 const TEXELS: u32 = 0;
 /// Client that writes tiles.
 const STORE: u32 = 1;
-/// Client that reads tiles to be averaged.
+/// Client that reads tiles for averaging.
 const SOURCES: u32 = 2;
 
-/// Final rasterization, and the texture-data memory (130) with its pyramids (134): stores and averages tiles as ordered, then
+/// Final rasterization, and the texture-data memory (130) with its pyramids (134). It stores and averages tiles as ordered, then
 /// colours the pixels of a pass.
 ///
 /// Inputs: passes over the reference buffer (126), orders, tiles. Outputs: tiles that would improve a progressive picture, and
-/// pixels. Client 0 is the texel cache, client 1 writes tiles, client 2 reads those to be averaged.
+/// pixels. Client 0 is the texel cache, client 1 writes tiles, client 2 reads tiles for averaging.
 #[derive(Clone, Debug)]
 pub struct Rasterization {
     /// Parameters.
@@ -35,27 +35,27 @@ pub struct Rasterization {
     leaving: Leaving,
     format: CellFormat,
     sizes: Sizes,
-    /// What became of tiles is kept, frame by frame, for who wants to look at it.
+    /// True if tile records are kept, frame by frame.
     pub keep: bool,
-    /// Everything it remembers.
+    /// State between steps.
     pub state: RasterizationState,
 }
 
 type Out = (Option<MarkFlow>, Option<PictureFlow>);
 
 impl Rasterization {
-    /// At power-on.
+    /// Creates the unit in its power-on state.
     pub fn new(config: EngineConfig, mode: RenderMode, leaving: Leaving, (format, sizes): (CellFormat, Sizes)) -> Self {
         Self { config, mode, leaving, format, sizes, keep: false, state: RasterizationState::default() }
     }
 
-    /// Pages and what has come of their pyramids.
+    /// Returns the pages and the received parts of their pyramids.
     pub fn pages(&self) -> &[PageTexels] {
         &self.state.pages
     }
 
-    /// What became of tiles in the frames finished since the last call, where that is kept: number of the frame, from 0, and its
-    /// tiles.
+    /// Returns the tile records of the frames finished since the last call, if they are kept: number of the frame, from 0, and
+    /// its tiles.
     pub fn drain_records(&mut self) -> Vec<(u32, Vec<TileRecord>)> {
         std::mem::take(&mut self.state.records)
     }
@@ -139,10 +139,10 @@ impl Rasterization {
         (marks, Some(PictureFlow::Show { last }))
     }
 
-    /// Colours the drawn pixels of a block. One without any passes: the picture has its background there.
+    /// Colours the drawn pixels of a block. A block without drawn pixels passes, because the picture has its background there.
     ///
-    /// The search of Figure 7B, a stage ahead of the interpolation, takes a cycle for each word of the tile load list (136) that it
-    /// reads: so one for each layer, as the identification (461) does, or more.
+    /// The search of Figure 7B, a pipeline stage ahead of the interpolation, takes a cycle for each word of the tile load list
+    /// (136) that it reads. That is one word per layer, as in the identification (461), or more.
     #[inline]
     fn colour(&mut self, block: &CellBlock, traffic: &mut Traffic) -> Step<Out> {
         let mut pixels = PixelBlock { at: block.at, mask: block.mask, rgb: [[0; 3]; 16] };
@@ -172,7 +172,7 @@ impl Rasterization {
         Step::over(cycles, 1, self.config.latency.into(), (marks, Some(PictureFlow::Pixels(pixels))))
     }
 
-    /// Colours a textured pixel, and says how many layers that took, and how many words of the tile load list.
+    /// Colours a textured pixel. Returns the number of layers used, and the words read of the tile load list.
     #[inline]
     fn textured(
         &mut self,
@@ -237,7 +237,7 @@ impl Unit for Rasterization {
         }
     }
 
-    /// The lines of a block; one tile; the sources of one tile.
+    /// Returns the lines of a block, one tile, and the sources of one tile.
     fn largest_step(&self, client: usize) -> u32 {
         [MOST_LINES, 1, 4].get(client).copied().unwrap_or(0)
     }

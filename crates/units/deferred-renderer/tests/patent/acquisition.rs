@@ -1,4 +1,4 @@
-//! How tiles come: Figure 6, averaging, encodings.
+//! Acquisition of tiles: Figure 6, averaging, encodings.
 
 use crate::{SIZES, page, texture};
 use basrelief_deferred_renderer::{Cut, How, Page, PageTexels, ServedTexture, TileEncoding, TileList};
@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 #[test]
-fn figure_6_synthesizes_where_all_sources_exist_and_erratum_0127_ends_a_layer_in_front_of_the_next() {
+fn figure_6_synthesizes_from_sources_with_erratum_0127() {
     let page = page([256, 256], [64, 64]);
     // All of the finest layer but one tile, and all above.
     let mut list = TileList::new(page.tiles());
@@ -34,7 +34,7 @@ fn figure_6_synthesizes_where_all_sources_exist_and_erratum_0127_ends_a_layer_in
 }
 
 #[test]
-fn the_sources_of_a_tile_cover_it_and_nothing_else() {
+fn tile_sources_cover_exactly_the_tile() {
     for size in SIZES {
         let page = page(size, [8, 8]);
         for tile in 0..page.tiles() {
@@ -53,7 +53,7 @@ fn the_sources_of_a_tile_cover_it_and_nothing_else() {
     }
 }
 
-/// Stores these tiles as they come from the server, in this encoding.
+/// Stores these tiles as received from the server, in this encoding.
 pub fn load(served: &mut ServedTexture, texels: &mut PageTexels, tile: u32, encoding: TileEncoding) {
     let page = Arc::clone(&texels.page);
     let (first, end) = page.texels_of(tile);
@@ -63,7 +63,7 @@ pub fn load(served: &mut ServedTexture, texels: &mut PageTexels, tile: u32, enco
 }
 
 #[test]
-fn a_synthesized_tile_is_the_loaded_one_bit_for_bit() {
+fn synthesized_tile_equals_loaded_tile() {
     for encoding in [TileEncoding::Raw, TileEncoding::Png] {
         for size in SIZES {
             let texture = texture(size);
@@ -86,18 +86,18 @@ fn a_synthesized_tile_is_the_loaded_one_bit_for_bit() {
 }
 
 #[test]
-fn an_odd_edge_repeats_its_last_texel_and_averages_round_half_up() {
+fn odd_edge_repeats_texel_and_average_rounds_half_up() {
     let levels = vec![Image { width: 3, height: 1, texels: vec![[1, 0, 0, 255], [2, 1, 0, 255], [9, 255, 0, 255]] }];
     let texture =
         Arc::new(Texture { id: 0, name: String::new(), sampler: Sampler::default(), levels, offset: 0, elsewhere: None });
     let page = Arc::new(Page::new(0, &texture, Cut { tile: [2, 1], ..Cut::default() }, 0));
     let top = ServedTexture::new(texture).tile(&page, 0);
-    // (1 + 2 + 1 + 2 + 2) >> 2 = 2, (0 + 1 + 0 + 1 + 2) >> 2 = 1; the third texel stands for itself.
+    // (1 + 2 + 1 + 2 + 2) >> 2 = 2, (0 + 1 + 0 + 1 + 2) >> 2 = 1. The third texel is repeated.
     assert_eq!(top.iter().map(|t| [t[0], t[1], t[2]]).collect::<Vec<_>>(), [[2, 1, 0], [9, 255, 0]]);
 }
 
 #[test]
-fn tiles_that_are_damaged_are_refused() {
+fn damaged_tile_is_an_error() {
     let texels = vec![[1, 2, 3, 255]; 12];
     for encoding in [TileEncoding::Raw, TileEncoding::Png, TileEncoding::Jpeg] {
         let bytes = encoding.encode(&texels, [4, 3], 80).unwrap();
@@ -109,11 +109,11 @@ fn tiles_that_are_damaged_are_refused() {
 }
 
 #[test]
-fn a_tile_takes_no_memory_for_what_stands_in_its_file_beside_the_picture() {
+fn tile_metadata_takes_no_memory() {
     let with_profile = |bytes: u32| {
         let mut tile = Vec::new();
         let mut encoder = PngEncoder::new(&mut tile);
-        // It cannot be compressed, so the decoder meets it at its full length.
+        // Noise cannot be compressed, so the decoder meets it at its full length.
         let noise = (0..bytes).map(|n| (n.wrapping_mul(0x9e37_79b9) >> 13) as u8 ^ (n.wrapping_mul(n) >> 7) as u8).collect();
         encoder.set_icc_profile(noise).unwrap();
         encoder.write_image(&[7; 3 * 12], 4, 3, ExtendedColorType::Rgb8).unwrap();

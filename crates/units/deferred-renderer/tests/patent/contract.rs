@@ -1,4 +1,4 @@
-//! Every unit keeps the unit contract. Their tokens are those of two frames in the mode of best resolution, and of two in the
+//! Every unit keeps the unit contract. The tokens are those of two frames in the mode of best resolution, and of two in the
 //! progressive one.
 
 use crate::texture;
@@ -22,7 +22,7 @@ fn polygon(material: Material, repeats: f32) -> Control {
     Control::Polygon(Arc::new(Polygon { vertices, material, object: 0, lod: 0, bump: false, arrival: 0 }))
 }
 
-/// Control tokens of two frames.
+/// Returns the control tokens of two frames.
 fn controls() -> Vec<Control> {
     let texture = texture([64, 48]);
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
@@ -36,7 +36,7 @@ fn controls() -> Vec<Control> {
     [one(0, 3.0), one(1, 0.4)].concat()
 }
 
-/// These, with fragments of the polygons: a wide one, and a narrow one over it.
+/// Returns the control tokens with fragments of the polygons: a wide one, and a narrow one over it.
 fn fragments() -> Vec<Flow<Stamp<Fragment>>> {
     let stamp = |x: u16, y: u16| {
         let fragment =
@@ -56,7 +56,7 @@ fn fragments() -> Vec<Flow<Stamp<Fragment>>> {
     all
 }
 
-/// Steps a unit until an input that it asks for has no more.
+/// Steps a unit until a requested input is empty.
 fn drive<U: Unit>(mut unit: U, mut next: impl FnMut(Demand) -> Option<U::In>) -> Vec<U::Out> {
     let mut out = Vec::new();
     while let Some(input) = next(unit.demand()) {
@@ -65,13 +65,13 @@ fn drive<U: Unit>(mut unit: U, mut next: impl FnMut(Demand) -> Option<U::In>) ->
     out
 }
 
-/// Tokens of one input.
+/// Feeds the tokens of one input.
 fn one<A>(tokens: Vec<A>) -> impl FnMut(Demand) -> Option<Option<A>> {
     let mut tokens = tokens.into_iter();
     move |demand| if demand == Demand::Nothing { Some(None) } else { tokens.next().map(Some) }
 }
 
-/// Tokens of two inputs, of which one is taken at a time.
+/// Feeds the tokens of two inputs, of which a step takes one.
 fn two<A, B>(first: Vec<A>, second: Vec<B>) -> impl FnMut(Demand) -> Option<(Option<A>, Option<B>)> {
     let (mut first, mut second) = (first.into_iter(), second.into_iter());
     move |demand| match demand {
@@ -81,7 +81,7 @@ fn two<A, B>(first: Vec<A>, second: Vec<B>) -> impl FnMut(Demand) -> Option<(Opt
     }
 }
 
-/// What travels between the units.
+/// Tokens between the units.
 struct Wires {
     cells: Vec<CellFlow>,
     rounds: Vec<Round>,
@@ -117,7 +117,7 @@ fn expander() -> Expander {
 }
 
 fn path() -> Path {
-    // Few bits a cycle, and not a whole number of cycles a byte.
+    // A fraction of a bit per cycle, and no whole number of cycles per byte.
     Path::new(&PathConfig { bits_per_second: 777_777_777, latency_us: 1, ..PathConfig::default() }, 200_000_000, 3 * 64 * 64)
 }
 
@@ -130,13 +130,14 @@ fn rasterization(mode: RenderMode) -> TwoInputs {
     ))
 }
 
-/// What the final rasterization would ask for: in the first frame some tiles, then no more; in the second none.
+/// Returns the improvements that the final rasterization would request: in the first frame some tiles, then none, and in the
+/// second none.
 fn improvements() -> Vec<MarkFlow> {
     let mark = |tile| Mark { page: 0, tile, pixels: 3, distance: 40 };
     vec![MarkFlow::Marks((1..5).map(mark).collect()), MarkFlow::End, MarkFlow::End, MarkFlow::End]
 }
 
-/// Orders, each with its tile.
+/// Returns the orders, each with its tile.
 fn with_tiles(orders: impl Iterator<Item = Order>, tiles: Vec<ExpandedTile>) -> Vec<Either<Order, ExpandedTile>> {
     let mut tiles = tiles.into_iter();
     let with_tile = |order: Order| {
@@ -171,12 +172,12 @@ fn wires(mode: RenderMode) -> Wires {
 }
 
 #[test]
-fn the_tokens_of_the_contracts_say_something() {
+fn contract_tokens_have_attributions() {
     for mode in [RenderMode::Best, RenderMode::Progressive] {
         let wires = wires(mode);
         let blocks = |tokens: &[PassFlow]| tokens.iter().filter(|t| matches!(t, PassFlow::Cells(_))).count();
         let passes = if mode == RenderMode::Best { 2 } else { 3 };
-        // 20 x 12 pixels are 15 blocks, the picture is 24 of them.
+        // 20 x 12 pixels are 15 blocks, and the picture has 24 blocks.
         assert_eq!(blocks(&wires.colouring), 24 * passes, "{mode:?}: those without pixels are background");
         assert_eq!(blocks(&wires.marking), if mode == RenderMode::Best { 30 } else { 0 });
         let tiles = wires.parcels.iter().filter(|p| matches!(p.content, Content::Tile(_))).count();
@@ -242,7 +243,7 @@ unit_contract! {
 }
 
 #[test]
-fn the_reference_buffer_writes_the_least_recently_written_block_and_all_at_the_end() {
+fn reference_buffer_evicts_lru_block_and_flushes_at_end() {
     let mut unit = ReferenceBuffer::new(EngineConfig { write_lines: 2, ..engine() }, RenderMode::Best, (16, Sizes::default()));
     let mut input = |token: Option<CellFlow>| {
         let demand = if token.is_some() { Demand::Only(0) } else { Demand::Nothing };

@@ -1,4 +1,4 @@
-//! What is paid for: light, meshes on the path, searches, background, pictures under several samplers.
+//! Costs: light, meshes on the path, searches, background, pictures under several samplers.
 
 use crate::acquisition::load;
 use crate::{page, texture};
@@ -16,7 +16,7 @@ use basrelief_signals::{
 };
 use std::sync::Arc;
 
-/// A frame lit from +z, seen from there.
+/// Returns a frame lit from +z and seen from there.
 fn frame(index: u32) -> Control {
     let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };
     let kind = LightKind::Directional { to_light: [0.0, 0.0, 1.0] };
@@ -55,7 +55,7 @@ fn cells(lighting: Lighting) -> Cells {
     Cells::new(engine, &CellConfig::default(), (lighting, WrapOverride::Sampler), Cut::default())
 }
 
-/// The cell that a pixel of these commands' last polygon gets, and the pages that were set up.
+/// Returns the cell of a pixel of the last polygon of these commands, and the number of pages set up.
 fn cell(unit: &mut Cells, controls: &[Control]) -> (Cell, usize) {
     let mut step = |token| unit.step(Some(token), &mut Traffic::default()).out;
     let pages = controls.iter().filter(|c| matches!(step(Flow::Control((*c).clone())), Some(CellFlow::Page(_)))).count();
@@ -67,7 +67,7 @@ fn cell(unit: &mut Cells, controls: &[Control]) -> (Cell, usize) {
 }
 
 #[test]
-fn a_bump_target_is_lit_at_its_vertices_by_the_formula() {
+fn bump_target_is_lit_at_vertices_by_formula() {
     let material = Material { base_color: [0.5; 4], ..Material::default() };
     let lighting = material.lighting;
     let slanted = [0.6, 0.0, 0.8];
@@ -99,12 +99,12 @@ fn one_picture_under_several_samplers_is_one_page() {
     assert_eq!(conventional, Conventional { raw_bytes: 100 * 40 * 3, encoded_bytes: Some(100 * 40 * 3) });
 }
 
-/// Bytes of the parcels of these commands, and what all of their textures take.
+/// Returns the bytes of the server's tokens for these commands, and the load of all their textures.
 fn sent(config: PathConfig, lighting: Lighting, controls: &[Control]) -> (Vec<u64>, Conventional) {
     let source = TextureMemory::new(TileEncoding::Raw, 85);
     let mut server = Server::new(config, lighting, Box::new(source));
     let mut send = |control: &Control| {
-        // What is between frames does not matter here.
+        // The phase between frames does not matter here.
         let (phase, traffic) = (matches!(control, Control::Frame(_)).then_some(()), &mut Traffic::default());
         let Some(Parcel { bytes, .. }) = server.step((Some(control.clone()), None, phase), traffic).out else { return 0 };
         bytes
@@ -114,7 +114,7 @@ fn sent(config: PathConfig, lighting: Lighting, controls: &[Control]) -> (Vec<u6
 }
 
 #[test]
-fn a_mesh_travels_once_and_indexed_and_later_frames_bring_their_commands_alone_451() {
+fn step_451_mesh_travels_once_and_indexed() {
     let mesh = MeshInfo { vertices: 100, indices: 300, uv: true, colors: false };
     let polygon = || triangle(Material::default(), [0.0, 0.0, 1.0], false);
     let controls = |index, mesh| [frame(index), object(mesh), polygon(), polygon(), Control::FrameEnd];
@@ -130,7 +130,7 @@ fn a_mesh_travels_once_and_indexed_and_later_frames_bring_their_commands_alone_4
     assert_eq!(untold[5..], [of_frame, of_object, 0, 0, 0]);
 }
 
-/// A page of 8 x 8 tiles in its finest layer, of which only the top tile is there.
+/// Creates a page of 8 x 8 tiles in its finest layer, with only the top tile present.
 fn with_top() -> PageTexels {
     let page = page([512, 512], [64, 64]);
     let mut texels = PageTexels::new(Arc::clone(&page));
@@ -139,7 +139,7 @@ fn with_top() -> PageTexels {
 }
 
 #[test]
-fn the_search_of_figure_7b_reads_a_word_of_the_list_for_each_layer_or_two() {
+fn figure_7b_search_reads_one_or_two_words_per_layer() {
     let texels = with_top();
     let words = |st: [f32; 2], depth: f32, entries: u32| {
         let cell = Cell::textured(0, st, depth, [255; 3]);
@@ -147,12 +147,12 @@ fn the_search_of_figure_7b_reads_a_word_of_the_list_for_each_layer_or_two() {
     };
     assert_eq!(words([10.0, 10.0], 0.0, 64), 1);
     assert_eq!(words([10.0, 10.0], 2.5, 64), 4, "layers 3, 2, 1, 0");
-    // Tiles 5 + 8 * 3 + 3, and one right, one below, two rows apart.
+    // Tile 5 + 8 * 3 + 3, and the tiles to its right and below, two rows apart.
     assert_eq!(words([256.0, 256.0], 3.0, 4), 2 + words([256.0, 256.0], 2.0, 4), "four tiles of layer 3 lie in two words of 4");
 }
 
 #[test]
-fn final_rasterization_pays_for_the_search_of_figure_7b() {
+fn final_rasterization_pays_for_figure_7b_search() {
     let cycles = |mode: RenderMode, depth: f32| {
         let (format, engine) = (CellFormat::new(&CellConfig::default(), 1.0), EngineConfig::default());
         let mut unit = Rasterization::new(engine, mode, Leaving::default(), (format, Sizes::default()));

@@ -5,7 +5,7 @@ use basrelief_deferred_renderer::{Cut, Page, ServedTexture};
 use basrelief_signals::WrapMode;
 use std::collections::BTreeSet;
 
-/// Sizes of layers from coarsest to finest, by halving until one fits into a tile.
+/// Returns the sizes of layers from coarsest to finest, by halving until one fits into a tile.
 fn halved(size: [u32; 2], tile: [u32; 2]) -> Vec<[u32; 2]> {
     let mut all = vec![size];
     while all[0][0] > tile[0] || all[0][1] > tile[1] {
@@ -33,7 +33,7 @@ fn numbered(size: [u32; 2], tile: [u32; 2]) -> Vec<Vec<Vec<u32>>> {
 }
 
 #[test]
-fn tile_numbers_pitch_and_base_are_those_of_a_table_made_by_walking_over_tiles() {
+fn tile_numbers_pitch_and_base_match_walked_table() {
     for tile in [[64, 64], [16, 16], [8, 32]] {
         for size in SIZES {
             let page = page(size, tile);
@@ -61,14 +61,14 @@ fn tile_numbers_pitch_and_base_are_those_of_a_table_made_by_walking_over_tiles()
 }
 
 #[test]
-fn layers_of_700_by_300_are_as_the_specification_counts_them() {
+fn layers_of_700_by_300_match_specification() {
     let page = page([700, 300], [64, 64]);
     assert_eq!(page.layers.iter().map(|l| l.size).collect::<Vec<_>>(), [[44, 19], [88, 38], [175, 75], [350, 150], [700, 300]]);
     assert_eq!(page.layers.iter().map(|l| l.pitch).collect::<Vec<_>>(), [1, 2, 3, 6, 11]);
 }
 
 #[test]
-fn erratum_0063_the_tile_pitch_of_a_square_texture_is_2_to_the_d() {
+fn erratum_0063_tile_pitch_of_square_texture_is_2_to_d() {
     let page = page([1024, 1024], [64, 64]);
     assert_eq!(page.layers.iter().map(|l| l.pitch).collect::<Vec<_>>(), [1, 2, 4, 8, 16]);
     assert_eq!(page.layers.iter().map(|l| l.base).collect::<Vec<_>>(), [0, 1, 5, 21, 85], "sums of 4^k");
@@ -76,7 +76,7 @@ fn erratum_0063_the_tile_pitch_of_a_square_texture_is_2_to_the_d() {
 }
 
 #[test]
-fn depth_of_layers_0033_a_cap_on_dmax_leaves_out_the_finest_layers_and_changes_nothing_of_the_others() {
+fn dmax_cap_0033_drops_only_the_finest_layers() {
     for (size, cap) in SIZES.into_iter().flat_map(|size| [0, 1, 3, 31].map(|cap| (size, cap))) {
         let all = page(size, [16, 16]);
         let capped = page_of(size, Cut { tile: [16, 16], most_depth: cap, ..Cut::default() });

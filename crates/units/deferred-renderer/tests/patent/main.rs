@@ -1,5 +1,5 @@
-//! What the patent's page says of pages, tiles, cells, marking, acquisition and colouring, against tables and filters made
-//! without them; and the unit contract.
+//! Tests of pages, tiles, cells, marking, acquisition and colouring against the patent, with independently computed tables and
+//! filters. Also tests the unit contract.
 
 mod acquisition;
 mod contract;
@@ -13,7 +13,7 @@ use basrelief_deferred_renderer::{Cut, Page};
 use basrelief_signals::{Image, Sampler, Texture};
 use std::sync::Arc;
 
-/// A texture of noise.
+/// Creates a texture of noise.
 fn texture(size: [u32; 2]) -> Arc<Texture> {
     let mut state = 0x9e37_79b9_u32 ^ (size[0] << 16 | size[1]);
     let mut byte = || {

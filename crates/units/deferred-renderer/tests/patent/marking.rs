@@ -1,4 +1,4 @@
-//! Which tiles a pixel needs: Figures 5A and 5B.
+//! Tiles that a pixel needs: Figures 5A and 5B.
 
 use crate::{page, page_of};
 use basrelief_deferred_renderer::{Cut, TexelCentre, TileList, TileState};
@@ -6,13 +6,13 @@ use basrelief_signals::WrapMode;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
-/// Texel of a filter that stands outside, mapped back.
+/// Maps a filter texel outside the texture back into it.
 fn inside(index: i64, size: i64, wrap: WrapMode) -> i64 {
     if wrap == WrapMode::Repeat { index.rem_euclid(size) } else { index.clamp(0, size - 1) }
 }
 
-/// The texels that a bilinear filter reads along one axis, from the definition: coordinates wrapped in the finest layer,
-/// scaled, and every texel that weighs anything.
+/// Returns the texels that a bilinear filter reads along one axis, by definition: coordinates wrapped in the finest layer,
+/// scaled, and every texel with a weight.
 fn read(s: f64, finest: u32, layer: u32, shift: u32, wrap: WrapMode, centre: TexelCentre) -> BTreeSet<i64> {
     let size = f64::from(finest);
     let placed = match wrap {
@@ -37,7 +37,7 @@ fn centres() -> impl Strategy<Value = TexelCentre> {
     prop_oneof![Just(TexelCentre::Half), Just(TexelCentre::Integer)]
 }
 
-/// Coordinates in steps of 1 / 64, so that single precision is exact; often at borders and corners.
+/// Generates coordinates in steps of 1 / 64, so that single precision is exact, often at borders and corners.
 fn coordinate(size: u32) -> impl Strategy<Value = f32> {
     let all = -(2 * size as i32) * 64..3 * size as i32 * 64;
     let border = (-(size as i32) / 4 - 1..size as i32 / 2 + 2, -2i32..3).prop_map(|(tile, off)| 8 * 64 * tile + 32 * off);
@@ -48,7 +48,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
 
     #[test]
-    fn figures_5a_and_5b_mark_exactly_the_tiles_whose_texels_the_filter_reads(
+    fn figures_5a_and_5b_mark_exactly_the_tiles_read(
         (size, s, t) in (1u32..80, 1u32..80).prop_flat_map(|(w, h)| (Just([w, h]), coordinate(w), coordinate(h))),
         wrap in [wraps(), wraps()], centre in centres(),
     ) {
@@ -69,7 +69,7 @@ proptest! {
     }
 
     #[test]
-    fn taps_are_the_texels_of_the_filter_and_their_shares(
+    fn taps_are_filter_texels_with_shares(
         (size, s) in (1u32..80).prop_flat_map(|w| (Just(w), coordinate(w))), wrap in wraps(), centre in centres(),
     ) {
         let page = page_of([size, 1], Cut { tile: [8, 8], centre, ..Cut::default() });
@@ -83,7 +83,7 @@ proptest! {
     }
 
     #[test]
-    fn coordinates_that_are_no_numbers_or_far_away_stay_inside(
+    fn nan_and_huge_coordinates_stay_inside(
         s in any::<f32>(), t in any::<f32>(), wrap in [wraps(), wraps()], centre in centres(),
     ) {
         let page = page_of([37, 50], Cut { tile: [8, 8], centre, ..Cut::default() });
@@ -98,7 +98,7 @@ proptest! {
 }
 
 #[test]
-fn erratum_5b_the_last_column_and_row_mark_no_tile_of_the_next_row_or_layer() {
+fn erratum_5b_last_column_and_row_mark_no_next_tile() {
     for (wrap, right, below) in
         [(WrapMode::Clamp, None, None), (WrapMode::Mirror, None, None), (WrapMode::Repeat, Some(0), Some(0))]
     {
@@ -121,7 +121,7 @@ fn erratum_5b_the_last_column_and_row_mark_no_tile_of_the_next_row_or_layer() {
 }
 
 #[test]
-fn erratum_0104_the_finer_layer_has_twice_the_coordinates_of_the_coarser() {
+fn erratum_0104_finer_layer_doubles_coordinates() {
     let page = page_of([256, 256], Cut { tile: [64, 64], centre: TexelCentre::Integer, ..Cut::default() });
     let placed = page.placed([100.0, 60.0], [WrapMode::Clamp; 2]);
     for depth in 0..=page.dmax() {
@@ -132,7 +132,7 @@ fn erratum_0104_the_finer_layer_has_twice_the_coordinates_of_the_coarser() {
 }
 
 #[test]
-fn coarse_layers_lie_on_top_of_fine_ones_with_centres_at_halves_and_are_shifted_with_centres_at_integers() {
+fn half_centres_align_layers_integer_centres_shift_them() {
     for (centre, shift) in [(TexelCentre::Half, 0.0), (TexelCentre::Integer, 1.5)] {
         let page = page_of([256, 256], Cut { tile: [64, 64], centre, ..Cut::default() });
         let middle = |depth: u8, s: f32| {
@@ -147,7 +147,7 @@ fn coarse_layers_lie_on_top_of_fine_ones_with_centres_at_halves_and_are_shifted_
 }
 
 #[test]
-fn marking_changes_n_to_l_only() {
+fn marking_only_changes_n_to_l() {
     let page = page([128, 128], [64, 64]);
     let mut list = TileList::new(page.tiles());
     assert!(list.mark(3) && !list.mark(3));

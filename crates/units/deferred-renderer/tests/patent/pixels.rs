@@ -1,4 +1,4 @@
-//! What a pixel keeps in its cell, and what it is coloured from: Figures 3A, 3B, 7A, 7B.
+//! Contents of a pixel's cell, and the layers that colour it: Figures 3A, 3B, 7A, 7B.
 
 use crate::acquisition::load;
 use crate::{page, texture};
@@ -10,7 +10,7 @@ use basrelief_deferred_renderer::{
 use std::sync::Arc;
 
 #[test]
-fn layer_depth_is_dmax_less_log2_of_the_longer_axis() {
+fn layer_depth_is_dmax_minus_log2_of_longer_axis() {
     for (rho, depth) in [(1.0, 4.0), (2.0, 3.0), (8.0, 1.0), (0.25, 4.0), (64.0, 0.0), (0.0, 4.0)] {
         assert_eq!(layer_depth(4, rho * rho), depth, "rho {rho}");
     }
@@ -21,7 +21,7 @@ fn layer_depth_is_dmax_less_log2_of_the_longer_axis() {
     );
 }
 
-/// Texels of a page of which these layers are there.
+/// Creates the texels of a page of which these layers are present.
 fn with_layers(size: [u32; 2], layers: &[u8]) -> PageTexels {
     let page = page(size, [16, 16]);
     let mut served = ServedTexture::new(texture(size));
@@ -33,7 +33,7 @@ fn with_layers(size: [u32; 2], layers: &[u8]) -> PageTexels {
 }
 
 #[test]
-fn embodiment_10_and_20_an_integer_depth_takes_one_interpolation_a_fraction_two_and_one_between() {
+fn embodiments_10_and_20_fractional_depth_blends_layers() {
     let texels = with_layers([128, 128], &[0, 1, 2, 3]);
     let at = |depth: f32| {
         let cell = Cell::textured(0, [40.3, 71.9], depth, [255; 3]);
@@ -49,7 +49,7 @@ fn embodiment_10_and_20_an_integer_depth_takes_one_interpolation_a_fraction_two_
 }
 
 #[test]
-fn figure_7b_colours_from_the_finest_layer_that_is_there_and_marks_the_next() {
+fn figure_7b_uses_finest_present_layer_and_marks_next() {
     let choose = |there: &[u8], depth: f32| {
         let texels = with_layers([128, 128], there);
         let cell = Cell::textured(0, [40.3, 71.9], depth, [255; 3]);
@@ -66,7 +66,7 @@ fn figure_7b_colours_from_the_finest_layer_that_is_there_and_marks_the_next() {
 }
 
 #[test]
-fn cells_hold_what_their_fields_can() {
+fn cell_values_fit_their_fields() {
     let page = page([1024, 1024], [64, 64]);
     let cell =
         |config: &CellConfig| CellFormat::new(config, 1.0).textured(&page, [-5.141_592_7, 1000.123], 2.345_678, [0.5, 1.0, 7.0]);
@@ -94,7 +94,7 @@ fn cells_hold_what_their_fields_can() {
 }
 
 #[test]
-fn the_formula_of_the_cell_reads_brightness_back() {
+fn cell_formula_reads_brightness_back() {
     let page = page([64, 64], [64, 64]);
     for range in [1.0, 2.0] {
         let format = CellFormat::new(&CellConfig { brightness_bits: 10, ..CellConfig::default() }, range);
@@ -104,7 +104,7 @@ fn the_formula_of_the_cell_reads_brightness_back() {
 }
 
 #[test]
-fn a_growing_picture_takes_the_finest_layer_that_has_come_and_averages_what_it_can() {
+fn preview_uses_finest_received_layer_and_averages() {
     let (size, format) = ([64, 64], CellFormat::new(&CellConfig::default(), 1.0));
     let (page, mut served) = (page(size, [16, 16]), ServedTexture::new(texture(size)));
     let cell = Cell::textured(0, [40.3, 50.9], 1.5, [255; 3]);

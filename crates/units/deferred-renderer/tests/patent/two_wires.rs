@@ -1,4 +1,4 @@
-//! Units of three inputs or outputs with two of them on one wire: the unit contract knows up to two.
+//! Units of three inputs or outputs with two of them on one wire, because the unit contract supports at most two.
 
 use basrelief_deferred_renderer::tokens::{ExpandedTile, MarkFlow, Order, Parcel, PassFlow, Request, Round};
 use basrelief_deferred_renderer::{Lighting, PathConfig, Rasterization, Server, TextureMemory, TileEncoding, TileLists};
@@ -9,7 +9,7 @@ use basrelief_signals::Control;
 #[derive(Clone)]
 pub struct TwoOutputs(pub TileLists);
 
-/// To the texture-data memory (130), and to the reference buffer (126).
+/// Tokens to the texture-data memory (130), and to the reference buffer (126).
 pub type Orders = (Option<Order>, Option<Round>);
 
 impl Unit for TwoOutputs {
@@ -31,7 +31,7 @@ impl Unit for TwoOutputs {
     }
 }
 
-/// The second and the third input of a unit on one wire: it never takes both.
+/// The second and the third input of a unit on one wire. The unit never takes both.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Either<A, B> {
     Second(A),
@@ -78,7 +78,7 @@ impl Unit for TwoInputs {
     }
 }
 
-/// The server with requests and the news of a picture on one wire. Each has a source of tiles of its own.
+/// The server with requests and the news of a picture on one wire. Each server has a tile source of its own.
 pub struct Requested(pub Server);
 
 impl Requested {
