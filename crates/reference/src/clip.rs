@@ -3,13 +3,13 @@
 use crate::surface::Attributes;
 use glam::DVec4;
 
-/// Sides of the guard band, in multiples of the picture's half width and height: far enough that almost nothing is
-/// cut there, near enough that window coordinates stay in the exact range of the rasterizer for any picture up to
-/// 32,768 pixels wide.
+/// Sides of the guard band, in multiples of the picture's half width and height. They are far enough out that almost nothing is
+/// cut. They are near enough that window coordinates stay in the exact range of the rasterizer for any picture up to 32,768
+/// pixels wide.
 const GUARD: f64 = 8.0;
 
-/// Planes of the clip volume: inside where the inner product with the clip position is >= 0. Near and far are those of
-/// OpenGL; together they leave only w >= 0.
+/// Planes of the clip volume. A vertex is inside if the inner product with its clip position is >= 0. Near and far are those of
+/// OpenGL, and together they leave only w >= 0.
 const PLANES: [DVec4; 6] = [
     DVec4::new(0.0, 0.0, 1.0, 1.0),
     DVec4::new(0.0, 0.0, -1.0, 1.0),
@@ -32,12 +32,12 @@ impl AsMut<Attributes> for ClipVertex {
     }
 }
 
-/// Whether a vertex lies inside all planes.
+/// Returns true if a vertex lies inside all planes.
 pub(crate) fn inside(vertex: &ClipVertex) -> bool {
     PLANES.iter().all(|plane| plane.dot(vertex.position) >= 0.0)
 }
 
-/// The part of a triangle inside all planes: a convex polygon, fewer than three vertices where nothing is left.
+/// Returns the part of a triangle inside all planes: a convex polygon, with fewer than three vertices if no part is inside.
 pub(crate) fn clipped(triangle: [ClipVertex; 3]) -> Vec<ClipVertex> {
     let mut polygon = triangle.to_vec();
     for plane in PLANES {
@@ -46,7 +46,7 @@ pub(crate) fn clipped(triangle: [ClipVertex; 3]) -> Vec<ClipVertex> {
     polygon
 }
 
-/// Sutherland-Hodgman at one plane.
+/// Clips a polygon at one plane (Sutherland-Hodgman).
 fn cut(polygon: &[ClipVertex], plane: DVec4) -> Vec<ClipVertex> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     let followers = polygon.iter().cycle().skip(1);
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn an_inner_triangle_is_kept_and_an_outer_one_is_gone() {
+    fn inner_triangle_is_kept_and_outer_one_is_dropped() {
         let inner = [[0.0, 0.0, 0.0, 1.0], [0.5, 0.0, 0.2, 1.0], [0.0, 0.5, -0.9, 1.0]].map(vertex);
         assert!(inner.iter().all(inside));
         assert_eq!(clipped(inner).len(), 3);
@@ -92,7 +92,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_left_lies_inside(values in prop::array::uniform3(prop::array::uniform4(-20.0..20.0f64))) {
+        fn clipped_polygon_lies_inside(values in prop::array::uniform3(prop::array::uniform4(-20.0..20.0f64))) {
             let polygon = clipped(values.map(vertex));
             prop_assert!(polygon.len() <= 9);
             for vertex in polygon {

@@ -3,7 +3,7 @@
 use basrelief_signals::{Frame, Light, LightKind, Lighting};
 use glam::DVec3;
 
-/// The lights of a frame as one object sees them, with its material's coefficients.
+/// Lights of a frame as seen from one object, with its material's coefficients.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Illumination {
     ambient: f64,
@@ -21,7 +21,7 @@ struct Beam {
 }
 
 impl Illumination {
-    /// Light on an object around `centre` in the given frame.
+    /// Computes the light on an object around `centre` in the given frame.
     pub fn new(frame: &Frame, lighting: &Lighting, centre: [f32; 3]) -> Self {
         let to_viewer = DVec3::from(frame.camera.to_viewer).normalize_or_zero();
         let beam = |light: &Light| {
@@ -37,7 +37,7 @@ impl Illumination {
         }
     }
 
-    /// Ambient plus diffuse, and specular brightness of a surface with this unit normal.
+    /// Returns ambient plus diffuse brightness, and specular brightness, of a surface with this unit normal.
     pub fn on(&self, normal: DVec3) -> (f64, f64) {
         let mut diffuse = 0.0;
         let mut specular = 0.0;
@@ -49,8 +49,8 @@ impl Illumination {
     }
 }
 
-/// Power of a base >= 0. Whole exponents, the common case, are multiplied out: `libm::pow` for every pixel took a
-/// third of the time of a picture.
+/// Raises a base >= 0 to a power. Whole exponents, the common case, are multiplied out: `libm::pow` for every pixel took a third
+/// of the time of a picture.
 fn raised(base: f64, exponent: f64) -> f64 {
     let whole = exponent.floor();
     let rest = exponent - whole;
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn powers_are_those_of_pow() {
+    fn powers_match_pow() {
         for exponent in [0.0, 1.0, 2.5, 7.0, 32.0, 999.75] {
             for base in [0.0, 0.125, 0.9, 0.9999, 1.0] {
                 let expected = libm::pow(base, exponent);
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn lights_add_and_point_lights_shine_from_the_objects_centre() {
+    fn lights_add_and_point_lights_use_object_centre() {
         let lighting = Lighting { ka: 0.25, kd: 0.5, ks: 0.125, n: 2.0 };
         let behind = LightKind::Directional { to_light: [0.0, 0.0, -1.0] };
         let point = LightKind::Point { position: [5.0, 0.0, 9.0] };

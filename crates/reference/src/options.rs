@@ -1,24 +1,24 @@
-//! Choices that the exact picture shares with the machine it judges.
+//! Options that the exact picture shares with the machine under test.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How textures and normal maps are filtered. It decides for every texture, whatever the texture's own
-/// `sampler.filter` says: the picture is to be exact in one stated sense, and Mesa is asked the same way.
+/// Filter of textures and normal maps. It applies to every texture and overrides the texture's own `sampler.filter`, because the
+/// picture is exact in one stated sense. Mesa gets the same filter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TextureFilter {
-    /// No texture at all, normal maps included: the factor of the material times the vertex colour is left.
+    /// No textures, including normal maps. The factor of the material times the vertex colour is left.
     None,
     /// The texel of level 0 that holds the sample point.
     Nearest,
     /// Four texels of level 0, weighted.
     Bilinear,
-    /// Four texels each of the two levels next to the level of detail of the pixel, weighted; the level of detail is
-    /// log2 of the longer of the two footprint axes \[texels of level 0 per pixel\].
+    /// Four texels each of the two levels next to the level of detail of the pixel, weighted. The level of detail is log2 of the
+    /// longer of the two footprint axes \[texels of level 0 per pixel\].
     #[default]
     Trilinear,
-    /// The texel of the level nearest to the level of detail; half way, of the finer one, as in OpenGL.
+    /// The texel of the level nearest to the level of detail. A tie selects the finer level, as in OpenGL.
     NearestMipNearest,
     /// Four texels of that level, weighted.
     BilinearMipNearest,
@@ -26,37 +26,37 @@ pub enum TextureFilter {
     NearestMipLinear,
 }
 
-/// Which change of the texture coordinates decides the level of detail of a pixel \[texels of level 0 per pixel\].
+/// Change of the texture coordinates that decides the level of detail of a pixel \[texels of level 0 per pixel\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LevelRule {
     /// The longer of the two footprint axes: log2 of the larger length of d(u, v)/dx and d(u, v)/dy.
     #[default]
     LongerAxis,
-    /// The larger component along the scan line: log2(max(|du/dx|, |dv/dx|)), the rule of the MIP-map selector (320) of
-    /// the texel value generator.
+    /// The larger component along the scan line: log2(max(|du/dx|, |dv/dx|)), the rule of the MIP-map selector (320) of the texel
+    /// value generator.
     AlongScanLine,
 }
 
-/// Which levels a colour texture has, and where its texels lie in them.
+/// Levels of a colour texture, and the positions of their texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Pyramid {
-    /// Those that it is given with. A coordinate spans all levels alike: texel u * width of each.
+    /// The given levels. A coordinate spans all levels equally: texel u * width of each.
     #[default]
     Given,
-    /// Those of the rate-limited renderer, made of the finest one: sides halved and rounded up, an odd edge repeating
-    /// its last texel, means `(sum of 4 + 2) >> 2`, down to the first level that fits in one tile. Texel u * width of
-    /// the finest level is texel u * width / 2^k of level k.
+    /// Levels of the rate-limited renderer, computed from the finest one: sides halved and rounded up, an odd edge repeating its
+    /// last texel, means `(sum of 4 + 2) >> 2`, down to the first level that fits in one tile. Texel u * width of the finest
+    /// level is texel u * width / 2^k of level k.
     Tiled {
         /// Columns and rows of a tile \[texels\].
         tile: [u32; 2],
-        /// Where the middle of a texel is.
+        /// Position of texel centres.
         centre: TexelCentre,
     },
 }
 
-/// Where the middle of texel 0 is, in texels of its level.
+/// Position of the centre of texel 0, in texels of its level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TexelCentre {
@@ -67,7 +67,7 @@ pub enum TexelCentre {
     Integer,
 }
 
-/// What the highlight is coloured with.
+/// Colour of the highlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Components {
@@ -78,19 +78,19 @@ pub enum Components {
     Separate,
 }
 
-/// How the normal of a pixel comes about, and where light is computed.
+/// Source of a pixel's normal, and stage of lighting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Shading {
-    /// Per pixel: the interpolated normal, tilted by the normal map where the material has one.
+    /// Per pixel: the interpolated normal, tilted by the normal map if the material has one.
     #[default]
     NormalMap,
-    /// Per pixel: the interpolated normal, renormalised (Phong). Normal maps are not looked at.
+    /// Per pixel: the interpolated normal, renormalised (Phong). Normal maps are ignored.
     Phong,
-    /// At the vertices; what the two terms make of the vertex colour is interpolated perspective-correctly (Gouraud).
+    /// At the vertices: the two terms times the vertex colour are interpolated perspective-correctly (Gouraud).
     Gouraud,
-    /// Once per polygon: with its geometric normal in world space, its vertices counter-clockwise around it, as OpenGL
-    /// programs draw flat shading. That of a mirrored object points inwards.
+    /// Once per polygon, with its geometric normal in world space, vertices counter-clockwise around it, as OpenGL programs draw
+    /// flat shading. The normal of a mirrored object points inwards.
     Face,
     /// Once per polygon: the mean over its vertices (constant shading of the shading device).
     Mean,
@@ -104,24 +104,24 @@ pub enum Shading {
 pub struct Options {
     /// Texture filter, for colour textures and normal maps.
     pub filter: TextureFilter,
-    /// Which level of detail a pixel has.
+    /// Rule for the level of detail of a pixel.
     pub level: LevelRule,
     /// Levels of colour textures.
     pub pyramid: Pyramid,
     /// Colour of the highlight.
     pub components: Components,
-    /// Reverses the normals of back faces, as glTF asks of double-sided materials. Off by default: neither the
-    /// machines nor the Mesa tool that these pictures are checked against do it.
+    /// Reverses the normals of back faces, as glTF requires for double-sided materials. False by default, because neither the
+    /// machines nor the Mesa tool used for checks do it.
     pub two_sided_lighting: bool,
 }
 
-/// All that an exact picture depends on, beside what is drawn. [`Options`] alone stand for shading by normal maps.
+/// All inputs of an exact picture besides the scene. [`Options`] alone imply shading by normal maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Style {
-    /// Where light is computed.
+    /// Stage of lighting.
     pub shading: Shading,
-    /// What is done at a pixel.
+    /// Options of a pixel.
     pub options: Options,
 }
 

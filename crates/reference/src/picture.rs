@@ -1,6 +1,6 @@
 //! A finished picture.
 
-/// RGB, 8 bits each, and which pixels were drawn. Background is black and not covered.
+/// RGB picture, 8 bits per channel, with a mask of drawn pixels. The background is black and not covered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     /// Width \[pixels\].
@@ -9,25 +9,25 @@ pub struct Picture {
     pub height: u32,
     /// `width * height` pixels, top row first.
     pub rgb: Vec<[u8; 3]>,
-    /// Pixels that some polygon covered; same shape as `rgb`.
+    /// Pixels that some polygon covered, in the same order as `rgb`.
     pub covered: Vec<bool>,
 }
 
 impl Picture {
-    /// A picture that is all background.
+    /// Creates a picture of background only.
     pub fn new(width: u32, height: u32) -> Self {
         let pixels = width as usize * height as usize;
         Self { width, height, rgb: vec![[0; 3]; pixels], covered: vec![false; pixels] }
     }
 
-    /// RGBA, 8 bits each, rows from the top: covered pixels have alpha 255, the background is 0, 0, 0, 0.
+    /// Returns RGBA, 8 bits each, rows from the top. Covered pixels have alpha 255, and the background is 0, 0, 0, 0.
     pub fn to_rgba(&self) -> Vec<u8> {
         let pixel = |(rgb, covered): (&[u8; 3], &bool)| [rgb[0], rgb[1], rgb[2], if *covered { 255 } else { 0 }];
         self.rgb.iter().zip(&self.covered).flat_map(pixel).collect()
     }
 }
 
-/// 0..=1 to 0..=255 as OpenGL does it: saturated, rounded half up. Not a number becomes 0.
+/// Converts 0..=1 to 0..=255 as in OpenGL: saturated, rounded half up. NaN becomes 0.
 pub(crate) fn to_8_bits(channel: f64) -> u8 {
     (channel.clamp(0.0, 1.0) * 255.0 + 0.5).floor() as u8
 }

@@ -9,17 +9,17 @@ use basrelief_signals::{Frame, Material, ObjectInfo, Polygon, Vertex};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::sync::Arc;
 
-/// Draws window-space polygons as they stream by; memory does not grow with their number.
+/// Renderer of window-space polygons in a stream. Its memory does not grow with their number.
 ///
-/// Polygons are clipped and culled already, and drawn whatever their winding; counter-clockwise on the screen counts as
-/// the front where [`two_sided_lighting`](crate::Options::two_sided_lighting) asks. Bump flag, LOD, vertex brightness and arrival are the
-/// machines' business and not looked at. Coordinates that are not finite leave their triangle out.
+/// Polygons are already clipped and culled, and are drawn with either winding. Counter-clockwise on the screen is the front for
+/// [`two_sided_lighting`](crate::Options::two_sided_lighting). Bump flag, LOD, vertex brightness and arrival concern the machines
+/// and are ignored. A triangle with coordinates that are not finite is left out.
 #[derive(Clone, Debug)]
 pub struct PolygonRenderer {
     size: [u32; 2],
     style: Style,
     frame: Option<Arc<Frame>>,
-    /// World from window coordinates.
+    /// Transform from window coordinates to world space.
     unproject: DMat4,
     centre: [f32; 3],
     material: Option<Arc<Material>>,
@@ -28,7 +28,7 @@ pub struct PolygonRenderer {
 }
 
 impl PolygonRenderer {
-    /// A renderer of pictures of `width` x `height` pixels.
+    /// Creates a renderer of pictures of `width` x `height` pixels.
     pub fn new(width: u32, height: u32, style: impl Into<Style>) -> Self {
         Self {
             size: [width, height],
@@ -42,7 +42,7 @@ impl PolygonRenderer {
         }
     }
 
-    /// View and lights of the polygons that follow. Polygons ahead of the first frame are not drawn. Call
+    /// Sets view and lights of the following polygons. Polygons before the first frame are not drawn. Call
     /// [`PolygonRenderer::finish`] between the frames of a sequence.
     pub fn frame(&mut self, frame: &Frame) {
         self.unproject = unproject(frame);
@@ -50,7 +50,7 @@ impl PolygonRenderer {
         self.material = None;
     }
 
-    /// The object that the polygons that follow belong to: point lights are evaluated at its centre.
+    /// Sets the object of the following polygons. Point lights are evaluated at its centre.
     pub fn object(&mut self, object: &ObjectInfo) {
         self.centre = object.centre;
         self.material = None;
@@ -75,7 +75,7 @@ impl PolygonRenderer {
         }
     }
 
-    /// The picture so far; the renderer starts the next one, under the frame and object it knows.
+    /// Returns the picture so far. The renderer starts the next one, with the same frame and object.
     pub fn finish(&mut self) -> Picture {
         let [width, height] = self.size;
         self.material = None;
@@ -83,7 +83,7 @@ impl PolygonRenderer {
     }
 }
 
-/// World from window coordinates and depth.
+/// Returns the transform from window coordinates and depth to world space.
 fn unproject(frame: &Frame) -> DMat4 {
     let to_clip = DMat4::from_cols(
         DVec4::X * (2.0 / f64::from(frame.width)),
@@ -94,7 +94,7 @@ fn unproject(frame: &Frame) -> DMat4 {
     DMat4::from_cols_array(&frame.camera.view_projection).transpose().inverse() * to_clip
 }
 
-/// Whether a polygon runs clockwise on the screen.
+/// Returns true if a polygon runs clockwise on the screen.
 fn clockwise(corners: &[Corner]) -> bool {
     let area = |pair: &[Corner]| doubled_area([corners[0].window, pair[0].window, pair[1].window]);
     corners.windows(2).skip(1).map(area).sum::<f64>() > 0.0

@@ -4,12 +4,12 @@ use crate::{Options, Pyramid};
 use basrelief_signals::{Image, Texture};
 use std::sync::Arc;
 
-/// Textures with the levels that the picture asks for; each is made once.
+/// Cache of textures with the levels that the picture needs. Each is built once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pyramids(Vec<(Arc<Texture>, Arc<Texture>)>);
 
 impl Pyramids {
-    /// The texture as it is sampled. The options are the same in every call.
+    /// Returns the texture as it is sampled. The options are the same in every call.
     pub fn of(&mut self, texture: &Arc<Texture>, options: &Options) -> Arc<Texture> {
         let Pyramid::Tiled { tile, .. } = options.pyramid else { return Arc::clone(texture) };
         if let Some((_, made)) = self.0.iter().find(|(given, _)| Arc::ptr_eq(given, texture)) {
@@ -22,7 +22,7 @@ impl Pyramids {
     }
 }
 
-/// Levels from the finest to the first that fits in one tile.
+/// Returns the levels from the finest to the first that fits in one tile.
 fn tiled(finest: Image, [columns, rows]: [u32; 2]) -> Vec<Image> {
     let mut levels = Vec::new();
     let mut last = finest;
@@ -57,9 +57,9 @@ mod tests {
         Image { width, height, texels: (0..width * height).map(|i| [i as u8; 4]).collect() }
     }
 
-    /// The example of the page on the renderer.
+    /// Example from the specification of the renderer.
     #[test]
-    fn layers_of_700_by_300_texels_fit_in_one_tile_at_the_top() {
+    fn layers_of_700_by_300_texels_end_in_one_tile() {
         let sizes: Vec<_> = tiled(image(700, 300), [64, 64]).iter().map(|l| (l.width, l.height)).collect();
         assert_eq!(sizes, [(700, 300), (350, 150), (175, 75), (88, 38), (44, 19)]);
         assert_eq!(tiled(image(64, 64), [64, 64]).len(), 1);
@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn an_odd_edge_repeats_its_last_texel() {
+    fn odd_edge_repeats_last_texel() {
         let levels = tiled(image(3, 3), [1, 1]);
         // Texels are numbered row by row: 0 1 2 / 3 4 5 / 6 7 8.
         assert_eq!(levels[1].texels.iter().map(|t| t[0]).collect::<Vec<_>>(), [2, 4, 7, 8]);
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pyramid_is_made_once_and_given_levels_are_taken_as_they_are() {
+    fn pyramid_is_built_once_and_given_levels_are_kept() {
         let texture = Texture {
             id: 3,
             name: "t".into(),

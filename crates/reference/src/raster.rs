@@ -1,13 +1,12 @@
-//! Which pixels a triangle covers, and with which weights.
+//! Coverage of a triangle, and the weights of its pixels.
 
 use crate::surface::{Attributes, Point};
 use crate::texture::Footprint;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
-/// Steps per pixel to which window coordinates are snapped. Snapped coordinates make edge functions whole numbers, so
-/// that coverage is decided without rounding up to 2^18 pixels from the origin, and pixels of a shared edge belong to
-/// exactly one side.
+/// Steps per pixel to which window coordinates are snapped. Snapped coordinates make edge functions whole numbers. Coverage is
+/// then decided without rounding up to 2^18 pixels from the origin, and pixels of a shared edge belong to exactly one side.
 const SUBPIXEL: f64 = 256.0;
 
 /// A vertex in window coordinates (y down).
@@ -38,12 +37,12 @@ impl Corner {
     }
 }
 
-/// Twice the signed area; positive where the corners run clockwise on the screen.
+/// Returns twice the signed area. It is positive if the corners run clockwise on the screen.
 pub(crate) fn doubled_area([a, b, c]: [DVec2; 3]) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// A triangle that covers something.
+/// A triangle with at least one covered pixel.
 #[derive(Clone, Debug)]
 pub(crate) struct Triangle {
     corners: [Corner; 3],
@@ -51,12 +50,12 @@ pub(crate) struct Triangle {
     bounds: [DVec2; 2],
     /// Screen-space weight of each corner: `x * gradient.x + y * gradient.y + constant`.
     planes: [Plane; 3],
-    /// Counter-clockwise on the screen as given: a front face unless its object is mirrored.
+    /// True if counter-clockwise on the screen as given: a front face unless its object is mirrored.
     pub counter_clockwise: bool,
 }
 
 impl Triangle {
-    /// `None` where no area is left after snapping, or a coordinate is not finite.
+    /// Creates a triangle. Returns `None` if no area is left after snapping, or a coordinate is not finite.
     pub fn new(mut corners: [Corner; 3]) -> Option<Self> {
         if !corners.iter().all(Corner::is_finite) {
             return None;
@@ -69,7 +68,7 @@ impl Triangle {
             corners.swap(1, 2);
         }
         let [a, b, c] = corners.map(|c| c.snapped());
-        // A sliver may turn over when it is snapped; then only the snapped triangle has an inside.
+        // A sliver may turn over by snapping. Then only the snapped triangle has an inside.
         let exact = corners.map(|c| c.window);
         let interpolated = if doubled_area(exact) > 0.0 { exact } else { [a, b, c].map(|p| p / SUBPIXEL) };
         Some(Self {
@@ -97,13 +96,13 @@ impl Triangle {
         }
     }
 
-    /// Depth at a pixel centre.
+    /// Returns the depth at a pixel centre.
     pub fn depth(&self, column: usize, row: usize) -> f64 {
         let weights = self.weights(column, row);
         (0..3).map(|i| weights[i] * self.corners[i].depth).sum()
     }
 
-    /// Attributes at a pixel centre, perspective-correct. `back`: seen from behind.
+    /// Returns the attributes at a pixel centre, perspective-correct. `back` is true if seen from behind.
     pub fn point(&self, column: usize, row: usize, back: bool) -> Point {
         let screen = self.weights(column, row);
         let shares = [0, 1, 2].map(|i| screen[i] * self.corners[i].inverse_w);
@@ -119,7 +118,7 @@ impl Triangle {
         }
     }
 
-    /// With U = sum(weight * u / w) and W = sum(weight / w), both linear on the screen, u = U / W and
+    /// Returns the footprint. With U = sum(weight * u / w) and W = sum(weight / w), both linear on the screen, u = U / W and
     /// du/dx = (dU/dx - u * dW/dx) / W.
     fn footprint(&self, at: DVec2, inverse_w: f64, of: fn(&Attributes) -> DVec2) -> Footprint {
         let mut right = DVec2::ZERO;
@@ -132,7 +131,8 @@ impl Triangle {
         Footprint { at, right, down }
     }
 
-    /// Screen-space weights of the corners, each 0..=1: a pixel that only snapping let in takes the nearby rim.
+    /// Returns the screen-space weights of the corners, each 0..=1. A pixel covered only by snapping gets the weights of the
+    /// nearby rim.
     fn weights(&self, column: usize, row: usize) -> [f64; 3] {
         let centre = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
         let weights = DVec3::from(self.planes.each_ref().map(|plane| plane.at(centre))).max(DVec3::ZERO);
@@ -159,29 +159,29 @@ fn weight_planes(corners: [DVec2; 3]) -> [Plane; 3] {
     [(b, c), (c, a), (a, b)].map(|(from, to)| Plane { origin: from, gradient: (to - from).perp() / area })
 }
 
-/// Edge function of a clockwise triangle (y down) in steps of 1 / [`SUBPIXEL`], whole numbers throughout; a pixel
-/// centre is inside where it is >= 0.
+/// Edge function of a clockwise triangle (y down) in steps of 1 / [`SUBPIXEL`], in whole numbers. A pixel centre is inside if it
+/// is >= 0.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
     /// Change per column.
     across: f64,
     /// Change per row.
     down: f64,
-    /// At the centre of pixel (0, 0).
+    /// Value at the centre of pixel (0, 0).
     start: f64,
 }
 
 impl Edge {
     fn new(from: DVec2, to: DVec2) -> Self {
         let along = to - from;
-        // Clockwise with y down: top edges run right, left edges run up. Others do not own the pixels on them.
+        // Clockwise with y down: top edges run right, left edges run up. Other edges do not own the pixels on them.
         let top_left = along.y < 0.0 || (along.y == 0.0 && along.x > 0.0);
         let value = along.perp_dot(DVec2::splat(SUBPIXEL / 2.0) - from);
         Self { across: -along.y * SUBPIXEL, down: along.x * SUBPIXEL, start: if top_left { value } else { value - 1.0 } }
     }
 
-    /// Narrows the columns of a row to those inside. The quotient cannot round across a whole number: it is at least
-    /// 1 / across away from one, more than half a unit in the last place within 2^18 pixels.
+    /// Limits the columns of a row to those inside. The quotient cannot round across a whole number: it is at least 1 / across
+    /// away from one, more than half a unit in the last place within 2^18 pixels.
     fn limit(&self, row: usize, columns: &mut Range<f64>) {
         let value = self.start + self.down * row as f64;
         if self.across > 0.0 {
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn senseless_triangles_cover_nothing_and_huge_ones_do_no_harm() {
+    fn invalid_triangles_cover_nothing_and_huge_ones_are_drawn() {
         assert!(Triangle::new([corner(0.0, f64::NAN), corner(1.0, 0.0), corner(0.0, 1.0)]).is_none());
         assert!(Triangle::new([corner(0.0, 0.0), corner(1.0, 1.0), corner(2.0, 2.0)]).is_none());
         let mut hits = vec![0; SIDE * SIDE];
@@ -246,7 +246,7 @@ mod tests {
         assert!(hits.iter().all(|&n| n > 0));
     }
 
-    /// A grid of jittered vertices, snapped now and then onto pixel centres, where the fill rule decides.
+    /// Generates a grid of jittered vertices, some snapped onto pixel centres, where the fill rule decides.
     fn lattice() -> impl Strategy<Value = Vec<[f64; 2]>> {
         let jitter = || prop_oneof![Just(0.0), Just(0.5), Just(-0.5), -0.9..0.9f64];
         prop::collection::vec((jitter(), jitter()), 25)
@@ -261,7 +261,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_pixel_of_a_shared_edge_is_drawn_twice_or_missed(points in lattice(), turn in prop::bool::ANY) {
+        fn shared_edge_pixels_are_drawn_exactly_once(points in lattice(), turn in prop::bool::ANY) {
             let mut hits = vec![0; SIDE * SIDE];
             for (x, y) in (0..4).flat_map(|y| (0..4).map(move |x| (x, y))) {
                 let [a, b, c, d] = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)].map(|(x, y)| points[y * 5 + x]);
@@ -275,7 +275,7 @@ mod tests {
         }
 
         #[test]
-        fn spans_are_the_edge_functions_of_each_pixel(values in prop::array::uniform6(-10.0..40.0f64)) {
+        fn spans_match_edge_functions(values in prop::array::uniform6(-10.0..40.0f64)) {
             let [a, b, c, d, e, f] = values;
             let Some(triangle) = Triangle::new([corner(a, b), corner(c, d), corner(e, f)]) else { return Ok(()) };
             let mut expected = Vec::new();

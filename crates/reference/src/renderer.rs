@@ -1,4 +1,4 @@
-//! Visibility, then shading, of batches of triangles; by bands of rows.
+//! Visibility, then shading, of batches of triangles, by bands of rows.
 
 use crate::Picture;
 use crate::raster::{Corner, Triangle};
@@ -7,11 +7,11 @@ use basrelief_threads as threads;
 use glam::DVec3;
 use std::ops::Range;
 
-/// Triangles held before they are drawn: bounds the memory of a stream (some 6 MB) and lets most hidden pixels go
-/// unshaded. Drawing each triangle at once was rejected: it shades what is covered later.
+/// Triangles held before they are drawn. This bounds the memory of a stream (some 6 MB) and leaves most hidden pixels unshaded.
+/// Drawing each triangle at once was rejected, because it shades pixels that are covered later.
 const BATCH: usize = 8192;
 
-/// No triangle of this batch.
+/// Number that means no triangle of this batch.
 const NOTHING: u32 = u32::MAX;
 
 /// A picture being drawn.
@@ -38,7 +38,7 @@ impl Renderer {
         Self { picture, depth: vec![1.0; pixels], visible: vec![NOTHING; pixels], surfaces: Vec::new(), pending: Vec::new() }
     }
 
-    /// The triangles that follow have this surface.
+    /// Sets the surface of the following triangles.
     pub fn surface(&mut self, surface: Surface) {
         let unused = self.pending.last().is_none_or(|last| last.surface + 1 < self.surfaces.len());
         if unused {
@@ -47,15 +47,15 @@ impl Renderer {
         self.surfaces.push(surface);
     }
 
-    /// Lights the vertices of a polygon of the surface set last, as [`Surface::light`].
+    /// Lights the vertices of a polygon of the current surface, as [`Surface::light`].
     pub fn light<V: AsMut<Attributes>>(&self, vertices: &mut [V], face: impl FnOnce(&[V]) -> DVec3, back: bool) {
         if let Some(surface) = self.surfaces.last() {
             surface.light(vertices, face, back);
         }
     }
 
-    /// Draws a triangle of the surface set last. `mirrored`: the winding of front faces is clockwise on the screen;
-    /// `cull`: back faces are left out.
+    /// Draws a triangle of the current surface. `mirrored`: the winding of front faces is clockwise on the screen. `cull`: back
+    /// faces are left out.
     pub fn triangle(&mut self, corners: [Corner; 3], mirrored: bool, cull: bool) {
         let Some(triangle) = Triangle::new(corners) else { return };
         let back = triangle.counter_clockwise == mirrored;
@@ -69,7 +69,7 @@ impl Renderer {
         }
     }
 
-    /// The picture.
+    /// Returns the picture.
     pub fn finish(mut self) -> Picture {
         self.resolve(self.rows_per_band());
         self.picture
@@ -79,7 +79,7 @@ impl Renderer {
         (self.picture.height as usize).div_ceil(threads::workers()).max(1)
     }
 
-    /// Bands share nothing that is written, so the order in which they are drawn cannot show.
+    /// Bands share no written data, so the order in which they are drawn has no effect.
     fn resolve(&mut self, rows: usize) {
         let width = self.picture.width as usize;
         let chunk = (width * rows).max(1);
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn the_height_of_the_bands_cannot_be_seen() {
+    fn band_height_does_not_change_picture() {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0; 3], to_viewer: [0.0; 3] };
         let frame = Frame {
             index: 0,

@@ -9,11 +9,11 @@ use crate::{Picture, Style};
 use basrelief_signals::{Frame, Mesh, Object, Scene};
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
-/// Draws the objects of a scene under one of its frames (or any other).
+/// Draws the objects of a scene under one of its frames (or any other frame).
 ///
-/// Vertex normals and tangents are brought to world space and normalised there, then interpolated unnormalised. Where
-/// the world transform mirrors, front faces stay front faces; the handedness of tangents is taken as stored, as glTF
-/// viewers do. Triangles whose indices or coordinates make no sense are left out.
+/// Vertex normals and tangents are transformed to world space and normalised there, then interpolated unnormalised. Under a
+/// mirroring world transform, front faces stay front faces. The handedness of tangents is used as stored, as in glTF viewers.
+/// Triangles with invalid indices or coordinates are left out.
 pub fn draw_scene(scene: &Scene, frame: &Frame, style: &(impl Into<Style> + Copy)) -> Picture {
     let style = (*style).into();
     let mut renderer = Renderer::new(frame.width, frame.height);
@@ -26,7 +26,7 @@ pub fn draw_scene(scene: &Scene, frame: &Frame, style: &(impl Into<Style> + Copy
     renderer.finish()
 }
 
-/// Centre of an object: that of the axis-aligned box of its positions in world space; the origin where it has none.
+/// Returns the centre of an object: that of the axis-aligned box of its positions in world space, or the origin if it has none.
 pub fn object_centre(object: &Object) -> [f32; 3] {
     let world = row_major(&object.world);
     let mut corners = object.mesh.positions.iter().map(|&p| world.transform_point3(wide(p)));
@@ -35,7 +35,7 @@ pub fn object_centre(object: &Object) -> [f32; 3] {
     ((low + high) * 0.5).as_vec3().to_array()
 }
 
-/// Draws the triangles of an object in the surface set last.
+/// Draws the triangles of an object in the current surface.
 fn draw_object(renderer: &mut Renderer, object: &Object, frame: &Frame) {
     let world = row_major(&object.world);
     let mirrored = DMat3::from_mat4(world).determinant() < 0.0;
@@ -60,7 +60,7 @@ fn draw_object(renderer: &mut Renderer, object: &Object, frame: &Frame) {
     }
 }
 
-/// Whether the visible part of a triangle, be it clipped, has its vertices clockwise on the screen.
+/// Returns true if the visible part of a triangle, possibly clipped, has its vertices clockwise on the screen.
 fn clockwise(triangle: &[ClipVertex; 3]) -> bool {
     let [a, b, c] = triangle.each_ref().map(|v| DVec3::new(v.position.x, v.position.y, v.position.w));
     a.dot(b.cross(c)) < 0.0
@@ -88,8 +88,8 @@ fn transformed(mesh: &Mesh, world: DMat4, view_projection: DMat4) -> Vec<ClipVer
     mesh.positions.iter().enumerate().map(vertex).collect()
 }
 
-/// Matrix of cofactors with the sign of the determinant: the inverse transpose up to a positive factor, and defined
-/// for singular matrices too (an object flattened into a plane keeps its normals).
+/// Returns the matrix of cofactors with the sign of the determinant: the inverse transpose up to a positive factor. It is also
+/// defined for singular matrices (an object flattened into a plane keeps its normals).
 fn cofactors(linear: DMat3) -> DMat3 {
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
     let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };

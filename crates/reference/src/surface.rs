@@ -1,4 +1,4 @@
-//! From interpolated attributes to a colour: the one pixel pipeline of both entries.
+//! Colour of interpolated attributes: the one pixel pipeline of both entries.
 
 use crate::light::Illumination;
 use crate::picture::to_8_bits;
@@ -9,7 +9,7 @@ use basrelief_signals::{Frame, Material, Texture};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-/// What is interpolated over a triangle, beside depth.
+/// Values interpolated over a triangle besides depth.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Attributes {
     pub normal: DVec3,
@@ -18,16 +18,16 @@ pub(crate) struct Attributes {
     pub uv: DVec2,
     pub uv_normal: DVec2,
     pub color: DVec3,
-    /// Light on the vertex, where it is not computed per pixel.
+    /// Light on the vertex, unless it is computed per pixel.
     pub lit: Lit,
 }
 
-/// What light makes of a vertex colour: the two terms of the lighting formula, ahead of factor and texture.
+/// Light times a vertex colour: the two terms of the lighting formula, before factor and texture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Lit {
     /// Ambient and diffuse, times the vertex colour.
     pub diffuse: DVec3,
-    /// Specular; times the vertex colour where the components are combined.
+    /// Specular, times the vertex colour if the components are combined.
     pub specular: DVec3,
 }
 
@@ -39,7 +39,7 @@ impl Lit {
 }
 
 impl Attributes {
-    /// Weighted sum.
+    /// Returns the weighted sum.
     pub fn weighted<const N: usize>(parts: [&Attributes; N], weights: [f64; N]) -> Self {
         let mut sum = Self::default();
         for (part, weight) in parts.into_iter().zip(weights) {
@@ -55,17 +55,17 @@ impl Attributes {
     }
 }
 
-/// A point of a surface: attributes, and how its texture coordinates change per pixel.
+/// A point of a surface: attributes, and the change of its texture coordinates per pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point {
     pub attributes: Attributes,
     pub uv: Footprint,
     pub uv_normal: Footprint,
-    /// The triangle is seen from behind.
+    /// True if the triangle is seen from behind.
     pub back: bool,
 }
 
-/// A material under the lights of its frame, at the place of its object.
+/// A material under the lights of its frame, at the position of its object.
 #[derive(Clone, Debug)]
 pub(crate) struct Surface {
     style: Style,
@@ -90,8 +90,8 @@ impl Surface {
         }
     }
 
-    /// Lights the vertices of a polygon, where that is not left to its pixels. `face` is its geometric normal, of any
-    /// length; `back`: it is seen from behind.
+    /// Lights the vertices of a polygon, unless lighting is per pixel. `face` returns its geometric normal, of any length. `back`
+    /// is true if it is seen from behind.
     pub fn light<V: AsMut<Attributes>>(&self, vertices: &mut [V], face: impl FnOnce(&[V]) -> DVec3, back: bool) {
         let normal = match self.style.shading {
             Shading::NormalMap | Shading::Phong | Shading::Texture => return,
@@ -109,7 +109,7 @@ impl Surface {
         }
     }
 
-    /// Colour of a point, 8 bits each.
+    /// Returns the colour of a point, 8 bits each.
     pub fn shade(&self, point: &Point) -> [u8; 3] {
         let mut base = self.base;
         if let Some(texture) = &self.color_texture {
@@ -127,7 +127,7 @@ impl Surface {
         color.to_array().map(to_8_bits)
     }
 
-    /// Light on a place of this colour. Normals need not have length 1.
+    /// Returns the light at a point of this colour. Normals need not have length 1.
     fn lit(&self, color: DVec3, normal: DVec3, back: bool) -> Lit {
         let unit = normal.normalize_or_zero();
         let (diffuse, specular) = self.light.on(if back && self.style.options.two_sided_lighting { -unit } else { unit });
@@ -138,7 +138,7 @@ impl Surface {
         Lit { diffuse: color * diffuse, specular: highlight * specular }
     }
 
-    /// The normal before it is normalised.
+    /// Returns the normal before it is normalised.
     fn normal(&self, point: &Point) -> DVec3 {
         let Attributes { normal, tangent, handedness, .. } = point.attributes;
         self.normal_map.as_ref().map_or(normal, |map| {
@@ -150,7 +150,7 @@ impl Surface {
     }
 }
 
-/// Geometric normal of a polygon, of any length: its corners run counter-clockwise around it.
+/// Returns the geometric normal of a polygon, of any length. Its corners run counter-clockwise around it.
 pub(crate) fn face_normal(corners: &[DVec3]) -> DVec3 {
     let Some((first, rest)) = corners.split_first() else { return DVec3::ZERO };
     rest.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum()

@@ -1,4 +1,4 @@
-//! Texture sampling as OpenGL defines it, and as the rate-limited renderer does, in `f64`.
+//! Texture sampling as defined by OpenGL, and as in the rate-limited renderer, in `f64`.
 
 use crate::{LevelRule, Options, Pyramid, TexelCentre, TextureFilter};
 use basrelief_signals::{Image, Texture, WrapMode};
@@ -12,7 +12,7 @@ pub(crate) struct Footprint {
     pub down: DVec2,
 }
 
-/// Filtered RGB, 0..=1. A texture without levels is white.
+/// Returns the filtered RGB, 0..=1. A texture without levels is white.
 pub(crate) fn sample(texture: &Texture, options: &Options, footprint: &Footprint) -> DVec3 {
     let Some(finest) = texture.levels.first() else { return DVec3::ONE };
     let sampler = Sampler { texture, finest, pyramid: options.pyramid, at: footprint.at };
@@ -32,7 +32,7 @@ pub(crate) fn sample(texture: &Texture, options: &Options, footprint: &Footprint
     stored / 255.0
 }
 
-/// The level of detail of a pixel; minus infinity where its footprint is a point.
+/// Returns the level of detail of a pixel, or minus infinity if its footprint is a point.
 fn level_of_detail(finest: &Image, rule: LevelRule, footprint: &Footprint) -> f64 {
     let size = DVec2::new(f64::from(finest.width), f64::from(finest.height));
     let (right, down) = (footprint.right * size, footprint.down * size);
@@ -42,7 +42,7 @@ fn level_of_detail(finest: &Image, rule: LevelRule, footprint: &Footprint) -> f6
     }
 }
 
-/// What two levels give, by the fraction of the level of detail.
+/// Blends the values of two levels by the fraction of the level of detail.
 fn blended(lod: f64, of: impl Fn(usize) -> DVec3) -> DVec3 {
     let level = lod.floor() as usize;
     let fraction = lod - level as f64;
@@ -50,7 +50,7 @@ fn blended(lod: f64, of: impl Fn(usize) -> DVec3) -> DVec3 {
     if fraction > 0.0 { fine + (of(level + 1) - fine) * fraction } else { fine }
 }
 
-/// The nearest level, the finer one half way.
+/// Returns the nearest level. A tie selects the finer one.
 fn nearest_level(lod: f64) -> usize {
     (lod - 0.5).ceil().max(0.0) as usize
 }
@@ -81,7 +81,8 @@ impl Sampler<'_> {
         top + (row(lower) - top) * fy
     }
 
-    /// Across and down: the coordinate in texels of a level, texel i covering i..i + 1; how many there are; the wrap.
+    /// Returns, across and down: the coordinate in texels of a level (texel i covers i..i + 1), the number of texels, and the
+    /// wrap mode.
     fn place(&self, image: &Image, level: usize) -> [(f64, u32, WrapMode); 2] {
         let [across, down] = self.texture.sampler.wrap;
         [
@@ -92,7 +93,7 @@ impl Sampler<'_> {
 
     fn coordinate(&self, at: f64, finest: u32, size: u32, level: usize, wrap: WrapMode) -> f64 {
         let Pyramid::Tiled { centre, .. } = self.pyramid else { return at * f64::from(size) };
-        // Period and edge are those of the finest level: a side that was rounded up does not fill its level.
+        // Period and edge are those of the finest level, because a side that was rounded up does not fill its level.
         let inside = match wrap {
             WrapMode::Repeat => at.rem_euclid(1.0),
             WrapMode::Clamp => at.clamp(0.0, 1.0),
@@ -106,14 +107,14 @@ impl Sampler<'_> {
     }
 }
 
-/// The two texels around a coordinate and the share of the second.
+/// Returns the two texels around a coordinate and the share of the second.
 fn taps(coordinate: f64, size: u32, wrap: WrapMode) -> (usize, usize, f64) {
     let at = coordinate - 0.5;
     let first = at.floor();
     (wrapped(first, size, wrap), wrapped(first + 1.0, size, wrap), at - first)
 }
 
-/// Texel number of an unbounded one (a whole number), 0..size. Not a number becomes 0.
+/// Wraps an unbounded texel number (a whole number) into 0..size. NaN becomes 0.
 fn wrapped(index: f64, size: u32, wrap: WrapMode) -> usize {
     let size = f64::from(size);
     if index >= 0.0 && index < size {
@@ -130,7 +131,7 @@ fn wrapped(index: f64, size: u32, wrap: WrapMode) -> usize {
     inside.clamp(0.0, size - 1.0) as usize
 }
 
-/// RGB as stored, 0..=255; white where the image is too short.
+/// Returns RGB as stored, 0..=255, or white if the image is too short.
 fn texel(image: &Image, column: usize, row: usize) -> DVec3 {
     let [r, g, b, _] = image.texels.get(row * image.width as usize + column).copied().unwrap_or([255; 4]);
     DVec3::new(f64::from(r), f64::from(g), f64::from(b))
@@ -151,13 +152,13 @@ mod tests {
         Texture { id: 0, name: String::new(), sampler, levels, offset: 0, elsewhere: None }
     }
 
-    /// Value in fifths at column coordinate `u` \[texels of level 0\], footprint `step` texels wide.
+    /// Returns the value in fifths at column coordinate `u` \[texels of level 0\], with a footprint of `step` texels.
     fn fifths(texture: &Texture, filter: TextureFilter, u: f64, step: f64) -> f64 {
         let at = Footprint { at: DVec2::new(u / 4.0, 0.5), right: DVec2::new(step / 4.0, 0.0), down: DVec2::ZERO };
         sample(texture, &Options { filter, ..Options::default() }, &at).x * 5.0
     }
 
-    /// As [`fifths`], in any way, with any footprint \[texels of level 0\].
+    /// Returns the value as [`fifths`], with any options and footprint \[texels of level 0\].
     fn fifths_by(texture: &Texture, options: Options, u: f64, right: [f64; 2], down: [f64; 2]) -> f64 {
         let finest = &texture.levels[0];
         let size = DVec2::new(f64::from(finest.width), f64::from(finest.height));
@@ -166,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn texel_centres_are_exact_and_between_them_it_is_linear() {
+    fn texel_centres_are_exact_and_linear_in_between() {
         let texture = ramp(WrapMode::Clamp);
         for (u, expected) in [(0.5, 0.0), (1.5, 1.0), (2.0, 1.5), (3.5, 3.0), (0.0, 0.0), (4.0, 3.0), (9.0, 3.0)] {
             assert!((fifths(&texture, TextureFilter::Bilinear, u, 0.0) - expected).abs() < 1e-12, "u = {u}");
@@ -174,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn wrap_modes_are_those_of_opengl() {
+    fn wrap_modes_match_opengl() {
         let nearest = |wrap, u| fifths(&ramp(wrap), TextureFilter::Nearest, u, 0.0).round();
         let row = |wrap| [-4.5, -1.5, -0.5, 0.5, 3.9, 4.5, 7.5, 8.5].map(|u| nearest(wrap, u));
         assert_eq!(row(WrapMode::Repeat), [3.0, 2.0, 3.0, 0.0, 3.0, 0.0, 3.0, 0.0]);
@@ -185,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn level_of_detail_picks_and_blends_levels() {
+    fn level_of_detail_selects_and_blends_levels() {
         let texture = ramp(WrapMode::Clamp);
         let at = |step| fifths(&texture, TextureFilter::Trilinear, 1.5, step);
         assert!((at(0.0) - 1.0).abs() < 1e-12, "magnified: level 0");
@@ -208,7 +209,7 @@ mod tests {
     const TILED: Pyramid = Pyramid::Tiled { tile: [1, 1], centre: TexelCentre::Half };
 
     #[test]
-    fn one_level_is_the_nearest_one_and_the_finer_half_way() {
+    fn nearest_level_tie_selects_finer_level() {
         let texture = ramp(WrapMode::Clamp);
         let half_way = std::f64::consts::SQRT_2;
         let (below, above) = (half_way * 0.999, half_way * 1.001);
@@ -222,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mip_map_selector_looks_along_the_scan_line_only() {
+    fn mip_map_selector_uses_only_scan_line_direction() {
         let texture = ramp(WrapMode::Clamp);
         let by = |level| move |right, down| fifths_by(&texture, Options { level, ..Options::default() }, 1.5, right, down);
         let scan_line = by(LevelRule::AlongScanLine);
@@ -232,7 +233,7 @@ mod tests {
         assert!((scan_line([0.0, 0.0], [9.0, 9.0]) - 1.0).abs() < 1e-12, "no change at all: level 0");
     }
 
-    /// A row of five texels: levels of 5, 3, 2 and 1 where sides are rounded up.
+    /// Creates a row of five texels: levels of 5, 3, 2 and 1 texels if sides are rounded up.
     fn five(centre: TexelCentre, wrap: WrapMode) -> (Texture, Options) {
         let sampler = Modes { wrap: [wrap; 2], ..Modes::default() };
         let levels = [&[0, 10, 20, 30, 40][..], &[5, 25, 40], &[15, 40], &[28]].map(|v| gray(v.len() as u32, 1, v));
@@ -241,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn in_a_tiled_pyramid_texels_of_level_k_are_two_to_the_k_finest_ones_wide() {
+    fn tiled_texels_of_level_k_are_2_to_the_k_finest_wide() {
         let value = |centre, wrap, u, step| {
             let (texture, options) = five(centre, wrap);
             fifths_by(&texture, options, u, [step, 0.0], [0.0, 0.0]) * 51.0
@@ -263,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn senseless_input_is_harmless() {
+    fn invalid_texture_input_is_harmless() {
         let mut texture = ramp(WrapMode::Mirror);
         for u in [f64::NAN, f64::INFINITY, -1e300] {
             for filter in FILTERS {

@@ -1,4 +1,4 @@
-//! The exact picture against Mesa, drawn by an independent tool from the same model file: with normal maps, in flat,
+//! Comparison of the exact picture with Mesa, drawn by an independent tool from the same model file: with normal maps, in flat,
 //! Gouraud and Phong shading, and with textures alone.
 
 #[path = "mesa/tool.rs"]
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tool::{Mesa, agreement, double_sided, foreign_models, load, mode, models, name_of};
 
-/// The same scene, white: without its textures the tool leaves out the factors of materials, too.
+/// Returns the same scene in white, because without textures the tool also leaves out the factors of materials.
 fn white(scene: &Scene) -> Scene {
     let bleached = |object: &Arc<Object>| {
         let material = Arc::new(Material { base_color: [1.0; 4], ..Material::clone(&object.material) });
@@ -20,22 +20,21 @@ fn white(scene: &Scene) -> Scene {
     Scene { objects: scene.objects.iter().map(bleached).collect(), ..scene.clone() }
 }
 
-/// How a mesh is written as glTF.
+/// Form of a mesh as glTF.
 #[derive(Clone, Copy)]
 struct Look<'a> {
     double_sided: bool,
-    /// `"scale"` of its node.
+    /// Scale of its node (`"scale"`).
     scale: [i8; 3],
-    /// Name of the picture file on it, and wrap modes as glTF numbers them.
+    /// Name of its picture file, and wrap modes in glTF's numbers.
     picture: Option<(&'a str, [u32; 2])>,
 }
 
 const PLAIN: Look<'_> = Look { double_sided: true, scale: [1, 1, 1], picture: None };
 
-/// The mesh of an object as glTF, with the normals it has. Where an OBJ file has no normals, each reader makes its own
-/// (the tool's are split at seams of the texture: 499 of Spot's vertices differ from the importer's, by up to 36
-/// degrees), and how to make normals is not what is compared here. Not as OBJ: the tool's reader drops normals and
-/// materials there.
+/// Writes the mesh of an object as glTF, with its normals. For an OBJ file without normals each reader computes its own (the
+/// tool's are split at seams of the texture: 499 of Spot's vertices differ from the importer's, by up to 36 degrees), and this
+/// test does not compare normals. OBJ output is not possible, because the tool's reader drops normals and materials.
 fn as_gltf(mesh: &Mesh, look: Look<'_>, folder: &Path) -> PathBuf {
     let uv: Vec<_> = (0..mesh.positions.len()).map(|i| mesh.uv.get(i).copied().unwrap_or_default()).collect();
     let vectors = mesh.positions.iter().chain(&mesh.normals).flatten().chain(uv.iter().flatten());
@@ -77,7 +76,7 @@ fn only_mesh(scene: &Scene) -> Mesh {
     Mesh::clone(&object.mesh)
 }
 
-/// As the tool draws by default.
+/// Default style of the tool.
 const BUMP: Style = Style {
     shading: Shading::NormalMap,
     options: Options {
@@ -93,7 +92,7 @@ fn draw(scene: &Scene, style: Style) -> Picture {
     draw_scene(scene, &scene.frames[0], &style)
 }
 
-/// Draws with both and demands agreement.
+/// Draws with both and asserts agreement.
 fn assert_agreement(mesa: &Mesa, name: &str, scene: &Scene, model: &Path, style: Style, cull: bool) {
     assert_agreement_to(45.0, mesa, name, scene, model, style, cull);
 }
@@ -182,7 +181,7 @@ fn culling_agrees_with_mesa_mirrored_or_not() {
     }
 }
 
-/// Textures without light, filtered in this way.
+/// Returns the style of textures without light, with this filter.
 fn textured(filter: TextureFilter) -> Style {
     Style { shading: Shading::Texture, options: Options { filter, ..BUMP.options } }
 }
@@ -196,12 +195,12 @@ const MODELS: [&str; 6] = [
     "NormalTangentTest.glb",
 ];
 
-/// Draws in each filter, and demands 45 dB, of MIP levels `of_levels` dB.
+/// Draws with each filter, and asserts 45 dB, or `of_levels` dB with MIP levels.
 ///
-/// With levels the pictures differ by more than rounding: Mesa takes differences between neighbouring pixels for the
-/// derivatives that decide the level, and rounds the means of its levels in its own way. Measured: 56 dB and more.
-/// Where a side is no power of two the levels themselves differ, since OpenGL leaves it open how a level comes about:
-/// Mesa resamples the finer one with two taps, here boxes share texels ([`basrelief_scene::pyramid`]). Measured: 36 dB.
+/// With levels the pictures differ by more than rounding. Mesa takes differences between neighbouring pixels for the derivatives
+/// that decide the level, and rounds the means of its levels in its own way. Measured: 56 dB and more. If a side is no power of
+/// two, the levels themselves differ, because OpenGL does not define their computation: Mesa resamples the finer level with two
+/// taps, and here boxes share texels ([`basrelief_scene::pyramid`]). Measured: 36 dB.
 fn assert_textures_agree(mesa: &Mesa, name: &str, scene: &Scene, model: &Path, of_levels: f64) {
     let filters = [(TextureFilter::Nearest, 45.0), (TextureFilter::Bilinear, 45.0), (TextureFilter::Trilinear, of_levels)];
     for (filter, least) in filters {
@@ -219,7 +218,7 @@ fn textures_agree_with_mesa() {
 
 /// Spot with its texture: we read OBJ and MTL, the tool reads glTF, because it drops materials of OBJ files.
 #[test]
-fn the_texture_of_an_obj_file_agrees_with_mesa() {
+fn obj_texture_agrees_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };
     let Some(models) = foreign_models() else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -235,8 +234,8 @@ fn the_texture_of_an_obj_file_agrees_with_mesa() {
     assert_textures_agree(&mesa, "spot.obj", &scene, &model, 45.0);
 }
 
-/// A floor that runs to the horizon with a texture that is not square, whose sides are no powers of two, and which goes on
-/// in each of the ways that glTF knows.
+/// A floor that extends to the horizon. Its texture is not square, its sides are no powers of two, and it uses each wrap mode of
+/// glTF.
 #[test]
 fn textures_of_any_size_and_wrap_agree_with_mesa() {
     let Some(mesa) = Mesa::find() else { return };
@@ -254,7 +253,7 @@ fn textures_of_any_size_and_wrap_agree_with_mesa() {
     }
 }
 
-/// A square of two triangles seen at a low angle, its texture coordinates running from -1.5 to 2.5.
+/// Creates a square of two triangles seen at a low angle, with texture coordinates from -1.5 to 2.5.
 fn floor() -> Mesh {
     let corners = [[-1.0, 4.0], [1.0, 4.0], [1.0, -4.0], [-1.0, -4.0_f32]];
     Mesh {

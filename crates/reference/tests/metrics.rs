@@ -1,4 +1,4 @@
-//! The metrics against the implementations their fields use, and their laws.
+//! Comparison of the metrics with the standard implementations of their fields, and their laws.
 
 use basrelief_reference::metrics::{IDENTICAL_DB, difference, flip, psnr, scaled_difference, ssim};
 use basrelief_reference::{Picture, Quality};
@@ -35,10 +35,10 @@ fn picture(width: u32, height: u32, value: impl Fn(u32, u32, u32) -> u32) -> Pic
     picture
 }
 
-/// Pictures of 96 x 64 pixels. Made with numpy 2.4 (PSNR from the mean squared error), scikit-image 0.26
-/// (`structural_similarity` of the Rec. 601 luma, `gaussian_weights=True, sigma=1.5, use_sample_covariance=False,
-/// data_range=255, full=True`, mean of the whole map), and NVIDIA's flip-evaluator 1.7 (`evaluate(a / 255, b / 255,
-/// "LDR", inputsRGB=True, applyMagma=False, computeMeanError=True, parameters={"ppd": 67})`).
+/// Pictures of 96 x 64 pixels. Computed with numpy 2.4 (PSNR from the mean squared error), scikit-image 0.26
+/// (`structural_similarity` of the Rec. 601 luma, `gaussian_weights=True, sigma=1.5, use_sample_covariance=False, data_range=255,
+/// full=True`, mean of the whole map), and NVIDIA's flip-evaluator 1.7 (`evaluate(a / 255, b / 255, "LDR", inputsRGB=True,
+/// applyMagma=False, computeMeanError=True, parameters={"ppd": 67})`).
 const EXPECTED: [(Pattern, Pattern, [f64; 3]); 4] = [
     (smooth, coarse, [23.074782, 0.826686, 0.339232]),
     (check, shifted, [6.036421, 0.259750, 0.683534]),
@@ -47,7 +47,7 @@ const EXPECTED: [(Pattern, Pattern, [f64; 3]); 4] = [
 ];
 
 #[test]
-fn metrics_agree_with_numpy_scikit_image_and_nvidias_flip() {
+fn metrics_agree_with_numpy_scikit_image_and_nvidia_flip() {
     for (number, (a, b, [psnr_db, ssim, flip])) in EXPECTED.into_iter().enumerate() {
         let quality = Quality::measure(&picture(96, 64, a), &picture(96, 64, b)).expect("same size");
         assert!((quality.psnr_db - psnr_db).abs() < 2e-6, "pair {number}: {quality:?}");
@@ -78,7 +78,7 @@ fn background_counts_only_where_one_picture_covers_it() {
 }
 
 #[test]
-fn nothing_covered_is_identical() {
+fn uncovered_pictures_are_identical() {
     for (width, height) in [(0, 0), (5, 4)] {
         let nothing = Picture::new(width, height);
         let expected = Quality { psnr_db: IDENTICAL_DB, ssim: 1.0, flip: 0.0 };
@@ -87,7 +87,7 @@ fn nothing_covered_is_identical() {
 }
 
 #[test]
-fn pictures_of_different_size_are_refused() {
+fn different_sizes_are_an_error() {
     let (exact, other) = (Picture::new(4, 3), Picture::new(3, 4));
     let error = Quality::measure(&exact, &other).expect_err("sizes differ");
     assert_eq!((error.exact, error.other), ([4, 3], [3, 4]));
@@ -98,7 +98,7 @@ fn pictures_of_different_size_are_refused() {
 }
 
 #[test]
-fn black_against_white_is_the_worst() {
+fn black_against_white_is_worst() {
     let (black, white) = (picture(30, 30, |_, _, _| 0), picture(30, 30, |_, _, _| 255));
     assert_eq!(psnr(&black, &white), Ok(0.0));
     assert!(ssim(&black, &white).expect("same size") < 1e-3);
@@ -106,7 +106,7 @@ fn black_against_white_is_the_worst() {
 }
 
 #[test]
-fn the_largest_difference_is_scaled_to_all_there_is() {
+fn largest_difference_is_scaled_to_255() {
     let (result, largest) = scaled_difference(&picture(3, 1, |_, _, _| 100), &picture(3, 1, |x, _, _| 100 - 20 * x)).unwrap();
     assert_eq!((largest, result.rgb), (40, vec![[0; 3], [128; 3], [255; 3]]));
     let same = picture(2, 1, |_, _, _| 7);

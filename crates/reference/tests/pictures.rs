@@ -1,4 +1,4 @@
-//! What the exact picture must be, on generated scenes.
+//! Properties of the exact picture, on generated scenes.
 
 mod common;
 
@@ -26,7 +26,7 @@ fn from_polygons(scene: &Scene, frame: &Frame, options: &Options) -> Picture {
     renderer.finish()
 }
 
-/// A square of side 2 in the plane z = 0, facing +z, in `n * n * 2` triangles.
+/// Creates a square of side 2 in the plane z = 0, facing +z, in `n * n * 2` triangles.
 fn square(n: u32) -> Mesh {
     let mut mesh = Mesh::default();
     for i in 0..(n + 1) * (n + 1) {
@@ -65,7 +65,7 @@ fn scene_and_polygons_agree_to_60_db() {
 }
 
 #[test]
-fn a_facing_square_has_the_brightness_of_the_formula() {
+fn facing_square_has_brightness_of_formula() {
     let to_light = [0.6, 0.0, 0.8];
     let lighting = Lighting { ka: 0.1, kd: 0.5, ks: 0.3, n: 8.0 };
     let material = Material { base_color: [0.5, 1.0, 0.25, 1.0], lighting, ..Material::default() };
@@ -83,7 +83,7 @@ fn a_facing_square_has_the_brightness_of_the_formula() {
 }
 
 #[test]
-fn the_specular_term_is_not_gated() {
+fn specular_term_is_not_gated() {
     let to_light = [0.0, 0.96, -0.28];
     let lighting = Lighting { ka: 0.0, kd: 1.0, ks: 1.0, n: 1.0 };
     let material = Material { lighting, ..Material::default() };
@@ -93,7 +93,7 @@ fn the_specular_term_is_not_gated() {
 }
 
 #[test]
-fn point_lights_are_evaluated_at_the_centre_of_the_world_box() {
+fn point_lights_are_evaluated_at_world_box_centre() {
     let world = [2., 0., 0., 5., 0., 1., 0., 0., 0., 0., 1., -2., 0., 0., 0., 1.];
     let mesh = Mesh { positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 1.0], [0.5, 3.0, 0.25]], ..Mesh::default() };
     assert_eq!(object_centre(&object(mesh, world, Material::default())), [6.0, 1.5, -1.5]);
@@ -105,7 +105,7 @@ fn point_lights_are_evaluated_at_the_centre_of_the_world_box() {
 }
 
 #[test]
-fn a_normal_map_tilts_the_normal_in_its_tangent_frame() {
+fn normal_map_tilts_normal_in_tangent_frame() {
     // +Y up: the bitangent cross(N, T) of this square is +y.
     let tilted = DVec3::new(0.48, 0.36, 0.8);
     let texel = tilted.to_array().map(|c| (127.5 * (c + 1.0)).round() as u8);
@@ -124,7 +124,7 @@ fn a_normal_map_tilts_the_normal_in_its_tangent_frame() {
 }
 
 #[test]
-fn clipping_at_the_near_plane_leaves_the_rest_as_it_is() {
+fn near_plane_clipping_keeps_the_rest() {
     let floor = [4., 0., 0., 0., 0., 0., 4., -1., 0., 4., 0., 0., 0., 0., 0., 1.];
     let frame = frame(160, 120, DVec3::new(0.3, 0.2, 2.0));
     let draw = |n| {
@@ -138,7 +138,7 @@ fn clipping_at_the_near_plane_leaves_the_rest_as_it_is() {
 }
 
 #[test]
-fn front_faces_stay_front_faces_under_a_mirroring_transform() {
+fn front_faces_survive_mirroring() {
     let mirror = [-1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
     let behind = [-1., 0., 0., 0., 0., 1., 0., 0., 0., 0., -1., 0., 0., 0., 0., 1.];
     let frame = white(LightKind::Directional { to_light: [0.0, 0.0, 1.0] }, 40);
@@ -153,7 +153,7 @@ fn front_faces_stay_front_faces_under_a_mirroring_transform() {
 }
 
 #[test]
-fn normals_of_back_faces_are_reversed_on_request() {
+fn back_face_normals_reverse_on_request() {
     let behind = [-1., 0., 0., 0., 0., 1., 0., 0., 0., 0., -1., 0., 0., 0., 0., 1.];
     let frame = white(LightKind::Directional { to_light: [0.0, 0.0, 1.0] }, 40);
     let material = Material { double_sided: true, ..Material::default() };
@@ -167,7 +167,7 @@ fn normals_of_back_faces_are_reversed_on_request() {
 }
 
 #[test]
-fn a_surface_in_front_hides_what_is_drawn_before_and_after() {
+fn front_surface_hides_earlier_and_later_ones() {
     let near = [0.5, 0., 0., 0., 0., 0.5, 0., 0., 0., 0., 0.5, 1.5, 0., 0., 0., 1.];
     let red = Material { base_color: [1.0, 0.0, 0.0, 1.0], ..Material::default() };
     let objects = [object(sphere(80), near, red), object(sphere(80), IDENTITY, Material::default())];
@@ -179,7 +179,7 @@ fn a_surface_in_front_hides_what_is_drawn_before_and_after() {
 }
 
 #[test]
-fn a_renderer_draws_frame_after_frame() {
+fn renderer_draws_several_frames() {
     let scene = bumpy_sphere(12);
     let options = Options::default();
     let (info, first) = polygons(&scene.objects[0], &frame(80, 60, EYE));
@@ -197,7 +197,7 @@ fn a_renderer_draws_frame_after_frame() {
 }
 
 #[test]
-fn polygons_are_fans_and_senseless_ones_are_left_out() {
+fn polygons_are_fans_and_invalid_ones_are_dropped() {
     let frame = white(LightKind::Directional { to_light: [0.0, 0.0, 1.0] }, 16);
     let draw = |corners: &[[f32; 2]], inverse_w: f32| {
         let vertex = |&[x, y]: &[f32; 2]| Vertex { position: [x, y, 0.5, inverse_w], ..Vertex::default() };
@@ -216,7 +216,7 @@ fn polygons_are_fans_and_senseless_ones_are_left_out() {
 }
 
 #[test]
-fn indices_out_of_range_are_left_out() {
+fn indices_out_of_range_are_dropped() {
     let mut mesh = square(1);
     mesh.indices = vec![0, 2, 99, 0, 2];
     let scene = scene(vec![object(mesh, IDENTITY, Material::default())]);

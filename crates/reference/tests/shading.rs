@@ -15,7 +15,7 @@ const TO_LIGHT: [f32; 3] = [0.6, 0.0, 0.8];
 const LIGHTING: Lighting = Lighting { ka: 0.1, kd: 0.5, ks: 0.375, n: 8.0 };
 const SIDE: u32 = 64;
 
-/// Colours as the shading device makes them: highlights white, no textures.
+/// Returns a style with the colours of the shading device: white highlights, no textures.
 fn plain(shading: Shading) -> Style {
     let options = Options { filter: TextureFilter::None, components: Components::Separate, ..Options::default() };
     Style { shading, options }
@@ -32,13 +32,13 @@ fn from_polygons(scene: &Scene, frame: &Frame, style: &Style) -> Picture {
     renderer.finish()
 }
 
-/// One light from [`TO_LIGHT`], the eye on the z axis.
+/// Returns a frame with one light from [`TO_LIGHT`], and the eye on the z axis.
 fn facing() -> Frame {
     let lights = vec![Light { kind: LightKind::Directional { to_light: TO_LIGHT }, intensity: 1.0 }];
     Frame { lights, ..frame(SIDE, SIDE, DVec3::new(0.0, 0.0, 4.0)) }
 }
 
-/// Ambient and diffuse, and specular brightness by the formula, seen and lit as in [`facing`].
+/// Returns ambient and diffuse, and specular brightness by the formula, in the view and light of [`facing`].
 fn terms(normal: DVec3) -> [f64; 2] {
     let to_light = DVec3::from(TO_LIGHT.map(f64::from)).normalize();
     let half = (to_light + DVec3::Z).normalize();
@@ -46,12 +46,12 @@ fn terms(normal: DVec3) -> [f64; 2] {
     [ka + kd * normal.dot(to_light).max(0.0), ks * normal.dot(half).max(0.0).powi(8)]
 }
 
-/// Normals that fan out from the corners of a triangle, less or more.
+/// Returns normals that fan out from the corners of a triangle by different amounts.
 fn normals() -> [DVec3; 3] {
     [[-0.3, 0.1, 0.9], [0.9, 0.2, 0.7], [0.3, -0.8, 0.6]].map(|n| DVec3::from(n).normalize())
 }
 
-/// A triangle in the plane z = 0, facing +z, with [`normals`].
+/// Creates a triangle in the plane z = 0, facing +z, with [`normals`].
 fn triangle() -> Mesh {
     let positions = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
     let normals = normals().map(|n| n.as_vec3().to_array()).to_vec();
@@ -79,7 +79,7 @@ fn scene_and_polygons_agree_to_60_db_in_each_shading() {
 }
 
 #[test]
-fn a_polygon_has_the_one_brightness_of_its_normal_or_of_its_vertices() {
+fn polygon_has_brightness_of_its_normal_or_vertices() {
     let material = Material { base_color: [0.5, 1.0, 0.25, 1.0], lighting: LIGHTING, ..Material::default() };
     let scene = scene(vec![object(triangle(), IDENTITY, material)]);
     let of_vertices = normals().map(terms);
@@ -100,7 +100,7 @@ fn a_polygon_has_the_one_brightness_of_its_normal_or_of_its_vertices() {
 
 /// Constant shading of the shading device: the mean over the sample points of the polygon, three or more.
 #[test]
-fn the_mean_is_over_all_vertices_of_a_polygon() {
+fn mean_is_over_all_vertices_of_polygon() {
     let corner = |[x, y]: [f32; 2], normal: DVec3| {
         let normal = normal.as_vec3().to_array();
         Vertex { position: [x, y, 0.5, 1.0], normal, ..Vertex::default() }
@@ -119,10 +119,9 @@ fn the_mean_is_over_all_vertices_of_a_polygon() {
     }
 }
 
-/// Light at the vertices is a colour at the vertices: interpolated perspective-correctly, unsaturated, and not changed
-/// by clipping.
+/// Light at the vertices is a colour at the vertices: interpolated perspective-correctly, unsaturated, and unchanged by clipping.
 #[test]
-fn gouraud_interpolates_the_light_of_the_vertices() {
+fn gouraud_interpolates_vertex_light() {
     let floor = [4., 0., 0., 0., 0., 0., 4., -0.25, 0., 4., 0., 0., 0., 0., 0., 1.];
     let frame = Frame { lights: facing().lights, ..frame(160, 120, DVec3::new(0.3, 0.2, 2.0)) };
     let to_viewer = DVec3::from(frame.camera.to_viewer);
@@ -138,7 +137,7 @@ fn gouraud_interpolates_the_light_of_the_vertices() {
     let expected = draw_scene(&scene(vec![object(painted.clone(), IDENTITY, glowing.clone())]), &frame, &plain(Shading::Phong));
     assert!(drawn.covered.iter().filter(|c| **c).count() > 1_000);
     assert!(psnr(&drawn, &expected).expect("same size") > 70.0);
-    // The floor runs below the eye and behind it; its transform exchanges y and z.
+    // The floor extends below the eye and behind it. Its transform exchanges y and z.
     let turned = |n: DVec3| DVec3::new(n.x, n.z, n.y).as_vec3().to_array();
     let lit = Mesh { normals: normals().map(turned).to_vec(), ..lit };
     let drawn = draw_scene(&scene(vec![object(lit, floor, shiny)]), &frame, &plain(Shading::Gouraud));
@@ -148,7 +147,7 @@ fn gouraud_interpolates_the_light_of_the_vertices() {
 }
 
 #[test]
-fn a_fine_mesh_looks_the_same_in_every_shading() {
+fn fine_mesh_looks_the_same_in_every_shading() {
     let frame = frame(160, 120, EYE);
     let picture = |rings, shading| {
         let material = Material { lighting: LIGHTING, ..Material::default() };
@@ -162,7 +161,7 @@ fn a_fine_mesh_looks_the_same_in_every_shading() {
 }
 
 #[test]
-fn without_textures_only_factor_and_vertex_colour_are_left() {
+fn missing_textures_leave_factor_and_vertex_colour() {
     let frame = frame(120, 90, EYE);
     let mut bare = bumpy_sphere(20);
     let object = Arc::make_mut(&mut bare.objects[0]);
@@ -176,7 +175,7 @@ fn without_textures_only_factor_and_vertex_colour_are_left() {
 }
 
 #[test]
-fn normals_of_back_faces_are_reversed_at_vertices_and_faces_too() {
+fn back_face_normals_reverse_at_vertices_and_faces() {
     let behind = [-1., 0., 0., 0., 0., 1., 0., 0., 0., 0., -1., 0., 0., 0., 0., 1.];
     let lights = vec![Light { kind: LightKind::Directional { to_light: [0.0, 0.0, 1.0] }, intensity: 1.0 }];
     let frame = Frame { lights, ..facing() };

@@ -2,16 +2,16 @@
 
 use std::ops::Range;
 
-/// What lies beyond the rim of a picture.
+/// Continuation of a picture beyond its rim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rim {
-    /// The rim pixel extends.
+    /// The rim pixel is repeated.
     Extended,
-    /// The picture is mirrored, rim pixel included.
+    /// The picture is mirrored, including the rim pixel.
     Mirrored,
 }
 
-/// The part of a picture that filters are computed on.
+/// Part of a picture on which filters are computed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Window {
     pub columns: Range<usize>,
@@ -28,14 +28,14 @@ impl Window {
     }
 }
 
-/// Pixels that are looked at at a time: where there are more, it is done strip by strip, so that what is found of a large picture is
-/// never in memory as a whole.
+/// Pixels processed at a time. Larger pictures are processed strip by strip, so that intermediate results of a large picture are
+/// never all in memory.
 pub(crate) const STRIP_PIXELS: usize = 1 << 19;
-/// Rows that a strip has, at least, where there are so many: up to twenty more are filtered for it. So the rows that are held take no more
-/// than 37 bytes per pixel.
+/// Least rows of a strip, if the window has that many. Up to twenty more are filtered for it. The stored rows therefore take at
+/// most 37 bytes per pixel.
 pub(crate) const STRIP_ROWS: usize = 64;
 
-/// Rows that are looked at, and those that filters reach from there.
+/// Rows of a strip, and the rows that its filters reach.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Strip {
     pub rows: Range<usize>,
@@ -43,8 +43,8 @@ pub(crate) struct Strip {
 }
 
 impl Strip {
-    /// The strips of a window, of about so many pixels. What is filtered in one is what it would be of the whole window: its rim is
-    /// the window's, or lies beyond what filters of this radius reach.
+    /// Divides a window into strips of about this many pixels. A filter of this radius has the same result in a strip as in the
+    /// whole window: the strip's rim is the window's, or lies beyond the reach of the filter.
     pub fn all(pixels: usize, window: &Window, radius: usize) -> Vec<Self> {
         if window.pixels() == 0 {
             return Vec::new();
@@ -64,13 +64,13 @@ impl Strip {
 pub(crate) struct Kernel(pub Vec<f64>);
 
 impl Kernel {
-    /// Weights `f(-radius) ..= f(radius)`.
+    /// Creates weights `f(-radius) ..= f(radius)`.
     pub fn new(radius: usize, f: impl Fn(f64) -> f64) -> Self {
         let radius = radius as i32;
         Self((-radius..=radius).map(|x| f(f64::from(x))).collect())
     }
 
-    /// Scaled so that positive weights sum to 1 and negative ones to -1.
+    /// Scales the weights so that positive ones sum to 1 and negative ones to -1.
     pub fn normalised(mut self) -> Self {
         let total = |sign: f64| self.0.iter().map(|w| (w * sign).max(0.0)).sum::<f64>();
         let (positive, negative) = (total(1.0), total(-1.0));
@@ -84,8 +84,8 @@ impl Kernel {
         self.0.len() / 2
     }
 
-    /// Adds the weighted rows that the taps 0, 1, .. read. Four taps at a time: the sums are then loaded and stored a
-    /// quarter as often, which halves the time of a filter.
+    /// Adds the weighted rows that the taps 0, 1, .. read. Four taps at a time load and store the sums a quarter as often, which
+    /// halves the time of a filter.
     fn add_taps<'a>(&self, sums: &mut [f64], row: impl Fn(usize) -> &'a [f64]) {
         let mut taps = self.0.chunks_exact(4);
         let mut first = 0;
@@ -104,22 +104,23 @@ impl Kernel {
     }
 }
 
-/// The last rows of a plane, filtered across: as many as a filter down the plane reads. Whole planes, some twenty of them, would have to
-/// come from memory for every pass, and from the operating system for every picture: two threads lost two fifths of their time there.
+/// Last rows of a plane, filtered across: as many as a filter down the plane reads. Some twenty whole planes would come from
+/// memory in every pass, and from the operating system for every picture: two threads lost two fifths of their time there.
 #[derive(Clone, Debug)]
 pub(crate) struct Rows<'a> {
     across: &'a Kernel,
     rim: Rim,
     width: usize,
     height: usize,
-    /// A ring of rows.
+    /// Ring buffer of rows.
     values: Vec<f64>,
-    /// A row, with what lies beyond its rim on both sides.
+    /// A row, extended beyond its rim on both sides.
     padded: Vec<f64>,
 }
 
 impl<'a> Rows<'a> {
-    /// Of a plane of this width and height, whose rows are taken in up to a radius ahead of the one that is filtered down.
+    /// Creates a buffer for a plane of this width and height. Rows are received up to a radius ahead of the row that is filtered
+    /// down.
     pub fn new(across: &'a Kernel, radius: usize, (width, height): (usize, usize), rim: Rim) -> Self {
         let held = height.min(2 * radius + 1);
         Self { across, rim, width, height, values: vec![0.0; held * width], padded: vec![0.0; width + 2 * across.radius()] }
@@ -130,7 +131,7 @@ impl<'a> Rows<'a> {
         first..first + self.width
     }
 
-    /// Takes in a row of the plane. They come in order.
+    /// Receives a row of the plane. Rows arrive in order.
     pub fn take(&mut self, row: usize, values: &[f64]) {
         let (radius, width) = (self.across.radius(), self.width);
         let rim = |i: usize| self.rim.inside(i as isize - radius as isize, width);
@@ -143,7 +144,7 @@ impl<'a> Rows<'a> {
         self.across.add_taps(out, |k| &self.padded[k..k + width]);
     }
 
-    /// A row of the plane, filtered down, too.
+    /// Returns a row of the plane, filtered both across and down.
     pub fn down(&self, row: usize, kernel: &Kernel, out: &mut [f64]) {
         out.fill(0.0);
         kernel.add_taps(out, |k| {
@@ -153,7 +154,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Rows up to `last`, as far as there are such, that have not been taken yet: they are then.
+/// Returns the existing rows up to `last` that were not received before, and marks them as received.
 pub(crate) fn due(taken: &mut usize, last: usize, height: usize) -> Range<usize> {
     let until = height.min(last + 1);
     std::mem::replace(taken, until)..until
@@ -177,7 +178,7 @@ impl Rim {
 mod tests {
     use super::*;
 
-    /// A plane, filtered across and down; by no kernel it stays as it is.
+    /// Returns a plane filtered across and down. Without kernels it is unchanged.
     fn filtered(plane: &[f64], width: usize, kernels: [Option<&Kernel>; 2], rim: Rim) -> Vec<f64> {
         let same = Kernel(vec![1.0]);
         let [across, down] = kernels.map(|kernel| kernel.unwrap_or(&same));
@@ -195,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn kernels_normalise_positive_and_negative_weights_apart() {
+    fn kernel_normalises_positive_and_negative_weights() {
         let kernel = Kernel::new(2, |x| -x).normalised();
         assert_eq!(kernel.0, [2.0 / 3.0, 1.0 / 3.0, 0.0, -1.0 / 3.0, -2.0 / 3.0]);
     }
@@ -212,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_has_more_rows_than_are_held() {
+    fn plane_may_have_more_rows_than_buffer() {
         let plane: Vec<f64> = (0..9).map(f64::from).collect();
         let two_up = Kernel(vec![1.0, 0.0, 0.0, 0.0, 0.0]);
         let two_down = Kernel(vec![0.0, 0.0, 0.0, 0.0, 1.0]);

@@ -1,9 +1,8 @@
-//! LDR-FLIP: the difference a viewer sees when two pictures alternate.
+//! LDR-FLIP: the difference that a viewer sees between two alternating pictures.
 //!
-//! P. Andersson, J. Nilsson, T. Akenine-Moeller, M. Oskarsson, K. Astroem and M. D. Fairchild: FLIP: A Difference
-//! Evaluator for Alternating Images. Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020. Section numbers below are
-//! those of the paper. The spatial filters are sums of Gaussians and therefore separable: two passes of 21 taps
-//! instead of 441.
+//! P. Andersson, J. Nilsson, T. Akenine-Moeller, M. Oskarsson, K. Astroem and M. D. Fairchild: FLIP: A Difference Evaluator for
+//! Alternating Images. Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020. Section numbers below are those of the paper. The
+//! spatial filters are sums of Gaussians and therefore separable: two passes of 21 taps instead of 441.
 
 use super::filter::{Kernel, Rim, Rows, Strip, Window, due};
 use super::{SizeMismatch, covered, covered_in, mean, same_size, strip_pixels};
@@ -19,7 +18,7 @@ const TURN_SHARE: f64 = 0.4;
 const TURN_VALUE: f64 = 0.95;
 /// Width of the feature detectors \[degrees\] (4.2.1).
 const FEATURE_WIDTH: f64 = 0.082;
-/// Pixels that a filter reaches: three standard deviations of the widest Gaussian, rounded up.
+/// Reach of a filter \[pixels\]: three standard deviations of the widest Gaussian, rounded up.
 const COLOR_RADIUS: usize = 10;
 const FEATURE_RADIUS: usize = 9;
 
@@ -38,16 +37,16 @@ const FROM_XYZ: [[f64; 3]; 3] = [
     [0.055_639_419_851_975, -0.204_011_206_123_91, 1.057_148_977_187_533],
 ];
 
-/// Mean FLIP error of the pixels covered in either picture, 0..=1; 0 if nothing is covered.
+/// Returns the mean FLIP error of the pixels covered in either picture, 0..=1, or 0 if no pixel is covered.
 ///
 /// # Errors
-/// If the pictures differ in size.
+/// Returns an error if the pictures differ in size.
 pub fn flip(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
     same_size(exact, other)?;
     Ok(reach(exact, other).map_or(0.0, |window| flip_by(exact, other, &window, strip_pixels(&window))))
 }
 
-/// In strips of about so many pixels.
+/// Computes the error in strips of about this many pixels.
 fn flip_by(exact: &Picture, other: &Picture, window: &Window, strip_pixels: usize) -> f64 {
     let planes = Planes::new();
     let largest = largest_color_difference();
@@ -69,7 +68,7 @@ fn flip_by(exact: &Picture, other: &Picture, window: &Window, strip_pixels: usiz
     })
 }
 
-/// The covered pixels and what their filters reach.
+/// Returns the covered pixels and the pixels in reach of their filters.
 fn reach(exact: &Picture, other: &Picture) -> Option<Window> {
     let (width, height) = (exact.width as usize, exact.height as usize);
     let mut pixels = covered(exact, other).map(|i| (i % width, i / width));
@@ -81,12 +80,12 @@ fn reach(exact: &Picture, other: &Picture) -> Option<Window> {
     Some(Window { columns: reached(columns, width), rows: reached(rows, height) })
 }
 
-/// What an eye that moves down a picture makes of a row: filtered colour, and strength of edges and points in its luminance.
+/// Vision model of a row: filtered colour, and strength of edges and points in its luminance. It moves down the picture.
 struct Eye<'a> {
     planes: &'a Planes,
     picture: &'a Picture,
     window: &'a Window,
-    /// Rows taken in so far.
+    /// Rows received so far.
     taken: usize,
     /// Luminance, red-green and blue-yellow (the latter twice).
     opponents: [Rows<'a>; 4],
@@ -103,7 +102,7 @@ struct Eye<'a> {
 impl<'a> Eye<'a> {
     fn new(planes: &'a Planes, picture: &'a Picture, window: &'a Window) -> Self {
         let size = (window.width(), window.rows.len());
-        // The features' kernels reach less far, but their rows are taken in with the others.
+        // The features' kernels have a smaller radius, but their rows are received with the others.
         let rows = |across: &'a Kernel| Rows::new(across, COLOR_RADIUS, size, Rim::Extended);
         let [(_, first), (_, second)] = &planes.blue_yellow;
         let row = || vec![0.0; window.width()];
@@ -121,7 +120,7 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// Moves to a row of the window, further down than the last.
+    /// Moves to a row of the window below the last one.
     fn look_at(&mut self, row: usize) {
         let height = self.window.rows.len();
         for due in due(&mut self.taken, row + COLOR_RADIUS, height) {
@@ -141,7 +140,7 @@ impl<'a> Eye<'a> {
         smoothed.down(row, bend, &mut self.points[1]);
     }
 
-    /// Takes in a row of the window, in YCxCz, a linear opponent space (4.1.1).
+    /// Receives a row of the window, in YCxCz, a linear opponent space (4.1.1).
     fn take(&mut self, row: usize) {
         let Self { planes, picture, window, .. } = self;
         let start = (window.rows.start + row) * picture.width as usize;
@@ -160,7 +159,7 @@ impl<'a> Eye<'a> {
         self.features.iter_mut().for_each(|rows| rows.take(row, &y));
     }
 
-    /// Filtered colour, saturated to what a monitor shows, in Hunt-adjusted CIELAB.
+    /// Returns the filtered colour, saturated to the monitor's range, in Hunt-adjusted CIELAB.
     fn lab(&self, at: usize) -> [f64; 3] {
         let [y, cx, cz] = [0, 1, 2].map(|k| self.color[k][at]);
         let relative_y = (y + 16.0) / 116.0;
@@ -198,13 +197,13 @@ impl Planes {
     }
 }
 
-/// One Gaussian of a contrast sensitivity function, in pixels: exp(-pi^2 d^2 / b) at d degrees (4.1.1).
+/// Returns one Gaussian of a contrast sensitivity function, in pixels: exp(-pi^2 d^2 / b) at d degrees (4.1.1).
 fn sensitivity(b: f64) -> Kernel {
     Kernel::new(COLOR_RADIUS, |x| libm::exp(-(PI * x / PIXELS_PER_DEGREE) * (PI * x / PIXELS_PER_DEGREE) / b))
 }
 
-/// Blue-yellow is the sum of two Gaussians a * sqrt(pi / b) * exp(..), which as a whole sums to 1: each is normalised
-/// by itself and keeps its share.
+/// Returns the parts of blue-yellow: the sum of two Gaussians a * sqrt(pi / b) * exp(..), which sums to 1. Each is normalised by
+/// itself and keeps its share.
 fn blue_yellow() -> [(f64, Kernel); 2] {
     let parts = [(34.1, 0.04), (13.5, 0.025)].map(|(a, b)| {
         let kernel = sensitivity(b);
@@ -215,7 +214,7 @@ fn blue_yellow() -> [(f64, Kernel); 2] {
     parts.map(|(share, kernel)| (share / total, kernel))
 }
 
-/// Difference of edges or points, whichever differs more, 0..=1 (4.2).
+/// Returns the difference of edges or of points, the larger of the two, 0..=1 (4.2).
 fn feature_difference(left: &Eye<'_>, right: &Eye<'_>, at: usize) -> f64 {
     let strength = |pair: &[Vec<f64>; 2]| (pair[0][at] * pair[0][at] + pair[1][at] * pair[1][at]).sqrt();
     let edges = (strength(&left.edges) - strength(&right.edges)).abs();
@@ -223,19 +222,19 @@ fn feature_difference(left: &Eye<'_>, right: &Eye<'_>, at: usize) -> f64 {
     (edges.max(points) * std::f64::consts::FRAC_1_SQRT_2).sqrt().min(1.0)
 }
 
-/// HyAB distance (4.1.2).
+/// Returns the HyAB distance (4.1.2).
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     let [l, u, v] = [0, 1, 2].map(|k| a[k] - b[k]);
     l.abs() + (u * u + v * v).sqrt()
 }
 
-/// Between green and blue, the farthest apart of the colours a monitor shows, raised to [`COLOR_EXPONENT`].
+/// Returns the distance between green and blue, the largest between colours of a monitor, raised to [`COLOR_EXPONENT`].
 fn largest_color_difference() -> f64 {
     let [green, blue] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(hunt_adjusted_lab);
     power(distance(green, blue), COLOR_EXPONENT)
 }
 
-/// Power of a base >= 0; no difference stays none. Some units in the last place off, at half the time of `libm::pow`.
+/// Raises a base >= 0 to a power. 0 stays 0. It is off by some units in the last place, at half the time of `libm::pow`.
 fn power(base: f64, exponent: f64) -> f64 {
     if base > 0.0 { libm::exp(exponent * libm::log(base)) } else { 0.0 }
 }
@@ -250,7 +249,7 @@ fn redistributed(difference: f64, largest: f64) -> f64 {
     }
 }
 
-/// CIELAB with chroma scaled by lightness, as colours look less colourful in the dark (4.1.2).
+/// Converts to CIELAB with chroma scaled by lightness, because colours look less colourful in the dark (4.1.2).
 fn hunt_adjusted_lab(linear_rgb: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = relative_xyz(linear_rgb).map(|t| {
         const DELTA: f64 = 6.0 / 29.0;
@@ -260,7 +259,7 @@ fn hunt_adjusted_lab(linear_rgb: [f64; 3]) -> [f64; 3] {
     [lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z)]
 }
 
-/// XYZ over that of white.
+/// Returns XYZ divided by that of white.
 fn relative_xyz(linear_rgb: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = times(&TO_XYZ, linear_rgb);
     [x / WHITE[0], y / WHITE[1], z / WHITE[2]]
@@ -270,7 +269,7 @@ fn times(matrix: &[[f64; 3]; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| row[0] * x + row[1] * y + row[2] * z)
 }
 
-/// sRGB decoding, 0..=1.
+/// Decodes sRGB, 0..=1.
 fn linear(value: f64) -> f64 {
     if value > 0.04045 { libm::pow((value + 0.055) / 1.055, 2.4) } else { value / 12.92 }
 }
@@ -281,7 +280,7 @@ mod tests {
     use crate::metrics::tests::noise;
 
     #[test]
-    fn strips_come_to_the_same_as_the_whole() {
+    fn strips_match_whole_picture() {
         let (exact, other) = (noise(31, 57, 1), noise(31, 57, 2));
         let window = reach(&exact, &other).unwrap();
         let whole = flip_by(&exact, &other, &window, usize::MAX);

@@ -1,10 +1,9 @@
-//! How far a picture is from the exact one: PSNR, SSIM and FLIP, over the pixels covered in *either* picture, so that
-//! a missing pixel counts as much as a wrong one and the background not at all.
+//! Quality of a picture against the exact one: PSNR, SSIM and FLIP over the pixels covered in *either* picture. A missing pixel
+//! counts as much as a wrong one, and the background does not count.
 //!
-//! Pure Rust, `f64`, transcendental functions from `libm` only, rounded to 6 decimals: the same to the bit on every
-//! host. `nv-flip` was rejected: it compiles C++, so that Rust and a C compiler would no longer be all one needs, and
-//! calls the host's `pow`, whose last bits differ between systems. Both SSIM and FLIP are tested against the
-//! implementations that their fields use.
+//! The code is pure Rust in `f64`, with transcendental functions from `libm` only, rounded to 6 decimals, so that every host
+//! computes the same bits. `nv-flip` was rejected: it needs a C++ compiler besides Rust, and it calls the host's `pow`, whose
+//! last bits differ between systems. Both SSIM and FLIP are tested against the standard implementations of their fields.
 
 mod filter;
 mod flip;
@@ -18,7 +17,7 @@ use basrelief_threads as threads;
 use filter::{STRIP_PIXELS, STRIP_ROWS, Strip, Window};
 use std::ops::Range;
 
-/// PSNR of identical pictures \[dB\], and the most that is ever reported.
+/// PSNR of identical pictures \[dB\], and the largest reported value.
 pub const IDENTICAL_DB: f64 = 99.0;
 
 /// Quality of a picture against the exact one.
@@ -32,7 +31,7 @@ pub struct Quality {
     pub flip: f64,
 }
 
-/// The pictures to be compared are not of one size.
+/// Size mismatch of two pictures to be compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "exact picture {}x{} against picture {}x{}: both must have the same size, and as many pixels as it says; draw \
@@ -47,20 +46,20 @@ pub struct SizeMismatch {
 }
 
 impl Quality {
-    /// All three metrics.
+    /// Computes all three metrics.
     ///
     /// # Errors
-    /// If the pictures differ in size.
+    /// Returns an error if the pictures differ in size.
     pub fn measure(exact: &Picture, other: &Picture) -> Result<Self, SizeMismatch> {
         Ok(Self { psnr_db: psnr(exact, other)?, ssim: ssim(exact, other)?, flip: flip(exact, other)? })
     }
 }
 
-/// Peak signal-to-noise ratio over red, green and blue of the pixels covered in either picture \[dB\]:
-/// `10 * log10(255^2 / mean squared error)`, [`IDENTICAL_DB`] if they are identical or nothing is covered.
+/// Computes the peak signal-to-noise ratio over red, green and blue of the pixels covered in either picture \[dB\]: `10 *
+/// log10(255^2 / mean squared error)`, or [`IDENTICAL_DB`] if they are identical or no pixel is covered.
 ///
 /// # Errors
-/// If the pictures differ in size.
+/// Returns an error if the pictures differ in size.
 pub fn psnr(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
     same_size(exact, other)?;
     let mut sum = 0.0;
@@ -78,20 +77,22 @@ pub fn psnr(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
     Ok(rounded((10.0 * libm::log10(255.0 * 255.0 * count / sum)).min(IDENTICAL_DB)))
 }
 
-/// Absolute difference per channel, eight times amplified, saturated; covered where either picture is.
+/// Computes the absolute difference per channel, amplified eight times, saturated. A pixel is covered if it is covered in either
+/// picture.
 ///
 /// # Errors
-/// If the pictures differ in size.
+/// Returns an error if the pictures differ in size.
 pub fn difference(exact: &Picture, other: &Picture) -> Result<Picture, SizeMismatch> {
     let mut result = steps(exact, other)?;
     result.rgb.as_flattened_mut().iter_mut().for_each(|step| *step = step.saturating_mul(8));
     Ok(result)
 }
 
-/// Absolute difference per channel, amplified so that the largest of the picture becomes 255; and that largest.
+/// Computes the absolute difference per channel, amplified so that the largest of the picture becomes 255. Also returns the
+/// largest difference.
 ///
 /// # Errors
-/// If the pictures differ in size.
+/// Returns an error if the pictures differ in size.
 pub fn scaled_difference(exact: &Picture, other: &Picture) -> Result<(Picture, u8), SizeMismatch> {
     let mut result = steps(exact, other)?;
     let steps = result.rgb.as_flattened_mut();
@@ -102,7 +103,7 @@ pub fn scaled_difference(exact: &Picture, other: &Picture) -> Result<(Picture, u
     Ok((result, largest))
 }
 
-/// Absolute difference per channel; covered where either picture is.
+/// Computes the absolute difference per channel. A pixel is covered if it is covered in either picture.
 fn steps(exact: &Picture, other: &Picture) -> Result<Picture, SizeMismatch> {
     same_size(exact, other)?;
     let mut result = Picture::new(exact.width, exact.height);
@@ -127,23 +128,24 @@ fn same_size(exact: &Picture, other: &Picture) -> Result<(), SizeMismatch> {
     Err(SizeMismatch { exact: size(exact), other: size(other) })
 }
 
-/// Numbers of the pixels covered in either picture, ascending.
+/// Returns the numbers of the pixels covered in either picture, ascending.
 fn covered<'a>(exact: &'a Picture, other: &'a Picture) -> impl Iterator<Item = usize> + 'a {
     covered_in(exact, other, 0..exact.height as usize)
 }
 
-/// The same of these rows.
+/// Returns the numbers of the covered pixels in these rows.
 fn covered_in<'a>(exact: &'a Picture, other: &'a Picture, rows: Range<usize>) -> impl Iterator<Item = usize> + 'a {
     let pixels = rows.start * exact.width as usize..rows.end * exact.width as usize;
     let both = exact.covered[pixels.clone()].iter().zip(&other.covered[pixels.clone()]);
     pixels.zip(both).filter(|(_, (a, b))| **a || **b).map(|(i, _)| i)
 }
 
-/// Mean of a map over the pixels covered in either picture; `empty` where none is. `values` gives the map of a strip, pixel by covered
-/// pixel. Strips are made side by side, and added up in their order: to the bit, the sum is that of one pixel after the other.
+/// Returns the mean of a map over the pixels covered in either picture, or `empty` if no pixel is. `values` returns the covered
+/// pixels of the map in a strip. Strips are computed in parallel and added in order: the sum is identical to the bit to a
+/// sequential one.
 fn mean(strips: &[Strip], empty: f64, values: impl Fn(&Strip) -> Vec<f64> + Sync) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
-    // No more at a time than can be made at once: the others' planes are not in memory.
+    // As many strips at a time as there are workers, so that the planes of the others are not in memory.
     for together in strips.chunks(threads::workers()) {
         for value in threads::map(together.iter().collect(), &values).into_iter().flatten() {
             sum += value;
@@ -153,8 +155,8 @@ fn mean(strips: &[Strip], empty: f64, values: impl Fn(&Strip) -> Vec<f64> + Sync
     if count == 0 { empty } else { rounded(sum / f64::from(count)) }
 }
 
-/// What all strips that are made at once have together is about [`STRIP_PIXELS`], at most; a small picture is one for each, of no less
-/// than [`STRIP_ROWS`].
+/// Returns the pixels of a strip. All strips computed in parallel have about [`STRIP_PIXELS`] together, at most. A small picture
+/// has one strip per worker, of at least [`STRIP_ROWS`] rows.
 fn strip_pixels(window: &Window) -> usize {
     let shared = window.pixels().min(STRIP_PIXELS).div_ceil(threads::workers());
     shared.max(STRIP_ROWS * window.width())
@@ -168,7 +170,7 @@ fn rounded(value: f64) -> f64 {
 pub(crate) mod tests {
     use super::*;
 
-    /// A picture of which two thirds are covered, by colours without a pattern.
+    /// Creates a picture with two thirds of its pixels covered, in colours without a pattern.
     pub(crate) fn noise(width: u32, height: u32, seed: u32) -> Picture {
         let mut picture = Picture::new(width, height);
         let mut state = seed;

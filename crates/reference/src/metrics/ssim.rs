@@ -9,19 +9,19 @@ const RADIUS: usize = 5;
 const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 
-/// Mean structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004) of the pixels covered in either picture,
-/// -1..=1; 1 if nothing is covered. Rec. 601 luma, Gaussian window of 11 x 11 pixels with sigma 1.5, K1 = 0.01,
-/// K2 = 0.03; beyond the rim the pictures are mirrored.
+/// Computes the mean structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004) of the pixels covered in either picture,
+/// -1..=1, or 1 if no pixel is covered. It uses Rec. 601 luma, a Gaussian window of 11 x 11 pixels with sigma 1.5, K1 = 0.01, K2
+/// = 0.03. Beyond the rim the pictures are mirrored.
 ///
 /// # Errors
-/// If the pictures differ in size.
+/// Returns an error if the pictures differ in size.
 pub fn ssim(exact: &Picture, other: &Picture) -> Result<f64, SizeMismatch> {
     same_size(exact, other)?;
     let whole = Window { columns: 0..exact.width as usize, rows: 0..exact.height as usize };
     Ok(ssim_by(exact, other, &whole, strip_pixels(&whole)))
 }
 
-/// In strips of about so many pixels.
+/// Computes the similarity in strips of about this many pixels.
 fn ssim_by(exact: &Picture, other: &Picture, whole: &Window, strip_pixels: usize) -> f64 {
     let kernel = Kernel::new(RADIUS, |d| libm::exp(-d * d / (2.0 * SIGMA * SIGMA))).normalised();
     mean(&Strip::all(strip_pixels, whole, RADIUS), 1.0, |strip| {
@@ -42,7 +42,7 @@ fn ssim_by(exact: &Picture, other: &Picture, whole: &Window, strip_pixels: usize
     })
 }
 
-/// Blurred luma of both pictures, and of its products, of one row.
+/// Blurred luma of both pictures, and of its products, for one row.
 struct Moments<'a> {
     /// Luma of both, its squares, and its product.
     rows: [Rows<'a>; 5],
@@ -55,14 +55,14 @@ impl<'a> Moments<'a> {
         Self { rows: [(); 5].map(|()| rows()), blurred: [(); 5].map(|()| vec![0.0; size.0]) }
     }
 
-    /// Takes in a row of both pictures.
+    /// Receives a row of both pictures.
     fn take(&mut self, row: usize, x: &[f64], y: &[f64]) {
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).collect::<Vec<_>>();
         let planes = [x, y, &product(x, x), &product(y, y), &product(x, y)];
         self.rows.iter_mut().zip(planes).for_each(|(rows, plane)| rows.take(row, plane));
     }
 
-    /// Goes on to a row.
+    /// Moves to a row.
     fn down(&mut self, row: usize, kernel: &Kernel) {
         self.rows.iter().zip(&mut self.blurred).for_each(|(rows, blurred)| rows.down(row, kernel, blurred));
     }
@@ -75,7 +75,7 @@ impl<'a> Moments<'a> {
     }
 }
 
-/// Of a row.
+/// Returns the luma of a row.
 fn luma(picture: &Picture, row: usize) -> Vec<f64> {
     let width = picture.width as usize;
     let pixels = picture.rgb.get(row * width..(row + 1) * width).unwrap_or_default();
@@ -88,7 +88,7 @@ mod tests {
     use crate::metrics::tests::noise;
 
     #[test]
-    fn strips_come_to_the_same_as_the_whole() {
+    fn strips_match_whole_picture() {
         let (exact, other) = (noise(23, 41, 1), noise(23, 41, 2));
         let window = Window { columns: 0..23, rows: 0..41 };
         let whole = ssim_by(&exact, &other, &window, usize::MAX);

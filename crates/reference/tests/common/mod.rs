@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 pub const IDENTITY: [f64; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
 
-/// A unit sphere of `rings * 2 * rings * 2` triangles, less those at the poles.
+/// Creates a unit sphere of `rings * 2 * rings * 2` triangles, less those at the poles.
 pub fn sphere(rings: u32) -> Mesh {
     let segments = 2 * rings;
     let mut mesh = Mesh::default();
@@ -39,7 +39,7 @@ pub fn sphere(rings: u32) -> Mesh {
     mesh
 }
 
-/// A texture of `side` texels with all its levels, each made by `texel(u, v)` at the texel centres.
+/// Creates a texture of `side` texels with all its levels, each filled by `texel(u, v)` at the texel centres.
 pub fn texture(id: u32, side: u32, texel: impl Fn(f64, f64) -> [u8; 3]) -> Arc<Texture> {
     let mut levels = Vec::new();
     let mut size = side;
@@ -67,7 +67,7 @@ pub fn stripes(side: u32) -> Arc<Texture> {
     texture(0, side, |u, v| [u, v, u * v].map(|c| (127.5 + 120.0 * libm::sin(TAU * c)) as u8))
 }
 
-/// Perspective, 40 degrees, from `eye` to the origin, directional light and a point light.
+/// Creates a frame: perspective of 40 degrees, from `eye` to the origin, a directional light and a point light.
 pub fn frame(width: u32, height: u32, eye: DVec3) -> Frame {
     let back = eye.normalize();
     let right = DVec3::Y.cross(back).normalize();
@@ -114,7 +114,7 @@ pub fn scene(objects: Vec<Arc<Object>>) -> Scene {
     Scene { objects, ..Scene::default() }
 }
 
-/// The bumpy, striped, shaded sphere.
+/// Creates the bumpy, striped, shaded sphere.
 pub fn bumpy_sphere(rings: u32) -> Scene {
     let material =
         Material { color_texture: Some(stripes(256)), normal_map: Some(bumps(256)), normal_scale: 0.8, ..Material::default() };
@@ -125,8 +125,8 @@ pub fn row_major(values: &[f64; 16]) -> DMat4 {
     DMat4::from_cols_array(values).transpose()
 }
 
-/// What a geometry processor would hand on of an object that is all in front of the camera and not scaled: window
-/// coordinates and attributes in `f32`, back faces left out.
+/// Returns the output of a geometry processor for an object that is all in front of the camera and not scaled: window coordinates
+/// and attributes in `f32`, back faces left out.
 pub fn polygons(object: &Object, frame: &Frame) -> (ObjectInfo, Vec<Polygon>) {
     let world = row_major(&object.world);
     let view_projection = row_major(&frame.camera.view_projection);

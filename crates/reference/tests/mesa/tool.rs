@@ -15,11 +15,11 @@ use std::sync::Arc;
 /// Width and height of the pictures \[pixels\].
 pub const SIDE: u32 = 512;
 
-/// Needs everything that the tool needs, a context included.
+/// Imports everything that the tool needs, including an OpenGL context.
 const PROBE: &str = "import numpy, PIL, OpenGL, pygltflib, trimesh, scipy, moderngl; \
     moderngl.create_context(standalone=True, backend='egl', libgl='libGL.so.1', libegl='libEGL.so.1')";
 
-/// Colours of the PNG and the triangle numbers, as bytes that need no decoder.
+/// Writes the colours of the PNG and the triangle numbers as bytes that need no decoder.
 const UNPACK: &str = "import sys, numpy as np; from PIL import Image; png, npz, out = sys.argv[1:]; \
     rgb = np.asarray(Image.open(png).convert('RGB')); hit = np.load(npz)['prim'] > 0; \
     np.concatenate([rgb, hit[..., None].astype('u1')], 2).tofile(out)";
@@ -101,7 +101,7 @@ impl Mesa {
     }
 }
 
-/// What the tool calls it. It cannot draw [`Shading::Mean`].
+/// Returns the tool's name for a shading. The tool cannot draw [`Shading::Mean`].
 pub fn mode(shading: Shading) -> &'static str {
     match shading {
         Shading::NormalMap => "bump",
@@ -113,7 +113,7 @@ pub fn mode(shading: Shading) -> &'static str {
     }
 }
 
-/// What the tool calls it.
+/// Returns the tool's name for a filter.
 fn filter(filter: TextureFilter) -> &'static str {
     match filter {
         TextureFilter::None | TextureFilter::Bilinear => "bilinear",
@@ -123,7 +123,7 @@ fn filter(filter: TextureFilter) -> &'static str {
     }
 }
 
-/// The same scene with no back face left out.
+/// Returns the same scene with all back faces drawn.
 pub fn double_sided(scene: &Scene) -> Scene {
     let open = |object: &Arc<Object>| {
         let material = Arc::new(Material { double_sided: true, ..Material::clone(&object.material) });
@@ -136,7 +136,7 @@ pub fn load(model: &Path) -> Scene {
     load_path(model, &ViewOptions { size: [SIDE, SIDE], ..ViewOptions::default() }).expect("a valid model")
 }
 
-/// PSNR inside the common coverage \[dB\], and the share of all pixels that only one picture covers.
+/// Returns the PSNR inside the common coverage \[dB\], and the share of all pixels that only one picture covers.
 pub fn agreement(exact: &Picture, mesa: &Picture) -> (f64, f64) {
     let both: Vec<_> = exact.covered.iter().zip(&mesa.covered).map(|(a, b)| *a && *b).collect();
     let differing = exact.covered.iter().zip(&mesa.covered).filter(|(a, b)| a != b).count();
