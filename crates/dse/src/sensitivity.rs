@@ -30,7 +30,7 @@ impl Store for Measures {
     }
 
     fn put(&self, id: &str, (report, _): (&Report, Option<&[u8]>), _: &dyn Host) -> Result<(), SweepError> {
-        self.all().insert(id.into(), Ok(Measure::of(report)));
+        self.all().insert(id.into(), Ok(report.measure()));
         Ok(())
     }
 

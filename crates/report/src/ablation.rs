@@ -1,10 +1,11 @@
 //! What each short cut saves and costs: one line per variant, the machine as configured first.
 
-use crate::csv::quoted;
-use crate::derived::round6;
+use crate::csv;
 use crate::model::{Input, Report, Size};
-use crate::text::number::{real, signed, thousands};
-use crate::text::{Align, Style, Table};
+use crate::number::round6;
+use crate::number::{real, signed, thousands};
+use crate::text::style::Style;
+use crate::text::table::{Align, Table};
 use crate::work::work;
 use Align::{Left, Right};
 use serde::{Deserialize, Serialize};
@@ -78,12 +79,12 @@ impl Ablation {
 
     /// One line per variant, header first.
     pub fn to_csv(&self) -> String {
-        let mut text = String::from("variant,cycles,dots,cycles_per_dot,change_percent,largest_change\n");
-        for v in &self.variants {
-            let numbers = format!("{},{},{},{},{}", v.cycles, v.dots, v.cycles_per_dot, v.change_percent, v.largest_change);
-            text += &format!("{},{numbers}\n", quoted(&v.variant));
-        }
-        text
+        let rows = self.variants.iter().map(|v| {
+            let numbers = [v.cycles.to_string(), v.dots.to_string(), v.cycles_per_dot.to_string(), v.change_percent.to_string()];
+            let [cycles, dots, cycles_per_dot, change_percent] = numbers;
+            [v.variant.clone(), cycles, dots, cycles_per_dot, change_percent, v.largest_change.to_string()]
+        });
+        csv::written(["variant", "cycles", "dots", "cycles_per_dot", "change_percent", "largest_change"], rows)
     }
 
     /// Indented, with a line feed at the end.

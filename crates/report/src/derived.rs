@@ -2,14 +2,9 @@
 //! report is the same on every host. A figure whose divisor is 0 or unknown is left out.
 
 use crate::model::{Bus, Client, Derived, Memory, Report};
+use crate::number::round6;
 use crate::work::{Work, circuits, routes, work};
 use indexmap::IndexMap;
-
-/// Rounds to 6 decimals, halves away from zero.
-pub fn round6(x: f64) -> f64 {
-    let scaled = x * 1e6;
-    if scaled.abs() < 9e15 { scaled.round() / 1e6 } else { x }
-}
 
 #[derive(Default)]
 struct Figures(IndexMap<String, Derived>);
@@ -138,7 +133,7 @@ mod tests {
             assert_eq!(after[name].value, figure.value, "{name}");
         }
         assert_eq!(after["time_ms"].value, 50.0);
-        assert_eq!(crate::blame::blame(&report), crate::blame::blame(&samples::balanced()));
+        assert_eq!(crate::bottleneck::blame(&report), crate::bottleneck::blame(&samples::balanced()));
     }
 
     #[test]
@@ -160,12 +155,5 @@ mod tests {
         let derived = derive(&report);
         assert!(!derived.contains_key("cycles_per_fragment") && !derived.contains_key("time_ms"));
         assert!(derived.values().all(|d| d.value.is_finite()));
-    }
-
-    #[test]
-    fn rounding_is_to_six_decimals() {
-        assert_eq!(round6(1.0 / 3.0), 0.333333);
-        assert_eq!(round6(-2.0 / 3.0), -0.666667);
-        assert_eq!(round6(1e300), 1e300);
     }
 }

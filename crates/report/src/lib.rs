@@ -19,21 +19,20 @@
 //! strings. A report without its `host` part is the same to the bit whatever the engine, machine or thread count.
 
 pub mod ablation;
-pub mod blame;
+pub mod bottleneck;
 pub mod build;
 pub mod compare;
-pub mod costs;
 pub mod csv;
 pub mod derived;
 pub mod html;
 mod json;
+mod long_table;
 pub mod methods;
 pub mod model;
+pub mod number;
 #[cfg(test)]
 mod samples;
-pub mod sensitivity;
 pub mod text;
-mod tidy;
 pub mod work;
 
 pub use ablation::Ablation;
@@ -43,6 +42,5 @@ pub use csv::to_csv;
 pub use html::to_html;
 pub use json::{ReadError, SCHEMA, schema};
 pub use methods::Methods;
-pub use model::Report;
-pub use sensitivity::Sensitivity;
+pub use model::{Report, Sensitivity, costs, sensitivity};
 pub use text::{Style, Tables, hardware, to_text};

@@ -1,10 +1,11 @@
 //! What each method of choosing division points costs where all keep the same error: one line per method.
 
-use crate::csv::quoted;
-use crate::derived::round6;
+use crate::csv;
 use crate::model::{Figure, Input, Report, Size};
-use crate::text::number::{real, thousands};
-use crate::text::{Align, Style, Table};
+use crate::number::round6;
+use crate::number::{real, thousands};
+use crate::text::style::Style;
+use crate::text::table::{Align, Table};
 use crate::work::work;
 use Align::{Left, Right};
 use serde::{Deserialize, Serialize};
@@ -92,22 +93,29 @@ impl Methods {
 
     /// One line per method, header first.
     pub fn to_csv(&self) -> String {
-        let names = "divisions_per_pixel,cycles,cycles_per_pixel,displacement_largest,displacement_mean,psnr_db";
-        let mut text = format!("method,settings,{names}\n");
-        for m in &self.methods {
-            let psnr = m.psnr_db.map_or_else(String::new, |db| db.to_string());
-            text += &format!(
-                "{},{},{},{},{},{},{},{psnr}\n",
-                quoted(&m.method),
-                quoted(&m.settings.join(" ")),
-                m.divisions_per_pixel,
-                m.cycles,
-                m.cycles_per_pixel,
-                m.displacement_largest,
-                m.displacement_mean
-            );
-        }
-        text
+        let header = [
+            "method",
+            "settings",
+            "divisions_per_pixel",
+            "cycles",
+            "cycles_per_pixel",
+            "displacement_largest",
+            "displacement_mean",
+            "psnr_db",
+        ];
+        let rows = self.methods.iter().map(|m| {
+            [
+                m.method.clone(),
+                m.settings.join(" "),
+                m.divisions_per_pixel.to_string(),
+                m.cycles.to_string(),
+                m.cycles_per_pixel.to_string(),
+                m.displacement_largest.to_string(),
+                m.displacement_mean.to_string(),
+                m.psnr_db.map_or_else(String::new, |db| db.to_string()),
+            ]
+        });
+        csv::written(header, rows)
     }
 
     /// Indented, with a line feed at the end.

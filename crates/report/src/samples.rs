@@ -1,12 +1,12 @@
 //! Hand-made reports for the tests of this crate, and one that the kernel made.
 
 use crate::build::Context;
-use crate::costs::{Costs, ObjectCost, Others, PolygonCost, Spent};
 use crate::derived::derive;
 use crate::model::{
     Bus, Cache, Channel, Client, Cycles, Difference, Fifo, Figure, Input, Legend, Memory, OutcomeKind, Part, Picture,
     PictureQuality, Report, Size, Unit,
 };
+use crate::model::{Costs, ObjectCost, Others, PolygonCost, Spent};
 use basrelief_kernel::{Engine, Outcome, RunReport};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine};
 use basrelief_reference::Quality;

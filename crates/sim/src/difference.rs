@@ -14,7 +14,7 @@ pub(crate) fn difference(exact: &Picture, other: &Picture) -> Difference {
             (sum, values, largest) = (sum + u64::from(step), values + 1, step.max(largest));
         }
     }
-    let mean = if values == 0 { 0.0 } else { basrelief_report::derived::round6(sum as f64 / values as f64) };
+    let mean = if values == 0 { 0.0 } else { basrelief_report::number::round6(sum as f64 / values as f64) };
     Difference { mean, largest }
 }
 

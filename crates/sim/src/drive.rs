@@ -370,7 +370,7 @@ impl<'a> Session<'a> {
         let rest: usize = self.rounds.iter().map(|(_, picture)| picture.rgb.len()).sum();
         self.held[1].shrink_to(held::WAITING_PIXEL * rest as u64);
         for (round, (_, picture)) in (0..).zip(&own) {
-            let psnr_db = basrelief_report::derived::round6(metrics::psnr(last, picture)?);
+            let psnr_db = basrelief_report::number::round6(metrics::psnr(last, picture)?);
             self.shown.push(PictureRecord { frame, round, psnr_db, last: false });
         }
         let round = own.len() as u32;

@@ -6,7 +6,7 @@ use crate::args::{MachineArgs, SizeFifosArgs, ViewArgs};
 use crate::error::{Done, Failure, print};
 use crate::input::{self, Input, demo_of};
 use basrelief_input::{Budget, Held};
-use basrelief_report::text::number::{real, thousands};
+use basrelief_report::number::{real, thousands};
 use basrelief_sim::{Choice, Given, MachineConfig, Observer, RunOptions, Sizes, Unobserved, When, size_fifos as sized};
 use basrelief_trace::Form;
 use std::fmt::Write;

@@ -7,7 +7,7 @@ use crate::rules::Goal;
 use crate::table::{Cell, State};
 use basrelief_report::html::big_numbers;
 use basrelief_report::html::markup::{Html, el, el_text, text};
-use basrelief_report::text::number::{about, thousands};
+use basrelief_report::number::{about, thousands};
 
 /// Title, a sentence, and numbers that can be read from a distance.
 pub(super) fn head(sweep: &Sweep<'_>) -> Html {

@@ -2,7 +2,7 @@
 
 use super::scale::unit;
 use crate::table::Cell;
-use basrelief_report::text::number::{real, thousands};
+use basrelief_report::number::{real, thousands};
 
 /// A cell: counts with thousands separators, measures with up to six decimals.
 pub(super) fn cell(cell: &Cell) -> String {

@@ -5,7 +5,7 @@ use super::scale::WHOLE;
 use super::scatter::cut;
 use basrelief_report::html::markup::{Html, el, el_text};
 use basrelief_report::html::svg::{label, px, svg_sized};
-use basrelief_report::text::number::thousands;
+use basrelief_report::number::thousands;
 use serde_json::{Value, json};
 
 /// Most lines, and how many of them from the front: more would hide each other.

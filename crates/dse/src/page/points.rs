@@ -5,7 +5,7 @@ use super::number;
 use crate::table::State;
 use basrelief_report::html::markup::{Html, details, el, el_text, text};
 use basrelief_report::html::{Align, with_cells};
-use basrelief_report::text::number::thousands;
+use basrelief_report::number::thousands;
 use std::collections::BTreeMap;
 
 /// Most rows of the table, and how many of them are seen at once.

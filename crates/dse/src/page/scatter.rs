@@ -8,7 +8,7 @@ use crate::rules::Goal;
 use crate::table::Role;
 use basrelief_report::html::markup::{Html, el, el_text, text};
 use basrelief_report::html::svg::{label, px, svg};
-use basrelief_report::text::number::thousands;
+use basrelief_report::number::thousands;
 use serde_json::{Value, json};
 
 const SIZE: (f64, f64) = (860.0, 520.0);

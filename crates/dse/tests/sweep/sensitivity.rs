@@ -31,7 +31,7 @@ fn measured_alone(around: &Around, set: Option<(&str, String)>) -> Measure {
     let given = Given { settings, ..around.given.clone() };
     let config = given.config(around.machine, &[]).unwrap();
     let options = RunOptions { config, given, ..RunOptions::default() };
-    Measure::of(&run(RunInput::Scene(prepared.clone()), &options, &mut Unobserved, None).unwrap().report)
+    run(RunInput::Scene(prepared.clone()), &options, &mut Unobserved, None).unwrap().report.measure()
 }
 
 fn set(change: &Change) -> Option<(&str, String)> {

@@ -1,11 +1,9 @@
 //! What explains the change of the cycles, in a sentence.
 
-use super::{Explained, Share};
+use super::comparison::{Explained, Share, WORK};
 use crate::model::Report;
-use crate::text::number::{real, signed, thousands};
+use crate::number::{real, signed, thousands};
 
-/// What belongs to no group of parameters: [`Share::group`] of what the units do.
-pub const WORK: &str = "work";
 /// Shares below this part of A's cycles are told as one \[1/1000\].
 const TOLD: u64 = 1;
 /// What to do where nothing was measured.

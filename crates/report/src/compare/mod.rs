@@ -13,103 +13,18 @@
 //! - loss of quality: PSNR relative to A; SSIM and FLIP, whose scale is 0..1, in hundredths;
 //! - A is complete and B is not: infinite, so that no limit lets it pass (`null` in JSON).
 
+mod comparison;
 mod explain;
 mod overview;
 mod text;
 mod worst;
 
-pub use explain::WORK;
+pub use comparison::{Change, Comparison, Explained, Section, Share, WORK, Worst};
 pub use overview::overview;
 
+use crate::long_table::{self, Row};
 use crate::model::{Figure, Report};
-use crate::tidy::{self, Row};
 use indexmap::IndexMap;
-use serde::Serialize;
-
-/// One figure that differs. Absent where a report has no such figure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Change {
-    /// Unit, FIFO, memory, parameter ...
-    pub name: String,
-    /// Which figure of it.
-    pub field: &'static str,
-    /// Which one of several: FIFO, client, frame.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub key: String,
-    /// In report A.
-    pub a: Option<Figure>,
-    /// In report B.
-    pub b: Option<Figure>,
-    /// B - A, if both are numbers; a missing count is 0.
-    pub delta: Option<f64>,
-    /// Change relative to A, if A is a number other than 0 \[%\].
-    pub percent: Option<f64>,
-}
-
-/// What differs in one part of the reports, the largest change first.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Section {
-    /// `run`, `config`, `cycles`, `units`, `fifos`, `memories`, `channels`, `caches`, `figures`, `quality` or `image`.
-    pub table: &'static str,
-    /// At least one.
-    pub changes: Vec<Change>,
-}
-
-/// What got worse most.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Worst {
-    /// By how much \[%\]; 0 if nothing got worse.
-    pub percent: f64,
-    /// What.
-    pub what: String,
-}
-
-/// What one group of parameters, or the work, has to do with the change of the cycles.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Share {
-    /// `memory.NAME`, `cache.NAME`, `fifo.NAME`, or the first part of the keys; [`WORK`] for what the units do.
-    pub group: String,
-    /// `--set` options with which a full run of B takes `cycles`; of the work, if both have the same input. None where no options say
-    /// it.
-    pub set: Vec<String>,
-    /// Cycles of the frames where this is as in A and all else as in B; none where no tape can be timed so.
-    pub cycles: Option<u64>,
-    /// What it changes in B: B's cycles less these.
-    pub by: Option<i64>,
-}
-
-/// What explains the change of the cycles, measured.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Explained {
-    /// The largest first; those that could not be measured last.
-    #[serde(rename = "explained")]
-    pub shares: Vec<Share>,
-    /// What no share has: what changes only together, and what could not be measured.
-    pub together: i64,
-}
-
-/// The difference of two reports; serializes to JSON.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Comparison {
-    /// Nothing differs but the host.
-    pub equal: bool,
-    /// What the cycles have changed by, and through what, in one or two sentences.
-    pub explanation: String,
-    /// The same as data, where it was measured.
-    #[serde(flatten)]
-    pub explained: Option<Explained>,
-    /// Only parts in which something differs.
-    pub sections: Vec<Section>,
-    /// What got worse most.
-    pub worst: Worst,
-}
-
-impl Comparison {
-    /// By how much B is worse than A \[%\]; 0 if nothing is. Infinite if A is complete and B is not.
-    pub fn worst_percent(&self) -> f64 {
-        self.worst.percent
-    }
-}
 
 /// Holds report `b` against report `a`, with what explains the difference, where it was measured.
 pub fn compare(a: &Report, b: &Report, explained: Option<Explained>) -> Comparison {
@@ -128,7 +43,7 @@ type Place = (&'static str, String, &'static str, String);
 /// The histogram is told by its high-water mark, mean and full cycles; derived figures follow from the others.
 fn figures(report: &Report) -> IndexMap<Place, Figure> {
     let told = |r: &Row| r.table != "derived" && r.field != "histogram";
-    tidy::rows(report).into_iter().filter(told).map(|r| ((r.table, r.name, r.field, r.key), r.value)).collect()
+    long_table::rows(report).into_iter().filter(told).map(|r| ((r.table, r.name, r.field, r.key), r.value)).collect()
 }
 
 fn sections(a: &Report, b: &Report) -> Vec<Section> {
@@ -156,8 +71,8 @@ fn change((name, field, key): (String, &'static str, String), a: Option<Figure>,
     let number = |x: &Option<Figure>| x.as_ref().map_or(Some(0.0), Figure::number);
     let delta = number(&a).zip(number(&b)).map(|(a, b)| b - a);
     let base = a.as_ref().and_then(Figure::number).filter(|&a| a != 0.0);
-    let percent = delta.zip(base).map(|(d, base)| crate::derived::round6(100.0 * d / base.abs()));
-    Change { name, field, key, a, b, delta: delta.map(crate::derived::round6), percent }
+    let percent = delta.zip(base).map(|(d, base)| crate::number::round6(100.0 * d / base.abs()));
+    Change { name, field, key, a, b, delta: delta.map(crate::number::round6), percent }
 }
 
 /// Largest first; of a unit, cycles before counts of steps and tokens. Parameters and facts keep their order.

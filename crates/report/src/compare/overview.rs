@@ -1,8 +1,9 @@
 //! Several reports side by side, a row each.
 
 use crate::model::Report;
-use crate::text::number::{real, thousands};
-use crate::text::{Align, Style, Table};
+use crate::number::{real, thousands};
+use crate::text::style::Style;
+use crate::text::table::{Align, Table};
 use crate::work::work;
 use Align::{Left, Right};
 

@@ -1,9 +1,11 @@
 //! The comparison as people read it.
 
-use super::{Change, Comparison, Section};
+use super::comparison::{Change, Comparison, Section};
 use crate::model::Figure;
-use crate::text::number::signed;
-use crate::text::{Align, Paint, Style, Table, figure};
+use crate::number::signed;
+use crate::text::sections::figure;
+use crate::text::style::{Paint, Style};
+use crate::text::table::{Align, Table};
 use Align::{Left, Right};
 
 /// Most rows of a table; JSON has them all.

@@ -1,8 +1,8 @@
 //! What got worse most; see the module above for what counts.
 
-use super::Worst;
-use crate::derived::round6;
+use super::comparison::Worst;
 use crate::model::{OutcomeKind, Report};
+use crate::number::round6;
 
 pub(super) fn worst(a: &Report, b: &Report) -> Worst {
     let none = Worst { percent: 0.0, what: "nothing".into() };

@@ -1,14 +1,16 @@
 //! Two reports or more on one page: what changed, what explains it, and both side by side.
 
+use super::diagram::block_diagram;
 use super::markup::{Html, details, el, el_text, text as words};
+use super::page::{POLICY, section, whole_page};
+use super::page_assets::Beside;
 use super::svg::{Part, bar};
 use super::table::{html as table_of, with_cells};
-use super::{Beside, POLICY, block_diagram, head, pictures, section, units, whole_page};
-use crate::Comparison;
-use crate::compare::Share;
+use super::{head, pictures, units};
+use crate::compare::{Comparison, Share};
 use crate::model::Report;
-use crate::text::Align::{Left, Right};
-use crate::text::number::{signed, thousands};
+use crate::number::{signed, thousands};
+use crate::text::table::Align::{Left, Right};
 use indexmap::IndexSet;
 
 /// A report on the page of a comparison.

@@ -4,8 +4,8 @@ use super::markup::{Html, details, el, el_text, text};
 use super::svg::{Chart, bins, px, share};
 use super::table::html;
 use crate::model::{Fifo, Report};
-use crate::text::number::thousands;
-use crate::text::{full_cycles, in_frames, mean_occupancy, sections};
+use crate::number::thousands;
+use crate::text::sections::{self, full_cycles, in_frames, mean_occupancy};
 
 /// Most columns of a histogram.
 const COLUMNS: usize = 33;

@@ -4,9 +4,8 @@ use super::markup::{Html, details};
 use super::svg::{Chart, bins, mean};
 use super::table::html;
 use crate::model::{Cycles, Report};
-use crate::text::Align::Right;
-use crate::text::Table;
-use crate::text::number::thousands;
+use crate::number::thousands;
+use crate::text::table::{Align::Right, Table};
 
 /// Most columns of the chart, and most rows of the table.
 const COLUMNS: usize = 120;

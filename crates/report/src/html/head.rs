@@ -2,7 +2,7 @@
 
 use super::markup::{Html, el, el_text, text};
 use crate::model::{OutcomeKind, Report};
-use crate::text::number::{real, thousands};
+use crate::number::{real, thousands};
 use crate::work::work;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;

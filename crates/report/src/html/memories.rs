@@ -4,9 +4,9 @@ use super::markup::{Html, details, el, el_text, text};
 use super::svg::{Chart, Part, bar, bins, mean, px, share};
 use super::table::{html, with_cells};
 use crate::model::{Client, Memory, Report};
-use crate::text::Align::{Left, Right};
-use crate::text::number::thousands;
+use crate::number::thousands;
 use crate::text::sections;
+use crate::text::table::Align::{Left, Right};
 
 /// Most columns of a bus over time.
 const COLUMNS: usize = 150;

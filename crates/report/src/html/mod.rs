@@ -10,15 +10,17 @@
 //!
 //! Each colour has one meaning: `style.css` names them.
 
+mod bottlenecks;
 mod compared;
 mod diagram;
 mod fifos;
 mod frames;
 mod head;
-mod limits;
-mod lives;
+mod lifetimes;
 pub mod markup;
 mod memories;
+mod page;
+mod page_assets;
 mod parameters;
 mod pictures;
 pub mod svg;
@@ -28,30 +30,23 @@ mod tests;
 mod units;
 
 use crate::model::Report;
-use crate::text::{self, Table};
+use crate::model::costs::LISTED;
+use crate::text::table::Table;
+use crate::text::{
+    costs as cost_tables, hardware as hardware_tables, sections as text_sections, sensitivity as sensitivity_tables,
+};
 use crate::work;
 use markup::{Html, details, el, el_text};
+use page::POLICY;
 
 pub use crate::text::Align;
 pub use compared::{Side, compared};
 pub use head::big_numbers;
+pub use page::{STYLE, section, whole_page};
+pub use page_assets::Beside;
 pub use parameters::ParameterRow;
 pub use pictures::PagePicture;
 pub use table::with_cells;
-
-/// What a page shows beside the report.
-#[derive(Clone, Debug, Default)]
-pub struct Beside {
-    /// The drawing of the machine, as in its `diagram.txt`; empty for none.
-    pub diagram: String,
-    /// Pictures of the last frame.
-    pub pictures: Vec<PagePicture>,
-    /// Parameters of the machine.
-    pub parameters: Vec<ParameterRow>,
-}
-
-/// Nothing may come from elsewhere, and nothing is run.
-const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
 
 /// The page, without what the host took.
 ///
@@ -69,41 +64,14 @@ pub fn to_html(report: &Report, beside: &Beside) -> Result<String, serde_json::E
     Ok(whole_page(&format!("{} · {} · Basrelief", report.machine, report.input.name), POLICY, "", body))
 }
 
-/// A page that looks like all of ours: its title, its policy for content, a style sheet to stand behind [`STYLE`], its body.
-pub fn whole_page(title: &str, policy: &str, style: &'static str, body: Html) -> String {
-    let page = el("html", &[("lang", "en")], [page_head(title, policy, style), body]);
-    format!("<!DOCTYPE html>\n{}\n", page.into_text())
-}
-
-fn page_head(title: &str, policy: &str, style: &'static str) -> Html {
-    let meta = |attributes: &[(&str, &str)]| el("meta", attributes, []);
-    let children = [
-        meta(&[("charset", "utf-8")]),
-        meta(&[("http-equiv", "Content-Security-Policy"), ("content", policy)]),
-        meta(&[("name", "viewport"), ("content", "width=device-width, initial-scale=1")]),
-        meta(&[("name", "color-scheme"), ("content", "light dark")]),
-        el_text("title", "", title),
-        Html::style(STYLE),
-        if style.is_empty() { Html::default() } else { Html::style(style) },
-    ];
-    el("head", &[], children)
-}
-
-/// A part of a page under its heading.
-pub fn section(id: &str, title: &str, content: Html) -> Html {
-    let heading = format!("{id}-title");
-    let title = el("h2", &[("id", &heading)], [markup::text(title)]);
-    el("section", &[("id", id), ("aria-labelledby", &heading)], [title, content])
-}
-
 type Content = (&'static str, &'static str, Html);
 
 /// In the order in which they are asked for: what limits first. Those that have nothing to say are left out.
 fn contents(report: &Report, beside: &Beside) -> Vec<Content> {
     let all = [
-        ("limits", "What limits this run", limits::limits(report)),
+        ("limits", "What limits this run", bottlenecks::limits(report)),
         ("pictures", "Pictures", pictures::pictures(report, &beside.pictures)),
-        ("diagram", "Block diagram", block_diagram(report, &beside.diagram)),
+        ("diagram", "Block diagram", diagram::block_diagram(report, &beside.diagram)),
         ("units", "Where the cycles went", units::units(report)),
         ("fifos", "FIFOs", fifos::fifos(report)),
         ("memories", "Memories", memories::memories(report)),
@@ -112,7 +80,7 @@ fn contents(report: &Report, beside: &Beside) -> Vec<Content> {
         ("sensitivity", "What each assumption moves", sensitivity(report)),
         ("hardware", "Hardware", hardware(report)),
         ("figures", "Figures", figures(report)),
-        ("quality", "Quality", table::html("Pictures against the exact ones", &text::sections::quality(report))),
+        ("quality", "Quality", table::html("Pictures against the exact ones", &text_sections::quality(report))),
         ("parameters", "Parameters", parameters::parameters(&beside.parameters)),
         ("warnings", "Warnings", el_list(&report.warnings)),
     ];
@@ -136,9 +104,6 @@ pub fn sections(report: &Report, beside: &Beside) -> Vec<Section> {
     contents.map(|(id, title, html)| Section { id, title, html: html.into_text() }).collect()
 }
 
-/// The style sheet of the page.
-pub const STYLE: &str = include_str!("style.css");
-
 fn el_list(items: &[String]) -> Html {
     if items.is_empty() {
         return Html::default();
@@ -146,35 +111,16 @@ fn el_list(items: &[String]) -> Html {
     el("ul", &[("class", "warnings")], items.iter().map(|item| el_text("li", "", item)))
 }
 
-fn block_diagram(report: &Report, diagram: &str) -> Html {
-    if diagram.is_empty() {
-        return Html::default();
-    }
-    let mut says = String::from("The numbers in brackets are those of the patent.");
-    if report.cycles.is_some() {
-        says += " The strip of a box: where the unit's cycles went. Under the name of a FIFO: how full it was in the mean. \
-                 The strip of a box with double sides, a memory: how much of the time its bus moved data. What is drawn \
-                 again is filled only the first time; what this run is without is dashed.";
-    }
-    let legend = if report.cycles.is_some() { diagram_legend() } else { Html::default() };
-    [el_text("p", "quiet", says), legend, diagram::draw(diagram, report)].into_iter().collect()
-}
-
-fn diagram_legend() -> Html {
-    let more = [("fifo", "slots of a FIFO held")];
-    units::legend(units::STATES.into_iter().chain(more))
-}
-
 /// Which assumptions the run hangs on.
 fn sensitivity(report: &Report) -> Html {
     let Some(of) = &report.sensitivity else { return Html::default() };
-    let failed = table::html("What came to no end", &crate::sensitivity::failed(of));
-    [table::html(&of.caption(), &crate::sensitivity::changes(of)), failed].into_iter().collect()
+    let failed = table::html("What came to no end", &sensitivity_tables::failed(of));
+    [table::html(&sensitivity_tables::caption(of), &sensitivity_tables::changes(of)), failed].into_iter().collect()
 }
 
 /// For whom the cycles were.
 fn costs(report: &Report) -> Html {
-    use crate::costs::{LISTED, objects, polygons, whom};
+    use cost_tables::{objects, polygons, whom};
     if report.costs.is_none() {
         return Html::default();
     }
@@ -184,19 +130,19 @@ fn costs(report: &Report) -> Html {
         table::html("For whom", &whom(report)),
         details("The most expensive objects", table::html("Objects", &objects(report, LISTED))),
         details("The most expensive polygons", table::html("Polygons", &polygons(report, LISTED))),
-        details("When these were under way", lives::draw(report)),
+        details("When these were under way", lifetimes::draw(report)),
     ];
     std::iter::once(el_text("p", "quiet", says)).chain(lists).collect()
 }
 
 fn hardware(report: &Report) -> Html {
-    let pieces = details("Every piece", table::html("Hardware, piece by piece", &text::pieces(&report.hardware)));
-    [table::html("Totals by kind", &text::totals(report)), pieces].into_iter().collect()
+    let pieces = details("Every piece", table::html("Hardware, piece by piece", &hardware_tables::pieces(&report.hardware)));
+    [table::html("Totals by kind", &hardware_tables::totals(report)), pieces].into_iter().collect()
 }
 
 /// Tables that only some machines have, the figures that no table has, and what follows from them.
 fn figures(report: &Report) -> Html {
-    use text::sections::{circuits, columns, derived, processes, routes};
+    use text_sections::{circuits, columns, derived, processes, routes};
     let own: Vec<(&str, Table)> = vec![
         ("Routes", routes(report)),
         ("Circuits", circuits(report)),
@@ -212,7 +158,7 @@ fn figures(report: &Report) -> Html {
 
 /// The figures that no table has, each with what it means.
 fn counted(report: &Report) -> Html {
-    let table = text::sections::figures(report);
+    let table = text_sections::figures(report);
     let row = |row: &Vec<String>| {
         let legend = row.first().and_then(|name| report.legend.get(name));
         let [unit, about] = legend.map_or_else(Default::default, |legend| [legend.unit.as_str(), legend.about.as_str()]);

@@ -2,7 +2,7 @@
 
 use super::markup::{Html, details, el, el_text, text};
 use super::table::with_cells;
-use crate::text::Align::{Left, Right};
+use crate::text::table::Align::{Left, Right};
 
 /// A parameter of the machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Shapes, and the charts that are made of them. Colours are classes: each has one meaning on the whole page.
 
 use super::markup::{Html, el, el_text, text};
-use crate::text::number::thousands;
+use crate::number::thousands;
 
 /// A length of a drawing, with at most two decimals.
 pub fn px(x: f64) -> String {

@@ -1,7 +1,7 @@
 //! Tables: those of the terminal, and those with drawings in their cells.
 
 use super::markup::{Html, el, el_text, text};
-use crate::text::{Align, Table};
+use crate::text::table::{Align, Table};
 
 /// A table of the terminal, with every column; nothing where it has no rows.
 pub(super) fn html(caption: &str, table: &Table) -> Html {

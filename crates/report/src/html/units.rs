@@ -3,10 +3,10 @@
 use super::markup::{Html, el, el_text, text};
 use super::svg::{Part, bar, share};
 use super::table::with_cells;
-use crate::blame::{Wait, largest_wait, waits};
+use crate::bottleneck::{Wait, largest_wait, waits};
 use crate::model::{Report, Unit};
-use crate::text::Align::{Left, Right};
-use crate::text::cause;
+use crate::text::sections::cause;
+use crate::text::table::Align::{Left, Right};
 
 /// Colours of what a unit does, and what they mean.
 pub(super) const STATES: [(&str, &str); 5] = [

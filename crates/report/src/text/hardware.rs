@@ -1,8 +1,9 @@
 //! What a machine is built of, as tables.
 
-use super::number::thousands;
-use super::{Align, Style, Table};
+use super::style::Style;
+use super::table::{Align, Table};
 use crate::model::{Hardware, Report};
+use crate::number::thousands;
 use Align::{Left, Right};
 use basrelief_kernel::HardwareKind;
 

@@ -3,76 +3,33 @@
 //! Columns that matter least go first where the width does not hold them all. Shares of cycles are in percent; a share
 //! of exactly nothing is left blank. Colour is off unless asked for.
 
-mod first;
-mod hardware;
-mod limits;
-pub mod number;
+pub(crate) mod bottlenecks;
+pub(crate) mod costs;
+pub(crate) mod hardware;
 pub(crate) mod sections;
-mod table;
+pub(crate) mod sensitivity;
+pub(crate) mod style;
+mod summary;
+pub(crate) mod table;
 mod tables;
 
 pub use hardware::hardware;
-pub(crate) use hardware::{pieces, totals};
 
-use crate::blame::blame;
+use crate::bottleneck::blame;
 use crate::model::{Cycles, OutcomeKind, Report};
-pub(crate) use limits::by_polygon;
-pub(crate) use sections::{cause, figure, full_cycles, in_frames, mean_occupancy};
+use crate::number;
+pub(crate) use style::Paint;
+pub use style::Style;
 pub use table::Align;
-pub(crate) use table::Table;
 pub use tables::Tables;
-
-/// How to set a text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Style {
-    /// Columns of the terminal.
-    pub width: usize,
-    /// Emphasis by ANSI escape sequences.
-    pub color: bool,
-}
-
-impl Default for Style {
-    fn default() -> Self {
-        Self { width: 100, color: false }
-    }
-}
-
-/// Emphasis, as ANSI "select graphic rendition" codes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Paint {
-    Bold = 1,
-    Dim = 2,
-    Yellow = 33,
-}
-
-impl Style {
-    pub(crate) fn paint(&self, paint: Paint, text: &str) -> String {
-        if self.color { format!("\x1b[{}m{text}\x1b[0m", paint as u8) } else { text.into() }
-    }
-
-    /// Breaks a text between words so that no line is wider than the terminal, unless a word is.
-    pub(crate) fn wrap(&self, text: &str) -> String {
-        let mut lines: Vec<String> = vec![];
-        for word in text.split_whitespace() {
-            match lines.last_mut() {
-                Some(line) if line.chars().count() + 1 + word.chars().count() <= self.width => {
-                    line.push(' ');
-                    line.push_str(word);
-                }
-                _ => lines.push(word.into()),
-            }
-        }
-        lines.join("\n")
-    }
-}
 
 /// The report: what the run was, what it cost and what limits it, then these tables; parts are parted by empty lines, with a line
 /// feed at the end.
 pub fn to_text(report: &Report, style: Style, tables: &[Tables]) -> String {
     let mut parts = vec![style.paint(Paint::Bold, &style.wrap(&title(report)))];
-    parts.push(first::lines(report).iter().map(|line| style.wrap(line)).collect::<Vec<_>>().join("\n"));
+    parts.push(summary::lines(report).iter().map(|line| style.wrap(line)).collect::<Vec<_>>().join("\n"));
     parts.push(style.wrap(&what_limits(report)));
-    parts.extend(limits::path(report).map(|path| style.wrap(&path)));
+    parts.extend(bottlenecks::path(report).map(|path| style.wrap(&path)));
     // Who asks for one of these wants to see it.
     let asked = [(Tables::Costs, report.costs.is_some()), (Tables::Sensitivity, report.sensitivity.is_some())];
     let asked = asked.into_iter().filter(|(_, is_there)| *is_there).map(|(table, _)| table);
@@ -97,7 +54,7 @@ fn more(report: &Report, shown: &[Tables]) -> Option<String> {
 
 /// In one sentence: as it was measured, or else as it follows from the accounting.
 pub(crate) fn what_limits(report: &Report) -> String {
-    limits::sentence(report).unwrap_or_else(|| blame(report).sentence)
+    bottlenecks::sentence(report).unwrap_or_else(|| blame(report).sentence)
 }
 
 fn title(report: &Report) -> String {
@@ -175,7 +132,7 @@ mod tests {
     fn what_was_for_whom_stands_in_tables() {
         insta::assert_snapshot!(
             "costs",
-            crate::costs::tables(&samples::costed()).map(|table| table.render(Style::default())).join("\n\n")
+            costs::tables(&samples::costed()).map(|table| table.render(Style::default())).join("\n\n")
         );
     }
 

@@ -1,9 +1,9 @@
 //! The tables, one function each.
 
-use super::number::{percent, real, thousands};
-use super::{Align, Table};
-use crate::blame::{Wait, largest_wait};
+use super::table::{Align, Table};
+use crate::bottleneck::{Wait, largest_wait};
 use crate::model::{Difference, Fifo, Figure, Part, RealPath, Report};
+use crate::number::{percent, real, thousands};
 use crate::work;
 use Align::{Left, Right};
 

@@ -1,6 +1,6 @@
 //! A quiet table: a header, a thin line, rows. No boxes.
 
-use super::{Paint, Style};
+use super::style::{Paint, Style};
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, TableStyle};
 
 /// Where a column's text stands.

@@ -1,10 +1,9 @@
 //! The tables by name, each with what its figures are shares of.
 
-use super::number::thousands;
-use super::{Table, hardware, limits, sections};
-use crate::costs;
-use crate::model::Report;
-use crate::sensitivity::{self, Sensitivity};
+use super::table::Table;
+use super::{bottlenecks, costs, hardware, sections, sensitivity};
+use crate::model::{Report, Sensitivity};
+use crate::number::thousands;
 use crate::work;
 
 /// Tables that belong together.
@@ -94,7 +93,7 @@ impl Tables {
         let captioned = |caption: String, table: Table| if table.is_empty() { vec![] } else { vec![(caption, table)] };
         let plain = |table| captioned(String::new(), table);
         match self {
-            Self::Limits => captioned(in_frames(report, "cycles of the frames", &[]), limits::table(report)),
+            Self::Limits => captioned(in_frames(report, "cycles of the frames", &[]), bottlenecks::table(report)),
             Self::Units => {
                 captioned(in_frames(report, "shares of the cycles of the frames", &working_on(report)), sections::units(report))
             }
@@ -129,7 +128,7 @@ impl Tables {
 
 /// What moves, then what came to no end.
 fn sensitivity_tables(of: &Sensitivity) -> Vec<(String, Table)> {
-    let tables = [(of.caption(), sensitivity::changes(of)), (String::new(), sensitivity::failed(of))];
+    let tables = [(sensitivity::caption(of), sensitivity::changes(of)), (String::new(), sensitivity::failed(of))];
     tables.into_iter().filter(|(_, table)| !table.is_empty()).collect()
 }
 

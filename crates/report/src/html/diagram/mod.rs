@@ -1,15 +1,14 @@
 //! The block diagram of the patent, filled with where the cycles went.
 
-mod read;
 #[cfg(test)]
 mod tests;
 
 use super::markup::{Html, el, el_text, text};
 use super::svg::{fill, px, rect, share, svg_sized};
-use super::units::parts;
+use super::units::{self, parts};
 use crate::model::Report;
-use crate::text::{in_frames, mean_occupancy};
-use read::{Placed, Sheet, Side, Wire};
+use crate::text::sections::{in_frames, mean_occupancy};
+use basrelief_machines::{BlockDiagram, PlacedText, Side, WireCell};
 
 /// Width and height of a cell of the grid.
 const CELL: (f64, f64) = (8.0, 26.0);
@@ -24,24 +23,44 @@ const GAUGE: f64 = 4.0;
 const BASELINE: f64 = 13.0;
 const MIDDLE: f64 = 17.0;
 
+/// The block diagram with its legend; empty without a diagram.
+pub(super) fn block_diagram(report: &Report, diagram: &str) -> Html {
+    if diagram.is_empty() {
+        return Html::default();
+    }
+    let mut says = String::from("The numbers in brackets are those of the patent.");
+    if report.cycles.is_some() {
+        says += " The strip of a box: where the unit's cycles went. Under the name of a FIFO: how full it was in the mean. \
+                 The strip of a box with double sides, a memory: how much of the time its bus moved data. What is drawn \
+                 again is filled only the first time; what this run is without is dashed.";
+    }
+    let legend = if report.cycles.is_some() { diagram_legend() } else { Html::default() };
+    [el_text("p", "quiet", says), legend, draw(diagram, report)].into_iter().collect()
+}
+
+fn diagram_legend() -> Html {
+    let more = [("fifo", "slots of a FIFO held")];
+    units::legend(units::STATES.into_iter().chain(more))
+}
+
 /// The drawing of a machine, with the figures of a run.
-pub(super) fn draw(diagram: &str, report: &Report) -> Html {
-    let sheet = Sheet::read(diagram);
+fn draw(diagram: &str, report: &Report) -> Html {
+    let sheet = BlockDiagram::read(diagram);
     let (width, height) = (sheet.columns as f64 * CELL.0 + 2.0, sheet.rows as f64 * CELL.1);
     let says = format!("Block diagram of {}; its numbers stand in the tables of units, FIFOs and memories", report.machine);
     let notes = sheet.notes.iter().map(|note| words("note", note, note.column, MIDDLE - 1.0));
     let shapes = std::iter::once(wires(&sheet))
         .chain(notes)
-        .chain(sheet.ports.iter().map(|port| client(port, report)))
-        .chain(by_place(&sheet.names).map(|(name, first)| wire_name(name, first, report)))
-        .chain(by_place(&sheet.boxes).map(|(unit, first)| unit_box(unit, first, report)))
+        .chain(sheet.clients.iter().map(|port| client(port, report)))
+        .chain(by_place(&sheet.fifos).map(|(name, first)| wire_name(name, first, report)))
+        .chain(by_place(&sheet.units).map(|(unit, first)| unit_box(unit, first, report)))
         .chain(by_place(&sheet.memories).map(|(memory, first)| memory_box(memory, first, report)));
     let drawing = svg_sized("blocks", (width, height), ENLARGED, &says, shapes.collect());
     el("div", &[("class", "wide"), ("role", "region"), ("tabindex", "0"), ("aria-label", "Block diagram")], [drawing])
 }
 
 /// Whether each is drawn there for the first time.
-fn by_place(list: &[Placed]) -> impl Iterator<Item = (&Placed, bool)> {
+fn by_place(list: &[PlacedText]) -> impl Iterator<Item = (&PlacedText, bool)> {
     list.iter().enumerate().map(|(at, placed)| (placed, !list[..at].iter().any(|before| before.name() == placed.name())))
 }
 
@@ -54,7 +73,7 @@ fn top(row: usize) -> f64 {
 }
 
 /// A text in its cells, however wide the letters of a font are.
-fn words(class: &str, placed: &Placed, column: usize, baseline: f64) -> Html {
+fn words(class: &str, placed: &PlacedText, column: usize, baseline: f64) -> Html {
     let content = placed.text.trim();
     let length = px((content.chars().count() as f64 * CELL.0 - 2.0).max(1.0));
     let (x, y) = (px(left(column) + 1.0), px(top(placed.row) + baseline));
@@ -69,16 +88,16 @@ fn words(class: &str, placed: &Placed, column: usize, baseline: f64) -> Html {
 }
 
 /// Column at which the text of a box begins, behind its bracket and blanks.
-fn text_column(placed: &Placed) -> usize {
+fn text_column(placed: &PlacedText) -> usize {
     placed.column + 1 + placed.text.chars().take_while(|c| *c == ' ').count()
 }
 
-fn outline(placed: &Placed) -> [f64; 4] {
+fn outline(placed: &PlacedText) -> [f64; 4] {
     [left(placed.column), top(placed.row) + MARGIN, placed.width as f64 * CELL.0, CELL.1 - 2.0 * MARGIN]
 }
 
 /// The strip at the bottom of a box.
-fn strip(placed: &Placed) -> [f64; 4] {
+fn strip(placed: &PlacedText) -> [f64; 4] {
     let [x, y, width, height] = outline(placed);
     [x + 3.0, y + height - STRIP - 2.0, width - 6.0, STRIP]
 }
@@ -89,7 +108,7 @@ fn group(class: &str, says: &str, shapes: impl IntoIterator<Item = Html>) -> Htm
 }
 
 /// A unit; one that this run is without is drawn faintly.
-fn unit_box(placed: &Placed, first: bool, report: &Report) -> Html {
+fn unit_box(placed: &PlacedText, first: bool, report: &Report) -> Html {
     let written = |baseline| words("name", placed, text_column(placed), baseline);
     let frame = rect("frame", outline(placed), "");
     let Some(unit) = report.units.as_ref().and_then(|units| units.get(placed.name())) else {
@@ -109,7 +128,7 @@ fn unit_box(placed: &Placed, first: bool, report: &Report) -> Html {
 const SIDE: f64 = 4.0;
 
 /// A memory, its strip filled as far as its bus was busy.
-fn memory_box(placed: &Placed, first: bool, report: &Report) -> Html {
+fn memory_box(placed: &PlacedText, first: bool, report: &Report) -> Html {
     let frame = rect("frame", outline(placed), "");
     let [x, y, width, height] = outline(placed);
     let sides = format!("M{} {}v{height}M{} {}v{height}", px(x + SIDE), px(y), px(x + width - SIDE), px(y));
@@ -125,7 +144,7 @@ fn memory_box(placed: &Placed, first: bool, report: &Report) -> Html {
 }
 
 /// The clients between a unit and a memory, on a double line.
-fn client(placed: &Placed, report: &Report) -> Html {
+fn client(placed: &PlacedText, report: &Report) -> Html {
     let y = top(placed.row) + CELL.1 / 2.0;
     let (from, to) = (left(placed.column), left(placed.column + placed.width));
     let ends = [(from - CELL.0, from + 2.0 * CELL.0 - 1.0), (to - 2.0 * CELL.0 + 1.0, to + CELL.0)];
@@ -133,7 +152,7 @@ fn client(placed: &Placed, report: &Report) -> Html {
     let path: String = ends.iter().flat_map(|&end| [line(end, y - 2.0), line(end, y + 2.0)]).collect();
     let moved = |name: &str| {
         let client = report.memories.iter().flatten().find_map(|(_, memory)| memory.clients.get(name))?;
-        Some(format!("{name}: {} bytes", crate::text::number::thousands(client.bytes())))
+        Some(format!("{name}: {} bytes", crate::number::thousands(client.bytes())))
     };
     let told: Vec<String> = placed.text.split(", ").filter_map(moved).collect();
     let lines = el("path", &[("class", "wire"), ("d", &path)], []);
@@ -141,7 +160,7 @@ fn client(placed: &Placed, report: &Report) -> Html {
 }
 
 /// The name of a FIFO, and under it how full it was in the mean.
-fn wire_name(placed: &Placed, first: bool, report: &Report) -> Html {
+fn wire_name(placed: &PlacedText, first: bool, report: &Report) -> Html {
     let Some(fifo) = report.fifos.as_ref().and_then(|fifos| fifos.get(placed.name())) else {
         return words("note", placed, placed.column, MIDDLE - 1.0);
     };
@@ -159,25 +178,25 @@ fn wire_name(placed: &Placed, first: bool, report: &Report) -> Html {
 }
 
 /// All lines, and the heads of the arrows.
-fn wires(sheet: &Sheet) -> Html {
+fn wires(sheet: &BlockDiagram) -> Html {
     let lines: String = sheet.wires.iter().flat_map(|wire| wire.sides.iter().map(|side| line(sheet, wire, *side))).collect();
-    let heads: String = sheet.wires.iter().filter_map(|wire| Some(head(sheet, wire, wire.head?))).collect();
+    let heads: String = sheet.wires.iter().filter_map(|wire| Some(head(sheet, wire, wire.arrow?))).collect();
     let path = |class, d: &str| el("path", &[("class", class), ("d", d)], []);
     [path("wire", &lines), path("head", &heads)].into_iter().collect()
 }
 
 /// From the middle of a cell to one of its sides; to the box there, where one begins.
-fn line(sheet: &Sheet, wire: &Wire, side: Side) -> String {
+fn line(sheet: &BlockDiagram, wire: &WireCell, side: Side) -> String {
     let (x, y) = end(sheet, wire, side);
     format!("M{} {}L{} {}", px(left(wire.column) + CELL.0 / 2.0), px(top(wire.row) + CELL.1 / 2.0), px(x), px(y))
 }
 
 /// Where a wire that leaves its cell on this side ends.
-fn end(sheet: &Sheet, wire: &Wire, side: Side) -> (f64, f64) {
+fn end(sheet: &BlockDiagram, wire: &WireCell, side: Side) -> (f64, f64) {
     let (down, right) = side.step();
     let boxed = |distance: isize| {
         let (row, column) = (wire.row.wrapping_add_signed(down * distance), wire.column.wrapping_add_signed(right * distance));
-        sheet.boxes.iter().any(|b| b.row == row && (b.column..b.column + b.width).contains(&column))
+        sheet.units.iter().any(|b| b.row == row && (b.column..b.column + b.width).contains(&column))
     };
     // Sideways a blank lies between a line and its box.
     let beyond = match () {
@@ -192,7 +211,7 @@ fn end(sheet: &Sheet, wire: &Wire, side: Side) -> (f64, f64) {
 /// Length and half the width of an arrowhead.
 const HEAD: (f64, f64) = (8.0, 4.0);
 
-fn head(sheet: &Sheet, wire: &Wire, side: Side) -> String {
+fn head(sheet: &BlockDiagram, wire: &WireCell, side: Side) -> String {
     let (x, y) = end(sheet, wire, side);
     let (down, right) = (side.step().0 as f64, side.step().1 as f64);
     let corner = |way: f64| (x - HEAD.0 * right + way * HEAD.1 * down, y - HEAD.0 * down + way * HEAD.1 * right);

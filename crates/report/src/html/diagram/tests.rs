@@ -11,16 +11,16 @@ const DIAGRAMS: [&str; 4] = [
 ];
 
 /// Cells of a text.
-fn cells(placed: &Placed) -> impl Iterator<Item = (usize, usize)> {
+fn cells(placed: &PlacedText) -> impl Iterator<Item = (usize, usize)> {
     (placed.column..placed.column + placed.width).map(|column| (placed.row, column))
 }
 
 #[test]
 fn every_sign_of_a_drawing_is_drawn_once() {
     for text in DIAGRAMS {
-        let sheet = Sheet::read(text);
+        let sheet = BlockDiagram::read(text);
         let mut drawn = BTreeSet::new();
-        let texts = [&sheet.boxes, &sheet.memories, &sheet.ports, &sheet.names, &sheet.notes].into_iter().flatten();
+        let texts = [&sheet.units, &sheet.memories, &sheet.clients, &sheet.fifos, &sheet.notes].into_iter().flatten();
         let wires = sheet.wires.iter().map(|wire| (wire.row, wire.column));
         for cell in texts.flat_map(cells).chain(wires) {
             assert!(drawn.insert(cell), "{cell:?} is drawn twice");
@@ -36,16 +36,16 @@ fn every_sign_of_a_drawing_is_drawn_once() {
 #[test]
 fn what_is_a_wire_and_what_is_text() {
     for text in DIAGRAMS {
-        let sheet = Sheet::read(text);
+        let sheet = BlockDiagram::read(text);
         let is_name = |c: char| c == '_' || c.is_ascii_lowercase();
-        assert!(sheet.names.iter().all(|name| name.text.chars().all(is_name)), "{:?}", sheet.names);
+        assert!(sheet.fifos.iter().all(|name| name.text.chars().all(is_name)), "{:?}", sheet.fifos);
         assert!(!sheet.notes.iter().any(|note| note.text.contains(['|', '+'])), "{:?}", sheet.notes);
-        let names: BTreeSet<&str> = sheet.names.iter().map(Placed::name).collect();
+        let names: BTreeSet<&str> = sheet.fifos.iter().map(PlacedText::name).collect();
         // Every FIFO has an arrow of its own at the unit that takes from it.
-        let heads = sheet.wires.iter().filter(|wire| wire.head.is_some()).count();
-        assert_eq!(heads, sheet.names.len(), "{names:?}");
+        let heads = sheet.wires.iter().filter(|wire| wire.arrow.is_some()).count();
+        assert_eq!(heads, sheet.fifos.len(), "{names:?}");
         // A line goes on in the next cell, or ends at a box or beside a name.
-        assert!(sheet.wires.iter().all(|wire| wire.sides.len() >= 2 || wire.head.is_some()));
+        assert!(sheet.wires.iter().all(|wire| wire.sides.len() >= 2 || wire.arrow.is_some()));
     }
 }
 
@@ -59,10 +59,10 @@ fn what_is_drawn_again_is_filled_once() {
 
 #[test]
 fn wires_reach_their_boxes() {
-    let sheet = Sheet::read(" [a] --x--> [b]");
+    let sheet = BlockDiagram::read(" [a] --x--> [b]");
     let ends: Vec<f64> = sheet.wires.iter().map(|wire| end(&sheet, wire, Side::Right).0).collect();
-    let box_b = left(sheet.boxes[1].column);
+    let box_b = left(sheet.units[1].column);
     assert_eq!(ends.last(), Some(&box_b));
     let first = sheet.wires.first().unwrap();
-    assert_eq!(end(&sheet, first, Side::Left).0, left(sheet.boxes[0].column + sheet.boxes[0].width));
+    assert_eq!(end(&sheet, first, Side::Left).0, left(sheet.units[0].column + sheet.units[0].width));
 }

@@ -38,6 +38,12 @@ pub fn about(share: f64) -> String {
     }
 }
 
+/// Rounds to 6 decimals, halves away from zero.
+pub fn round6(x: f64) -> f64 {
+    let scaled = x * 1e6;
+    if scaled.abs() < 9e15 { scaled.round() / 1e6 } else { x }
+}
+
 fn group(digits: &str) -> String {
     let mut out = String::with_capacity(digits.len() * 4 / 3);
     for (i, digit) in digits.chars().enumerate() {
@@ -73,5 +79,12 @@ mod tests {
             ["0 %", "under 1 %", "50 %", "over 99 %", "100 %"]
         );
         assert_eq!([percent(0, 10), percent(1, 0), percent(1, 8)], ["", "", "12.5"]);
+    }
+
+    #[test]
+    fn rounding_is_to_six_decimals() {
+        assert_eq!(round6(1.0 / 3.0), 0.333333);
+        assert_eq!(round6(-2.0 / 3.0), -0.666667);
+        assert_eq!(round6(1e300), 1e300);
     }
 }

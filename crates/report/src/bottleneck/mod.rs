@@ -20,7 +20,7 @@
 //! a saturated bottleneck it blames the units before and after it for cycles they could not have saved.
 
 use crate::model::{OutcomeKind, Report, Unit};
-use crate::text::number::{about, thousands};
+use crate::number::{about, thousands};
 use indexmap::IndexMap;
 
 /// Busy share of the cycles up to its last step from which a unit is the bottleneck, whatever else waits.

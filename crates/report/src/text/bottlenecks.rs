@@ -1,8 +1,8 @@
 //! What limits a run, as it was measured: a sentence, and a table.
 
-use super::number::{about, percent, thousands};
-use super::{Align, Table};
+use super::table::{Align, Table};
 use crate::model::{Limit, PathPart, PathPolygon, PathPolygons, Report};
+use crate::number::{about, percent, thousands};
 use Align::{Left, Right};
 
 /// Most rows of the table.

@@ -1,8 +1,8 @@
 //! A report as one long table, one figure per row: what CSV writes and what a comparison compares.
 
-use crate::costs::{Others, Spent};
 use crate::model::{Channel, Client, Figure, Report, Unit};
-use crate::text::{full_cycles, mean_occupancy};
+use crate::model::{Others, Spent};
+use crate::text::sections::{full_cycles, mean_occupancy};
 use serde_json::Value;
 
 /// One figure of a report.
@@ -51,7 +51,7 @@ pub fn rows(report: &Report) -> Vec<Row> {
         rows.add(at, "depth", "", f.depth);
         rows.add(at, "tokens", "", f.tokens);
         rows.add(at, "high_water", "", f.high_water);
-        rows.add(at, "mean_occupancy", "", crate::derived::round6(mean_occupancy(f)));
+        rows.add(at, "mean_occupancy", "", crate::number::round6(mean_occupancy(f)));
         rows.add(at, "full_cycles", "", full_cycles(f));
         rows.add(at, "histogram", "", f.histogram.clone());
     }

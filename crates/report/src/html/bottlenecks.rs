@@ -5,9 +5,10 @@ use super::svg::{Part, bar, share};
 use super::table::with_cells;
 use super::units::legend;
 use crate::model::{CriticalPath, Limit, PathPart, Report};
-use crate::text::Align::{Left, Right};
-use crate::text::number::thousands;
-use crate::text::{by_polygon, what_limits};
+use crate::number::thousands;
+use crate::text::bottlenecks::by_polygon;
+use crate::text::table::Align::{Left, Right};
+use crate::text::what_limits;
 
 /// Parts of the critical path that are told one by one.
 const TOLD: usize = 8;

@@ -1,7 +1,7 @@
 //! The first screen: what a run costs, how good its picture is, and what it is built of, in a line each.
 
-use super::number::{real, thousands};
 use crate::model::{Cycles, Hardware, Report};
+use crate::number::{real, thousands};
 use crate::work::work;
 use basrelief_kernel::HardwareKind;
 

@@ -3,9 +3,9 @@
 use super::markup::{Html, el};
 use super::svg::{fill, label, px, svg};
 use super::units::{STATES, legend};
-use crate::costs::PolygonCost;
+use crate::model::PolygonCost;
 use crate::model::Report;
-use crate::text::number::thousands;
+use crate::number::thousands;
 
 /// Most polygons shown.
 const MOST: usize = 40;
@@ -57,7 +57,7 @@ fn parts(p: &PolygonCost, name: &str) -> Vec<(&'static str, String, u64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::costs::Spent;
+    use crate::model::Spent;
     use crate::samples;
 
     #[test]

@@ -1,0 +1,15 @@
+//! Contents of a page beside the report.
+
+use super::parameters::ParameterRow;
+use super::pictures::PagePicture;
+
+/// What a page shows beside the report.
+#[derive(Clone, Debug, Default)]
+pub struct Beside {
+    /// The drawing of the machine, as in its `diagram.txt`; empty for none.
+    pub diagram: String,
+    /// Pictures of the last frame.
+    pub pictures: Vec<PagePicture>,
+    /// Parameters of the machine.
+    pub parameters: Vec<ParameterRow>,
+}

@@ -1,0 +1,88 @@
+//! Tables of the cycles per object and polygon.
+
+use super::table::{Align, Table};
+use crate::model::{Report, Spent};
+use crate::number::{percent, thousands};
+use Align::{Left, Right};
+
+/// Most rows of either on a terminal.
+const SHOWN: usize = 5;
+
+/// Cells of a row.
+fn cells(spent: &Spent, all: u64) -> [String; 6] {
+    let &Spent { cycles, busy, starved, memory, blocked } = spent;
+    let [busy, starved, memory, blocked] = [busy, starved, memory, blocked].map(|n| percent(n, cycles));
+    [thousands(cycles), percent(cycles, all), busy, starved, memory, blocked]
+}
+
+/// Titles of [`cells`], each with the order in which it goes where the width does not hold all.
+const SPENT: [(&str, Align, u8); 6] = [
+    ("unit-cycles", Right, 0),
+    ("%", Right, 0),
+    ("busy %", Right, 1),
+    ("starved %", Right, 1),
+    ("memory %", Right, 1),
+    ("blocked %", Right, 1),
+];
+
+fn table(titles: &[(&'static str, Align, u8)]) -> Table {
+    let columns: Vec<_> = titles.iter().copied().chain(SPENT).collect();
+    Table::new(&columns)
+}
+
+fn row(table: &mut Table, cells: impl IntoIterator<Item = String>, (spent, all): (&Spent, u64)) {
+    table.row(cells.into_iter().chain(self::cells(spent, all)));
+}
+
+/// For whom the cycles were.
+pub(crate) fn whom(report: &Report) -> Table {
+    let mut whom = table(&[("Cycles of all units for", Left, 0)]);
+    let Some(costs) = &report.costs else { return whom };
+    let done = Spent { cycles: costs.done, ..Spent::default() };
+    let rows = [
+        ("pixels", &costs.pixels),
+        ("polygons, objects, frames", &costs.elsewhere),
+        ("nobody: waits at the end", &costs.nobody),
+        ("nobody: done", &done),
+    ];
+    for (name, spent) in rows.into_iter().filter(|(_, spent)| spent.cycles > 0) {
+        row(&mut whom, [name.to_owned()], (spent, costs.unit_cycles));
+    }
+    whom
+}
+
+/// The most expensive objects; `most` of them.
+pub(crate) fn objects(report: &Report, most: usize) -> Table {
+    let mut objects = table(&[("Object", Left, 0), ("name", Left, 2), ("polygons", Right, 0), ("fragments", Right, 0)]);
+    let Some(costs) = &report.costs else { return objects };
+    for o in costs.objects.iter().take(most) {
+        let cells = [o.object.to_string(), o.name.clone(), thousands(o.polygons), thousands(o.fragments)];
+        row(&mut objects, cells, (&o.spent, costs.unit_cycles));
+    }
+    objects
+}
+
+/// The most expensive polygons; `most` of them.
+pub(crate) fn polygons(report: &Report, most: usize) -> Table {
+    let mut polygons = table(&[
+        ("Polygon", Left, 0),
+        ("frame", Right, 0),
+        ("object", Right, 0),
+        ("fragments", Right, 0),
+        ("from cycle", Right, 2),
+        ("to cycle", Right, 2),
+    ]);
+    let Some(costs) = &report.costs else { return polygons };
+    for p in costs.polygons.iter().take(most) {
+        let object = p.object.map_or(String::new(), |object| object.to_string());
+        let [from, to] = [p.from, p.to].map(thousands);
+        let cells = [p.polygon.to_string(), p.frame.to_string(), object, thousands(p.fragments), from, to];
+        row(&mut polygons, cells, (&p.spent, costs.unit_cycles));
+    }
+    polygons
+}
+
+/// What a terminal shows of it.
+pub(crate) fn tables(report: &Report) -> [Table; 3] {
+    [whom(report), objects(report, SHOWN), polygons(report, SHOWN)]
+}

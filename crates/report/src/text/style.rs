@@ -1,0 +1,45 @@
+//! Width and colour of a terminal.
+
+/// How to set a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Style {
+    /// Columns of the terminal.
+    pub width: usize,
+    /// Emphasis by ANSI escape sequences.
+    pub color: bool,
+}
+
+impl Default for Style {
+    fn default() -> Self {
+        Self { width: 100, color: false }
+    }
+}
+
+/// Emphasis, as ANSI "select graphic rendition" codes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Paint {
+    Bold = 1,
+    Dim = 2,
+    Yellow = 33,
+}
+
+impl Style {
+    pub(crate) fn paint(&self, paint: Paint, text: &str) -> String {
+        if self.color { format!("\x1b[{}m{text}\x1b[0m", paint as u8) } else { text.into() }
+    }
+
+    /// Breaks a text between words so that no line is wider than the terminal, unless a word is.
+    pub(crate) fn wrap(&self, text: &str) -> String {
+        let mut lines: Vec<String> = vec![];
+        for word in text.split_whitespace() {
+            match lines.last_mut() {
+                Some(line) if line.chars().count() + 1 + word.chars().count() <= self.width => {
+                    line.push(' ');
+                    line.push_str(word);
+                }
+                _ => lines.push(word.into()),
+            }
+        }
+        lines.join("\n")
+    }
+}
