@@ -11,7 +11,7 @@
 use crate::folder::Store;
 use crate::one::{Ran, run_point};
 use crate::plan::{Plan, Point};
-use crate::{Found, Host, SweepError};
+use crate::{Found, Host, SweepError, Tally};
 use basrelief_sim::Recording;
 use basrelief_threads as threads;
 use std::collections::hash_map::RandomState;
@@ -31,37 +31,6 @@ pub struct Work<'a> {
     pub pictures: bool,
     /// Points under way at a time.
     pub threads: usize,
-}
-
-/// How far points have come.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
-    /// All that are to be there.
-    pub points: usize,
-    /// Were there before, or came from another process meanwhile.
-    pub there: usize,
-    /// Were run.
-    pub run: usize,
-    /// Were timed again.
-    pub retimed: usize,
-    /// Of those run here, failed.
-    pub failed: usize,
-}
-
-impl Tally {
-    /// Both, one after the other.
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.points += other.points;
-        self.there += other.there;
-        self.run += other.run;
-        self.retimed += other.retimed;
-        self.failed += other.failed;
-    }
-
-    /// Points that are there.
-    pub fn done(&self) -> usize {
-        self.there + self.run + self.retimed
-    }
 }
 
 /// Runs what is missing of these points.

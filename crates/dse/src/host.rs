@@ -1,6 +1,5 @@
 //! What a sweep asks of the program that it runs in.
 
-use crate::execute::Tally;
 use basrelief_input::Budget;
 use basrelief_reference::Picture;
 use basrelief_sim::{Prepared, RunInput};
@@ -14,6 +13,47 @@ pub enum Opened {
     Scene(Prepared),
     /// A display list, which is [opened](Host::trace) for each run.
     Trace,
+}
+
+/// How far points have come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// All that are to be there.
+    pub points: usize,
+    /// Were there before, or came from another process meanwhile.
+    pub there: usize,
+    /// Were run.
+    pub run: usize,
+    /// Were timed again.
+    pub retimed: usize,
+    /// Of those run here, failed.
+    pub failed: usize,
+}
+
+impl Tally {
+    /// Both, one after the other.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.points += other.points;
+        self.there += other.there;
+        self.run += other.run;
+        self.retimed += other.retimed;
+        self.failed += other.failed;
+    }
+
+    /// Points that are there.
+    pub fn done(&self) -> usize {
+        self.there + self.run + self.retimed
+    }
+}
+
+impl Opened {
+    /// The input of one run, from its beginning.
+    pub(crate) fn input(&self, name: &str, host: &dyn Host) -> Result<RunInput, String> {
+        match self {
+            Self::Scene(prepared) => Ok(RunInput::Scene(prepared.clone())),
+            Self::Trace => host.trace(name),
+        }
+    }
 }
 
 /// The program around a sweep: it opens files, and writes them so that nothing half-written is ever seen.

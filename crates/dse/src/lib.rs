@@ -29,7 +29,6 @@
 //!
 //! The caller provides files and progress: see [`Host`]. Equal tables give equal bytes on every machine.
 
-mod chance;
 pub mod effects;
 pub mod execute;
 pub mod explore;
@@ -50,6 +49,7 @@ pub mod sample;
 #[cfg(test)]
 mod samples;
 pub mod sensitivity;
+mod split_mix_64;
 #[cfg(feature = "sqlite")]
 mod sqlite;
 pub mod table;
@@ -61,11 +61,11 @@ pub mod verify;
 pub mod write;
 
 pub use effects::{Effect, effects};
-pub use execute::{Tally, Work, execute};
+pub use execute::{Work, execute};
 pub use explore::{Explored, explore};
 pub use folder::{Folder, Found, Store};
 pub use front::{candidates, front};
-pub use host::{Host, Opened};
+pub use host::{Host, Opened, Tally};
 pub use hypervolume::Space;
 pub use page::{PageOptions, page};
 #[cfg(feature = "parquet")]
@@ -73,6 +73,7 @@ pub use parquet::parquet;
 pub use plan::{Around, Plan, Point};
 pub use rules::{Comparison, Constraint, Goal, Objective};
 pub use sensitivity::sensitivity;
+pub use split_mix_64::SplitMix64;
 #[cfg(feature = "sqlite")]
 pub use sqlite::sqlite;
 pub use table::{Cell, Column, Role, Row, State, Table};

@@ -22,14 +22,6 @@ pub(crate) struct Ran {
     pub(crate) tape: Option<Vec<u8>>,
 }
 
-/// An input, from its beginning.
-pub(crate) fn source(name: &str, opened: &Opened, host: &dyn Host) -> Result<RunInput, String> {
-    match opened {
-        Opened::Scene(prepared) => Ok(RunInput::Scene(prepared.clone())),
-        Opened::Trace => host.trace(name),
-    }
-}
-
 /// Takes the last picture, and the tape as long as there is room for it.
 struct Watch<'a> {
     host: &'a dyn Host,
@@ -62,7 +54,7 @@ pub(crate) fn run_point(plan: &Plan, point: &Point, (pictures, tape): (bool, boo
         Err(message) => return Ok(Ran { report: Err(failure("unfit", message)), png: None, tape: None }),
     };
     let input = &plan.inputs[point.input];
-    let source = source(&input.name, &input.opened, host).map_err(SweepError)?;
+    let source = input.opened.input(&input.name, host).map_err(SweepError)?;
     let options = RunOptions {
         tape: if tape { When::Always } else { When::Never },
         given: plan.given(&point.places),
@@ -116,7 +108,7 @@ pub(crate) fn limits(plan: &Plan, point: &Point, host: &dyn Host) -> Vec<Limit> 
         let input = &plan.inputs[point.input];
         let given = plan.given(&point.places);
         let options = RunOptions { limits: When::Always, given, exact: false, ..options(config, plan.max_cycles, host) };
-        let source = source(&input.name, &input.opened, host).ok()?;
+        let source = input.opened.input(&input.name, host).ok()?;
         run(source, &options, &mut Unobserved, None).ok()?.report.limits
     };
     ran().unwrap_or_default()

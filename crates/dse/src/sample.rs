@@ -8,7 +8,7 @@
 //! | [`latin_hypercube`] | along every axis, each value is taken as often as each other, give or take one |
 //! | [`sobol`] | as that, wherever the count is a power of two; and boxes of several axes are filled evenly, too |
 
-use crate::chance::Chance;
+use crate::split_mix_64::SplitMix64;
 
 /// A place on each axis, from 0.
 pub type Point = Vec<usize>;
@@ -55,11 +55,11 @@ pub enum SampleError {
 /// ```
 pub fn latin_hypercube(points: usize, axes: &[usize], seed: u32) -> Result<Vec<Point>, SampleError> {
     check("latin_hypercube", points, axes, MOST_LATIN)?;
-    let mut chance = Chance::new(seed);
+    let mut random_numbers = SplitMix64::new(seed);
     let mut sample = vec![Vec::with_capacity(axes.len()); points];
     for &length in axes {
         let mut strata: Vec<usize> = (0..points).collect();
-        chance.shuffle(&mut strata);
+        random_numbers.shuffle(&mut strata);
         // Twice the middle of a stratum, so that all stays whole.
         let place = |stratum: usize| (2 * stratum as u128 + 1) * length as u128 / (2 * points as u128);
         sample.iter_mut().zip(strata).for_each(|(point, stratum)| point.push(place(stratum) as usize));
@@ -145,8 +145,8 @@ mod tests {
     #[test]
     fn samples_are_more_even_than_chance() {
         let axes = [16; 3];
-        let mut chance = Chance::new(5);
-        let random: Vec<Point> = (0..256).map(|_| axes.iter().map(|&length| chance.below(length)).collect()).collect();
+        let mut random_numbers = SplitMix64::new(5);
+        let random: Vec<Point> = (0..256).map(|_| axes.iter().map(|&length| random_numbers.below(length)).collect()).collect();
         let by_chance = discrepancy(&random, 16);
         let latin = discrepancy(&latin_hypercube(256, &axes, 5).unwrap(), 16);
         let sobol = discrepancy(&sobol(256, &axes, 5).unwrap(), 16);

@@ -1,8 +1,14 @@
 //! A table of points: one row for each, one column for each axis, objective and figure.
 
 use crate::rules::{Constraint, Goal};
-use crate::write::RESERVED;
 use std::fmt;
+
+/// Columns ahead of those of the table.
+pub(crate) const OWN: [&str; 3] = ["id", "state", "reason"];
+/// The one behind them, in JSON only.
+pub(crate) const PICTURE: &str = "picture";
+/// Names that no column of a table may have.
+pub(crate) const RESERVED: [&str; 4] = [OWN[0], OWN[1], OWN[2], PICTURE];
 
 /// What a sweep found.
 ///

@@ -1,7 +1,7 @@
 //! Columns of one type each, for files that have types.
 
+use crate::table::OWN;
 use crate::table::{Cell, Row, Table};
-use crate::write::OWN;
 
 /// Values of a column by row; none where nothing is known.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,19 +4,12 @@
 //! [`Column::header`](crate::Column::header): name and unit. Numbers are the shortest that read back to the same value. What is
 //! not known is an empty cell of CSV, and `null` in JSON.
 
-use crate::table::{Cell, Row, Table};
+use crate::table::{Cell, OWN, PICTURE, Row, Table};
 #[cfg(any(feature = "parquet", feature = "sqlite"))]
 use crate::{Column, Goal, Role};
 use serde::Serializer;
 use serde_json::Value;
 use std::io::{self, Write};
-
-/// Columns ahead of those of the table.
-pub(crate) const OWN: [&str; 3] = ["id", "state", "reason"];
-/// The one behind them, in JSON only.
-const PICTURE: &str = "picture";
-/// Names that no column of a table may have.
-pub(crate) const RESERVED: [&str; 4] = [OWN[0], OWN[1], OWN[2], PICTURE];
 
 /// The table as CSV: a header, then a line per row. Lines end in a line feed; quoting is that of RFC 4180.
 ///

@@ -1,6 +1,5 @@
 //! What the page draws: which rows, which columns, and where.
 
-use super::PageOptions;
 use super::scale::{Scale, WHOLE};
 use crate::table::{Role, State, Table};
 use std::collections::BTreeSet;
@@ -13,6 +12,15 @@ const MOST_FRONT: usize = 1_000;
 const MOST_COLUMNS: usize = 24;
 /// Colours of a scale.
 pub(super) const COLOURS: u32 = 7;
+
+/// Contents of a page beside the table.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PageOptions {
+    /// Names of figures that the page offers first. Unknown names are ignored.
+    pub figures: Vec<String>,
+    /// Files beside the page that hold the whole table: path relative to the page, and description.
+    pub files: Vec<(String, String)>,
+}
 
 /// A column that can be drawn.
 pub(super) struct Shown {

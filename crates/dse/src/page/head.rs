@@ -1,7 +1,7 @@
 //! What was found, in words.
 
 use super::data::Sweep;
-use super::number;
+use super::labels;
 use crate::Space;
 use crate::rules::Goal;
 use crate::table::{Cell, State};
@@ -27,8 +27,8 @@ pub(super) fn head(sweep: &Sweep<'_>) -> Html {
 /// Counts whole, measures to four digits.
 fn value(cell: &Cell) -> String {
     match cell {
-        Cell::Number(x) => number::rounded(*x),
-        other => number::cell(other),
+        Cell::Number(x) => labels::rounded(*x),
+        other => labels::cell(other),
     }
 }
 

@@ -1,9 +1,8 @@
 //! An objective over two axes at once.
 
 use super::data::{Sweep, colour};
-use super::number::{compact, rounded};
+use super::labels::{compact, cut, rounded};
 use super::scale::WHOLE;
-use super::scatter::cut;
 use crate::effects::{Level, effects, level};
 use crate::levels::{Levels, logarithmic, range};
 use crate::rules::Goal;

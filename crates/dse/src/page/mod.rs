@@ -16,7 +16,7 @@
 mod data;
 mod head;
 mod heat;
-mod number;
+mod labels;
 mod parallel;
 mod points;
 mod scale;
@@ -29,17 +29,9 @@ use crate::table::Table;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use basrelief_report::html::markup::{Html, el, el_text, text};
 use basrelief_report::html::{section, whole_page};
+pub use data::PageOptions;
 use data::Sweep;
 use sha2::{Digest, Sha256};
-
-/// What a page shows beside the table.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct PageOptions {
-    /// Names of figures to be chosen from ahead of others; unknown ones are passed over.
-    pub figures: Vec<String>,
-    /// Files beside the page that have the whole table: path relative to the page, and what it is.
-    pub files: Vec<(String, String)>,
-}
 
 const STYLE: &str = include_str!("sweep.css");
 const SCRIPT: &str = include_str!("sweep.js");

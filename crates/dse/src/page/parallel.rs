@@ -1,8 +1,8 @@
 //! A line per point, across an upright axis per column.
 
 use super::data::{Sweep, thinned};
+use super::labels::cut;
 use super::scale::WHOLE;
-use super::scatter::cut;
 use basrelief_report::html::markup::{Html, el, el_text};
 use basrelief_report::html::svg::{label, px, svg_sized};
 use basrelief_report::number::thousands;

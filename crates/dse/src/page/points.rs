@@ -1,7 +1,7 @@
 //! Points on the front, one by one; and those that failed.
 
 use super::data::Sweep;
-use super::number;
+use super::labels;
 use crate::table::State;
 use basrelief_report::html::markup::{Html, details, el, el_text, text};
 use basrelief_report::html::{Align, with_cells};
@@ -54,7 +54,7 @@ fn cells(sweep: &Sweep<'_>, row: usize, told: &[usize], pictures: bool) -> Vec<H
     let picture = of.picture.as_deref().map_or_else(Html::default, |path| {
         el("img", &[("src", path), ("alt", ""), ("loading", "lazy"), ("class", "thumbnail")], [])
     });
-    let values = told.iter().map(|&at| text(of.cells.get(at).map_or(String::new(), number::cell)));
+    let values = told.iter().map(|&at| text(of.cells.get(at).map_or(String::new(), labels::cell)));
     [name].into_iter().chain(pictures.then_some(picture)).chain(values).collect()
 }
 

@@ -1,6 +1,6 @@
 //! Where the values of a column stand along an axis, and what is written beside it.
 
-use super::number::rounded;
+use super::labels::{rounded, unit};
 use crate::levels::{Levels, logarithmic, range};
 use crate::table::{Cell, Role, Table};
 
@@ -116,13 +116,6 @@ fn short(x: f64) -> String {
     let (unit, suffix) = unit(x);
     let x = x / unit;
     if (1e-3..1e4).contains(&x) { format!("{x}{suffix}") } else { format!("{x:e}{suffix}") }
-}
-
-/// What large numbers are counted in.
-pub(super) fn unit(largest: f64) -> (f64, &'static str) {
-    let units = [(1e9, " G"), (1e6, " M"), (1e4, " k")];
-    let found = units.into_iter().find(|(least, _)| (*least..1e12).contains(&largest));
-    found.map_or((1.0, ""), |(least, suffix)| if least == 1e4 { (1e3, suffix) } else { (least, suffix) })
 }
 
 #[cfg(test)]

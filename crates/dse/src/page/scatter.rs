@@ -1,7 +1,7 @@
 //! Points by any two or three figures.
 
 use super::data::{COLOURS, Sweep, colour};
-use super::number;
+use super::labels::{self, cut};
 use super::scale::{Scale, WHOLE};
 use crate::front::front_by;
 use crate::rules::Goal;
@@ -102,12 +102,6 @@ fn upright_marks(scale: &Scale, title: &str) -> Html {
         [el("path", &[("class", "mark"), ("d", &line)], []), label("end", left - 6.0, y(*at) + 4.0, &cut(name, left - 8.0))]
     });
     marks.chain([label("start", 4.0, 14.0, title)]).collect()
-}
-
-/// A label that fits into so much room.
-pub(super) fn cut(text: &str, room: f64) -> String {
-    let most = ((room / 6.8) as usize).max(3);
-    if text.chars().count() <= most { text.into() } else { text.chars().take(most - 1).chain(['…']).collect() }
 }
 
 /// Fronts of each two objectives, as stairs.
@@ -225,7 +219,7 @@ fn column(sweep: &Sweep<'_>, scale: &Scale) -> Value {
 
 fn point(sweep: &Sweep<'_>, told: &[usize], row: usize) -> Value {
     let cells = &sweep.table.rows[row].cells;
-    let values: Vec<String> = told.iter().map(|&at| cells.get(at).map_or(String::new(), number::cell)).collect();
+    let values: Vec<String> = told.iter().map(|&at| cells.get(at).map_or(String::new(), labels::cell)).collect();
     let of = &sweep.table.rows[row];
     json!({ "id": of.id, "picture": of.picture, "best": sweep.is_best(row), "values": values })
 }

@@ -1,7 +1,7 @@
 //! What each axis moves, largest first.
 
 use super::data::Sweep;
-use super::number::rounded;
+use super::labels::rounded;
 use crate::effects::{Effect, effects};
 use basrelief_report::html::markup::{Html, el, el_text, text};
 use basrelief_report::html::svg::{rect, svg};

@@ -1,6 +1,6 @@
 //! By what a point is known: all that its report depends on.
 
-use super::Plan;
+use super::definition::Plan;
 use crate::Opened;
 use basrelief_parameters::Effect;
 use basrelief_report::SCHEMA;

@@ -2,50 +2,23 @@
 
 mod axes;
 mod base;
+mod definition;
 mod identity;
 mod points;
 mod written;
 
 pub use axes::Axis;
+pub use definition::{Input, Plan, Point};
 pub(crate) use identity::hexadecimal;
-pub use points::Point;
 
 use crate::figures::{Figure, path_of};
 use crate::one;
-use crate::{Constraint, Objective};
 use crate::{Host, Opened, SweepError};
 use axes::{Exclusion, Places};
 use basrelief_parameters::{ConfigError, nearest};
-use basrelief_sim::{ConfigLoader, Given, MachineConfig, MachineInfo, input_sha256};
-use std::collections::{BTreeMap, BTreeSet};
+use basrelief_sim::{Given, MachineInfo, input_sha256};
+use std::collections::BTreeSet;
 use written::{Config, Method, Samples, Written};
-
-/// A plan whose parts fit together, with its inputs open.
-#[derive(Debug)]
-pub struct Plan {
-    /// A heading.
-    pub title: String,
-    /// What is drawn.
-    pub inputs: Vec<Input>,
-    /// Who draws it.
-    pub machine: &'static MachineInfo,
-    /// In the order in which they are written; the first changes slowest.
-    pub axes: Vec<Axis>,
-    /// What is to be small or large; at least one. Columns are paths of [figures](crate::figures).
-    pub objectives: Vec<Objective>,
-    /// What must be kept.
-    pub constraints: Vec<Constraint>,
-    /// No step starts in this cycle or later.
-    pub max_cycles: u64,
-    /// Whether exact pictures are drawn, and measured against. In a folder all points have them.
-    pub(crate) exact: bool,
-    /// What is run, each once.
-    pub points: Vec<Point>,
-    /// Parameters that all points share.
-    base: Given,
-    /// Their TOML, read.
-    loader: ConfigLoader,
-}
 
 /// A run, to make a plan [around](Plan::around).
 #[derive(Clone, Debug)]
@@ -62,17 +35,6 @@ pub struct Around {
     pub max_cycles: u64,
     /// Whether exact pictures are drawn, and measured against.
     pub exact: bool,
-}
-
-/// An input of a plan.
-#[derive(Clone, Debug)]
-pub struct Input {
-    /// As the plan names it.
-    pub name: String,
-    /// What it is.
-    pub opened: Opened,
-    /// All of it that a report depends on.
-    identity: String,
 }
 
 impl Plan {
@@ -155,7 +117,7 @@ impl Plan {
     }
 
     fn input(&self, name: &str, opened: Opened, host: &dyn Host) -> Result<Input, String> {
-        let source = one::source(name, &opened, host)?;
+        let source = opened.input(name, host)?;
         let default = self.machine.load("", &[]).map_err(|error| error.to_string())?;
         let sha256 = input_sha256(source, &default, host.budget()).map_err(|error| format!("{name}: {error}"))?;
         let identity = identity::of_input(name, &opened, &sha256);
@@ -216,49 +178,6 @@ impl Plan {
             Some(twice) => Err(format!("objectives: `{}` is named twice", twice.column)),
             None => Ok(()),
         }
-    }
-
-    /// The part of the points that is shard `number` of `count`, from 1. Points that share their work stay together.
-    pub fn shard(&self, number: usize, count: usize) -> Vec<&Point> {
-        let mut groups = BTreeMap::new();
-        let of_shard = |point: &&Point| {
-            let next = groups.len();
-            *groups.entry(point.work.clone()).or_insert(next) % count == number - 1
-        };
-        self.points.iter().filter(of_shard).collect()
-    }
-
-    /// How many runs there are at least: points that share their work are one.
-    pub fn works(&self) -> usize {
-        self.points.iter().map(|point| &point.work).collect::<BTreeSet<_>>().len()
-    }
-
-    /// The values of a point on each axis, as `--set` takes them.
-    pub fn settings(&self, places: &[usize]) -> Vec<(String, String)> {
-        let of_axis = |(axis, &place): (&Axis, &usize)| {
-            axis.keys.iter().cloned().zip(axis.values[place].iter().cloned()).collect::<Vec<_>>()
-        };
-        self.axes.iter().zip(places).flat_map(of_axis).collect()
-    }
-
-    /// The parameters of a point, as they are given.
-    pub fn given(&self, places: &[usize]) -> Given {
-        let settings = self.base.settings.iter().cloned().chain(self.settings(places)).collect();
-        Given { toml: self.base.toml.clone(), settings }
-    }
-
-    /// The whole configuration of a point.
-    ///
-    /// # Errors
-    /// Parameters that do not fit together.
-    pub fn config(&self, places: &[usize]) -> Result<MachineConfig, String> {
-        self.load(&self.settings(places)).map_err(|error| error.to_string())
-    }
-
-    /// The base with these settings over it.
-    fn load(&self, settings: &[(String, String)]) -> Result<MachineConfig, ConfigError> {
-        let all = self.base.settings.iter().chain(settings);
-        self.loader.load(&all.map(|(key, value)| (key.as_str(), value.as_str())).collect::<Vec<_>>())
     }
 }
 

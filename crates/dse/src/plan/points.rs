@@ -1,7 +1,7 @@
 //! The points of a plan.
 
-use super::Plan;
 use super::axes::{Axis, Exclusion};
+use super::definition::{Plan, Point};
 use super::identity::Identity;
 use super::written::{Method, Samples};
 use crate::sample::{latin_hypercube, sobol};
@@ -10,19 +10,6 @@ use std::collections::BTreeSet;
 
 /// Most points of a plan, over all inputs.
 pub(super) const MOST_POINTS: usize = 1 << 15;
-
-/// One run.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Point {
-    /// SHA-256, in hexadecimal, over all that its report depends on.
-    pub id: String,
-    /// The same over all that its work depends on: points that share it differ in times only.
-    pub work: String,
-    /// Number of its input.
-    pub input: usize,
-    /// Its place on each axis, from 0.
-    pub places: Vec<usize>,
-}
 
 /// Places on all axes: the grid, or a sample of it, without what is excluded.
 pub(super) fn places(

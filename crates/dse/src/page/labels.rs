@@ -1,6 +1,5 @@
-//! Values of cells as people read them.
+//! Labels: values in words, and texts shortened to fit.
 
-use super::scale::unit;
 use crate::table::Cell;
 use basrelief_report::number::{real, thousands};
 
@@ -32,6 +31,19 @@ pub(super) fn rounded(x: f64) -> String {
 pub(super) fn compact(x: f64) -> String {
     let (unit, suffix) = unit(x.abs());
     format!("{}{suffix}", rounded(x / unit))
+}
+
+/// What large numbers are counted in.
+pub(super) fn unit(largest: f64) -> (f64, &'static str) {
+    let units = [(1e9, " G"), (1e6, " M"), (1e4, " k")];
+    let found = units.into_iter().find(|(least, _)| (*least..1e12).contains(&largest));
+    found.map_or((1.0, ""), |(least, suffix)| if least == 1e4 { (1e3, suffix) } else { (least, suffix) })
+}
+
+/// A label that fits into so much room.
+pub(super) fn cut(text: &str, room: f64) -> String {
+    let most = ((room / 6.8) as usize).max(3);
+    if text.chars().count() <= most { text.into() } else { text.chars().take(most - 1).chain(['…']).collect() }
 }
 
 #[cfg(test)]
