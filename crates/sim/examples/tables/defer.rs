@@ -63,8 +63,8 @@ pub fn tiles(inputs: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     for name in of {
         let one = by_mode(&inputs.open(name, 1)?, 1)?;
         let all = by_mode(&inputs.open(name, ORBIT)?, ORBIT)?;
-        text.push_str(&format!("`{name}`, one viewpoint: first / final picture \\[s\\]\n\n{one}\n"));
-        text.push_str(&format!("`{name}`, orbit of {ORBIT}: all pictures \\[s\\]\n\n{all}\n"));
+        text.push_str(&format!("`{name}`, one view: first / last image \\[s\\]\n\n{one}\n"));
+        text.push_str(&format!("`{name}`, orbit of {ORBIT}: all images \\[s\\]\n\n{all}\n"));
     }
     Ok(text)
 }

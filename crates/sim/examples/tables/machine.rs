@@ -10,7 +10,7 @@ use std::error::Error;
 /// No such machine.
 pub fn machine(_: &Inputs, of: &[&str]) -> Result<String, Box<dyn Error>> {
     let machine = MachineInfo::named(of.first().ok_or("expected the name of a machine")?)?;
-    let mut table = Table::new(&["unit", "what it does", "code"], 3);
+    let mut table = Table::new(&["unit", "function", "code"], 3);
     for unit in machine.units() {
         let numeral = if unit.numeral.is_empty() { String::new() } else { format!(" ({})", unit.numeral) };
         let label = unit.code.trim_start_matches("crates/units/");
