@@ -6,6 +6,22 @@ use std::path::{Path, PathBuf};
 /// Folders that hold no documents or sources of ours.
 const SKIPPED: [&str; 4] = ["target", "node_modules", ".git", "traces"];
 
+/// Words that readers search for. `docs/README.md` names the page that explains each.
+const TOPICS: [&str; 12] = [
+    "backpressure",
+    "bandwidth",
+    "bottleneck",
+    "breakdown",
+    "initiation interval",
+    "latency",
+    "occupancy",
+    "Pareto",
+    "speedup",
+    "stall",
+    "throughput",
+    "utilization",
+];
+
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
 }
@@ -94,5 +110,19 @@ fn decision_records_are_numbered_and_listed() {
         assert!(name.starts_with(&format!("{number:04}-")), "{name}: expected number {number}");
         assert!(fs::read_to_string(record).unwrap().starts_with(&format!("# {number}. ")), "{name}: another number in its title");
         assert!(index.contains(&format!("]({name})")), "{name} is not in the index");
+    }
+}
+
+#[test]
+fn searched_topics_have_a_page_that_explains_them() {
+    let folder = root().join("docs");
+    let index = fs::read_to_string(folder.join("README.md")).unwrap();
+    let (_, topics) = index.split_once("\n## Topics\n").expect("a table of topics");
+    for topic in TOPICS {
+        let row =
+            topics.lines().find(|line| line.contains(topic)).unwrap_or_else(|| panic!("docs/README.md: no row for {topic}"));
+        let link = links(row).into_iter().next().expect("a link to a page");
+        let page = fs::read_to_string(folder.join(link.split('#').next().unwrap())).unwrap().to_lowercase();
+        assert!(page.matches(&topic.to_lowercase()).count() >= 2, "{link} does not explain {topic}");
     }
 }
